@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Numba as this project uses it: one decorator, one cache folder, arrays and functions reached by address.
+
+The lowest layer: it imports nothing of the package. Where Numba cannot be imported, ``AVAILABLE`` is False,
+``REASON`` says why in one sentence, and ``kernel`` leaves a function as it is (plain, slow Python), so that every
+module still imports and the NumPy reference can take over.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import pathlib
+import re
+import tempfile
+
+import numpy as np
+
+try:
+    import numba
+    from llvmlite import ir
+    from numba import types
+    from numba.core import cgutils
+    from numba.extending import intrinsic
+
+    AVAILABLE, REASON = True, ""
+except Exception as error:  # an ImportError, or a binary that does not match this NumPy or Python
+    AVAILABLE, REASON = False, f"Numba could not be imported ({type(error).__name__}: {error})"
+
+# Reassociation and contraction only: infinities and NaN keep their meaning, because kernels test for them.
+FASTMATH = {"contract", "reassoc", "arcp", "nsz"}
+
+
+_IMPORT = re.compile(r"^\s*from (\.+)([\w.]*) import (\([^)]*\)|[^\n#]+)", re.MULTILINE)
+
+
+@functools.lru_cache(maxsize=None)
+def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
+    """Source files of the package that the source file ``path`` imports directly."""
+    found = set()
+    for dots, module, names in _IMPORT.findall(path.read_text(encoding="utf-8")):
+        base = path.parents[len(dots) - 1].joinpath(*filter(None, module.split(".")))
+        candidates = [base.with_suffix(".py"), base / "__init__.py"]
+        candidates += [base / f"{name}.py" for name in re.findall(r"\w+", names)]
+        found.update(candidate for candidate in candidates if candidate.is_file())
+    return frozenset(found)
+
+
+@functools.lru_cache(maxsize=None)
+def source_hash(path: pathlib.Path) -> str:
+    """Hash of a kernel source file, of all it imports from the package, of Numba and of NumPy.
+
+    Numba's own cache looks at the time stamp of the one file that defines a function and misses changes in the
+    functions it calls; a folder named by this hash makes any such change start from a clean cache.
+    """
+    reached, pending = set(), {path}
+    while pending:
+        reached |= pending
+        pending = set().union(*map(_imports, pending)) - reached
+    digest = hashlib.sha256(f"{numba.__version__} {np.__version__}".encode())
+    for source in sorted(reached):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder() -> pathlib.Path:
+    """Folder for compiled kernels: ``SDF_LIGHTS_CACHE`` (set by the extension to its own user folder), or the
+    user's cache folder."""
+    root = os.environ.get("SDF_LIGHTS_CACHE")
+    if root:
+        return pathlib.Path(root)
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or pathlib.Path.home() / ".cache"
+    return pathlib.Path(base) / "sdf_lights"
+
+
+@functools.lru_cache(maxsize=None)
+def _writable_cache() -> pathlib.Path:
+    folder = cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError:
+        return pathlib.Path(tempfile.mkdtemp(prefix="sdf_lights-"))
+
+
+if AVAILABLE:
+
+    def kernel(function=None, **options):
+        """Compile ``function`` with Numba on first use: no GIL, cached on disk, division by zero gives infinity.
+
+        Functions and their arguments are scalars, tuples of floats (vectors, RGB), NumPy arrays and records.
+        """
+        if function is None:
+            return lambda function: kernel(function, **options)
+        settings = dict(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH)
+        settings.update(options)
+        source = pathlib.Path(function.__code__.co_filename).resolve()
+        # Numba reads this process-wide setting when a function is decorated; other add-ons keep theirs.
+        previous = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = str(_writable_cache() / source_hash(source))
+        try:
+            return numba.njit(**settings)(function)
+        finally:
+            numba.config.CACHE_DIR = previous
+
+    @intrinsic
+    def pointer(typingctx, address):
+        """The integer ``address`` as a void pointer, for ``numba.carray``."""
+
+        def codegen(context, builder, signature, arguments):
+            return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+        return types.voidptr(types.int64), codegen
+
+    @intrinsic
+    def call_address3(typingctx, address, a, b, c):
+        """Call the C function ``void f(void*, void*, void*)`` at an address; all arguments are integers."""
+        signature = types.void(types.int64, types.int64, types.int64, types.int64)
+
+        def codegen(context, builder, signature, arguments):
+            word = cgutils.voidptr_t
+            kind = ir.FunctionType(ir.VoidType(), [word, word, word])
+            function = builder.inttoptr(arguments[0], kind.as_pointer())
+            builder.call(function, [builder.inttoptr(value, word) for value in arguments[1:]])
+            return context.get_dummy_value()
+
+        return signature, codegen
+
+else:
+
+    def kernel(function=None, **options):
+        return function if function is not None else (lambda function: function)
+
+
+def table(name: str, dtype):
+    """Kernel ``view(block)``: the 1-D array of ``dtype`` that ``block[name + "_address"]`` points at.
+
+    A block is one NumPy record that holds the address and length of every array of a scene, so kernels pass one
+    word where they would pass seven for each array, and never touch a reference count that two threads share.
+    """
+    address, count = name + "_address", name + "_count"
+    dtype = np.dtype(dtype)
+
+    @kernel
+    def view(block):
+        return numba.carray(pointer(block[address]), (block[count],), dtype)
+
+    return view
+
+
+def block_dtype(tables: dict[str, np.dtype], scalars: list[tuple] = ()) -> np.dtype:
+    """Record type with ``<name>_address`` and ``<name>_count`` for every table, followed by ``scalars``."""
+    fields = []
+    for name in tables:
+        fields += [(name + "_address", np.int64), (name + "_count", np.int64)]
+    return np.dtype(fields + list(scalars), align=True)
+
+
+def fill_table(block: np.ndarray, name: str, array: np.ndarray) -> None:
+    """Point table ``name`` of the one-element ``block`` at ``array``, which the caller keeps alive."""
+    assert array.flags.c_contiguous and array.ndim == 1
+    block[name + "_address"] = array.ctypes.data
+    block[name + "_count"] = len(array)

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene as every back end receives it: plain dataclasses and NumPy arrays, copied once out of Blender.
+
+Units: metres, watts, radians, scene-linear RGB. Matrices are 4 × 4, float64, column vectors (world = matrix @ local).
+Images and pixel coordinates have row 0 at the bottom, as Blender's render result has.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .material import Material
+from .settings import Settings
+
+RGB = tuple[float, float, float]
+
+
+class Ray(enum.IntFlag):
+    """Kinds of ray, and so what an object can be visible to (Blender's Ray Visibility)."""
+
+    CAMERA = 1
+    DIFFUSE = 2
+    GLOSSY = 4
+    TRANSMISSION = 8
+    SHADOW = 16
+    ALL = 31
+
+
+@dataclass
+class Image:
+    """Pixels of one texture: (height, width, 4) float32, scene-linear, alpha not premultiplied into colour."""
+
+    name: str
+    pixels: np.ndarray
+
+
+@dataclass
+class Mesh:
+    """Triangles in local space. Corner arrays hold three values a triangle, in the order of its vertices."""
+
+    name: str
+    positions: np.ndarray  # (V, 3) float32
+    triangles: np.ndarray  # (T, 3) int32, counter-clockwise from outside
+    normals: np.ndarray | None = None  # (T, 3, 3) float32 unit corner normals; None: flat everywhere
+    uvs: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (T, 3, 2) float32; "" is the active map
+    tangents: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (T, 3, 4) float32, w = sign of bitangent
+    slots: np.ndarray | None = None  # (T,) int32 material slot; None: all in slot 0
+
+
+@dataclass
+class Instance:
+    """One mesh placed in the world."""
+
+    mesh: int
+    matrix: np.ndarray
+    materials: tuple[int, ...]  # material of each slot, at least one
+    name: str = ""
+    visibility: Ray = Ray.ALL
+    holdout: bool = False
+
+
+@dataclass
+class Lamp:
+    """An SDF lamp: the interior of ``shape`` glows, uniformly, and neither absorbs nor scatters.
+
+    Its world volume is V = shape volume × |det matrix|. Emission per metre is ρ = power · color / (4π V), in watts
+    per steradian and cubic metre, so far away the lamp lights like a Blender point light of the same power. Where
+    ``density`` is given, ρ = density · color instead, whatever the volume.
+    """
+
+    name: str
+    shape: "sdf_lights.sdf.shapes.Shape"
+    matrix: np.ndarray
+    power: float = 10.0
+    density: float | None = None
+    color: RGB = (1.0, 1.0, 1.0)
+    visibility: Ray = Ray.ALL
+
+
+@dataclass
+class PointLight:
+    name: str
+    matrix: np.ndarray
+    power: float
+    color: RGB = (1.0, 1.0, 1.0)
+    radius: float = 0.0
+    soft_falloff: bool = True
+    visibility: Ray = Ray.ALL
+    cast_shadow: bool = True
+
+
+@dataclass
+class SpotLight(PointLight):
+    angle: float = 0.785398  # full cone angle
+    blend: float = 0.15
+
+
+@dataclass
+class SunLight:
+    name: str
+    matrix: np.ndarray  # shines along its local −z
+    strength: float  # irradiance, W/m²
+    color: RGB = (1.0, 1.0, 1.0)
+    angle: float = 0.0  # angular diameter
+    visibility: Ray = Ray.ALL
+    cast_shadow: bool = True
+
+
+@dataclass
+class AreaLight:
+    name: str
+    matrix: np.ndarray  # shines along its local −z
+    power: float
+    color: RGB = (1.0, 1.0, 1.0)
+    ellipse: bool = False  # disk or ellipse, else square or rectangle
+    size: tuple[float, float] = (1.0, 1.0)  # full extent along local x and y, before the matrix
+    spread: float = np.pi
+    visibility: Ray = Ray.ALL
+    cast_shadow: bool = True
+
+
+Light = PointLight | SpotLight | SunLight | AreaLight
+
+
+@dataclass
+class World:
+    """Background radiance: ``color`` × ``strength``, times the equirectangular ``image`` where there is one."""
+
+    color: RGB = (0.0, 0.0, 0.0)
+    strength: float = 1.0
+    image: int | None = None
+    rotation: np.ndarray = field(default_factory=lambda: np.eye(3))  # world direction -> image direction
+    visibility: Ray = Ray.ALL
+
+
+class Projection(enum.IntEnum):
+    PERSPECTIVE = 0
+    ORTHOGRAPHIC = 1
+    EQUIRECTANGULAR = 2
+
+
+@dataclass
+class Camera:
+    """Looks along its local −z, y up.
+
+    ``window`` is (left, right, bottom, top) of the whole frame on the plane z = −1 for a perspective camera, in
+    metres for an orthographic one: sensor fit, shift and pixel aspect are in it already.
+    """
+
+    matrix: np.ndarray  # camera to world, without scale
+    projection: Projection = Projection.PERSPECTIVE
+    window: tuple[float, float, float, float] = (-0.5, 0.5, -0.5, 0.5)
+    clip: tuple[float, float] = (0.1, 1000.0)  # along the viewing axis (radius for panoramas)
+    latitude: tuple[float, float] = (-np.pi / 2, np.pi / 2)  # of panoramas
+    longitude: tuple[float, float] = (-np.pi, np.pi)
+    aperture: float = 0.0  # lens radius in metres; 0: pinhole
+    focus: float = 10.0  # distance of the plane in focus
+    blades: int = 0  # fewer than 3: round
+    blade_rotation: float = 0.0
+    blade_ratio: float = 1.0
+
+
+@dataclass
+class Scene:
+    """Everything to be rendered. Indices (mesh, material, image) point into the lists here."""
+
+    camera: Camera
+    width: int
+    height: int
+    border: tuple[int, int, int, int] | None = None  # x0, y0, x1, y1 in pixels of the full frame
+    meshes: list[Mesh] = field(default_factory=list)
+    instances: list[Instance] = field(default_factory=list)
+    materials: list[Material] = field(default_factory=list)
+    images: list[Image] = field(default_factory=list)
+    lamps: list[Lamp] = field(default_factory=list)
+    lights: list[Light] = field(default_factory=list)
+    world: World = field(default_factory=World)
+    settings: Settings = field(default_factory=Settings)
+    warnings: list[str] = field(default_factory=list)
