@@ -86,6 +86,14 @@ def _writable_cache() -> pathlib.Path:
         return pathlib.Path(tempfile.mkdtemp(prefix="sdf_lights-"))
 
 
+_KERNELS: list = []
+
+
+def compiled_kernels() -> tuple[int, int]:
+    """(kernels compiled or loaded in this process, kernels declared): how far a first compilation has come."""
+    return sum(1 for compiled in _KERNELS if compiled.overloads), len(_KERNELS)
+
+
 if AVAILABLE:
 
     def kernel(function=None, **options):
@@ -102,9 +110,10 @@ if AVAILABLE:
         previous = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = str(_writable_cache() / source_hash(source))
         try:
-            return numba.njit(**settings)(function)
+            _KERNELS.append(numba.njit(**settings)(function))
         finally:
             numba.config.CACHE_DIR = previous
+        return _KERNELS[-1]
 
     @intrinsic
     def pointer(typingctx, address):

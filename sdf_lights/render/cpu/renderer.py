@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The CPU back end as ``session`` sees it: a packed scene, compiled kernels, and threads that take tiles."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import threading
+from collections.abc import Callable
+
+import numpy as np
+
+from ... import jit
+from ..errors import RenderError
+from ..film import Film
+from ..scene import Scene
+from .block import PackedScene, Workspace
+from .integrator import render_tile
+
+TILE = 32
+POLL_SECONDS = 0.05
+
+
+class CpuRenderer:
+    """Renders ``scene`` into ``film``. ``cancelled`` and ``say`` serve the set-up, which may compile for a while."""
+
+    def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
+        self._film = film
+        say("Building the scene")
+        self._packed = PackedScene(scene, film)
+        threads = scene.settings.threads or os.cpu_count() or 1
+        self._workspaces = [Workspace(self._packed) for _ in range(threads)]
+        x0, y0, x1, y1 = film.window
+        self._tiles = [
+            (x, y, min(x + TILE, x1), min(y + TILE, y1)) for y in range(y0, y1, TILE) for x in range(x0, x1, TILE)]
+        self.ready = self._compile(cancelled, say)
+
+    def _compile(self, cancelled, say) -> bool:
+        """Compile the kernels, or load them from the cache, in a thread of its own. False if cancelled meanwhile."""
+        thread = threading.Thread(target=self._render, args=((0, 0, 0, 0), 0, 0, self._workspaces[0]))
+        thread.start()
+        thread.join(POLL_SECONDS)
+        while thread.is_alive():
+            if cancelled():
+                return False
+            done, total = jit.compiled_kernels()
+            say(f"Compiling kernels, once for this installation: {done} of {total}" if done else "Loading kernels")
+            thread.join(2 * POLL_SECONDS)
+        return True
+
+    def _render(self, tile, first: int, count: int, workspace: Workspace) -> None:
+        render_tile(self._packed.block, workspace.block, *tile, first, count)
+
+    def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if stopped before the end.
+
+        A tile is always finished or not begun, unless it is stopped, so every pixel says how many samples it has.
+        """
+        if not self.ready:
+            return False
+        control = self._packed.control
+        control[:] = 0
+        order, failures, finished = itertools.count(), [], itertools.count()
+        done = 0
+
+        def work(workspace: Workspace) -> None:
+            nonlocal done
+            try:
+                for index in order:
+                    if index >= len(self._tiles) or control[0]:
+                        return
+                    self._render(self._tiles[index], first, count, workspace)
+                    done = next(finished) + 1
+            except Exception as error:
+                failures.append(error)
+                control[0] = 1
+
+        threads = [threading.Thread(target=work, args=(workspace,)) for workspace in self._workspaces]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(POLL_SECONDS)
+            while thread.is_alive():
+                if not control[0]:
+                    if stop():
+                        control[0] = 1
+                    else:
+                        report(min(done / len(self._tiles), 1.0))
+                thread.join(POLL_SECONDS)
+        if failures:
+            raise RenderError(f"The CPU back end failed ({type(failures[0]).__name__}: {failures[0]}).") from failures[0]
+        stopped = bool(control[0]) or stop()
+        if not stopped:
+            self._film.samples = first + count
+        return not stopped
+
+    def finish(self) -> None:
+        """Drop what the render no longer needs; the film keeps its own arrays."""
+        self._packed.release()

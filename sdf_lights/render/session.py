@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A render from start to finish: which back end, in which steps, when to stop, what to tell the user."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from .. import jit
+from .denoise import denoise_film
+from .errors import RenderError
+from .film import Film
+from .scene import Scene
+from .settings import Device
+
+LARGEST_BATCH = 32
+UPDATE_INTERVAL = 1.0
+
+
+@dataclass(frozen=True)
+class Progress:
+    """State of a render: ``fraction`` in [0, 1], ``remaining`` seconds (None: not known yet), ``memory`` of the process
+    in bytes, ``noise`` as ``Film.noise`` defines it (None: too few samples), ``text`` for the status line."""
+
+    text: str
+    fraction: float = 0.0
+    samples: int = 0
+    elapsed: float = 0.0
+    remaining: float | None = None
+    memory: int = 0
+    noise: float | None = None
+
+
+def batches(samples: int) -> Iterator[tuple[int, int]]:
+    """(first sample, count) of each batch: 1, 1, 2, 4, … up to ``LARGEST_BATCH``.
+
+    The schedule depends on nothing but the number of samples, so that adaptive sampling, which decides between
+    batches, gives the same picture on any machine.
+    """
+    first, count = 0, 1
+    while first < samples:
+        count = min(count, samples - first)
+        yield first, count
+        first += count
+        count = min(first, LARGEST_BATCH)
+
+
+def process_memory() -> int:
+    """Peak resident memory of this process in bytes, 0 where the platform does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return 0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024
+
+
+def choose_back_end(scene: Scene):
+    """The renderer class for ``scene.settings.device``; falls back to the NumPy reference, with a warning, where
+    Numba cannot be imported."""
+    if scene.settings.device is not Device.REFERENCE:
+        if jit.AVAILABLE:
+            from .cpu.renderer import CpuRenderer
+
+            return CpuRenderer
+        scene.warnings.append(
+            f"{jit.REASON}; the slow NumPy renderer takes over: install the extension from the zip made for this "
+            "Blender version.")
+    from .reference.renderer import ReferenceRenderer
+
+    return ReferenceRenderer
+
+
+def render(
+    scene: Scene,
+    passes: tuple[str, ...],
+    cancelled: Callable[[], bool] = lambda: False,
+    on_progress: Callable[[Progress], None] = lambda progress: None,
+    on_update: Callable[[Film], None] = lambda film: None,
+) -> Film:
+    """Render ``scene`` and return its film, also when cancelled (then with what was sampled until then).
+
+    ``cancelled`` is polled at least ten times a second, ``on_progress`` and ``on_update`` (a new picture, about once a
+    second) are called in this thread too. ``passes`` are names in ``passes.PASSES``; Combined is always there.
+    Raises RenderError with one sentence for the user.
+    """
+    settings = scene.settings
+    started = time.perf_counter()
+    on_progress(Progress("Preparing", memory=process_memory()))
+    film = Film(scene, passes)
+    renderer = choose_back_end(scene)(scene, film, cancelled, lambda text: on_progress(Progress(text, memory=process_memory())))
+    sampling_started = last_update = time.perf_counter()
+    deadline = sampling_started + settings.time_limit if settings.time_limit > 0.0 else math.inf
+    out_of_time = False
+
+    def stop() -> bool:
+        nonlocal out_of_time
+        out_of_time = out_of_time or (film.samples > 0 and time.perf_counter() > deadline)
+        return out_of_time or cancelled()
+
+    for first, count in batches(settings.samples):
+        def report(part: float) -> None:
+            """``part``: how much of this batch has been done."""
+            nonlocal last_update
+            now = time.perf_counter()
+            done = (first + part * count) / settings.samples
+            elapsed = now - sampling_started
+            remaining = elapsed * (1.0 - done) / done if done > 0.0 and elapsed > 0.2 else None
+            if remaining is not None:
+                remaining = min(remaining, max(deadline - now, 0.0))
+            on_progress(Progress(
+                f"Sample {first}/{settings.samples}", done, first, now - started, remaining, process_memory(), noise))
+            if now - last_update > UPDATE_INTERVAL:
+                on_update(film)
+                last_update = time.perf_counter()
+
+        noise = film.noise() if first else None
+        if not renderer.sample(first, count, stop, report):
+            break
+        if settings.noise_threshold > 0.0 and first + count >= settings.min_samples:
+            if not film.update_active(settings.noise_threshold):
+                break
+    renderer.finish()
+    if settings.denoise and not cancelled():
+        on_progress(Progress("Denoising", 1.0, film.samples, memory=process_memory(), noise=film.noise()))
+        try:
+            denoise_film(film, cancelled)
+        except RenderError as error:
+            scene.warnings.append(str(error))
+    elapsed = time.perf_counter() - started
+    on_progress(Progress(f"Sample {film.samples}/{settings.samples}", 1.0, film.samples, elapsed, 0.0, process_memory(), film.noise()))
+    return film
