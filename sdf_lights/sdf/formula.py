@@ -1,0 +1,317 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Formulas: hash-consed expression graphs over position, parameters and constants.
+
+The same expression is always the same object, so common subexpressions are computed once whatever way they came
+about, and the formula itself is the key under which a reading (compiled code, say) is kept. A parameter is the number
+of a slot in an array of values: other values, same formula.
+
+``OPERATIONS`` is the one table of what a node can be and what it means. Readings walk ``order(formula)`` and add
+nothing to it: see ``read_numpy``, ``read_numba`` and ``read_text``. This module knows none of them.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import weakref
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Operation(NamedTuple):
+    """``meaning`` is the operation on float64 arrays, which is also how constants are folded."""
+
+    arity: int
+    meaning: Callable
+    commutes: bool = False
+
+
+CONSTANT, POSITION, PARAMETER = "constant", "position", "parameter"
+
+OPERATIONS: dict[str, Operation] = {
+    "negate": Operation(1, np.negative),
+    "abs": Operation(1, np.abs),
+    "sqrt": Operation(1, np.sqrt),
+    "sin": Operation(1, np.sin),
+    "cos": Operation(1, np.cos),
+    "tan": Operation(1, np.tan),
+    "asin": Operation(1, np.arcsin),
+    "acos": Operation(1, np.arccos),
+    "atan": Operation(1, np.arctan),
+    "exp": Operation(1, np.exp),
+    "log": Operation(1, np.log),
+    "floor": Operation(1, np.floor),
+    "add": Operation(2, np.add, commutes=True),
+    "subtract": Operation(2, np.subtract),
+    "multiply": Operation(2, np.multiply, commutes=True),
+    "divide": Operation(2, np.divide),
+    "power": Operation(2, np.power),
+    "atan2": Operation(2, np.arctan2),
+    "minimum": Operation(2, np.minimum, commutes=True),
+    "maximum": Operation(2, np.maximum, commutes=True),
+    # Comparisons are conditions: they may only stand as the first operand of select.
+    "less": Operation(2, np.less),
+    "less_equal": Operation(2, np.less_equal),
+    "select": Operation(3, np.where),
+}
+
+CONDITIONS = frozenset({"less", "less_equal"})
+
+
+class Formula:
+    """One node. Made only by the functions and operators of this module; compared and hashed by identity.
+
+    ``kind`` is ``CONSTANT`` (``value`` a float), ``POSITION`` (``value`` 0, 1 or 2 for x, y, z), ``PARAMETER``
+    (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas).
+    """
+
+    __slots__ = ("kind", "operands", "value", "__weakref__")
+
+    kind: str
+    operands: tuple["Formula", ...]
+    value: float | int | None
+
+    def __add__(self, other):
+        return apply("add", self, other)
+
+    def __radd__(self, other):
+        return apply("add", other, self)
+
+    def __sub__(self, other):
+        return apply("subtract", self, other)
+
+    def __rsub__(self, other):
+        return apply("subtract", other, self)
+
+    def __mul__(self, other):
+        return apply("multiply", self, other)
+
+    def __rmul__(self, other):
+        return apply("multiply", other, self)
+
+    def __truediv__(self, other):
+        return apply("divide", self, other)
+
+    def __rtruediv__(self, other):
+        return apply("divide", other, self)
+
+    def __neg__(self):
+        return apply("negate", self)
+
+    def __abs__(self):
+        return apply("abs", self)
+
+    def __lt__(self, other):
+        return apply("less", self, other)
+
+    def __le__(self, other):
+        return apply("less_equal", self, other)
+
+    def __gt__(self, other):
+        return apply("less", other, self)
+
+    def __ge__(self, other):
+        return apply("less_equal", other, self)
+
+    def __bool__(self):
+        raise TypeError("a formula has no truth value before it is read: use select(condition, a, b)")
+
+    def __reduce__(self):  # copies and unpickled formulas are the same object again
+        return _intern, (self.kind, self.operands, self.value)
+
+    def __repr__(self):
+        return f"<Formula {self.kind} {self.value if self.value is not None else ''}>".replace(" >", ">")
+
+
+# Formulas live as long as somebody holds them. Blender renders and draws from different threads, hence the lock.
+_known: weakref.WeakValueDictionary[tuple, Formula] = weakref.WeakValueDictionary()
+_lock = threading.Lock()
+
+
+def _intern(kind: str, operands: tuple[Formula, ...] = (), value=None) -> Formula:
+    # 0.0 == -0.0, yet they are different constants.
+    sign = math.copysign(1.0, value) if kind == CONSTANT else 0.0
+    key = (kind, operands, value, sign)
+    with _lock:
+        found = _known.get(key)
+        if found is None and operands and OPERATIONS[kind].commutes:
+            found = _known.get((kind, operands[::-1], value, sign))
+        if found is None:
+            found = object.__new__(Formula)
+            found.kind, found.operands, found.value = kind, operands, value
+            _known[key] = found
+    return found
+
+
+def constant(value: float) -> Formula:
+    value = float(value)
+    if math.isnan(value):
+        raise ValueError("a constant of a formula cannot be NaN")
+    return _intern(CONSTANT, value=value)
+
+
+def parameter(slot: int) -> Formula:
+    """The value in slot ``slot`` of the parameter array."""
+    return _intern(PARAMETER, value=int(slot))
+
+
+def _is(formula: Formula, value: float) -> bool:
+    return formula.kind == CONSTANT and formula.value == value
+
+
+def _simplified(kind: str, operands: tuple[Formula, ...]) -> Formula | None:
+    """A smaller formula of the same value for all finite operands, where one of these rules finds it."""
+    a, b = operands[0], operands[-1]
+    if kind == "negate" and a.kind == "negate":
+        return a.operands[0]
+    if kind == "abs" and a.kind in ("abs", "sqrt"):
+        return a
+    if kind == "abs" and a.kind == "negate":
+        return apply("abs", a.operands[0])
+    if kind == "add":
+        return b if _is(a, 0.0) else a if _is(b, 0.0) else None
+    if kind == "subtract":
+        return a if _is(b, 0.0) else constant(0.0) if a is b else apply("negate", b) if _is(a, 0.0) else None
+    if kind == "multiply":
+        if _is(a, 0.0) or _is(b, 0.0):
+            return constant(0.0)
+        return b if _is(a, 1.0) else a if _is(b, 1.0) else None
+    if kind in ("divide", "power"):
+        return a if _is(b, 1.0) else None
+    if kind in ("minimum", "maximum"):
+        return a if a is b else None
+    if kind == "select":
+        return operands[1] if operands[1] is operands[2] else None
+    return None
+
+
+def apply(kind: str, *operands: Formula | float) -> Formula:
+    """The operation ``kind`` of ``OPERATIONS`` on formulas or numbers: folded, simplified, shared."""
+    operands = tuple(o if isinstance(o, Formula) else constant(o) for o in operands)
+    operation = OPERATIONS[kind]
+    if len(operands) != operation.arity:
+        raise TypeError(f"{kind} takes {operation.arity} operands, not {len(operands)}")
+    if any((o.kind in CONDITIONS) != (kind == "select" and i == 0) for i, o in enumerate(operands)):
+        raise TypeError("a condition can only be the first operand of select, which has to be one")
+    if kind not in CONDITIONS:
+        if all(o.kind == CONSTANT for o in operands):
+            with np.errstate(all="ignore"):
+                folded = float(operation.meaning(*(o.value for o in operands)))
+            # sqrt(-1) and the like stay as they are: what is undefined is then seen where the formula is read.
+            if not math.isnan(folded):
+                return constant(folded)
+        smaller = _simplified(kind, operands)
+        if smaller is not None:
+            return smaller
+    return _intern(kind, operands)
+
+
+def sqrt(a: Formula | float) -> Formula:
+    return apply("sqrt", a)
+
+
+def sin(a: Formula | float) -> Formula:
+    return apply("sin", a)
+
+
+def cos(a: Formula | float) -> Formula:
+    return apply("cos", a)
+
+
+def minimum(*operands: Formula | float) -> Formula:
+    """Least of one or more operands."""
+    return _fold("minimum", operands)
+
+
+def maximum(*operands: Formula | float) -> Formula:
+    """Greatest of one or more operands."""
+    return _fold("maximum", operands)
+
+
+def clamp(a: Formula | float, low: Formula | float, high: Formula | float) -> Formula:
+    return minimum(maximum(a, low), high)
+
+
+def select(condition: Formula, then: Formula | float, otherwise: Formula | float) -> Formula:
+    """``then`` where the condition (a comparison) holds, else ``otherwise``; both are computed."""
+    return apply("select", condition, then, otherwise)
+
+
+def length(*components: Formula | float) -> Formula:
+    """Euclidean norm."""
+    return sqrt(_fold("add", [apply("multiply", c, c) for c in components]))
+
+
+def _fold(kind: str, operands) -> Formula:
+    # A balanced tree: short chains of dependent instructions, and no depth that grows with the number of operands.
+    operands = list(operands)
+    while len(operands) > 1:
+        pairs = [apply(kind, a, b) for a, b in zip(operands[::2], operands[1::2])]
+        operands = pairs + operands[len(pairs) * 2:]
+    first = operands[0]
+    return first if isinstance(first, Formula) else constant(first)
+
+
+class Vector(NamedTuple):
+    """Three formulas, with the arithmetic of vectors (a scalar operand counts for each component)."""
+
+    x: Formula
+    y: Formula
+    z: Formula
+
+    def __add__(self, other):
+        return Vector(*(a + b for a, b in zip(self, _components(other))))
+
+    def __sub__(self, other):
+        return Vector(*(a - b for a, b in zip(self, _components(other))))
+
+    def __mul__(self, other):
+        return Vector(*(a * b for a, b in zip(self, _components(other))))
+
+    def __truediv__(self, other):
+        return Vector(*(a / b for a, b in zip(self, _components(other))))
+
+    def __abs__(self):
+        return Vector(*(abs(a) for a in self))
+
+    def maximum(self, other) -> "Vector":
+        """Greater of each pair of components."""
+        return Vector(*(maximum(a, b) for a, b in zip(self, _components(other))))
+
+    def dot(self, other: "Vector") -> Formula:
+        return _fold("add", [a * b for a, b in zip(self, other)])
+
+    def length(self) -> Formula:
+        return length(*self)
+
+
+def _components(value) -> tuple:
+    return value if isinstance(value, tuple) else (value, value, value)
+
+
+POINT = Vector(*(_intern(POSITION, value=axis) for axis in range(3)))
+"""The point at which a formula is read."""
+
+
+def order(formula: Formula) -> list[Formula]:
+    """Every node of the graph once, operands before the nodes that use them; the formula itself comes last."""
+    ordered: list[Formula] = []
+    seen: set[Formula] = set()
+    pending = [(formula, False)]
+    while pending:
+        node, ready = pending.pop()
+        if ready:
+            ordered.append(node)
+        elif node not in seen:
+            seen.add(node)
+            pending.append((node, True))
+            pending += [(operand, False) for operand in reversed(node.operands)]
+    return ordered
+
+
+def slots(formula: Formula) -> int:
+    """Least length of a parameter array that the formula can be read with."""
+    return 1 + max((node.value for node in order(formula) if node.kind == PARAMETER), default=-1)

@@ -1,0 +1,206 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a shape is: a frozen dataclass of documented parameters, and one method that builds its formula.
+
+Everything that has a name for a shape (the expression language, Blender's properties, the reference page) is made from
+``SHAPES`` and the fields' metadata.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import program, read_numpy
+from ..formula import POINT, Formula, Vector, parameter
+
+EXACT, BOUND, NONE = "exact", "bound", "none"
+
+SMALLEST = 1e-6  # least size of anything that must not vanish, in metres: below it float32 displays show nothing
+
+SHAPES: dict[str, type["Shape"]] = {}
+"""Every shape by the name it has in expressions, ``box_frame`` for ``BoxFrame``, in order of definition."""
+
+
+class ShapeError(ValueError):
+    """A shape was given something that is not a number or not a shape; says which in one sentence."""
+
+
+class Parameter(NamedTuple):
+    """One number (``size`` 1) or vector (``size`` 3) of a shape, as user interfaces present it."""
+
+    name: str
+    label: str
+    description: str
+    unit: str  # "LENGTH" (metres), "ANGLE" (radians) or "NONE", as Blender names them
+    default: float | tuple[float, float, float]
+    minimum: float  # −inf where there is none; validate() holds a shape to it
+    maximum: float
+    soft_maximum: float  # where a slider ends, though more may be typed
+    size: int
+
+
+def number(default, description: str, *, unit: str = "LENGTH", minimum: float = SMALLEST, maximum: float = math.inf,
+           soft_maximum: float = 10.0, label: str = ""):
+    """Dataclass field of a shape's parameter: a float, or a vector where ``default`` is a 3-tuple."""
+    return dataclasses.field(default=default, metadata=dict(
+        description=description, unit=unit, minimum=minimum, maximum=maximum, soft_maximum=soft_maximum, label=label))
+
+
+class Slots:
+    """Hands out parameter slots to a formula that is being built, and keeps the values that belong in them."""
+
+    def __init__(self):
+        self.values: list[float] = []
+
+    def __call__(self, value):
+        """A fresh slot for a number; a ``Vector`` of three for a 3-tuple."""
+        if isinstance(value, tuple):
+            return Vector(*(self(component) for component in value))
+        self.values.append(value)
+        return parameter(len(self.values) - 1)
+
+
+class Shape:
+    """A region of space Ω = {x : φ(x) ≤ 0}, given by a field φ that is negative inside.
+
+    Immutable and compared by value. Space is the shape's own; lengths are in metres.
+
+    ``exactness`` says what |φ| is: ``"exact"``, the distance to the surface everywhere; ``"bound"``, never more than
+    that distance; ``"none"``, neither. The sign is right in all three. ``lipschitz`` is an L with
+    |φ(x) − φ(y)| ≤ L |x − y| for all x, y; it is 1 for the first two.
+    """
+
+    exactness: str = EXACT
+    lipschitz: float = 1.0
+
+    def __init_subclass__(cls, abstract: bool = False, **options):
+        """Register the class in ``SHAPES``, unless it is abstract: not to be named by artists."""
+        super().__init_subclass__(**options)
+        if not abstract:
+            SHAPES[cls.name()] = cls
+
+    def __post_init__(self):
+        for field in self.fields():
+            object.__setattr__(self, field.name, _coerced(self, field, getattr(self, field.name)))
+
+    @classmethod
+    def name(cls) -> str:
+        """The name in expressions and files: ``box_frame`` for ``BoxFrame``."""
+        return re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
+
+    @classmethod
+    def label(cls) -> str:
+        """The name in user interfaces: ``Box Frame``."""
+        return cls.name().replace("_", " ").title()
+
+    @classmethod
+    def fields(cls) -> list[Parameter]:
+        """The parameters an artist sets, in order."""
+        found = []
+        for field in dataclasses.fields(cls):
+            if "unit" in field.metadata:
+                about = dict(field.metadata)
+                label = about.pop("label") or field.name.replace("_", " ").title()
+                size = 3 if isinstance(field.default, tuple) else 1
+                found.append(Parameter(field.name, label, default=field.default, size=size, **about))
+        return found
+
+    # -- what every shape defines ---------------------------------------------------------------------------------
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        """The field φ at the point p. Numbers that may change are put into ``slot(…)``, which gives their formulas.
+
+        The graph must not depend on the numbers, or changing one compiles anew.
+        """
+        raise NotImplementedError
+
+    def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (low, high) of an axis-aligned box around ``matrix`` (4 × 4, default identity) applied to the shape.
+
+        Tight for primitives under every affine matrix. An empty intersection may give a box without extent.
+        """
+        raise NotImplementedError
+
+    def check(self) -> str:
+        """What is wrong between parameters that are each within their limits: one sentence, or an empty string."""
+        return ""
+
+    def volume(self) -> float | None:
+        """Volume in cubic metres, or None where no closed form is known: then the emitter integrates it."""
+        return None
+
+    def program(self, matrix: np.ndarray | None = None) -> np.ndarray:
+        """Closed-form program (see ``sdf.program``) of ``matrix`` (4 × 4, default identity) applied to the shape.
+
+        Raises ``program.NoClosedForm`` where ray intervals have to be found numerically.
+        """
+        raise program.NoClosedForm(f"{self.label()} has no closed form for its ray intervals.")
+
+    # -- what follows from it -------------------------------------------------------------------------------------
+
+    @cached_property
+    def _built(self) -> tuple[Formula, np.ndarray]:
+        slots = Slots()
+        formula = self.build(POINT, slots)
+        values = np.array(slots.values, np.float64)
+        values.flags.writeable = False
+        return formula, values
+
+    def formula(self) -> Formula:
+        """The field φ. Shapes that differ only in numbers have the very same formula: it is the key of compiled code."""
+        return self._built[0]
+
+    def parameters(self) -> np.ndarray:
+        """Values of the formula's slots: (slots,) float64, read-only."""
+        return self._built[1]
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """φ at points (…, 3), by the NumPy reading."""
+        return read_numpy.evaluate(self.formula(), points, self.parameters())
+
+    def validate(self) -> str:
+        """What is wrong with the parameters and how to put it right: one sentence, or an empty string.
+
+        The other methods promise nothing for a shape that is not valid.
+        """
+        for field in self.fields():
+            value = getattr(self, field.name)
+            for component in value if field.size == 3 else (value,):
+                what = f"{self.label()}: {field.label.lower()} is {component:g}, but must be"
+                if not math.isfinite(component):
+                    return f"{what} a finite number."
+                if component < field.minimum:
+                    return f"{what} at least {field.minimum:g}."
+                if component > field.maximum:
+                    return f"{what} at most {field.maximum:g}."
+        return self.check()
+
+    @cached_property
+    def size(self) -> int:
+        """Number of primitives in the shape."""
+        return 1
+
+    @cached_property
+    def depth(self) -> int:
+        """Number of shapes inside one another."""
+        return 1
+
+
+def _coerced(shape: Shape, field: Parameter, value):
+    """``value`` as a float or a 3-tuple of floats; one number stands for three equal ones."""
+    try:
+        if field.size == 1:
+            return float(value)
+        if np.ndim(value) == 0:
+            return (float(value),) * 3
+        x, y, z = value
+        return float(x), float(y), float(z)
+    except (TypeError, ValueError, OverflowError):
+        kind = "a number" if field.size == 1 else "a number or three numbers"
+        raise ShapeError(f"{shape.label()}: {field.label.lower()} must be {kind}, not {value!r:.40}.") from None

@@ -1,0 +1,268 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Primitives. Each is centred at the origin; its axis, where it has one, is z.
+
+The distances follow from geometry: the nearest point of a convex profile, after folding by symmetry. Inigo Quilez,
+"Distance functions", collects the same shapes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
+from ..program import Op, combine, primitive
+from .base import BOUND, Shape, Slots, number
+
+
+def _linear(matrix: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """Columns' part (3, 3) and translation (3,) of a 4 × 4 matrix; of the identity for None."""
+    matrix = np.eye(4) if matrix is None else np.asarray(matrix, np.float64)
+    return matrix[:3, :3], matrix[:3, 3]
+
+
+def _around(center: np.ndarray, extent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return center - extent, center + extent
+
+
+class Primitive(Shape, abstract=True):
+    """A shape without parts. ``op`` names it to the emitter's kernels, where they know it."""
+
+    op: Op | None = None
+
+    def program(self, matrix: np.ndarray | None = None) -> np.ndarray:
+        if self.op is None:
+            return super().program(matrix)
+        return primitive(self.op, np.eye(4) if matrix is None else matrix, self._program_parameters())
+
+    def _program_parameters(self) -> tuple[float, ...]:
+        return tuple(getattr(self, field.name) for field in self.fields())
+
+
+@dataclass(frozen=True)
+class Sphere(Primitive):
+    """A ball."""
+
+    op = Op.SPHERE
+
+    radius: float = number(0.5, "Distance from the centre to the surface")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        return p.length() - slot(self.radius)
+
+    def volume(self) -> float:
+        return 4.0 / 3.0 * math.pi * self.radius**3
+
+    def bounds(self, matrix=None):
+        linear, center = _linear(matrix)
+        return _around(center, self.radius * np.linalg.norm(linear, axis=1))
+
+
+@dataclass(frozen=True)
+class Ellipsoid(Primitive):
+    """A ball stretched along x, y and z.
+
+    The field is that of the unit sphere in stretched space times the least radius, which never exceeds the distance.
+    """
+
+    exactness = BOUND
+
+    radii: tuple[float, float, float] = number((0.7, 0.5, 0.3), "Half of the size along x, y and z")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        radii = slot(self.radii)
+        return ((p / radii).length() - 1.0) * minimum(*radii)
+
+    def volume(self) -> float:
+        return 4.0 / 3.0 * math.pi * math.prod(self.radii)
+
+    def bounds(self, matrix=None):
+        linear, center = _linear(matrix)
+        return _around(center, np.linalg.norm(linear * self.radii, axis=1))
+
+    def program(self, matrix=None):
+        stretch = np.diag([*self.radii, 1.0])
+        return primitive(Op.SPHERE, stretch if matrix is None else matrix @ stretch, (1.0,))
+
+
+def _box(q: Vector) -> Formula:
+    """Signed distance to a box from q = |p| − half size."""
+    return q.maximum(0.0).length() + minimum(maximum(*q), 0.0)
+
+
+@dataclass(frozen=True)
+class Box(Primitive):
+    """A rectangular block."""
+
+    op = Op.BOX
+
+    half_size: tuple[float, float, float] = number((0.5, 0.5, 0.5), "Half of the size along x, y and z")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        return _box(abs(p) - slot(self.half_size))
+
+    def volume(self) -> float:
+        return 8.0 * math.prod(self.half_size)
+
+    def bounds(self, matrix=None):
+        linear, center = _linear(matrix)
+        return _around(center, np.abs(linear) @ self.half_size)
+
+    def _program_parameters(self):
+        return self.half_size
+
+
+@dataclass(frozen=True)
+class BoxFrame(Primitive):
+    """The twelve edges of a block, as square bars that lie inside the block."""
+
+    half_size: tuple[float, float, float] = number((0.5, 0.5, 0.5), "Half of the outer size along x, y and z")
+    thickness: float = number(0.05, "Width of the bars, measured inwards from the outer faces", soft_maximum=1.0)
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        half_size, thickness = slot(self.half_size), slot(self.thickness)
+        half_bar = thickness * 0.5
+        outer = abs(p) - half_size
+        # Folded into one octant, a bar along x is a box of outer length and half_bar across, centred half_bar inwards.
+        across = abs(outer + half_bar) - half_bar
+        outside = minimum(
+            _box(Vector(outer.x, across.y, across.z)),
+            _box(Vector(across.x, outer.y, across.z)),
+            _box(Vector(across.x, across.y, outer.z)))
+        # Inside a corner the nearest surface is not always that of the nearest bar: it is the outer faces or one of
+        # the three openings, which are convex. Each of the two readings is exact on its own side of the surface.
+        depth = (outer + thickness).maximum(0.0)
+        openings = minimum(length(depth.y, depth.z), length(depth.x, depth.z), length(depth.x, depth.y))
+        inside = maximum(maximum(*outer), -openings)
+        return maximum(outside, 0.0) + minimum(inside, 0.0)
+
+    def check(self) -> str:
+        if self.thickness > min(self.half_size):
+            return (f"Box Frame: thickness {self.thickness:g} is more than the least half size {min(self.half_size):g}, "
+                    "so the bars overlap: make the thickness smaller.")
+        return ""
+
+    def volume(self) -> float:
+        # In one octant a point is in the frame if at least two of its coordinates are within the thickness of a face.
+        return 8.0 * self.thickness**2 * (sum(self.half_size) - 2.0 * self.thickness)
+
+    def bounds(self, matrix=None):
+        return Box(self.half_size).bounds(matrix)
+
+    def program(self, matrix=None):
+        parts = [Box(self.half_size).program(matrix)]
+        inner = np.subtract(self.half_size, self.thickness)
+        for axis in range(3):
+            opening = inner.copy()
+            opening[axis] = 2.0 * self.half_size[axis]  # well past the outer faces: no two faces coincide
+            if opening.min() > 0.0:
+                parts.append(Box(tuple(opening)).program(matrix))
+        return combine(Op.DIFFERENCE, parts)
+
+
+@dataclass(frozen=True)
+class Torus(Primitive):
+    """A ring around the z axis."""
+
+    op = Op.TORUS
+
+    major_radius: float = number(0.5, "Distance from the centre to the middle of the tube")
+    minor_radius: float = number(0.175, "Radius of the tube")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        major, minor = slot(self.major_radius), slot(self.minor_radius)
+        return length(length(p.x, p.y) - major, p.z) - minor
+
+    def check(self) -> str:
+        if self.minor_radius > self.major_radius:
+            return (f"Torus: minor radius {self.minor_radius:g} is more than the major radius {self.major_radius:g}, "
+                    "so the tube overlaps itself: make the minor radius smaller.")
+        return ""
+
+    def volume(self) -> float:
+        return 2.0 * math.pi**2 * self.major_radius * self.minor_radius**2
+
+    def bounds(self, matrix=None):
+        linear, center = _linear(matrix)
+        ring = self.major_radius * np.linalg.norm(linear[:, :2], axis=1)
+        return _around(center, ring + self.minor_radius * np.linalg.norm(linear, axis=1))
+
+
+@dataclass(frozen=True)
+class Capsule(Primitive):
+    """A cylinder along z with a half ball on each end."""
+
+    op = Op.CAPSULE
+
+    radius: float = number(0.25, "Radius of the tube and of its ends")
+    height: float = number(0.5, "Length of the straight part, without the ends", minimum=0.0)
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        radius, half_height = slot(self.radius), slot(self.height) * 0.5
+        return length(p.x, p.y, p.z - clamp(p.z, -half_height, half_height)) - radius
+
+    def volume(self) -> float:
+        return math.pi * self.radius**2 * (self.height + 4.0 / 3.0 * self.radius)
+
+    def bounds(self, matrix=None):
+        linear, center = _linear(matrix)
+        segment = 0.5 * self.height * np.abs(linear[:, 2])
+        return _around(center, segment + self.radius * np.linalg.norm(linear, axis=1))
+
+
+@dataclass(frozen=True)
+class Cylinder(Primitive):
+    """A round bar along z with flat ends."""
+
+    op = Op.CYLINDER
+
+    radius: float = number(0.5, "Radius of the ends")
+    height: float = number(1.0, "Length along z")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        radius, half_height = slot(self.radius), slot(self.height) * 0.5
+        side, end = length(p.x, p.y) - radius, abs(p.z) - half_height
+        return length(maximum(side, 0.0), maximum(end, 0.0)) + minimum(maximum(side, end), 0.0)
+
+    def volume(self) -> float:
+        return math.pi * self.radius**2 * self.height
+
+    def bounds(self, matrix=None):
+        linear, center = _linear(matrix)
+        disk = self.radius * np.linalg.norm(linear[:, :2], axis=1)
+        return _around(center, disk + 0.5 * self.height * np.abs(linear[:, 2]))
+
+
+@dataclass(frozen=True)
+class Cone(Primitive):
+    """A cone along z: its base at −height/2, its tip at +height/2."""
+
+    op = Op.CONE
+
+    radius: float = number(0.5, "Radius of the base")
+    height: float = number(1.0, "Length along z, from the base to the tip")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        radius, height = slot(self.radius), slot(self.height)
+        across, above_base = length(p.x, p.y), p.z + height * 0.5
+        below_tip = p.z - height * 0.5
+        # In the plane through the axis: the nearest points of the slant (tip to rim) and of the base disk.
+        slant = radius * radius + height * height
+        along = clamp((across * radius - below_tip * height) / slant, 0.0, 1.0)
+        to_slant = (across - along * radius, below_tip + along * height)
+        to_base = (maximum(across - radius, 0.0), above_base)
+        distance = sqrt(minimum(*(u * u + v * v for u, v in (to_slant, to_base))))
+        beyond_slant = across * height + below_tip * radius
+        return select(maximum(beyond_slant, -above_base) <= 0.0, -distance, distance)
+
+    def volume(self) -> float:
+        return math.pi * self.radius**2 * self.height / 3.0
+
+    def bounds(self, matrix=None):
+        linear, center = _linear(matrix)
+        half_axis = 0.5 * self.height * linear[:, 2]
+        low, high = _around(center - half_axis, self.radius * np.linalg.norm(linear[:, :2], axis=1))
+        return np.minimum(low, center + half_axis), np.maximum(high, center + half_axis)
