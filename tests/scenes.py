@@ -82,7 +82,7 @@ def box(name: str = "box", inside_out: bool = False) -> Mesh:
     return Mesh(name, np.array(positions, np.float32), np.array(triangles, np.int32), slots=np.array(slots, np.int32))
 
 
-def sphere(name: str = "sphere", columns: int = 32, rows: int = 16, smooth: bool = True) -> Mesh:
+def sphere(name: str = "sphere", columns: int = 20, rows: int = 10, smooth: bool = True) -> Mesh:
     """Unit sphere of 2 · columns · (rows − 1) triangles about the z axis."""
     theta = np.linspace(0, np.pi, rows + 1)[1:-1, None]
     phi = np.linspace(0, 2 * np.pi, columns, endpoint=False)[None, :]
@@ -330,11 +330,11 @@ def frame_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """A thin frame, a cube less a ball, and a small capsule, of two colours."""
     scene = room(width, height)
     add(scene, 1, translation(0.7, 0.4, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
-    frame = shapes.Difference(shapes.Box(size=(1.0, 1.0, 1.0)), shapes.Sphere(radius=0.66))
+    frame = shapes.Difference(shapes.Box(half_size=(0.5, 0.5, 0.5)), shapes.Sphere(radius=0.66))
     scene.lamps += [
         Lamp("frame", frame, translation(-0.4, 0.3, 1.5) @ rotation("z", 25) @ rotation("x", 15), power=50.0,
              color=(1.0, 0.8, 0.5)),
-        Lamp("capsule", shapes.Capsule(), translation(1.2, -0.3, 2.2) @ scaling(0.2, 0.2, 0.2), density=4.0,
+        Lamp("capsule", shapes.Capsule(radius=0.08, height=0.25), translation(1.2, -0.3, 2.2) @ rotation("x", 50), density=4.0,
              color=(0.5, 0.7, 1.0)),
     ]
     return scene
