@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the integrator asks of an emitter, whatever its kind: a sample, what a ray meets, and flags."""
+
+import math
+
+from ....jit import kernel
+from ....vec import dot, largest, sub, vec
+from .area import hit_area, sample_area
+from .ball import ball_distance, ball_pdf, ball_radiance, sample_ball
+from .cone import cone_pdf, one_minus_cos, sample_cone
+from .environment import sample_world, world_radiance
+from .records import (
+    AREA,
+    BALL,
+    LAMP,
+    SUN,
+    TRIANGLE,
+    WORLD,
+    area_table,
+    ball_table,
+    emitter_table,
+    header_table,
+    no_sample,
+    sun_table,
+    triangle_map_table,
+    triangle_offset_table,
+    triangle_table,
+)
+from .triangle import barycentric, sample_triangle, triangle_density
+
+
+@kernel
+def sample_sun(sun, u1, u2):
+    direction = vec(sun.direction)
+    if sun.one_minus_cos == 0.0:
+        return direction, math.inf, vec(sun.radiance), 1.0, True
+    wi = sample_cone(direction, sun.one_minus_cos, u1, u2)
+    return wi, math.inf, vec(sun.radiance), cone_pdf(sun.one_minus_cos), False
+
+
+@kernel
+def sample_light(block, emitter, x, n, u1, u2):
+    """Direction towards a light: (wi, distance, radiance, pdf, singular).
+
+    ``pdf`` is per solid angle, without the probability of selection. Where ``singular`` is true the light comes from one
+    direction alone: ``pdf`` is 1, ``radiance`` is the irradiance across wi, and no ray can hit the light. A pdf of 0 means
+    that the light does not reach x. Light in the world and from suns comes from distance ∞. Lamps are sampled by
+    ``sdf_lights.emitter``; here they give a pdf of 0. The radiance of a triangle with ``triangle_textured`` is only
+    an estimate: shade it at ``triangle_point``.
+    """
+    row = emitter_table(block)[emitter]
+    if row.kind == BALL:
+        return sample_ball(ball_table(block)[row.index], x, u1, u2)
+    if row.kind == AREA:
+        return sample_area(area_table(block)[row.index], x, u1, u2)
+    if row.kind == TRIANGLE:
+        return sample_triangle(triangle_table(block)[row.index], x, u1, u2)
+    if row.kind == SUN:
+        return sample_sun(sun_table(block)[row.index], u1, u2)
+    if row.kind == WORLD:
+        wi, pdf = sample_world(block, n, u1, u2)
+        if not pdf > 0.0:
+            return no_sample()
+        return wi, math.inf, world_radiance(block, wi), pdf, False
+    return no_sample()
+
+
+@kernel
+def light_hits(block, o, d, t_max, ray_kind, hits):
+    """Lights of finite size that the ray from o along the unit vector d meets before ``t_max``, and suns if that is ∞.
+
+    Writes rows of ``HIT`` into ``hits`` (as long as ``pack.hit_capacity`` says) and returns their number. Each has the
+    radiance that comes along the ray, the distance, and the pdf of ``sample_light`` at o, without selection. Lights do not
+    block the ray. ``ray_kind`` holds bits of ``scene.Ray``: lights visible to none of them are left out. For a path that went straight
+    through a transparent surface pass the o of the last scattering and skip nearer hits.
+    """
+    header = header_table(block)[0]
+    emitters = emitter_table(block)
+    count = 0
+    for emitter in range(header.lamp_count, header.lamp_count + header.light_count):
+        row = emitters[emitter]
+        if row.visibility & ray_kind == 0 or (row.leaf < 0 and row.infinite < 0):
+            continue
+        distance, radiance, pdf = -1.0, (0.0, 0.0, 0.0), 0.0
+        if row.kind == BALL:
+            ball = ball_table(block)[row.index]
+            if ball.radius > 0.0:
+                distance = ball_distance(ball, o, d)
+                if 0.0 < distance < t_max:
+                    radiance, pdf = ball_radiance(ball, o, d), ball_pdf(ball, o)
+        elif row.kind == AREA:
+            distance, radiance, pdf = hit_area(area_table(block)[row.index], o, d)
+        elif t_max == math.inf:
+            sun = sun_table(block)[row.index]
+            offset = sub(d, vec(sun.direction))
+            # |d − s|² / 2 is 1 − cosine without its cancellation.
+            if 0.5 * dot(offset, offset) < sun.one_minus_cos:
+                distance, radiance, pdf = math.inf, vec(sun.radiance), cone_pdf(sun.one_minus_cos)
+        if distance > 0.0 and (distance < t_max or distance == math.inf) and largest(radiance) > 0.0:
+            hit = hits[count]
+            hit.emitter, hit.distance, hit.pdf = emitter, distance, pdf
+            hit.radiance[0], hit.radiance[1], hit.radiance[2] = radiance
+            count += 1
+    return count
+
+
+@kernel
+def is_lamp(block, emitter):
+    """Whether the emitter is an SDF lamp; its index is then the lamp's."""
+    return emitter_table(block)[emitter].kind == LAMP
+
+
+@kernel
+def casts_shadow(block, emitter):
+    return emitter_table(block)[emitter].cast_shadow != 0
+
+
+@kernel
+def visibility(block, emitter):
+    """Bits of ``scene.Ray``: kinds of ray that see the emitter's light."""
+    return emitter_table(block)[emitter].visibility
+
+
+@kernel
+def world_emitter(block):
+    return header_table(block)[0].world_emitter
+
+
+@kernel
+def triangle_emitter(block, instance, primitive):
+    """Emitter of a triangle of an instance, or −1 if it is not one."""
+    offsets = triangle_offset_table(block)
+    if instance + 1 >= len(offsets):
+        return -1
+    at = offsets[instance] + primitive
+    if at >= offsets[instance + 1]:
+        return -1
+    return triangle_map_table(block)[at]
+
+
+@kernel
+def triangle_pdf(block, x, emitter, d, distance):
+    """Density of ``sample_light`` at x for a triangle that the ray along d hits at ``distance``, without selection."""
+    return triangle_density(triangle_table(block)[emitter_table(block)[emitter].index], x, d, distance)
+
+
+@kernel
+def triangle_textured(block, emitter):
+    """Whether the emitter is a triangle whose radiance varies, so that it has to be shaded where it is sampled."""
+    row = emitter_table(block)[emitter]
+    return row.kind == TRIANGLE and triangle_table(block)[row.index].textured != 0
+
+
+@kernel
+def triangle_point(block, x, emitter, d):
+    """Where the ray from x along d meets an emissive triangle: instance, primitive, weights of corners 1 and 2."""
+    triangle = triangle_table(block)[emitter_table(block)[emitter].index]
+    v, w = barycentric(triangle, x, d)
+    return triangle.instance, triangle.primitive, v, w

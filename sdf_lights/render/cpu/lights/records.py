@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of the emitters: one list of all of them, and one table for each kind of light.
+
+An emitter is an index into ``light_emitters``: first the SDF lamps (emitter i is lamp i), then ``scene.lights`` in their
+order, then the world, then the emissive triangles.
+"""
+
+import numpy as np
+
+from ....jit import kernel, table
+
+LAMP, BALL, AREA, SUN, WORLD, TRIANGLE = range(6)
+
+EMITTER = np.dtype(
+    [("kind", np.int32), ("index", np.int32),  # row in the table of that kind
+     ("visibility", np.int32),  # bits of scene.Ray
+     ("cast_shadow", np.int32),
+     ("leaf", np.int32),  # node of the light tree; −1: not in it
+     ("infinite", np.int32)],  # row in light_infinite; −1: not in it
+    align=True)
+
+# A point or spot light. Soft falloff makes it a disk that always faces the point it lights, otherwise it is a sphere.
+BALL_LIGHT = np.dtype(
+    [("center", np.float64, 3), ("radius", np.float64),
+     ("radiance", np.float64, 3),  # of radius 0: radiant intensity
+     ("disk", np.int64), ("spot", np.int64),
+     ("axis", np.float64, 3),  # of the spot's cone
+     ("to_local", np.float64, (3, 3)),
+     ("cos_half", np.float64), ("smooth", np.float64),
+     ("spread", np.float64)],  # 1 − cosine of the half angle of a round cone that holds all the light
+    align=True)
+
+AREA_LIGHT = np.dtype(
+    [("center", np.float64, 3), ("u", np.float64, 3), ("v", np.float64, 3),
+     ("normal", np.float64, 3),  # the side that shines; (u, v, normal) is orthonormal, of either hand
+     ("half_u", np.float64), ("half_v", np.float64), ("radiance", np.float64, 3), ("ellipse", np.int64),
+     ("tan_spread", np.float64),  # of half the angle of spread; infinite: all directions
+     ("spread_gain", np.float64)],
+    align=True)
+
+SUN_LIGHT = np.dtype(
+    [("direction", np.float64, 3),  # towards the sun
+     ("radiance", np.float64, 3),  # of angle 0: irradiance
+     ("one_minus_cos", np.float64)],
+    align=True)
+
+TRIANGLE_LIGHT = np.dtype(
+    [("corners", np.float64, (3, 3)), ("radiance", np.float64, 3), ("area", np.float64),
+     ("instance", np.int32), ("primitive", np.int32), ("textured", np.int64)],
+    align=True)
+
+# Children are neighbours. Single precision makes a node one cache line; probabilities are exact in what is stored.
+NODE = np.dtype(
+    [("lo", np.float32, 3), ("hi", np.float32, 3), ("axis", np.float32, 3), ("cos_o", np.float32),
+     ("cos_e", np.float32), ("intensity", np.float32),
+     ("child", np.int32),  # first child, or ~emitter of a leaf
+     ("parent", np.int32), ("two_sided", np.int32)],
+    align=True)
+
+INFINITE = np.dtype(
+    [("emitter", np.int64), ("irradiance", np.float64), ("direction", np.float64, 3), ("directional", np.int64)],
+    align=True)
+
+HEADER = np.dtype(
+    [("lamp_count", np.int64), ("light_count", np.int64), ("world_emitter", np.int64), ("world_color", np.float64, 3),
+     ("rotation", np.float64, (3, 3)), ("width", np.int64), ("height", np.int64),  # of the image; 0: there is none
+     ("columns", np.int64), ("rows", np.int64)],  # of the table the image is sampled from
+    align=True)
+
+TABLES = {
+    "light_header": HEADER,  # one row
+    "light_emitters": EMITTER,
+    "light_balls": BALL_LIGHT,
+    "light_areas": AREA_LIGHT,
+    "light_suns": SUN_LIGHT,
+    "light_triangles": TRIANGLE_LIGHT,
+    "light_nodes": NODE,
+    "light_infinite": INFINITE,
+    "light_triangle_offset": np.dtype(np.int64),  # of each instance into light_triangle_map; one more ends the last
+    "light_triangle_map": np.dtype(np.int32),  # emitter of each triangle of instances that emit, or −1
+    "light_image": np.dtype(np.float32),  # height × width × RGB
+    "light_image_rows": np.dtype(np.float64),  # cumulative probability of rows, rows + 1
+    "light_image_columns": np.dtype(np.float64),  # the same within each row, rows × (columns + 1)
+}
+
+HIT = np.dtype(
+    [("emitter", np.int64), ("distance", np.float64), ("pdf", np.float64), ("radiance", np.float64, 3)], align=True)
+
+header_table = table("light_header", HEADER)
+emitter_table = table("light_emitters", EMITTER)
+ball_table = table("light_balls", BALL_LIGHT)
+area_table = table("light_areas", AREA_LIGHT)
+sun_table = table("light_suns", SUN_LIGHT)
+triangle_table = table("light_triangles", TRIANGLE_LIGHT)
+node_table = table("light_nodes", NODE)
+infinite_table = table("light_infinite", INFINITE)
+triangle_offset_table = table("light_triangle_offset", np.int64)
+triangle_map_table = table("light_triangle_map", np.int32)
+image_table = table("light_image", np.float32)
+image_rows_table = table("light_image_rows", np.float64)
+image_columns_table = table("light_image_columns", np.float64)
+
+
+@kernel
+def no_sample():
+    """What a sampler returns where the light cannot reach the point."""
+    return (0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0), 0.0, False

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The light tree: built here in NumPy, one level at a time.
+
+Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting", PACMCGIT 1(2): a binary
+tree over all emitters of finite extent; a node bounds their positions by a box, their directions of emission by
+a cone and knows the sum of their intensities. Clusters are split where the metric of Walter et al. 2005,
+"Lightcuts" (intensity × squared extent of positions and axes), becomes least.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .records import NODE
+
+# An axis of emission spans up to 2; this makes opposite axes half as far apart as the ends of the cluster's box.
+AXIS_SCALE = 0.25
+CANDIDATES = 8
+
+
+@dataclass
+class Bounds:
+    """What the tree knows of m emitters."""
+
+    emitter: np.ndarray  # (m,)
+    lo: np.ndarray  # (m, 3)
+    hi: np.ndarray  # (m, 3)
+    axis: np.ndarray  # (m, 3) axis of the cone of normals, unit length; anything where cos_o is −1
+    cos_o: np.ndarray  # (m,) of the half angle of that cone
+    cos_e: np.ndarray  # (m,) of the angle around each normal within which light is emitted
+    intensity: np.ndarray  # (m,) average of RGB, along the normal, W/sr
+    two_sided: np.ndarray  # (m,) bool
+
+
+def build_tree(bounds: Bounds) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (root first, children adjacent) and the leaf of each emitter in ``bounds``."""
+    count = len(bounds.emitter)
+    nodes = np.zeros(max(2 * count - 1, 0), NODE)
+    leaf = np.zeros(count, np.int32)
+    nodes["parent"] = -1
+    low = np.concatenate((bounds.lo, np.where(bounds.cos_o[:, None] > -1.0, bounds.axis, 0.0)), axis=1)
+    high = np.concatenate((bounds.hi, low[:, 3:]), axis=1)
+    middle = 0.5 * (low + high)
+
+    items, sizes = np.arange(count), np.array([count])
+    levels, first = [], 0
+    while len(items):
+        ids = first + np.arange(len(sizes))
+        first += len(sizes)
+        starts = np.cumsum(sizes) - sizes
+        is_leaf = sizes == 1
+        members = items[starts[is_leaf]]
+        leaf[members] = ids[is_leaf]
+        nodes["child"][ids[is_leaf]] = ~bounds.emitter[members]
+
+        inner, inner_sizes = ids[~is_leaf], sizes[~is_leaf]
+        items = items[np.repeat(~is_leaf, sizes)]
+        levels.append((ids[is_leaf], members, inner))
+        if not len(items):
+            break
+        items, left = _split(items, inner_sizes, low, high, middle, bounds.intensity)
+        children = first + 2 * np.arange(len(inner))
+        nodes["child"][inner] = children
+        nodes["parent"][children] = nodes["parent"][children + 1] = inner
+        sizes = np.stack((left, inner_sizes - left), axis=1).ravel()
+
+    for leaves, members, inner in reversed(levels):
+        _fill_leaves(nodes, leaves, members, bounds)
+        _fill_inner(nodes, inner)
+    return nodes, leaf
+
+
+def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.ndarray]:
+    """Order the items of every cluster along its longest axis; how many of them go to the first child."""
+    starts = np.cumsum(sizes) - sizes
+    cluster = np.repeat(np.arange(len(sizes)), sizes)
+    extent = np.maximum.reduceat(middle[items], starts) - np.minimum.reduceat(middle[items], starts)
+    extent[:, 3:] *= AXIS_SCALE * np.linalg.norm(extent[:, :3], axis=1, keepdims=True)
+    key = middle[items, np.argmax(extent, axis=1)[cluster]]
+    items = items[np.lexsort((key, cluster))]
+
+    left = sizes // 2
+    large = np.flatnonzero(sizes >= 2 * CANDIDATES)
+    if len(large):
+        cuts = starts[large, None] + sizes[large, None] * np.arange(CANDIDATES) // CANDIDATES
+        ends = np.empty(2 * len(large), np.int64)
+        ends[0::2], ends[1::2] = starts[large], starts[large] + sizes[large]
+        # Small clusters in between fall into groups of their own, which are dropped.
+        groups = np.unique(np.concatenate((cuts.ravel(), ends[ends < len(items)])))
+        keep = np.searchsorted(groups, cuts)
+        lo = np.minimum.reduceat(low[items], groups)[keep]
+        hi = np.maximum.reduceat(high[items], groups)[keep]
+        power = np.add.reduceat(intensity[items], groups)[keep]
+        cost = _cost(lo, hi, power)[:, :-1] + _cost(lo[:, ::-1], hi[:, ::-1], power[:, ::-1])[:, -2::-1]
+        left[large] = cuts[np.arange(len(large)), np.argmin(cost, axis=1) + 1] - starts[large]
+    return items, left
+
+
+def _cost(lo, hi, power) -> np.ndarray:
+    """Intensity × squared extent of the first 1, 2, … groups of each cluster: (k, groups, 6), (k, groups) -> (k, groups)."""
+    extent = np.maximum.accumulate(hi, axis=1) - np.minimum.accumulate(lo, axis=1)
+    space = np.sum(extent[..., :3] ** 2, axis=2)
+    axes = np.sum(extent[..., 3:] ** 2, axis=2) * AXIS_SCALE**2
+    return np.cumsum(power, axis=1) * space * (1.0 + axes)
+
+
+def _fill_leaves(nodes, leaves, members, bounds) -> None:
+    for name in ("lo", "hi", "axis", "cos_o", "cos_e", "intensity", "two_sided"):
+        nodes[name][leaves] = getattr(bounds, name)[members]
+    # Rounding to single precision must not let a bound shrink.
+    nodes["lo"][leaves] = np.nextafter(nodes["lo"][leaves], np.float32(-np.inf))
+    nodes["hi"][leaves] = np.nextafter(nodes["hi"][leaves], np.float32(np.inf))
+
+
+def _fill_inner(nodes, inner) -> None:
+    a, b = nodes[nodes["child"][inner]], nodes[nodes["child"][inner] + 1]
+    nodes["lo"][inner] = np.minimum(a["lo"], b["lo"])
+    nodes["hi"][inner] = np.maximum(a["hi"], b["hi"])
+    nodes["cos_e"][inner] = np.minimum(a["cos_e"], b["cos_e"])
+    nodes["intensity"][inner] = a["intensity"] + b["intensity"]
+    nodes["two_sided"][inner] = a["two_sided"] | b["two_sided"]
+    axis, cos_o = _union(a, b)
+    nodes["axis"][inner] = axis
+    nodes["cos_o"][inner] = cos_o
+
+
+def _union(a, b) -> tuple[np.ndarray, np.ndarray]:
+    """Cone that holds two cones of normals (Conty Estevez and Kulla 2018, algorithm 1)."""
+    axis_a, axis_b = a["axis"].astype(float), b["axis"].astype(float)
+    cosine = np.sum(axis_a * axis_b, axis=1)
+    flip = (a["two_sided"] & b["two_sided"] & (cosine < 0.0)).astype(bool)
+    axis_b[flip] *= -1.0
+    between = np.arccos(np.clip(np.where(flip, -cosine, cosine), -1.0, 1.0))
+    half_a = np.arccos(np.clip(a["cos_o"].astype(float), -1.0, 1.0))
+    half_b = np.arccos(np.clip(b["cos_o"].astype(float), -1.0, 1.0))
+    half = np.minimum(0.5 * (half_a + between + half_b), np.pi)
+    turn = half - half_a
+    normal = np.cross(axis_a, axis_b)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    side = np.cross(normal / np.where(length > 0.0, length, 1.0), axis_a)
+    axis = axis_a * np.cos(turn)[:, None] + side * np.sin(turn)[:, None]
+    # Opposite or equal axes leave the side undefined: take everything, unless one cone holds the other.
+    half = np.where((length[:, 0] < 1e-6) & (between > 1.0), np.pi, half)
+    a_holds, b_holds = between + half_b <= half_a, between + half_a <= half_b
+    axis = np.where(a_holds[:, None], axis_a, np.where(b_holds[:, None], axis_b, axis))
+    half = np.where(a_holds, half_a, np.where(b_holds, half_b, half))
+    norm = np.linalg.norm(axis, axis=1, keepdims=True)
+    axis /= np.where(norm > 0.0, norm, 1.0)
+    return axis, np.cos(np.minimum(half + 1e-6, np.pi))
