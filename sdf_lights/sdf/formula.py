@@ -7,7 +7,7 @@ about, and the formula itself is the key under which a reading (compiled code, s
 of a slot in an array of values: other values, same formula.
 
 ``OPERATIONS`` is the one table of what a node can be and what it means. Readings walk ``order(formula)`` and add
-nothing to it: see ``read_numpy``, ``read_numba`` and ``read_text``. This module knows none of them.
+nothing to it: see ``read_numpy``, ``read_native`` and ``read_text``. This module knows none of them.
 """
 
 from __future__ import annotations

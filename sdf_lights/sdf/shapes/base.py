@@ -9,6 +9,7 @@ Everything that has a name for a shape (the expression language, Blender's prope
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import re
 from functools import cached_property
@@ -22,6 +23,7 @@ from ..formula import POINT, Formula, Vector, parameter
 EXACT, BOUND, NONE = "exact", "bound", "none"
 
 SMALLEST = 1e-6  # least size of anything that must not vanish, in metres: below it float32 displays show nothing
+LARGEST = 1e9  # greatest size and distance: far from where squares overflow, also in float32
 
 SHAPES: dict[str, type["Shape"]] = {}
 """Every shape by the name it has in expressions, ``box_frame`` for ``BoxFrame``, in order of definition."""
@@ -45,7 +47,7 @@ class Parameter(NamedTuple):
     size: int
 
 
-def number(default, description: str, *, unit: str = "LENGTH", minimum: float = SMALLEST, maximum: float = math.inf,
+def number(default, description: str, *, unit: str = "LENGTH", minimum: float = SMALLEST, maximum: float = LARGEST,
            soft_maximum: float = 10.0, label: str = ""):
     """Dataclass field of a shape's parameter: a float, or a vector where ``default`` is a 3-tuple."""
     return dataclasses.field(default=default, metadata=dict(
@@ -76,8 +78,11 @@ class Shape:
     |φ(x) − φ(y)| ≤ L |x − y| for all x, y; it is 1 for the first two.
     """
 
-    exactness: str = EXACT
-    lipschitz: float = 1.0
+    exactness = EXACT
+    lipschitz = 1.0
+    children = ()  # the shapes that this one is made of
+    size = 1  # number of primitives in the shape
+    depth = 1  # number of shapes inside one another
 
     def __init_subclass__(cls, abstract: bool = False, **options):
         """Register the class in ``SHAPES``, unless it is abstract: not to be named by artists."""
@@ -100,7 +105,8 @@ class Shape:
         return cls.name().replace("_", " ").title()
 
     @classmethod
-    def fields(cls) -> list[Parameter]:
+    @functools.cache
+    def fields(cls) -> tuple[Parameter, ...]:
         """The parameters an artist sets, in order."""
         found = []
         for field in dataclasses.fields(cls):
@@ -109,7 +115,7 @@ class Shape:
                 label = about.pop("label") or field.name.replace("_", " ").title()
                 size = 3 if isinstance(field.default, tuple) else 1
                 found.append(Parameter(field.name, label, default=field.default, size=size, **about))
-        return found
+        return tuple(found)
 
     # -- what every shape defines ---------------------------------------------------------------------------------
 
@@ -127,7 +133,7 @@ class Shape:
         """
         raise NotImplementedError
 
-    def check(self) -> str:
+    def relation(self) -> str:
         """What is wrong between parameters that are each within their limits: one sentence, or an empty string."""
         return ""
 
@@ -165,10 +171,14 @@ class Shape:
         return read_numpy.evaluate(self.formula(), points, self.parameters())
 
     def validate(self) -> str:
-        """What is wrong with the parameters and how to put it right: one sentence, or an empty string.
+        """What is wrong with the shape and its parts, and how to put it right: one sentence, or an empty string.
 
         The other methods promise nothing for a shape that is not valid.
         """
+        return self.check() or next(filter(None, (child.validate() for child in self.children)), "")
+
+    def check(self) -> str:
+        """As ``validate``, but of this shape alone, without its parts."""
         for field in self.fields():
             value = getattr(self, field.name)
             for component in value if field.size == 3 else (value,):
@@ -179,17 +189,7 @@ class Shape:
                     return f"{what} at least {field.minimum:g}."
                 if component > field.maximum:
                     return f"{what} at most {field.maximum:g}."
-        return self.check()
-
-    @cached_property
-    def size(self) -> int:
-        """Number of primitives in the shape."""
-        return 1
-
-    @cached_property
-    def depth(self) -> int:
-        """Number of shapes inside one another."""
-        return 1
+        return self.relation()
 
 
 def _coerced(shape: Shape, field: Parameter, value):

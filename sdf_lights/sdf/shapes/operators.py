@@ -12,8 +12,9 @@ import numpy as np
 
 from ..formula import Formula, Vector, maximum, minimum
 from ..program import Op, combine
-from .base import BOUND, EXACT, NONE, Shape, ShapeError, Slots
+from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Shape, ShapeError, Slots
 
+_FLAT = 1e-9  # ratio of singular values below which a matrix counts as flat
 _SIMILAR = 1e-12  # relative spread of singular values below which a matrix scales all directions alike
 
 
@@ -32,10 +33,19 @@ class SetOperation(Shape, abstract=True):
         for child in children:
             if not isinstance(child, Shape):
                 raise ShapeError(f"{self.label()} combines shapes, not {child!r:.40}.")
-        object.__setattr__(self, "children", self._flattened(children))
+        parts, depth = [], 1
+        for index, child in enumerate(children):
+            absorbed = self._absorbs(index, child)
+            parts.extend(child.children if absorbed else (child,))
+            depth = max(depth, child.depth + (not absorbed))
+        object.__setattr__(self, "children", tuple(parts))
+        # Kept, and from the arguments instead of all parts: a chain of n operations is then built in linear time.
+        object.__setattr__(self, "size", sum(child.size for child in children))
+        object.__setattr__(self, "depth", depth)
 
-    def _flattened(self, children: tuple[Shape, ...]) -> tuple[Shape, ...]:
-        return tuple(part for child in children for part in (child.children if type(child) is type(self) else (child,)))
+    def _absorbs(self, index: int, child: Shape) -> bool:
+        """Whether the argument ``child`` can be replaced by its parts."""
+        return type(child) is type(self)
 
     @property
     def exactness(self) -> str:
@@ -61,18 +71,8 @@ class SetOperation(Shape, abstract=True):
     def volume(self) -> float | None:
         return self.children[0].volume() if len(self.children) == 1 else None
 
-    def validate(self) -> str:
-        if not self.children:
-            return f"{self.label()}: it has no shapes to combine: give it at least one."
-        return next(filter(None, (child.validate() for child in self.children)), "")
-
-    @cached_property
-    def size(self) -> int:
-        return sum(child.size for child in self.children)
-
-    @cached_property
-    def depth(self) -> int:
-        return 1 + max((child.depth for child in self.children), default=0)
+    def relation(self) -> str:
+        return "" if self.children else f"{self.label()}: it has no shapes to combine: give it at least one."
 
 
 @dataclass(frozen=True, init=False)
@@ -116,10 +116,8 @@ class Difference(SetOperation):
 
     children: tuple[Shape, ...] = ()
 
-    def _flattened(self, children):
-        if children and type(children[0]) is Difference:
-            return children[0].children + children[1:]
-        return children
+    def _absorbs(self, index, child):
+        return index == 0 and super()._absorbs(index, child)
 
     def _combine(self, fields):
         return maximum(fields[0], *(-field for field in fields[1:]))
@@ -183,15 +181,29 @@ class Transformed(Shape, abstract=True):
         moved = Vector(*(row.dot(p) + offset for row, offset in rows))
         return self.child.build(moved, slot) * slot(float(self._singular_values[-1]))
 
-    def validate(self) -> str:
+    @property
+    def children(self) -> tuple[Shape, ...]:
+        return (self.child,)
+
+    @property
+    def size(self) -> int:
+        return self.child.size
+
+    @property
+    def depth(self) -> int:
+        return 1 + self.child.depth
+
+    def relation(self) -> str:
         if not np.isfinite(self._array).all():
             return "Transformed: the matrix has a number that is not finite: give the shape an ordinary transform."
         if np.any(self._array[3] != (0.0, 0.0, 0.0, 1.0)):
             return "Transformed: the last row of the matrix must be 0, 0, 0, 1."
+        if np.abs(self._array).max() > LARGEST:
+            return f"Transformed: the matrix has a number above {LARGEST:g}: move and scale the shape less."
         largest, _, least = self._singular_values
-        if least <= 1e-9 * largest:
+        if least < max(SMALLEST, _FLAT * largest):
             return "Transformed: the matrix flattens the shape: give it a scale other than zero along every axis."
-        return self.child.validate()
+        return ""
 
     def volume(self) -> float | None:
         volume = self.child.volume()
@@ -202,11 +214,3 @@ class Transformed(Shape, abstract=True):
 
     def program(self, matrix=None):
         return self.child.program(self._total(matrix))
-
-    @cached_property
-    def size(self) -> int:
-        return self.child.size
-
-    @cached_property
-    def depth(self) -> int:
-        return 1 + self.child.depth

@@ -139,7 +139,7 @@ class BoxFrame(Primitive):
         inside = maximum(maximum(*outer), -openings)
         return maximum(outside, 0.0) + minimum(inside, 0.0)
 
-    def check(self) -> str:
+    def relation(self) -> str:
         if self.thickness > min(self.half_size):
             return (f"Box Frame: thickness {self.thickness:g} is more than the least half size {min(self.half_size):g}, "
                     "so the bars overlap: make the thickness smaller.")
@@ -176,7 +176,7 @@ class Torus(Primitive):
         major, minor = slot(self.major_radius), slot(self.minor_radius)
         return length(length(p.x, p.y) - major, p.z) - minor
 
-    def check(self) -> str:
+    def relation(self) -> str:
         if self.minor_radius > self.major_radius:
             return (f"Torus: minor radius {self.minor_radius:g} is more than the major radius {self.major_radius:g}, "
                     "so the tube overlaps itself: make the minor radius smaller.")

@@ -1,0 +1,247 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The native reading of a formula: machine code over n points, compiled once for each formula.
+
+The graph goes node by node into LLVM vector instructions (Numba's LLVM), ``LANES`` points side by side. No source text
+is made, and LLVM's optimiser is not run: hash-consing has already done its work on a graph without branches, and it
+takes 5 s for the 2,800 nodes of 200 transformed spheres, where instruction selection alone takes 0.4 s and the code is
+as fast. What depends on parameters alone stays scalar.
+
+``AVAILABLE`` is False where Numba cannot be imported; then ``read_numpy`` does the same, slower.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import math
+import threading
+from collections import OrderedDict
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import jit
+from ..jit import AVAILABLE
+from .formula import CONSTANT, PARAMETER, POSITION, Formula, order, slots
+
+LANES = 8  # a cache line of doubles: two registers with AVX2, four with NEON
+
+KEPT = 256  # compiled formulas kept, the most recently used ones; each is some kilobytes of code
+
+_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
+
+
+class Compiled(NamedTuple):
+    """Machine code of one formula: the C function
+
+        void f(int64_t n, const double *points, const double *parameters, double *values)
+
+    with all x, then all y, then all z in ``points`` (3, n), and the formula's slots in ``parameters``; n must be a
+    multiple of ``LANES`` (repeat a point to fill up). It may be called from any number of threads.
+    """
+
+    address: int  # valid as long as ``owner`` lives
+    owner: object
+
+
+_compiled: OrderedDict[Formula, Compiled] = OrderedDict()
+_lock = threading.RLock()
+
+
+def compiled(formula: Formula) -> Compiled:
+    """Code of the formula, compiled when it is first asked for. Parameter values are not part of it."""
+    with _lock:
+        found = _compiled.get(formula)
+        if found is None:
+            found = _compiled[formula] = _compile(formula)
+            if len(_compiled) > KEPT:
+                _compiled.popitem(last=False)
+        else:
+            _compiled.move_to_end(formula)
+        return found
+
+
+def evaluate(formula: Formula, points: np.ndarray, parameters: np.ndarray = ()) -> np.ndarray:
+    """Values (…) of the formula at points (…, 3), like ``read_numpy.evaluate``.
+
+    The two agree to rounding. Where an operand of minimum, maximum or a comparison is NaN, either operand may result.
+    """
+    points = np.asarray(points, np.float64)
+    rows = points.reshape(-1, 3)
+    n = len(rows)
+    columns = np.zeros((3, -(-n // LANES) * LANES))
+    columns[:, :n] = rows.T
+    parameters = np.ascontiguousarray(parameters, np.float64)
+    if len(parameters) < slots(formula):
+        raise ValueError(f"the formula has {slots(formula)} parameters, not {len(parameters)}")
+    values = np.empty(columns.shape[1])
+    code = compiled(formula)
+    _SIGNATURE(code.address)(len(values), columns.ctypes.data, parameters.ctypes.data, values.ctypes.data)
+    return values[:n].reshape(points.shape[:-1])
+
+
+if AVAILABLE:
+    import llvmlite.binding as llvm
+    import numba
+    from llvmlite import ir
+    from numba import types
+
+    _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
+    _LANES = ir.VectorType(_DOUBLE, LANES)
+    _FIRST = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+    _POINTER = _DOUBLE.as_pointer()
+    _FUNCTION = ir.FunctionType(ir.VoidType(), [_INDEX, _POINTER, _POINTER, _POINTER])
+    _FLAGS = tuple(jit.FASTMATH)
+
+    # Functions that no processor has an instruction for, as Numba implements them on this platform.
+    _LIBRARY = {
+        "sin": lambda a: math.sin(a),
+        "cos": lambda a: math.cos(a),
+        "tan": lambda a: math.tan(a),
+        "asin": lambda a: math.asin(a),
+        "acos": lambda a: math.acos(a),
+        "atan": lambda a: math.atan(a),
+        "exp": lambda a: math.exp(a),
+        "log": lambda a: math.log(a),
+        "power": lambda a, b: a**b,
+        "atan2": lambda a, b: math.atan2(a, b),
+    }
+
+    @functools.lru_cache(maxsize=None)
+    def _library_function(kind: str, arity: int):
+        function = numba.cfunc(types.float64(*[types.float64] * arity), error_model="numpy")(_LIBRARY[kind])
+        llvm.add_symbol(f"sdf_lights_{kind}", function.address)
+        return function  # the cache keeps its code alive
+
+    def _declared(module: ir.Module, name: str, result, operands) -> ir.Function:
+        known = module.globals.get(name)
+        return known or ir.Function(module, ir.FunctionType(result, [o.type for o in operands]), name)
+
+    def _library(kind: str):
+        def emit(builder, *operands):
+            _library_function(kind, len(operands))
+            scalars = [[o] if o.type == _DOUBLE else [builder.extract_element(o, _INDEX(lane)) for lane in range(LANES)]
+                       for o in operands]
+            function = _declared(builder.module, f"sdf_lights_{kind}", _DOUBLE, [lane[0] for lane in scalars])
+            results = [builder.call(function, lane) for lane in zip(*scalars)]
+            if len(results) == 1:
+                return results[0]
+            vector = ir.Constant(_LANES, ir.Undefined)
+            for lane, result in enumerate(results):
+                vector = builder.insert_element(vector, result, _INDEX(lane))
+            return vector
+
+        return emit
+
+    def _instruction(name: str):
+        """Emits one of the functions that LLVM itself knows."""
+
+        def emit(builder, operand):
+            suffix = "f64" if operand.type == _DOUBLE else f"v{LANES}f64"
+            return builder.call(_declared(builder.module, f"llvm.{name}.{suffix}", operand.type, [operand]), [operand])
+
+        return emit
+
+    def _comparison(symbol: str):
+        return lambda builder, a, b: builder.fcmp_ordered(symbol, a, b)
+
+    def _choice(symbol: str):
+        return lambda builder, a, b: builder.select(builder.fcmp_ordered(symbol, a, b), a, b)
+
+    def _arithmetic(name: str):
+        return lambda builder, *operands: getattr(builder, name)(*operands, flags=_FLAGS)
+
+    _EMIT = {
+        "negate": _arithmetic("fneg"),
+        "abs": _instruction("fabs"),
+        "sqrt": _instruction("sqrt"),
+        "floor": _instruction("floor"),
+        "add": _arithmetic("fadd"),
+        "subtract": _arithmetic("fsub"),
+        "multiply": _arithmetic("fmul"),
+        "divide": _arithmetic("fdiv"),
+        "minimum": _choice("<"),
+        "maximum": _choice(">"),
+        "less": _comparison("<"),
+        "less_equal": _comparison("<="),
+        "select": lambda builder, condition, then, otherwise: builder.select(condition, then, otherwise),
+        **{kind: _library(kind) for kind in _LIBRARY},
+    }
+
+    def _emit_graph(builder: ir.IRBuilder, formula: Formula, position, parameters):
+        """Instructions for ``LANES`` points; ``position(axis)`` gives the vector of one coordinate."""
+        values = {}
+        spread = {}
+
+        def lanes(node):
+            value = values[node]
+            if isinstance(value.type, ir.VectorType):
+                return value
+            if node not in spread:
+                kind = ir.VectorType(value.type, LANES)
+                first = builder.insert_element(ir.Constant(kind, ir.Undefined), value, _INDEX(0))
+                spread[node] = builder.shuffle_vector(first, first, _FIRST)
+            return spread[node]
+
+        for node in order(formula):
+            if node.kind == CONSTANT:
+                values[node] = ir.Constant(_DOUBLE, node.value)
+            elif node.kind == POSITION:
+                values[node] = position(node.value)
+            elif node.kind == PARAMETER:
+                values[node] = builder.load(builder.gep(parameters, [_INDEX(node.value)]))
+            else:
+                scalar = not any(isinstance(values[operand].type, ir.VectorType) for operand in node.operands)
+                operands = [values[operand] if scalar else lanes(operand) for operand in node.operands]
+                values[node] = _EMIT[node.kind](builder, *operands)
+        return lanes(formula)
+
+    def _module(formula: Formula) -> ir.Module:
+        module = ir.Module()
+        module.triple = llvm.get_process_triple()
+        function = ir.Function(module, _FUNCTION, "read")
+        n, points, parameters, values = function.args
+        entry, body, done = (function.append_basic_block(name) for name in ("entry", "body", "done"))
+
+        builder = ir.IRBuilder(entry)
+        builder.cbranch(builder.icmp_signed(">", n, _INDEX(0)), body, done)
+
+        builder.position_at_end(body)
+        first = builder.phi(_INDEX)
+
+        def lanes_at(array, index):
+            return builder.bitcast(builder.gep(array, [index]), _LANES.as_pointer())
+
+        def position(axis):
+            return builder.load(lanes_at(points, builder.add(builder.mul(n, _INDEX(axis)), first)), align=8)
+
+        builder.store(_emit_graph(builder, formula, position, parameters), lanes_at(values, first), align=8)
+        following = builder.add(first, _INDEX(LANES))
+        first.add_incoming(_INDEX(0), entry)
+        first.add_incoming(following, body)
+        builder.cbranch(builder.icmp_signed("<", following, n), body, done)
+
+        builder.position_at_end(done)
+        builder.ret_void()
+        return module
+
+    @functools.lru_cache(maxsize=None)
+    def _target() -> llvm.Target:
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+        return llvm.Target.from_triple(llvm.get_process_triple())
+
+    def _compile(formula: Formula) -> Compiled:
+        machine = _target().create_target_machine(
+            opt=2, codemodel="jitdefault", jit=True,
+            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten())
+        module = llvm.parse_assembly(str(_module(formula)))
+        engine = llvm.create_mcjit_compiler(module, machine)
+        engine.finalize_object()
+        return Compiled(engine.get_function_address("read"), engine)
+
+else:
+
+    def _compile(formula: Formula) -> Compiled:
+        raise RuntimeError(jit.REASON)
