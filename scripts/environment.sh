@@ -84,7 +84,7 @@ stamp=$environment/stamp
 wanted="$version $(cat "$requirements/bundled.txt" "$requirements/common.txt" "$requirements/blender-$blender.txt" | cksum)"
 
 if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ] || [ "$(version_of "$interpreter")" != "$version" ]; then
-    say "Setting up Blender $blender for Python $version in ${environment#"$root"/} (once; downloads about 500 MB) ..."
+    say "Setting up Blender $blender for Python $version in ${environment#"$root"/} (once; 1.4 GB on disk) ..."
     "$python" -m venv --clear "$environment" >&2 || fail 3 "$python cannot make virtual environments" \
         "(on Debian and Ubuntu: apt-get install python3-venv)."
     [ ! -d "$environment/Scripts" ] || interpreter=$environment/Scripts/python.exe

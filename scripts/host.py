@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender, with this checkout loaded into it as an extension is."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import pathlib
+import sys
+
+import bpy
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+PACKAGE = "sdf_lights_checkout"
+ENGINE = "SDF_LIGHTS"
+
+
+def register_extension():
+    """Register the add-on in this checkout and return its root package.
+
+    Blender calls an extension's package ``bl_ext.<repository>.<id>``; here the folder of the checkout, whatever its
+    name, is one package too, so that all its imports stay relative to it.
+    """
+    if PACKAGE in sys.modules:
+        return sys.modules[PACKAGE]
+    os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
+    spec = importlib.util.spec_from_file_location(
+        PACKAGE, REPOSITORY / "__init__.py", submodule_search_locations=[str(REPOSITORY)])
+    package = importlib.util.module_from_spec(spec)
+    sys.modules[PACKAGE] = package
+    spec.loader.exec_module(package)
+    package.register()
+    return package
+
+
+def unregister_extension() -> None:
+    package = sys.modules.pop(PACKAGE, None)
+    if package is not None:
+        package.unregister()
+
+
+def set_lamp(light, shape: str, **parameters) -> None:
+    """Make a Light datablock an SDF lamp: ``shape`` is a primitive's name with its parameters, or an expression."""
+    lamp = light.sdf_lamp
+    lamp.use = True
+    if "(" in shape:
+        lamp.source, lamp.expression = "EXPRESSION", shape
+        return
+    lamp.source, lamp.shape = "PRIMITIVE", shape.upper()
+    for name, value in parameters.items():
+        setattr(getattr(lamp, shape), name, value)
+
+
+def finish(code: int) -> None:
+    """Leave the process with an exit code.
+
+    Python's own way out runs the destructors of Blender's module, which report the memory of whatever is still open,
+    and can hang.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
