@@ -15,7 +15,8 @@ WHITE = (1.0, 1.0, 1.0)
 GREY = (0.8, 0.8, 0.8)
 
 # kind -> inputs with their defaults. A 3-tuple is a colour or a vector; None for a normal means the shading normal,
-# None for a closure means black. A node may stand in the place of any value.
+# None for a vector the active UV map, None for a closure black. A node may stand in the place of any value; a value
+# where a closure is expected emits it, a closure where a value is expected is that input's default.
 NODES: dict[str, dict[str, object]] = {
     # closures
     "diffuse": dict(color=GREY, roughness=0.0, normal=None),
@@ -26,6 +27,7 @@ NODES: dict[str, dict[str, object]] = {
     "translucent": dict(color=GREY, normal=None),
     "emission": dict(color=WHITE, strength=1.0),
     "holdout": dict(),
+    # settings of glossy, glass, principled: distribution ("MULTI_GGX", the default, | "GGX")
     "principled": dict(
         base_color=GREY, metallic=0.0, roughness=0.5, ior=1.5, alpha=1.0, normal=None, diffuse_roughness=0.0,
         specular_ior_level=0.5, specular_tint=WHITE, transmission_weight=0.0,
@@ -34,8 +36,12 @@ NODES: dict[str, dict[str, object]] = {
     "mix_closure": dict(factor=0.5, a=None, b=None),
     "add_closure": dict(a=None, b=None),
     # values
-    "image": dict(vector=None),  # settings: image, interpolation, extension, projection, output ("color" | "alpha")
+    # settings: image (index or None), interpolation ("Linear" | "Closest" | "Cubic"), extension ("REPEAT" | "EXTEND" |
+    # "CLIP" | "MIRROR"), projection ("FLAT" | "SPHERE" | "TUBE"), output ("color" | "alpha"), and associated (colour
+    # times alpha, which Blender gives where the Alpha output is not linked; False by default)
+    "image": dict(vector=None),
     "uv": dict(),  # settings: uv_map ("" is the active one)
+    # settings: type ("POINT" | "TEXTURE" | "VECTOR" | "NORMAL")
     "mapping": dict(vector=None, location=(0.0, 0.0, 0.0), rotation=(0.0, 0.0, 0.0), scale=WHITE),
     "normal_map": dict(color=(0.5, 0.5, 1.0), strength=1.0),  # settings: uv_map, space ("TANGENT" | "OBJECT" | "WORLD")
     "bump": dict(strength=1.0, distance=1.0, height=1.0, normal=None),  # settings: invert

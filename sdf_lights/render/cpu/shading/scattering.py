@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluating and sampling all closures of a surface together: the one-sample model with the balance heuristic."""
+
+import math
+
+from ....jit import kernel, table
+from ....vec import ZERO, add, dot, frame, madd, mul, negate, scale, to_world, vec
+from . import diffuse, microfacet
+from .records import (
+    CLOSURE, DIFFUSE, GLOSSY, LAMBERT, MICROFACET, OREN_NAYAR, SHEEN, SINGULAR, STRAIGHT, SURFACE, TRANSLUCENT,
+    TRANSMISSION, TRANSPARENT)
+
+_surface = table("surface", SURFACE)
+_closures = table("closures", CLOSURE)
+
+_BELOW_ONE = 1.0 - 2.0**-53
+
+
+@kernel
+def _bump_shadowing(surface, closure, wi):
+    """Factor on a closure whose normal is not the surface's.
+
+    Light from behind the unbumped surface is cut; near the horizon diffuse closures darken gradually, by Conty Estevez,
+    Lecocq and Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem".
+    """
+    smooth, n = vec(surface.n), vec(closure.normal)
+    cosine, tilt = dot(smooth, wi), dot(smooth, n)
+    if cosine * tilt * dot(n, wi) < 0.0:
+        return 0.0
+    if closure.kind == MICROFACET:
+        return 1.0
+    cosine, tilt = abs(cosine), abs(tilt)
+    if tilt >= 1.0 or cosine >= 1.0:
+        return 1.0
+    if cosine < 1e-6:
+        return 0.0
+    alpha2 = min(0.125 * (1.0 / (tilt * tilt) - 1.0), 1.0)
+    return 1.0 / (1.0 + microfacet.masking(alpha2, cosine))
+
+
+@kernel
+def _evaluate_closure(surface, closure, wi):
+    """f · |cos| with the closure's weight, and its pdf."""
+    kind = closure.kind
+    if kind == LAMBERT or kind == TRANSLUCENT:
+        cosine = dot(vec(closure.normal), wi)
+        pdf = max(cosine if kind == LAMBERT else -cosine, 0.0) / math.pi
+        value = (pdf, pdf, pdf)
+    elif kind == MICROFACET:
+        value, pdf = microfacet.evaluate(closure, vec(surface.wo), wi)
+    elif kind == OREN_NAYAR:
+        value = diffuse.oren_nayar(closure, vec(surface.wo), wi)
+        pdf = max(dot(vec(closure.normal), wi), 0.0) / math.pi
+    else:
+        pdf = diffuse.sheen(closure, vec(surface.wo), wi)
+        value = (pdf, pdf, pdf)
+    if pdf <= 0.0:
+        return ZERO, 0.0
+    value = mul(value, vec(closure.weight))
+    return scale(value, _bump_shadowing(surface, closure, wi)) if closure.bumped else value, pdf
+
+
+@kernel
+def evaluate(workspace, wi):
+    """f · |cos| (RGB) of all closures that are not singular, and the pdf with which ``sample`` draws wi."""
+    surface, closures = _surface(workspace)[0], _closures(workspace)
+    total, density = ZERO, 0.0
+    for i in range(surface.closure_count):
+        closure = closures[i]
+        if closure.singular == 0:
+            value, pdf = _evaluate_closure(surface, closure, wi)
+            total = add(total, value)
+            density += closure.pick * pdf
+    return total, density
+
+
+@kernel
+def _sample_closure(surface, closure, u1, u2, u3):
+    """wi, f · |cos| with the closure's weight, pdf, and kind."""
+    wo, kind = vec(surface.wo), closure.kind
+    if kind == MICROFACET:
+        wi, value, pdf, through, singular = microfacet.sample(closure, wo, u1, u2, u3)
+        side = TRANSMISSION if through else GLOSSY
+        return wi, mul(value, vec(closure.weight)), pdf, side | SINGULAR if singular else side
+    if kind == STRAIGHT:
+        return negate(wo), vec(closure.weight), 1.0, TRANSPARENT | SINGULAR
+    if kind == SHEEN:
+        wi = diffuse.sheen_sample(closure, wo, u1, u2)
+    else:
+        n = vec(closure.normal)
+        if kind == TRANSLUCENT:
+            n = negate(n)
+        t, b = frame(n)
+        wi = to_world(diffuse.cosine_hemisphere(u1, u2), t, b, n)
+    value, pdf = _evaluate_closure(surface, closure, wi)
+    return wi, value, pdf, TRANSMISSION if kind == TRANSLUCENT else DIFFUSE
+
+
+@kernel
+def sample(workspace, u1, u2, u3):
+    """Draw a direction from all closures: wi, f · |cos| (RGB), pdf, and kind (see records.py).
+
+    A pdf of 0 means that nothing was drawn. For a singular kind value / pdf is the path's weight, and neither is a
+    density.
+    """
+    surface, closures = _surface(workspace)[0], _closures(workspace)
+    count = surface.closure_count
+    if count == 0:
+        return ZERO, ZERO, 0.0, 0
+    chosen = 0
+    if count > 1:
+        while chosen < count - 1 and u3 >= closures[chosen].pick:
+            u3 -= closures[chosen].pick
+            chosen += 1
+        u3 = min(u3 / closures[chosen].pick, _BELOW_ONE)
+    closure = closures[chosen]
+    wi, value, pdf, kind = _sample_closure(surface, closure, u1, u2, u3)
+    if pdf <= 0.0 or not math.isfinite(pdf):
+        return ZERO, ZERO, 0.0, 0
+    if not kind & TRANSPARENT:
+        # A direction must leave on the side that its kind says, whatever the shading normal is.
+        if (dot(vec(surface.ng), wi) < 0.0) != (kind & TRANSMISSION != 0):
+            return ZERO, ZERO, 0.0, 0
+        if closure.bumped and closure.kind == MICROFACET and not kind & SINGULAR:
+            value = scale(value, _bump_shadowing(surface, closure, wi))
+    pdf *= closure.pick
+    if count > 1 and not kind & SINGULAR:
+        for i in range(count):
+            other = closures[i]
+            if i != chosen and other.singular == 0:
+                others, density = _evaluate_closure(surface, other, wi)
+                value = add(value, others)
+                pdf += other.pick * density
+    return wi, value, pdf, kind

@@ -1,0 +1,453 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a material's lobes to closures: ``shade``, and ``transparency`` for shadow rays.
+
+Layers of Principled are stacked from the top as Cycles does: each keeps what the albedo of the one above leaves over.
+"""
+
+import math
+
+import numpy as np
+
+from ....jit import kernel, table
+from ....vec import ZERO, average, dot, largest, madd, mul, normalize, scale, sub, vec
+from . import diffuse, energy, fresnel, microfacet
+from .program import (
+    ALPHA, BASE_COLOR, COAT_IOR, COAT_NORMAL, COAT_ROUGHNESS, COAT_TINT, COAT_WEIGHT, DIFFUSE_ROUGHNESS, EMISSION_COLOR,
+    EMISSION_STRENGTH, IOR, LOBE, LOBE_ALPHA, LOBE_DIFFUSE, LOBE_EMISSION, LOBE_GLASS, LOBE_GLOSSY, LOBE_HOLDOUT,
+    LOBE_PRINCIPLED, LOBE_REFRACTION, LOBE_TRANSLUCENT, LOBE_TRANSPARENT, MATERIAL, METALLIC, MULTISCATTER, NORMAL,
+    ROUGHNESS, SHEEN_ROUGHNESS, SHEEN_TINT, SHEEN_WEIGHT, SPECULAR_IOR_LEVEL, SPECULAR_TINT, TRANSMISSION_WEIGHT,
+    WITH_ALPHA, WITH_BASE, WITH_COAT, WITH_EMISSION, WITH_METAL, WITH_SHEEN, WITH_TRANSMISSION)
+from .records import (
+    CLOSURE, FRESNEL_DIELECTRIC, FRESNEL_F82, FRESNEL_NONE, HAS_TRANSPARENCY, LAMBERT, MICROFACET, OREN_NAYAR, SHEEN,
+    STRAIGHT, SURFACE, TRANSLUCENT)
+from .values import normal, number, run, vector
+
+_materials = table("materials", MATERIAL)
+_lobes = table("lobes", LOBE)
+_surface = table("surface", SURFACE)
+_closures = table("closures", CLOSURE)
+
+_WHITE = (1.0, 1.0, 1.0)
+_CUTOFF = 1e-5  # a closure of less weight is left out
+_SMOOTH_DIFFUSE = 1e-5  # Oren–Nayar of less roughness is Lambert's
+_LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
+
+
+@kernel
+def _saturate(x):
+    return min(max(x, 0.0), 1.0)
+
+
+@kernel
+def _positive(v):
+    return (max(v[0], 0.0), max(v[1], 0.0), max(v[2], 0.0))
+
+
+@kernel
+def _saturated(v):
+    return (_saturate(v[0]), _saturate(v[1]), _saturate(v[2]))
+
+
+@kernel
+def _set(array, v):
+    array[0] = v[0]
+    array[1] = v[1]
+    array[2] = v[2]
+
+
+@kernel
+def _accumulate(array, v):
+    array[0] += v[0]
+    array[1] += v[1]
+    array[2] += v[2]
+
+
+@kernel
+def _begin(workspace, kind, weight, n):
+    """Fill the next free closure; −1 where its weight is negligible or no closure is free.
+
+    The closure counts from ``_finish`` on only."""
+    surface, closures = _surface(workspace)[0], _closures(workspace)
+    index = surface.closure_count
+    # Written so that a weight that is not a number is left out too.
+    if not (average(weight) >= _CUTOFF) or index == len(closures):
+        return -1
+    closure = closures[index]
+    closure.kind = kind
+    closure.singular = 0
+    closure.transmits = 0
+    _set(closure.weight, weight)
+    _set(closure.normal, n)
+    smooth = surface.n
+    closure.bumped = int(n[0] != smooth[0] or n[1] != smooth[1] or n[2] != smooth[2])
+    return index
+
+
+@kernel
+def _finish(workspace, index, albedo):
+    """Count closure ``index``, whose directional albedo with its weight is about ``albedo`` (RGB)."""
+    surface, closure = _surface(workspace)[0], _closures(workspace)[index]
+    closure.pick = max(average(albedo), 0.0)
+    surface.pick_total += closure.pick
+    surface.closure_count += 1
+    if closure.singular == 0:
+        surface.evaluable += 1
+    if closure.kind != STRAIGHT:
+        _accumulate(surface.albedo, albedo)
+
+
+@kernel
+def _add_simple(workspace, kind, weight, n):
+    index = _begin(workspace, kind, weight, n)
+    if index >= 0:
+        _finish(workspace, index, weight)
+
+
+@kernel
+def _add_diffuse(workspace, weight, color, roughness, n):
+    if roughness < _SMOOTH_DIFFUSE:
+        _add_simple(workspace, LAMBERT, weight, n)
+        return
+    index = _begin(workspace, OREN_NAYAR, weight, n)
+    if index >= 0:
+        diffuse.oren_nayar_setup(
+            _closures(workspace)[index], dot(n, vec(_surface(workspace)[0].wo)), roughness, color)
+        _finish(workspace, index, weight)
+
+
+@kernel
+def _add_transparency(workspace, weight):
+    surface = _surface(workspace)[0]
+    index = _begin(workspace, STRAIGHT, weight, vec(surface.n))
+    if index >= 0:
+        _closures(workspace)[index].singular = 1
+        _accumulate(surface.transparency, weight)
+        _finish(workspace, index, weight)
+
+
+@kernel
+def _begin_microfacet(workspace, weight, n, roughness, ior, term, reflects, transmits):
+    index = _begin(workspace, MICROFACET, weight, n)
+    if index >= 0:
+        closure = _closures(workspace)[index]
+        closure.alpha = roughness * roughness
+        closure.ior = ior
+        closure.fresnel = term
+        closure.reflects = reflects
+        closure.transmits = transmits
+        closure.singular = int(microfacet.is_singular(closure.alpha))
+    return index
+
+
+@kernel
+def specular_normal(surface, n):
+    """The normal raised towards the geometric one until the mirror direction of wo leaves the surface.
+
+    With g = ng, o = wo and t the least cosine of the mirror direction r = 2 (n'·o) n' − o, the normal sought lies
+    in the plane of n and g: n' = sin a · x + cos a · g. Then r·g = t is
+    cos 2a (o·g) + sin 2a (o·x) = t, solved for the angle nearest to g.
+    """
+    g, o = vec(surface.ng), vec(surface.wo)
+    height = dot(g, o)
+    least = min(0.9 * height, 0.01)  # a grazing view may be mirrored as flat as it came
+    if 2.0 * dot(n, o) * dot(n, g) - height >= least:
+        return n
+    x = normalize(madd(n, -dot(n, g), g))
+    if dot(x, x) < 0.5:
+        return n
+    side = dot(o, x)
+    # cos(2a − phase) = t / amplitude; tilting away from o (side < 0) lowers r from the start, towards it later.
+    amplitude, phase = math.hypot(height, side), math.atan2(side, height)
+    angle = 0.5 * (phase + math.acos(min(max(least / amplitude, -1.0), 1.0)))
+    return madd(scale(x, math.sin(angle)), math.cos(angle), g)
+
+
+@kernel
+def _below(weight, albedo):
+    """What is left of ``weight`` below a layer that reflects ``albedo`` (with its weight): the same for all colours,
+    so that a white base looks white."""
+    worst = 0.0
+    for i in range(3):
+        if weight[i] > 0.0:
+            worst = max(worst, albedo[i] / weight[i])
+    return scale(weight, _saturate(1.0 - worst))
+
+
+@kernel
+def _glossy(block, workspace, lobe, weight, color):
+    """Glossy BSDF: a metal of reflectance ``color`` at every angle."""
+    surface = _surface(workspace)[0]
+    roughness = _saturate(number(block, workspace, lobe.args[1]))
+    n = specular_normal(surface, normal(block, workspace, lobe.args[2]))
+    index = _begin_microfacet(workspace, scale(color, weight), n, roughness, 1.0, FRESNEL_NONE, 1, 0)
+    if index >= 0:
+        closure = _closures(workspace)[index]
+        if lobe.features & MULTISCATTER:
+            energy.compensate(block, closure, dot(n, vec(surface.wo)), roughness, color)
+        _finish(workspace, index, vec(closure.weight))
+
+
+@kernel
+def _glass(block, workspace, features, weight, n, roughness, ior, f0, reflection, transmission):
+    """Reflection and refraction tinted ``reflection`` and ``transmission``; ``f0`` is that from outside."""
+    surface = _surface(workspace)[0]
+    relative = 1.0 / ior if surface.backfacing else ior
+    index = _begin_microfacet(workspace, weight, n, roughness, relative, FRESNEL_DIELECTRIC, 1, 1)
+    if index < 0:
+        return
+    closure = _closures(workspace)[index]
+    _set(closure.f0, _saturated(f0))
+    _set(closure.reflection_tint, reflection)
+    _set(closure.transmission_tint, transmission)
+    if features & MULTISCATTER:
+        energy.compensate(block, closure, dot(n, vec(surface.wo)), roughness, transmission)
+    r, t, _ = microfacet.reflectance(closure, dot(n, vec(surface.wo)))
+    _finish(workspace, index, mul(vec(closure.weight), (r[0] + t[0], r[1] + t[1], r[2] + t[2])))
+
+
+@kernel
+def _refraction(block, workspace, lobe, weight):
+    surface = _surface(workspace)[0]
+    ior = max(number(block, workspace, lobe.args[2]), 1e-5)
+    n = specular_normal(surface, normal(block, workspace, lobe.args[3]))
+    index = _begin_microfacet(
+        workspace, weight, n, _saturate(number(block, workspace, lobe.args[1])),
+        1.0 / ior if surface.backfacing else ior, FRESNEL_NONE, 0, 1)
+    if index >= 0:
+        _finish(workspace, index, weight)
+
+
+@kernel
+def _add_dielectric_layer(block, workspace, features, weight, n, roughness, ior, f0):
+    """A clear reflecting layer; the weight of what lies below it."""
+    index = _begin_microfacet(workspace, weight, n, roughness, ior, FRESNEL_DIELECTRIC, 1, 0)
+    if index < 0:
+        return weight
+    closure = _closures(workspace)[index]
+    f0 = _saturated(f0)
+    _set(closure.f0, f0)
+    _set(closure.reflection_tint, _WHITE)
+    cosine = dot(n, vec(_surface(workspace)[0].wo))
+    albedo = (
+        energy.dielectric_albedo(block, ior, f0[0], cosine, roughness),
+        energy.dielectric_albedo(block, ior, f0[1], cosine, roughness),
+        energy.dielectric_albedo(block, ior, f0[2], cosine, roughness))
+    if features & MULTISCATTER:
+        s = fresnel.remapped(fresnel.dielectric_average(ior), fresnel.f0_of_ior(ior))
+        single = (f0[0] + (1.0 - f0[0]) * s, f0[1] + (1.0 - f0[1]) * s, f0[2] + (1.0 - f0[2]) * s)
+        energy.compensate(block, closure, cosine, roughness, single)
+    albedo = mul(weight, albedo)
+    _finish(workspace, index, albedo)
+    return _below(weight, albedo)
+
+
+@kernel
+def _add_metal(block, workspace, features, weight, n, roughness, color, tint):
+    index = _begin_microfacet(workspace, weight, n, roughness, 1.0, FRESNEL_F82, 1, 0)
+    if index < 0:
+        return
+    closure = _closures(workspace)[index]
+    edge = (fresnel.f82_edge(color[0], tint[0]), fresnel.f82_edge(color[1], tint[1]), fresnel.f82_edge(color[2], tint[2]))
+    _set(closure.f0, color)
+    _set(closure.edge, edge)
+    cosine = dot(n, vec(_surface(workspace)[0].wo))
+    if features & MULTISCATTER:
+        energy.compensate(block, closure, cosine, roughness, (
+            fresnel.f82_average(color[0], edge[0]), fresnel.f82_average(color[1], edge[1]),
+            fresnel.f82_average(color[2], edge[2])))
+    albedo = (
+        energy.schlick_albedo(block, color[0], cosine, roughness), energy.schlick_albedo(block, color[1], cosine, roughness),
+        energy.schlick_albedo(block, color[2], cosine, roughness))
+    _finish(workspace, index, mul(weight, albedo))
+
+
+@kernel
+def _add_sheen(block, workspace, lobe, weight, n, coat_weight):
+    """Sheen on top of all; the weight of what lies below it."""
+    args = lobe.args
+    amount = max(number(block, workspace, args[SHEEN_WEIGHT]), 0.0)
+    tint = _positive(vector(block, workspace, args[SHEEN_TINT]))
+    blend = _saturate(coat_weight)
+    if args[COAT_NORMAL] != args[NORMAL] and blend > 0.0:
+        above = normal(block, workspace, args[COAT_NORMAL])
+        n = normalize(madd(scale(n, 1.0 - blend), blend, above))
+    roughness = min(max(number(block, workspace, args[SHEEN_ROUGHNESS]), _LOWEST_SHEEN), 1.0)
+    cosine = _saturate(dot(n, vec(_surface(workspace)[0].wo)))
+    albedo = diffuse.sheen_albedo(cosine, roughness)
+    a, b = diffuse.sheen_transform(cosine, roughness)
+    if not (albedo > _CUTOFF) or abs(a) < _CUTOFF:
+        return weight
+    own = scale(mul(weight, tint), amount * albedo)
+    index = _begin(workspace, SHEEN, own, n)
+    if index < 0:
+        return weight
+    closure = _closures(workspace)[index]
+    closure.a = a
+    closure.b = b
+    _finish(workspace, index, own)
+    return _below(weight, own)
+
+
+@kernel
+def _add_coat(block, workspace, lobe, weight):
+    args = lobe.args
+    surface = _surface(workspace)[0]
+    amount = _saturate(number(block, workspace, args[COAT_WEIGHT]))
+    if amount <= _CUTOFF:
+        return weight
+    ior = max(number(block, workspace, args[COAT_IOR]), 1.0)
+    n = specular_normal(surface, normal(block, workspace, args[COAT_NORMAL]))
+    f0 = fresnel.f0_of_ior(ior)
+    coat = scale(weight, amount)
+    below = _add_dielectric_layer(
+        block, workspace, MULTISCATTER, coat, n, _saturate(number(block, workspace, args[COAT_ROUGHNESS])), ior,
+        (f0, f0, f0))
+    # What the whole gives up is what the coated part does.
+    weight = madd(scale(weight, 1.0 - amount), 1.0, below)
+    tint = _positive(vector(block, workspace, args[COAT_TINT]))
+    if tint != _WHITE:
+        # Beer's law along the refracted ray, the tint being that of perpendicular incidence.
+        cosine = dot(n, vec(surface.wo))
+        depth = 1.0 / math.sqrt(1.0 - (1.0 - cosine * cosine) / (ior * ior))
+        weight = (
+            weight[0] * (1.0 - amount + amount * tint[0] ** depth),
+            weight[1] * (1.0 - amount + amount * tint[1] ** depth),
+            weight[2] * (1.0 - amount + amount * tint[2] ** depth))
+    return weight
+
+
+@kernel
+def _principled(block, workspace, lobe, share):
+    surface = _surface(workspace)[0]
+    features, args = lobe.features, lobe.args
+    weight = (share, share, share)
+    if features & WITH_ALPHA:
+        alpha = _saturate(number(block, workspace, args[ALPHA]))
+        if alpha < 1.0:
+            _add_transparency(workspace, scale(weight, 1.0 - alpha))
+            weight = scale(weight, alpha)
+    n = normal(block, workspace, args[NORMAL])
+    if features & WITH_SHEEN:
+        weight = _add_sheen(block, workspace, lobe, weight, n, number(block, workspace, args[COAT_WEIGHT]))
+    if features & WITH_COAT:
+        weight = _add_coat(block, workspace, lobe, weight)
+    if features & WITH_EMISSION:
+        radiance = scale(
+            vector(block, workspace, args[EMISSION_COLOR]), number(block, workspace, args[EMISSION_STRENGTH]))
+        _accumulate(surface.emission, mul(weight, radiance))
+
+    base = _positive(vector(block, workspace, args[BASE_COLOR]))
+    color = (min(base[0], 1.0), min(base[1], 1.0), min(base[2], 1.0))
+    roughness = _saturate(number(block, workspace, args[ROUGHNESS]))
+    tint = _positive(vector(block, workspace, args[SPECULAR_TINT]))
+    mirror = specular_normal(surface, n)
+    if features & WITH_METAL:
+        metallic = _saturate(number(block, workspace, args[METALLIC]))
+        if metallic > _CUTOFF:
+            edge = (min(tint[0], 1.0), min(tint[1], 1.0), min(tint[2], 1.0))
+            _add_metal(block, workspace, features, scale(weight, metallic), mirror, roughness, color, edge)
+            weight = scale(weight, 1.0 - metallic)
+    if not features & (WITH_TRANSMISSION | WITH_BASE):
+        return
+    ior = max(number(block, workspace, args[IOR]), 1e-5)
+    f0 = fresnel.f0_of_ior(ior)
+    if features & WITH_TRANSMISSION:
+        transmission = _saturate(number(block, workspace, args[TRANSMISSION_WEIGHT]))
+        if transmission > _CUTOFF:
+            # A ray crosses the surface twice, so each crossing takes the square root of the colour.
+            _glass(
+                block, workspace, features, scale(weight, transmission), mirror, roughness, ior, scale(tint, f0), _WHITE,
+                (math.sqrt(color[0]), math.sqrt(color[1]), math.sqrt(color[2])))
+            weight = scale(weight, 1.0 - transmission)
+    if not features & WITH_BASE:
+        return
+    level = max(number(block, workspace, args[SPECULAR_IOR_LEVEL]), 0.0)
+    if level != 0.5:
+        f0 *= 2.0 * level
+        adjusted = fresnel.ior_of_f0(f0)
+        ior = 1.0 / adjusted if ior < 1.0 else adjusted
+    if ior != 1.0:
+        weight = _add_dielectric_layer(block, workspace, features, weight, mirror, roughness, ior, scale(tint, f0))
+    _add_diffuse(workspace, mul(weight, base), base, _saturate(number(block, workspace, args[DIFFUSE_ROUGHNESS])), n)
+
+
+@kernel
+def _add_lobe(block, workspace, lobe, weight):
+    surface = _surface(workspace)[0]
+    kind, args = lobe.kind, lobe.args
+    if kind == LOBE_PRINCIPLED:
+        _principled(block, workspace, lobe, weight)
+        return
+    if kind == LOBE_HOLDOUT:
+        surface.holdout += weight
+        return
+    color = vector(block, workspace, args[0])
+    if kind == LOBE_EMISSION:
+        _accumulate(surface.emission, scale(color, weight * number(block, workspace, args[1])))
+        return
+    color = _positive(color)
+    white = (weight, weight, weight)
+    if kind == LOBE_DIFFUSE:
+        roughness = number(block, workspace, args[1])
+        _add_diffuse(workspace, scale(color, weight), color, roughness, normal(block, workspace, args[2]))
+    elif kind == LOBE_TRANSPARENT:
+        _add_transparency(workspace, scale(color, weight))
+    elif kind == LOBE_TRANSLUCENT:
+        _add_simple(workspace, TRANSLUCENT, scale(color, weight), normal(block, workspace, args[1]))
+    elif kind == LOBE_GLOSSY:
+        _glossy(block, workspace, lobe, weight, color)
+    elif kind == LOBE_REFRACTION:
+        _refraction(block, workspace, lobe, scale(color, weight))
+    elif kind == LOBE_GLASS:
+        ior = max(number(block, workspace, args[2]), 1e-5)
+        f0 = fresnel.f0_of_ior(ior)
+        n = specular_normal(surface, normal(block, workspace, args[3]))
+        roughness = _saturate(number(block, workspace, args[1]))
+        _glass(block, workspace, lobe.features, white, n, roughness, ior, (f0, f0, f0), color, color)
+
+
+@kernel
+def shade(block, workspace):
+    """Run the material of ``workspace.surface``: fill its closures, emission, transparency, albedo and holdout."""
+    surface = _surface(workspace)[0]
+    material = _materials(block)[surface.material]
+    surface.closure_count = 0
+    surface.evaluable = 0
+    surface.pick_total = 0.0
+    surface.holdout = 0.0
+    _set(surface.emission, ZERO)
+    _set(surface.transparency, ZERO)
+    _set(surface.albedo, ZERO)
+    if material.instructions[1] > material.instructions[0]:
+        run(block, workspace, material.instructions[0], material.instructions[1])
+    lobes = _lobes(block)
+    for i in range(material.lobes[0], material.lobes[1]):
+        lobe = lobes[i]
+        _add_lobe(block, workspace, lobe, number(block, workspace, lobe.weight))
+    if surface.closure_count > 0:
+        closures = _closures(workspace)
+        inverse = 1.0 / surface.pick_total
+        for i in range(surface.closure_count):
+            closures[i].pick *= inverse
+
+
+@kernel
+def transparency(block, workspace):
+    """RGB that passes straight through ``workspace.surface``; changes nothing but the registers."""
+    surface = _surface(workspace)[0]
+    material = _materials(block)[surface.material]
+    if not material.flags & HAS_TRANSPARENCY:
+        return ZERO
+    run(block, workspace, material.shadow_instructions[0], material.shadow_instructions[1])
+    lobes = _lobes(block)
+    total = ZERO
+    for i in range(material.shadow_lobes[0], material.shadow_lobes[1]):
+        lobe = lobes[i]
+        weight = number(block, workspace, lobe.weight)
+        if lobe.kind == LOBE_ALPHA:
+            clear = weight * (1.0 - _saturate(number(block, workspace, lobe.args[0])))
+            total = madd(total, clear, _WHITE)
+        else:
+            total = madd(total, weight, _positive(vector(block, workspace, lobe.args[0])))
+    return total
