@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds the extension's zips, each with the wheels of one platform and one Python, and validates them with Blender's
+own validator.
+
+Blender extracts every wheel of a zip that its platform and Python accept, so a zip holds one Python's wheels and says
+which Blender versions have that Python.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import zipfile
+from dataclasses import dataclass
+
+from packaging.requirements import Requirement
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+MANIFEST = REPOSITORY / "blender_manifest.toml"
+BUNDLED = REPOSITORY / "scripts" / "requirements" / "bundled.txt"
+CONTENTS = ("__init__.py", "LICENSE", "README.md", "sdf_lights", "shaders_glsl")
+
+# Tags that pip accepts for each of Blender's platforms, newest first.
+PLATFORMS = {
+    "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
+    "windows-x64": ("win_amd64",),
+    "macos-arm64": tuple(f"macosx_{version}_0_arm64" for version in (14, 13, 12, 11)),
+}
+
+
+@dataclass(frozen=True)
+class Host:
+    """The Blender versions that have one Python: first, the first that has it no more, and NumPy in them."""
+
+    first: str
+    end: str | None
+    numpy: tuple[str, ...]
+
+
+# 3.14 is not Blender's own: some Linux distributions build Blender with their Python.
+PYTHONS = {
+    "3.11": Host("4.5.0", "5.1.0", ("1.26.4",)),
+    "3.13": Host("5.1.0", None, ("2.2.0", "2.5.5")),
+    "3.14": Host("5.1.0", None, ("2.2.0", "2.5.5")),
+}
+
+
+class BuildError(Exception):
+    """One sentence for the user."""
+
+
+def blender_tool() -> tuple[pathlib.Path, pathlib.Path]:
+    """Blender's extension builder, which runs without Blender, and its list of tags, from the installed bpy."""
+    spec = importlib.util.find_spec("bpy")
+    if spec is None:
+        raise BuildError("Blender's Python module is missing: run scripts/build_extension, which installs it.")
+    for scripts in pathlib.Path(spec.origin).parent.glob("*/scripts"):
+        return (scripts / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py",
+                scripts / "modules" / "_bpy_internal" / "extensions" / "tags.py")
+    raise BuildError("Blender's Python module has no extension builder: it is older than 4.5.")
+
+
+def _run(command: list, purpose: str) -> None:
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    if done.returncode:
+        raise BuildError(f"{purpose} failed:\n{done.stdout}{done.stderr}".rstrip())
+
+
+def collect_wheels(platform: str, python: str) -> list[pathlib.Path]:
+    """The bundled wheels, from pip; kept in ``build/wheels`` for the next time."""
+    folder = REPOSITORY / "build" / "wheels" / f"{platform}-python{python}"
+    pins = [line.strip() for line in BUNDLED.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
+
+    def present() -> list[pathlib.Path]:
+        return [wheel for name, version in (pin.split("==") for pin in pins) for wheel in folder.glob(f"{name}-{version}-*.whl")]
+
+    if len(present()) != len(pins):
+        shutil.rmtree(folder, ignore_errors=True)
+        tags = [part for tag in PLATFORMS[platform] for part in ("--platform", tag)]
+        _run([sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:", "--implementation", "cp",
+              "--python-version", python, *tags, "--dest", folder, "-r", BUNDLED],
+             f"Downloading the wheels for {platform} and Python {python}")
+    wheels = present()
+    if len(wheels) != len(pins):
+        raise BuildError(f"pip found {len(wheels)} of {len(pins)} wheels for {platform} and Python {python}.")
+    _check_numpy(wheels, python)
+    return wheels
+
+
+def _check_numpy(wheels: list[pathlib.Path], python: str) -> None:
+    """NumPy is Blender's: every wheel has to accept the versions that Blender has."""
+    for wheel in wheels:
+        with zipfile.ZipFile(wheel) as archive:
+            metadata = next(name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+            lines = archive.read(metadata).decode().splitlines()
+        for line in lines:
+            if not line.startswith("Requires-Dist: numpy"):
+                continue
+            requirement = Requirement(line.partition(": ")[2])
+            refused = [version for version in PYTHONS[python].numpy if not requirement.specifier.contains(version)]
+            if refused:
+                raise BuildError(f"{wheel.name} needs {requirement}, but Blender with Python {python} has NumPy {refused[0]}.")
+
+
+def manifest(platform: str, python: str, wheels: list[pathlib.Path]) -> str:
+    """The manifest of one zip: the repository's, with wheels, platform and range of Blender versions."""
+    host = PYTHONS[python]
+    lines = [f'blender_version_min = "{host.first}"']
+    if host.end:
+        lines.append(f'blender_version_max = "{host.end}"')
+    if wheels:
+        lines.append(f'platforms = ["{platform}"]')
+        lines += ["wheels = [", *(f'  "./wheels/{wheel.name}",' for wheel in wheels), "]"]
+    text = MANIFEST.read_text(encoding="utf-8")
+    return re.sub(r"^blender_version_min = .*$", "\n".join(lines), text, count=1, flags=re.MULTILINE)
+
+
+def build(platform: str, python: str, out: pathlib.Path, with_wheels: bool = True) -> pathlib.Path:
+    """Build and validate one zip; its path. Raises BuildError."""
+    wheels = collect_wheels(platform, python) if with_wheels else []
+    about = tomllib.loads(MANIFEST.read_text(encoding="utf-8"))
+    name = f"{about['id']}-{about['version']}-{platform}-python{python}" + ("" if with_wheels else "-no_wheels")
+    stage = REPOSITORY / "build" / "extension" / name
+    shutil.rmtree(stage, ignore_errors=True)
+    stage.mkdir(parents=True)
+    for entry in CONTENTS:
+        source = REPOSITORY / entry
+        if source.is_dir():
+            shutil.copytree(source, stage / entry, ignore=shutil.ignore_patterns("__pycache__", "*.pyc", ".*"))
+        elif source.is_file():
+            shutil.copy2(source, stage / entry)
+    for wheel in wheels:
+        (stage / "wheels").mkdir(exist_ok=True)
+        shutil.copy2(wheel, stage / "wheels" / wheel.name)
+    (stage / "blender_manifest.toml").write_text(manifest(platform, python, wheels), encoding="utf-8")
+
+    tool, tags = blender_tool()
+    out.mkdir(parents=True, exist_ok=True)
+    path = out.resolve() / f"{name}.zip"
+    _run([sys.executable, tool, "build", "--source-dir", stage, "--output-filepath", path, f"--valid-tags={tags}"], f"Building {path.name}")
+    _run([sys.executable, tool, "validate", f"--valid-tags={tags}", path], f"Validating {path.name}")
+    shutil.rmtree(stage)
+    return path
+
+
+def this_platform() -> str:
+    """The platform of this machine, or "" where Blender has none of the three."""
+    import platform
+
+    machine = {"amd64": "x64", "x86_64": "x64", "arm64": "arm64", "aarch64": "arm64"}.get(platform.machine().lower(), "")
+    name = f"{ {'Darwin': 'macos'}.get(platform.system(), platform.system().lower()) }-{machine}"
+    return name if name in PLATFORMS else ""
+
+
+def main(arguments: list[str]) -> int:
+    here, python = this_platform(), "%d.%d" % sys.version_info[:2]
+    parser = argparse.ArgumentParser(prog="build_extension", description="Build the extension's zips, with their wheels.")
+    parser.add_argument("--platform", choices=[*PLATFORMS, "all"], default=here or None, required=not here,
+                        help="what the wheels are for (default: this machine)")
+    parser.add_argument("--python", choices=[*PYTHONS, "all"], default=python,
+                        help="Python of the Blender to install in: 3.11 up to Blender 5.0, 3.13 from 5.1 (default: %(default)s); "
+                             "3.14 for a Blender that a Linux distribution built; all: the first two")
+    parser.add_argument("--out", type=pathlib.Path, default=REPOSITORY / "dist", help="folder for the zips (default: dist)")
+    parser.add_argument("--no-wheels", action="store_true", help="leave the wheels out: small, but renders slowly, with NumPy")
+    options = parser.parse_args(arguments)
+    platforms = list(PLATFORMS) if options.platform == "all" else [options.platform]
+    pythons = ["3.11", "3.13"] if options.python == "all" else [options.python]
+    try:
+        for version in pythons:
+            for platform in platforms:
+                path = build(platform, version, options.out, not options.no_wheels)
+                print(f"{path}  {path.stat().st_size / 1e6:.1f} MB")
+    except BuildError as error:
+        print(f"build_extension: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
