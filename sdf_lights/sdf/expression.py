@@ -26,7 +26,7 @@ from typing import NamedTuple
 from .functions import CONSTANTS, FUNCTIONS, Misuse, apply, kind_of
 from .shapes import Difference, Intersection, Shape, ShapeError, Union
 
-LONGEST = 20_000  # characters
+LONGEST = 10_000  # characters
 DEEPEST = 50  # brackets inside one another
 MOST_POWERS = 100
 MOST_PRIMITIVES = 2_000
@@ -122,15 +122,23 @@ def _parsed(text: str) -> ast.Module:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     lines = [line.split("#", 1)[0] for line in text.split("\n")]
     _guard(lines)
+    # There are no blocks, so how far a line is indented means nothing; but mistakes are reported where they stand.
+    indents = [len(line) - len(line.lstrip()) for line in lines]
     try:
-        return ast.parse("\n".join(lines))
+        tree = ast.parse("\n".join(map(str.lstrip, lines)))
     except SyntaxError as error:
         problem = re.sub(r"\W*(Perhaps|Maybe|Did) .*|\.$", "", error.msg or "invalid syntax")
-        raise ExpressionError(problem, max(error.lineno or 1, 1), max(error.offset or 1, 1),
+        line = min(max(error.lineno or 1, 1), len(lines))
+        raise ExpressionError(problem, line, max(error.offset or 1, 1) + indents[line - 1],
                               "look for a missing bracket, comma or operator just before") from None
     except (ValueError, RecursionError, MemoryError, OverflowError):
         raise ExpressionError("the expression is nested too deeply", 1, 1,
                               "name parts of it on lines of their own") from None
+    if any(indents):
+        for node in ast.walk(tree):
+            if hasattr(node, "lineno"):
+                node.col_offset += indents[node.lineno - 1]
+    return tree
 
 
 # -- the walk over the tree -------------------------------------------------------------------------------------------
@@ -190,6 +198,9 @@ class _Evaluation:
             raise self.error(call, f"there already is a slider {name}", "choose another name")
         if call.keywords or len(call.args) != 3:
             raise self.error(call, "slider takes three numbers", cure)
+        for part in ast.walk(call):  # or the limits, and with them the user interface, would change as sliders move
+            if isinstance(part, ast.Name) and part.id in self.names and part.id not in CONSTANTS:
+                raise self.error(part, f"the numbers of a slider cannot depend on {part.id:.40}", cure)
         numbers = [self.value(argument) for argument in call.args]
         if not all(isinstance(number, float) for number in numbers):
             raise self.error(call, "slider takes three numbers", cure)
@@ -235,7 +246,7 @@ class _Evaluation:
     def constant(self, node: ast.Constant) -> float:
         if type(node.value) not in (int, float):
             raise self.error(node, f"{node.value!r:.40} is not a number of the language", "write a number such as 0.5")
-        return float(node.value)
+        return self.attempt(node, lambda: float(node.value))
 
     def name(self, node: ast.Name):
         if node.id in self.names:

@@ -28,7 +28,8 @@ numbers, vectors and shapes. `#` starts a remark.
 - `name = slider(default, minimum, maximum)` declares a parameter. Moving it recompiles nothing.
 - Numbers: `+ - * / % **`. Vectors are written `vec3(x, y, z)` or `(x, y, z)`; arithmetic and functions work on each
   component, a number counting for all three. `v.x`, `v.y` and `v.z` are the components.
-- Shapes: `a | b` is `union(a, b)`, `a & b` is `intersection(a, b)`, `a - b` is `difference(a, b)`.
+- Shapes: `a | b` is `union(a, b)`, `a & b` is `intersection(a, b)`, `a - b` is `difference(a, b)`. `-` binds
+  most strongly, then `&`, then `|`.
 - Arguments go by position or by name: `torus(1, 0.2)`, `torus(minor_radius=0.2)`. Where a vector is wanted, three plain
   numbers also do if all are there, `box(1, 2, 3)`, and one number stands for three equal ones, `box(1)`.
 - Lengths are in metres; angles are in degrees in transforms, in radians in `sin` and its like.

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import inspect
 import math
 import re
 from functools import cached_property
@@ -103,6 +104,11 @@ class Shape:
     def label(cls) -> str:
         """The name in user interfaces: ``Box Frame``."""
         return cls.name().replace("_", " ").title()
+
+    @classmethod
+    def summary(cls) -> str:
+        """The first paragraph of the documentation: one or two sentences, for tooltips."""
+        return " ".join(inspect.getdoc(cls).split("\n\n")[0].split())
 
     @classmethod
     @functools.cache

@@ -1,0 +1,264 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+import math
+import pathlib
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from sdf_lights.sdf import expression
+from sdf_lights.sdf.expression import Expression, ExpressionError, Slider, evaluate
+from sdf_lights.sdf.functions import FUNCTIONS
+from sdf_lights.sdf.reference import reference_page
+from sdf_lights.sdf.shapes import SHAPES, Box, BoxFrame, Difference, Intersection, Primitive, Sphere, Torus, Transformed
+from sdf_lights.sdf.shapes import Union
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+
+
+def number(text: str) -> float:
+    """Value of an expression that is a number between 0.001 and 1e9."""
+    return evaluate(f"sphere({text})").radius
+
+
+@pytest.mark.parametrize("text, shape", [
+    ("difference(box(0.8), sphere(1.08))", Difference(Box(0.8), Sphere(1.08))),
+    ("box(0.8) - sphere(1.08)", Difference(Box(0.8), Sphere(1.08))),
+    ("sphere(1) | box(1) & torus(1, 0.2)", Union(Sphere(1.0), Intersection(Box(1.0), Torus(1.0, 0.2)))),
+    ("sphere() - box() - torus()", Difference(Sphere(), Box(), Torus())),
+    ("union(sphere(1), box(1), torus())", Union(Sphere(1.0), Box(1.0), Torus())),
+    ("box(1, 2, 3)", Box((1.0, 2.0, 3.0))), ("box((1, 2, 3))", Box((1.0, 2.0, 3.0))),
+    ("box(vec3(1, 2, 3))", Box((1.0, 2.0, 3.0))), ("box(vec3(2))", Box(2.0)),
+    ("box_frame(1, 2, 3)", BoxFrame((1.0, 2.0, 3.0))), ("box_frame(1, 2, 3, 0.1)", BoxFrame((1.0, 2.0, 3.0), 0.1)),
+    ("box_frame(1, 0.1)", BoxFrame(1.0, 0.1)), ("torus(minor_radius=0.2)", Torus(minor_radius=0.2)),
+    ("torus(1, minor_radius=0.2)", Torus(1.0, 0.2)), ("sphere()  # a remark, in any script: 灯 \"'[]{}", Sphere()),
+    ("\r\n  \r\nr = 2\r\nsphere(r)\r\n", Sphere(2.0)), ("sphere(\n  1 +\n  1)", Sphere(2.0)),
+    ("a = 1\na = a + 1\nsphere(a)", Sphere(2.0)), ("  a = 2\n sphere(a)", Sphere(2.0))])
+def test_shapes(text, shape):
+    assert evaluate(text) == shape
+
+
+@pytest.mark.parametrize("name", [n for n, s in SHAPES.items() if issubclass(s, Primitive)])
+def test_every_primitive_has_its_name_and_defaults(name):
+    assert evaluate(f"{name}()") == SHAPES[name]()
+
+
+@pytest.mark.parametrize("text, value", [
+    ("1 + 2 * 3", 7.0), ("2 ** 3 ** 2", 512.0), ("-2 + 5", 3.0), ("7 % 4", 3.0), ("mod(-1, 4)", 3.0), ("10 - 4 - 3", 3.0),
+    ("pi", math.pi), ("tau", math.tau), ("sin(pi / 2)", 1.0), ("cos(0)", 1.0), ("tan(pi / 4)", math.tan(math.pi / 4)),
+    ("asin(1)", math.pi / 2), ("acos(0)", math.acos(0.0)), ("atan(1)", math.pi / 4), ("atan2(1, 1)", math.pi / 4),
+    ("sqrt(9)", 3.0), ("exp(1)", math.e), ("log(e)", 1.0), ("pow(2, 10)", 1024.0), ("abs(-3)", 3.0), ("sign(5)", 1.0),
+    ("floor(2.7)", 2.0), ("ceil(2.1)", 3.0), ("fract(2.25)", 0.25), ("min(3, 1, 2)", 1.0), ("max(3, 1, 2)", 3.0),
+    ("clamp(5, 0, 2)", 2.0), ("mix(1, 3, 0.25)", 1.5), ("radians(180)", math.pi), ("degrees(pi)", 180.0),
+    ("dot((1, 2, 3), (4, 5, 6))", 32.0), ("length((3, 0, 4))", 5.0), ("cross((1, 0, 0), (0, 1, 0)).z", 1.0),
+    ("normalize((0, 5, 0)).y", 1.0), ("vec3(1, 2, 3).y", 2.0), ("((1, 2, 3) * 2 + (0, 0, 1)).z", 7.0),
+    ("max((1, 5, 2), 3).x", 3.0), ("(2 * vec3(1, 2, 3) / (1, 2, 3)).z", 2.0), ("1e3", 1000.0), ("0x10", 16.0),
+    ("1_000", 1000.0), ("mix(a=1, b=3, t=0.5)", 2.0), ("(-vec3(-1, 0, 0)).x", 1.0)])
+def test_numbers(text, value):
+    assert number(text) == pytest.approx(value, rel=1e-15)
+
+
+def test_named_arguments_go_by_name():
+    assert number("atan2(x=1, y=2)") == math.atan2(2.0, 1.0)
+    assert number("pow(exponent=3, base=2)") == 8.0
+
+
+@pytest.mark.parametrize("text, point, moved", [
+    ("translate(sphere(), 1, 2, 3)", (0.1, 0.2, 0.3), (1.1, 2.2, 3.3)),
+    ("translate(sphere(), (1, 2, 3))", (0.1, 0.2, 0.3), (1.1, 2.2, 3.3)),
+    ("rotate(box(1, 2, 3), 90)", (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    ("rotate(box(1, 2, 3), 90, (2, 0, 0))", (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    ("rotate(box(1, 2, 3), 90, 0, 5, 0)", (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+    ("rotate(box(1, 2, 3), (90, 0, 90))", (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    ("rotate(box(1, 2, 3), (90, 0, 90))", (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    ("scale(sphere(), 2)", (1.0, 2.0, 3.0), (2.0, 4.0, 6.0)),
+    ("scale(cone(), 1, 2, -3)", (1.0, 2.0, 3.0), (1.0, 4.0, -9.0)),
+    ("translate(scale(sphere(), 2), 1, 0, 0)", (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))])
+def test_transforms(text, point, moved):
+    shape = evaluate(text)
+    assert isinstance(shape, Transformed) and shape.validate() == ""
+    np.testing.assert_allclose(np.array(shape.matrix) @ [*point, 1.0], [*moved, 1.0], atol=1e-15)
+
+
+def test_sliders():
+    text = "a = slider(1, 0, 2)\nb = slider(0.1, 1 / 100, 3)\ntorus(1 + a, b)"
+    lamp = Expression(text)
+    assert lamp.sliders == (Slider("a", 1.0, 0.0, 2.0), Slider("b", 0.1, 0.01, 3.0))
+    assert lamp.shape() == Torus(2.0, 0.1)
+    assert lamp.shape({"b": 0.5, "unknown": 7}) == Torus(2.0, 0.5)
+    assert lamp.shape({"a": 9.0, "b": 0.0}) == Torus(3.0, 0.01)  # held to the limits
+    assert lamp.shape({"a": 2}).formula() is lamp.shape().formula()
+    for bad in (math.nan, "wide", None, 10**400):
+        with pytest.raises(ExpressionError, match="Line 1, column 5: the value given for a is not a number"):
+            lamp.shape({"a": bad})
+    with pytest.raises(ExpressionError, match="minor radius"):
+        lamp.shape({"a": 0.0, "b": 3.0})
+
+
+# text, line, column, words of the message, words of the cure
+MISTAKES = [
+    ("", 1, 1, "empty", "sphere"),
+    ("# only a remark", 1, 1, "empty", "sphere"),
+    ("shpere(1)", 1, 1, "shpere is not a known name", "did you mean sphere"),
+    ("size = 2\nsphere(siez)", 2, 8, "siez is not a known name", "size"),
+    ("sphere", 1, 1, "needs brackets", "sphere(radius=0.5)"),
+    ("sphere(radius=1, foo=2)", 1, 1, "no argument foo", "sphere(radius=0.5)"),
+    ("sphere(1, radius=2)", 1, 1, "radius twice", "sphere(radius=0.5)"),
+    ("sphere(1, 2)", 1, 1, "does not take 2", "sphere(radius=0.5)"),
+    ("box(1, 2)", 1, 1, "does not take 2", "box("),
+    ("box(1)\n| sphere(1)", 2, 1, "invalid syntax", "missing"),
+    ("sphere(-1)", 1, 1, "radius is -1", "change"),
+    ("  sphere(-1)", 1, 3, "radius is -1", "change"),
+    (" a = 1\n   sphere(1", 2, 10, "never closed", "missing"),
+    ("a = 1\nb = slider(a, 0, 2)\nsphere(b)", 2, 12, "cannot depend on a", "three numbers"),
+    ("torus(1, 2)", 1, 1, "minor radius 2 is more than the major radius 1", "make the minor radius smaller"),
+    ("scale(sphere(1), 1, 0, 1)", 1, 1, "flattens", "scale other than zero"),
+    ("rotate(sphere(), 10, vec3(0))", 1, 1, "no direction", "axis"),
+    ("union()", 1, 1, "does not take 0", "union(shape, …)"),
+    ("union(1)", 1, 1, "must be a shape, not a number", "union"),
+    ("union(shape=sphere())", 1, 1, "no named", "union"),
+    ("sphere(box())", 1, 1, "must be a number, not a shape", "sphere"),
+    ("sphere((1, 2, 3))", 1, 1, "must be a number, not a vector", "sphere"),
+    ("translate(sphere())", 1, 1, "needs offset", "translate"),
+    ("1 + sphere()", 1, 1, "between a number and a shape", "| & -"),
+    ("sphere() * 2", 1, 1, "between a shape and a number", "| & -"),
+    ("1 | 2", 1, 1, "between a number and a number", "| & -"),
+    ("sphere(2 // 1)", 1, 8, "this operator", "+ - * /"),
+    ("sphere(1 @ 2)", 1, 10, "'@' means nothing", "letters"),
+    ("-sphere()", 1, 1, "this sign", "numbers"),
+    ("x = 1", 1, 1, "what glows", "end with"),
+    ("1 + 1", 1, 1, "the last line is a number", "end with"),
+    ("sphere()\nsphere()", 1, 1, "no effect", "combine"),
+    ("pi = 3\nsphere(pi)", 1, 1, "pi already means", "another name"),
+    ("sphere = 3\nsphere", 1, 1, "sphere already means", "another name"),
+    ("slider = 3\nsphere(1)", 1, 1, "slider already means", "another name"),
+    ("a = 1\na(2)", 2, 1, "a value, not a function", "brackets"),
+    ("sphere(slider(1, 0, 2))", 1, 8, "stand alone", "name = slider"),
+    ("a = slider(1, 0)\nsphere(a)", 1, 5, "three numbers", "name = slider"),
+    ("a = slider(3, 0, 1)\nsphere(a)", 1, 5, "not between 0 and 1", "name = slider"),
+    ("a = slider(1, 0, 2)\na = slider(1, 0, 2)\nsphere(a)", 2, 5, "already is a slider", "another name"),
+    ("sphere(1", 1, 7, "never closed", "missing bracket"),
+    ("sphere(1))", 1, 10, "unmatched", "missing bracket"),
+    ("sphere(1) sphere(2)", 1, 11, "invalid syntax", "missing"),
+    ("sphere(1 / 0)", 1, 8, "division by zero", "another number"),
+    ("sphere(5 % 0)", 1, 8, "division by zero", "another number"),
+    ("sphere(sqrt(-1))", 1, 8, "undefined", "other numbers"),
+    ("sphere((-1) ** 0.5)", 1, 8, "undefined", "other numbers"),
+    ("sphere(0 ** -1)", 1, 8, "undefined", "other numbers"),
+    ("sphere(1e999)", 1, 8, "too large", "smaller"),
+    ("box((1, 2))", 1, 5, "three numbers", "vec3"),
+    ("sphere((1, 2, 3).w)", 1, 8, ".w is not part of a vector", ".x"),
+    ("sphere[0]", 1, 7, "'[' means nothing", "( )"),
+    ("sphere(2^3)", 1, 9, "'^' means nothing", "**"),
+    ("sphere(1) # fine\n§", 2, 1, "'§' means nothing", "letters")]
+
+ATTACKS = [
+    # names and attributes that reach Python's insides
+    "__import__('os').system('true')", "().__class__.__bases__", "sphere().__class__", "sphere.__globals__",
+    "__builtins__", "eval(1)", "exec(1)", "open(1)", "getattr(sphere(), 1)", "vec3(1,2,3).__class__", "sphere(__debug__)",
+    "sphere(**a)", "sphere(*a)", "f = sphere\nf(1)", "union(sphere)", "print(1)", "help()", "_guard", "type(1)",
+    # the rest of Python
+    "import os", "from os import path", "lambda: 0", "[x for x in y]", "{1: 2}", "f'{1}'", "'text'", "b'x'", "1j", "True",
+    "None", "...", "a = b = 1", "a, b = 1, 2", "a += 1", "a: int = 1", "del a", "if 1: 2", "while 1: pass", "1 if 1 else 2",
+    "a := 1", "not 1", "~1", "1 < 2", "1 == 1", "1 and 2", "yield", "await a", "return 1", "global a", "assert 1", "pass",
+    "def f(): pass", "class A: pass", "@a", "raise 1", "try: pass", "with a: pass", "match a:\n case 1: pass", "print 1",
+    "a[0]", "a.b = 1", "sphere().radius", "type X = int", "(yield)", "sphere(1);sphere(2)", "async def f(): pass",
+    # numbers
+    "sphere(9**9**9**9)", "sphere(10**10**10)", "9" * 5000, "sphere(" + "9" * 5000 + ")", "sphere(1e999999999)", "sphere(2**1e9)",
+    "0x" + "f" * 9000, "1." + "0" * 9000, "1_" * 4900 + "1", "**".join("2" * 3000), "**-".join("2" * 3000), "exp(exp(exp(9)))",
+    "sphere(1e300 * 1e300)", "sphere(exp(1e9))", "mod(1e308, 1e-308)", "sphere(10**9 * 10**9)", "translate(sphere(), 1e300)",
+    # nesting, length
+    "(" * 9_900, "(" * 4900 + ")" * 4900, "(" * 50 + "1", "sphere(" * 1400, "sphere(" * 60 + "1" + ")" * 60, ")" * 9_900,
+    "-" * 9_900 + "1", "- " * 4900 + "1", "+-" * 4900 + "1", "-+ \t" * 2000, "not " * 2400 + "1", "1" + "+1" * 4900,
+    "1 if 1 else " * 800, "a." * 4900 + "a", "a" + ".x" * 4900, "a" + "()" * 4900, "lambda:" * 1400, "," * 9_900,
+    "(1,2,3)" + ".x" * 4900, "\n" * 9_900, "# " * 4900, "a=1\n" * 2400, "((((((((((" * 4 + "a b" + "))))))))))" * 4,
+    "(((((" * 9 + "=" + ")))))" * 9, "a(b=" * 49 + "1", "x" * 1_000_000, "(" * 1_000_000, "sphere()|" * 111_111, "\0" * 1_000_000,
+    # shapes without end
+    "s=sphere()\n" + "s=s|s\n" * 1600 + "s", "s=sphere()\n" + "s=s-s\n" * 1600 + "s", "s=sphere()\n" + "s=s|s&s\n" * 1200 + "s",
+    "s=sphere()\n" + "s=s|sphere()-s\n" * 640 + "s", "s=sphere()\nt=" + "|".join("s" * 1999) + "\nunion(" + "t," * 2900 + "t)",
+    "s=" + "|".join(["sphere()"] * 1100) + "\ns|s",
+    "s=sphere()\nt=" + "|".join("s" * 999) + "\n" + "u=t|t\n" * 1300 + "q",
+    # unicode
+    "ｓphere(1)", "sphеre(1)", "sphere(１)", "sphere(1)\u2028import os", "sphere\u200b(1)", "ª = 1", "𝐬phere(1)", "\u202esphere(1)",
+    "\ud800", "sphere(1\u00a0)", "\ufeffsphere(1)", "sphere(²)", "sphere(1)\x0c", "sphere(1)\x1a", "sphere(1)\\\n", "\t\tsphere",
+    "sphere(−1)", "# \ud800\n1"]
+
+
+@pytest.mark.parametrize("text, line, column, message, cure", MISTAKES)
+def test_mistakes_are_located_and_explained(text, line, column, message, cure):
+    with pytest.raises(ExpressionError) as caught:
+        evaluate(text)
+    error = caught.value
+    assert (error.line, error.column) == (line, column), str(error)
+    assert message in error.message and cure in error.cure
+    assert str(error) == f"Line {line}, column {column}: {error.message}: {error.cure}."
+
+
+def _fails_soon(text: str) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        evaluate(text)
+    error = caught.value
+    assert error.line >= 1 and error.column >= 1 and error.message and error.cure
+    assert "\n" not in str(error) and len(str(error)) < 400
+
+
+@pytest.mark.parametrize("text", ATTACKS, ids=range(len(ATTACKS)))
+def test_attacks_end_in_an_error_within_a_tenth_of_a_second(text):
+    # Time of this thread alone, the best of three: other programs on the machine do not count.
+    times = []
+    for _ in range(3):
+        start = time.thread_time()
+        _fails_soon(text)
+        times.append(time.thread_time() - start)
+        if times[-1] < 0.1:
+            return
+    raise AssertionError(f"took {min(times):.2f} s")
+
+
+def test_attacks_do_not_overflow_the_small_stack_of_a_thread():
+    failures = []
+
+    def attack():
+        try:
+            for text in ATTACKS:
+                _fails_soon(text)
+        except BaseException as error:  # reported by the main thread
+            failures.append(error)
+
+    previous = threading.stack_size(512 * 1024)  # what macOS gives to threads
+    try:
+        thread = threading.Thread(target=attack)
+        thread.start()
+        thread.join()
+    finally:
+        threading.stack_size(previous)
+    assert not failures
+
+
+def test_the_largest_expressions_that_are_allowed():
+    wide = "s = sphere()\n" + "|".join("s" * expression.MOST_PRIMITIVES)
+    assert evaluate(wide).size == expression.MOST_PRIMITIVES
+    half = expression.DEEPEST // 2
+    deep = "sphere(" + "(" * (expression.DEEPEST - 1) + "1" + ")" * expression.DEEPEST
+    assert evaluate(deep) == Sphere(1.0)
+    nested = "union(box(), difference(sphere(), " * (half - 1) + "sphere()" + "))" * (half - 1)
+    assert evaluate(nested).size == 2 * half - 1
+
+
+def test_no_word_has_a_private_name_or_lacks_documentation():
+    for name, function in FUNCTIONS.items():
+        assert name.isidentifier() and not name.startswith("_") and function.name == name
+        assert function.description and function.signature().startswith(name + "(")
+
+
+def test_the_reference_page_is_current():
+    page = (REPOSITORY / "docs" / "expressions.md").read_text(encoding="utf-8")
+    assert page == reference_page(), "run python -m sdf_lights.sdf.reference > docs/expressions.md"
+
+
+def test_the_example_of_the_reference_page_works():
+    page = reference_page()
+    example = "\n".join(line[4:] for line in page.splitlines() if line.startswith("    "))
+    assert evaluate(example).size == 3
