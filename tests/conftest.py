@@ -4,7 +4,11 @@
 
 import os
 import pathlib
+import shlex
+import shutil
 import sys
+
+import pytest
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 
@@ -13,3 +17,20 @@ if str(REPOSITORY) not in sys.path:
 
 # Kernels compiled by the tests stay in the checkout: a run never sees, or fills, the user's own cache.
 os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
+
+
+@pytest.fixture(scope="session")
+def blender_command() -> list[str]:
+    """Command that opens a Blender with a window; arguments follow it.
+
+    ``SDF_LIGHTS_BLENDER`` is that command, with what has to stand before it (``"xvfb-run -a blender"``); without it,
+    the ``blender`` on the path. The test is skipped where there is none.
+    """
+    command = shlex.split(os.environ.get("SDF_LIGHTS_BLENDER", ""))
+    if not command:
+        if not shutil.which("blender"):
+            pytest.skip("no Blender with a window: put blender on the path, or set SDF_LIGHTS_BLENDER to its command")
+        command = ["blender"]
+        if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+            command = ["xvfb-run", "-a", *command]
+    return command

@@ -1,0 +1,228 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders a .blend, by default the demo scene, through the registered engine, and writes an EXR and a PNG."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import pathlib
+import re
+import subprocess
+import sys
+import time
+
+import bpy
+
+import host
+
+DEMO_SCENE = host.REPOSITORY / "scripts" / "demo_scene.py"
+SCENERY = host.REPOSITORY / "scripts" / "scenery"
+
+
+class Failure(Exception):
+    """One sentence for the user, and an exit code: 2 for a wrong call, 1 for a render that failed."""
+
+    def __init__(self, sentence: str, code: int = 1):
+        super().__init__(sentence)
+        self.code = code
+
+
+def size(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"(\d+)x(\d+)", text)
+    width, height = (int(match[1]), int(match[2])) if match else (0, 0)
+    if not (4 <= width <= 65536 and 4 <= height <= 65536):
+        raise argparse.ArgumentTypeError(f"{text!r} is not WIDTHxHEIGHT in pixels, such as 960x540")
+    return width, height
+
+
+def count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 1 << 24:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of samples, from 1 to {1 << 24}")
+    return int(text)
+
+
+def seed(text: str) -> int:
+    if not text.isdecimal() or int(text) >= 1 << 31:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a seed, from 0 to {(1 << 31) - 1}")
+    return int(text)
+
+
+def threshold(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a relative error, from 0 to 1")
+    return value
+
+
+class Arguments(argparse.ArgumentParser):
+    def error(self, message):
+        """argparse would print the whole usage before the one sentence that matters."""
+        raise Failure(f"demo: {message}.", 2)
+
+
+def parse(arguments: list[str]) -> argparse.Namespace:
+    parser = Arguments(prog="demo", description="Render the demo scene, or any .blend, with SDF Lights.")
+    parser.add_argument("--scene", type=pathlib.Path, metavar="FILE.blend", help="render this file, with its own settings")
+    parser.add_argument("--samples", type=count, help="most samples per pixel")
+    parser.add_argument("--size", type=size, metavar="WIDTHxHEIGHT", help="resolution in pixels")
+    parser.add_argument("--frame", type=int, help="frame to render")
+    parser.add_argument("--seed", type=seed, help="seed of the sampling pattern")
+    parser.add_argument("--noise-threshold", type=threshold, metavar="ERROR",
+                        help="relative error at which a pixel gets no more samples; 0: all pixels get all")
+    parser.add_argument("--denoise", action=argparse.BooleanOptionalAction, help="remove the noise that is left")
+    parser.add_argument("--device", choices=["automatic", "cpu", "reference"], help="what computes the picture")
+    parser.add_argument("--out", type=pathlib.Path, default=host.REPOSITORY / "renders" / "demo", metavar="NAME",
+                        help="path of both pictures without ending (default: renders/demo)")
+    return parser.parse_args(arguments)
+
+
+def demo_scene() -> pathlib.Path:
+    """The demo scene's .blend, made by its script in a process of its own unless that has been done."""
+    digest = hashlib.sha256(bpy.app.version_string.encode())
+    sources = [DEMO_SCENE, host.REPOSITORY / "scripts" / "host.py", *sorted(SCENERY.glob("*.py"))]
+    for source in sources:
+        digest.update(source.read_bytes())
+    path = host.REPOSITORY / "build" / "demo" / f"demo-{digest.hexdigest()[:12]}.blend"
+    if not path.is_file():
+        print("Building the demo scene ...", flush=True)
+        done = subprocess.run([sys.executable, DEMO_SCENE, path], capture_output=True, text=True)
+        if done.returncode or not path.is_file():
+            raise Failure(f"The demo scene could not be built:\n{done.stdout}{done.stderr}".rstrip())
+    return path
+
+
+def open_scene(options: argparse.Namespace):
+    """Open the file, apply what the command line overrides and return the scene."""
+    path = options.scene or demo_scene()
+    if not path.is_file():
+        raise Failure(f"demo: there is no file {path}.", 2)
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()))
+    except RuntimeError:
+        raise Failure(f"demo: {path} is no .blend that this Blender ({bpy.app.version_string}) can open.", 2) from None
+    scene = bpy.context.scene
+    scene.render.engine = host.ENGINE
+    settings = scene.sdf_lights
+    for name in ("samples", "seed", "noise_threshold", "denoise"):
+        value = getattr(options, name)
+        if value is not None:
+            setattr(settings, name, value)
+    if options.device:
+        settings.device = options.device.upper()
+    if options.size:
+        scene.render.resolution_x, scene.render.resolution_y = options.size
+        scene.render.resolution_percentage = 100
+    if options.frame is not None:
+        scene.frame_set(options.frame)
+    return scene
+
+
+def clock(seconds: float) -> str:
+    minutes, seconds = divmod(int(seconds + 0.5), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
+
+
+class Bar:
+    """The progress of a render on one line of the terminal; plain lines, now and then, where output is a file."""
+
+    WIDTH = 30
+
+    def __init__(self, stream=sys.stdout):
+        self.stream, self.terminal = stream, stream.isatty()
+        self.interval = 0.1 if self.terminal else 10.0
+        self.shown, self.text = -1e9, None
+        self.last = None
+
+    def __call__(self, progress) -> None:
+        self.last = progress
+        now = time.perf_counter()
+        phase = progress.text.split(" ")[0]
+        if now - self.shown < self.interval and phase == self.text:
+            return
+        self.shown, self.text = now, phase
+        full = int(progress.fraction * self.WIDTH)
+        line = f"[{'█' * full}{'·' * (self.WIDTH - full)}] {100.0 * progress.fraction:3.0f} %  {progress.text}"
+        if progress.remaining is not None:
+            line += f"  {clock(progress.remaining)} left"
+        if progress.noise is not None:
+            line += f"  noise {100.0 * progress.noise:.2f} %"
+        self.stream.write(f"\r{line}\x1b[K" if self.terminal else line + "\n")
+        self.stream.flush()
+
+    def close(self) -> None:
+        if self.terminal:
+            self.stream.write("\r\x1b[K")
+
+
+def render(scene, package):
+    """Render the scene's frame through the engine; its last Progress and the seconds of the whole operator."""
+    engine = sys.modules[f"{package.__name__}.sdf_lights.blender.engine"]
+    bar = Bar()
+    engine.observers.append(bar)
+    started = time.perf_counter()
+    try:
+        bpy.ops.render.render(scene=scene.name)
+    except RuntimeError as error:
+        raise Failure(f"demo: the render failed: {str(error).removeprefix('Error: ').strip()}") from None
+    finally:
+        engine.observers.remove(bar)
+        bar.close()
+    if bar.last is None or not bar.last.samples:
+        raise Failure("demo: the render failed: no sample was taken; see the message above.")
+    return bar.last, time.perf_counter() - started
+
+
+def write(scene, out: pathlib.Path) -> list[pathlib.Path]:
+    """The render result as EXR, 32 bit float and scene-linear, and as PNG, through the scene's view transform."""
+    result = bpy.data.images["Render Result"]
+    out.parent.mkdir(parents=True, exist_ok=True)
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):  # since 5.0; it limits the formats
+        settings.media_type = "IMAGE"
+    paths = []
+    for suffix, wanted in (
+            (".exr", dict(file_format="OPEN_EXR", color_mode="RGBA", color_depth="32", exr_codec="ZIP")),
+            (".png", dict(file_format="PNG", color_mode="RGBA" if scene.render.film_transparent else "RGB", color_depth="8", compression=90))):
+        for name, value in wanted.items():
+            setattr(settings, name, value)
+        path = out.with_name(out.name + suffix)
+        result.save_render(str(path), scene=scene)
+        if not path.is_file():
+            raise Failure(f"demo: {path} could not be written.")
+        paths.append(path)
+    return paths
+
+
+def main(arguments: list[str]) -> int:
+    try:
+        options = parse(arguments)
+        package = host.register_extension()
+        scene = open_scene(options)
+        progress, seconds = render(scene, package)
+        paths = write(scene, options.out.resolve())
+    except Failure as failure:
+        print(failure, file=sys.stderr)
+        return failure.code
+    scale = scene.render.resolution_percentage / 100.0
+    width, height = int(scene.render.resolution_x * scale), int(scene.render.resolution_y * scale)
+    for path in paths:
+        print(path)
+    noise = "unknown" if progress.noise is None else f"{100.0 * progress.noise:.2f} %"
+    print(f"{width} × {height} pixels, {progress.samples} samples per pixel, {seconds:.1f} s, "
+          f"{width * height * progress.samples / max(progress.elapsed, 1e-9) / 1e6:.2f} million samples/s, noise {noise}")
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        code = main(sys.argv[1:])
+    except SystemExit as stop:  # argparse, after --help
+        code = stop.code or 0
+    except KeyboardInterrupt:
+        code = 130
+    host.finish(code)

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The extension as users get it: installed from its zip, in Blender's Python module and in a Blender with a window."""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+SESSION = pathlib.Path(__file__).with_name("zip_session.py")
+PYTHON = "%d.%d" % sys.version_info[:2]
+
+sys.path.insert(0, str(REPOSITORY / "scripts"))
+
+import build_extension  # noqa: E402  (found on the path set above)
+
+PRESENT = dict(engine=True, lamp=True, settings=True, enabled=True)
+ABSENT = dict(engine=False, lamp=False, settings=False, enabled=False)
+
+
+def run_session(command: list[str], zip_path: pathlib.Path, folder: pathlib.Path) -> tuple[dict, str]:
+    """The report of ``zip_session.py``, and what Blender printed."""
+    resources, report = folder / "resources", folder / "report.json"
+    resources.mkdir()
+    environment = {name: value for name, value in os.environ.items() if name != "SDF_LIGHTS_CACHE"}
+    environment["BLENDER_USER_RESOURCES"] = str(resources)
+    done = subprocess.run(
+        [*command, str(zip_path), str(report)], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        timeout=600)
+    assert report.is_file(), f"Blender ended with code {done.returncode}:\n{done.stdout}"
+    seen = json.loads(report.read_text(encoding="utf-8"))
+    assert "error" not in seen, seen["error"] + done.stdout
+    return seen, done.stdout
+
+
+def judge(seen: dict, printed: str) -> None:
+    """What holds with and without the wheels."""
+    assert seen["installed"] == PRESENT
+    assert seen["disabled"] == ABSENT
+    assert seen["enabled"] == PRESENT
+    assert seen["removed"] == ABSENT
+    assert seen["left"] == []
+    assert "Policy violation" not in printed
+    assert "Traceback" not in printed
+
+    picture = np.array(seen["picture"]).reshape(16, 24, 4)[..., :3]
+    assert np.isfinite(picture).all()
+    # The lamp's ball, in the middle of the picture, outshines the floor, and the floor is lit.
+    assert picture[8, 12].min() > 4.0 * picture[1, 12].max() > 0.0
+    assert picture[15, 0].max() == 0.0  # the black world
+    assert seen["picture again"] == seen["picture"]
+
+
+def judge_wheels(seen: dict) -> None:
+    assert "/extensions/.local/" in seen["modules"]["numba"]
+    assert "/extensions/.local/" in seen["modules"]["llvmlite"]
+    # Compiled kernels are kept where the user may write, not beside the sources, which go when the extension is updated.
+    assert seen["files"]
+    assert all(name.startswith("extensions/.user/user_default/sdf_lights/") for name in seen["files"])
+
+
+@pytest.fixture(scope="module")
+def zip_folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("zip")
+
+
+@pytest.mark.slow  # compiles the kernels
+def test_zip_installs_renders_and_goes(zip_folder, tmp_path):
+    path = build_extension.build(build_extension.this_platform(), PYTHON, zip_folder)
+    seen, printed = run_session([sys.executable, str(SESSION)], path, tmp_path)
+    judge(seen, printed)
+    judge_wheels(seen)
+
+
+def test_without_numba_it_still_renders_and_says_what_is_lost(zip_folder, tmp_path):
+    path = build_extension.build(build_extension.this_platform(), PYTHON, zip_folder, with_wheels=False)
+    seen, printed = run_session([sys.executable, str(SESSION)], path, tmp_path)
+    judge(seen, printed)
+    assert seen["modules"]["numba"] is None
+    assert "Numba could not be imported" in printed
+    assert "slow NumPy renderer takes over" in printed
+
+
+@pytest.mark.gui
+def test_zip_in_a_blender_with_a_window(blender_command, zip_folder, tmp_path):
+    told = subprocess.run(
+        [*blender_command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
+        capture_output=True, text=True, timeout=120)
+    found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
+    assert found, told.stdout + told.stderr
+    path = build_extension.build(build_extension.this_platform(), f"{found[1]}.{found[2]}", zip_folder)
+    seen, printed = run_session([*blender_command, "--python", str(SESSION), "--"], path, tmp_path)
+    assert not seen["background"]
+    judge(seen, printed)
+    judge_wheels(seen)
+
+
+def test_zip_holds_what_blender_needs_and_nothing_else(zip_folder):
+    path = build_extension.build(build_extension.this_platform(), PYTHON, zip_folder)
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+    top = {name.partition("/")[0] for name in names}
+    assert {"__init__.py", "blender_manifest.toml", "LICENSE", "README.md", "sdf_lights", "wheels"} <= top
+    assert top <= {"__init__.py", "blender_manifest.toml", "LICENSE", "README.md", "sdf_lights", "shaders_glsl", "wheels"}
+    wheels = sorted(name.partition("/")[2].partition("-")[0] for name in names if name.startswith("wheels/") and name.endswith(".whl"))
+    assert wheels == ["glcontext", "llvmlite", "moderngl", "numba"]
+    assert [name for name in names if "__pycache__" in name or "/." in name] == []
+    sources = {path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "sdf_lights").rglob("*.py")}
+    assert {name for name in names if name.endswith(".py")} == sources | {"__init__.py"}

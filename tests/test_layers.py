@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Who may import what, and what every source file starts with."""
+
+import ast
+import pathlib
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+PACKAGE = REPOSITORY / "sdf_lights"
+
+# Each layer may import itself and those before it. Modules directly in the package belong to the first layer.
+LAYERS = ("base", "sdf", "emitter", "render", "blender")
+BLENDER_MODULES = {"bpy", "mathutils", "gpu", "gpu_extras", "bl_ui", "bl_math", "blf", "bmesh", "addon_utils", "idprop", "nodeitems_utils"}
+# What a layer may use from outside: Python's own library aside.
+LIBRARIES = {
+    "base": {"numpy", "numba", "llvmlite"},
+    "sdf": {"numpy", "numba", "llvmlite"},
+    "emitter": {"numpy", "numba"},
+    "render": {"numpy", "numba", "OpenImageIO"},
+    "blender": {"numpy", "OpenImageIO"} | BLENDER_MODULES,
+}
+
+
+def layer_of(path: pathlib.Path) -> str:
+    parts = path.relative_to(PACKAGE).parts
+    return parts[0] if len(parts) > 1 else "base"
+
+
+def imports(path: pathlib.Path, source: str) -> list[tuple[str, int]]:
+    """(what, line) for everything that ``source`` imports: a layer as ``layer:NAME``, else a top-level module's name."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            found += [(alias.name.partition(".")[0], node.lineno) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            found.append((node.module.partition(".")[0], node.lineno))
+        elif isinstance(node, ast.ImportFrom):
+            base = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+            for alias in node.names:
+                target = base / alias.name if base.is_dir() else base
+                if target == PACKAGE or PACKAGE not in target.parents:
+                    found.append(("outside the package", node.lineno))
+                else:
+                    # A module directly in the package has no folder of its own.
+                    first = target.relative_to(PACKAGE).parts[0]
+                    found.append((f"layer:{first if (PACKAGE / first).is_dir() else 'base'}", node.lineno))
+    return found
+
+
+def violations(path: pathlib.Path, source: str) -> list[str]:
+    layer = layer_of(path)
+    allowed = {f"layer:{name}" for name in LAYERS[: LAYERS.index(layer) + 1]} | LIBRARIES[layer]
+    place = path.relative_to(REPOSITORY).as_posix()
+    return [
+        f"{place}:{line} imports {what.removeprefix('layer:')}" for what, line in imports(path, source)
+        if what not in allowed and what not in sys.stdlib_module_names]
+
+
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+
+
+def test_package_has_only_the_layers():
+    folders = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"}
+    assert folders <= set(LAYERS)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
+def test_imports_only_its_own_layer_and_those_below(path):
+    assert violations(path, path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("line", [
+    "import bpy", "from mathutils import Vector", "from ..blender import sync", "from .. import blender", "from ..render.scene import Scene",
+    "import sdf_lights.vec", "from ... import something", "import scipy"])
+def test_a_wrong_import_is_found(line):
+    """Also inside a function, where it would go unnoticed until the call."""
+    source = f"def late():\n{textwrap.indent(line, '    ')}\n"
+    assert violations(PACKAGE / "sdf" / "module.py", source)
+
+
+def test_root_package_imports_nothing_at_module_level():
+    tree = ast.parse((REPOSITORY / "__init__.py").read_text(encoding="utf-8"))
+    assert [type(node).__name__ for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))] == []
+    assert {node.name for node in tree.body if isinstance(node, ast.FunctionDef)} >= {"register", "unregister"}
+
+
+def test_everything_below_blender_imports_where_bpy_is_missing():
+    modules = [
+        ".".join(path.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__init__") for path in SOURCES
+        if layer_of(path) != "blender"]
+    code = f"""
+        import importlib, sys
+        sys.path.insert(0, {str(REPOSITORY)!r})
+        for name in {sorted(BLENDER_MODULES)!r}:
+            sys.modules[name] = None
+        for name in {modules!r}:
+            importlib.import_module(name)
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+
+
+HEADER = ["SPDX-FileCopyrightText: 2026 SDF Lights authors", "SPDX-License-Identifier: GPL-3.0-or-later"]
+
+
+def tracked(*suffixes: str) -> list[pathlib.Path]:
+    names = subprocess.run(["git", "ls-files"], cwd=REPOSITORY, capture_output=True, text=True, check=True).stdout.split("\n")
+    return [REPOSITORY / name for name in names if name.endswith(suffixes) and (REPOSITORY / name).is_file()]
+
+
+def test_every_source_file_names_its_licence():
+    shell = [path for path in tracked("") if path.suffix in ("", ".sh") and path.read_bytes()[:2] == b"#!"]
+    without = []
+    for path in [*tracked(".py", ".glsl", ".comp", ".frag", ".vert"), *shell]:
+        head = path.read_text(encoding="utf-8").splitlines()[:4]
+        if not all(any(line.endswith(wanted) for line in head) for wanted in HEADER):
+            without.append(path.relative_to(REPOSITORY).as_posix())
+    assert without == []
