@@ -28,7 +28,8 @@ from .shapes import Difference, Intersection, Shape, ShapeError, Union
 
 LONGEST = 10_000  # characters
 DEEPEST = 50  # brackets inside one another
-MOST_POWERS = 100
+MOST_OPERATORS = 1_000  # in one statement; a chain of n is a tree n deep, and frees itself by recursion in CPython 3.13
+MOST_POWERS = 100  # each is nested in the one before, and so takes of the parser's stack
 MOST_PRIMITIVES = 2_000
 DEEPEST_SHAPE = 100
 
@@ -81,6 +82,7 @@ def evaluate(text: str, values: Mapping[str, float] | None = None) -> Shape:
 _OTHER_CHARACTER = re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|& \t]")
 _LONGEST_NUMBER = re.compile(r"\d{41}")
 _SIGNS_IN_A_ROW = re.compile(r"([-+][ \t]*){10}")
+_OPERATOR = re.compile(r"[-+*/%|&]|\.\s*[A-Za-z_]|\)\s*\(")
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _CURES = {
     "[": "use ( ) instead", "]": "use ( ) instead", "{": "use ( ) instead", "}": "use ( ) instead",
@@ -93,6 +95,7 @@ _CURES = {
 def _guard(lines: list[str]) -> None:
     """Refuses text that is not worth showing to the parser."""
     brackets = powers = 0
+    statement = ""  # may go on over several lines, inside brackets
     for number, line in enumerate(lines, 1):
         for pattern, problem, cure in (
                 (_OTHER_CHARACTER, "{!r} means nothing here", "use letters, digits, ( ) , . and + - * / % ** | & ="),
@@ -112,8 +115,14 @@ def _guard(lines: list[str]) -> None:
             if brackets > DEEPEST:
                 raise ExpressionError("the brackets are nested too deeply", number, column,
                                       f"use at most {DEEPEST} inside one another, and name parts on lines of their own")
-            if powers > MOST_POWERS:  # each is nested in the one before, and so takes of the parser's stack
+            if powers > MOST_POWERS:
                 raise ExpressionError("there are too many powers", number, column, f"use at most {MOST_POWERS}")
+        statement += line + "\n"
+        if brackets <= 0 or number == len(lines):
+            if len(_OPERATOR.findall(statement)) > MOST_OPERATORS:
+                raise ExpressionError("there are too many operators in one statement", number, 1,
+                                      f"use at most {MOST_OPERATORS}, or union(a, b, …) with commas")
+            statement = ""
 
 
 def _parsed(text: str) -> ast.Module:
@@ -179,7 +188,8 @@ class _Evaluation:
 
     def assign(self, statement: ast.stmt) -> None:
         if isinstance(statement, ast.Expr):
-            raise self.error(statement, "this line has no effect", "give its value a name, or combine it into the last line")
+            raise self.error(statement, "this line has no effect",
+                             "give its value a name, or combine it into the last line")
         if not (isinstance(statement, ast.Assign) and len(statement.targets) == 1
                 and isinstance(statement.targets[0], ast.Name)):
             raise self.error(statement, "this statement is not part of the language", "write name = value, or a shape")
@@ -298,7 +308,7 @@ class _Evaluation:
             raise self.error(node, "the value is undefined or too large", "use other numbers") from None
 
     def binary(self, node: ast.BinOp):
-        # A long chain a + b + c + … leans to the left: walked down its spine, it needs no recursion.
+        # The tree of a long chain a + b + c + … leans to the left: walked down its spine, it needs no recursion.
         spine = [node]
         while isinstance(spine[-1].left, ast.BinOp):
             spine.append(spine[-1].left)
@@ -316,8 +326,6 @@ class _Evaluation:
             symbol = _SYMBOLS.get(kind, "this operator")
             raise self.error(node, f"{symbol} does not work between a {kind_of(left)} and a {kind_of(right)}",
                              "use | & - between shapes, and + - * / % ** between numbers and vectors")
-        if kind is ast.Mod:
-            return self.attempt(node, lambda: _ARITHMETIC[kind](left, right))
         return self.attempt(node, lambda: apply(_ARITHMETIC[kind], left, right))
 
     def unary(self, node: ast.UnaryOp):

@@ -104,7 +104,8 @@ class Function(NamedTuple):
             return value
         if argument.kind == "vector" and isinstance(value, float):
             return (value,) * 3
-        wanted = {"value": "a number or a vector", "vector": "a vector or a number"}.get(argument.kind, f"a {argument.kind}")
+        wanted = {"value": "a number or a vector", "vector": "a vector or a number"}.get(
+            argument.kind, f"a {argument.kind}")
         raise Misuse(f"{argument.name} of {self.name} must be {wanted}, not a {kind_of(value)}",
                      f"write {self.signature()}")
 
@@ -238,7 +239,8 @@ _componentwise("degrees", math.degrees, "Radians as degrees.", "radians")
 _componentwise("sqrt", math.sqrt, "Square root.", "value")
 _componentwise("exp", math.exp, "e to the power of the value.", "value")
 _componentwise("log", math.log, "Natural logarithm.", "value")
-_componentwise("pow", math.pow, "Base to the power of the exponent, also written `base ** exponent`.", "base", "exponent")
+_componentwise("pow", math.pow, "Base to the power of the exponent, also written `base ** exponent`.",
+               "base", "exponent")
 _componentwise("abs", abs, "The value without its sign.", "value")
 _componentwise("sign", lambda a: (a > 0.0) - (a < 0.0), "−1, 0 or 1.", "value")
 _componentwise("floor", math.floor, "The next whole number below.", "value")
@@ -250,7 +252,8 @@ _componentwise("min", min, "The least value.", "value", variadic=True)
 _componentwise("max", max, "The greatest value.", "value", variadic=True)
 _componentwise("clamp", lambda a, low, high: min(max(a, low), high), "The value held between two limits.",
                "value", "low", "high")
-_componentwise("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.", "a", "b", "t")
+_componentwise("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.",
+               "a", "b", "t")
 
 
 @_word("Numbers and vectors")

@@ -13,7 +13,7 @@ from sdf_lights.sdf.expression import Expression, ExpressionError, Slider, evalu
 from sdf_lights.sdf.functions import FUNCTIONS
 from sdf_lights.sdf.reference import reference_page
 from sdf_lights.sdf.shapes import SHAPES, Box, BoxFrame, Difference, Intersection, Primitive, Sphere, Torus, Transformed
-from sdf_lights.sdf.shapes import Union
+from sdf_lights.sdf.shapes import Shape, Union
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 
@@ -46,7 +46,8 @@ def test_every_primitive_has_its_name_and_defaults(name):
 
 
 @pytest.mark.parametrize("text, value", [
-    ("1 + 2 * 3", 7.0), ("2 ** 3 ** 2", 512.0), ("-2 + 5", 3.0), ("7 % 4", 3.0), ("mod(-1, 4)", 3.0), ("10 - 4 - 3", 3.0),
+    ("1 + 2 * 3", 7.0), ("2 ** 3 ** 2", 512.0), ("-2 + 5", 3.0), ("7 % 4", 3.0), ("mod(-1, 4)", 3.0),
+    ("10 - 4 - 3", 3.0),
     ("pi", math.pi), ("tau", math.tau), ("sin(pi / 2)", 1.0), ("cos(0)", 1.0), ("tan(pi / 4)", math.tan(math.pi / 4)),
     ("asin(1)", math.pi / 2), ("acos(0)", math.acos(0.0)), ("atan(1)", math.pi / 4), ("atan2(1, 1)", math.pi / 4),
     ("sqrt(9)", 3.0), ("exp(1)", math.e), ("log(e)", 1.0), ("pow(2, 10)", 1024.0), ("abs(-3)", 3.0), ("sign(5)", 1.0),
@@ -157,33 +158,40 @@ MISTAKES = [
 ATTACKS = [
     # names and attributes that reach Python's insides
     "__import__('os').system('true')", "().__class__.__bases__", "sphere().__class__", "sphere.__globals__",
-    "__builtins__", "eval(1)", "exec(1)", "open(1)", "getattr(sphere(), 1)", "vec3(1,2,3).__class__", "sphere(__debug__)",
-    "sphere(**a)", "sphere(*a)", "f = sphere\nf(1)", "union(sphere)", "print(1)", "help()", "_guard", "type(1)",
+    "__builtins__", "eval(1)", "exec(1)", "open(1)", "getattr(sphere(), 1)", "vec3(1,2,3).__class__",
+    "sphere(__debug__)", "sphere(**a)", "sphere(*a)", "f = sphere\nf(1)", "union(sphere)", "print(1)", "help()",
+    "_guard", "type(1)",
     # the rest of Python
-    "import os", "from os import path", "lambda: 0", "[x for x in y]", "{1: 2}", "f'{1}'", "'text'", "b'x'", "1j", "True",
-    "None", "...", "a = b = 1", "a, b = 1, 2", "a += 1", "a: int = 1", "del a", "if 1: 2", "while 1: pass", "1 if 1 else 2",
-    "a := 1", "not 1", "~1", "1 < 2", "1 == 1", "1 and 2", "yield", "await a", "return 1", "global a", "assert 1", "pass",
-    "def f(): pass", "class A: pass", "@a", "raise 1", "try: pass", "with a: pass", "match a:\n case 1: pass", "print 1",
-    "a[0]", "a.b = 1", "sphere().radius", "type X = int", "(yield)", "sphere(1);sphere(2)", "async def f(): pass",
+    "import os", "from os import path", "lambda: 0", "[x for x in y]", "{1: 2}", "f'{1}'", "'text'", "b'x'", "1j",
+    "True", "None", "...", "a = b = 1", "a, b = 1, 2", "a += 1", "a: int = 1", "del a", "if 1: 2", "while 1: pass",
+    "1 if 1 else 2", "a := 1", "not 1", "~1", "1 < 2", "1 == 1", "1 and 2", "yield", "await a", "return 1",
+    "global a", "assert 1", "pass", "def f(): pass", "class A: pass", "@a", "raise 1", "try: pass", "with a: pass",
+    "match a:\n case 1: pass", "print 1", "a[0]", "a.b = 1", "sphere().radius", "type X = int", "(yield)",
+    "sphere(1);sphere(2)", "async def f(): pass",
     # numbers
-    "sphere(9**9**9**9)", "sphere(10**10**10)", "9" * 5000, "sphere(" + "9" * 5000 + ")", "sphere(1e999999999)", "sphere(2**1e9)",
-    "0x" + "f" * 9000, "1." + "0" * 9000, "1_" * 4900 + "1", "**".join("2" * 3000), "**-".join("2" * 3000), "exp(exp(exp(9)))",
-    "sphere(1e300 * 1e300)", "sphere(exp(1e9))", "mod(1e308, 1e-308)", "sphere(10**9 * 10**9)", "translate(sphere(), 1e300)",
+    "sphere(9**9**9**9)", "sphere(10**10**10)", "9" * 5000, "sphere(" + "9" * 5000 + ")", "sphere(1e999999999)",
+    "sphere(2**1e9)", "0x" + "f" * 9000, "1." + "0" * 9000, "1_" * 4900 + "1", "**".join("2" * 3000),
+    "**-".join("2" * 3000), "exp(exp(exp(9)))", "sphere(1e300 * 1e300)", "sphere(exp(1e9))", "mod(1e308, 1e-308)",
+    "sphere(10**9 * 10**9)", "translate(sphere(), 1e300)",
     # nesting, length
-    "(" * 9_900, "(" * 4900 + ")" * 4900, "(" * 50 + "1", "sphere(" * 1400, "sphere(" * 60 + "1" + ")" * 60, ")" * 9_900,
-    "-" * 9_900 + "1", "- " * 4900 + "1", "+-" * 4900 + "1", "-+ \t" * 2000, "not " * 2400 + "1", "1" + "+1" * 4900,
-    "1 if 1 else " * 800, "a." * 4900 + "a", "a" + ".x" * 4900, "a" + "()" * 4900, "lambda:" * 1400, "," * 9_900,
-    "(1,2,3)" + ".x" * 4900, "\n" * 9_900, "# " * 4900, "a=1\n" * 2400, "((((((((((" * 4 + "a b" + "))))))))))" * 4,
-    "(((((" * 9 + "=" + ")))))" * 9, "a(b=" * 49 + "1", "x" * 1_000_000, "(" * 1_000_000, "sphere()|" * 111_111, "\0" * 1_000_000,
+    "(" * 9_900, "(" * 4900 + ")" * 4900, "(" * 50 + "1", "sphere(" * 1400, "sphere(" * 60 + "1" + ")" * 60,
+    ")" * 9_900, "-" * 9_900 + "1", "- " * 4900 + "1", "+-" * 4900 + "1", "-+ \t" * 2000, "not " * 2400 + "1",
+    "1" + "+1" * 4900, "a" + " . x" * 2400, "a" + " ( )" * 2400, "(1\n" + "+1\n" * 3000 + ")",
+    "(a\n" + ".x\n" * 3000 + ")", "(a\n" + ".\nx" * 3000 + ")", "(a" + "(\n)" * 3000 + ")",
+    "(a" + "\n()" * 3000 + ")", "1 if 1 else " * 800, "a." * 4900 + "a", "a" + ".x" * 4900, "a" + "()" * 4900,
+    "lambda:" * 1400, "," * 9_900, "(1,2,3)" + ".x" * 4900, "\n" * 9_900, "# " * 4900, "a=1\n" * 2400,
+    "((((((((((" * 4 + "a b" + "))))))))))" * 4, "(((((" * 9 + "=" + ")))))" * 9, "a(b=" * 49 + "1", "x" * 1_000_000,
+    "(" * 1_000_000, "sphere()|" * 111_111, "\0" * 1_000_000,
     # shapes without end
-    "s=sphere()\n" + "s=s|s\n" * 1600 + "s", "s=sphere()\n" + "s=s-s\n" * 1600 + "s", "s=sphere()\n" + "s=s|s&s\n" * 1200 + "s",
-    "s=sphere()\n" + "s=s|sphere()-s\n" * 640 + "s", "s=sphere()\nt=" + "|".join("s" * 1999) + "\nunion(" + "t," * 2900 + "t)",
-    "s=" + "|".join(["sphere()"] * 1100) + "\ns|s",
+    "s=sphere()\n" + "s=s|s\n" * 1600 + "s", "s=sphere()\n" + "s=s-s\n" * 1600 + "s",
+    "s=sphere()\n" + "s=s|s&s\n" * 1200 + "s", "s=sphere()\n" + "s=s|sphere()-s\n" * 640 + "s",
+    "s=sphere()\nt=union(" + ",".join("s" * 1999) + ")\nunion(" + "t," * 2900 + "t)",
+    "s=" + "|".join(["sphere()"] * 1000) + "\ns|s|s",
     "s=sphere()\nt=" + "|".join("s" * 999) + "\n" + "u=t|t\n" * 1300 + "q",
     # unicode
-    "ｓphere(1)", "sphеre(1)", "sphere(１)", "sphere(1)\u2028import os", "sphere\u200b(1)", "ª = 1", "𝐬phere(1)", "\u202esphere(1)",
-    "\ud800", "sphere(1\u00a0)", "\ufeffsphere(1)", "sphere(²)", "sphere(1)\x0c", "sphere(1)\x1a", "sphere(1)\\\n", "\t\tsphere",
-    "sphere(−1)", "# \ud800\n1"]
+    "ｓphere(1)", "sphеre(1)", "sphere(１)", "sphere(1)\u2028import os", "sphere\u200b(1)", "ª = 1", "𝐬phere(1)",
+    "\u202esphere(1)", "\ud800", "sphere(1\u00a0)", "\ufeffsphere(1)", "sphere(²)", "sphere(1)\x0c", "sphere(1)\x1a",
+    "sphere(1)\\\n", "\t\tsphere", "sphere(−1)", "# \ud800\n1"]
 
 
 @pytest.mark.parametrize("text, line, column, message, cure", MISTAKES)
@@ -217,6 +225,21 @@ def test_attacks_end_in_an_error_within_a_tenth_of_a_second(text):
     raise AssertionError(f"took {min(times):.2f} s")
 
 
+def test_random_words_make_a_shape_or_an_error():
+    rng = np.random.default_rng(19)
+    words = [*FUNCTIONS, "a", "b", "a", "(", ")", "(", ")", ",", "1", "2.5", "0", "-1", "1e9", "+", "-", "*", "/",
+             "%", "**", "|", "&", "=", ".", ".x", "\n", "slider(", "sphere()", "box(1)", "(1, 2, 3)", "vec3(", "a = ",
+             "\nsphere(1)", "=", "_"]
+    shapes = 0
+    for _ in range(4000):
+        text = " ".join(rng.choice(words, rng.integers(1, 9)))
+        try:
+            shapes += isinstance(evaluate(text), Shape)
+        except ExpressionError:
+            pass
+    assert shapes > 20
+
+
 def test_attacks_do_not_overflow_the_small_stack_of_a_thread():
     failures = []
 
@@ -238,8 +261,9 @@ def test_attacks_do_not_overflow_the_small_stack_of_a_thread():
 
 
 def test_the_largest_expressions_that_are_allowed():
-    wide = "s = sphere()\n" + "|".join("s" * expression.MOST_PRIMITIVES)
+    wide = "s = sphere()\nunion(" + ", ".join("s" * expression.MOST_PRIMITIVES) + ")"
     assert evaluate(wide).size == expression.MOST_PRIMITIVES
+    assert evaluate("|".join(["sphere()"] * (expression.MOST_OPERATORS + 1))).size == expression.MOST_OPERATORS + 1
     half = expression.DEEPEST // 2
     deep = "sphere(" + "(" * (expression.DEEPEST - 1) + "1" + ")" * expression.DEEPEST
     assert evaluate(deep) == Sphere(1.0)

@@ -240,10 +240,10 @@ def test_a_shape_without_closed_form_says_so():
                          "make the thickness smaller."),
     (Union(), "Union: it has no shapes to combine: give it at least one."),
     (Difference(Sphere(), Union(Box(), Sphere(0.0))), "Sphere: radius is 0, but must be at least 1e-06."),
-    (Transformed(Sphere(), np.diag([1.0, 0.0, 1.0, 1.0])), "Transformed: the matrix flattens the shape: give it a scale "
-                                                           "other than zero along every axis."),
-    (Transformed(Sphere(), np.full((4, 4), np.nan)), "Transformed: the matrix has a number that is not finite: give the "
-                                                     "shape an ordinary transform."),
+    (Transformed(Sphere(), np.diag([1.0, 0.0, 1.0, 1.0])),
+     "Transformed: the matrix flattens the shape: give it a scale other than zero along every axis."),
+    (Transformed(Sphere(), np.full((4, 4), np.nan)),
+     "Transformed: the matrix has a number that is not finite: give the shape an ordinary transform."),
     (Transformed(Sphere(-1.0), np.eye(4)), "Sphere: radius is -1, but must be at least 1e-06.")])
 def test_what_is_wrong_is_said_in_a_sentence(shape, problem):
     assert shape.validate() == problem
@@ -255,7 +255,8 @@ def test_good_parameters_are_accepted(shape):
 
 
 @pytest.mark.parametrize("make", [
-    lambda: Sphere("wide"), lambda: Box((1.0, 2.0)), lambda: Union(Sphere(), 1.0), lambda: Transformed(Sphere(), np.eye(3)),
+    lambda: Sphere("wide"), lambda: Box((1.0, 2.0)), lambda: Union(Sphere(), 1.0), lambda: Union(1.0),
+    lambda: Transformed(Sphere(), np.eye(3)),
     lambda: Transformed(1.0), lambda: Sphere(None), lambda: Sphere(10**400), lambda: Transformed(Sphere(), "matrix")])
 def test_what_is_not_a_number_or_a_shape_is_refused(make):
     with pytest.raises(ShapeError):
@@ -289,7 +290,8 @@ def test_chains_stay_shallow():
     a, b, c = Sphere(), Box(), Torus()
     assert Union(Union(a, b), c).children == (a, b, c)
     assert Difference(Difference(a, b), c).children == (a, b, c)
-    assert Difference(a, Difference(b, c)).children == (a, Difference(b, c)) and Difference(a, Difference(b, c)).depth == 3
+    inner = Difference(a, Difference(b, c))
+    assert inner.children == (a, Difference(b, c)) and inner.depth == 3
     once = Transformed(Transformed(a, SHEAR), MIRROR)
     assert once.child is a and np.array_equal(once.matrix, MIRROR @ SHEAR)
     chain = a

@@ -165,7 +165,7 @@ class Shape:
         return formula, values
 
     def formula(self) -> Formula:
-        """The field φ. Shapes that differ only in numbers have the very same formula: it is the key of compiled code."""
+        """The field φ. Shapes that differ only in numbers have the very same formula, the key of compiled code."""
         return self._built[0]
 
     def parameters(self) -> np.ndarray:

@@ -28,7 +28,7 @@ class SetOperation(Shape, abstract=True):
     children: tuple[Shape, ...]
 
     def __init__(self, *children: Shape):
-        if len(children) == 1 and not isinstance(children[0], Shape):
+        if len(children) == 1 and isinstance(children[0], (tuple, list)):
             children = tuple(children[0])
         for child in children:
             if not isinstance(child, Shape):
@@ -39,7 +39,7 @@ class SetOperation(Shape, abstract=True):
             parts.extend(child.children if absorbed else (child,))
             depth = max(depth, child.depth + (not absorbed))
         object.__setattr__(self, "children", tuple(parts))
-        # Kept, and from the arguments instead of all parts: a chain of n operations is then built in linear time.
+        # Kept, and made from the arguments: a long chain must not count all its parts again at each link.
         object.__setattr__(self, "size", sum(child.size for child in children))
         object.__setattr__(self, "depth", depth)
 

@@ -141,8 +141,8 @@ class BoxFrame(Primitive):
 
     def relation(self) -> str:
         if self.thickness > min(self.half_size):
-            return (f"Box Frame: thickness {self.thickness:g} is more than the least half size {min(self.half_size):g}, "
-                    "so the bars overlap: make the thickness smaller.")
+            return (f"Box Frame: thickness {self.thickness:g} is more than the least half size "
+                    f"{min(self.half_size):g}, so the bars overlap: make the thickness smaller.")
         return ""
 
     def volume(self) -> float:
