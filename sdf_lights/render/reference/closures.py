@@ -1,0 +1,261 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scattering lobes over arrays of points: evaluate, sample and pdf.
+
+A lobe holds its ``weight`` (N, 3), ``normal`` (N, 3) and parameters of N points. ``evaluate(wo, wi)`` gives
+(f · |cos| (N, 3) without the weight, pdf (N,)), zero where the lobe is a Dirac delta; ``sample(rng, wo)`` gives
+(wi, weight of the path (N, 3) where singular, probability (N,) of that, singular (N,) bool).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..scene import Ray
+from .vectors import cosine_hemisphere, dot, frame, normalize, reflect
+
+SINGULAR_ALPHA2 = 2e-10  # a smoother GGX is a perfect mirror, as in Cycles
+
+
+class Lobe:
+    """``albedo`` (N, 3) is an estimate of what the lobe scatters in all, with its weight."""
+
+    smooth = False  # darkens gradually where its normal differs from the surface's
+
+    def __init__(self, weight: np.ndarray, normal: np.ndarray, albedo: np.ndarray | None = None, **parameters):
+        self.weight, self.normal = weight, normal
+        self.albedo = weight if albedo is None else albedo
+        vars(self).update(parameters)
+
+    def select(self, rows: np.ndarray) -> "Lobe":
+        return type(self)(**{
+            name: value[rows] if isinstance(value, np.ndarray) else value for name, value in vars(self).items()})
+
+    def kind(self, wi: np.ndarray) -> np.ndarray:
+        """Kind of ray that goes on along wi; 0: the same ray goes straight through."""
+        return np.full(len(wi), int(Ray.DIFFUSE))
+
+    def evaluate(self, wo: np.ndarray, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        raise NotImplementedError
+
+    def direction(self, rng: np.random.Generator, wo: np.ndarray) -> np.ndarray:
+        return cosine_hemisphere(rng, self.normal)
+
+    def sample(self, rng: np.random.Generator, wo: np.ndarray):
+        count = len(wo)
+        return self.direction(rng, wo), np.zeros((count, 3)), np.ones(count), np.zeros(count, bool)
+
+
+class Diffuse(Lobe):
+    """Lambert."""
+
+    smooth = True
+
+    def evaluate(self, wo, wi):
+        pdf = np.maximum(dot(self.normal, wi), 0.0) / np.pi
+        return np.repeat(pdf[:, None], 3, 1), pdf
+
+
+class Translucent(Lobe):
+    """Lambert to the far side."""
+
+    smooth = True
+
+    def kind(self, wi):
+        return np.full(len(wi), int(Ray.TRANSMISSION))
+
+    def evaluate(self, wo, wi):
+        pdf = np.maximum(-dot(self.normal, wi), 0.0) / np.pi
+        return np.repeat(pdf[:, None], 3, 1), pdf
+
+    def direction(self, rng, wo):
+        return cosine_hemisphere(rng, -self.normal)
+
+
+class OrenNayar(Lobe):
+    """Fujii's improved Oren-Nayar with multiple scattering as in OpenPBR 1.1; ``color``, ``roughness``.
+
+    The weight holds the colour once; multiple scattering brings its higher powers.
+    """
+
+    smooth = True
+
+    @staticmethod
+    def _g(cosine):
+        # Below this angle tan θ overflows; the limit of G there is a straight line.
+        c = np.clip(cosine, 1e-6, 1.0)
+        s = np.sqrt(1.0 - c * c)
+        g = s * (np.arccos(c) - 2 / 3 - s * c) + 2 / 3 * s / c * (1.0 - s**3)
+        return np.where(cosine < 1e-6, np.pi / 2 - 2 / 3 - cosine, g)
+
+    def evaluate(self, wo, wi):
+        sigma = np.clip(self.roughness, 0.0, 1.0)
+        a = 1.0 / (np.pi + (np.pi / 2 - 2 / 3) * sigma)
+        b = sigma * a
+        ci, co = np.maximum(dot(self.normal, wi), 0.0), np.maximum(dot(self.normal, wo), 0.0)
+        s = dot(wi, wo) - ci * co
+        t = np.where(s > 0.0, s / np.maximum(np.maximum(ci, co), 1e-12), s)
+        mean = np.pi * a + (2 * np.pi - 5.6) / 3 * b
+        lost_o, lost_i = (1.0 - (np.pi * a + b * self._g(c)) for c in (co, ci))
+        rho = np.clip(self.color, 0.0, 1.0)
+        many = rho / np.pi * (mean / (1 - mean) * lost_o * lost_i)[:, None] / (1 - rho * (1 - mean)[:, None])
+        return ci[:, None] * ((a + b * t)[:, None] + many), ci / np.pi
+
+
+class Sheen(Lobe):
+    """Sheen of Zeltner et al. 2022, a linearly transformed cosine whose inverse has coefficients ``a`` and ``b``."""
+
+    smooth = True
+
+    def _frame(self, wo):
+        n = self.normal
+        t = wo - dot(n, wo)[:, None] * n
+        degenerate = dot(t, t) < 1e-12
+        t = np.where(degenerate[:, None], frame(n)[0], normalize(t))
+        return t, np.cross(n, t)
+
+    def evaluate(self, wo, wi):
+        t, b = self._frame(wo)
+        z = np.maximum(dot(self.normal, wi), 0.0)
+        square = (self.a * dot(t, wi) + self.b * z)**2 + (self.a * dot(b, wi))**2 + z * z
+        pdf = z / np.pi * (self.a / np.maximum(square, 1e-300))**2
+        return np.repeat(pdf[:, None], 3, 1), pdf
+
+    def direction(self, rng, wo):
+        t, b = self._frame(wo)
+        cosine = cosine_hemisphere(rng, np.broadcast_to([0.0, 0.0, 1.0], wo.shape))
+        # cosine_hemisphere may turn its frame about z: any rotation of a cosine lobe is the same lobe.
+        local = normalize(np.stack([cosine[:, 0] - cosine[:, 2] * self.b, cosine[:, 1], cosine[:, 2] * self.a], -1))
+        return local[:, :1] * t + local[:, 1:2] * b + local[:, 2:] * self.normal
+
+
+class Straight(Lobe):
+    """Transparency: nothing is scattered."""
+
+    def kind(self, wi):
+        return np.zeros(len(wi), int)
+
+    def evaluate(self, wo, wi):
+        return np.zeros(wo.shape), np.zeros(len(wo))
+
+    def sample(self, rng, wo):
+        count = len(wo)
+        return -wo, np.ones((count, 3)), np.ones(count), np.ones(count, bool)
+
+
+def dielectric(cosine: np.ndarray, ior: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unpolarised reflectance, and cosine of the refracted ray (0 where there is none); ior of far over near side."""
+    c = np.clip(np.abs(cosine), 0.0, 1.0)
+    ct2 = 1.0 - (1.0 - c * c) / ior**2
+    ct = np.sqrt(np.maximum(ct2, 0.0))
+    s, p = (c - ior * ct) / (c + ior * ct), (ior * c - ct) / (ior * c + ct)
+    return np.where(ct2 > 0.0, 0.5 * (s * s + p * p), 1.0), ct
+
+
+def f0_of_ior(ior):
+    return ((ior - 1.0) / (ior + 1.0))**2
+
+
+def remapped_dielectric(cosine, ior, f0):
+    """Reflectance (N, 3) with the shape of a dielectric's curve, from ``f0`` (N, 3) to 1."""
+    real, bottom = dielectric(cosine, ior)[0], f0_of_ior(ior)
+    return f0 + (1.0 - f0) * np.clip((real - bottom) / (1.0 - bottom), 0.0, 1.0)[:, None]
+
+
+def f82(cosine, f0, tint):
+    """F82-Tint of Kutz, Hasan and Edmondson 2021: Schlick's curve, ``tint`` times it at the cosine 1/7."""
+    c = np.clip(np.abs(cosine), 0.0, 1.0)[:, None]
+    edge = (f0 + (1 - f0) * (6 / 7)**5) * (1 - tint) / (1 / 7 * (6 / 7)**6)
+    return np.clip(f0 + (1 - f0) * (1 - c)**5 - edge * c * (1 - c)**6, 0.0, 1.0)
+
+
+NONE, DIELECTRIC, F82 = "none", "dielectric", "f82"
+
+
+def masking(alpha2: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+    """Smith's Λ of GGX."""
+    c2 = np.maximum(cosine * cosine, 1e-300)
+    return 0.5 * (np.sqrt(1.0 + alpha2 * np.maximum(1.0 / c2 - 1.0, 0.0)) - 1.0)
+
+
+class Microfacet(Lobe):
+    """GGX of roughness ``alpha`` (N,), with the height-correlated masking of Heitz 2014.
+
+    ``ior`` (N,) is that of the far side over that of the side of wo. ``term`` is the Fresnel term: DIELECTRIC goes from ``f0``
+    (N, 3) to 1 as the real curve does and tints what it reflects and transmits; F82 has ``f0`` and ``tint``; NONE
+    reflects all, or refracts all where it ``transmits``. Visible normals are drawn as Dupuy and Benyoub 2023 do.
+    """
+
+    def kind(self, wi):
+        return np.where(dot(self.normal, wi) < 0.0, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
+
+    @property
+    def singular(self):
+        return self.alpha**2 <= SINGULAR_ALPHA2
+
+    def fresnel(self, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What a microfacet reflects and what it transmits, both (N, 3)."""
+        nothing, all_ = np.zeros((len(cosine), 3)), np.ones((len(cosine), 3))
+        if self.term == F82:
+            return f82(cosine, self.f0, self.tint), nothing
+        if self.term == NONE and not self.transmits:
+            return all_, nothing
+        open_ = (dielectric(cosine, self.ior)[1] > 0.0)[:, None]
+        if self.term == NONE:
+            return nothing, all_ * open_
+        r = remapped_dielectric(cosine, self.ior, self.f0)
+        if not self.transmits:
+            return r, nothing
+        return r * self.reflection, (1.0 - r) * self.transmission * open_
+
+    def evaluate(self, wo, wi):
+        """Walter et al. 2007, equations 20 and 21."""
+        n = self.normal
+        co, ci = dot(n, wo), dot(n, wi)
+        through = ci < 0.0
+        h = wo + wi * np.where(through, self.ior, 1.0)[:, None]
+        square = dot(h, h)
+        usable = (co > 0.0) & (ci != 0.0) & (square > 1e-16) & ~self.singular
+        h = h / np.sqrt(np.where(usable, square, 1.0))[:, None]
+        ho, hi, hn = dot(h, wo), dot(h, wi), dot(h, n)
+        usable &= ~through | ((ho * hi < 0.0) & (ho * hn > 0.0))
+        r, t = self.fresnel(ho)
+        total = (r + t).mean(1)
+        usable &= total > 0.0
+        a2 = self.alpha**2
+        distribution = a2 / (np.pi * (1.0 + (np.minimum(hn * hn, 1.0)) * (a2 - 1.0))**2)
+        jacobian = np.where(through, self.ior**2 * np.abs(ho * hi) / np.where(usable, square, 1.0), 0.25)
+        common = np.where(usable, distribution * jacobian / np.where(usable, co, 1.0), 0.0)
+        lo, li = masking(a2, co), masking(a2, ci)
+        value = np.where(through[:, None], t, r)
+        pdf = common * value.mean(1) / np.where(usable, total, 1.0) / (1.0 + lo)
+        return value * (common / (1.0 + lo + li))[:, None], pdf
+
+    def _normals(self, rng, wo):
+        """Microfacet normals as visible from wo."""
+        t, b = frame(self.normal)
+        local = np.stack([dot(t, wo), dot(b, wo), dot(self.normal, wo)], -1)
+        stretch = np.stack([self.alpha, self.alpha, np.ones_like(self.alpha)], -1)
+        view = normalize(local * stretch)
+        z = (1.0 - rng.random(len(wo))) * (1.0 + view[:, 2]) - view[:, 2]
+        phi = 2.0 * np.pi * rng.random(len(wo))
+        s = np.sqrt(np.clip(1.0 - z * z, 0.0, 1.0))
+        h = normalize((np.stack([s * np.cos(phi), s * np.sin(phi), z], -1) + view) * stretch)
+        return h[:, :1] * t + h[:, 1:2] * b + h[:, 2:] * self.normal
+
+    def sample(self, rng, wo):
+        singular = self.singular
+        h = np.where(singular[:, None], self.normal, self._normals(rng, wo))
+        ho = dot(h, wo)
+        r, t = self.fresnel(ho)
+        total = (r + t).mean(1)
+        share = r.mean(1) / np.where(total > 0.0, total, 1.0)
+        through = rng.random(len(wo)) >= share
+        cosine_t = dielectric(ho, self.ior)[1]
+        refracted = ((ho / self.ior - cosine_t)[:, None] * h) - wo / self.ior[:, None]
+        wi = np.where(through[:, None], refracted, reflect(wo, h))
+        # Equal indices bend nothing: a delta, however rough.
+        singular = singular | (through & (self.ior == 1.0))
+        valid = (dot(self.normal, wo) > 0.0) & ((dot(self.normal, wi) < 0.0) == through) & (total > 0.0)
+        probability = np.where(valid, np.where(through, 1.0 - share, share), 0.0)
+        return wi, np.where(through[:, None], t, r), probability, singular

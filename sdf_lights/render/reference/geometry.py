@@ -1,0 +1,257 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Triangles in float64: nearest hits of many rays at once, and the surface at a hit.
+
+The hierarchy is an implicit one: triangles in Morton order, every ``LEAF`` of them a leaf, every ``ARITY`` nodes a
+parent, so it needs no pointers and is built and walked level by level over whole arrays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene import Scene
+from .vectors import dot, normalize
+
+ARITY, LEAF = 4, 4
+CHUNK = 8192
+
+
+@dataclass
+class Hits:
+    """Nearest hit of every ray: ``distance`` (inf: none), indices of instance and of triangle within its mesh, and
+    barycentric coordinates of the second and third vertex."""
+
+    distance: np.ndarray
+    instance: np.ndarray
+    triangle: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+
+    @property
+    def found(self) -> np.ndarray:
+        return np.isfinite(self.distance)
+
+    @classmethod
+    def none(cls, count: int) -> "Hits":
+        return cls(np.full(count, np.inf), *(np.full(count, -1) for _ in range(2)), *(np.zeros(count) for _ in range(2)))
+
+
+@dataclass
+class Surface:
+    """The surface at hits, in world space. ``ng`` and ``ns``, the geometric and the shading normal, are on the side
+    that ``wo`` is on; ``backfacing`` says that this is the inside of the mesh."""
+
+    position: np.ndarray
+    ng: np.ndarray
+    ns: np.ndarray
+    wo: np.ndarray
+    backfacing: np.ndarray
+    instance: np.ndarray
+    triangle: np.ndarray
+    barycentric: np.ndarray  # (N, 3)
+    smooth: np.ndarray  # (N,) bool: ns is interpolated
+    distance: np.ndarray
+
+    def select(self, rows: np.ndarray) -> "Surface":
+        return Surface(**{name: value[rows] for name, value in vars(self).items()})
+
+
+def _spread_bits(x: np.ndarray) -> np.ndarray:
+    """The lowest 21 bits of x, two zero bits put after each (the usual constants of 3-D Morton codes)."""
+    x = x & 0x1FFFFF
+    for shift, mask in ((32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00F),
+                        (4, 0x10C30C30C30C30C3), (2, 0x1249249249249249)):
+        x = (x | (x << shift)) & mask
+    return x
+
+
+class Triangles:
+    """Hierarchy over triangles ``corners`` (T, 3, 3) in world space with visibility ``masks`` (T,)."""
+
+    def __init__(self, corners: np.ndarray, masks: np.ndarray):
+        self.corners, self.masks = corners, masks
+        lower, upper = corners.min(1), corners.max(1)
+        extent = np.maximum(np.ptp(corners.reshape(-1, 3), axis=0), 1e-300) if len(corners) else np.ones(3)
+        centre = ((lower + upper) / 2 - lower.min(0, initial=np.inf)) / extent
+        cell = np.clip((centre * (1 << 21)).astype(np.int64), 0, (1 << 21) - 1)
+        code = _spread_bits(cell[:, 0]) | _spread_bits(cell[:, 1]) << 1 | _spread_bits(cell[:, 2]) << 2
+        self.order = np.argsort(code, kind="stable")
+        levels, width = 0, LEAF
+        while width < len(corners):
+            levels, width = levels + 1, width * ARITY
+        box = np.full((width, 2, 3), np.inf)
+        box[:, 1] = -np.inf
+        box[:len(corners), 0], box[:len(corners), 1] = lower[self.order], upper[self.order]
+        self.levels = []
+        for group in [LEAF] + [ARITY] * levels:
+            box = box.reshape(-1, group, 2, 3)
+            box = np.stack([box[:, :, 0].min(1), box[:, :, 1].max(1)], 1)
+            self.levels.insert(0, box)
+
+    def nearest(self, origins, directions, far, masks):
+        """(distance, triangle, u, v) of the nearest hit closer than ``far``; triangle −1 where there is none."""
+        parts = [self._nearest(*(array[i:i + CHUNK] for array in (origins, directions, far, masks)))
+                 for i in range(0, len(origins), CHUNK)]
+        if not parts:
+            return np.zeros(0), np.zeros(0, int), np.zeros(0), np.zeros(0)
+        return tuple(np.concatenate(part) for part in zip(*parts))
+
+    def _nearest(self, origins, directions, far, masks):
+        inverse = 1.0 / np.where(directions == 0.0, 1e-300, directions)
+        ray = np.arange(len(origins))
+        node = np.zeros(len(origins), int)
+        for depth, box in enumerate(self.levels):
+            if depth:
+                node = (node[:, None] * ARITY + np.arange(ARITY)).ravel()
+                ray = np.repeat(ray, ARITY)
+            a = (box[node, 0] - origins[ray]) * inverse[ray]
+            b = (box[node, 1] - origins[ray]) * inverse[ray]
+            # Rounding may not lose a ray that runs within a flat box.
+            enter = np.minimum(a, b).max(1) * (1 - 1e-12) - 1e-12
+            leave = np.maximum(a, b).min(1) * (1 + 1e-12) + 1e-12
+            keep = (enter <= leave) & (leave >= 0.0) & (enter < far[ray])
+            ray, node = ray[keep], node[keep]
+        slot = (node[:, None] * LEAF + np.arange(LEAF)).ravel()
+        ray = np.repeat(ray, LEAF)
+        inside = slot < len(self.order)
+        ray, triangle = ray[inside], self.order[slot[inside]]
+        keep = (self.masks[triangle] & masks[ray]) != 0
+        ray, triangle = ray[keep], triangle[keep]
+        t, u, v = moller_trumbore(origins[ray], directions[ray], self.corners[triangle])
+        keep = (t > 0.0) & (t < far[ray])
+        ray, triangle, t, u, v = ray[keep], triangle[keep], t[keep], u[keep], v[keep]
+        last = np.lexsort((-t, ray))  # the nearest hit of each ray is written last
+        ray, triangle, t, u, v = ray[last], triangle[last], t[last], u[last], v[last]
+        count = len(origins)
+        result = np.full(count, np.inf), np.full(count, -1), np.zeros(count), np.zeros(count)
+        for target, value in zip(result, (t, triangle, u, v)):
+            target[ray] = value
+        return result
+
+
+def moller_trumbore(o: np.ndarray, d: np.ndarray, corners: np.ndarray):
+    """(t, u, v) of rays with triangles (N, 3, 3), t = inf where they miss. Möller and Trumbore 1997."""
+    e1, e2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    p = np.cross(d, e2)
+    determinant = dot(e1, p)
+    inverse = 1.0 / np.where(determinant == 0.0, 1.0, determinant)
+    s = o - corners[:, 0]
+    u = dot(s, p) * inverse
+    q = np.cross(s, e1)
+    v = dot(d, q) * inverse
+    hit = (determinant != 0.0) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+    return np.where(hit, dot(e2, q) * inverse, np.inf), u, v
+
+
+class Geometry:
+    """All instances of a scene: rays against them, and what a hit looks like."""
+
+    def __init__(self, scene: Scene, use_embree: bool | None = None):
+        """``use_embree``: None takes Embree for scenes of more than ``EMBREE_TRIANGLES`` triangles, where it is found."""
+        self.scene = scene
+        self.matrices = np.array([i.matrix for i in scene.instances], float).reshape(-1, 4, 4)
+        linear = self.matrices[:, :3, :3]
+        regular = np.abs(np.linalg.det(linear)) > 0.0
+        self.normal_matrices = np.zeros_like(linear)
+        self.normal_matrices[regular] = np.linalg.inv(linear[regular]).transpose(0, 2, 1)
+        self.mesh_of = np.array([i.mesh for i in scene.instances], int)
+        counts = np.array([len(m.triangles) for m in scene.meshes] + [0])
+        self.first = np.concatenate([[0], np.cumsum(counts)[:-1]])  # of each mesh in the arrays that follow
+        empty = np.zeros((0, 3, 3))
+        self.corners = np.concatenate(
+            [empty] + [np.asarray(m.positions, float)[m.triangles].reshape(-1, 3, 3) for m in scene.meshes])
+        self.normals = np.concatenate([empty] + [
+            np.zeros((len(m.triangles), 3, 3)) if m.normals is None else np.asarray(m.normals, float)
+            for m in scene.meshes])
+        self.smooth = np.concatenate([np.zeros(0, bool)] + [
+            np.full(len(m.triangles), m.normals is not None) for m in scene.meshes])
+        self.slots = np.concatenate([np.zeros(0, int)] + [
+            np.zeros(len(m.triangles), int) if m.slots is None else m.slots for m in scene.meshes])
+        width = max([len(i.materials) for i in scene.instances], default=1)
+        # A slot that does not exist shows the last material, as in Blender.
+        self.materials = np.array(
+            [[i.materials[min(slot, len(i.materials) - 1)] for slot in range(width)] for i in scene.instances]
+        ).reshape(-1, width)
+        self.triangle_count = int(counts[self.mesh_of].sum()) if len(self.mesh_of) else 0
+        if use_embree is None:
+            use_embree = self.triangle_count > EMBREE_TRIANGLES
+        self.rays = self._embree() if use_embree else None
+        if self.rays is None:
+            self._expand()
+        self.size = self._size()
+        # Origins are moved off their surface by this share of the scene's size: a few roundings of the ray caster.
+        self.epsilon = (1e-6 if self.rays else 1e-11) * self.size
+
+    def _embree(self):
+        from .embree import EmbreeRays
+
+        try:
+            return EmbreeRays(self.scene)
+        except Exception as error:
+            self.scene.warnings.append(f"Embree could not be used ({error}); NumPy traces the rays, slowly.")
+            return None
+
+    def _expand(self) -> None:
+        """Every instance's triangles in world space, with where they came from."""
+        rows = [np.arange(len(self.scene.meshes[m].triangles)) for m in self.mesh_of]
+        self._instance = np.repeat(np.arange(len(rows)), [len(r) for r in rows]) if rows else np.zeros(0, int)
+        self._triangle = np.concatenate([np.zeros(0, int)] + rows)
+        matrix = self.matrices[self._instance]
+        local = self.corners[self.first[self.mesh_of[self._instance]] + self._triangle] if rows else self.corners[:0]
+        world = np.einsum("tij,tkj->tki", matrix[:, :3, :3], local) + matrix[:, None, :3, 3]
+        masks = np.array([int(i.visibility) for i in self.scene.instances], int)
+        self._hierarchy = Triangles(world, masks[self._instance] if rows else np.zeros(0, int))
+
+    def _size(self) -> float:
+        """Largest absolute coordinate of the scene's triangles, by the corners of the meshes' boxes."""
+        largest = 1e-3
+        for matrix, mesh in zip(self.matrices, self.mesh_of):
+            positions = self.scene.meshes[mesh].positions
+            if len(positions):
+                bound = np.abs(positions).max(0)
+                largest = max(largest, float((np.abs(matrix[:3, :3]) @ bound + np.abs(matrix[:3, 3])).max()))
+        return largest
+
+    def intersect(self, origins, directions, far, masks) -> Hits:
+        """Nearest hits closer than ``far`` with instances visible to any of the kinds of ray in ``masks`` (N,)."""
+        if self.rays is not None:
+            return self.rays.intersect(origins, directions, far, masks)
+        distance, index, u, v = self._hierarchy.nearest(origins, directions, far, masks)
+        if len(self._instance) == 0:
+            return Hits.none(len(origins))
+        found = index >= 0
+        return Hits(distance, np.where(found, self._instance[index], -1), np.where(found, self._triangle[index], -1), u, v)
+
+    def offset(self, position: np.ndarray, ng: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Origins for rays that leave a surface, moved to the side they leave on."""
+        return position + self.epsilon * np.where(dot(ng, direction) < 0.0, -1.0, 1.0)[:, None] * ng
+
+    def material(self, instance: np.ndarray, triangle: np.ndarray) -> np.ndarray:
+        return self.materials[instance, self.slots[self.first[self.mesh_of[instance]] + triangle].clip(0, self.materials.shape[1] - 1)]
+
+    def surface(self, hits: Hits, directions: np.ndarray) -> Surface:
+        """The surface at ``hits``, all of which exist, as rays along ``directions`` meet it."""
+        row = self.first[self.mesh_of[hits.instance]] + hits.triangle
+        matrix = self.matrices[hits.instance]
+        barycentric = np.stack([1.0 - hits.u - hits.v, hits.u, hits.v], -1)
+        corners = self.corners[row]
+        local = np.einsum("nk,nkj->nj", barycentric, corners)
+        position = np.einsum("nij,nj->ni", matrix[:, :3, :3], local) + matrix[:, :3, 3]
+        # Normals take the inverse transpose, which keeps the outside outside under mirroring.
+        to_world = self.normal_matrices[hits.instance]
+        ng = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        ng = normalize(np.einsum("nij,nj->ni", to_world, ng))
+        smooth = self.smooth[row]
+        ns = np.einsum("nk,nkj->nj", barycentric, self.normals[row])
+        ns = np.where(smooth[:, None], normalize(np.einsum("nij,nj->ni", to_world, ns)), ng)
+        wo = -directions
+        backfacing = dot(ng, wo) < 0.0
+        side = np.where(backfacing, -1.0, 1.0)[:, None]
+        return Surface(position, ng * side, ns * side, wo, backfacing, hits.instance, hits.triangle, barycentric, smooth,
+                       hits.distance)
+
+
+EMBREE_TRIANGLES = 5000

@@ -1,0 +1,310 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Path tracing of a wave of rays: every step is one NumPy expression over all paths that are still alive.
+
+Light sampling and BSDF sampling are joined by the balance heuristic, each emitter for itself. At a vertex up to
+``SPLIT`` emitters are sampled, each of them once where there are no more than that: choosing one at random would
+only add noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene import Ray, Scene
+from .camera import Camera
+from .geometry import Geometry, Hits, Surface
+from .lamps import SdfLamp
+from .lights import Emitter, Sky, Triangles, blender_light
+from .materials import Materials, Shading
+from .vectors import dot
+
+SPLIT = 8
+FIRST_ROULETTE = 3
+
+
+@dataclass
+class Paths:
+    """Paths that are alive, as rows of arrays. ``sample`` is the row of ``Samples`` that a path adds to.
+
+    ``origin`` is where it last scattered, with the density ``pdf`` (0: singular, or the camera) and as the kind of ray
+    ``kind``. ``near`` is how far along the ray it has come through transparent surfaces, ``start`` the point there.
+    """
+
+    sample: np.ndarray
+    origin: np.ndarray
+    start: np.ndarray
+    direction: np.ndarray
+    near: np.ndarray
+    far: np.ndarray
+    throughput: np.ndarray
+    pdf: np.ndarray
+    kind: np.ndarray
+    bounces: np.ndarray  # (N, 5): all, diffuse, glossy, transmission, transparent
+    last: np.ndarray  # only gathers emission
+
+    def select(self, rows: np.ndarray) -> "Paths":
+        return Paths(**{name: value[rows] for name, value in vars(self).items()})
+
+
+class Samples:
+    """What one sample of each of ``count`` pixels adds to the passes."""
+
+    def __init__(self, count: int):
+        self.combined, self.lamps, self.emission, self.position, self.normal, self.albedo = np.zeros((6, count, 3))
+        self.alpha, self.depth, self.found = np.ones(count), np.zeros(count), np.zeros(count, bool)
+
+
+class Integrator:
+    def __init__(self, scene: Scene, use_embree: bool | None = None):
+        self.scene, self.settings = scene, scene.settings
+        self.geometry = Geometry(scene, use_embree)
+        self.materials = Materials(scene, self.geometry)
+        self.camera = Camera(scene)
+        self.lamps: list[SdfLamp] = []
+        for lamp in scene.lamps:
+            try:
+                self.lamps.append(SdfLamp(lamp))
+            except ValueError as error:
+                scene.warnings.append(f"The SDF lamp {lamp.name!r} is left out: {error}.")
+        self.lights: list[Emitter] = [blender_light(light) for light in scene.lights]
+        self.sky = Sky(scene.world, scene)
+        self.triangles = self._emissive_triangles()
+        # What light sampling chooses from.
+        self.emitters = [*self.lamps, *self.lights]
+        if not self.sky.black:
+            self.emitters.append(self.sky)
+        if self.triangles is not None:
+            self.emitters.append(self.triangles)
+        self.holdout = np.array([i.holdout for i in scene.instances] or [False])
+
+    def _emissive_triangles(self) -> Triangles | None:
+        """The emissive triangles that light sampling knows of; others are found by chance only."""
+        geometry, instances, triangles, corners = self.geometry, [], [], []
+        for index, instance in enumerate(self.scene.instances):
+            rows = np.arange(len(self.scene.meshes[instance.mesh].triangles))
+            material = geometry.material(np.full(len(rows), index), rows)
+            rows = rows[self.materials.emissive[material]] if len(rows) else rows
+            instances.append(np.full(len(rows), index))
+            triangles.append(rows)
+            local = geometry.corners[geometry.first[instance.mesh] + rows]
+            matrix = geometry.matrices[index]
+            corners.append(local @ matrix[:3, :3].T + matrix[:3, 3])
+        if not sum(map(len, triangles)):
+            return None
+        return Triangles(*map(np.concatenate, (instances, triangles, corners)))
+
+    # --- the loop -----------------------------------------------------------------------------------------------------
+
+    def trace(self, x: np.ndarray, y: np.ndarray, rng: np.random.Generator) -> Samples:
+        """One sample for each of the pixels with the integer coordinates x, y of the full frame."""
+        count = len(x)
+        samples = Samples(count)
+        origin, direction, near, far = self.camera.rays(x, y, rng)
+        paths = Paths(
+            np.arange(count), origin, origin + near[:, None] * direction, direction, near, far, np.ones((count, 3)),
+            np.zeros(count), np.full(count, int(Ray.CAMERA)), np.zeros((count, 5), int), np.zeros(count, bool))
+        while len(paths.sample):
+            paths = self._step(paths, samples, rng)
+        return samples
+
+    def _step(self, paths: Paths, samples: Samples, rng: np.random.Generator) -> Paths:
+        """Carry all paths to their next surface, gather light, scatter; the paths that go on."""
+        hits = self.geometry.intersect(paths.start, paths.direction, paths.far - paths.near, paths.kind)
+        end = np.minimum(paths.near + hits.distance, paths.far)
+        self._gather_emitters(paths, end, samples)
+        found = hits.found
+        self._gather_sky(paths.select(~found), samples)
+        paths, end = paths.select(found), end[found]
+        hits = Hits(*(array[found] for array in vars(hits).values()))
+        surface = self.geometry.surface(hits, paths.direction)
+
+        camera = paths.kind == Ray.CAMERA
+        held = self.holdout[surface.instance]
+        shading = self.materials.shade(surface, end * self.camera.pixel_angle)
+        weight = np.where(held, 1.0, shading.holdout) * camera * paths.throughput.mean(1)
+        samples.alpha[paths.sample] -= weight
+        rows = np.flatnonzero(~held)
+        paths, surface, shading, end = paths.select(rows), surface.select(rows), shading.select(rows), end[rows]
+
+        self._gather_surface(paths, surface, shading, end, samples)
+        self._record(paths, surface, shading, end, samples)
+        bright = ~paths.last & shading.scatters
+        self._sample_lights(paths.select(bright), surface.select(bright), shading.select(bright), samples, rng)
+        return self._scatter(paths, surface, shading, end, rng)
+
+    # --- emission that a ray meets --------------------------------------------------------------------------------------
+
+    def _weight(self, pdf: np.ndarray, light_pdf: np.ndarray) -> np.ndarray:
+        """Balance heuristic for emission that was met by a ray of density ``pdf``; 1 where that is 0."""
+        light_pdf = light_pdf * self._share
+        return np.where(pdf > 0.0, pdf / np.where(pdf > 0.0, pdf + light_pdf, 1.0), 1.0)
+
+    @property
+    def _share(self) -> float:
+        """How often light sampling samples an emitter at a vertex, on average."""
+        return min(len(self.emitters), SPLIT) / max(len(self.emitters), 1)
+
+    def _contribute(self, paths: Paths, radiance: np.ndarray, scatters: np.ndarray, samples: Samples, lamp=False):
+        value = paths.throughput * radiance
+        for limit, which in ((self.settings.clamp_direct, scatters <= 1), (self.settings.clamp_indirect, scatters > 1)):
+            if limit > 0.0:
+                value = value * np.where(which, np.minimum(1.0, limit / np.maximum(value.sum(1), 1e-300)), 1.0)[:, None]
+        samples.combined[paths.sample] += value
+        if lamp:
+            samples.lamps[paths.sample] += value
+        samples.emission[paths.sample] += value * (scatters == 0)[:, None]
+
+    def _gather_emitters(self, paths: Paths, end: np.ndarray, samples: Samples) -> None:
+        """Lamps and lights along the rays, up to the distance ``end``."""
+        count = len(end)
+        for lamp in self.lamps:
+            spans = lamp.spans(paths.origin, paths.direction)
+            visible = (paths.kind & lamp.visibility) != 0
+            length = spans.length(paths.near, end) * visible
+            radiance = lamp.emission * (length * self._weight(paths.pdf, lamp.pdf(spans, count)))[:, None]
+            self._contribute(paths, radiance, paths.bounces[:, 0], samples, lamp=True)
+        for light in self.lights:
+            distance, radiance, pdf = light.hit(paths.origin, paths.direction)
+            met = (distance > paths.near) & ((distance < end) | ~np.isfinite(end) & np.isfinite(distance))
+            met &= (paths.kind & light.visibility) != 0
+            self._contribute(
+                paths, radiance * (met * self._weight(paths.pdf, pdf))[:, None], paths.bounces[:, 0], samples)
+
+    def _gather_sky(self, paths: Paths, samples: Samples) -> None:
+        if self.settings.transparent_film:
+            camera = paths.kind == Ray.CAMERA
+            samples.alpha[paths.sample] -= camera * paths.throughput.mean(1)
+            paths = paths.select(~camera)
+        if self.sky.black:
+            return
+        visible = (paths.kind & self.sky.visibility) != 0
+        weight = visible * self._weight(paths.pdf, self.sky.pdf(paths.direction))
+        self._contribute(paths, self.sky.radiance(paths.direction) * weight[:, None], paths.bounces[:, 0], samples)
+
+    def _gather_surface(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples):
+        weight = np.ones(len(end))
+        if self.triangles is not None:
+            known = self.materials.emissive[self.geometry.material(surface.instance, surface.triangle)]
+            density = self.triangles.density(end, np.abs(dot(surface.ng, surface.wo)))
+            weight = np.where(known, self._weight(paths.pdf, density), 1.0)
+        self._contribute(paths, shading.emission * weight[:, None], paths.bounces[:, 0], samples)
+
+    def _record(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples) -> None:
+        """Data passes: the first surface that the camera sees and that is more solid than transparent."""
+        first = (paths.kind == Ray.CAMERA) & (shading.transparency.mean(1) < 0.5) & ~samples.found[paths.sample]
+        rows = paths.sample[first]
+        samples.found[rows], samples.depth[rows] = True, end[first]
+        samples.position[rows], samples.normal[rows] = surface.position[first], surface.ns[first]
+        samples.albedo[rows] = shading.albedo[first]
+
+    # --- light sampling -------------------------------------------------------------------------------------------------
+
+    def _sample_lights(self, paths: Paths, surface: Surface, shading: Shading, samples: Samples, rng) -> None:
+        """Next event estimation: the k-th of ``rounds`` draws is uniform in the k-th part of the list of emitters."""
+        total, count = len(self.emitters), len(paths.sample)
+        rounds = min(total, SPLIT)
+        for k in range(rounds):
+            choice = np.minimum(((k + rng.random(count)) * total / rounds).astype(int), total - 1)
+            for index in np.unique(choice):
+                rows = np.flatnonzero(choice == index)
+                part = paths.select(rows), surface.select(rows), shading.select(rows)
+                self._sample_emitter(self.emitters[index], *part, samples, rng)
+
+    def _sample_emitter(self, emitter, paths, surface, shading, samples, rng) -> None:
+        x, count = surface.position, len(paths.sample)
+        spans = hits = None
+        if isinstance(emitter, SdfLamp):
+            wi = emitter.sample(rng, x)
+        elif emitter is self.triangles:
+            wi, distance, pdf, index, u, v = emitter.sample_points(rng, x)
+            hits = Hits(distance, emitter.instances[index], emitter.triangles[index], u, v)
+        else:
+            wi, distance, radiance, pdf = emitter.sample(rng, x)
+        scattered, scatter_pdf = shading.evaluate(wi)
+        rows = np.flatnonzero(scattered.max(1) > 0.0)
+        paths, surface, shading, x, wi = paths.select(rows), surface.select(rows), shading.select(rows), x[rows], wi[rows]
+        scattered, scatter_pdf, count = scattered[rows], scatter_pdf[rows], len(rows)
+        if isinstance(emitter, SdfLamp):
+            spans = emitter.spans(x, wi)
+            pdf = emitter.pdf(spans, count)
+            last = np.zeros(count)
+            np.maximum.at(last, spans.ray, spans.far)
+            light = emitter.emission * self._march(surface, wi, last, spans)
+        else:
+            pdf, distance = pdf[rows], distance[rows]
+            if hits is not None:
+                hits = Hits(*(array[rows] for array in vars(hits).values()))
+                radiance = self.materials.shade(self.geometry.surface(hits, wi), np.zeros(count)).emission
+            else:
+                radiance = radiance[rows]
+            if emitter.singular:
+                scatter_pdf = np.zeros(count)
+            light = radiance
+            if emitter.cast_shadow:
+                light = light * self._march(surface, wi, distance - 4.0 * self.geometry.epsilon)
+        density = pdf * self._share + scatter_pdf
+        light = scattered * light * np.where(pdf > 0.0, 1.0 / np.where(pdf > 0.0, density, 1.0), 0.0)[:, None]
+        self._contribute(paths, light, paths.bounces[:, 0] + 1, samples, lamp=spans is not None)
+
+    def _march(self, surface: Surface, wi: np.ndarray, end: np.ndarray, spans=None) -> np.ndarray:
+        """Transmittance (N, 3) of transparent surfaces from ``surface`` to the distance ``end`` along ``wi``; with
+        ``spans``, the length within them instead, each part of it times the transmittance on the way."""
+        count = len(end)
+        transmittance, length = np.ones((count, 3)), np.zeros((count, 3))
+        near, alive = np.zeros(count), np.arange(count)
+        start = self.geometry.offset(surface.position, surface.ng, wi)
+        for _ in range(self.settings.transparent_bounces + 1):
+            mask = np.full(len(alive), int(Ray.SHADOW))
+            hits = self.geometry.intersect(start[alive], wi[alive], (end - near)[alive], mask)
+            found = hits.found
+            reached = np.copy(end)
+            reached[alive] = np.where(found, near[alive] + hits.distance, end[alive])
+            if spans is not None:
+                begin = np.full(count, np.inf)
+                begin[alive] = near[alive]
+                length += transmittance * spans.length(begin, reached)[:, None]
+            hits, alive = Hits(*(array[found] for array in vars(hits).values())), alive[found]
+            blocker = self.geometry.surface(hits, wi[alive])
+            transmittance[alive] *= self.materials.transparency(blocker)
+            through = transmittance[alive].max(1) > 0.0
+            alive = alive[through]
+            near[alive] = reached[alive]
+            start[alive] = self.geometry.offset(blocker.position, blocker.ng, wi[alive]) if through.all() else (
+                self.geometry.offset(blocker.position[through], blocker.ng[through], wi[alive]))
+            if not len(alive):
+                break
+        transmittance[alive] = 0.0  # more surfaces than are allowed
+        return transmittance if spans is None else length
+
+    # --- scattering -----------------------------------------------------------------------------------------------------
+
+    def _scatter(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, rng) -> Paths:
+        """The paths that go on from their surfaces. Those that only gather emission go straight on or not at all."""
+        wi, weight, pdf, kind = shading.sample(rng)
+        straight = paths.last | (kind == 0)
+        weight = np.where(paths.last[:, None], shading.transparency, weight)
+        throughput = paths.throughput * weight
+        bounces = paths.bounces.copy()
+        for column, bit in enumerate((Ray.ALL, Ray.DIFFUSE, Ray.GLOSSY, Ray.TRANSMISSION)):
+            bounces[:, column] += ~straight & ((kind & bit) != 0)
+        bounces[:, 4] += straight
+        settings = self.settings
+        limits = np.array([settings.max_bounces, settings.diffuse_bounces, settings.glossy_bounces,
+                           settings.transmission_bounces])
+        alive = (throughput.max(1) > 0.0) & (bounces[:, 4] <= settings.transparent_bounces)
+        if not settings.caustics:
+            alive &= straight | (paths.bounces[:, 1] == 0) | ((kind & Ray.DIFFUSE) != 0)
+        last = paths.last | (bounces[:, :4] > limits).any(1)
+        roulette = ~straight & ~last & (bounces[:, 0] >= FIRST_ROULETTE)
+        survival = np.where(roulette, np.clip(throughput.max(1), 1e-300, 1.0), 1.0)
+        alive &= rng.random(len(survival)) < survival
+        throughput = throughput / survival[:, None]
+        direction = np.where(straight[:, None], paths.direction, wi)
+        return Paths(
+            paths.sample, np.where(straight[:, None], paths.origin, surface.position),
+            self.geometry.offset(surface.position, surface.ng, direction), direction,
+            np.where(straight, end, 0.0), np.where(straight, paths.far, np.inf), throughput,
+            np.where(straight, paths.pdf, pdf), np.where(straight, paths.kind, kind), bounces, last).select(alive)
