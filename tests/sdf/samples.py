@@ -4,8 +4,8 @@
 
 import numpy as np
 
-from sdf_lights.sdf.shapes import SHAPES, Box, Cone, Cylinder, Difference, Intersection, Primitive, Sphere, Torus
-from sdf_lights.sdf.shapes import Transformed, Union
+from sdf_lights.sdf.shapes import SHAPES, Box, BoxFrame, Cone, Cylinder, Difference, Intersection, Primitive, Sphere
+from sdf_lights.sdf.shapes import Torus, Transformed, Union
 
 SHEAR = np.array([(1.0, 0.4, 0.0, 0.3), (0.0, 0.8, -0.5, -0.2), (0.2, 0.0, 1.3, 0.1), (0.0, 0.0, 0.0, 1.0)])
 MIRROR = np.diag([-1.0, 0.5, 2.0, 1.0])
@@ -25,6 +25,7 @@ COMPOSITES = {
     "hollow box": Difference(Box(0.8), Sphere(1.08)),
     "three": Difference(Union(Box(0.5), Cylinder(0.2, 3.0)), Torus(0.6, 0.3), Transformed(Cone(), rotation())),
     "lens": Intersection(Transformed(Sphere(1.0), np.eye(4)), Transformed(Sphere(1.0), SHEAR)),
+    "thick frame": BoxFrame((0.4, 0.5, 0.6), 0.3),
     "one part": Union(Sphere(0.7)),
     "rotated": Transformed(Box((0.3, 0.5, 0.7)), rotation()),
     "sheared": Transformed(Torus(0.8, 0.3), SHEAR),
