@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that imports bpy: the add-on's registration, its properties and panels, sync, and the render engine.
+
+Nothing here imports a kernel until something is rendered, so enabling the add-on does not wait for Numba.
+"""
+
+import os
+
+import bpy
+
+from .naming import IS_EXTENSION, ROOT
+
+_CACHE = "SDF_LIGHTS_CACHE"
+
+
+def _modules():
+    """Modules with ``CLASSES`` and ``register()``/``unregister()``, in order of registration."""
+    from . import engine, operators, panels, passes, preferences, properties
+
+    return preferences, properties, passes, engine, operators, panels
+
+
+def register():
+    """Register everything. Once is enough; again is harmless."""
+    if hasattr(bpy.types.Scene, "sdf_lights"):
+        return
+    if IS_EXTENSION:
+        # The extension's own folder may be read-only and is emptied by updates. A folder chosen by the user stays.
+        os.environ.setdefault(_CACHE, bpy.utils.extension_path_user(ROOT, path="kernels", create=True))
+    for module in _modules():
+        for kind in module.CLASSES:
+            bpy.utils.register_class(kind)
+        module.register()
+
+
+def unregister():
+    """Undo ``register()``, in the opposite order."""
+    if not hasattr(bpy.types.Scene, "sdf_lights"):
+        return
+    for module in reversed(_modules()):
+        module.unregister()
+        for kind in reversed(module.CLASSES):
+            bpy.utils.unregister_class(kind)
+    if IS_EXTENSION and os.environ.get(_CACHE) == bpy.utils.extension_path_user(ROOT, path="kernels"):
+        del os.environ[_CACHE]

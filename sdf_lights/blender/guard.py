@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The one place where an exception on its way into Blender becomes a sentence for the user."""
+
+import contextlib
+import traceback
+
+import bpy
+
+from ..render.errors import RenderError
+from .naming import LABEL
+
+
+def sentence(error: BaseException) -> str:
+    """What to tell the user about ``error``."""
+    if isinstance(error, RenderError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return f"{LABEL} ran out of memory: render at a lower resolution or with fewer or smaller textures and meshes."
+    return (f"{LABEL} stopped at an unexpected error ({type(error).__name__}: {error}): "
+            "start Blender with --debug-python to see where, and report it.")
+
+
+@contextlib.contextmanager
+def guarded(engine: bpy.types.RenderEngine):
+    """Around all that an engine does when Blender calls it: an exception is shown by ``error_set`` and ``report``.
+
+    The traceback goes to the console only if Blender runs with ``--debug`` or ``--debug-python``: users read one
+    sentence. A decorator would not do, because Blender counts the arguments of a method in its code.
+    """
+    try:
+        yield
+    except Exception as error:
+        if bpy.app.debug or bpy.app.debug_python:
+            traceback.print_exc()
+        text = sentence(error)
+        engine.error_set(text)
+        engine.report({"ERROR"}, text)

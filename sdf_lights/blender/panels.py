@@ -1,0 +1,357 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels: properties of render, view layer, light and object, and the tab in the 3D view.
+
+Blender's own panels for other engines are reused where they fit (``stock_panels``).
+"""
+
+import functools
+import math
+import textwrap
+
+import bpy
+import numpy as np
+
+from ..render.errors import RenderError
+from ..sdf.shapes import BOUND, EXACT
+from .lamp import shape_of
+from .naming import ENGINE, LABEL
+from .passes import owner_of, switches
+from .preferences import draw_back_end
+from .properties import PRIMITIVES
+
+_EXACTNESS = {EXACT: "exact distance", BOUND: "distance never overestimated"}
+
+# Blender's panels for every engine that say what is not so here, or that stand below in another form.
+_EXCLUDED = {
+    "DATA_PT_light", "DATA_PT_spot", "DATA_PT_falloff_curve", "NODE_DATA_PT_light", "NODE_DATA_PT_spot",
+    "RENDER_PT_freestyle", "RENDER_PT_simplify", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes",
+    "VIEWLAYER_PT_freestyle", "VIEWLAYER_PT_freestyle_lineset", "VIEWLAYER_PT_freestyle_linestyle"}
+
+# Panels made for EEVEE that edit what this engine reads too.
+_EEVEE = {
+    "EEVEE_MATERIAL_PT_context_material", "EEVEE_MATERIAL_PT_surface", "EEVEE_WORLD_PT_surface", "MATERIAL_PT_preview",
+    "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"}
+
+
+def stock_panels():
+    """Blender's own panels that apply to this engine."""
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", ())
+        if panel.__name__ in _EEVEE or "BLENDER_RENDER" in engines and panel.__name__ not in _EXCLUDED:
+            yield panel
+
+
+class _Panel:
+    """What the panels of the Properties editor have in common."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        self.draw_properties(layout, context)
+
+    def draw_properties(self, layout, context):
+        """Nothing, for a panel that only holds others."""
+
+
+# -- render ------------------------------------------------------------------------------------------------------------
+
+
+def _settings_panel(name: str, label: str, properties: tuple[str, ...], parent: str = "", closed: bool = False,
+                    viewport: bool = False, header: str = "") -> type:
+    """A panel with some properties of ``scene.sdf_lights``, or of its viewport group; ``header`` is a switch."""
+
+    def group(context):
+        settings = context.scene.sdf_lights
+        return settings.viewport if viewport else settings
+
+    def draw_properties(self, layout, context):
+        column = layout.column()
+        column.active = not header or getattr(group(context), header)
+        for prop in properties:
+            column.prop(group(context), prop)
+
+    namespace = {"bl_label": label, "draw_properties": draw_properties}
+    if parent:
+        namespace["bl_parent_id"] = parent
+    if closed:
+        namespace["bl_options"] = {"DEFAULT_CLOSED"}
+    if header:
+        namespace["draw_header"] = lambda self, context: self.layout.prop(group(context), header, text="")
+    return type(name, (_Panel, bpy.types.Panel), namespace)
+
+
+class SDFLIGHTS_PT_film(_Panel, bpy.types.Panel):
+    bl_label = "Film"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_properties(self, layout, context):
+        settings = context.scene.sdf_lights
+        layout.prop(settings, "exposure")
+        layout.prop(context.scene.render, "film_transparent", text="Transparent")
+        column = layout.column()
+        column.prop(settings, "filter", text="Pixel Filter")
+        column = column.column()
+        column.active = settings.filter != "BOX"
+        column.prop(settings, "filter_width", text="Width")
+
+
+class SDFLIGHTS_PT_performance(_Panel, bpy.types.Panel):
+    bl_label = "Performance"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_properties(self, layout, context):
+        render = context.scene.render
+        layout.prop(context.scene.sdf_lights, "device")
+        column = layout.column()
+        column.prop(render, "threads_mode", text="Threads Mode")
+        column = column.column()
+        column.enabled = render.threads_mode == "FIXED"
+        column.prop(render, "threads", text="Threads")
+        draw_back_end(layout)
+
+
+_RENDER = (
+    _settings_panel("SDFLIGHTS_PT_sampling", "Sampling", ()),
+    _settings_panel(
+        "SDFLIGHTS_PT_sampling_viewport", "Viewport", ("noise_threshold", "samples", "min_samples", "time_limit"),
+        "SDFLIGHTS_PT_sampling", viewport=True, closed=True),
+    _settings_panel(
+        "SDFLIGHTS_PT_sampling_viewport_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_viewport", viewport=True, closed=True,
+        header="denoise"),
+    _settings_panel(
+        "SDFLIGHTS_PT_sampling_render", "Render", ("noise_threshold", "samples", "min_samples", "time_limit"),
+        "SDFLIGHTS_PT_sampling"),
+    _settings_panel(
+        "SDFLIGHTS_PT_sampling_render_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_render", closed=True, header="denoise"),
+    _settings_panel(
+        "SDFLIGHTS_PT_sampling_advanced", "Advanced", ("seed", "animate_seed"), "SDFLIGHTS_PT_sampling", closed=True),
+    _settings_panel("SDFLIGHTS_PT_light_paths", "Light Paths", (), closed=True),
+    _settings_panel(
+        "SDFLIGHTS_PT_light_paths_bounces", "Max Bounces",
+        ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_bounces"),
+        "SDFLIGHTS_PT_light_paths"),
+    _settings_panel(
+        "SDFLIGHTS_PT_light_paths_clamping", "Clamping", ("clamp_direct", "clamp_indirect"), "SDFLIGHTS_PT_light_paths",
+        closed=True),
+    _settings_panel("SDFLIGHTS_PT_light_paths_caustics", "Caustics", ("caustics",), "SDFLIGHTS_PT_light_paths", closed=True),
+    SDFLIGHTS_PT_film,
+    SDFLIGHTS_PT_performance,
+)
+
+
+# -- view layer --------------------------------------------------------------------------------------------------------
+
+
+class SDFLIGHTS_PT_passes(_Panel, bpy.types.Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+
+def _passes_panel(label: str, light: bool) -> type:
+    def draw_properties(self, layout, context):
+        column = layout.column(heading="Include", align=True)
+        for item, text in switches(light):
+            column.prop(owner_of(item, context.view_layer), item.switch, **({"text": text} if text else {}))
+
+    return type(f"SDFLIGHTS_PT_passes_{label.lower()}", (_Panel, bpy.types.Panel), {
+        "bl_label": label, "bl_context": "view_layer", "bl_parent_id": "SDFLIGHTS_PT_passes",
+        "draw_properties": draw_properties})
+
+
+_PASSES = (SDFLIGHTS_PT_passes, _passes_panel("Data", False), _passes_panel("Light", True))
+
+
+# -- light -------------------------------------------------------------------------------------------------------------
+
+
+def draw_emission(layout, light) -> None:
+    """Colour and power, which an SDF lamp shares with Blender's lights."""
+    column = layout.column()
+    row = column.column(heading="Temperature", align=True).row(align=True)
+    row.prop(light, "use_temperature", text="")
+    value = row.row()
+    value.active = light.use_temperature
+    value.prop(light, "temperature", text="")
+    column.prop(light, "color", text="Tint" if light.use_temperature else "Color")
+    lamp = light.sdf_lamp
+    if lamp.use and not lamp.normalize:
+        column.prop(lamp, "density")
+    else:
+        column.prop(light, "energy", text="Strength" if light.type == "SUN" and not lamp.use else "Power")
+    column.prop(light, "exposure")
+    column.prop(lamp if lamp.use else light, "normalize")
+
+
+def draw_shape(layout, light) -> None:
+    """What says the shape of an SDF lamp."""
+    lamp = light.sdf_lamp
+    layout.prop(lamp, "source")
+    if lamp.source == "EXPRESSION":
+        layout.prop(lamp, "text")
+        if lamp.text is None:
+            layout.prop(lamp, "expression")
+        return
+    layout.prop(lamp, "shape")
+    name = lamp.shape.lower()
+    for about in PRIMITIVES[name].fields():
+        layout.prop(getattr(lamp, name), about.name)
+
+
+@functools.lru_cache(maxsize=256)
+def _facts(shape, matrix: bytes) -> tuple[str, ...]:
+    """Lines about a shape under a matrix (bytes of (4, 4) float64)."""
+    matrix = np.frombuffer(matrix).reshape(4, 4)
+    volume = shape.volume()
+    low, high = shape.bounds(matrix)
+    size = " × ".join(f"{extent:.3g}" for extent in np.maximum(high - low, 0.0))
+    return (
+        "Volume: found when rendering" if volume is None
+        else f"Volume: {volume * abs(float(np.linalg.det(matrix[:3, :3]))):.4g} m³",
+        f"Bounds: {size} m",
+        f"Field: {_EXACTNESS.get(shape.exactness, 'sign only')}")
+
+
+def draw_readout(layout, light, obj) -> None:
+    """Volume, bounds and exactness of a lamp, or what is wrong with it."""
+    column = layout.column(align=True)
+    lamp = light.sdf_lamp
+    matrix = np.array([tuple(row) for row in obj.matrix_world] if obj is not None else np.eye(4), np.float64)
+    try:
+        shape = shape_of(lamp)
+        if not np.isfinite(matrix).all() or math.isclose(np.linalg.det(matrix[:3, :3]), 0.0, abs_tol=1e-30):
+            raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
+        lines = _facts(shape, matrix.tobytes())
+    except RenderError as error:
+        for i, line in enumerate(textwrap.wrap(str(error), 40)):
+            column.label(text=line, icon="NONE" if i else "ERROR")
+        return
+    for line in lines:
+        column.label(text=line)
+
+
+class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
+    bl_label = "Light"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.light is not None
+
+    def draw(self, context):
+        if not context.light.sdf_lamp.use:
+            self.layout.row().prop(context.light, "type", expand=True)
+        super().draw(context)
+
+    def draw_properties(self, layout, context):
+        light = context.light
+        layout.prop(light.sdf_lamp, "use")
+        draw_emission(layout, light)
+        if light.sdf_lamp.use:
+            return
+        column = layout.column()
+        if light.type in {"POINT", "SPOT"}:
+            column.prop(light, "shadow_soft_size", text="Radius")
+            column.prop(light, "use_soft_falloff")
+        elif light.type == "SUN":
+            column.prop(light, "angle")
+        elif light.type == "AREA":
+            column.prop(light, "shape")
+            sizes = column.column(align=True)
+            if light.shape in {"RECTANGLE", "ELLIPSE"}:
+                sizes.prop(light, "size", text="Size X")
+                sizes.prop(light, "size_y", text="Y")
+            else:
+                sizes.prop(light, "size")
+            column.prop(light, "spread")
+        if light.type == "SPOT":
+            column.prop(light, "spot_size", text="Beam Angle")
+            column.prop(light, "spot_blend", text="Blend", slider=True)
+            column.prop(light, "show_cone")
+        column.prop(light, "use_shadow", text="Cast Shadow")
+
+
+class SDFLIGHTS_PT_lamp(_Panel, bpy.types.Panel):
+    bl_label = "Shape"
+    bl_context = "data"
+    bl_parent_id = "SDFLIGHTS_PT_light"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.light is not None and context.light.sdf_lamp.use
+
+    def draw_properties(self, layout, context):
+        draw_shape(layout, context.light)
+        draw_readout(layout, context.light, context.object)
+
+
+# -- object ------------------------------------------------------------------------------------------------------------
+
+
+class SDFLIGHTS_PT_object_visibility(_Panel, bpy.types.Panel):
+    bl_label = "Ray Visibility"
+    bl_context = "object"
+    bl_parent_id = "OBJECT_PT_visibility"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.object is not None
+
+    def draw_properties(self, layout, context):
+        column = layout.column(align=True)
+        for name in ("camera", "diffuse", "glossy", "transmission", "shadow"):
+            column.prop(context.object, f"visible_{name}", text=name.title())
+
+
+# -- 3D view -----------------------------------------------------------------------------------------------------------
+
+
+class SDFLIGHTS_PT_view3d(bpy.types.Panel):
+    bl_label = "SDF Lamp"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = LABEL
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        obj = context.object
+        if obj is None or obj.type != "LIGHT":
+            layout.menu("SDFLIGHTS_MT_lamp_add", text="Add SDF Lamp", icon="LIGHT_POINT")
+            return
+        layout.prop(obj.data.sdf_lamp, "use")
+        if obj.data.sdf_lamp.use:
+            draw_emission(layout, obj.data)
+            draw_shape(layout, obj.data)
+            draw_readout(layout, obj.data, obj)
+
+
+# -- registration ------------------------------------------------------------------------------------------------------
+
+CLASSES = (
+    *_RENDER, *_PASSES, SDFLIGHTS_PT_light, SDFLIGHTS_PT_lamp, SDFLIGHTS_PT_object_visibility, SDFLIGHTS_PT_view3d)
+
+
+def register():
+    for panel in stock_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def unregister():
+    for panel in bpy.types.Panel.__subclasses__():
+        getattr(panel, "COMPAT_ENGINES", set()).discard(ENGINE)
+    _facts.cache_clear()

@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render passes in Blender: their switches, registration and names, all from the table ``render.passes.PASSES``."""
+
+import bpy
+
+from ..render.passes import PASSES, Kind, Pass
+from .properties import group, tag
+
+# Names before Blender 5.0, which compositor nodes and file names of that time go by.
+_OLD_NAMES = {"Emission": "Emit", "Diffuse Color": "DiffCol"} if bpy.app.version < (5, 0, 0) else {}
+
+
+def blender_name(item: Pass) -> str:
+    """The name that this version of Blender has for a pass."""
+    return _OLD_NAMES.get(item.name, item.name)
+
+
+def _own_switches() -> dict:
+    """A property for each switch of our own; its tooltip describes every pass that it switches on."""
+    switches: dict[str, list[Pass]] = {}
+    for item in PASSES:
+        if item.own:
+            switches.setdefault(item.switch, []).append(item)
+    return {
+        switch: bpy.props.BoolProperty(
+            name=switch.removeprefix("use_pass_").replace("_", " ").title().replace("Sdf", "SDF"),
+            description="; ".join(f"{item.name}: {item.description}" for item in items) if len(items) > 1
+            else items[0].description, default=False, update=_passes_changed)
+        for switch, items in switches.items()}
+
+
+def _passes_changed(self, context):
+    """Blender asks the engine again which passes there are, so that the compositor shows their sockets."""
+    tag(self, context)
+    for scene in bpy.data.scenes:
+        if scene == self.id_data:
+            for view_layer in scene.view_layers:
+                view_layer.update_render_passes()
+
+
+SDFLIGHTS_ViewLayerSettings = group("SDFLIGHTS_ViewLayerSettings", "Passes of the SDF Lights render engine", _own_switches())
+
+
+def owner_of(item: Pass, view_layer: bpy.types.ViewLayer):
+    """What has the property ``item.switch``."""
+    return view_layer.sdf_lights if item.own else view_layer
+
+
+def is_enabled(item: Pass, view_layer: bpy.types.ViewLayer) -> bool:
+    return item.switch is None or getattr(owner_of(item, view_layer), item.switch)
+
+
+def register_passes(engine: bpy.types.RenderEngine, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
+    """Tell Blender which passes the view layer will have."""
+    for item in PASSES:
+        if is_enabled(item, view_layer):
+            engine.register_pass(
+                scene, view_layer, blender_name(item), len(item.channels), item.channels, item.kind.value)
+
+
+def enabled_passes(names) -> dict[str, str]:
+    """Blender's name of each pass among ``names`` (those of a render result) by the name in the table."""
+    return {item.name: blender_name(item) for item in PASSES if blender_name(item) in set(names)}
+
+
+def switches(light: bool) -> list[tuple[Pass, str]]:
+    """Passes with a switch, each switch once, and its label: those of light, or those of data."""
+    found: dict[str, tuple[Pass, str]] = {}
+    for item in PASSES:
+        if item.switch and (item.kind is Kind.COLOR) == light and item.switch not in found:
+            found[item.switch] = item, "" if item.own else item.name
+    return list(found.values())
+
+
+CLASSES = (SDFLIGHTS_ViewLayerSettings,)
+
+
+def register():
+    bpy.types.ViewLayer.sdf_lights = bpy.props.PointerProperty(name="SDF Lights", type=SDFLIGHTS_ViewLayerSettings)
+
+
+def unregister():
+    del bpy.types.ViewLayer.sdf_lights

@@ -1,0 +1,185 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Properties on Blender's data: ``Scene.sdf_lights`` and ``Light.sdf_lamp``.
+
+Those of the scene are generated from the fields of ``Settings``, those of a lamp from the parameters of every shape:
+a new field or shape shows up in Blender by itself.
+"""
+
+import dataclasses
+import enum
+import math
+import zlib
+
+import bpy
+
+from ..render.settings import Settings
+from ..sdf.shapes import SHAPES, Shape
+
+# Settings that Blender has a property for already.
+BLENDERS_OWN = {
+    "transparent_film": lambda scene: scene.render.film_transparent,
+    "threads": lambda scene: scene.render.threads if scene.render.threads_mode == "FIXED" else 0,
+}
+
+# Settings that the viewport has values of its own for, with their defaults there.
+VIEWPORT = {"samples": 1024, "noise_threshold": 0.1, "min_samples": 1, "time_limit": 0.0, "denoise": False}
+
+LARGEST_INT = (1 << 31) - 1
+
+
+def tag(self, context):
+    """Blender tags the owner of a property for the dependency graph only if the property has a callback."""
+
+
+def _items(kind: type[enum.Enum]) -> list[tuple]:
+    """Items of an EnumProperty. Numbers are stored in files: members of the enumerations keep their order."""
+    return [(member.value, _label(member.name), "", number) for number, member in enumerate(kind)]
+
+
+def _label(name: str) -> str:
+    return name.replace("_", " ").title()
+
+
+def _setting(field: dataclasses.Field, default):
+    """The bpy property of one field of ``Settings``."""
+    about = field.metadata
+    common = dict(
+        name=about["label"] or _label(field.name), description=about["description"], update=tag,
+        options={"ANIMATABLE"})
+    if isinstance(default, enum.Enum):
+        return bpy.props.EnumProperty(items=_items(type(default)), default=default.value, **common)
+    if isinstance(default, bool):
+        return bpy.props.BoolProperty(default=default, **common)
+    limits = {key: value for key, value in (("min", about["minimum"]), ("max", about["maximum"])) if value is not None}
+    if isinstance(default, int):
+        return bpy.props.IntProperty(default=default, **limits, **common)
+    if about["unit"]:
+        common["unit"] = about["unit"]
+    # Three digits hide a threshold of 0.0005.
+    return bpy.props.FloatProperty(default=default, precision=4, **limits, **common)
+
+
+def group(name: str, doc: str, annotations: dict) -> type:
+    """A class of property group made from a dictionary of properties."""
+    return type(name, (bpy.types.PropertyGroup,), {"__doc__": doc, "__annotations__": annotations})
+
+
+_FIELDS = {field.name: field for field in dataclasses.fields(Settings) if field.name not in BLENDERS_OWN}
+
+SDFLIGHTS_ViewportSettings = group(
+    "SDFLIGHTS_ViewportSettings", "Settings of rendering in the viewport",
+    {name: _setting(_FIELDS[name], default) for name, default in VIEWPORT.items()})
+
+SDFLIGHTS_SceneSettings = group(
+    "SDFLIGHTS_SceneSettings", "Settings of the SDF Lights render engine",
+    {name: _setting(field, field.default) for name, field in _FIELDS.items()}
+    | {"viewport": bpy.props.PointerProperty(type=SDFLIGHTS_ViewportSettings)})
+
+
+def settings_of(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
+    """``Settings`` as the scene has them, for the final render or the viewport."""
+    source = scene.sdf_lights
+    values = {name: getattr(source, name) for name in _FIELDS}
+    if viewport:
+        values |= {name: getattr(source.viewport, name) for name in VIEWPORT}
+    for name, field in _FIELDS.items():
+        if isinstance(field.default, enum.Enum):
+            values[name] = type(field.default)(values[name])
+    return Settings(**values, **{name: read(scene) for name, read in BLENDERS_OWN.items()})
+
+
+# -- lamps -------------------------------------------------------------------------------------------------------------
+
+
+def _parameter(about):
+    """The bpy property of one parameter of a shape."""
+    common = dict(
+        name=about.label, description=about.description, default=about.default, update=tag,
+        soft_max=about.soft_maximum, precision=3)
+    if about.unit == "ANGLE":
+        common["subtype"] = "ANGLE"
+    elif about.unit != "NONE":
+        common["unit"] = about.unit
+    for key, value in (("min", about.minimum), ("max", about.maximum)):
+        if math.isfinite(value):
+            common[key] = value
+    if about.size == 3:
+        return bpy.props.FloatVectorProperty(size=3, **common)
+    return bpy.props.FloatProperty(**common)
+
+
+def _is_primitive(shape: type[Shape]) -> bool:
+    """Whether parameters alone make the shape: an operator needs other shapes, which an expression gives it."""
+    try:
+        shape()
+    except TypeError:
+        return False
+    return True
+
+
+PRIMITIVES = {name: shape for name, shape in SHAPES.items() if _is_primitive(shape)}
+
+_SHAPE_GROUPS = {
+    name: group(
+        f"SDFLIGHTS_Shape_{name}", f"Parameters of the shape {shape.label()}",
+        {about.name: _parameter(about) for about in shape.fields()})
+    for name, shape in PRIMITIVES.items()}
+
+
+def _summary(shape: type[Shape]) -> str:
+    """First sentence about a shape, without the full stop, as Blender writes tooltips."""
+    return (shape.__doc__ or shape.label()).strip().splitlines()[0].rstrip(".")
+
+
+def shape_items() -> list[tuple]:
+    """Items of an EnumProperty with every primitive. Files store the number, so it is made from the name and stays
+    the same when shapes are added."""
+    return [(name.upper(), shape.label(), _summary(shape), zlib.crc32(name.encode()) & LARGEST_INT)
+            for name, shape in PRIMITIVES.items()]
+
+
+SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an SDF lamp", {
+    "use": bpy.props.BoolProperty(
+        name="SDF Lamp", description="The inside of a shape glows, in the SDF Lights engine; other engines render the "
+        "light as it is", default=False, update=tag),
+    "source": bpy.props.EnumProperty(
+        name="Source", description="What says the shape of the lamp", update=tag, items=[
+            ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
+            ("EXPRESSION", "Expression", "Shapes put together by a few lines of text", 1)]),
+    "shape": bpy.props.EnumProperty(
+        name="Shape", description="Shape that glows", items=shape_items(), default="SPHERE", update=tag),
+    "expression": bpy.props.StringProperty(
+        name="Expression", description="Shapes and what to do with them, such as union(torus(1, 0.3), sphere(0.5))",
+        default="union(torus(0.5, 0.1), sphere(0.2))", update=tag),
+    "text": bpy.props.PointerProperty(
+        name="Text", description="Text block that holds the expression, for one of several lines", type=bpy.types.Text,
+        update=tag),
+    "normalize": bpy.props.BoolProperty(
+        name="Normalize", description="The power is that of the whole lamp, whatever its size and shape; "
+        "otherwise the radiance gained per metre stays the same", default=True, update=tag),
+    "density": bpy.props.FloatProperty(
+        name="Radiance per Metre", description="Radiance (watts per square metre and steradian) that a ray gains in each metre "
+        "inside the lamp", default=1.0, min=0.0, soft_max=100.0, precision=3, update=tag),
+} | {name: bpy.props.PointerProperty(type=group) for name, group in _SHAPE_GROUPS.items()})
+
+
+# -- registration ------------------------------------------------------------------------------------------------------
+
+CLASSES = (
+    SDFLIGHTS_ViewportSettings, SDFLIGHTS_SceneSettings, *_SHAPE_GROUPS.values(), SDFLIGHTS_LampSettings)
+
+POINTERS = (
+    (bpy.types.Scene, "sdf_lights", SDFLIGHTS_SceneSettings),
+    (bpy.types.Light, "sdf_lamp", SDFLIGHTS_LampSettings),
+)
+
+
+def register():
+    for owner, name, group in POINTERS:
+        setattr(owner, name, bpy.props.PointerProperty(name="SDF Lights", type=group))
+
+
+def unregister():
+    for owner, name, _ in POINTERS:
+        delattr(owner, name)

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every part of sync needs: matrices, warnings, sockets."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...render.scene import Ray
+
+# Blender's Ray Visibility. `visible_volume_scatter` has no kind of ray here: nothing scatters in volumes.
+_VISIBILITY = {
+    "visible_camera": Ray.CAMERA, "visible_diffuse": Ray.DIFFUSE, "visible_glossy": Ray.GLOSSY,
+    "visible_transmission": Ray.TRANSMISSION, "visible_shadow": Ray.SHADOW}
+
+# A scale below this part of the largest counts as zero.
+FLAT = 1e-9
+
+
+class Warnings:
+    """Collects sentences for the user, each once, in order."""
+
+    def __init__(self, sentences: list[str]):
+        self._sentences = sentences
+        self._known = set(sentences)
+
+    def __call__(self, sentence: str) -> None:
+        if sentence not in self._known:
+            self._known.add(sentence)
+            self._sentences.append(sentence)
+
+
+def matrix_of(value) -> np.ndarray:
+    """A mathutils matrix as a (4, 4) float64 array."""
+    return np.array([tuple(row) for row in value], np.float64)
+
+
+def is_finite(matrix: np.ndarray) -> bool:
+    return bool(np.isfinite(matrix).all())
+
+
+def is_flat(matrix: np.ndarray) -> bool:
+    """Whether the matrix flattens space to a plane, a line or a point."""
+    scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
+    return scales[2] <= FLAT * scales[0]
+
+
+def visibility_of(item) -> Ray:
+    """Rays that an object is visible to."""
+    rays = Ray(0)
+    for name, ray in _VISIBILITY.items():
+        if getattr(item, name):
+            rays |= ray
+    return rays
+
+
+def rgb(value) -> tuple[float, float, float]:
+    red, green, blue = value[:3]
+    return float(red), float(green), float(blue)

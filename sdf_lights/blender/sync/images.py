@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's images as scene-linear pixels."""
+
+from __future__ import annotations
+
+import functools
+import os
+
+import bpy
+import mathutils
+import numpy as np
+
+from ...render.scene import Image, Scene
+from .common import Warnings
+
+# What an image without pixels looks like: nobody overlooks it, and Cycles shows the same.
+MISSING = (1.0, 0.0, 1.0, 1.0)
+
+_LINEAR = {"Linear Rec.709", "Linear", "Linear BT.709", "Working Space", "scene_linear"}
+
+
+class Images:
+    """Puts each image into the scene once."""
+
+    def __init__(self, scene: Scene, warn: Warnings):
+        self._scene, self._warn = scene, warn
+        self._known: dict[int, int] = {}
+
+    def index(self, image: bpy.types.Image) -> int:
+        """Index of the image in the scene."""
+        # The original has the pixels that were painted or generated last; evaluated copies share them or have none.
+        image = image.original or image
+        key = image.as_pointer()
+        if key not in self._known:
+            self._scene.images.append(Image(image.name, pixels_of(image, self._warn)))
+            self._known[key] = len(self._scene.images) - 1
+        return self._known[key]
+
+
+def pixels_of(image: bpy.types.Image, warn: Warnings) -> np.ndarray:
+    """(height, width, 4) float32, scene-linear, straight alpha, row 0 at the bottom."""
+    if image.source == "TILED":
+        warn(f"Image '{image.name}' is made of UDIM tiles, which are not supported: its first tile is used everywhere.")
+    elif image.source in {"MOVIE", "SEQUENCE"}:
+        warn(f"Image '{image.name}' is a movie or a sequence, which is not supported: one frame of it is used throughout.")
+    count, (width, height) = len(image.pixels), image.size  # asking for pixels loads the file, and so sets the size
+    if not count or not width or not height:
+        warn(f"Image '{image.name}' has no pixels ({image.filepath or 'no file'}): it is shown in magenta; "
+             "find the file with File > External Data > Find Missing Files.")
+        return np.array(MISSING, np.float32).reshape(1, 1, 4)
+    raw = np.empty(count, np.float32)
+    image.pixels.foreach_get(raw)
+    raw = raw.reshape(height, width, -1)
+    pixels = np.ones((height, width, 4), np.float32)
+    if raw.shape[2] < 3:  # grey, or grey and alpha
+        pixels[..., :3] = raw[..., :1]
+        pixels[..., 3] = raw[..., 1] if raw.shape[2] == 2 else 1.0
+    else:
+        pixels[..., :raw.shape[2]] = raw[..., :4]
+    if image.alpha_mode == "NONE":
+        pixels[..., 3] = 1.0
+    if image.is_float:
+        # Blender has brought floats to scene-linear already, with colour multiplied by alpha.
+        if image.alpha_mode != "CHANNEL_PACKED":
+            alpha = pixels[..., 3:]
+            np.divide(pixels[..., :3], alpha, out=pixels[..., :3], where=(alpha > 0.0) & (alpha < 1.0))
+    else:
+        _linearize(pixels, image, warn)
+    bad = ~np.isfinite(pixels)
+    if bad.any():
+        warn(f"Image '{image.name}' has pixels that are not finite numbers: they are taken as 0.")
+        pixels[bad] = 0.0
+    return pixels
+
+
+def _linearize(pixels: np.ndarray, image: bpy.types.Image, warn: Warnings) -> None:
+    """From the encoding of an image of bytes to scene-linear, in place."""
+    space = image.colorspace_settings
+    if space.is_data or space.name in _LINEAR:
+        return
+    if space.name != "sRGB" and _convert(pixels, space.name):
+        return
+    if space.name != "sRGB":
+        warn(f"Image '{image.name}' is in the colour space {space.name}, which cannot be converted here: "
+             "it is taken as sRGB.")
+    # Bytes have 256 values, so a table is exact.
+    pixels[..., :3] = _srgb_table()[np.rint(pixels[..., :3] * 255.0).astype(np.uint8)]
+
+
+@functools.lru_cache(maxsize=1)
+def _srgb_table() -> np.ndarray:
+    return np.array([mathutils.Color([i / 255.0] * 3).from_srgb_to_scene_linear().r for i in range(256)], np.float32)
+
+
+def _convert(pixels: np.ndarray, space: str) -> bool:
+    """Convert by OpenColorIO with Blender's configuration; False where OpenImageIO or the colour space is missing."""
+    try:
+        import OpenImageIO
+    except ImportError:
+        return False
+    config = os.environ.get("OCIO") or os.path.join(
+        bpy.utils.resource_path("LOCAL"), "datafiles", "colormanagement", "config.ocio")
+    color = np.ascontiguousarray(pixels[..., :3])
+    source = OpenImageIO.ImageBuf(color)
+    result = OpenImageIO.ImageBufAlgo.colorconvert(source, space, "scene_linear", unpremult=False, colorconfig=config)
+    if result.has_error:
+        return False
+    pixels[..., :3] = result.get_pixels(OpenImageIO.FLOAT)
+    return True

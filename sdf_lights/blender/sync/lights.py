@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights: SDF lamps, and Blender's Point, Sun, Spot and Area."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+
+from ...render.errors import RenderError
+from ...render.scene import RGB, AreaLight, Lamp, Light, PointLight, Ray, SpotLight, SunLight
+from ..lamp import shape_of
+from .common import Warnings, is_flat, rgb
+from .nodes import emission_of
+
+
+def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: Warnings) -> Lamp | Light | None:
+    """The lamp or light of a Light object; None where it gives no light.
+
+    Raises RenderError, with a sentence that names the object, where it cannot be used.
+    """
+    data = obj.data
+    name = obj.name
+    color = _color(data, warn)
+    power = data.energy * 2.0**data.exposure
+    if not all(map(math.isfinite, (*color, power))):
+        raise RenderError(f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again.")
+    if data.sdf_lamp.use:
+        return _lamp(name, data, matrix, power, color, visibility)
+    if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
+        return None  # a portal only guides sampling in Cycles
+    common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow)
+    if data.type == "SUN":
+        # Blender holds the angle below 180°, where its disk would be without bound.
+        strength = power if data.normalize else power * math.pi * math.tan(0.5 * data.angle) ** 2
+        return SunLight(name, matrix, strength, angle=data.angle, **common)
+    if data.type == "AREA":
+        return _area(name, data, matrix, power, common)
+    radius = data.shadow_soft_size
+    if not data.normalize and radius > 0.0:
+        power *= math.pi * radius**2
+    common |= dict(radius=radius, soft_falloff=data.use_soft_falloff)
+    if data.type == "SPOT":
+        return SpotLight(name, matrix, power, angle=data.spot_size, blend=data.spot_blend, **common)
+    return PointLight(name, matrix, power, **common)
+
+
+def _color(data: bpy.types.Light, warn: Warnings) -> RGB:
+    """Colour of the light, times its temperature's, times what its nodes emit."""
+    color = np.array(rgb(data.color))
+    if data.use_temperature:
+        color *= rgb(data.temperature_color)
+    if data.use_nodes and data.node_tree is not None:
+        color *= emission_of(data.node_tree, f"Light '{data.name}'", warn)
+    return rgb(color)
+
+
+def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, power: float, color: RGB, visibility: Ray) -> Lamp:
+    if is_flat(matrix):
+        raise RenderError(f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale.")
+    lamp = data.sdf_lamp
+    try:
+        shape = shape_of(lamp)
+    except RenderError as error:
+        raise RenderError(f"Lamp '{name}' is left out. {error}") from error
+    density = None if lamp.normalize else lamp.density * 2.0**data.exposure
+    return Lamp(name, shape, matrix, power, density, color, visibility)
+
+
+def _area(name: str, data: bpy.types.AreaLight, matrix: np.ndarray, power: float, common: dict) -> AreaLight:
+    ellipse = data.shape in {"DISK", "ELLIPSE"}
+    size = (data.size, data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size)
+    # Stretched by the object as Blender does it: each axis by its own length.
+    area = size[0] * size[1] * float(np.prod(np.linalg.norm(matrix[:3, :2], axis=0))) * (math.pi / 4 if ellipse else 1.0)
+    if area <= 0.0:
+        raise RenderError(f"Area light '{name}' has no area: it is left out; set its size and its scale.")
+    return AreaLight(
+        name, matrix, power if data.normalize else power * area, ellipse=ellipse, size=size, spread=data.spread, **common)
