@@ -98,8 +98,6 @@ def demo_scene() -> pathlib.Path:
 def open_scene(options: argparse.Namespace):
     """Open the file, apply what the command line overrides and return the scene."""
     path = options.scene or demo_scene()
-    if not path.is_file():
-        raise Failure(f"demo: there is no file {path}.", 2)
     try:
         bpy.ops.wm.open_mainfile(filepath=str(path.resolve()))
     except RuntimeError:
@@ -127,30 +125,50 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
 
 
-class Bar:
-    """The progress of a render on one line of the terminal; plain lines, now and then, where output is a file."""
+class Progress:
+    """A bar on one line of the terminal, or, where output is a file, a line now and then, from the engine's status text.
+
+    Blender passes that text to its ``render_stats`` handlers: «Remaining: 01:02 | … | Noise: 0.0123 | Sample 4/64».
+    """
 
     WIDTH = 30
 
     def __init__(self, stream=sys.stdout):
         self.stream, self.terminal = stream, stream.isatty()
         self.interval = 0.1 if self.terminal else 10.0
-        self.shown, self.text = -1e9, None
-        self.last = None
+        self.shown, self.phase = -1e9, None
+        self.sampling_started = None
+        self.samples, self.noise = 0, None
 
-    def __call__(self, progress) -> None:
-        self.last = progress
+    def __call__(self, status: str, _=None) -> None:
         now = time.perf_counter()
-        phase = progress.text.split(" ")[0]
-        if now - self.shown < self.interval and phase == self.text:
+        text = status.rsplit(" | ", 1)[-1]
+        sample = re.search(r"Sample (\d+)/(\d+)", text)
+        noise = re.search(r"Noise: ([\d.]+)", status)
+        remaining = re.search(r"Remaining: ([\d:]+)", status)
+        if sample:
+            self.samples = int(sample[1])
+            self.sampling_started = self.sampling_started or now
+        if noise:
+            self.noise = float(noise[1])
+        phase = text.split(" ")[0]
+        if now - self.shown < self.interval and phase == self.phase:
             return
-        self.shown, self.text = now, phase
-        full = int(progress.fraction * self.WIDTH)
-        line = f"[{'█' * full}{'·' * (self.WIDTH - full)}] {100.0 * progress.fraction:3.0f} %  {progress.text}"
-        if progress.remaining is not None:
-            line += f"  {clock(progress.remaining)} left"
-        if progress.noise is not None:
-            line += f"  noise {100.0 * progress.noise:.2f} %"
+        self.shown, self.phase = now, phase
+        line = text
+        if sample:
+            part = int(sample[1]) / int(sample[2])
+            if remaining:
+                left = 0
+                for number in remaining[1].split(":"):
+                    left = 60 * left + int(number)
+                elapsed = now - self.sampling_started
+                part = max(part, elapsed / (elapsed + left)) if elapsed + left > 0.0 else part
+                line += f"  {clock(left)} left"
+            full = int(part * self.WIDTH)
+            line = f"[{'█' * full}{'·' * (self.WIDTH - full)}] {100.0 * part:3.0f} %  {line}"
+        if self.noise is not None:
+            line += f"  noise {100.0 * self.noise:.2f} %"
         self.stream.write(f"\r{line}\x1b[K" if self.terminal else line + "\n")
         self.stream.flush()
 
@@ -159,22 +177,21 @@ class Bar:
             self.stream.write("\r\x1b[K")
 
 
-def render(scene, package):
-    """Render the scene's frame through the engine; its last Progress and the seconds of the whole operator."""
-    engine = sys.modules[f"{package.__name__}.sdf_lights.blender.engine"]
-    bar = Bar()
-    engine.observers.append(bar)
+def render(scene) -> tuple[Progress, float]:
+    """Render the scene's frame through the engine; what its status said last, and the seconds the whole took."""
+    progress = Progress()
+    bpy.app.handlers.render_stats.append(progress)
     started = time.perf_counter()
     try:
         bpy.ops.render.render(scene=scene.name)
     except RuntimeError as error:
         raise Failure(f"demo: the render failed: {str(error).removeprefix('Error: ').strip()}") from None
     finally:
-        engine.observers.remove(bar)
-        bar.close()
-    if bar.last is None or not bar.last.samples:
+        bpy.app.handlers.render_stats.remove(progress)
+        progress.close()
+    if not progress.samples:
         raise Failure("demo: the render failed: no sample was taken; see the message above.")
-    return bar.last, time.perf_counter() - started
+    return progress, time.perf_counter() - started
 
 
 def write(scene, out: pathlib.Path) -> list[pathlib.Path]:
@@ -201,9 +218,11 @@ def write(scene, out: pathlib.Path) -> list[pathlib.Path]:
 def main(arguments: list[str]) -> int:
     try:
         options = parse(arguments)
-        package = host.register_extension()
+        if options.scene and not options.scene.is_file():
+            raise Failure(f"demo: there is no file {options.scene}.", 2)
+        host.register_extension()
         scene = open_scene(options)
-        progress, seconds = render(scene, package)
+        progress, seconds = render(scene)
         paths = write(scene, options.out.resolve())
     except Failure as failure:
         print(failure, file=sys.stderr)

@@ -286,11 +286,11 @@ def main(arguments: list[str]) -> int:
     path = pathlib.Path(arguments[0]).resolve()
     host.register_extension()
     build()
-    host.choose_engine(bpy.context.scene)
+    bpy.context.scene.render.engine = host.ENGINE
     path.parent.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True)
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    host.finish(main(sys.argv[1:]))

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs benchmarks: ``bench NAME [--json] [--quick]``."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib
+import json
+import os
+import sys
+
+import benchmarks
+import host
+from benchmarks import machine
+
+
+@contextlib.contextmanager
+def standard_output_for_results():
+    """A stream to the real standard output, while whatever Blender prints goes to standard error."""
+    sys.stdout.flush()
+    results = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with os.fdopen(results, "w", encoding="utf-8") as stream:
+            yield stream
+    finally:
+        sys.stdout.flush()
+
+
+def cell(value) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def table(rows: list[dict]) -> str:
+    """Rows as a text table; rows with the same columns in turn share a heading."""
+    blocks, columns = [], None
+    for row in rows:
+        if list(row) != columns:
+            columns = list(row)
+            blocks.append([columns])
+        blocks[-1].append([cell(value) for value in row.values()])
+    texts = []
+    for block in blocks:
+        widths = [max(map(len, column)) for column in zip(*block)]
+        texts.append("\n".join("  ".join(value.ljust(width) for value, width in zip(line, widths)).rstrip() for line in block))
+    return "\n\n".join(texts)
+
+
+def parse(arguments: list[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="bench", description="Measure SDF Lights; see scripts/README.md for what is measured and how.")
+    subcommands = parser.add_subparsers(dest="name", required=True, metavar="NAME")
+    modules = {name: importlib.import_module(f"benchmarks.{name}") for name in benchmarks.NAMES}
+    for name, text in [*((name, module.HELP) for name, module in modules.items()), ("all", "all of them")]:
+        command = subcommands.add_parser(name, help=text, description=text)
+        command.add_argument("--json", action="store_true", help="print one JSON object: summary, rows, machine")
+        command.add_argument("--quick", action="store_true", help="fewer repeats and samples: only to see that it works")
+        command.add_argument("--repeats", type=int, help="measurements of each figure, of which the median counts")
+        command.add_argument("--device", choices=["automatic", "cpu", "reference"], default="automatic", help="back end (default: automatic)")
+    options = parser.parse_args(arguments)
+    options.device = options.device.upper()
+    if options.repeats is not None and options.repeats < 1:
+        parser.error("--repeats must be at least 1")
+    options.modules = list(modules.values()) if options.name == "all" else [modules[options.name]]
+    return options
+
+
+def main(arguments: list[str]) -> int:
+    options = parse(arguments)
+    with standard_output_for_results() as stream:
+        before = machine.describe()
+        host.register_extension()
+        summary, rows = {}, []
+        for module in options.modules:
+            found, more = module.run(options)
+            summary |= found
+            rows += [row for row in more if row not in rows]
+        if options.json:
+            json.dump(dict(summary=summary, rows=rows, machine=before), stream)
+            stream.write("\n")
+        else:
+            stream.write(f"{', '.join(f'{name} {value}' for name, value in before.items())}\n\n{table(rows)}\n\n")
+            for name, value in summary.items():
+                stream.write(f"{name}: {cell(value)}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        code = main(sys.argv[1:])
+    except SystemExit as stop:
+        code = stop.code if isinstance(stop.code, int) else 1
+    host.finish(code)

@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a figure was measured on."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import pathlib
+import platform
+import re
+
+import bpy
+
+
+def _processor() -> str:
+    try:
+        found = re.search(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.MULTILINE)
+    except OSError:
+        found = None
+    return found[1] if found else platform.processor() or platform.machine()
+
+
+def cores() -> int:
+    """Cores that this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def describe() -> dict:
+    """Hardware, versions, and how busy the machine is: above ``cores`` the figures are too low."""
+    about = dict(
+        processor=_processor(), cores=cores(), system=f"{platform.system()} {platform.release()}",
+        python=platform.python_version(), blender=bpy.app.version_string)
+    for package in ("numpy", "numba", "llvmlite"):
+        try:
+            about[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            about[package] = "missing"
+    if hasattr(os, "getloadavg"):
+        about["load"] = round(os.getloadavg()[0], 2)
+    return about

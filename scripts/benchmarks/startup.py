@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What F12 costs before there is a picture, on the demo scene.
+
+Each figure is the time of a render of one sample in 64 × 36 pixels, less the time that the same render takes with an
+engine that only hands over an empty picture: what Blender itself needs. A child process renders twice: its first render
+loads what is compiled on disk, or compiles it where the cache is empty.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+import bpy
+
+import host
+
+HELP = "time to the first pixels, with compiled kernels and without"
+
+
+def work_folder() -> pathlib.Path:
+    """A folder for files that live as long as one measurement."""
+    folder = host.REPOSITORY / "build" / "bench"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+class EmptyEngine(bpy.types.RenderEngine):
+    """What a render costs Blender itself: evaluating the scene and showing a result."""
+
+    bl_idname = "SDF_LIGHTS_BENCH_EMPTY"
+    bl_label = "Empty"
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+
+    def render(self, depsgraph):
+        result = self.begin_result(0, 0, self.resolution_x, self.resolution_y, layer=depsgraph.view_layer.name)
+        self.end_result(result)
+
+
+def _seconds(engine: str) -> float:
+    scene = bpy.context.scene
+    scene.render.engine = engine
+    started = time.perf_counter()
+    bpy.ops.render.render()
+    return time.perf_counter() - started
+
+
+def child(blend: str, device: str) -> dict:
+    """Seconds over Blender's own of the first and of later renders in this process."""
+    bpy.utils.register_class(EmptyEngine)
+    host.register_extension()
+    bpy.ops.wm.open_mainfile(filepath=blend)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 64, 36, 100
+    settings = scene.sdf_lights
+    settings.samples, settings.device, settings.denoise, settings.noise_threshold = 1, device, False, 0.0
+    _seconds(EmptyEngine.bl_idname)
+    empty = statistics.median(_seconds(EmptyEngine.bl_idname) for _ in range(3))
+    first = _seconds(host.ENGINE)
+    later = statistics.median(_seconds(host.ENGINE) for _ in range(3))
+    return dict(blender=empty, first=first - empty, later=later - empty)
+
+
+def _measure(blend: pathlib.Path, device: str, cache: str) -> dict:
+    command = f"from benchmarks import startup; startup.answer({str(blend)!r}, {device!r}, {{!r}})"
+    with tempfile.TemporaryDirectory(dir=work_folder()) as folder:
+        answer = pathlib.Path(folder) / "answer.json"
+        environment = {
+            **os.environ, "SDF_LIGHTS_CACHE": cache, "PYTHONPATH": str(host.REPOSITORY / "scripts")}
+        done = subprocess.run(
+            [sys.executable, "-c", command.format(str(answer))], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, timeout=900)
+        if not answer.is_file():
+            raise RuntimeError(f"The render that was to be timed failed:\n{done.stdout}")
+        return json.loads(answer.read_text(encoding="utf-8"))
+
+
+def answer(blend: str, device: str, path: str) -> None:
+    """Entry of the child process."""
+    pathlib.Path(path).write_text(json.dumps(child(blend, device)), encoding="utf-8")
+    host.finish(0)
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    import demo
+
+    blend = demo.demo_scene()
+    repeats = options.repeats or (1 if options.quick else 3)
+    cache = tempfile.mkdtemp(dir=work_folder())
+    try:
+        cold = _measure(blend, options.device, cache)
+        warm = [_measure(blend, options.device, cache) for _ in range(repeats)]
+    finally:
+        shutil.rmtree(cache, ignore_errors=True)
+    first, later = (statistics.median(measured[name] for measured in warm) for name in ("first", "later"))
+    rows = [
+        dict(start="Blender's own share", seconds=statistics.median(measured["blender"] for measured in warm)),
+        dict(start="first render after the installation (compiles)", seconds=cold["first"]),
+        dict(start="first render of a process", seconds=first),
+        dict(start="later renders", seconds=later)]
+    return dict(
+        startup_seconds=first, startup_seconds_later=later, cold_compile_seconds=cold["first"] - first), rows

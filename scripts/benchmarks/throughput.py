@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Samples a second, against Cycles in the same process, and what a render costs before its first sample.
+
+Boxes and a glossy sphere lit by one point light, direct light only and with four bounces. The engines take turns; a rate
+is the number of further samples over the further time of a long render against a short one, so that neither engine's
+start-up counts; medians of all turns.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import time
+
+import bpy
+import numpy as np
+
+from . import scenes, startup
+
+HELP = "samples a second against Cycles in the same process, and start-up"
+
+BOUNCES = (0, 4)
+
+
+def _timed(path: str) -> tuple[float, np.ndarray]:
+    """Seconds of one render, and the picture."""
+    scene = bpy.context.scene
+    scene.render.filepath = path
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    started = time.perf_counter()
+    bpy.ops.render.render()
+    seconds = time.perf_counter() - started
+    bpy.data.images["Render Result"].save_render(path, scene=scene)
+    picture = bpy.data.images.load(path)
+    pixels = np.empty(4 * picture.size[0] * picture.size[1], np.float32)
+    picture.pixels.foreach_get(pixels)
+    bpy.data.images.remove(picture)
+    os.remove(path)
+    return seconds, pixels.reshape(-1, 4)[:, :3]
+
+
+def rates(options) -> tuple[dict, list[dict]]:
+    size = 128 if options.quick else 256
+    few, many = (1, 9) if options.quick else (8, 136)
+    if options.device == "REFERENCE":
+        size, few, many = 64, 1, 3
+    repeats = options.repeats or (1 if options.quick else 5)
+    scene = scenes.boxes_and_sphere(size)
+    scenes.add_point_light()
+    path = str(startup.work_folder() / "picture.exr")
+    rows, summary = [], {}
+    for bounces in BOUNCES:
+        engines = {
+            "SDF Lights": lambda samples: scenes.plain_sdf_lights(scene, samples, bounces, options.device),
+            "Cycles": lambda samples: scenes.plain_cycles(scene, samples, bounces)}
+        seconds = {(name, samples): [] for name in engines for samples in (few, many)}
+        means = {}
+        for turn in range(repeats + 1):
+            for name, prepare in engines.items():
+                for samples in (few, many):
+                    prepare(samples)
+                    taken, picture = _timed(path)
+                    if turn:  # the first turn compiles and fills caches
+                        seconds[name, samples].append(taken)
+                    means[name] = float(picture.mean())
+        rate = {}
+        for name in engines:
+            differences = [long - short for short, long in zip(seconds[name, few], seconds[name, many])]
+            rate[name] = size * size * (many - few) / max(statistics.median(differences), 1e-9)
+            rows.append(dict(
+                engine=name, bounces=bounces, samples=many - few, pixels=size * size, repeats=repeats, samples_per_second=rate[name],
+                fastest=size * size * (many - few) / max(min(differences), 1e-9),
+                slowest=size * size * (many - few) / max(max(differences), 1e-9), mean=means[name]))
+        key = "direct" if bounces == 0 else f"{bounces}_bounces"
+        summary[f"samples_per_second_{key}"] = rate["SDF Lights"]
+        summary[f"samples_per_second_ratio_to_cycles_{key}"] = rate["SDF Lights"] / rate["Cycles"]
+    # The claim is about both, so the smaller of the two ratios stands for them.
+    summary["samples_per_second_ratio_to_cycles"] = min(
+        value for name, value in summary.items() if name.startswith("samples_per_second_ratio_to_cycles_"))
+    return summary, rows
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    summary, rows = rates(options)
+    more, further = startup.run(options)
+    return summary | more, rows + further
