@@ -35,7 +35,7 @@ _PARENTS = 5
 _search_folders: list[pathlib.Path] = []
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Library:
     title: str
     sonames: dict[str, tuple[str, ...]]  # sys.platform -> names for the system's loader, best first

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from .. import jit
-from .denoise import denoise_film
 from .errors import RenderError
 from .film import Film
 from .scene import Scene
@@ -127,6 +126,8 @@ def render(
     renderer.finish()
     if settings.denoise and not cancelled():
         on_progress(Progress("Denoising", 1.0, film.samples, memory=process_memory(), noise=film.noise()))
+        from .denoise import denoise_film
+
         try:
             denoise_film(film, cancelled)
         except RenderError as error:

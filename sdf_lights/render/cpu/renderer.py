@@ -38,7 +38,15 @@ class CpuRenderer:
 
     def _compile(self, cancelled, say) -> bool:
         """Compile the kernels, or load them from the cache, in a thread of its own. False if cancelled meanwhile."""
-        thread = threading.Thread(target=self._render, args=((0, 0, 0, 0), 0, 0, self._workspaces[0]))
+        failures: list[Exception] = []
+
+        def load() -> None:
+            try:
+                self._render((0, 0, 0, 0), 0, 0, self._workspaces[0])
+            except Exception as error:
+                failures.append(error)
+
+        thread = threading.Thread(target=load)
         thread.start()
         thread.join(POLL_SECONDS)
         while thread.is_alive():
@@ -47,6 +55,7 @@ class CpuRenderer:
             done, total = jit.compiled_kernels()
             say(f"Compiling kernels, once for this installation: {done} of {total}" if done else "Loading kernels")
             thread.join(2 * POLL_SECONDS)
+        _raise_first(failures)
         return True
 
     def _render(self, tile, first: int, count: int, workspace: Workspace) -> None:
@@ -88,8 +97,7 @@ class CpuRenderer:
                     else:
                         report(min(done / len(self._tiles), 1.0))
                 thread.join(POLL_SECONDS)
-        if failures:
-            raise RenderError(f"The CPU back end failed ({type(failures[0]).__name__}: {failures[0]}).") from failures[0]
+        _raise_first(failures)
         stopped = bool(control[0]) or stop()
         if not stopped:
             self._film.samples = first + count
@@ -98,3 +106,8 @@ class CpuRenderer:
     def finish(self) -> None:
         """Drop what the render no longer needs; the film keeps its own arrays."""
         self._packed.release()
+
+
+def _raise_first(failures: list[Exception]) -> None:
+    if failures:
+        raise RenderError(f"The CPU back end failed ({type(failures[0]).__name__}: {failures[0]}).") from failures[0]

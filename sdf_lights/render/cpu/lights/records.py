@@ -53,7 +53,7 @@ TRIANGLE_LIGHT = np.dtype(
 # Children are neighbours. Single precision makes a node one cache line; probabilities are exact in what is stored.
 NODE = np.dtype(
     [("lo", np.float32, 3), ("hi", np.float32, 3), ("axis", np.float32, 3), ("cos_o", np.float32),
-     ("cos_e", np.float32), ("intensity", np.float32),
+     ("sin_o", np.float32), ("cos_e", np.float32), ("intensity", np.float32),
      ("child", np.int32),  # first child, or ~emitter of a leaf
      ("parent", np.int32), ("two_sided", np.int32)],
     align=True)

@@ -49,12 +49,13 @@ def _importance(node, x, n):
         cosine = -(wx * axis[0] + wy * axis[1] + wz * axis[2]) * inverse
         if node.two_sided:
             cosine = abs(cosine)
-        sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
-        sin_o = math.sqrt(max(1.0 - cos_o * cos_o, 0.0))
-        cosine = _cos_difference(sine, cosine, sin_o, cos_o)
-        sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
-        cosine = _cos_difference(sine, cosine, sin_b, cos_b)
-        factor = max(cosine, OUTSIDE) if cosine > node.cos_e else OUTSIDE
+        sin_o = float(node.sin_o)
+        sin_sum = sin_o * cos_b + cos_o * sin_b
+        # Beyond a straight angle every direction is within reach.
+        if sin_sum >= 0.0:
+            sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
+            cosine = _cos_difference(sine, cosine, sin_sum, cos_o * cos_b - sin_o * sin_b)
+            factor = max(cosine, OUTSIDE) if cosine > node.cos_e else OUTSIDE
     if n[0] != 0.0 or n[1] != 0.0 or n[2] != 0.0:
         cosine = (wx * n[0] + wy * n[1] + wz * n[2]) * inverse
         sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))

@@ -70,6 +70,7 @@ def build_tree(bounds: Bounds) -> tuple[np.ndarray, np.ndarray]:
     for leaves, members, inner in reversed(levels):
         _fill_leaves(nodes, leaves, members, bounds)
         _fill_inner(nodes, inner)
+    nodes["sin_o"] = np.sqrt(np.maximum(1.0 - nodes["cos_o"] ** 2, 0.0))
     return nodes, leaf
 
 
@@ -77,10 +78,17 @@ def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.n
     """Order the items of every cluster along its longest axis; how many of them go to the first child."""
     starts = np.cumsum(sizes) - sizes
     cluster = np.repeat(np.arange(len(sizes)), sizes)
-    extent = np.maximum.reduceat(middle[items], starts) - np.minimum.reduceat(middle[items], starts)
-    extent[:, 3:] *= AXIS_SCALE * np.linalg.norm(extent[:, :3], axis=1, keepdims=True)
-    key = middle[items, np.argmax(extent, axis=1)[cluster]]
-    items = items[np.lexsort((key, cluster))]
+    places = middle[items]
+    least, extent = np.minimum.reduceat(places, starts), np.maximum.reduceat(places, starts)
+    extent -= least
+    scaled = extent.copy()
+    scaled[:, 3:] *= AXIS_SCALE * np.linalg.norm(extent[:, :3], axis=1, keepdims=True)
+    longest = np.argmax(scaled, axis=1)
+    rows = np.arange(len(sizes))
+    offset, span = least[rows, longest], extent[rows, longest]
+    # One sort for all clusters: the cluster before the point, and the place in it after.
+    place = (places[np.arange(len(items)), longest[cluster]] - offset[cluster]) / np.where(span > 0.0, 2.0 * span, 1.0)[cluster]
+    items = items[np.argsort(cluster + place, kind="stable")]
 
     left = sizes // 2
     large = np.flatnonzero(sizes >= 2 * CANDIDATES)

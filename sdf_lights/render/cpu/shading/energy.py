@@ -20,7 +20,7 @@ _REFLECTION, _REFLECTION_AVERAGE = OFFSETS["reflection"], OFFSETS["reflection_av
 _GLASS, _GLASS_AVERAGE = OFFSETS["glass"], OFFSETS["glass_average"]
 _INSIDE, _INSIDE_AVERAGE = OFFSETS["glass_inside"], OFFSETS["glass_inside_average"]
 _DIELECTRIC, _SCHLICK = OFFSETS["dielectric"], OFFSETS["schlick"]
-_RELEVANT = 1e-4
+_RELEVANT = 1e-4  # missing energy that is not worth giving back
 
 
 @kernel
@@ -56,39 +56,65 @@ def _axis_of_ior(ior):
 
 
 @kernel
-def compensate(block, closure, cosine, roughness, single):
+def _axis_of_cosine(cosine):
+    return math.sqrt(max(cosine, 0.0))
+
+
+@kernel
+def _compensate(closure, e, mean, single):
     """Scale the closure's weight so that a lossless surface loses nothing.
 
-    ``single`` (RGB) is the average reflectance (of glass: transmittance) of one bounce off a microfacet.
+    ``e``: albedo for this wo if every microfacet were lossless, ``mean`` its average over wo; ``single`` (RGB): what
+    one bounce keeps on average.
     """
-    values = _albedo(block)
-    if closure.transmits:
-        z = _axis_of_ior(closure.ior)
-        if closure.ior < 1.0:
-            e = _space(values, _INSIDE, SIZE3, roughness, cosine, z)
-            mean = _plane(values, _INSIDE_AVERAGE, SIZE3, roughness, z)
-        else:
-            e = _space(values, _GLASS, SIZE3, roughness, cosine, z)
-            mean = _plane(values, _GLASS_AVERAGE, SIZE3, roughness, z)
-    else:
-        e = _plane(values, _REFLECTION, SIZE, roughness, cosine)
-        i, t = _cell(roughness, SIZE)
-        mean = _line(values, _REFLECTION_AVERAGE, i, t)
     missing = (1.0 - e) / e
-    if missing < _RELEVANT:
-        return
-    for i in range(3):
-        f = min(single[i], 1.0)
-        closure.weight[i] *= 1.0 + missing * f * mean / (1.0 - f * (1.0 - mean))
+    if missing >= _RELEVANT:
+        for i in range(3):
+            f = min(single[i], 1.0)
+            closure.weight[i] *= 1.0 + missing * f * mean / (1.0 - f * (1.0 - mean))
 
 
 @kernel
-def dielectric_albedo(block, ior, f0, cosine, roughness):
-    """Albedo (one channel) of dielectric reflection from outside, remapped to start at f0."""
-    s = _space(_albedo(block), _DIELECTRIC, SIZE3, roughness, cosine, _axis_of_ior(ior))
-    return f0 + (1.0 - f0) * s
+def compensate_glass(block, closure, cosine, roughness, single):
+    """For a closure that reflects and refracts; ``single`` is what crossing the surface keeps."""
+    values = _albedo(block)
+    z = _axis_of_ior(closure.ior)
+    inside = closure.ior < 1.0
+    e = _space(values, _INSIDE if inside else _GLASS, SIZE3, roughness, _axis_of_cosine(cosine), z)
+    mean = _plane(values, _INSIDE_AVERAGE if inside else _GLASS_AVERAGE, SIZE3, roughness, z)
+    _compensate(closure, e, mean, single)
 
 
 @kernel
-def schlick_albedo(block, f0, cosine, roughness):
-    return f0 + (1.0 - f0) * _plane(_albedo(block), _SCHLICK, SIZE3, roughness, cosine)
+def compensate_reflection(block, closure, e, roughness, single):
+    """For a closure that reflects only; ``e`` is ``reflection_albedo``."""
+    i, t = _cell(roughness, SIZE)
+    _compensate(closure, e, _line(_albedo(block), _REFLECTION_AVERAGE, i, t), single)
+
+
+@kernel
+def reflection_albedo(block, cosine, roughness):
+    """Albedo of GGX single scattering off microfacets that reflect everything."""
+    return _plane(_albedo(block), _REFLECTION, SIZE, roughness, _axis_of_cosine(cosine))
+
+
+@kernel
+def dielectric_albedo(block, ior, cosine, roughness):
+    """Albedo of GGX single scattering where a microfacet reflects (F − F0) / (1 − F0) of a dielectric."""
+    return _space(_albedo(block), _DIELECTRIC, SIZE3, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
+
+
+@kernel
+def schlick_albedo(block, cosine, roughness):
+    """Albedo of GGX single scattering where a microfacet reflects Schlick's (1 − cosθ)⁵."""
+    return _plane(_albedo(block), _SCHLICK, SIZE3, roughness, _axis_of_cosine(cosine))
+
+
+@kernel
+def mixed(f0, e, s):
+    """Albedo (RGB) of reflectances f0 + (1 − f0) x, from the albedos e of 1 and s of x."""
+    return (
+        f0[0] * e + (1.0 - f0[0]) * s,
+        f0[1] * e + (1.0 - f0[1]) * s,
+        f0[2] * e + (1.0 - f0[2]) * s,
+    )

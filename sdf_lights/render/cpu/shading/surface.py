@@ -184,7 +184,8 @@ def _glossy(block, workspace, lobe, weight, color):
     if index >= 0:
         closure = _closures(workspace)[index]
         if lobe.features & MULTISCATTER:
-            energy.compensate(block, closure, dot(n, vec(surface.wo)), roughness, color)
+            e = energy.reflection_albedo(block, dot(n, vec(surface.wo)), roughness)
+            energy.compensate_reflection(block, closure, e, roughness, color)
         _finish(workspace, index, vec(closure.weight))
 
 
@@ -201,7 +202,7 @@ def _glass(block, workspace, features, weight, n, roughness, ior, f0, reflection
     _set(closure.reflection_tint, reflection)
     _set(closure.transmission_tint, transmission)
     if features & MULTISCATTER:
-        energy.compensate(block, closure, dot(n, vec(surface.wo)), roughness, transmission)
+        energy.compensate_glass(block, closure, dot(n, vec(surface.wo)), roughness, transmission)
     r, t, _ = microfacet.reflectance(closure, dot(n, vec(surface.wo)))
     _finish(workspace, index, mul(vec(closure.weight), (r[0] + t[0], r[1] + t[1], r[2] + t[2])))
 
@@ -229,15 +230,12 @@ def _add_dielectric_layer(block, workspace, features, weight, n, roughness, ior,
     _set(closure.f0, f0)
     _set(closure.reflection_tint, _WHITE)
     cosine = dot(n, vec(_surface(workspace)[0].wo))
-    albedo = (
-        energy.dielectric_albedo(block, ior, f0[0], cosine, roughness),
-        energy.dielectric_albedo(block, ior, f0[1], cosine, roughness),
-        energy.dielectric_albedo(block, ior, f0[2], cosine, roughness))
+    e = energy.reflection_albedo(block, cosine, roughness)
+    albedo = energy.mixed(f0, e, energy.dielectric_albedo(block, ior, cosine, roughness))
     if features & MULTISCATTER:
         s = fresnel.remapped(fresnel.dielectric_average(ior), fresnel.f0_of_ior(ior))
-        single = (f0[0] + (1.0 - f0[0]) * s, f0[1] + (1.0 - f0[1]) * s, f0[2] + (1.0 - f0[2]) * s)
-        energy.compensate(block, closure, cosine, roughness, single)
-    albedo = mul(weight, albedo)
+        energy.compensate_reflection(block, closure, e, roughness, energy.mixed(f0, 1.0, s))
+    albedo = mul(vec(closure.weight), albedo)
     _finish(workspace, index, albedo)
     return _below(weight, albedo)
 
@@ -252,14 +250,13 @@ def _add_metal(block, workspace, features, weight, n, roughness, color, tint):
     _set(closure.f0, color)
     _set(closure.edge, edge)
     cosine = dot(n, vec(_surface(workspace)[0].wo))
+    e = energy.reflection_albedo(block, cosine, roughness)
     if features & MULTISCATTER:
-        energy.compensate(block, closure, cosine, roughness, (
+        energy.compensate_reflection(block, closure, e, roughness, (
             fresnel.f82_average(color[0], edge[0]), fresnel.f82_average(color[1], edge[1]),
             fresnel.f82_average(color[2], edge[2])))
-    albedo = (
-        energy.schlick_albedo(block, color[0], cosine, roughness), energy.schlick_albedo(block, color[1], cosine, roughness),
-        energy.schlick_albedo(block, color[2], cosine, roughness))
-    _finish(workspace, index, mul(weight, albedo))
+    albedo = energy.mixed(color, e, energy.schlick_albedo(block, cosine, roughness))
+    _finish(workspace, index, mul(vec(closure.weight), albedo))
 
 
 @kernel

@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Kernels that add samples to the film."""
+
+import math
+
+import numpy as np
+
+from ...jit import kernel, table
+from ..film import CHANNELS, Film
+from .path import sample_table
+
+TABLES = {
+    **{f"film_{name}": np.dtype(np.float64) for name in CHANNELS},
+    "film_count": np.dtype(np.int32), "film_surfaces": np.dtype(np.int32), "film_active": np.dtype(np.uint8),
+    "film_discarded": np.dtype(np.int64)}
+SCALARS = [("film_x", np.int64), ("film_y", np.int64), ("film_width", np.int64)]
+
+_combined = table("film_combined", np.float64)
+_half = table("film_half", np.float64)
+_lamps = table("film_lamps", np.float64)
+_emission = table("film_emission", np.float64)
+_normal = table("film_normal", np.float64)
+_albedo = table("film_albedo", np.float64)
+_position = table("film_position", np.float64)
+_depth = table("film_depth", np.float64)
+_count = table("film_count", np.int32)
+_surfaces = table("film_surfaces", np.int32)
+_active = table("film_active", np.uint8)
+_discarded = table("film_discarded", np.int64)
+
+
+def pack_film(film: Film) -> dict[str, np.ndarray]:
+    """The film's own arrays: kernels write into them."""
+    return {
+        **{f"film_{name}": array for name, array in film.sums.items()}, "film_count": film.count,
+        "film_surfaces": film.surfaces, "film_active": film.active, "film_discarded": film.discarded}
+
+
+def film_scalars(film: Film) -> dict[str, int]:
+    return {"film_x": film.window[0], "film_y": film.window[1], "film_width": film.width}
+
+
+@kernel
+def pixel_index(block, x, y):
+    return (y - block.film_y) * block.film_width + x - block.film_x
+
+
+@kernel
+def is_active(block, pixel):
+    return _active(block)[pixel] != 0
+
+
+@kernel
+def _add(sums, pixel, value):
+    if len(sums) > 0:
+        at = 3 * pixel
+        sums[at] += value[0]
+        sums[at + 1] += value[1]
+        sums[at + 2] += value[2]
+
+
+@kernel
+def _put(sums, pixel, value):
+    if len(sums) > 0:
+        at = 3 * pixel
+        sums[at] = value[0]
+        sums[at + 1] = value[1]
+        sums[at + 2] = value[2]
+
+
+@kernel
+def add_sample(block, workspace, pixel, index):
+    """Add the workspace's ``sample``, number ``index`` of its pixel. One that is not finite counts as black, and is told."""
+    sample = sample_table(workspace)[0]
+    _count(block)[pixel] += 1
+    combined = sample.combined
+    if not math.isfinite(combined[0] + combined[1] + combined[2] + sample.alpha):
+        _discarded(block)[0] += 1
+        return
+    sums = _combined(block)
+    at = 4 * pixel
+    sums[at] += combined[0]
+    sums[at + 1] += combined[1]
+    sums[at + 2] += combined[2]
+    sums[at + 3] += sample.alpha
+    if index & 1:
+        _add(_half(block), pixel, combined)
+    _add(_lamps(block), pixel, sample.lamps)
+    _add(_emission(block), pixel, sample.emission)
+    if sample.found:
+        surfaces = _surfaces(block)
+        _add(_normal(block), pixel, sample.normal)
+        _add(_albedo(block), pixel, sample.albedo)
+        if surfaces[pixel] == 0:
+            _put(_position(block), pixel, sample.position)
+            depth = _depth(block)
+            if len(depth) > 0:
+                depth[pixel] = sample.depth
+        surfaces[pixel] += 1

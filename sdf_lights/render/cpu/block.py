@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One record for the kernels to reach a whole scene by, and one for each thread's scratch memory."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ... import emitter as lamps
+from ...jit import block_dtype, fill_table
+from ..film import Film
+from ..scene import AreaLight, Instance, Mesh, Scene
+from . import accumulate, camera, geometry, integrator, lights, path, rays, shading
+from .shading.records import HAS_EMISSION, HAS_TRANSPARENCY
+
+TABLES = {
+    **lamps.TABLES, **camera.TABLES, **geometry.TABLES, **lights.TABLES, **shading.TABLES, **accumulate.TABLES,
+    "control": np.dtype(np.int64)}
+SCALARS = [
+    *lamps.SCALARS, *camera.SCALARS, *geometry.SCALARS, *rays.SCALARS, *integrator.SCALARS, *accumulate.SCALARS]
+BLOCK = block_dtype(TABLES, SCALARS)
+
+
+class PackedScene:
+    """A scene as the kernels read it: ``block`` (one record) and everything that it points at.
+
+    Appends to ``scene.warnings`` what had to be left out.
+    """
+
+    def __init__(self, scene: Scene, film: Film):
+        built = []
+        for lamp in scene.lamps:
+            try:
+                built.append(lamps.build_lamp(
+                    lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density, lamp.color, int(lamp.visibility)))
+            except lamps.LampError as error:
+                scene.warnings.append(str(error))
+        materials = shading.pack_materials(scene)
+        flags = materials["materials"]["flags"]
+        self._accelerator = rays.Accelerator(scene, flags & HAS_TRANSPARENCY != 0)
+        layers = shading.uv_layers(scene)
+        lamp_tables = lamps.pack_lamps(built)
+        rows = lamp_tables["lamps"]
+        light_tables = lights.pack_lights(
+            scene, np.stack([rows["center"] - rows["half"], rows["center"] + rows["half"]], axis=1),
+            4.0 * np.pi * rows["volume"][:, None] * rows["emission"], emissive_triangles(scene, materials["materials"]))
+        light_tables["light_emitters"]["visibility"][:len(built)] = rows["visibility"]
+        self.light_hits = lights.hit_capacity(light_tables)
+        self.control = np.zeros(1, np.int64)
+        tables = {
+            **lamp_tables, **materials, **light_tables, **camera.pack_camera(scene), **accumulate.pack_film(film),
+            **geometry.pack_geometry(scene, self._accelerator.baked, layers), "control": self.control}
+        # A name that no module declares, or one without its table, is a mistake of this file.
+        assert tables.keys() == TABLES.keys(), tables.keys() ^ TABLES.keys()
+        self._tables = {name: np.ascontiguousarray(array).view(TABLES[name]) for name, array in tables.items()}
+        self.block = np.zeros(1, BLOCK)
+        for name, array in self._tables.items():
+            fill_table(self.block, name, array)
+        self._accelerator.fill(self.block)
+        scalars = {
+            **lamps.pack_scalars(built), **camera.camera_scalars(scene), **accumulate.film_scalars(film),
+            **integrator_scalars(scene, flags, self._tables), "uv_layer_count": len(layers)}
+        for name, value in scalars.items():
+            self.block[name] = value
+        self.span_rows = int(self.block["lamp_rows"][0])
+
+    def release(self) -> None:
+        """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""
+        self._accelerator = None
+        self._tables = {}
+        self.block[:] = 0
+
+
+def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.ndarray]) -> dict[str, float]:
+    settings = scene.settings
+    names = ("seed", "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_bounces",
+             "clamp_direct", "clamp_indirect", "caustics", "transparent_film")
+    finite = any(isinstance(light, AreaLight) or getattr(light, "radius", 0.0) > 0.0 or getattr(light, "angle", 0.0) > 0.0
+                 for light in scene.lights)
+    world = scene.world.strength > 0.0 and (scene.world.image is not None or max(scene.world.color) > 0.0)
+    emissive = bool((flags & HAS_EMISSION).any())
+    return {
+        **{name: getattr(settings, name) for name in names}, "finite_lights": finite,
+        "emitters_hit": finite or world or emissive, "transparent_shadows": bool((flags & HAS_TRANSPARENCY).any()),
+        "lamp_count": len(tables["lamps"])}
+
+
+def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:
+    """Every triangle of every instance whose material emits and is to be sampled, in world space."""
+    emits = (materials["flags"] & HAS_EMISSION != 0) & (materials["sample_emission"] != 0)
+    # Only a plain Emission of constant colour is the same everywhere and in all directions.
+    varies = (materials["instructions"][:, 0] != materials["instructions"][:, 1]) | np.array(
+        [material.surface is None or material.surface.kind != "emission" for material in scene.materials] or [True])
+    parts: list[tuple] = []
+    for index, instance in enumerate(scene.instances):
+        if not emits[list(instance.materials)].any():
+            continue
+        mesh = scene.meshes[instance.mesh]
+        material = _triangle_materials(mesh, instance)
+        chosen = np.flatnonzero(emits[material])
+        corners = mesh.positions[mesh.triangles[chosen]].astype(np.float64)
+        corners = corners @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
+        parts.append((np.full(len(chosen), index), chosen, corners, materials["emission"][material[chosen]],
+                      varies[material[chosen]]))
+    if not parts:
+        return lights.Triangles()
+    return lights.Triangles(*(np.concatenate(columns) for columns in zip(*parts)))
+
+
+def _triangle_materials(mesh: Mesh, instance: Instance) -> np.ndarray:
+    """(triangles,) index of each triangle's material."""
+    slots = np.zeros(len(mesh.triangles), np.int64) if mesh.slots is None else mesh.slots
+    return np.array(instance.materials)[np.clip(slots, 0, len(instance.materials) - 1)]
+
+
+class Workspace:
+    """Scratch memory of one thread: ``block`` is one record of tables."""
+
+    def __init__(self, packed: PackedScene, aside: bool = True):
+        counts = {
+            "ray": 1, "spans": 2 * max(packed.span_rows, 1), "light_hits": packed.light_hits, **path.COUNTS,
+            **shading.WORKSPACE_COUNTS}
+        self._tables = {
+            name: rays.new_rays(1) if name == "ray" else np.zeros(count, integrator.WORKSPACE_TABLES[name])
+            for name, count in counts.items()}
+        self.block = np.zeros(1, integrator.WORKSPACE)
+        for name, array in self._tables.items():
+            fill_table(self.block, name, array)
+        if aside:
+            self._aside = Workspace(packed, aside=False)
+            fill_table(self.block, "aside", self._aside.block)

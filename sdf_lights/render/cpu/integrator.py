@@ -1,0 +1,442 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The path tracer: camera to film, with next event estimation and BSDF sampling joined by the balance heuristic.
+
+Each emitter (an SDF lamp, a Blender light, an emissive triangle, the world) is an integral of its own over the sphere of
+directions. It is estimated twice at every vertex of a path: once by a ray towards a point of an emitter that
+``lights.select`` drew, once by the ray that continues the path, which adds the line integral of every lamp it crosses
+before its hit (Huang et al. 2026, equations 1 and 2). Veach 1997, chapter 9, for the weights.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ... import emitter as lamps
+from ...jit import block_dtype, kernel, table
+from ...vec import add, average, dot, largest, madd, mul, negate, scale, vec
+from ..scene import Ray
+from . import lights
+from .accumulate import add_sample, is_active, pixel_index
+from .camera import camera_ray, filter_offset, view_depth
+from .geometry import find_shadow_surface, find_surface, instance_table, shading_material_table, surface_table
+from .path import TABLES, clear_sample, contribute, path_table, put, sample_table
+from .rays import RAY, SHADOW_OPAQUE, SHADOW_TRANSPARENT, intersect, occluded, ray_table
+from .sampler import draw1, draw2, draw3, draw4, pixel_seed
+from .shading import evaluate, sample as sample_surface, shade, transparency
+from .shading.records import WORKSPACE_TABLES as SHADING_TABLES
+from .shading.records import DIFFUSE, GLOSSY, HAS_TRANSPARENCY, SINGULAR, TRANSMISSION, TRANSPARENT
+
+CAMERA, ANY = int(Ray.CAMERA), int(Ray.ALL)
+SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
+
+SCALARS = [
+    ("seed", np.int64), ("max_bounces", np.int64), ("diffuse_bounces", np.int64), ("glossy_bounces", np.int64),
+    ("transmission_bounces", np.int64), ("transparent_bounces", np.int64), ("clamp_direct", np.float64),
+    ("clamp_indirect", np.float64), ("caustics", np.int64), ("transparent_film", np.int64),
+    ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
+    ("transparent_shadows", np.int64), ("lamp_count", np.int64),
+    ("finite_lights", np.int64),  # 1: there are Blender lights that rays can meet
+]
+
+# Sets of random numbers: two for the camera, then so many for each vertex of a path.
+CAMERA_SETS, VERTEX_SETS = 2, 3
+LIGHT_SET, SCATTER_SET, ROULETTE_SET = range(3)
+
+# Relative step off a surface: some tens of float32 roundings, as Embree sees the scene in float32.
+OFFSET = 2.0**-18
+FIRST_ROULETTE = 2
+
+BLACK = (0.0, 0.0, 0.0)
+
+WORKSPACE_TABLES = {
+    "ray": RAY, "spans": np.dtype(np.float64), "light_hits": lights.HIT, **TABLES, **SHADING_TABLES}
+# ``aside`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
+WORKSPACE = block_dtype({**WORKSPACE_TABLES, "aside": None})
+
+control_table = table("control", np.int64)
+span_table = table("spans", np.float64)
+hit_table = table("light_hits", lights.HIT)
+aside_table = table("aside", WORKSPACE)
+
+
+@kernel
+def spans_of(workspace):
+    """Scratch rows (c, h) for the intervals of a lamp along a ray."""
+    flat = span_table(workspace)
+    return flat.reshape(len(flat) // 2, 2)
+
+
+@kernel
+def leave(position, ng, direction):
+    """``position`` moved off its surface to the side of ``direction``."""
+    size = max(abs(position[0]), abs(position[1]), abs(position[2]), 1e-3) * OFFSET
+    return madd(position, size if dot(ng, direction) > 0.0 else -size, ng)
+
+
+@kernel
+def transmittance(block, workspace, start, direction, t_max):
+    """Part of the light (RGB) that comes to ``start`` from ``t_max`` along ``direction``, past transparent surfaces."""
+    if occluded(block, workspace, start, direction, 0.0, t_max, SHADOW_OPAQUE):
+        return BLACK
+    result = (1.0, 1.0, 1.0)
+    if block.transparent_shadows:
+        t_min = 0.0
+        for _ in range(block.transparent_bounces + 1):
+            if not intersect(block, workspace, start, direction, t_min, t_max, SHADOW_TRANSPARENT):
+                return result
+            result = mul(result, _pass_through(block, workspace, direction))
+            if largest(result) <= 0.0:
+                return BLACK
+            t_min = _beyond(ray_table(workspace)[0].t_far)
+        return BLACK
+    return result
+
+
+@kernel
+def _pass_through(block, workspace, direction):
+    """Transparency (RGB) of the surface that a shadow ray has hit."""
+    material = find_shadow_surface(block, workspace, negate(direction))
+    if shading_material_table(block)[material].flags & HAS_TRANSPARENCY:
+        return transparency(block, workspace)
+    return BLACK
+
+
+@kernel
+def _beyond(t_hit):
+    return t_hit + max(abs(t_hit), 1e-3) * OFFSET
+
+
+@kernel
+def visible_lamp(block, workspace, lamp, spans, count, start, direction):
+    """Radiance (RGB) of a lamp along a ray, as far as no surface hides it: surfaces may stand inside a lamp."""
+    t_end = spans[count - 1, 0] + spans[count - 1, 1]
+    total, weight, t_from = BLACK, (1.0, 1.0, 1.0), 0.0
+    for _ in range(block.transparent_bounces + 1):
+        mask = SHADOW_OPAQUE | SHADOW_TRANSPARENT if block.transparent_shadows else SHADOW_OPAQUE
+        found = intersect(block, workspace, start, direction, t_from, t_end, mask)
+        t_to = float(ray_table(workspace)[0].t_far) if found else t_end
+        total = add(total, mul(weight, lamps.radiance(block, lamp, spans, count, t_from, t_to)))
+        if not found or not block.transparent_shadows:
+            break
+        weight = mul(weight, _pass_through(block, workspace, direction))
+        if largest(weight) <= 0.0:
+            break
+        t_from = _beyond(t_to)
+    return total
+
+
+@kernel
+def competes(block, emitter):
+    """Whether rays that scatter in any way can meet the emitter, so that both estimates share its light by MIS.
+
+    One that is hidden from some kinds of rays is left to light sampling, and to singular scattering.
+    """
+    return lights.visibility(block, emitter) & SCATTERED == SCATTERED
+
+
+@kernel
+def shade_triangle(block, workspace, start, wi, distance):
+    """Radiance (RGB) of a textured emissive triangle, shaded where the ray meets it."""
+    aside = aside_table(workspace)[0]
+    if not intersect(block, aside, start, wi, 0.0, distance * (1.0 + OFFSET), ANY):
+        return BLACK
+    find_surface(block, aside, negate(wi), DIFFUSE, 0.0)
+    shade(block, aside)
+    return vec(surface_table(aside)[0].emission)
+
+
+@kernel
+def light_vertex(block, workspace):
+    """Next event estimation at ``workspace.surface``: one ray towards one emitter."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
+    u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
+    emitter, chance, u0 = lights.select(block, x, n, u[0])
+    if chance <= 0.0:
+        return
+    scatters = path.bounce + 1
+    if emitter < block.lamp_count:
+        spans = spans_of(workspace)
+        wi = lamps.sample_direction(block, emitter, x, n, u[1], u[2], u[3])
+        weight, scatter_pdf = evaluate(workspace, wi)
+        if largest(weight) <= 0.0:
+            return
+        if not competes(block, emitter):
+            scatter_pdf = 0.0
+        count = lamps.trace(block, emitter, x, wi, spans)
+        if count == 0:
+            return
+        pdf = chance * lamps.direction_pdf(block, emitter, x, n, wi, spans, count)
+        radiance = visible_lamp(block, workspace, emitter, spans, count, leave(x, ng, wi), wi)
+        if largest(radiance) > 0.0:
+            contribute(block, workspace, mul(weight, radiance), 1.0 / (pdf + scatter_pdf), True, scatters)
+        return
+    wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, n, u[1], u[2])
+    if pdf <= 0.0 or largest(radiance) <= 0.0:
+        return
+    weight, scatter_pdf = evaluate(workspace, wi)
+    if largest(weight) <= 0.0:
+        return
+    start = leave(x, ng, wi)
+    if lights.casts_shadow(block, emitter):
+        weight = mul(weight, transmittance(block, workspace, start, wi, distance * (1.0 - OFFSET)))
+        if largest(weight) <= 0.0:
+            return
+    if lights.triangle_textured(block, emitter):
+        radiance = shade_triangle(block, workspace, start, wi, distance)
+    radiance = mul(weight, radiance)
+    if singular or not competes(block, emitter):
+        scatter_pdf = 0.0
+    contribute(block, workspace, radiance, 1.0 / (chance * pdf + scatter_pdf), False, scatters)
+
+
+@kernel
+def _mis(block, path, emitter, pdf):
+    """Weight of emission met by a ray: balance heuristic against light sampling where the path last scattered.
+
+    Paths from the camera and from singular scattering have pdf 0: nothing else can find that emission.
+    """
+    if path.pdf <= 0.0:
+        return 1.0
+    if not competes(block, emitter):
+        return 0.0
+    chance = lights.selection_probability(block, vec(path.origin), vec(path.normal), emitter)
+    return path.pdf / (path.pdf + chance * pdf)
+
+
+@kernel
+def gather_lamps(block, workspace, t_to):
+    """Add the line integral of each lamp along the path's ray up to the distance ``t_to``."""
+    path = path_table(workspace)[0]
+    spans = spans_of(workspace)
+    origin, direction = vec(path.origin), vec(path.direction)
+    for lamp in range(block.lamp_count):
+        if not lights.visibility(block, lamp) & path.kind or not lamps.crosses(block, lamp, origin, direction, t_to):
+            continue
+        count = lamps.trace(block, lamp, origin, direction, spans)
+        if count == 0:
+            continue
+        radiance = lamps.radiance(block, lamp, spans, count, path.t_min, t_to)
+        if largest(radiance) <= 0.0:
+            continue
+        pdf = 0.0
+        if path.pdf > 0.0:
+            pdf = lamps.direction_pdf(block, lamp, origin, vec(path.normal), direction, spans, count)
+        contribute(block, workspace, radiance, _mis(block, path, lamp, pdf), True, path.bounce)
+
+
+@kernel
+def meets_lamp(block, path):
+    """False if the path's ray certainly misses every lamp."""
+    for lamp in range(block.lamp_count):
+        if lights.visibility(block, lamp) & path.kind:
+            if lamps.crosses(block, lamp, vec(path.origin), vec(path.direction), path.t_max):
+                return True
+    return False
+
+
+@kernel
+def gather_lights(block, workspace, t_to):
+    """Add Blender lights of finite size that the path's ray meets before ``t_to``."""
+    path = path_table(workspace)[0]
+    hits = hit_table(workspace)
+    origin, direction = vec(path.origin), vec(path.direction)
+    count = lights.light_hits(block, origin, direction, t_to, path.kind, hits)
+    for index in range(count):
+        hit = hits[index]
+        if hit.distance <= path.t_min:
+            continue
+        weight = _mis(block, path, hit.emitter, hit.pdf)
+        contribute(block, workspace, vec(hit.radiance), weight, False, path.bounce)
+
+
+@kernel
+def gather_world(block, workspace):
+    """Add the background, and end the path in the alpha channel."""
+    path = path_table(workspace)[0]
+    if path.kind == CAMERA and block.transparent_film:
+        sample_table(workspace)[0].alpha -= average(vec(path.throughput))
+        return
+    world = lights.world_emitter(block)
+    if not lights.visibility(block, world) & path.kind:
+        return
+    direction = vec(path.direction)
+    radiance = lights.world_radiance(block, direction)
+    if largest(radiance) <= 0.0:
+        return
+    pdf = lights.world_pdf(block, vec(path.normal), direction) if path.pdf > 0.0 else 0.0
+    contribute(block, workspace, radiance, _mis(block, path, world, pdf), False, path.bounce)
+
+
+@kernel
+def gather_surface(block, workspace):
+    """Add the emission of the surface that was hit."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    radiance = vec(surface.emission)
+    if largest(radiance) <= 0.0:
+        return
+    weight = 1.0
+    if path.pdf > 0.0:
+        emitter = lights.triangle_emitter(block, surface.instance, surface.primitive)
+        if emitter >= 0:
+            pdf = lights.triangle_pdf(block, vec(path.origin), emitter, vec(path.direction), path.length)
+            weight = _mis(block, path, emitter, pdf)
+    contribute(block, workspace, radiance, weight, False, path.bounce)
+
+
+@kernel
+def record_first_surface(block, workspace):
+    """Data passes: the first surface that the camera sees and that is more solid than transparent."""
+    sample = sample_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    sample.found = 1
+    sample.depth = view_depth(block, vec(surface.position))
+    for axis in range(3):
+        sample.position[axis] = surface.position[axis]
+        sample.normal[axis] = surface.n[axis]
+        sample.albedo[axis] = surface.albedo[axis]
+
+
+@kernel
+def _count_bounce(block, path, kind):
+    """Count a bounce; once a limit is reached the next ray only gathers emission."""
+    path.bounce += 1
+    last = path.bounce > block.max_bounces
+    if kind & DIFFUSE:
+        path.diffuse += 1
+        last = last or path.diffuse > block.diffuse_bounces
+    elif kind & GLOSSY:
+        path.glossy += 1
+        last = last or path.glossy > block.glossy_bounces
+    elif kind & TRANSMISSION:
+        path.transmission += 1
+        last = last or path.transmission > block.transmission_bounces
+    path.last = last
+
+
+@kernel
+def scatter(block, workspace):
+    """Continue the path from ``workspace.surface``. False if it ends there."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    u = draw3(path.index, path.seed, path.dimension + SCATTER_SET)
+    wi, weight, pdf, kind = sample_surface(workspace, u[0], u[1], u[2])
+    if pdf <= 0.0 or largest(weight) <= 0.0:
+        return False
+    throughput = scale(mul(vec(path.throughput), weight), 1.0 / pdf)
+    if kind & TRANSPARENT:
+        # The ray goes on as the same ray: its origin, pdf and kind stay, so MIS still compares what it should.
+        path.transparent += 1
+        if path.transparent > block.transparent_bounces:
+            return False
+        path.t_min = _beyond(path.length)
+        put(path.throughput, throughput)
+        return True
+    if not block.caustics and path.diffuse > 0 and not kind & DIFFUSE:
+        return False
+    _count_bounce(block, path, kind)
+    if path.bounce >= FIRST_ROULETTE and not path.last:
+        survival = min(1.0, largest(throughput))
+        if draw1(path.index, path.seed, path.dimension + ROULETTE_SET) >= survival:
+            return False
+        throughput = scale(throughput, 1.0 / survival)
+    position = vec(surface.position)
+    put(path.throughput, throughput)
+    put(path.origin, position)
+    put(path.normal, vec(surface.n))
+    put(path.start, leave(position, vec(surface.ng), wi))
+    put(path.direction, wi)
+    path.t_min, path.t_max = 0.0, np.inf
+    path.pdf = 0.0 if kind & SINGULAR else pdf
+    path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
+    return True
+
+
+@kernel
+def start_path(block, workspace, x, y):
+    """Camera ray through a point of the pixel drawn from the pixel filter."""
+    path = path_table(workspace)[0]
+    u = draw2(path.index, path.seed, 0)
+    dx, dy = filter_offset(block, u[0], u[1])
+    lens = draw2(path.index, path.seed, 1) if block.camera_aperture > 0.0 else (0.5, 0.5)
+    origin, direction, t_min, t_max = camera_ray(block, x + 0.5 + dx, y + 0.5 + dy, lens[0], lens[1])
+    put(path.origin, origin)
+    put(path.start, origin)
+    put(path.normal, BLACK)
+    put(path.direction, direction)
+    put(path.throughput, (1.0, 1.0, 1.0))
+    path.t_min, path.t_max = t_min, t_max
+    path.pdf = 0.0
+    path.kind = CAMERA
+    path.bounce = path.diffuse = path.glossy = path.transmission = path.transparent = path.last = 0
+    path.dimension = CAMERA_SETS
+
+
+@kernel
+def trace_path(block, workspace, x, y):
+    """One sample of the pixel (x, y): fills ``sample``."""
+    path = path_table(workspace)[0]
+    sample = sample_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    start_path(block, workspace, x, y)
+    while True:
+        if path.last and not block.emitters_hit and not meets_lamp(block, path):
+            return
+        found = intersect(block, workspace, vec(path.start), vec(path.direction), path.t_min, path.t_max, path.kind)
+        t_to = float(ray_table(workspace)[0].t_far) if found else path.t_max
+        if block.lamp_count > 0:
+            gather_lamps(block, workspace, t_to)
+        if block.finite_lights > 0:
+            gather_lights(block, workspace, t_to)
+        if not found:
+            gather_world(block, workspace)
+            return
+        path.length = t_to
+        wo = negate(vec(path.direction))
+        find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle)
+        if instance_table(block)[surface.instance].holdout:
+            sample.alpha -= average(vec(path.throughput)) if path.kind == CAMERA else 0.0
+            return
+        shade(block, workspace)
+        gather_surface(block, workspace)
+        if path.kind == CAMERA:
+            sample.alpha -= surface.holdout * average(vec(path.throughput))
+            if not sample.found and average(vec(surface.transparency)) < 0.5:
+                record_first_surface(block, workspace)
+        if path.last:
+            # A transparent surface does not end a ray that gathers emission: light sampling sees through it too.
+            transparent = vec(surface.transparency)
+            if largest(transparent) <= 0.0 or path.transparent >= block.transparent_bounces:
+                return
+            path.transparent += 1
+            path.t_min = _beyond(t_to)
+            put(path.throughput, mul(vec(path.throughput), transparent))
+            continue
+        if surface.evaluable > 0:
+            light_vertex(block, workspace)
+        if surface.closure_count == 0 or not scatter(block, workspace):
+            return
+        path.dimension += VERTEX_SETS
+
+
+@kernel
+def render_tile(blocks, workspaces, x0, y0, x1, y1, first, count):
+    """Add ``count`` samples, from index ``first`` on, to the active pixels of the tile [x0, x1) × [y0, y1)."""
+    block, workspace = blocks[0], workspaces[0]
+    path = path_table(workspace)[0]
+    for y in range(y0, y1):
+        if control_table(block)[0] != 0:
+            return
+        for x in range(x0, x1):
+            pixel = pixel_index(block, x, y)
+            if not is_active(block, pixel):
+                continue
+            path.seed = pixel_seed(x, y, block.seed)
+            for index in range(first, first + count):
+                path.index = index
+                clear_sample(workspace)
+                trace_path(block, workspace, x, y)
+                add_sample(block, workspace, pixel, index)

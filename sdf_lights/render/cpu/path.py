@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""State of one path and of the sample it makes, as records of the workspace."""
+
+import numpy as np
+
+from ...jit import kernel, table
+from ...vec import mul, scale, vec
+
+# What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out.
+SAMPLE = np.dtype([
+    ("combined", "f8", 3), ("lamps", "f8", 3), ("emission", "f8", 3), ("alpha", "f8"), ("depth", "f8"),
+    ("position", "f8", 3), ("normal", "f8", 3), ("albedo", "f8", 3), ("found", "i8"),
+], align=True)
+
+# ``origin`` is where the path last scattered (the camera at first), with shading normal ``normal``: light sampling
+# there competes with the ray, so MIS asks for its pdf there. ``start`` is ``origin`` moved off the surface.
+PATH = np.dtype([
+    ("origin", "f8", 3), ("normal", "f8", 3), ("start", "f8", 3), ("direction", "f8", 3), ("t_min", "f8"),
+    ("t_max", "f8"), ("throughput", "f8", 3), ("pdf", "f8"), ("kind", "i8"), ("length", "f8"), ("spread", "f8"),
+    ("bounce", "i8"), ("diffuse", "i8"), ("glossy", "i8"), ("transmission", "i8"), ("transparent", "i8"),
+    ("last", "i8"), ("index", "i8"), ("seed", "u4"), ("dimension", "i8"),
+], align=True)
+
+TABLES = {"path": PATH, "sample": SAMPLE}
+COUNTS = {"path": 1, "sample": 1}
+
+path_table = table("path", PATH)
+sample_table = table("sample", SAMPLE)
+
+
+@kernel
+def put(array, v):
+    """Store the vector v in an array field of a record."""
+    array[0] = v[0]
+    array[1] = v[1]
+    array[2] = v[2]
+
+
+@kernel
+def put_sum(array, v):
+    array[0] += v[0]
+    array[1] += v[1]
+    array[2] += v[2]
+
+
+@kernel
+def contribute(block, workspace, radiance, factor, from_lamp, scatters):
+    """Add ``throughput × radiance × factor`` to the sample.
+
+    ``from_lamp``: an SDF lamp sent it. ``scatters``: how often the light was scattered on its way to the camera.
+    """
+    path = path_table(workspace)[0]
+    sample = sample_table(workspace)[0]
+    value = scale(mul(vec(path.throughput), radiance), factor)
+    limit = block.clamp_indirect if scatters > 1 else block.clamp_direct
+    if limit > 0.0:
+        brightness = value[0] + value[1] + value[2]
+        if brightness > limit:
+            value = scale(value, limit / brightness)
+    put_sum(sample.combined, value)
+    if from_lamp:
+        put_sum(sample.lamps, value)
+    if scatters == 0:
+        put_sum(sample.emission, value)
+
+
+@kernel
+def clear_sample(workspace):
+    sample = sample_table(workspace)[0]
+    for axis in range(3):
+        sample.combined[axis] = 0.0
+        sample.lamps[axis] = 0.0
+        sample.emission[axis] = 0.0
+        sample.position[axis] = 0.0
+        sample.normal[axis] = 0.0
+        sample.albedo[axis] = 0.0
+    sample.alpha = 1.0
+    sample.depth = 0.0
+    sample.found = 0
