@@ -50,16 +50,17 @@ def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
 
 @functools.lru_cache(maxsize=None)
 def source_hash(path: pathlib.Path) -> str:
-    """Hash of a kernel source file, of all it imports from the package, of Numba and of NumPy.
+    """Hash of a kernel source file, of all it imports from the package, of Numba and of NumPy, and of the package's name.
 
     Numba's own cache looks at the time stamp of the one file that defines a function and misses changes in the
-    functions it calls; a folder named by this hash makes any such change start from a clean cache.
+    functions it calls; a folder named by this hash makes any such change start from a clean cache. A cached kernel
+    also holds the full name of its module, which differs between an extension and a checkout.
     """
     reached, pending = set(), {path}
     while pending:
         reached |= pending
         pending = set().union(*map(_imports, pending)) - reached
-    digest = hashlib.sha256(f"{numba.__version__} {np.__version__}".encode())
+    digest = hashlib.sha256(f"{numba.__version__} {np.__version__} {__package__}".encode())
     for source in sorted(reached):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
