@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether a box, or a point as a box of no size, is inside or outside each primitive and a whole program.
+
+A box is given by its centre and half sizes in the primitive's own space. The answer is conservative: (inside, outside)
+as 1 or 0, both 0 where the surface may pass through the box.
+"""
+
+import math
+
+from ..jit import kernel
+from ..sdf.program import Op
+
+SPHERE, BOX, TORUS = int(Op.SPHERE), int(Op.BOX), int(Op.TORUS)
+CAPSULE, CYLINDER, CONE = int(Op.CAPSULE), int(Op.CYLINDER), int(Op.CONE)
+UNION, INTERSECTION, DIFFERENCE = int(Op.UNION), int(Op.INTERSECTION), int(Op.DIFFERENCE)
+
+DEEPEST = 62  # bits of an int64 that hold one flag for each set on the stack
+
+
+@kernel
+def _near(centre, half):
+    return max(abs(centre) - half, 0.0)
+
+
+@kernel
+def _far(centre, half):
+    return abs(centre) + half
+
+
+@kernel
+def _beside(low, high, radius):
+    """Flags of a region whose distances to a skeleton are all within [low, high]."""
+    return (1 if high <= radius else 0), (1 if low >= radius else 0)
+
+
+@kernel
+def place(row, c, h):
+    """Centre and half sizes of the axis-aligned box round the image, in the primitive's space, of a box."""
+    m = row.inverse
+    centre = (
+        m[0, 0] * c[0] + m[0, 1] * c[1] + m[0, 2] * c[2] + m[0, 3],
+        m[1, 0] * c[0] + m[1, 1] * c[1] + m[1, 2] * c[2] + m[1, 3],
+        m[2, 0] * c[0] + m[2, 1] * c[1] + m[2, 2] * c[2] + m[2, 3],
+    )
+    half = (
+        abs(m[0, 0]) * h[0] + abs(m[0, 1]) * h[1] + abs(m[0, 2]) * h[2],
+        abs(m[1, 0]) * h[0] + abs(m[1, 1]) * h[1] + abs(m[1, 2]) * h[2],
+        abs(m[2, 0]) * h[0] + abs(m[2, 1]) * h[1] + abs(m[2, 2]) * h[2],
+    )
+    return centre, half
+
+
+@kernel
+def classify_primitive(row, c, h):
+    """Flags (inside, outside) of one primitive's instruction for a box of the shape's space."""
+    c, h = place(row, c, h)
+    op, size = row.op, row.parameters
+    near_x, near_y, near_z = _near(c[0], h[0]), _near(c[1], h[1]), _near(c[2], h[2])
+    far_x, far_y, far_z = _far(c[0], h[0]), _far(c[1], h[1]), _far(c[2], h[2])
+    if op == BOX:
+        inside = far_x <= size[0] and far_y <= size[1] and far_z <= size[2]
+        outside = near_x >= size[0] or near_y >= size[1] or near_z >= size[2]
+        return (1 if inside else 0), (1 if outside else 0)
+    near_ring = math.sqrt(near_x * near_x + near_y * near_y)
+    far_ring = math.sqrt(far_x * far_x + far_y * far_y)
+    if op == SPHERE:
+        return _beside(math.hypot(near_ring, near_z), math.hypot(far_ring, far_z), size[0])
+    if op == TORUS:
+        near_tube = max(near_ring - size[0], size[0] - far_ring, 0.0)
+        far_tube = max(far_ring - size[0], size[0] - near_ring)
+        return _beside(math.hypot(near_tube, near_z), math.hypot(far_tube, far_z), size[1])
+    half_height = 0.5 * size[1]
+    if op == CAPSULE:
+        above, top = max(near_z - half_height, 0.0), max(far_z - half_height, 0.0)
+        return _beside(math.hypot(near_ring, above), math.hypot(far_ring, top), size[0])
+    if op == CYLINDER:
+        inside = far_ring <= size[0] and far_z <= half_height
+        outside = near_ring >= size[0] or near_z >= half_height
+        return (1 if inside else 0), (1 if outside else 0)
+    shallow, deep = half_height - (c[2] + h[2]), half_height - (c[2] - h[2])  # depths below the apex
+    slope = size[0] / size[1]
+    inside = shallow >= 0.0 and deep <= size[1] and far_ring <= slope * shallow
+    outside = deep <= 0.0 or shallow >= size[1] or near_ring >= slope * min(deep, size[1])
+    return (1 if inside else 0), (1 if outside else 0)
+
+
+@kernel
+def classify(program, c, h):
+    """Flags (inside, outside) of a whole program for the box with centre c and half sizes h.
+
+    The stack of sets is a stack of bits, so a program may hold at most ``DEEPEST`` sets at a time.
+    """
+    inside, outside = 0, 0
+    for index in range(len(program)):
+        row = program[index]
+        if row.arity == 0:
+            is_inside, is_outside = classify_primitive(row, c, h)
+            inside, outside = inside << 1 | is_inside, outside << 1 | is_outside
+            continue
+        second_in, second_out = inside & 1, outside & 1
+        inside, outside = inside >> 1, outside >> 1
+        first_in, first_out = inside & 1, outside & 1
+        if row.op == UNION:
+            first_in, first_out = first_in | second_in, first_out & second_out
+        elif row.op == INTERSECTION:
+            first_in, first_out = first_in & second_in, first_out | second_out
+        else:
+            first_in, first_out = first_in & second_out, first_out | second_in
+        inside, outside = inside >> 1 << 1 | first_in, outside >> 1 << 1 | first_out
+    return inside, outside
+
+
+@kernel
+def contains(program, p):
+    """Whether the point p of the shape's space is inside."""
+    return classify(program, p, (0.0, 0.0, 0.0))[0] == 1
