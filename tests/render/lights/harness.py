@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blocks of the lights' tables alone, and the lights' kernels over arrays."""
+"""Blocks of the lights' tables alone, and the lights' kernels over arrays.
+
+The kernels here are not cached: the cache follows the imports of the package alone, so one of a test would outlive a change
+of what it calls.
+"""
 
 import numpy as np
 
@@ -89,7 +93,7 @@ def irradiance(packed, emitter, x, n, side=256):
     return value.mean()
 
 
-@kernel
+@kernel(cache=False)
 def _sample(blocks, emitter, x, n, u, wi, distance, radiance, pdf, singular):
     for i in range(len(u)):
         w, distance[i], r, pdf[i], singular[i] = lights.sample_light(blocks[0], emitter, x, n, u[i, 0], u[i, 1])
@@ -97,7 +101,7 @@ def _sample(blocks, emitter, x, n, u, wi, distance, radiance, pdf, singular):
         radiance[i, 0], radiance[i, 1], radiance[i, 2] = r
 
 
-@kernel
+@kernel(cache=False)
 def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
     for i in range(len(d)):
         for j in range(lights.light_hits(blocks[0], x, (d[i, 0], d[i, 1], d[i, 2]), t_max, kind, rows)):
@@ -106,19 +110,19 @@ def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
                 out[i, 1], out[i, 2], out[i, 3] = rows[j].radiance[0], rows[j].radiance[1], rows[j].radiance[2]
 
 
-@kernel
+@kernel(cache=False)
 def _select(blocks, x, n, u, out):
     for i in range(len(u)):
         out[i, 0], out[i, 1], out[i, 2] = lights.select(blocks[0], x, n, u[i])
 
 
-@kernel
+@kernel(cache=False)
 def _probabilities(blocks, x, n, out):
     for i in range(len(out)):
         out[i] = lights.selection_probability(blocks[0], x, n, i)
 
 
-@kernel
+@kernel(cache=False)
 def _world(blocks, n, d, radiance, pdf):
     for i in range(len(d)):
         direction = (d[i, 0], d[i, 1], d[i, 2])

@@ -94,4 +94,7 @@ def hit_area(light, x, d):
     else:
         x0, x1, y0, y1 = _reach(light, lx, ly, h)
         pdf = rectangle_pdf(x0, x1, y0, y1, h, px, py) if x0 < x1 and y0 < y1 else 0.0
+    # A light of no width has no solid angle that could be told from rounding: sampling skips it too.
+    if not 0.0 < pdf < math.inf:
+        return miss
     return t, scale(vec(light.radiance), gain), pdf

@@ -95,7 +95,7 @@ def _lamp_bounds(emitters, scene, bounds, power) -> Bounds:
     emitters["kind"][:count] = LAMP
     emitters["index"][:count] = np.arange(count)
     emitters["visibility"][:count] = [int(lamp.visibility) for lamp in scene.lamps][:count] or int(Ray.ALL)
-    mean = np.abs(power.reshape(count, -1)).mean(axis=1) if count else power
+    mean = np.abs(power.reshape(count, -1)).mean(axis=1) if count else np.zeros(0)
     return _bounds(np.arange(count), bounds[:, 0], bounds[:, 1], mean / (4.0 * math.pi))
 
 
@@ -206,7 +206,9 @@ def _pack_sun(row, emitter, light, rgb, infinite) -> None:
     row["one_minus_cos"] = 2.0 * math.sin(0.5 * half) ** 2
     row["radiance"] = rgb / (math.pi * math.sin(half) ** 2 if half > 0.0 else 1.0)
     irradiance = float(np.abs(rgb).mean())
-    if irradiance > 0.0 and row["direction"].any():
+    if not row["direction"].any():
+        row["radiance"] = 0.0
+    elif irradiance > 0.0:
         infinite.append((emitter, irradiance, row["direction"], 1))
 
 
