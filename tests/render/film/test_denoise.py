@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Denoising with the real library."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from sdf_lights.render.denoise import denoise, denoise_film
+from sdf_lights.render.film import Film
+from sdf_lights.render.scene import Camera, Scene
+from sdf_lights.render.settings import Settings
+
+
+def picture(height, width, seed=0):
+    """A lit ball in front of a checkered wall: (clean, noisy, albedo, normal), with the noise of a few samples."""
+    y, x = np.mgrid[:height, :width]
+    u, v = (x + 0.5) / width - 0.5, (y + 0.5) / height - 0.5
+    checker = (np.floor(8 * u) + np.floor(8 * v)) % 2
+    albedo = np.stack([0.3 + 0.5 * checker, 0.4 + 0.2 * checker, 0.7 - 0.3 * checker], axis=-1)
+    normal = np.zeros((height, width, 3))
+    normal[..., 2] = 1.0
+    square = u**2 + v**2
+    ball = square < 0.09
+    albedo[ball] = 0.8, 0.5, 0.2
+    normal[ball] = np.stack([u, v, np.sqrt(np.maximum(0.09 - square, 0.0))], axis=-1)[ball] / 0.3
+    light = np.array([0.5, 0.6, 0.62])
+    clean = 5.0 * albedo * np.maximum(normal @ light, 0.05)[..., None]
+    noisy = clean * np.random.default_rng(seed).gamma(2.0, 0.5, (height, width, 1))
+    return tuple(array.astype(np.float32) for array in (clean, noisy, albedo, normal))
+
+
+def relative_error(image, clean):
+    return np.sqrt(np.mean((image - clean) ** 2)) / clean.mean()
+
+
+def test_error_falls_by_a_factor_of_eight():
+    clean, noisy, albedo, normal = picture(160, 192)
+    result = denoise(noisy, albedo, normal)
+    assert result.shape == clean.shape and result.dtype == np.float32
+    assert relative_error(result, clean) < relative_error(noisy, clean) / 8
+    assert abs(result.mean() / clean.mean() - 1) < 0.02
+
+
+def test_guides_help():
+    clean, noisy, albedo, normal = picture(96, 96)
+    assert relative_error(denoise(noisy, albedo, normal), clean) < 0.8 * relative_error(denoise(noisy), clean)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 17), (17, 3), (0, 5)])
+def test_odd_sizes(shape):
+    _, noisy, albedo, normal = picture(*shape)
+    result = denoise(noisy, albedo, normal)
+    assert result.shape == (*shape, 3) and np.isfinite(result).all()
+
+
+def test_input_is_left_as_it_is():
+    _, noisy, albedo, normal = picture(32, 32)
+    before = noisy.copy(), albedo.copy(), normal.copy()
+    denoise(noisy, albedo, normal)
+    for array, copy in zip((noisy, albedo, normal), before):
+        np.testing.assert_array_equal(array, copy)
+
+
+def test_cancel_is_polled_in_the_calling_thread_and_takes_effect_at_once():
+    _, noisy, albedo, normal = picture(1024, 1024)
+    callers, started = set(), time.perf_counter()
+
+    def cancelled():
+        callers.add(threading.get_ident())
+        return time.perf_counter() - started > 0.1
+
+    assert denoise(noisy, albedo, normal, cancelled) is None
+    assert time.perf_counter() - started < 0.6
+    assert callers == {threading.get_ident()}
+
+
+def test_an_error_in_the_caller_does_not_leave_the_filter_running():
+    _, noisy, albedo, normal = picture(512, 512)
+    threads = threading.active_count()
+
+    def cancelled():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        denoise(noisy, albedo, normal, cancelled)
+    assert threading.active_count() == threads
+
+
+def test_shapes_are_checked():
+    with pytest.raises(ValueError, match="height, width, 3"):
+        denoise(np.zeros((4, 4, 3)), np.zeros((4, 5, 3)))
+
+
+def test_film():
+    clean, noisy, albedo, normal = picture(64, 96)
+    film = Film(Scene(Camera(np.eye(4)), 96, 64, settings=Settings(denoise=True, exposure=2.0)))
+    film.count[:] = 4
+    film.surfaces[:] = 4
+    film.sums["combined"][:] = 4.0 * np.concatenate([noisy, np.full((64, 96, 1), 0.75)], axis=-1).ravel()
+    film.sums["albedo"][:] = 4.0 * albedo.ravel()
+    film.sums["normal"][:] = 4.0 * normal.ravel()
+    denoise_film(film)
+    combined = film.read("Combined")
+    np.testing.assert_allclose(film.read("Noisy Image")[..., :3], 2.0 * noisy, rtol=1e-6)
+    assert relative_error(combined[..., :3], 2.0 * clean) < 0.25 * relative_error(2.0 * noisy, 2.0 * clean)
+    np.testing.assert_array_equal(combined[..., 3], np.float32(0.75))
