@@ -222,8 +222,8 @@ class Microfacet(Lobe):
         r, t = self.fresnel(ho)
         total = (r + t).mean(1)
         usable &= total > 0.0
-        a2 = self.alpha**2
-        distribution = a2 / (np.pi * (1.0 + (np.minimum(hn * hn, 1.0)) * (a2 - 1.0))**2)
+        a2 = np.where(usable, self.alpha**2, 1.0)
+        distribution = a2 / (np.pi * (1.0 + np.minimum(hn * hn, 1.0) * (a2 - 1.0))**2)
         jacobian = np.where(through, self.ior**2 * np.abs(ho * hi) / np.where(usable, square, 1.0), 0.25)
         common = np.where(usable, distribution * jacobian / np.where(usable, co, 1.0), 0.0)
         lo, li = masking(a2, co), masking(a2, ci)

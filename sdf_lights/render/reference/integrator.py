@@ -98,8 +98,8 @@ class Integrator:
 
     # --- the loop -----------------------------------------------------------------------------------------------------
 
-    def trace(self, x: np.ndarray, y: np.ndarray, rng: np.random.Generator) -> Samples:
-        """One sample for each of the pixels with the integer coordinates x, y of the full frame."""
+    def trace(self, x: np.ndarray, y: np.ndarray, rng: np.random.Generator, stop=lambda: False) -> Samples | None:
+        """One sample for each of the pixels with the integer coordinates x, y of the full frame; None if stopped."""
         count = len(x)
         samples = Samples(count)
         origin, direction, near, far = self.camera.rays(x, y, rng)
@@ -107,6 +107,8 @@ class Integrator:
             np.arange(count), origin, origin + near[:, None] * direction, direction, near, far, np.ones((count, 3)),
             np.zeros(count), np.full(count, int(Ray.CAMERA)), np.zeros((count, 5), int), np.zeros(count, bool))
         while len(paths.sample):
+            if stop():
+                return None
             paths = self._step(paths, samples, rng)
         return samples
 

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The reference as ``session`` sees it: waves of samples, traced and added to the film."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..film import Film
+from ..scene import Scene
+from .integrator import Integrator, Samples
+
+# Rays of one wave: large enough for NumPy, small enough to be stopped within a fraction of a second.
+WAVE = 8192
+
+
+class ReferenceRenderer:
+    """Renders ``scene`` into ``film``; the same four methods as ``cpu.renderer.CpuRenderer``.
+
+    ``use_embree`` as in ``Geometry``: None takes Embree for all but small scenes.
+    """
+
+    def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool] = lambda: False,
+                 say: Callable[[str], None] = lambda text: None, use_embree: bool | None = None):
+        say("Building the scene")
+        self._film, self._seed = film, scene.settings.seed
+        self._integrator = Integrator(scene, use_embree)
+
+    def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if stopped before the end.
+
+        The picture depends on the seed and on ``first`` and ``count`` of the calls, and on nothing else.
+        """
+        film = self._film
+        active = np.flatnonzero(film.active)
+        total = len(active) * count
+        for start in range(0, total, WAVE):
+            index, place = np.divmod(np.arange(start, min(start + WAVE, total)), len(active))
+            pixel = active[place]
+            row, column = np.divmod(pixel, film.width)
+            rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([self._seed, first, start])))
+            samples = self._integrator.trace(column + film.window[0], row + film.window[1], rng, stop)
+            if samples is None:
+                return False
+            self._add(pixel, first + index, samples)
+            report(min((start + WAVE) / total, 1.0))
+        film.samples = first + count
+        return True
+
+    def _add(self, pixel: np.ndarray, index: np.ndarray, samples: Samples) -> None:
+        """Add one sample of each of the pixels, which may repeat; ``index`` says which sample of its pixel it is."""
+        film = self._film
+        finite = np.isfinite(samples.combined).all(1) & np.isfinite(samples.alpha)
+        film.discarded += np.count_nonzero(~finite)
+        np.add.at(film.count, pixel, 1)
+        rows = np.flatnonzero(finite)
+        odd = np.flatnonzero(finite & (index % 2 == 1))
+        surface = np.flatnonzero(finite & samples.found)
+        self._sum("combined", pixel[rows], np.concatenate([samples.combined, samples.alpha[:, None]], 1)[rows])
+        self._sum("half", pixel[odd], samples.combined[odd])
+        for name in ("lamps", "emission"):
+            self._sum(name, pixel[rows], getattr(samples, name)[rows])
+        for name in ("normal", "albedo"):
+            self._sum(name, pixel[surface], getattr(samples, name)[surface])
+        # Distances are those of the first sample that met a surface.
+        new, where = np.unique(pixel[surface], return_index=True)
+        where = surface[where[film.surfaces[new] == 0]]
+        new = pixel[where]
+        self._sum("position", new, samples.position[where])
+        self._sum("depth", new, self._integrator.camera.depth(samples.position[where])[:, None])
+        np.add.at(film.surfaces, pixel[surface], 1)
+
+    def _sum(self, name: str, pixel: np.ndarray, values: np.ndarray) -> None:
+        sums = self._film.sums[name]
+        if sums.size:
+            np.add.at(sums.reshape(-1, values.shape[1]), pixel, values)
+
+    def finish(self) -> None:
+        """Drop what the render no longer needs; the film keeps its own arrays."""
+        self._integrator = None
