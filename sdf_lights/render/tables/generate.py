@@ -15,22 +15,24 @@ import numpy as np
 
 from ...jit import kernel
 from ..cpu.shading import fresnel, microfacet
-from .albedo import SHAPES
+from .albedo import SCALE, SHAPES
 
 _LOWEST = 1e-4  # of roughness and cosine, which are singular at 0
 _HIGHEST_Z = 0.99  # of the axis of ior, infinite at 1
+_COLUMNS = ("reflection", "glass", "dielectric", "schlick")  # what _albedos returns
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @kernel
 def _albedos(roughness, cosine, ior, count):
-    """Albedo of GGX (reflecting all, reflecting and refracting with ``ior``, dielectric reflection, Schlick's
-    (1 − cosθ)⁵), by ``count`` visible normals."""
+    """Albedos of GGX whose microfacets reflect all; reflect and refract; reflect as ``SHAPES`` says of "dielectric" and
+    "schlick"; summed over ``count`` visible normals."""
     alpha = roughness * roughness
     alpha2 = alpha * alpha
     wo = (math.sqrt(1.0 - cosine * cosine), 0.0, cosine)
     masking_o = microfacet.masking(alpha2, cosine)
-    everything, glass, reflected, schlick = 0.0, 0.0, 0.0, 0.0
+    f0 = fresnel.f0_of_ior(ior)
+    everything, glass, dielectric, schlick = 0.0, 0.0, 0.0, 0.0
     for i in range(count):
         h = microfacet.visible_normal(wo, alpha, (i * _GOLDEN) % 1.0, (i + 0.5) / count)
         cosine_h = wo[0] * h[0] + wo[2] * h[2]
@@ -39,24 +41,28 @@ def _albedos(roughness, cosine, ior, count):
         if up > 0.0:
             value = (1.0 + masking_o) / (1.0 + masking_o + microfacet.masking(alpha2, up))
             everything += value
-            reflected += value * f
+            dielectric += value * fresnel.remapped(f, f0)
             glass += value * f
             schlick += value * (1.0 - cosine_h) ** 5
         down = (cosine_h / ior - cosine_t) * h[2] - cosine / ior
         if cosine_t > 0.0 and down < 0.0:
             glass += (1.0 - f) * (1.0 + masking_o) / (1.0 + masking_o + microfacet.masking(alpha2, down))
-    return everything / count, glass / count, reflected / count, schlick / count
+    return everything / count, glass / count, dielectric / count, schlick / count
 
 
 def axis(size: int) -> np.ndarray:
     return np.clip(np.linspace(0.0, 1.0, size), _LOWEST, 1.0)
 
 
+def cosine_of_axis(t: float) -> float:
+    return max(t * t, _LOWEST)
+
+
 def ior_of_axis(z: float) -> float:
     return float(fresnel.ior_of_f0(min(max(z, _LOWEST), _HIGHEST_Z) ** 4))
 
 
-def entry(name: str, index: tuple[int, ...], count: int = 1 << 14) -> float:
+def entry(name: str, index: tuple[int, ...], count: int = 1 << 13) -> float:
     """One entry of the table ``name``."""
     shape = SHAPES[name]
     roughness = axis(shape[-1])[index[-1]]
@@ -66,30 +72,20 @@ def entry(name: str, index: tuple[int, ...], count: int = 1 << 14) -> float:
         ior = ior_of_axis(index[0] / (shape[0] - 1))
         if base == "glass_inside":
             ior = 1.0 / ior
+    column = _COLUMNS.index(base.removesuffix("_inside"))
     if base == name:
-        return _ratio(base, _albedos(roughness, axis(shape[-2])[index[-2]], ior, count), ior)
+        return _albedos(roughness, cosine_of_axis(index[-2] / (shape[-2] - 1)), ior, count)[column]
     nodes, weights = np.polynomial.legendre.leggauss(64)
     cosines = 0.5 + 0.5 * nodes
-    values = [_ratio(base, _albedos(roughness, cosine, ior, count >> 4), ior) for cosine in cosines]
+    values = [_albedos(roughness, cosine, ior, count >> 3)[column] for cosine in cosines]
     return float(np.sum(weights * cosines * values))
-
-
-def _ratio(name, albedos, ior):
-    everything, glass, reflected, schlick = albedos
-    if name == "reflection":
-        return everything
-    if name == "schlick":
-        return schlick / everything
-    if name == "dielectric":
-        return float(fresnel.remapped(reflected / everything, fresnel.f0_of_ior(ior)))
-    return glass
 
 
 def generate() -> dict[str, np.ndarray]:
     tables = {}
     for name, shape in SHAPES.items():
         values = [entry(name, index) for index in np.ndindex(shape)]
-        tables[name] = np.clip(np.array(values, dtype=np.float32).reshape(shape), 0.0, 1.0)
+        tables[name] = np.round(SCALE * np.clip(values, 0.0, 1.0)).astype(np.uint16).reshape(shape)
     return tables
 
 

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from ....jit import kernel, table
-from ...tables.albedo import OFFSETS, SIZE, SIZE3
+from ....jit import inner_kernel, table
+from ...tables.albedo import OFFSETS, SIZE
 
 TABLES = {"albedo": np.dtype("f8")}
 _albedo = table("albedo", TABLES["albedo"])
@@ -23,44 +23,44 @@ _DIELECTRIC, _SCHLICK = OFFSETS["dielectric"], OFFSETS["schlick"]
 _RELEVANT = 1e-4  # missing energy that is not worth giving back
 
 
-@kernel
-def _cell(x, size):
-    x = min(max(x, 0.0), 1.0) * (size - 1)
-    i = min(int(x), size - 2)
+@inner_kernel
+def _cell(x):
+    x = min(max(x, 0.0), 1.0) * (SIZE - 1)
+    i = min(int(x), SIZE - 2)
     return i, x - i
 
 
-@kernel
+@inner_kernel
 def _line(values, offset, i, t):
     return values[offset + i] + t * (values[offset + i + 1] - values[offset + i])
 
 
-@kernel
-def _plane(values, offset, size, x, y):
-    i, s = _cell(x, size)
-    j, t = _cell(y, size)
-    low = _line(values, offset + j * size, i, s)
-    return low + t * (_line(values, offset + (j + 1) * size, i, s) - low)
+@inner_kernel
+def _plane(values, offset, x, y):
+    i, s = _cell(x)
+    j, t = _cell(y)
+    low = _line(values, offset + j * SIZE, i, s)
+    return low + t * (_line(values, offset + (j + 1) * SIZE, i, s) - low)
 
 
-@kernel
-def _space(values, offset, size, x, y, z):
-    k, t = _cell(z, size)
-    low = _plane(values, offset + k * size * size, size, x, y)
-    return low + t * (_plane(values, offset + (k + 1) * size * size, size, x, y) - low)
+@inner_kernel
+def _space(values, offset, x, y, z):
+    k, t = _cell(z)
+    low = _plane(values, offset + k * SIZE * SIZE, x, y)
+    return low + t * (_plane(values, offset + (k + 1) * SIZE * SIZE, x, y) - low)
 
 
-@kernel
+@inner_kernel
 def _axis_of_ior(ior):
     return math.sqrt(abs((ior - 1.0) / (ior + 1.0)))
 
 
-@kernel
+@inner_kernel
 def _axis_of_cosine(cosine):
     return math.sqrt(max(cosine, 0.0))
 
 
-@kernel
+@inner_kernel
 def _compensate(closure, e, mean, single):
     """Scale the closure's weight so that a lossless surface loses nothing.
 
@@ -74,43 +74,43 @@ def _compensate(closure, e, mean, single):
             closure.weight[i] *= 1.0 + missing * f * mean / (1.0 - f * (1.0 - mean))
 
 
-@kernel
+@inner_kernel
 def compensate_glass(block, closure, cosine, roughness, single):
     """For a closure that reflects and refracts; ``single`` is what crossing the surface keeps."""
     values = _albedo(block)
     z = _axis_of_ior(closure.ior)
     inside = closure.ior < 1.0
-    e = _space(values, _INSIDE if inside else _GLASS, SIZE3, roughness, _axis_of_cosine(cosine), z)
-    mean = _plane(values, _INSIDE_AVERAGE if inside else _GLASS_AVERAGE, SIZE3, roughness, z)
+    e = _space(values, _INSIDE if inside else _GLASS, roughness, _axis_of_cosine(cosine), z)
+    mean = _plane(values, _INSIDE_AVERAGE if inside else _GLASS_AVERAGE, roughness, z)
     _compensate(closure, e, mean, single)
 
 
-@kernel
+@inner_kernel
 def compensate_reflection(block, closure, e, roughness, single):
     """For a closure that reflects only; ``e`` is ``reflection_albedo``."""
-    i, t = _cell(roughness, SIZE)
+    i, t = _cell(roughness)
     _compensate(closure, e, _line(_albedo(block), _REFLECTION_AVERAGE, i, t), single)
 
 
-@kernel
+@inner_kernel
 def reflection_albedo(block, cosine, roughness):
     """Albedo of GGX single scattering off microfacets that reflect everything."""
-    return _plane(_albedo(block), _REFLECTION, SIZE, roughness, _axis_of_cosine(cosine))
+    return _plane(_albedo(block), _REFLECTION, roughness, _axis_of_cosine(cosine))
 
 
-@kernel
+@inner_kernel
 def dielectric_albedo(block, ior, cosine, roughness):
     """Albedo of GGX single scattering where a microfacet reflects (F − F0) / (1 − F0) of a dielectric."""
-    return _space(_albedo(block), _DIELECTRIC, SIZE3, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
+    return _space(_albedo(block), _DIELECTRIC, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
 
 
-@kernel
+@inner_kernel
 def schlick_albedo(block, cosine, roughness):
     """Albedo of GGX single scattering where a microfacet reflects Schlick's (1 − cosθ)⁵."""
-    return _plane(_albedo(block), _SCHLICK, SIZE3, roughness, _axis_of_cosine(cosine))
+    return _plane(_albedo(block), _SCHLICK, roughness, _axis_of_cosine(cosine))
 
 
-@kernel
+@inner_kernel
 def mixed(f0, e, s):
     """Albedo (RGB) of reflectances f0 + (1 − f0) x, from the albedos e of 1 and s of x."""
     return (

@@ -8,6 +8,8 @@ World space, metres, unit vectors, unless said.
 
 import numpy as np
 
+from ....jit import table
+
 UV_LAYERS = 4
 CLOSURES = 64
 REGISTERS = 1024
@@ -86,3 +88,6 @@ CLOSURE = np.dtype([
 # Tables of a workspace and how many elements each has.
 WORKSPACE_TABLES = {"surface": SURFACE, "closures": CLOSURE, "registers": np.dtype("f8")}
 WORKSPACE_COUNTS = {"surface": 1, "closures": CLOSURES, "registers": REGISTERS}
+
+surface_table = table("surface", SURFACE)
+closure_table = table("closures", CLOSURE)

@@ -4,20 +4,18 @@
 
 import math
 
-from ....jit import kernel, table
+from ....jit import inner_kernel, kernel
 from ....vec import ZERO, add, dot, frame, madd, mul, negate, scale, to_world, vec
 from . import diffuse, microfacet
 from .records import (
-    CLOSURE, DIFFUSE, GLOSSY, LAMBERT, MICROFACET, OREN_NAYAR, SHEEN, SINGULAR, STRAIGHT, SURFACE, TRANSLUCENT,
-    TRANSMISSION, TRANSPARENT)
+    DIFFUSE, GLOSSY, LAMBERT, MICROFACET, OREN_NAYAR, SHEEN, SINGULAR, STRAIGHT, TRANSLUCENT, TRANSMISSION, TRANSPARENT,
+    closure_table, surface_table)
 
-_surface = table("surface", SURFACE)
-_closures = table("closures", CLOSURE)
 
 _BELOW_ONE = 1.0 - 2.0**-53
 
 
-@kernel
+@inner_kernel
 def _bump_shadowing(surface, closure, wi):
     """Factor on a closure whose normal is not the surface's.
 
@@ -39,7 +37,7 @@ def _bump_shadowing(surface, closure, wi):
     return 1.0 / (1.0 + microfacet.masking(alpha2, cosine))
 
 
-@kernel
+@inner_kernel
 def _evaluate_closure(surface, closure, wi):
     """f · |cos| with the closure's weight, and its pdf."""
     kind = closure.kind
@@ -64,7 +62,7 @@ def _evaluate_closure(surface, closure, wi):
 @kernel
 def evaluate(workspace, wi):
     """f · |cos| (RGB) of all closures that are not singular, and the pdf with which ``sample`` draws wi."""
-    surface, closures = _surface(workspace)[0], _closures(workspace)
+    surface, closures = surface_table(workspace)[0], closure_table(workspace)
     total, density = ZERO, 0.0
     for i in range(surface.closure_count):
         closure = closures[i]
@@ -75,7 +73,7 @@ def evaluate(workspace, wi):
     return total, density
 
 
-@kernel
+@inner_kernel
 def _sample_closure(surface, closure, u1, u2, u3):
     """wi, f · |cos| with the closure's weight, pdf, and kind."""
     wo, kind = vec(surface.wo), closure.kind
@@ -104,7 +102,7 @@ def sample(workspace, u1, u2, u3):
     A pdf of 0 means that nothing was drawn. For a singular kind value / pdf is the path's weight, and neither is a
     density.
     """
-    surface, closures = _surface(workspace)[0], _closures(workspace)
+    surface, closures = surface_table(workspace)[0], closure_table(workspace)
     count = surface.closure_count
     if count == 0:
         return ZERO, ZERO, 0.0, 0

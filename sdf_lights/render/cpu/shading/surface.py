@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from ....jit import kernel, table
+from ....jit import inner_kernel, kernel, table
 from ....vec import ZERO, average, dot, largest, madd, mul, normalize, scale, sub, vec
 from . import diffuse, energy, fresnel, microfacet
 from .program import (
@@ -19,14 +19,12 @@ from .program import (
     ROUGHNESS, SHEEN_ROUGHNESS, SHEEN_TINT, SHEEN_WEIGHT, SPECULAR_IOR_LEVEL, SPECULAR_TINT, TRANSMISSION_WEIGHT,
     WITH_ALPHA, WITH_BASE, WITH_COAT, WITH_EMISSION, WITH_METAL, WITH_SHEEN, WITH_TRANSMISSION)
 from .records import (
-    CLOSURE, FRESNEL_DIELECTRIC, FRESNEL_F82, FRESNEL_NONE, HAS_TRANSPARENCY, LAMBERT, MICROFACET, OREN_NAYAR, SHEEN,
-    STRAIGHT, SURFACE, TRANSLUCENT)
+    FRESNEL_DIELECTRIC, FRESNEL_F82, FRESNEL_NONE, HAS_TRANSPARENCY, LAMBERT, MICROFACET, OREN_NAYAR, SHEEN, STRAIGHT,
+    TRANSLUCENT, closure_table, surface_table)
 from .values import normal, number, run, vector
 
 _materials = table("materials", MATERIAL)
 _lobes = table("lobes", LOBE)
-_surface = table("surface", SURFACE)
-_closures = table("closures", CLOSURE)
 
 _WHITE = (1.0, 1.0, 1.0)
 _CUTOFF = 1e-5  # a closure of less weight is left out
@@ -34,49 +32,46 @@ _SMOOTH_DIFFUSE = 1e-5  # Oren–Nayar of less roughness is Lambert's
 _LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
 
 
-@kernel
+@inner_kernel
 def _saturate(x):
     return min(max(x, 0.0), 1.0)
 
 
-@kernel
+@inner_kernel
 def _positive(v):
     return (max(v[0], 0.0), max(v[1], 0.0), max(v[2], 0.0))
 
 
-@kernel
+@inner_kernel
 def _saturated(v):
     return (_saturate(v[0]), _saturate(v[1]), _saturate(v[2]))
 
 
-@kernel
+@inner_kernel
 def _set(array, v):
     array[0] = v[0]
     array[1] = v[1]
     array[2] = v[2]
 
 
-@kernel
+@inner_kernel
 def _accumulate(array, v):
     array[0] += v[0]
     array[1] += v[1]
     array[2] += v[2]
 
 
-@kernel
-def _begin(workspace, kind, weight, n):
-    """Fill the next free closure; −1 where its weight is negligible or no closure is free.
-
-    The closure counts from ``_finish`` on only."""
-    surface, closures = _surface(workspace)[0], _closures(workspace)
+@inner_kernel
+def _begin(workspace, weight, n):
+    """Index of the next free closure, for which the caller sets a kind; −1 where the weight is negligible or no
+    closure is free. It counts from ``_finish`` on only."""
+    surface, closures = surface_table(workspace)[0], closure_table(workspace)
     index = surface.closure_count
     # Written so that a weight that is not a number is left out too.
     if not (average(weight) >= _CUTOFF) or index == len(closures):
         return -1
     closure = closures[index]
-    closure.kind = kind
     closure.singular = 0
-    closure.transmits = 0
     _set(closure.weight, weight)
     _set(closure.normal, n)
     smooth = surface.n
@@ -84,10 +79,10 @@ def _begin(workspace, kind, weight, n):
     return index
 
 
-@kernel
+@inner_kernel
 def _finish(workspace, index, albedo):
     """Count closure ``index``, whose directional albedo with its weight is about ``albedo`` (RGB)."""
-    surface, closure = _surface(workspace)[0], _closures(workspace)[index]
+    surface, closure = surface_table(workspace)[0], closure_table(workspace)[index]
     closure.pick = max(average(albedo), 0.0)
     surface.pick_total += closure.pick
     surface.closure_count += 1
@@ -97,50 +92,56 @@ def _finish(workspace, index, albedo):
         _accumulate(surface.albedo, albedo)
 
 
-@kernel
-def _add_simple(workspace, kind, weight, n):
-    index = _begin(workspace, kind, weight, n)
+@inner_kernel
+def _add_lambert(workspace, weight, n, through):
+    index = _begin(workspace, weight, n)
     if index >= 0:
+        closure_table(workspace)[index].kind = TRANSLUCENT if through else LAMBERT
         _finish(workspace, index, weight)
 
 
-@kernel
+@inner_kernel
 def _add_diffuse(workspace, weight, color, roughness, n):
     if roughness < _SMOOTH_DIFFUSE:
-        _add_simple(workspace, LAMBERT, weight, n)
+        _add_lambert(workspace, weight, n, False)
         return
-    index = _begin(workspace, OREN_NAYAR, weight, n)
+    index = _begin(workspace, weight, n)
     if index >= 0:
-        diffuse.oren_nayar_setup(
-            _closures(workspace)[index], dot(n, vec(_surface(workspace)[0].wo)), roughness, color)
+        closure = closure_table(workspace)[index]
+        closure.kind = OREN_NAYAR
+        diffuse.oren_nayar_setup(closure, dot(n, vec(surface_table(workspace)[0].wo)), roughness, color)
         _finish(workspace, index, weight)
 
 
-@kernel
+@inner_kernel
 def _add_transparency(workspace, weight):
-    surface = _surface(workspace)[0]
-    index = _begin(workspace, STRAIGHT, weight, vec(surface.n))
+    surface = surface_table(workspace)[0]
+    index = _begin(workspace, weight, vec(surface.n))
     if index >= 0:
-        _closures(workspace)[index].singular = 1
+        closure = closure_table(workspace)[index]
+        closure.kind = STRAIGHT
+        closure.singular = 1
         _accumulate(surface.transparency, weight)
         _finish(workspace, index, weight)
 
 
-@kernel
-def _begin_microfacet(workspace, weight, n, roughness, ior, term, reflects, transmits):
-    index = _begin(workspace, MICROFACET, weight, n)
+@inner_kernel
+def _begin_microfacet(workspace, weight, n, roughness, ior):
+    """``_begin`` of a reflecting closure without Fresnel term."""
+    index = _begin(workspace, weight, n)
     if index >= 0:
-        closure = _closures(workspace)[index]
+        closure = closure_table(workspace)[index]
         closure.alpha = roughness * roughness
         closure.ior = ior
-        closure.fresnel = term
-        closure.reflects = reflects
-        closure.transmits = transmits
+        closure.kind = MICROFACET
+        closure.fresnel = FRESNEL_NONE
+        closure.reflects = 1
+        closure.transmits = 0
         closure.singular = int(microfacet.is_singular(closure.alpha))
     return index
 
 
-@kernel
+@inner_kernel
 def specular_normal(surface, n):
     """The normal raised towards the geometric one until the mirror direction of wo leaves the surface.
 
@@ -163,7 +164,7 @@ def specular_normal(surface, n):
     return madd(scale(x, math.sin(angle)), math.cos(angle), g)
 
 
-@kernel
+@inner_kernel
 def _below(weight, albedo):
     """What is left of ``weight`` below a layer that reflects ``albedo`` (with its weight): the same for all colours,
     so that a white base looks white."""
@@ -174,30 +175,32 @@ def _below(weight, albedo):
     return scale(weight, _saturate(1.0 - worst))
 
 
-@kernel
+@inner_kernel
 def _glossy(block, workspace, lobe, weight, color):
     """Glossy BSDF: a metal of reflectance ``color`` at every angle."""
-    surface = _surface(workspace)[0]
+    surface = surface_table(workspace)[0]
     roughness = _saturate(number(block, workspace, lobe.args[1]))
     n = specular_normal(surface, normal(block, workspace, lobe.args[2]))
-    index = _begin_microfacet(workspace, scale(color, weight), n, roughness, 1.0, FRESNEL_NONE, 1, 0)
+    index = _begin_microfacet(workspace, scale(color, weight), n, roughness, 1.0)
     if index >= 0:
-        closure = _closures(workspace)[index]
+        closure = closure_table(workspace)[index]
         if lobe.features & MULTISCATTER:
             e = energy.reflection_albedo(block, dot(n, vec(surface.wo)), roughness)
             energy.compensate_reflection(block, closure, e, roughness, color)
         _finish(workspace, index, vec(closure.weight))
 
 
-@kernel
+@inner_kernel
 def _glass(block, workspace, features, weight, n, roughness, ior, f0, reflection, transmission):
     """Reflection and refraction tinted ``reflection`` and ``transmission``; ``f0`` is that from outside."""
-    surface = _surface(workspace)[0]
+    surface = surface_table(workspace)[0]
     relative = 1.0 / ior if surface.backfacing else ior
-    index = _begin_microfacet(workspace, weight, n, roughness, relative, FRESNEL_DIELECTRIC, 1, 1)
+    index = _begin_microfacet(workspace, weight, n, roughness, relative)
     if index < 0:
         return
-    closure = _closures(workspace)[index]
+    closure = closure_table(workspace)[index]
+    closure.fresnel = FRESNEL_DIELECTRIC
+    closure.transmits = 1
     _set(closure.f0, _saturated(f0))
     _set(closure.reflection_tint, reflection)
     _set(closure.transmission_tint, transmission)
@@ -207,32 +210,36 @@ def _glass(block, workspace, features, weight, n, roughness, ior, f0, reflection
     _finish(workspace, index, mul(vec(closure.weight), (r[0] + t[0], r[1] + t[1], r[2] + t[2])))
 
 
-@kernel
+@inner_kernel
 def _refraction(block, workspace, lobe, weight):
-    surface = _surface(workspace)[0]
+    surface = surface_table(workspace)[0]
     ior = max(number(block, workspace, lobe.args[2]), 1e-5)
     n = specular_normal(surface, normal(block, workspace, lobe.args[3]))
     index = _begin_microfacet(
         workspace, weight, n, _saturate(number(block, workspace, lobe.args[1])),
-        1.0 / ior if surface.backfacing else ior, FRESNEL_NONE, 0, 1)
+        1.0 / ior if surface.backfacing else ior)
     if index >= 0:
+        closure = closure_table(workspace)[index]
+        closure.reflects = 0
+        closure.transmits = 1
         _finish(workspace, index, weight)
 
 
-@kernel
-def _add_dielectric_layer(block, workspace, features, weight, n, roughness, ior, f0):
+@inner_kernel
+def _add_dielectric_layer(block, workspace, compensated, weight, n, roughness, ior, f0):
     """A clear reflecting layer; the weight of what lies below it."""
-    index = _begin_microfacet(workspace, weight, n, roughness, ior, FRESNEL_DIELECTRIC, 1, 0)
+    index = _begin_microfacet(workspace, weight, n, roughness, ior)
     if index < 0:
         return weight
-    closure = _closures(workspace)[index]
+    closure = closure_table(workspace)[index]
+    closure.fresnel = FRESNEL_DIELECTRIC
     f0 = _saturated(f0)
     _set(closure.f0, f0)
     _set(closure.reflection_tint, _WHITE)
-    cosine = dot(n, vec(_surface(workspace)[0].wo))
+    cosine = dot(n, vec(surface_table(workspace)[0].wo))
     e = energy.reflection_albedo(block, cosine, roughness)
     albedo = energy.mixed(f0, e, energy.dielectric_albedo(block, ior, cosine, roughness))
-    if features & MULTISCATTER:
+    if compensated:
         s = fresnel.remapped(fresnel.dielectric_average(ior), fresnel.f0_of_ior(ior))
         energy.compensate_reflection(block, closure, e, roughness, energy.mixed(f0, 1.0, s))
     albedo = mul(vec(closure.weight), albedo)
@@ -240,16 +247,17 @@ def _add_dielectric_layer(block, workspace, features, weight, n, roughness, ior,
     return _below(weight, albedo)
 
 
-@kernel
+@inner_kernel
 def _add_metal(block, workspace, features, weight, n, roughness, color, tint):
-    index = _begin_microfacet(workspace, weight, n, roughness, 1.0, FRESNEL_F82, 1, 0)
+    index = _begin_microfacet(workspace, weight, n, roughness, 1.0)
     if index < 0:
         return
-    closure = _closures(workspace)[index]
+    closure = closure_table(workspace)[index]
+    closure.fresnel = FRESNEL_F82
     edge = (fresnel.f82_edge(color[0], tint[0]), fresnel.f82_edge(color[1], tint[1]), fresnel.f82_edge(color[2], tint[2]))
     _set(closure.f0, color)
     _set(closure.edge, edge)
-    cosine = dot(n, vec(_surface(workspace)[0].wo))
+    cosine = dot(n, vec(surface_table(workspace)[0].wo))
     e = energy.reflection_albedo(block, cosine, roughness)
     if features & MULTISCATTER:
         energy.compensate_reflection(block, closure, e, roughness, (
@@ -259,7 +267,7 @@ def _add_metal(block, workspace, features, weight, n, roughness, color, tint):
     _finish(workspace, index, mul(vec(closure.weight), albedo))
 
 
-@kernel
+@inner_kernel
 def _add_sheen(block, workspace, lobe, weight, n, coat_weight):
     """Sheen on top of all; the weight of what lies below it."""
     args = lobe.args
@@ -270,26 +278,27 @@ def _add_sheen(block, workspace, lobe, weight, n, coat_weight):
         above = normal(block, workspace, args[COAT_NORMAL])
         n = normalize(madd(scale(n, 1.0 - blend), blend, above))
     roughness = min(max(number(block, workspace, args[SHEEN_ROUGHNESS]), _LOWEST_SHEEN), 1.0)
-    cosine = _saturate(dot(n, vec(_surface(workspace)[0].wo)))
+    cosine = _saturate(dot(n, vec(surface_table(workspace)[0].wo)))
     albedo = diffuse.sheen_albedo(cosine, roughness)
     a, b = diffuse.sheen_transform(cosine, roughness)
     if not (albedo > _CUTOFF) or abs(a) < _CUTOFF:
         return weight
     own = scale(mul(weight, tint), amount * albedo)
-    index = _begin(workspace, SHEEN, own, n)
+    index = _begin(workspace, own, n)
     if index < 0:
         return weight
-    closure = _closures(workspace)[index]
+    closure = closure_table(workspace)[index]
+    closure.kind = SHEEN
     closure.a = a
     closure.b = b
     _finish(workspace, index, own)
     return _below(weight, own)
 
 
-@kernel
+@inner_kernel
 def _add_coat(block, workspace, lobe, weight):
     args = lobe.args
-    surface = _surface(workspace)[0]
+    surface = surface_table(workspace)[0]
     amount = _saturate(number(block, workspace, args[COAT_WEIGHT]))
     if amount <= _CUTOFF:
         return weight
@@ -298,7 +307,7 @@ def _add_coat(block, workspace, lobe, weight):
     f0 = fresnel.f0_of_ior(ior)
     coat = scale(weight, amount)
     below = _add_dielectric_layer(
-        block, workspace, MULTISCATTER, coat, n, _saturate(number(block, workspace, args[COAT_ROUGHNESS])), ior,
+        block, workspace, True, coat, n, _saturate(number(block, workspace, args[COAT_ROUGHNESS])), ior,
         (f0, f0, f0))
     # What the whole gives up is what the coated part does.
     weight = madd(scale(weight, 1.0 - amount), 1.0, below)
@@ -314,9 +323,9 @@ def _add_coat(block, workspace, lobe, weight):
     return weight
 
 
-@kernel
+@inner_kernel
 def _principled(block, workspace, lobe, share):
-    surface = _surface(workspace)[0]
+    surface = surface_table(workspace)[0]
     features, args = lobe.features, lobe.args
     weight = (share, share, share)
     if features & WITH_ALPHA:
@@ -365,13 +374,14 @@ def _principled(block, workspace, lobe, share):
         adjusted = fresnel.ior_of_f0(f0)
         ior = 1.0 / adjusted if ior < 1.0 else adjusted
     if ior != 1.0:
-        weight = _add_dielectric_layer(block, workspace, features, weight, mirror, roughness, ior, scale(tint, f0))
+        compensated = features & MULTISCATTER != 0
+        weight = _add_dielectric_layer(block, workspace, compensated, weight, mirror, roughness, ior, scale(tint, f0))
     _add_diffuse(workspace, mul(weight, base), base, _saturate(number(block, workspace, args[DIFFUSE_ROUGHNESS])), n)
 
 
-@kernel
+@inner_kernel
 def _add_lobe(block, workspace, lobe, weight):
-    surface = _surface(workspace)[0]
+    surface = surface_table(workspace)[0]
     kind, args = lobe.kind, lobe.args
     if kind == LOBE_PRINCIPLED:
         _principled(block, workspace, lobe, weight)
@@ -391,7 +401,7 @@ def _add_lobe(block, workspace, lobe, weight):
     elif kind == LOBE_TRANSPARENT:
         _add_transparency(workspace, scale(color, weight))
     elif kind == LOBE_TRANSLUCENT:
-        _add_simple(workspace, TRANSLUCENT, scale(color, weight), normal(block, workspace, args[1]))
+        _add_lambert(workspace, scale(color, weight), normal(block, workspace, args[1]), True)
     elif kind == LOBE_GLOSSY:
         _glossy(block, workspace, lobe, weight, color)
     elif kind == LOBE_REFRACTION:
@@ -407,7 +417,7 @@ def _add_lobe(block, workspace, lobe, weight):
 @kernel
 def shade(block, workspace):
     """Run the material of ``workspace.surface``: fill its closures, emission, transparency, albedo and holdout."""
-    surface = _surface(workspace)[0]
+    surface = surface_table(workspace)[0]
     material = _materials(block)[surface.material]
     surface.closure_count = 0
     surface.evaluable = 0
@@ -423,7 +433,7 @@ def shade(block, workspace):
         lobe = lobes[i]
         _add_lobe(block, workspace, lobe, number(block, workspace, lobe.weight))
     if surface.closure_count > 0:
-        closures = _closures(workspace)
+        closures = closure_table(workspace)
         inverse = 1.0 / surface.pick_total
         for i in range(surface.closure_count):
             closures[i].pick *= inverse
@@ -432,7 +442,7 @@ def shade(block, workspace):
 @kernel
 def transparency(block, workspace):
     """RGB that passes straight through ``workspace.surface``; changes nothing but the registers."""
-    surface = _surface(workspace)[0]
+    surface = surface_table(workspace)[0]
     material = _materials(block)[surface.material]
     if not material.flags & HAS_TRANSPARENCY:
         return ZERO
