@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blocks of the lights' tables alone, and the lights' kernels over arrays.
 
-The kernels here are not cached: the cache follows the imports of the package alone, so one of a test would outlive a change
-of what it calls.
+The kernels here are not cached: the cache follows the imports of the package alone, so one of a test would outlive a
+change of what it calls.
 """
 
 import numpy as np
@@ -45,8 +45,8 @@ class Packed:
             fill_table(self.blocks, name, array)
 
     def sample(self, emitter, x, u, n=NONE, dark=False):
-        """(wi, distance, radiance, pdf, singular) as arrays; wi is NaN where the sample carries no light, unless ``dark``
-        keeps directions of radiance 0."""
+        """(wi, distance, radiance, pdf, singular) as arrays; wi is NaN where the sample carries no light, unless
+        ``dark`` keeps directions of radiance 0."""
         wi, radiance = np.empty((len(u), 3)), np.empty((len(u), 3))
         distance, pdf, singular = np.empty(len(u)), np.empty(len(u)), np.empty(len(u), bool)
         _sample(self.blocks, emitter, tuple(map(float, x)), n, u, wi, distance, radiance, pdf, singular)

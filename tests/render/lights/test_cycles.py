@@ -24,7 +24,8 @@ CASES = {
     "spot": ("SPOT", dict(shadow_soft_size=0.0, spot_size=1.0, spot_blend=0.4), (0, 0, 0), (1, 1, 1)),
     "elliptic spot": ("SPOT", dict(shadow_soft_size=0.3, spot_size=1.0, spot_blend=0.4), (0.2, 0, 0), (2, 1, 1)),
     "wide spot": (
-        "SPOT", dict(shadow_soft_size=0.6, spot_size=0.8, spot_blend=0.1, use_soft_falloff=False), (0, 0, 0), (1, 1, 1)),
+        "SPOT", dict(shadow_soft_size=0.6, spot_size=0.8, spot_blend=0.1, use_soft_falloff=False), (0, 0, 0),
+        (1, 1, 1)),
     "rectangle": ("AREA", dict(shape="RECTANGLE", size=2.0, size_y=1.0), (0, 0, 0), (1, 1, 1)),
     "scaled square": ("AREA", dict(shape="SQUARE", size=1.0), (0.3, 0.2, 0.5), (2, 0.5, 3)),
     "ellipse": ("AREA", dict(shape="ELLIPSE", size=2.0, size_y=1.0), (0, 0, 0), (1, 1, 1)),

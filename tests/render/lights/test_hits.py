@@ -91,8 +91,8 @@ def test_odd_lights_and_places_give_finite_numbers(light):
     u = np.concatenate([rng.random((40, 2)), [(0.0, 0.0), (0.0, 1 - 1e-16), (1 - 1e-16, 0.0), (1 - 1e-16, 1 - 1e-16)]])
     d = rng.normal(size=(60, 3))
     d = np.concatenate([d / np.linalg.norm(d, axis=1, keepdims=True), np.eye(3), -np.eye(3)])
-    for x in [ORIGIN, (0.0, 0.0, 1.0), (0.2, 0.1, 0.0), (0.5, 0.5, 0.0), (3.0, 0.0, 0.0), (0.1, 0.1, -1e-12), (0, 0, -1),
-              (0.1, 0.2, -1e9)]:
+    for x in [ORIGIN, (0.0, 0.0, 1.0), (0.2, 0.1, 0.0), (0.5, 0.5, 0.0), (3.0, 0.0, 0.0), (0.1, 0.1, -1e-12),
+              (0.0, 0.0, -1.0), (0.1, 0.2, -1e9)]:
         wi, distance, radiance, pdf, _ = packed.sample(0, x, u)
         lit = np.isfinite(wi[:, 0])
         assert np.isfinite(pdf).all() and np.isfinite(radiance).all() and not np.isnan(distance).any()

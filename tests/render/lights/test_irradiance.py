@@ -58,7 +58,7 @@ def test_scale_of_a_spot_changes_its_cone_but_not_its_power():
 
 
 def corner_factor(a, b, c):
-    """Form factor from a point to a rectangle a × b parallel to it at distance c, one corner over the point (Howell, B-4)."""
+    """Form factor from a point to a parallel rectangle a × b at distance c, one corner over the point (Howell, B-4)."""
     p, q = a / c, b / c
     return (p / math.sqrt(1 + p * p) * math.atan(q / math.sqrt(1 + p * p))
             + q / math.sqrt(1 + q * q) * math.atan(p / math.sqrt(1 + q * q))) / (2.0 * math.pi)
@@ -93,7 +93,7 @@ def test_disk_on_its_axis(h):
 
 
 def area_integral(light_size, gain, x, h, side=1500):
-    """∫ gain(tan θ) cos⁴ θ / h² dA over an ellipse at height h, for a radiance of 1 and the point x of the plane z = 0."""
+    """∫ gain(tan θ) cos⁴ θ / h² dA over an ellipse at height h, for the point x of the plane z = 0."""
     r = np.sqrt((np.arange(side) + 0.5) / side)
     phi = 2.0 * np.pi * (np.arange(side) + 0.5) / side
     r, phi = np.meshgrid(r, phi)

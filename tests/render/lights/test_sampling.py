@@ -89,7 +89,8 @@ def test_density_of_extreme_ellipses_stays_near_uniform():
 def test_colour_of_the_world(n):
     packed = Packed(scene_of(world=World((0.5, 0.25, 1.0), 2.0)))
     result = chi2_sphere(
-        lambda u: packed.sample(0, (0, 0, 0), u, n)[0], lambda d: packed.world(d, n)[1], 60_000, 6, 0.9999, dimensions=2)
+        lambda u: packed.sample(0, (0, 0, 0), u, n)[0], lambda d: packed.world(d, n)[1], 60_000, 6, 0.9999,
+        dimensions=2)
     assert result.passed and result.lost == 0, result
     assert abs(result.integral - 1.0) < 5.0 * result.integral_error + 1e-3
     wi, distance, radiance, pdf, _ = packed.sample(0, (0, 0, 0), np.random.default_rng(4).random((100, 2)), n)

@@ -16,7 +16,7 @@ from .records import no_sample
 
 @kernel
 def attenuation(light, wi):
-    """Share of a spot's light that goes along −wi: smooth step over the blend, in the cosine to the axis of its local space."""
+    """Share of a spot's light that goes along −wi: a smooth step in the cosine to the axis, in the light's local space."""
     if light.spot == 0:
         return 1.0
     m = light.to_local

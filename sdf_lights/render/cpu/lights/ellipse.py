@@ -3,10 +3,10 @@
 """Ellipses and disks sampled in solid angle.
 
 An ellipse seen from a point fills an elliptic cone. Gamito 2016, "Solid angle sampling of disk and cylinder lights",
-EGSR, samples the spherical rectangle round it and rejects. Here nothing is rejected: in polar coordinates (θ, φ) round
-the cone's axis, φ is that of a uniform point of an ellipse in Lambert's equal-area projection with the cone's own half
-axes, and cos θ is uniform out to the cone. The density is exact; it is uniform for circular cones and nearly so
-for others, since the projection of an elliptic cone is nearly an ellipse.
+EGSR, samples the spherical rectangle round it and rejects. Here nothing is rejected: in polar coordinates (θ, φ)
+round the cone's axis, φ is that of a uniform point of an ellipse in Lambert's equal-area projection with the cone's
+own half axes, and cos θ is uniform out to the cone. The density is exact; it is uniform for circular cones and nearly
+so for others, since the projection of an elliptic cone is nearly an ellipse.
 
 The point looks from the origin along +z at the ellipse ((X − cx) / a)² + ((Y − cy) / b)² ≤ 1 in the plane z = h, h > 0.
 """
@@ -14,9 +14,9 @@ The point looks from the origin along +z at the ellipse ((X − cx) / a)² + ((Y
 import math
 
 from ....jit import kernel
-from ....vec import cross, dot, frame, normalize, scale, sub, to_world
+from ....vec import cross, dot, frame, normalize, scale, to_world
 from .cone import polar_direction
-from .rectangle import is_small
+from .rectangle import area_pdf, is_small
 
 
 @kernel
@@ -97,16 +97,10 @@ def _density(c, s, ta, tb):
 
 
 @kernel
-def _area_pdf(px, py, a, b, h):
-    square = px * px + py * py + h * h
-    return square * math.sqrt(square) / (math.pi * a * b * h)
-
-
-@kernel
 def ellipse_pdf(cx, cy, a, b, h, px, py):
     """Density per solid angle of ``sample_ellipse`` towards the point (px, py) of the ellipse."""
     if is_small_ellipse(cx, cy, a, b, h):
-        return _area_pdf(px, py, a, b, h)
+        return area_pdf(math.pi * a * b, h, px, py)
     e1, e2, _, ta, tb = _cone(cx, cy, a, b, h)
     c, s = dot(e1, (px, py, h)), dot(e2, (px, py, h))
     square = c * c + s * s
@@ -123,7 +117,7 @@ def sample_ellipse(cx, cy, a, b, h, u1, u2):
     if is_small_ellipse(cx, cy, a, b, h):
         r = math.sqrt(u2)
         px, py = cx + a * r * math.cos(phi), cy + b * r * math.sin(phi)
-        return px, py, _area_pdf(px, py, a, b, h)
+        return px, py, area_pdf(math.pi * a * b, h, px, py)
     e1, e2, axis, ta, tb = _cone(cx, cy, a, b, h)
     c, s = _half_axes(ta) * math.cos(phi), _half_axes(tb) * math.sin(phi)
     inverse = 1.0 / math.sqrt(c * c + s * s)

@@ -43,9 +43,9 @@ def sample_sun(sun, u1, u2):
 def sample_light(block, emitter, x, n, u1, u2):
     """Direction towards a light: (wi, distance, radiance, pdf, singular).
 
-    ``pdf`` is per solid angle, without the probability of selection. Where ``singular`` is true the light comes from one
-    direction alone: ``pdf`` is 1, ``radiance`` is the irradiance across wi, and no ray can hit the light. A pdf of 0 means
-    that the light does not reach x. Light in the world and from suns comes from distance ∞. Lamps are sampled by
+    ``pdf`` is per solid angle, without the probability of selection. Where ``singular`` is true the light comes from
+    one direction alone: ``pdf`` is 1, ``radiance`` is the irradiance across wi, and no ray can hit the light. A pdf
+    of 0 means that the light does not reach x. The world and suns are at distance ∞. Lamps are sampled by
     ``sdf_lights.emitter``; here they give a pdf of 0. The radiance of a triangle with ``triangle_textured`` is only
     an estimate: shade it at ``triangle_point``.
     """
@@ -71,9 +71,9 @@ def light_hits(block, o, d, t_max, ray_kind, hits):
     """Lights of finite size that the ray from o along the unit vector d meets before ``t_max``, and suns if that is ∞.
 
     Writes rows of ``HIT`` into ``hits`` (as long as ``pack.hit_capacity`` says) and returns their number. Each has the
-    radiance that comes along the ray, the distance, and the pdf of ``sample_light`` at o, without selection. Lights do not
-    block the ray. ``ray_kind`` holds bits of ``scene.Ray``: lights visible to none of them are left out. For a path that went straight
-    through a transparent surface pass the o of the last scattering and skip nearer hits.
+    radiance that comes along the ray, the distance, and the pdf of ``sample_light`` at o, without selection. Lights do
+    not block the ray. ``ray_kind`` holds bits of ``scene.Ray``: lights visible to none of them are left out. For a path
+    that went straight through a transparent surface pass the o of the last scattering and skip nearer hits.
     """
     header = header_table(block)[0]
     emitters = emitter_table(block)

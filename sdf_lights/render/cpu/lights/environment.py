@@ -24,8 +24,8 @@ UNIFORM = 0.2  # share of uniform directions for a plain colour
 def image_distribution(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Cumulative probabilities of the cells of an image (height, width, 3), and its mean over the sphere.
 
-    Returns rows (R + 1,), columns (R, C + 1) and the mean of the average of RGB. Images wider than ``MAX_COLUMNS`` share
-    a cell among several pixels. Rows are all zero where the image is black.
+    Returns rows (R + 1,), columns (R, C + 1) and the mean of the average of RGB. In images wider than ``MAX_COLUMNS``
+    several pixels share a cell. Everything is zero if the image is black.
     """
     weight = np.abs(pixels[..., :3]).mean(axis=2, dtype=np.float64)
     # Mean of the bilinear filter over a pixel: 1/8, 6/8, 1/8 along each axis; longitude wraps, latitude does not.
@@ -108,13 +108,18 @@ def _cell_pdf(block, header, row, column):
 
 
 @kernel
+def _color_pdf(n, d):
+    if n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0:
+        return FULL_SPHERE
+    return UNIFORM * FULL_SPHERE + (1.0 - UNIFORM) * max(dot(n, d), 0.0) / math.pi
+
+
+@kernel
 def world_pdf(block, n, d):
     """Density of ``sample_world`` in direction d at a point with normal n (the zero vector: none)."""
     header = header_table(block)[0]
     if header.height == 0:
-        if n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0:
-            return FULL_SPHERE
-        return UNIFORM * FULL_SPHERE + (1.0 - UNIFORM) * max(dot(n, d), 0.0) / math.pi
+        return _color_pdf(n, d)
     u, v = _coordinates(header, d)
     # Rows are bands of latitude, so the row of a direction is that of v.
     row = min(max(int(v * header.rows), 0), header.rows - 1)
@@ -137,7 +142,7 @@ def sample_world(block, n, u1, u2):
             t, b = frame(n)
             phi = 2.0 * math.pi * u1
             wi = to_world((r * math.cos(phi), r * math.sin(phi), math.sqrt(1.0 - square)), t, b, n)
-        return wi, world_pdf(block, n, wi)
+        return wi, _color_pdf(n, wi)
     rows, columns = image_rows_table(block), image_columns_table(block)
     row = _search(rows, 0, header.rows, u2)
     height = rows[row + 1] - rows[row]

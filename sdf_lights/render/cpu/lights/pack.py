@@ -34,8 +34,8 @@ def pack_lights(
 ) -> dict[str, np.ndarray]:
     """Tables (see ``records.TABLES``) of all emitters of ``scene``.
 
-    ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space; ``lamp_power`` (lamps, RGB) or (lamps,) in
-    watts. A light whose transform or power is not finite is left out, with a warning in ``scene.warnings``.
+    ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space; ``lamp_power`` (lamps, RGB) or
+    (lamps,) in watts. A light whose transform or power is not finite is left out, with a warning in ``scene.warnings``.
     """
     lamp_bounds = np.zeros((0, 2, 3)) if lamp_bounds is None else np.asarray(lamp_bounds, float)
     lamp_power = np.zeros(0) if lamp_power is None else np.asarray(lamp_power, float)
@@ -112,7 +112,7 @@ def _pack_lights(tables, scene, first, infinite) -> list[Bounds]:
         rows[kind].append(row)
         if not (np.isfinite(light.matrix).all() and np.isfinite(rgb).all()):
             scene.warnings.append(
-                f"Light “{light.name}” is left out: its transform or power is not a finite number. Clear its transform.")
+                f"Light “{light.name}” is left out: its transform or power is not a finite number. Set them anew.")
         elif kind == BALL:
             bounds.append(_pack_ball(row, emitter, light, rgb))
         elif kind == AREA:
@@ -144,7 +144,7 @@ def _pack_ball(row, emitter, light, rgb) -> Bounds:
 
 
 def _pack_spot(row, light) -> dict:
-    """The cone in the light's local space, so that scale makes it elliptic, as in Cycles, and a round cone around it."""
+    """The cone in local space, so that scale makes it elliptic, as in Cycles, and a round cone around it."""
     linear = light.matrix[:3, :3]
     scales = np.linalg.norm(linear, axis=0)
     half = 0.5 * min(max(light.angle, 0.0), math.pi)
@@ -165,7 +165,8 @@ def _pack_spot(row, light) -> dict:
 
 
 def _pack_area(row, emitter, light, rgb) -> Bounds:
-    """The object's scale changes the size, not the power. A sheared light becomes the rectangle of the same base and height."""
+    """The object's scale changes the size, not the power. A sheared light becomes the rectangle of the same base and
+    height."""
     linear = light.matrix[:3, :3]
     u, v = linear[:, 0] * light.size[0], linear[:, 1] * light.size[1]
     unit_u = _unit(u)
@@ -225,7 +226,8 @@ def _pack_world(tables, scene, emitter, infinite) -> None:
     if world.image is not None and mean > 0.0:
         pixels = np.asarray(scene.images[world.image].pixels, np.float32)[..., :3]
         if not np.isfinite(pixels).all():
-            scene.warnings.append(f"Image “{scene.images[world.image].name}” has pixels that are not finite: they are black.")
+            name = scene.images[world.image].name
+            scene.warnings.append(f"Image “{name}” has pixels that are not finite numbers: they are black in the world.")
             pixels = np.where(np.isfinite(pixels).all(axis=2, keepdims=True), pixels, np.float32(0.0))
         rows, columns, image_mean = image_distribution(pixels * np.abs(color).astype(np.float32))
         header["height"], header["width"] = pixels.shape[:2]

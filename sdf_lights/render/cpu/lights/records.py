@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of the emitters: one list of all of them, and one table for each kind of light.
 
-An emitter is an index into ``light_emitters``: first the SDF lamps (emitter i is lamp i), then ``scene.lights`` in their
-order, then the world, then the emissive triangles.
+An emitter is an index into ``light_emitters``: first the SDF lamps (emitter i is lamp i), then ``scene.lights`` in
+their order, then the world, then the emissive triangles.
 """
 
 import numpy as np

@@ -41,11 +41,17 @@ def _constants(x0, x1, y0, y1, h):
 
 
 @kernel
+def area_pdf(area, h, px, py):
+    """Density per solid angle of uniform points of an area in the plane, towards (px, py)."""
+    square = px * px + py * py + h * h
+    return square * math.sqrt(square) / (area * h)
+
+
+@kernel
 def rectangle_pdf(x0, x1, y0, y1, h, px, py):
     """Density per solid angle of ``sample_rectangle`` towards the point (px, py) of the rectangle."""
     if is_small(x0, x1, y0, y1, h):
-        square = px * px + py * py + h * h
-        return square * math.sqrt(square) / ((x1 - x0) * (y1 - y0) * h)
+        return area_pdf((x1 - x0) * (y1 - y0), h, px, py)
     solid_angle = _constants(x0, x1, y0, y1, h)[3]
     return 1.0 / solid_angle if solid_angle > 0.0 else 0.0
 
@@ -55,7 +61,7 @@ def sample_rectangle(x0, x1, y0, y1, h, u1, u2):
     """Point (px, py) of the rectangle and its density per solid angle."""
     if is_small(x0, x1, y0, y1, h):
         px, py = x0 + u1 * (x1 - x0), y0 + u2 * (y1 - y0)
-        return px, py, rectangle_pdf(x0, x1, y0, y1, h, px, py)
+        return px, py, area_pdf((x1 - x0) * (y1 - y0), h, px, py)
     b0, b1, k, solid_angle = _constants(x0, x1, y0, y1, h)
     if not solid_angle > 0.0:
         return x0, y0, 0.0

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Choosing one emitter out of all, with the exact probability of the choice.
 
-Suns and the world are infinite emitters, chosen by their irradiance. The rest hang in the light tree, where at each node a child
-is chosen by its importance: intensity × cosines / distance², with bounds of the cosines over the child (Conty Estevez
-and Kulla 2018; Pharr, Jakob and Humphreys 2023, "Physically based rendering", 12.6.3). Every probability is positive.
+Suns and the world are infinite emitters, chosen by their irradiance. The rest hang in the light tree, where at each
+node a child is chosen by its importance: intensity × cosines / distance², with bounds of the cosines over the child
+(Conty Estevez and Kulla 2018; Pharr, Jakob and Humphreys 2023, "Physically based rendering", 12.6.3). Every
+probability is positive.
 """
 
 import math
@@ -144,15 +145,13 @@ def selection_probability(block, x, n, emitter):
     """Probability that ``select`` chooses ``emitter`` at the same x and n; 0 for one that gives no light."""
     nodes, infinite = node_table(block), infinite_table(block)
     row = emitter_table(block)[emitter]
-    if row.infinite >= 0:
-        irradiance = _total_irradiance(infinite, n)
-        p = _infinite_probability(infinite, nodes, x, n, irradiance)
-        return p * _irradiance(infinite[row.infinite], n) / irradiance
-    if row.leaf < 0:
+    if row.infinite < 0 and row.leaf < 0:
         return 0.0
-    probability = 1.0
-    if len(infinite):
-        probability -= _infinite_probability(infinite, nodes, x, n, _total_irradiance(infinite, n))
+    irradiance = _total_irradiance(infinite, n)
+    p = _infinite_probability(infinite, nodes, x, n, irradiance)
+    if row.infinite >= 0:
+        return p * _irradiance(infinite[row.infinite], n) / irradiance
+    probability = 1.0 - p
     node = row.leaf
     while nodes[node].parent >= 0:
         parent = nodes[node].parent

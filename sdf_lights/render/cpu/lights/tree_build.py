@@ -87,8 +87,9 @@ def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.n
     rows = np.arange(len(sizes))
     offset, span = least[rows, longest], extent[rows, longest]
     # One sort for all clusters: the cluster before the point, and the place in it after.
-    place = (places[np.arange(len(items)), longest[cluster]] - offset[cluster]) / np.where(span > 0.0, 2.0 * span, 1.0)[cluster]
-    items = items[np.argsort(cluster + place, kind="stable")]
+    along = places[np.arange(len(items)), longest[cluster]] - offset[cluster]
+    along /= np.where(span > 0.0, 2.0 * span, 1.0)[cluster]
+    items = items[np.argsort(cluster + along, kind="stable")]
 
     left = sizes // 2
     large = np.flatnonzero(sizes >= 2 * CANDIDATES)
@@ -108,7 +109,7 @@ def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.n
 
 
 def _cost(lo, hi, power) -> np.ndarray:
-    """Intensity × squared extent of the first 1, 2, … groups of each cluster: (k, groups, 6), (k, groups) -> (k, groups)."""
+    """Intensity × squared extent of the first 1, 2, … groups of each cluster: (k, groups, 6) -> (k, groups)."""
     extent = np.maximum.accumulate(hi, axis=1) - np.minimum.accumulate(lo, axis=1)
     space = np.sum(extent[..., :3] ** 2, axis=2)
     axes = np.sum(extent[..., 3:] ** 2, axis=2) * AXIS_SCALE**2
