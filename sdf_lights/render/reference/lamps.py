@@ -14,8 +14,8 @@ import numpy as np
 
 from ..scene import Lamp, Ray
 
-# Shortest march step as a share of the diagonal of the shape's box. Parts of a ray shorter than this can be missed.
-SHORTEST_STEP = 5e-4
+# As a share of the diagonal of the shape's box: parts of a ray shorter than this can be missed.
+RESOLUTION = 2e-4
 ROOT_ITERATIONS = 60
 
 
@@ -76,48 +76,69 @@ class SdfLamp:
         # The local direction is not made a unit vector, so that distances need no conversion.
         return self._local_spans((origins - self._origin) @ self._inverse.T, directions @ self._inverse.T)
 
+    def _field(self, origins: np.ndarray, directions: np.ndarray, ray: np.ndarray, t: np.ndarray) -> np.ndarray:
+        return self.lamp.shape.distance(origins[ray] + t[:, None] * directions[ray])
+
     def _local_spans(self, origins: np.ndarray, directions: np.ndarray) -> Spans:
-        """March by |φ| / L, which no boundary can be nearer than, and find the roots between changes of sign."""
-        field = self.lamp.shape.distance
+        """Cover each ray's way through the shape's box with balls.
+
+        A point where the field is φ certifies that there is no boundary within |φ| / L of it. What is left on both sides of
+        the middle of an interval is looked at in the same way, until it is shorter than ``RESOLUTION``; then there is
+        a boundary in it if its ends differ in sign.
+        """
         inverse = 1.0 / np.where(directions == 0.0, 1e-300, directions)
         a, b = (self._low - origins) * inverse, (self._high - origins) * inverse
         start, end = np.maximum(np.minimum(a, b).max(1), 0.0), np.maximum(a, b).min(1)
         ray = np.flatnonzero(start < end)
-        t, speed = start[ray], np.linalg.norm(directions[ray], axis=1)
-        shortest = SHORTEST_STEP * self._diagonal / speed
-        value = field(origins[ray] + t[:, None] * directions[ray])
-        edges = [(ray[value <= 0.0], t[value <= 0.0])]
+        speed = np.linalg.norm(directions, axis=1)
+        low, high = start[ray], end[ray]
+        low_in, high_in = (self._field(origins, directions, ray, t) <= 0.0 for t in (low, high))
+        edges = [(ray[low_in], low[low_in]), (ray[high_in], high[high_in])]
         brackets = []
         while len(ray):
-            step = np.maximum(np.abs(value) / (self.lamp.shape.lipschitz * speed), shortest)
-            following = np.minimum(t + step, end[ray])
-            next_value = field(origins[ray] + following[:, None] * directions[ray])
-            changed = (value <= 0.0) != (next_value <= 0.0)
-            brackets.append((ray[changed], t[changed], following[changed]))
-            finished = following >= end[ray]
-            inside = finished & (next_value <= 0.0)
-            edges.append((ray[inside], end[ray[inside]]))
-            keep = ~finished
-            ray, t, value, speed, shortest = ray[keep], following[keep], next_value[keep], speed[keep], shortest[keep]
+            middle = 0.5 * (low + high)
+            value = self._field(origins, directions, ray, middle)
+            # Where the field is undefined nothing is certified, and outside.
+            radius = np.nan_to_num(np.abs(value)) / (self.lamp.shape.lipschitz * speed[ray])
+            inside = value <= 0.0
+            low, high = (np.concatenate(part) for part in (
+                (low, np.minimum(middle + radius, high)), (np.maximum(middle - radius, low), high)))
+            low_in, high_in = (np.concatenate(part) for part in ((low_in, inside), (inside, high_in)))
+            ray = np.tile(ray, 2)
+            short = high - low <= RESOLUTION * self._diagonal / speed[ray]
+            crossed = short & (low_in != high_in)
+            brackets.append((ray[crossed], low[crossed], high[crossed]))
+            ray, low, high, low_in, high_in = (array[~short] for array in (ray, low, high, low_in, high_in))
         if brackets:
             ray, low, high = (np.concatenate(part) for part in zip(*brackets))
-            edges.append((ray, self._root(origins[ray], directions[ray], low, high)))
+            edges.append((ray, self._root(origins, directions, ray, low, high)))
         ray, t = (np.concatenate(part) for part in zip(*edges))
         order = np.lexsort((t, ray))
         ray, t = ray[order], t[order]
         return Spans(ray[::2], t[::2], t[1::2])
 
-    def _root(self, origins, directions, low, high) -> np.ndarray:
-        """A root of the field in each bracket by bisection to the last bits, which trusts nothing but the sign."""
-        field = self.lamp.shape.distance
-        sign = field(origins + low[:, None] * directions) <= 0.0
+    def _root(self, origins, directions, ray, low, high) -> np.ndarray:
+        """A root of the field in each bracket by the Illinois variant of false position, to 1e-12 of the box."""
+        f_low, f_high = (self._field(origins, directions, ray, t) for t in (low, high))
+        low, high = low.copy(), high.copy()
+        tolerance = 1e-12 * self._diagonal / np.linalg.norm(directions, axis=1)[ray]
+        root = 0.5 * (low + high)
+        open_ = np.flatnonzero((high - low > tolerance) & ((f_low <= 0.0) != (f_high <= 0.0)))
         for _ in range(ROOT_ITERATIONS):
-            middle = 0.5 * (low + high)
-            same = (field(origins + middle[:, None] * directions) <= 0.0) == sign
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
-            if np.all(high - low <= 1e-12 * np.abs(high) + 1e-14):
+            if not len(open_):
                 break
-        return 0.5 * (low + high)
+            a, b, fa, fb = low[open_], high[open_], f_low[open_], f_high[open_]
+            c = np.clip((a * fb - b * fa) / (fb - fa), a, b)
+            fc = self._field(origins, directions, ray[open_], c)
+            with_low = (fc <= 0.0) == (fa <= 0.0)
+            # The end that stays twice has its value halved, so that both ends close in.
+            step = np.abs(c - root[open_])
+            root[open_] = c
+            low[open_], high[open_] = np.where(with_low, c, a), np.where(with_low, b, c)
+            f_low[open_] = np.where(with_low, fc, 0.5 * fa)
+            f_high[open_] = np.where(with_low, 0.5 * fb, fc)
+            open_ = open_[(step > tolerance[open_]) & (fc != 0.0)]
+        return root
 
     # --- light sampling -----------------------------------------------------------------------------------------------
 
