@@ -10,9 +10,11 @@ import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 import time
 
 import bpy
+import OpenImageIO
 
 import host
 
@@ -114,6 +116,7 @@ def open_scene(options: argparse.Namespace):
     if options.size:
         scene.render.resolution_x, scene.render.resolution_y = options.size
         scene.render.resolution_percentage = 100
+    scene.view_layers[0].sdf_lights.use_pass_sample_count = True
     if options.frame is not None:
         scene.frame_set(options.frame)
     return scene
@@ -137,7 +140,7 @@ class Progress:
         self.stream, self.terminal = stream, stream.isatty()
         self.interval = 0.1 if self.terminal else 10.0
         self.shown, self.phase = -1e9, None
-        self.sampling_started = None
+        self.sampling_started = self.sampling_ended = None
         self.samples, self.noise = 0, None
 
     def __call__(self, status: str, _=None) -> None:
@@ -149,6 +152,8 @@ class Progress:
         if sample:
             self.samples = int(sample[1])
             self.sampling_started = self.sampling_started or now
+        elif self.samples:  # what follows the samples, such as denoising
+            self.sampling_ended = self.sampling_ended or now
         if noise:
             self.noise = float(noise[1])
         phase = text.split(" ")[0]
@@ -173,6 +178,7 @@ class Progress:
         self.stream.flush()
 
     def close(self) -> None:
+        self.sampling_ended = self.sampling_ended or time.perf_counter()
         if self.terminal:
             self.stream.write("\r\x1b[K")
 
@@ -194,25 +200,38 @@ def render(scene) -> tuple[Progress, float]:
     return progress, time.perf_counter() - started
 
 
+def save(scene, path: pathlib.Path, file_format: str, **settings) -> None:
+    """Save the render result; a format that is not linear goes through the scene's view transform."""
+    image = scene.render.image_settings
+    if hasattr(image, "media_type"):  # since 5.0, where it limits the formats
+        image.media_type = "MULTI_LAYER_IMAGE" if "MULTILAYER" in file_format else "IMAGE"
+    image.file_format = file_format
+    for name, value in settings.items():
+        setattr(image, name, value)
+    bpy.data.images["Render Result"].save_render(str(path), scene=scene)
+    if not path.is_file():
+        raise Failure(f"demo: {path} could not be written.")
+
+
 def write(scene, out: pathlib.Path) -> list[pathlib.Path]:
-    """The render result as EXR, 32 bit float and scene-linear, and as PNG, through the scene's view transform."""
-    result = bpy.data.images["Render Result"]
-    out.parent.mkdir(parents=True, exist_ok=True)
-    settings = scene.render.image_settings
-    if hasattr(settings, "media_type"):  # since 5.0; it limits the formats
-        settings.media_type = "IMAGE"
-    paths = []
-    for suffix, wanted in (
-            (".exr", dict(file_format="OPEN_EXR", color_mode="RGBA", color_depth="32", exr_codec="ZIP")),
-            (".png", dict(file_format="PNG", color_mode="RGBA" if scene.render.film_transparent else "RGB", color_depth="8", compression=90))):
-        for name, value in wanted.items():
-            setattr(settings, name, value)
-        path = out.with_name(out.name + suffix)
-        result.save_render(str(path), scene=scene)
-        if not path.is_file():
-            raise Failure(f"demo: {path} could not be written.")
-        paths.append(path)
-    return paths
+    """The picture as EXR, 32 bit float and scene-linear, and as PNG, as Blender shows it."""
+    exr, png = (out.with_name(out.name + ending) for ending in (".exr", ".png"))
+    save(scene, exr, "OPEN_EXR", color_mode="RGBA", color_depth="32", exr_codec="ZIP")
+    save(scene, png, "PNG", color_mode="RGBA" if scene.render.film_transparent else "RGB", color_depth="8", compression=90)
+    return [exr, png]
+
+
+def count_samples(scene) -> tuple[int, int]:
+    """(pixels, samples of all of them together), from the pass Sample Count of the first view layer."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "passes.exr"
+        save(scene, path, "OPEN_EXR_MULTILAYER", color_depth="32")
+        parts = range(OpenImageIO.ImageBuf(str(path)).nsubimages)
+        pictures = [OpenImageIO.ImageBuf(str(path), part, 0) for part in parts]
+        counts = next(
+            picture.get_pixels(OpenImageIO.FLOAT)[..., index] for picture in pictures
+            for index, name in enumerate(picture.spec().channelnames) if ".Sample Count." in name)
+    return counts.size, round(float(counts.sum(dtype=float)))
 
 
 def main(arguments: list[str]) -> int:
@@ -220,20 +239,24 @@ def main(arguments: list[str]) -> int:
         options = parse(arguments)
         if options.scene and not options.scene.is_file():
             raise Failure(f"demo: there is no file {options.scene}.", 2)
+        out = options.out.resolve()
+        try:
+            out.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise Failure(f"demo: {out.parent} cannot be made: {error.strerror}.", 2) from None
         host.register_extension()
         scene = open_scene(options)
         progress, seconds = render(scene)
-        paths = write(scene, options.out.resolve())
+        paths = write(scene, out)
+        pixels, samples = count_samples(scene)
     except Failure as failure:
         print(failure, file=sys.stderr)
         return failure.code
-    scale = scene.render.resolution_percentage / 100.0
-    width, height = int(scene.render.resolution_x * scale), int(scene.render.resolution_y * scale)
     for path in paths:
         print(path)
-    noise = "unknown" if progress.noise is None else f"{100.0 * progress.noise:.2f} %"
-    print(f"{width} × {height} pixels, {progress.samples} samples per pixel, {seconds:.1f} s, "
-          f"{width * height * progress.samples / max(progress.elapsed, 1e-9) / 1e6:.2f} million samples/s, noise {noise}")
+    noise = "unknown, too few samples" if progress.noise is None else f"{100.0 * progress.noise:.2f} %"
+    print(f"{pixels} pixels, {samples / pixels:.1f} samples per pixel, {seconds:.1f} s, "
+          f"{samples / (progress.sampling_ended - progress.sampling_started) / 1e6:.3f} million samples/s, noise {noise}")
     return 0
 
 
