@@ -22,6 +22,8 @@ _SHIFT_30, _SHIFT_27, _SHIFT_31, _SHIFT_32 = _U64(30), _U64(27), _U64(31), _U64(
 _MIX_1, _MIX_2 = _U64(0xBF58476D1CE4E5B9), _U64(0x94D049BB133111EB)
 _GOLDEN = _U64(0x9E3779B97F4A7C15)
 
+_SWAPS = tuple((_U64(shift), _U64((2**64 - 1) // (2**shift + 1))) for shift in (1, 2, 4, 8, 16, 32))
+
 _TO_UNIT = 2.0**-32
 
 
@@ -62,13 +64,23 @@ def _mix(z):
 
 
 @kernel
+def _swap(x, mask, shift):
+    """Exchange neighbouring groups of ``shift`` bits; ``mask`` selects every second one, from the lowest."""
+    return ((x >> shift) & mask) | ((x & mask) << shift)
+
+
+@kernel
+def _reverse_64(x):
+    """Bits of a 64-bit word in reverse order."""
+    for shift, mask in _SWAPS:
+        x = _swap(x, mask, shift)
+    return x
+
+
+@kernel
 def _reverse(x):
     """Bits of a 32-bit word in reverse order."""
-    x = _U32((x >> 16) | (x << 16))
-    x = _U32(((x & 0xFF00FF00) >> 8) | ((x & 0x00FF00FF) << 8))
-    x = _U32(((x & 0xF0F0F0F0) >> 4) | ((x & 0x0F0F0F0F) << 4))
-    x = _U32(((x & 0xCCCCCCCC) >> 2) | ((x & 0x33333333) << 2))
-    return _U32(((x & 0xAAAAAAAA) >> 1) | ((x & 0x55555555) << 1))
+    return _U32(_reverse_64(_U64(x)) >> _SHIFT_32)
 
 
 @kernel
@@ -110,6 +122,14 @@ def _unit(reversed_digits, seed):
 
 
 @kernel
+def _units(first, first_seed, second, second_seed):
+    """Two of ``_unit``: reversing a 64-bit word costs as much as one of 32 bits."""
+    word = (_U64(_scramble(second, second_seed)) << _SHIFT_32) | _U64(_scramble(first, first_seed))
+    word = _reverse_64(word)
+    return _U32(word >> _SHIFT_32) * _TO_UNIT, _U32(word) * _TO_UNIT
+
+
+@kernel
 def _set_word(seed, dimension):
     """Random word of a set; its halves seed the shuffle and the first dimension, words mixed from it the others."""
     return _mix((_U64(seed) << _SHIFT_32) ^ _U64(dimension + 1) * _GOLDEN)
@@ -140,7 +160,7 @@ def draw2(index, seed, dimension):
     word = _set_word(seed, dimension)
     more = _mix(word + _GOLDEN)
     point = _shuffle(index, word)
-    return _unit(point, _U32(word >> _SHIFT_32)), _unit(_second(point), _U32(more))
+    return _units(point, _U32(word >> _SHIFT_32), _second(point), _U32(more))
 
 
 @kernel
@@ -149,8 +169,8 @@ def draw3(index, seed, dimension):
     word = _set_word(seed, dimension)
     more = _mix(word + _GOLDEN)
     point = _shuffle(index, word)
-    return (_unit(point, _U32(word >> _SHIFT_32)), _unit(_second(point), _U32(more)),
-            _unit(_lookup(_THIRD, point), _U32(more >> _SHIFT_32)))
+    u, v = _units(point, _U32(word >> _SHIFT_32), _second(point), _U32(more))
+    return u, v, _unit(_lookup(_THIRD, point), _U32(more >> _SHIFT_32))
 
 
 @kernel
@@ -159,6 +179,6 @@ def draw4(index, seed, dimension):
     word = _set_word(seed, dimension)
     more = _mix(word + _GOLDEN)
     point = _shuffle(index, word)
-    return (_unit(point, _U32(word >> _SHIFT_32)), _unit(_second(point), _U32(more)),
-            _unit(_lookup(_THIRD, point), _U32(more >> _SHIFT_32)),
-            _unit(_lookup(_FOURTH, point), _U32(_mix(more + _GOLDEN))))
+    u, v = _units(point, _U32(word >> _SHIFT_32), _second(point), _U32(more))
+    w, x = _units(_lookup(_THIRD, point), _U32(more >> _SHIFT_32), _lookup(_FOURTH, point), _U32(_mix(more + _GOLDEN)))
+    return u, v, w, x
