@@ -74,13 +74,11 @@ def render() -> list[float]:
     return values
 
 
-def engines() -> list[str]:
-    return [kind.bl_idname for kind in bpy.types.RenderEngine.__subclasses__() if kind.is_registered]
-
-
 def state() -> dict:
+    """What of the add-on Blender knows at this moment."""
+    engines = [kind for kind in bpy.types.RenderEngine.__subclasses__() if getattr(kind, "bl_idname", "") == "SDF_LIGHTS"]
     return dict(
-        engine="SDF_LIGHTS" in engines(), lamp="sdf_lamp" in bpy.types.Light.bl_rna.properties,
+        engine=any(kind.is_registered for kind in engines), lamp="sdf_lamp" in bpy.types.Light.bl_rna.properties,
         settings="sdf_lights" in bpy.types.Scene.bl_rna.properties, enabled=EXTENSION in bpy.context.preferences.addons)
 
 
