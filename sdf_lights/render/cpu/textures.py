@@ -98,18 +98,18 @@ def image_lookup(block, index, u, v, interpolation, extension, associated):
         return nothing
     # Far out, coordinates keep their precision and texel indices their range.
     if extension == REPEAT:
-        u, v = u - math.floor(u), v - math.floor(v)
+        u, v = u - np.floor(u), v - np.floor(v)
     elif extension == MIRROR:
-        u, v = u - 2.0 * math.floor(0.5 * u), v - 2.0 * math.floor(0.5 * v)
+        u, v = u - 2.0 * np.floor(0.5 * u), v - 2.0 * np.floor(0.5 * v)
     else:
         u, v = min(max(u, -_FAR), 1.0 + _FAR), min(max(v, -_FAR), 1.0 + _FAR)
     texels = _texels(block)
     x, y = u * image.width, v * image.height
     if interpolation == CLOSEST:
-        column, row = int(math.floor(x)), int(math.floor(y))
+        column, row = int(np.floor(x)), int(np.floor(y))
         return _add_texel(texels, image, column, row, extension, associated, 1.0, nothing)
     x, y = x - 0.5, y - 0.5
-    column, row = int(math.floor(x)), int(math.floor(y))
+    column, row = int(np.floor(x)), int(np.floor(y))
     s, t = x - column, y - row
     total = nothing
     if interpolation == CUBIC:

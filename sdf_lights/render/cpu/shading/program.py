@@ -75,6 +75,10 @@ _PROJECTIONS = {"FLAT": FLAT, "SPHERE": SPHERE, "TUBE": TUBE}
 _SPACES = {"TANGENT": TANGENT, "OBJECT": OBJECT, "WORLD": WORLD}
 _MAPPINGS = {"POINT": POINT, "TEXTURE": TEXTURE, "VECTOR": VECTOR, "NORMAL": NORMAL_VECTOR}
 
+_READ_BY = (
+    (("metallic",), WITH_METAL), (("transmission_weight",), WITH_TRANSMISSION), (("alpha",), WITH_ALPHA),
+    (("diffuse_roughness", "specular_ior_level"), WITH_BASE), (("ior",), WITH_TRANSMISSION | WITH_BASE))
+
 INSTRUCTION = np.dtype([("op", "i4"), ("out", "i4"), ("args", "i4", 7)], align=True)
 LOBE = np.dtype([("kind", "i4"), ("features", "i4"), ("weight", "i4"), ("args", "i4", len(PRINCIPLED))], align=True)
 MATERIAL = np.dtype([
@@ -336,8 +340,9 @@ class _Program:
                 wanted = feature | (WITH_SHEEN if name in ("coat_normal",) else 0)
                 if name.startswith(prefix) and not features & wanted and name != "coat_weight":
                     return NONE
-            if name in ("diffuse_roughness", "specular_ior_level") and not features & WITH_BASE:
-                return NONE
+            for names, feature in _READ_BY:
+                if name in names and not features & feature:
+                    return NONE
         default = NODES[node.kind][name]
         if default is None:
             return NONE if self._resolved(node, name) is None else self.vector(node, name)

@@ -184,10 +184,10 @@ def _glossy(block, workspace, lobe, weight, color):
     index = _begin_microfacet(workspace, scale(color, weight), n, roughness, 1.0)
     if index >= 0:
         closure = closure_table(workspace)[index]
+        e = energy.reflection_albedo(block, dot(n, vec(surface.wo)), roughness)
         if lobe.features & MULTISCATTER:
-            e = energy.reflection_albedo(block, dot(n, vec(surface.wo)), roughness)
             energy.compensate_reflection(block, closure, e, roughness, color)
-        _finish(workspace, index, vec(closure.weight))
+        _finish(workspace, index, scale(vec(closure.weight), e))
 
 
 @inner_kernel
