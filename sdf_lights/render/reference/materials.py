@@ -48,6 +48,10 @@ def ior_axis(ior: np.ndarray) -> np.ndarray:
     return np.sqrt(np.abs((ior - 1.0) / (ior + 1.0)))
 
 
+def cosine_axis(cosine: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.maximum(cosine, 0.0))
+
+
 class Shading:
     """What surfaces emit, let through and scatter: lobes for each group of rows that share a material."""
 
@@ -283,9 +287,8 @@ class _Builder:
         weight = weight * color
         if _compensated(node):
             weight = weight * self._gain(normal, roughness, color)
-        ones = np.ones(self.points.count)
-        self.lobes.append(Microfacet(
-            weight, normal, alpha=roughness**2, ior=ones, term=NONE, transmits=False))
+        self.lobes.append(Microfacet(weight, normal, weight * self._lossless(normal, roughness), alpha=roughness**2,
+                                     ior=np.ones(self.points.count), term=NONE, transmits=False))
 
     def _refraction(self, node, weight):
         ior = self._relative(np.maximum(self.points.input(node, "ior"), 1e-5))
@@ -312,12 +315,16 @@ class _Builder:
         lobe.albedo = weight * (r + t)
         self.lobes.append(lobe)
 
+    def _lossless(self, normal, roughness):
+        """Albedo (N, 1) of GGX off microfacets that reflect everything."""
+        return self.table("reflection", cosine_axis(dot(normal, self.surface.wo)), roughness)[:, None]
+
     def _gain(self, normal, roughness, single, ior=None):
         """Factor that gives back what single scattering loses: Turquin 2019, coloured as in Kulla and Conty 2017.
 
         ``single`` (N, 3) is the average reflectance of one bounce; with ``ior`` that of glass.
         """
-        cosine = dot(normal, self.surface.wo)
+        cosine = cosine_axis(dot(normal, self.surface.wo))
         if ior is None:
             e, mean = self.table("reflection", cosine, roughness), self.table("reflection_average", roughness)
         else:
@@ -373,9 +380,8 @@ class _Builder:
     def _layer(self, weight, normal, roughness, ior, f0, compensated):
         """A clear reflecting layer; the weight of what lies below it."""
         f0 = np.clip(f0, 0.0, 1.0)
-        cosine = dot(normal, self.surface.wo)
+        cosine = cosine_axis(dot(normal, self.surface.wo))
         share = self.table("dielectric", ior_axis(ior), cosine, roughness)[:, None]
-        reflected = weight * (f0 + (1.0 - f0) * share)
         gain = 1.0
         if compensated:
             # Average of a dielectric's reflectance over the hemisphere: fits of Kulla and Conty 2017.
@@ -384,13 +390,13 @@ class _Builder:
             bottom = f0_of_ior(ior)
             mean = np.clip((mean - bottom) / (1.0 - bottom), 0.0, 1.0)[:, None]
             gain = self._gain(normal, roughness, f0 + (1.0 - f0) * mean)
+        reflected = weight * gain * (f0 * self._lossless(normal, roughness) + (1.0 - f0) * share)
         self.lobes.append(Microfacet(weight * gain, normal, reflected, alpha=roughness**2, ior=ior, term=DIELECTRIC,
                                      f0=f0, transmits=False))
         return self._below(weight, reflected)
 
     def _metal(self, node, weight, normal, roughness, color, tint):
-        cosine = dot(normal, self.surface.wo)
-        schlick = self.table("schlick", cosine, roughness)[:, None]
+        schlick = self.table("schlick", cosine_axis(dot(normal, self.surface.wo)), roughness)[:, None]
         gain = 1.0
         if _compensated(node):
             mu, step = np.polynomial.legendre.leggauss(16)
@@ -400,8 +406,8 @@ class _Builder:
                           for m, s in zip(mu, step))
             gain = self._gain(normal, roughness, average)
         self.lobes.append(Microfacet(
-            weight * gain, normal, weight * (color + (1.0 - color) * schlick), alpha=roughness**2,
-            ior=np.ones(len(cosine)), term=F82, f0=color, tint=tint, transmits=False))
+            weight * gain, normal, weight * gain * (color * self._lossless(normal, roughness) + (1.0 - color) * schlick),
+            alpha=roughness**2, ior=np.ones(len(color)), term=F82, f0=color, tint=tint, transmits=False))
 
     def _sheen(self, node, weight, normal):
         amount = np.maximum(self.points.input(node, "sheen_weight"), 0.0)[:, None]

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..film import Film
+from ..film import DISCARDED, HALF_BIT, Film
 from ..scene import Scene
 from .integrator import Integrator, Samples
 
@@ -52,14 +52,16 @@ class ReferenceRenderer:
     def _add(self, pixel: np.ndarray, index: np.ndarray, samples: Samples) -> None:
         """Add one sample of each of the pixels, which may repeat; ``index`` says which sample of its pixel it is."""
         film = self._film
-        finite = np.isfinite(samples.combined).all(1) & np.isfinite(samples.alpha)
-        film.discarded += np.count_nonzero(~finite)
+        total = samples.combined.sum(axis=1) + samples.alpha
+        finite = np.isfinite(total)
+        for kind, is_kind in enumerate((np.isnan, np.isinf)):
+            np.add.at(film.discarded, len(DISCARDED) * pixel[is_kind(total)] + kind, 1)
         np.add.at(film.count, pixel, 1)
         rows = np.flatnonzero(finite)
-        odd = np.flatnonzero(finite & (index % 2 == 1))
+        half = np.flatnonzero(finite & (index & HALF_BIT != 0))
         surface = np.flatnonzero(finite & samples.found)
         self._sum("combined", pixel[rows], np.concatenate([samples.combined, samples.alpha[:, None]], 1)[rows])
-        self._sum("half", pixel[odd], samples.combined[odd])
+        self._sum("half", pixel[half], samples.combined[half])
         for name in ("lamps", "emission"):
             self._sum(name, pixel[rows], getattr(samples, name)[rows])
         for name in ("normal", "albedo"):
