@@ -27,13 +27,15 @@ class Rule(enum.Enum):
 
 @dataclass(frozen=True)
 class Pass:
-    """One pass. ``switch`` names the property that switches it on: of Blender's view layer, or, where ``own`` is true, of the
-    view layer's settings of this engine; None: always on. ``light``: the exposure of the film applies."""
+    """One pass. ``source`` names the sums of the film that it is read from (``film.CHANNELS``). ``switch`` names the property
+    that switches it on: of Blender's view layer, or, where ``own`` is true, of the view layer's settings of this engine;
+    None: always on. ``light``: the exposure of the film applies."""
 
     name: str
     channels: str
     kind: Kind
     rule: Rule
+    source: str | None
     switch: str | None
     description: str
     own: bool = False
@@ -41,19 +43,21 @@ class Pass:
 
 
 PASSES = (
-    Pass("Combined", "RGBA", Kind.COLOR, Rule.MEAN, None, "The picture", light=True),
-    Pass("Depth", "Z", Kind.VALUE, Rule.FIRST, "use_pass_z", "Distance along the viewing axis, in metres"),
-    Pass("Position", "XYZ", Kind.VECTOR, Rule.FIRST, "use_pass_position", "Position in the world, in metres"),
-    Pass("Normal", "XYZ", Kind.VECTOR, Rule.SURFACE_MEAN, "use_pass_normal", "Shading normal in the world"),
-    Pass("Diffuse Color", "RGB", Kind.COLOR, Rule.MEAN, "use_pass_diffuse_color", "Albedo of the surface"),
-    Pass("Emission", "RGB", Kind.COLOR, Rule.MEAN, "use_pass_emit",
+    Pass("Combined", "RGBA", Kind.COLOR, Rule.MEAN, "combined", None, "The picture", light=True),
+    Pass("Depth", "Z", Kind.VALUE, Rule.FIRST, "depth", "use_pass_z", "Distance along the viewing axis, in metres"),
+    Pass("Position", "XYZ", Kind.VECTOR, Rule.FIRST, "position", "use_pass_position", "Position in the world, in metres"),
+    Pass("Normal", "XYZ", Kind.VECTOR, Rule.SURFACE_MEAN, "normal", "use_pass_normal", "Shading normal in the world"),
+    Pass("Diffuse Color", "RGB", Kind.COLOR, Rule.MEAN, "albedo", "use_pass_diffuse_color", "Albedo of the surface"),
+    Pass("Emission", "RGB", Kind.COLOR, Rule.MEAN, "emission", "use_pass_emit",
          "Light of emissive surfaces, SDF lamps and the world that is seen directly", light=True),
-    Pass("SDF Lamps", "RGB", Kind.COLOR, Rule.MEAN, "use_pass_sdf_lamps",
+    Pass("SDF Lamps", "RGB", Kind.COLOR, Rule.MEAN, "lamps", "use_pass_sdf_lamps",
          "The part of Combined that SDF lamps sent out: seen directly, reflected or refracted", own=True, light=True),
-    Pass("Sample Count", "X", Kind.VALUE, Rule.COUNT, "use_pass_sample_count", "Samples of the pixel", own=True),
-    Pass("Denoising Normal", "XYZ", Kind.VECTOR, Rule.MEAN, "use_pass_denoising_data", "Normal, for the denoiser", own=True),
-    Pass("Denoising Albedo", "RGB", Kind.COLOR, Rule.MEAN, "use_pass_denoising_data", "Albedo, for the denoiser", own=True),
-    Pass("Noisy Image", "RGBA", Kind.COLOR, Rule.MEAN, "use_pass_noisy_image",
+    Pass("Sample Count", "X", Kind.VALUE, Rule.COUNT, None, "use_pass_sample_count", "Samples of the pixel", own=True),
+    Pass("Denoising Normal", "XYZ", Kind.VECTOR, Rule.MEAN, "normal", "use_pass_denoising_data",
+         "Normal, for the denoiser", own=True),
+    Pass("Denoising Albedo", "RGB", Kind.COLOR, Rule.MEAN, "albedo", "use_pass_denoising_data",
+         "Albedo, for the denoiser", own=True),
+    Pass("Noisy Image", "RGBA", Kind.COLOR, Rule.MEAN, "combined", "use_pass_noisy_image",
          "The picture before denoising", own=True, light=True),
 )
 

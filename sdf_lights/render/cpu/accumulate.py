@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from ...jit import kernel, table
-from ..film import CHANNELS, Film
+from ..film import CHANNELS, DISCARDED, HALF_BIT, Film
 from .path import sample_table
 
 TABLES = {
     **{f"film_{name}": np.dtype(np.float64) for name in CHANNELS},
     "film_count": np.dtype(np.int32), "film_surfaces": np.dtype(np.int32), "film_active": np.dtype(np.uint8),
-    "film_discarded": np.dtype(np.int64)}
+    "film_discarded": np.dtype(np.int32)}
 SCALARS = [("film_x", np.int64), ("film_y", np.int64), ("film_width", np.int64)]
 
 _combined = table("film_combined", np.float64)
@@ -27,7 +27,10 @@ _depth = table("film_depth", np.float64)
 _count = table("film_count", np.int32)
 _surfaces = table("film_surfaces", np.int32)
 _active = table("film_active", np.uint8)
-_discarded = table("film_discarded", np.int64)
+_discarded = table("film_discarded", np.int32)
+
+_KINDS = len(DISCARDED)
+_NAN, _INFINITE = range(_KINDS)
 
 
 def pack_film(film: Film) -> dict[str, np.ndarray]:
@@ -75,8 +78,10 @@ def add_sample(block, workspace, pixel, index):
     sample = sample_table(workspace)[0]
     _count(block)[pixel] += 1
     combined = sample.combined
-    if not math.isfinite(combined[0] + combined[1] + combined[2] + sample.alpha):
-        _discarded(block)[0] += 1
+    total = combined[0] + combined[1] + combined[2] + sample.alpha
+    # Not math.isfinite: it subtracts the value from itself, which reassociation folds to zero for a sum.
+    if not abs(total) < math.inf:
+        _discarded(block)[_KINDS * pixel + (_NAN if math.isnan(total) else _INFINITE)] += 1
         return
     sums = _combined(block)
     at = 4 * pixel
@@ -84,7 +89,7 @@ def add_sample(block, workspace, pixel, index):
     sums[at + 1] += combined[1]
     sums[at + 2] += combined[2]
     sums[at + 3] += sample.alpha
-    if index & 1:
+    if index & HALF_BIT:
         _add(_half(block), pixel, combined)
     _add(_lamps(block), pixel, sample.lamps)
     _add(_emission(block), pixel, sample.emission)
