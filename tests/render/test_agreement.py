@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The path tracer and the NumPy reference, which share no code, agree within their error bars on every pass.
+
+Each renders a scene with ``SEEDS`` seeds. Means over blocks of pixels and over the whole picture are compared by Welch's
+t test; their variances come from the seeds. The threshold makes a scene of two right renderers fail with probability
+1 − ``CONFIDENCE``, over all its channels and blocks together. Seeds are fixed.
+"""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from sdf_lights import jit
+from sdf_lights.render.film import NO_DEPTH, Film
+from sdf_lights.render.reference.renderer import ReferenceRenderer
+from tests import scenes
+
+pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
+
+SEEDS, BLOCK, CONFIDENCE = 8, 4, 0.9999
+PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Emission", "SDF Lamps")
+TEN = ("torus_room", "blender_lights", "environment", "emissive_mesh", "glossy_metal", "glass", "textured", "instances",
+       "transparent", "inside_lamp")
+
+
+def pictures(renderer, name: str, samples: int) -> dict[str, np.ndarray]:
+    """Every pass: (seeds, height, width, channels)."""
+    found = {item: [] for item in PASSES}
+    for seed in range(SEEDS):
+        scene = scenes.SCENES[name](32, 24)
+        scene.settings.seed, scene.settings.threads = 100 + seed, 1
+        film = Film(scene, PASSES)
+        back_end = renderer(scene, film, lambda: False, lambda text: None)
+        assert back_end.sample(0, samples, lambda: False, lambda part: None)
+        back_end.finish()
+        assert film.discarded[0] == 0 and not scene.warnings
+        for item in PASSES:
+            value = film.read(item).astype(float)
+            found[item].append(np.where(value == NO_DEPTH, 0.0, value))
+    return {item: np.array(values) for item, values in found.items()}
+
+
+def means(values: np.ndarray) -> list[np.ndarray]:
+    """Means of blocks and of the picture, (seeds, …)."""
+    seeds, height, width, channels = values.shape
+    blocks = values.reshape(seeds, height // BLOCK, BLOCK, width // BLOCK, BLOCK, channels).mean((2, 4))
+    return [blocks.reshape(seeds, -1), values.mean((1, 2))]
+
+
+def compare(name: str, samples: int) -> None:
+    from sdf_lights.render.cpu.renderer import CpuRenderer
+
+    cpu, reference = (pictures(renderer, name, samples) for renderer in (CpuRenderer, ReferenceRenderer))
+    failures = []
+    for item in PASSES:
+        rounding = 1e-5 * max(np.abs(reference[item]).max(), 1e-3)  # of float32 rays
+        for a, b in zip(means(cpu[item]), means(reference[item])):
+            va, vb = (x.var(0, ddof=1) / SEEDS + 0.5 * rounding**2 for x in (a, b))
+            t = (a.mean(0) - b.mean(0)) / np.sqrt(va + vb)
+            degrees = (va + vb)**2 / ((va**2 + vb**2) / (SEEDS - 1))
+            # Half of the error allowed goes to the blocks, half to the picture; every pass gets the same.
+            level = (1.0 - CONFIDENCE) / (2 * len(PASSES) * t.size)
+            p = 2.0 * stats.t.sf(np.abs(t), degrees)
+            if p.min() < level:
+                worst = int(p.argmin())
+                failures.append(f"{item}: {a.mean(0)[worst]:.5g} against {b.mean(0)[worst]:.5g} (t = {t[worst]:.1f}, "
+                                f"{np.count_nonzero(p < level)} of {t.size} means)")
+    assert not failures, "; ".join(failures)
+
+
+@pytest.mark.parametrize("name", TEN)
+def test_path_tracer_agrees_with_reference(name):
+    compare(name, 4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", scenes.SCENES)
+def test_path_tracer_agrees_with_reference_closely(name):
+    """All scenes, with error bars a third as wide."""
+    compare(name, 32)
