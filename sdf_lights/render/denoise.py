@@ -54,7 +54,8 @@ class _Denoiser:
         self._progress = _PROGRESS(lambda user, done: not self.stop.is_set())
         self._device = library.oidnNewDevice(_CPU)
         if not self._device:
-            raise RenderError(f"OpenImageDenoise has no CPU device here ({self._error(None)[1]}), so the picture stays noisy.")
+            reason = self._error(None)[1]
+            raise RenderError(f"OpenImageDenoise has no CPU device here ({reason}), so the picture stays noisy.")
         # Threads pinned to cores would stay pinned for the rest of Blender too.
         library.oidnSetDeviceBool(self._device, b"setAffinity", False)
         library.oidnCommitDevice(self._device)
@@ -121,8 +122,8 @@ def denoise(
 ) -> np.ndarray | None:
     """Denoised picture (H, W, 3) float32; None if cancelled.
 
-    ``color``: (H, W, 3) scene-linear radiance; ``albedo`` in [0, 1] and ``normal`` in [−1, 1] of the same shape guide the
-    filter; the library uses normals only together with albedo. ``cancelled`` is polled in the calling thread while
+    ``color``: (H, W, 3) scene-linear radiance; ``albedo`` in [0, 1] and ``normal`` in [−1, 1] of the same shape guide
+    the filter; the library uses normals only together with albedo. ``cancelled`` is polled in the calling thread while
     another thread filters. Raises RenderError where the library is missing or fails.
     """
     color = np.ascontiguousarray(color, np.float32)

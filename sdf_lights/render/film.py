@@ -9,15 +9,15 @@ import numpy as np
 from .passes import BY_NAME, Rule
 from .scene import Scene
 
-# Values that a pixel sums up for each pass; "half" sums half of the samples of "combined", for the estimate of the noise.
+# Values that a pixel sums up for each pass; "half" sums half of the samples of "combined", to estimate the noise.
 CHANNELS = {
     "combined": 4, "half": 3, "lamps": 3, "emission": 3, "normal": 3, "albedo": 3, "position": 3, "depth": 1}
 
 # Depth of a pixel that sees nothing, as Cycles gives it.
 NO_DEPTH = 1e10
-# A sample belongs to "half" if this bit of its index is set: every second block of 8. Each block is a stratified point set
-# by itself, as the whole is, so the halves differ by as much as the error; odd and even samples are each less well
-# stratified than the whole, and overestimate it 2.4 times in typical scenes.
+# A sample belongs to "half" if this bit of its index is set: every second block of 8. Each block is a stratified point
+# set by itself, as the whole is, so the halves differ by as much as the error; odd and even samples are each less well
+# stratified than the whole, and overestimate it up to 2.5 times for light that is scattered once.
 HALF_BIT = 8
 # Fewest samples that make two halves of equal size.
 LEAST_SAMPLES = 2 * HALF_BIT
@@ -34,9 +34,9 @@ def half_count(count: np.ndarray) -> np.ndarray:
 class Film:
     """Sums of samples for the pixels of ``window`` = (x0, y0, x1, y1), the border or the whole frame.
 
-    Arrays are flat, row 0 at the bottom, float64: a million samples add up without drift. Back ends add to them; a pixel
-    takes its samples in the order of their index, none left out, and belongs to one thread at a time, so the sums do
-    not depend on the order of work.
+    Arrays are flat, row 0 at the bottom, float64: a million samples add up without drift. Back ends add to them; a
+    pixel takes its samples in the order of their index, none left out, and belongs to one thread at a time, so the sums
+    do not depend on the order of work.
 
     - ``sums``: name of ``CHANNELS`` -> sums, pixel by pixel; empty where no pass needs them.
     - ``count``: samples; ``surfaces``: samples that met a surface.
@@ -94,8 +94,8 @@ class Film:
         self._denoised = picture
 
     def _errors(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of each pixel (height, width): brightness I, the sum of RGB, and its estimated error |I − A| with A the mean of
-        "half" alone. Where the two halves are independent, I − A has the variance of I itself."""
+        """Of each pixel (height, width): brightness I, the sum of RGB, and its estimated error |I − A|, A being the
+        mean of "half" alone. Where the two halves are independent, I − A has the variance of I itself."""
         shape = (self.height, self.width)
         mean = self.sums["combined"].reshape(-1, 4)[:, :3] / np.maximum(self.count, 1)[:, None]
         half = self.sums["half"].reshape(-1, 3) / np.maximum(half_count(self.count), 1)[:, None]
@@ -113,9 +113,9 @@ class Film:
     def update_active(self, threshold: float) -> bool:
         """Stop sampling pixels whose error is below ``threshold``; False when none are left.
 
-        The error is |I − A| / √I of the exposed picture, between absolute and relative, as Cycles has it, and the largest of
-        the 3 × 3 neighbourhood, so that one lucky pixel does not stop early. A pixel that has stopped does not
-        start again: its samples stay a prefix of its stratified pattern.
+        The error is |I − A| / √I of the exposed picture, between absolute and relative, as Cycles has it, and the
+        largest of the 3 × 3 neighbourhood, so that one lucky pixel does not stop early. A pixel that has stopped does
+        not start again: its samples stay a prefix of its stratified pattern.
         """
         brightness, error = self._errors()
         error = error * self.exposure**0.5 / np.sqrt(np.maximum(brightness, 1e-8))
@@ -131,7 +131,8 @@ class Film:
         counts = self.discarded.reshape(-1, len(DISCARDED))
         if not counts.any():
             return None
-        kinds = " and ".join(f"{count} {kind}" for count, kind in zip(counts.sum(axis=0, dtype=np.int64), DISCARDED) if count)
+        totals = zip(counts.sum(axis=0, dtype=np.int64), DISCARDED)
+        kinds = " and ".join(f"{count} {kind}" for count, kind in totals if count)
         y, x = divmod(int(counts.sum(axis=1).argmax()), self.width)
-        return (f"{kinds} samples were left out, most of them at pixel ({x + self.window[0]}, {y + self.window[1]}): look "
-                "there for a material or a light with an extreme value.")
+        return (f"{kinds} samples were left out, most of them at pixel ({x + self.window[0]}, {y + self.window[1]}): "
+                "look there for a material or a light with an extreme value.")

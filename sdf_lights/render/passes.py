@@ -27,9 +27,12 @@ class Rule(enum.Enum):
 
 @dataclass(frozen=True)
 class Pass:
-    """One pass. ``source`` names the sums of the film that it is read from (``film.CHANNELS``). ``switch`` names the property
-    that switches it on: of Blender's view layer, or, where ``own`` is true, of the view layer's settings of this engine;
-    None: always on. ``light``: the exposure of the film applies."""
+    """One pass.
+
+    ``source`` names the sums of the film that it is read from (``film.CHANNELS``). ``switch`` names the property that
+    switches it on: of Blender's view layer, or, where ``own`` is true, of the view layer's settings of this engine;
+    None: always on. ``light``: the exposure of the film applies.
+    """
 
     name: str
     channels: str
@@ -45,7 +48,8 @@ class Pass:
 PASSES = (
     Pass("Combined", "RGBA", Kind.COLOR, Rule.MEAN, "combined", None, "The picture", light=True),
     Pass("Depth", "Z", Kind.VALUE, Rule.FIRST, "depth", "use_pass_z", "Distance along the viewing axis, in metres"),
-    Pass("Position", "XYZ", Kind.VECTOR, Rule.FIRST, "position", "use_pass_position", "Position in the world, in metres"),
+    Pass("Position", "XYZ", Kind.VECTOR, Rule.FIRST, "position", "use_pass_position",
+         "Position in the world, in metres"),
     Pass("Normal", "XYZ", Kind.VECTOR, Rule.SURFACE_MEAN, "normal", "use_pass_normal", "Shading normal in the world"),
     Pass("Diffuse Color", "RGB", Kind.COLOR, Rule.MEAN, "albedo", "use_pass_diffuse_color", "Albedo of the surface"),
     Pass("Emission", "RGB", Kind.COLOR, Rule.MEAN, "emission", "use_pass_emit",

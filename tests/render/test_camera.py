@@ -89,7 +89,8 @@ def test_equirectangular():
         ray = camera_ray(packed.block, px, py, 0.5, 0.5)
         np.testing.assert_allclose(local(camera, ray)[1], expected, atol=1e-14)
         assert ray[2:] == (0.5, 20.0)
-        assert view_depth(packed.block, tuple(np.array(ray[0]) + 3.0 * np.array(ray[1]))) == pytest.approx(3.0, rel=1e-14)
+        point = tuple(np.array(ray[0]) + 3.0 * np.array(ray[1]))
+        assert view_depth(packed.block, point) == pytest.approx(3.0, rel=1e-14)
 
 
 def test_limits_of_a_panorama():

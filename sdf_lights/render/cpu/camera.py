@@ -19,7 +19,8 @@ CAMERA = np.dtype([
     ("matrix", "f8", (3, 4)), ("projection", "i8"),
     # Origin and size of a pixel on the window: of the plane z = −1, in metres, or in radians of longitude and latitude.
     ("corner", "f8", 2), ("step", "f8", 2),
-    ("clip", "f8", 2), ("aperture", "f8"), ("focus", "f8"), ("blades", "i8"), ("blade_rotation", "f8"), ("blade_ratio", "f8"),
+    ("clip", "f8", 2), ("aperture", "f8"), ("focus", "f8"), ("blades", "i8"), ("blade_rotation", "f8"),
+    ("blade_ratio", "f8"),
 ], align=True)
 
 TABLES = {"camera": CAMERA, "filter_offsets": np.dtype(np.float64)}
@@ -43,8 +44,8 @@ def filter_radius(settings: Settings) -> float:
 def filter_weight(settings: Settings, x: np.ndarray) -> np.ndarray:
     """Pixel filter at the distance ``x`` (pixels) along one axis, not normalised.
 
-    The gaussian has a standard deviation of a quarter of the width. The other is the four-term window of Harris 1978, "On
-    the use of windows for harmonic analysis with the discrete Fourier transform", over twice the width.
+    The gaussian has a standard deviation of a quarter of the width. The other is the four-term window of Harris 1978,
+    "On the use of windows for harmonic analysis with the discrete Fourier transform", over twice the width.
     """
     radius = filter_radius(settings)
     if settings.filter is Filter.BOX:
@@ -127,7 +128,7 @@ def sample_disk(u1, u2):
 
 @kernel
 def sample_blades(blades, rotation, u1, u2):
-    """Uniform point of the regular polygon inscribed in the unit circle; ``rotation`` is the angle of a side's middle."""
+    """Uniform point of the regular polygon in the unit circle; ``rotation`` is the angle of the middle of a side."""
     position = u1 * blades
     blade = min(int(position), blades - 1)
     across = 2.0 * (position - blade) - 1.0
@@ -164,8 +165,9 @@ def _lens_axes(direction):
 def camera_ray(block, px, py, u1, u2):
     """Ray through the point (px, py) of the frame, in pixels from the lower left corner of the whole frame.
 
-    (u1, u2) choose the point of the lens. Returns (origin, unit direction, t_min, t_max) in world space. Clipping is along
-    the viewing axis, by radius for panoramas; a plane at ``focus`` along the axis is sharp, a sphere for panoramas.
+    (u1, u2) choose the point of the lens. Returns (origin, unit direction, t_min, t_max) in world space. Clipping is
+    along the viewing axis, by radius for panoramas; a plane at ``focus`` along the axis is sharp, a sphere for
+    panoramas.
     """
     camera = camera_table(block)[0]
     sx = camera.corner[0] + camera.step[0] * px

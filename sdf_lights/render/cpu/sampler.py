@@ -3,14 +3,14 @@
 """Sampling pattern: Owen-scrambled Sobol points in padded sets of one to four dimensions.
 
 Each decision of a path (``dimension``, a running number) takes its own set of at most four dimensions. The sets reuse
-the first four Sobol dimensions; shuffling the order of the points of each set by a nested uniform permutation of the index
-makes the sets independent of each other while any aligned block of 2^k indices keeps its stratification, and scrambling
-their digits, again nested uniformly, makes every point uniform (Burley 2020, "Practical hash-based Owen scrambling",
-JCGT 9(4); Owen 1995). The first two dimensions are a (0, 2)-sequence. The permutations are hashes, so a point is a
-function of (index, pixel, set) alone: no state, no limit on the number of sets, the same picture in any order of work.
+the first four Sobol dimensions; shuffling the order of the points of each set by a nested uniform permutation of the
+index makes the sets independent of each other while any aligned block of 2^k indices keeps its stratification, and
+scrambling their digits, again nested uniformly, makes every point uniform (Burley 2020, "Practical hash-based Owen
+scrambling", JCGT 9(4); Owen 1995). The first two dimensions are a (0, 2)-sequence. The permutations are hashes, so a
+point is a function of (index, pixel, set) alone: no state, no limit on the sets, the same picture in any order of work.
 
-Points are computed bit-reversed: in that form the first Sobol dimension is the index itself, a nested uniform scramble is
-a hash that carries from low bits to high ones only, and a single reversal at the end gives the value.
+Points are computed bit-reversed: in that form the first Sobol dimension is the index itself, a nested uniform scramble
+is a hash that carries from low bits to high ones only, and a single reversal at the end gives the value.
 """
 
 import numpy as np
@@ -30,8 +30,9 @@ _TO_UNIT = 2.0**-32
 def _sobol_bytes(degree: int, coefficients: int, initial: tuple[int, ...]) -> np.ndarray:
     """(4, 256) uint32: the bit-reversed Sobol point of each value of each byte of the index.
 
-    ``degree`` and the inner ``coefficients`` of the primitive polynomial and the ``initial`` direction integers are those
-    of Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30.
+    ``degree`` and the inner ``coefficients`` of the primitive polynomial and the ``initial`` direction integers are
+    those of Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci.
+    Comput. 30.
     """
     m = list(initial)
     for k in range(degree, 32):
@@ -149,7 +150,7 @@ def pixel_seed(x, y, seed):
 
 @kernel
 def draw1(index, seed, dimension):
-    """Uniform number in [0, 1): sample ``index`` (below 2^32) of the set ``dimension`` of the pixel with ``pixel_seed`` seed."""
+    """Uniform number in [0, 1): sample ``index`` (below 2^32) of set ``dimension``; ``seed`` is from ``pixel_seed``."""
     word = _set_word(seed, dimension)
     return _unit(_shuffle(index, word), _U32(word >> _SHIFT_32))
 

@@ -178,7 +178,7 @@ def test_noise_is_the_error_of_independent_samples():
 
 
 def test_noise_of_a_stratified_pattern_is_neither_hidden_nor_much_exaggerated():
-    """An integrand over two padded sets, as light that is scattered once is. The estimate is 0.9 to 1.25 times the error."""
+    """An integrand over two padded sets, as light that is scattered once is: estimate 0.9 to 1.25 times the error."""
     from sdf_lights.render.cpu.sampler import draw2, pixel_seed
 
     film = new_film((), width=48, height=48)
