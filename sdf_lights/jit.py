@@ -35,7 +35,7 @@ except Exception as error:  # an ImportError, or a binary that does not match th
 FASTMATH = {"contract", "reassoc", "arcp", "nsz"}
 
 
-_IMPORT = re.compile(r"^\s*from (\.+)([\w.]*) import (\([^)]*\)|[^\n#]+)", re.MULTILINE)
+_IMPORT = re.compile(r"^\s*from (\.+|sdf_lights\b)([\w.]*) import (\([^)]*\)|[^\n#]+)", re.MULTILINE)
 
 
 @functools.lru_cache(maxsize=None)
@@ -43,7 +43,9 @@ def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
     """Source files of the package that the source file ``path`` imports directly."""
     found = set()
     for dots, module, names in _IMPORT.findall(path.read_text(encoding="utf-8")):
-        base = path.parents[len(dots) - 1].joinpath(*filter(None, module.split(".")))
+        # Absolute imports of the package occur outside it, in tests.
+        root = path.parents[len(dots) - 1] if dots.startswith(".") else pathlib.Path(__file__).parent
+        base = root.joinpath(*filter(None, module.split(".")))
         candidates = [base.with_suffix(".py"), base / "__init__.py"]
         candidates += [base / f"{name}.py" for name in re.findall(r"\w+", names)]
         found.update(candidate for candidate in candidates if candidate.is_file())

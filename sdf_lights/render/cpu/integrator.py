@@ -356,6 +356,12 @@ def scatter(block, workspace):
 
 
 @kernel
+def nothing_left(block, surface):
+    """Whether no ray from here can find light, once only emission counts: all of it is left to light sampling."""
+    return not block.emitters_hit and block.lamp_count == 0 and largest(vec(surface.transparency)) <= 0.0
+
+
+@kernel
 def start_path(block, workspace, x, y):
     """Camera ray through a point of the pixel drawn from the pixel filter."""
     path = path_table(workspace)[0]
@@ -417,7 +423,9 @@ def trace_path(block, workspace, x, y):
             continue
         if surface.evaluable > 0:
             light_vertex(block, workspace)
-        if surface.closure_count == 0 or not scatter(block, workspace):
+        if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):
+            return
+        if not scatter(block, workspace):
             return
         path.dimension += VERTEX_SETS
 
