@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Directional albedos of GGX closures, tabulated: what they lose to multiple scattering, and what a layer on top reflects.
+"""Directional albedos of GGX closures, tabulated: what they lose to multiple scattering, what a layer on top reflects.
 
 ``albedo.npz`` beside this file is made by ``python -m sdf_lights.render.tables.generate`` and holds them as 16-bit
 fractions. Axes, each equidistant from 0 to 1 with both ends: roughness (√α); the square root of the cosine of wo, as

@@ -67,5 +67,6 @@ if __name__ == "__main__":
     cases, result = (pathlib.Path(name) for name in sys.argv[-2:])
     scene, tree = prepare()
     with tempfile.TemporaryDirectory() as folder:
-        means = [render(scene, tree, kind, inputs, pathlib.Path(folder)) for kind, inputs in json.loads(cases.read_text())]
+        spheres = json.loads(cases.read_text())
+        means = [render(scene, tree, kind, inputs, pathlib.Path(folder)) for kind, inputs in spheres]
     result.write_text(json.dumps(means))

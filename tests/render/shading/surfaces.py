@@ -134,6 +134,6 @@ class Surface:
         _, value, pdf, _ = self.draw(qmc.Sobol(3, seed=seed).random_base2(power))
         return np.sum(value / np.where(pdf > 0.0, pdf, np.inf)[:, None], axis=0) / 2**power
 
-    def sphere(self, count=60_000, seed=1):
+    def sphere(self, count=200_000, seed=1):
         """Mean radiance of a sphere's disk in a white world."""
         return np.array(_sphere(self.block, self.workspace, count, seed))

@@ -55,7 +55,8 @@ def test_a_textured_mix_factor_weighs_both_sides():
 
 def test_a_closure_reached_twice_is_one_lobe():
     shared = Node("diffuse", {"color": RED})
-    surface = Surface(Node("add_closure", {"a": mix(0.5, shared, None), "b": mix(image("alpha"), None, shared)}), [HALF])
+    both = Node("add_closure", {"a": mix(0.5, shared, None), "b": mix(image("alpha"), None, shared)})
+    surface = Surface(both, [HALF])
     surface.shade(0.5)
     assert lobes(surface) == [program.LOBE_DIFFUSE]
     assert surface.closures["weight"][0] == pytest.approx(np.multiply(RED, 0.5 + 0.25))
@@ -76,7 +77,8 @@ def test_an_image_with_two_outputs_is_read_once():
 
 
 def test_shadow_rays_run_only_what_transparency_needs():
-    node = Node("principled", {"base_color": image(), "roughness": Node("image", {}, {"image": 1}), "alpha": image("alpha")})
+    rough = Node("image", {}, {"image": 1})
+    node = Node("principled", {"base_color": image(), "roughness": rough, "alpha": image("alpha")})
     surface = Surface(node, [HALF, HALF])
     assert instructions(surface, shadow=True) == [program.OP_UV, program.OP_IMAGE]
     assert lobes(surface, shadow=True) == [program.LOBE_ALPHA]

@@ -59,10 +59,9 @@ def _spline(t):
 @pytest.mark.parametrize("extension", WRAPS)
 @pytest.mark.parametrize("interpolation", ["Linear", "Closest", "Cubic"])
 def test_image_lookup(interpolation, extension):
-    color = Surface(Node("emission", {"color": Node(
-        "image", {}, {"image": 0, "interpolation": interpolation, "extension": extension})}), [PIXELS])
-    alpha = Surface(Node("emission", {"color": Node(
-        "image", {}, {"image": 0, "interpolation": interpolation, "extension": extension, "output": "alpha"})}), [PIXELS])
+    settings = {"image": 0, "interpolation": interpolation, "extension": extension}
+    color = Surface(Node("emission", {"color": Node("image", {}, settings)}), [PIXELS])
+    alpha = Surface(Node("emission", {"color": Node("image", {}, {**settings, "output": "alpha"})}), [PIXELS])
     for u, v in np.random.default_rng(2).uniform(-2.2, 3.2, (60, 2)):
         expected = reference_lookup(PIXELS, u, v, interpolation, extension)
         np.testing.assert_allclose(color.shade(1.0, **at(u, v)).hit["emission"], expected[:3], atol=1e-9)
@@ -89,14 +88,16 @@ def test_wild_coordinates_are_harmless(uv):
 def test_projections():
     flat = emitted(Node("image", {"vector": (0.25, 0.75, 0.0)}, {"image": 0}))
     # The point of the cube's surface that lies at those coordinates of the sphere and of the tube.
-    sphere = 0.5 + 0.5 * np.array([np.sin(np.pi / 2) * np.sin(np.pi / 4), 0.0, -np.cos(np.pi * 0.75)])
-    assert emitted(Node("image", {"vector": tuple(sphere)}, {"image": 0, "projection": "SPHERE"})) == pytest.approx(flat)
-    assert emitted(Node("image", {"vector": (1.0, 0.5, 0.75)}, {"image": 0, "projection": "TUBE"})) == pytest.approx(flat)
+    on_sphere = tuple(0.5 + 0.5 * np.array([np.sin(np.pi / 4), 0.0, -np.cos(0.75 * np.pi)]))
+    for point, projection in ((on_sphere, "SPHERE"), ((1.0, 0.5, 0.75), "TUBE")):
+        node = Node("image", {"vector": point}, {"image": 0, "projection": projection})
+        assert emitted(node) == pytest.approx(flat)
 
 
 @pytest.mark.parametrize("kind", ["POINT", "TEXTURE", "VECTOR", "NORMAL"])
 def test_mapping_by_a_matrix_and_step_by_step_agree(kind):
-    inputs = {"vector": (0.3, -1.2, 2.0), "location": (0.5, 0.1, -1.0), "rotation": (0.3, -0.8, 2.1), "scale": (2.0, 0.5, 1.5)}
+    inputs = {
+        "vector": (0.3, -1.2, 2.0), "location": (0.5, 0.1, -1.0), "rotation": (0.3, -0.8, 2.1), "scale": (2.0, 0.5, 1.5)}
     constant = emitted(Node("mapping", inputs, {"type": kind}))
     # An image of one texel makes an input vary without changing its value.
     pixels = np.ones((1, 1, 4), np.float32)

@@ -268,8 +268,9 @@ class _Program:
             factor = min(max(factor, 0.0), 1.0)
             return ("a", self._product(weight, 1.0 - factor)), ("b", self._product(weight, factor))
         operand = self.number(node, "factor")
-        rest = _Weight(self._emit(OP_COMPLEMENT, (operand,), 1))
-        return ("a", self._product(weight, rest)), ("b", self._product(weight, _Weight(self._emit(OP_CLAMP, (operand,), 1))))
+        shares = {"a": OP_COMPLEMENT, "b": OP_CLAMP}
+        return [
+            (name, self._product(weight, _Weight(self._emit(op, (operand,), 1)))) for name, op in shares.items()]
 
     def _product(self, a, b):
         if not isinstance(a, _Weight) and not isinstance(b, _Weight):
@@ -326,7 +327,7 @@ class _Program:
         features |= WITH_COAT * can_be("coat_weight", lambda value: value > 0.0)
         features |= WITH_METAL * can_be("metallic", lambda value: value > 0.0)
         features |= WITH_EMISSION * (
-            can_be("emission_strength", lambda value: value != 0.0) and can_be("emission_color", lambda value: any(value)))
+            can_be("emission_strength", lambda value: value != 0.0) and can_be("emission_color", any))
         if not metal_only:
             features |= WITH_TRANSMISSION * can_be("transmission_weight", lambda value: value > 0.0)
             features |= WITH_BASE * can_be("transmission_weight", lambda value: value < 1.0)
@@ -372,7 +373,8 @@ class _Program:
         """The value of an input; its default where a closure is linked to it."""
         value = node[name]
         if isinstance(value, Node) and value.kind in _CLOSURES:
-            self.scene.warn(f"Material {self.name!r}: a shader is linked to {name!r} of {node.kind!r}; its default is used.")
+            self.scene.warn(
+                f"Material {self.name!r}: a shader is linked to {name!r} of {node.kind!r}; its default is used.")
             return NODES[node.kind][name]
         return value
 
@@ -431,7 +433,8 @@ class _Program:
     def _layer(self, name) -> int:
         name = str(name or "")
         if name not in self.scene.layers:
-            self.scene.warn(f"Material {self.name!r}: more than {UV_LAYERS} UV maps; {name!r} is replaced by the active one.")
+            self.scene.warn(
+                f"Material {self.name!r}: more than {UV_LAYERS} UV maps; {name!r} is replaced by the active one.")
         return self.scene.layers.get(name, 0)
 
     def _uv(self, name, shift: int) -> int:

@@ -5,7 +5,7 @@
 import math
 
 from ....jit import inner_kernel, kernel
-from ....vec import ZERO, add, dot, frame, madd, mul, negate, scale, to_world, vec
+from ....vec import ZERO, add, dot, frame, mul, negate, scale, to_world, vec
 from . import diffuse, microfacet
 from .records import (
     DIFFUSE, GLOSSY, LAMBERT, MICROFACET, OREN_NAYAR, SHEEN, SINGULAR, STRAIGHT, TRANSLUCENT, TRANSMISSION, TRANSPARENT,

@@ -7,10 +7,8 @@ Layers of Principled are stacked from the top as Cycles does: each keeps what th
 
 import math
 
-import numpy as np
-
 from ....jit import inner_kernel, kernel, table
-from ....vec import ZERO, average, dot, largest, madd, mul, normalize, scale, sub, vec
+from ....vec import ZERO, average, dot, madd, mul, normalize, scale, vec
 from . import diffuse, energy, fresnel, microfacet
 from .program import (
     ALPHA, BASE_COLOR, COAT_IOR, COAT_NORMAL, COAT_ROUGHNESS, COAT_TINT, COAT_WEIGHT, DIFFUSE_ROUGHNESS, EMISSION_COLOR,
@@ -254,7 +252,8 @@ def _add_metal(block, workspace, features, weight, n, roughness, color, tint):
         return
     closure = closure_table(workspace)[index]
     closure.fresnel = FRESNEL_F82
-    edge = (fresnel.f82_edge(color[0], tint[0]), fresnel.f82_edge(color[1], tint[1]), fresnel.f82_edge(color[2], tint[2]))
+    edge = (
+        fresnel.f82_edge(color[0], tint[0]), fresnel.f82_edge(color[1], tint[1]), fresnel.f82_edge(color[2], tint[2]))
     _set(closure.f0, color)
     _set(closure.edge, edge)
     cosine = dot(n, vec(surface_table(workspace)[0].wo))
@@ -363,8 +362,8 @@ def _principled(block, workspace, lobe, share):
         if transmission > _CUTOFF:
             # A ray crosses the surface twice, so each crossing takes the square root of the colour.
             _glass(
-                block, workspace, features, scale(weight, transmission), mirror, roughness, ior, scale(tint, f0), _WHITE,
-                (math.sqrt(color[0]), math.sqrt(color[1]), math.sqrt(color[2])))
+                block, workspace, features, scale(weight, transmission), mirror, roughness, ior, scale(tint, f0),
+                _WHITE, (math.sqrt(color[0]), math.sqrt(color[1]), math.sqrt(color[2])))
             weight = scale(weight, 1.0 - transmission)
     if not features & WITH_BASE:
         return

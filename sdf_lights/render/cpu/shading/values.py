@@ -8,7 +8,7 @@ import numpy as np
 
 from ....jit import inner_kernel, table
 from ....vec import (
-    ZERO, add, average, cross, dot, length, lerp, luminance, negate, normalize, scale, sub, to_world, transform_normal,
+    add, average, cross, dot, length, lerp, luminance, negate, normalize, scale, sub, to_world, transform_normal,
     vec)
 from ..textures import image_lookup
 from .program import (
@@ -150,8 +150,8 @@ def _normal_map(surface, color, strength, layer, space):
             return n
         # MikkTSpace: interpolated vectors enter unnormalised, in the space in which the map was baked.
         mapped = to_world(
-            (x * strength, y * strength, 1.0 + (z - 1.0) * min(strength, 1.0)), tangent, scale(cross(base, tangent), sign),
-            base)
+            (x * strength, y * strength, 1.0 + (z - 1.0) * min(strength, 1.0)), tangent,
+            scale(cross(base, tangent), sign), base)
         mapped = normalize(transform_normal(surface.world_to_object, mapped))
         strength = 1.0
     elif space == OBJECT:
