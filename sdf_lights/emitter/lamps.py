@@ -17,6 +17,7 @@ approach to it: the distance of the camera or of the lamp from the origin costs 
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -126,7 +127,9 @@ def build_lamp(name: str, shape, matrix: np.ndarray, power: float = 10.0, densit
     else:
         row["primitive"] = -1
         row["matrix"], row["inverse"] = relative[:3], np.linalg.inv(relative)[:3]
-        tree = _tree(name, shape, local_volume)
+        tree = _tree(shape)
+        if local_volume < LEAST_ACCEPTANCE * tree["mass"][0]:
+            raise LampError(f"Lamp “{name}”: its shape is too thin for its size to be sampled: make its parts thicker.")
     row["determinant"] = abs(np.linalg.det(row["matrix"][0, :, :3]))
     return BuiltLamp(row, program, tree)
 
@@ -150,6 +153,7 @@ def _check_emission(name: str, power: float, density: float | None, color: np.nd
         raise LampError(f"Lamp “{name}”: its color gives no light: choose one that is not black and has no negative part.")
 
 
+@functools.lru_cache(maxsize=256)
 def _volume(shape) -> tuple[float, float]:
     """Volume of a shape in its own space, and a bound on its error."""
     exact = shape.volume()
@@ -158,13 +162,15 @@ def _volume(shape) -> tuple[float, float]:
     return volume_integral.estimate(shape.program(), *shape.bounds())
 
 
-def _tree(name: str, shape, volume: float) -> np.ndarray:
+@functools.lru_cache(maxsize=256)
+def _tree(shape) -> np.ndarray:
+    """Tree of cells in the shape's own space; shared by all lamps of that shape, so not to be written to."""
     low, high = shape.bounds()
     tree = np.zeros(cell_tree.LIMIT, CELL)
-    count = cell_tree.build(shape.program(), tuple(low), tuple(high), volume, tree)
-    if volume < LEAST_ACCEPTANCE * tree["mass"][0]:
-        raise LampError(f"Lamp “{name}”: its shape is too thin for its size to be sampled: make its parts thicker.")
-    return tree[:count].copy()
+    count = cell_tree.build(shape.program(), tuple(low), tuple(high), _volume(shape)[0], tree)
+    tree = tree[:count].copy()
+    tree.flags.writeable = False
+    return tree
 
 
 def pack_lamps(built: list[BuiltLamp]) -> dict[str, np.ndarray]:

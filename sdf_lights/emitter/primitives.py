@@ -118,7 +118,10 @@ def cone_span(o, d, radius, half_height):
     swing_x, swing_y = p[0] * rate - depth * d[0], p[1] * rate - depth * d[1]
     discriminant = swing_x * swing_x + swing_y * swing_y - turn * turn
     if discriminant <= 0.0:
-        return MISS
+        # A line steeper than the cone always meets both nappes: at best together, in the apex.
+        if a >= 0.0:
+            return MISS
+        discriminant = 0.0
     q = -(b + math.copysign(math.sqrt(discriminant), b))
     other = c / q if q != 0.0 else 0.0
     if a == 0.0:

@@ -6,10 +6,10 @@ The columns are skew to the bounding box, so that no face of an axis-aligned sha
 continuous function of the column's place. It is sampled in square strata; each holds two independent estimates, and
 the strata where those differ most are divided until the sum is precise enough.
 
-An estimate is two pairs of columns that mirror each other in the stratum's centre: nothing is lost where the length
-is linear, so only creases and curvature are left to the error. Their difference measures that error without bias. (The
-choice of what to divide looks at the same differences, which favours strata that were lucky; ``SAFETY`` covers it,
-as the tests against known volumes confirm.)
+Columns come in pairs that mirror each other in the stratum's centre: nothing is lost where the length is linear, so only
+creases and curvature are left to the error. Strata are divided until their pairs promise the accuracy; then all columns
+are drawn anew, because strata that were left alone since their pairs happened to agree would bias the sum. The second
+draw gives two independent values of every stratum: the volume is unbiased, and so is the error made of their differences.
 """
 
 from __future__ import annotations
@@ -22,9 +22,12 @@ from .intervals import rows_needed, solve
 
 SKEW = (0.3819660112501051, 0.2360679774997897)  # of a column: x and y it moves by while z crosses the box; 1/φ² and 1/φ³
 SAFETY = 4.0  # standard errors that the stated bound is made of
-GRID = 24  # strata along each side of the first pass
+GRID = 80  # strata along each side of the first pass
+MOST_STRATA = 24_000
+INHERITED = 1.0 / 32.0  # least part of a stratum's variance that each of its quarters is taken to have
+SHARED = 1.0 / 8.0  # least part of a neighbour's variance
 STRATUM = np.dtype([("u", np.float64), ("v", np.float64), ("width", np.float64), ("height", np.float64),
-                    ("first", np.float64), ("second", np.float64)])
+                    ("integral", np.float64), ("variance", np.float64)])
 
 
 @kernel
@@ -39,89 +42,126 @@ def _column(program, low, size, u, v, spans):
 
 
 @kernel
-def _estimate(program, low, size, stratum, state, spans):
-    """Integral of the column length over a stratum from four columns, one in each quarter."""
+def _pairs(program, low, size, stratum, state, spans):
+    """Two estimates of the integral of the length over a stratum, each a pair of columns in opposite quarters of it."""
     centre_u, centre_v = stratum.u + 0.5 * stratum.width, stratum.v + 0.5 * stratum.height
-    total = 0.0
+    first, second = 0.0, 0.0
     for side in range(2):
         state = following(state)
         du = 0.5 * stratum.width * uniform(state)
         state = following(state)
-        dv = 0.5 * stratum.height * uniform(state)
-        if side == 1:
-            dv = -dv
-        total += _column(program, low, size, centre_u + du, centre_v + dv, spans)
-        total += _column(program, low, size, centre_u - du, centre_v - dv, spans)
-    return 0.25 * total * stratum.width * stratum.height
+        dv = 0.5 * stratum.height * uniform(state) * (1.0 - 2.0 * side)
+        pair = _column(program, low, size, centre_u + du, centre_v + dv, spans)
+        pair += _column(program, low, size, centre_u - du, centre_v - dv, spans)
+        first, second = second, 0.5 * pair * stratum.width * stratum.height
+    return first, second, state
 
 
 @kernel
-def _fill(program, low, size, strata, index, u, v, width, height, state, spans):
-    stratum = strata[index]
-    stratum.u, stratum.v, stratum.width, stratum.height = u, v, width, height
-    stratum.first = _estimate(program, low, size, stratum, state, spans)
-    for _ in range(4):
-        state = following(state)
-    stratum.second = _estimate(program, low, size, stratum, state, spans)
-    for _ in range(4):
-        state = following(state)
+def _explore(program, low, size, stratum, least, state, spans):
+    """First draw: sets the integral, and the variance that the second draw will have."""
+    first, second, state = _pairs(program, low, size, stratum, state, spans)
+    stratum.integral = 0.5 * (first + second)
+    stratum.variance = max(0.125 * (first - second) ** 2, least)
     return state
+
+
+@kernel
+def _measure(program, low, size, stratum, state, spans):
+    """Second draw: sets the integral and an unbiased estimate of its variance."""
+    first, second, state = _pairs(program, low, size, stratum, state, spans)
+    third, fourth, state = _pairs(program, low, size, stratum, state, spans)
+    stratum.integral = 0.25 * (first + second + third + fourth)
+    stratum.variance = 0.0625 * (first + second - third - fourth) ** 2
+    return state
+
+
+@kernel
+def _sums(strata, count):
+    integral, variance = 0.0, 0.0
+    for index in range(count):
+        integral += strata[index].integral
+        variance += strata[index].variance
+    return integral, variance
+
+
+@kernel
+def _share(strata, index, neighbour):
+    strata[index].variance = max(strata[index].variance, SHARED * strata[neighbour].variance)
+
+
+@kernel
+def _spread(strata, grid):
+    """Let every stratum of the first grid expect some of its neighbours' variance.
+
+    Creases are curves: where one crosses a stratum it crosses a neighbour too, though a few columns of one may miss it.
+    """
+    count = grid * grid
+    for index in range(count):
+        if index % grid < grid - 1:
+            _share(strata, index, index + 1)
+        if index + grid < count:
+            _share(strata, index, index + grid)
+    for index in range(count - 1, -1, -1):
+        if index % grid > 0:
+            _share(strata, index, index - 1)
+        if index >= grid:
+            _share(strata, index, index - grid)
 
 
 @kernel
 def integrate(program, low, size, strata, grid, accuracy, spans):
     """Volume of a program inside the box (low, size), and the standard error of that estimate.
 
-    ``strata`` is the workspace: an array of ``STRATUM`` whose length limits the work, eight columns a row and step.
-    Stops when the standard error is below ``accuracy`` times the volume.
+    ``strata`` is the workspace: an array of ``STRATUM`` whose length limits the work. Strata are divided until the
+    standard error is expected to be below ``accuracy`` times the volume.
     """
     state = np.uint64(1)
-    count = 0
-    width, height = (1.0 + SKEW[0]) / grid, (1.0 + SKEW[1]) / grid
-    for i in range(grid):
-        for j in range(grid):
-            u, v = i * width - 0.5 * SKEW[0], j * height - 0.5 * SKEW[1]
-            state = _fill(program, low, size, strata, count, u, v, width, height, state, spans)
-            count += 1
+    count = grid * grid
+    for index in range(count):
+        stratum = strata[index]
+        stratum.width, stratum.height = (1.0 + SKEW[0]) / grid, (1.0 + SKEW[1]) / grid
+        stratum.u = index % grid * stratum.width - 0.5 * SKEW[0]
+        stratum.v = index // grid * stratum.height - 0.5 * SKEW[1]
+        state = _explore(program, low, size, stratum, 0.0, state, spans)
+    _spread(strata, grid)
     while True:
-        total, variance = 0.0, 0.0
-        for index in range(count):
-            stratum = strata[index]
-            total += 0.5 * (stratum.first + stratum.second)
-            variance += 0.25 * (stratum.first - stratum.second) ** 2
-        goal = accuracy * total
-        if variance <= goal * goal or count + 3 > len(strata):
+        integral, variance = _sums(strata, count)
+        if variance <= (accuracy * integral) ** 2 or count + 3 > len(strata):
             break
         threshold = variance / count
-        before = count
-        for index in range(before):
+        for index in range(count):
             stratum = strata[index]
-            if 0.25 * (stratum.first - stratum.second) ** 2 < threshold or count + 3 > len(strata):
+            if stratum.variance < threshold or count + 3 > len(strata):
                 continue
-            u, v, width, height = stratum.u, stratum.v, 0.5 * stratum.width, 0.5 * stratum.height
-            for part in range(4):
-                place = index if part == 0 else count
-                count += 0 if part == 0 else 1
-                state = _fill(
-                    program, low, size, strata, place, u + (part & 1) * width, v + (part >> 1) * height, width, height,
-                    state, spans)
+            inherited = INHERITED * stratum.variance
+            stratum.width *= 0.5
+            stratum.height *= 0.5
+            for part in range(1, 4):
+                child = strata[count]
+                child.width, child.height = stratum.width, stratum.height
+                child.u = stratum.u + (part & 1) * stratum.width
+                child.v = stratum.v + (part >> 1) * stratum.height
+                state = _explore(program, low, size, child, inherited, state, spans)
+                count += 1
+            state = _explore(program, low, size, stratum, inherited, state, spans)
+    for index in range(count):
+        state = _measure(program, low, size, strata[index], state, spans)
+    integral, variance = _sums(strata, count)
     box = size[0] * size[1] * size[2]
-    return total * box, np.sqrt(variance) * box
+    return integral * box, np.sqrt(variance) * box
 
 
 def estimate(program: np.ndarray, low: np.ndarray, high: np.ndarray, accuracy: float = 2e-5) -> tuple[float, float]:
-    """Volume of a program, and a bound on its error that holds but for one case in thousands (``SAFETY``).
+    """Volume of a program, and a bound on its error: ``SAFETY`` standard errors, so about one in 10,000 exceeds it.
 
     ``low`` and ``high`` are the corners of a box around it, in the space the instructions' ``inverse`` starts from. At
-    most about 300,000 columns are used; the bound says how far they went. Returns (0, 0) for an empty program.
+    most some 300,000 columns are used; the bound says how far they went. Returns (0, 0) for an empty program.
     """
     size = np.subtract(high, low)
     if not np.all(size > 0.0):
         return 0.0, 0.0
     spans = np.empty((rows_needed(program)[0], 2))
-    strata = np.empty(24_000, STRATUM)
-    for grid in (GRID, 4 * GRID):  # the finer grid finds what is left where the first one saw nothing
-        volume, error = integrate(program, tuple(low), tuple(size), strata, grid, accuracy, spans)
-        if volume > 0.0:
-            break
+    strata = np.empty(MOST_STRATA, STRATUM)
+    volume, error = integrate(program, tuple(low), tuple(size), strata, GRID, accuracy, spans)
     return volume, SAFETY * error

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shapes and placements that the emitter's tests go through."""
+
+import numpy as np
+
+from sdf_lights.sdf.shapes import (
+    Box, BoxFrame, Capsule, Cone, Cylinder, Difference, Ellipsoid, Intersection, Sphere, Torus, Transformed, Union)
+
+
+def moved(x=0.0, y=0.0, z=0.0):
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+def turned(angle, axis=2):
+    matrix = np.eye(4)
+    i, j = [k for k in range(3) if k != axis]
+    matrix[i, i] = matrix[j, j] = np.cos(angle)
+    matrix[i, j], matrix[j, i] = -np.sin(angle), np.sin(angle)
+    return matrix
+
+
+def scaled(x, y, z):
+    return np.diag([x, y, z, 1.0])
+
+
+def sheared(amount):
+    matrix = np.eye(4)
+    matrix[0, 1] = amount
+    return matrix
+
+
+PRIMITIVES = {
+    "sphere": Sphere(0.8),
+    "ellipsoid": Ellipsoid((0.9, 0.5, 0.3)),
+    "box": Box((0.7, 0.4, 0.2)),
+    "box_frame": BoxFrame((0.6, 0.5, 0.4), 0.08),
+    "torus": Torus(0.7, 0.2),
+    "horn_torus": Torus(0.5, 0.5),
+    "capsule": Capsule(0.25, 0.9),
+    "cylinder": Cylinder(0.4, 0.9),
+    "cone": Cone(0.5, 0.9),
+}
+
+COMPOSITES = {
+    "frame": Difference(Box((0.8, 0.8, 0.8)), Sphere(1.08)),
+    "nested": Union(
+        Difference(Torus(0.7, 0.3), Box((0.4, 2.0, 2.0))),
+        Intersection(Sphere(0.5), Difference(Cylinder(0.3, 2.0), Transformed(Capsule(0.1, 0.5), turned(1.2, 0))))),
+    "apart": Union(Transformed(Sphere(0.3), moved(-0.9)), Transformed(Cone(0.3, 0.8), moved(0.8) @ turned(0.5, 0)),
+                   Transformed(Torus(0.3, 0.1), moved(z=0.9))),
+    "coincident": Difference(
+        Union(Transformed(Box((0.3, 0.5, 0.4)), moved(-0.3)), Transformed(Box((0.4, 0.5, 0.4)), moved(0.4))),
+        Transformed(Box((0.2, 0.5, 0.2)), moved(0.1, 0.0, 0.2)),
+        Transformed(Cylinder(0.1, 0.8), moved(-0.4))),
+    "thin": Difference(Sphere(0.8), Sphere(0.78)),
+    "twenty": Difference(
+        Union(*(Transformed(Capsule(0.08, 1.4), turned(0.6 * k, 0) @ turned(0.35 * k, 1)) for k in range(8))),
+        *(Transformed(Sphere(0.17), moved(*(0.5 * np.cos([k, 1.7 * k, 2.3 * k])))) for k in range(6)),
+        *(Transformed(Torus(0.6, 0.03 + 0.01 * k), turned(0.9 * k, k % 3)) for k in range(6))),
+}
+
+SHAPES = {**PRIMITIVES, **COMPOSITES}
+
+PLACEMENTS = {
+    "turned": moved(1.0, -2.0, 0.5) @ turned(0.7, 0) @ turned(0.3, 1),
+    "uneven": turned(0.6, 2) @ scaled(2.0, 1.0, 0.5),
+    "sheared": moved(0.2, 0.1, -0.3) @ sheared(1.5) @ turned(0.4, 1),
+    "mirrored": turned(1.0, 1) @ scaled(-1.0, 1.3, 0.8),
+    "stretched": turned(0.4, 0) @ scaled(100.0, 1.0, 0.01),
+    "far": moved(1e4, -2e4, 3e4) @ turned(0.5, 2),
+    "tiny": moved(3.0, 2.0, 1.0) @ scaled(1e-3, 1e-3, 1e-3),
+}
