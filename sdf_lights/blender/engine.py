@@ -6,6 +6,8 @@ An instance lives for one render and keeps nothing. ``render()`` copies the scen
 touches Blender only to show progress, to ask whether to stop, and to hand over pixels.
 """
 
+import os
+
 import bpy
 
 from ..render.errors import RenderError
@@ -37,8 +39,11 @@ class SDFLightsRenderEngine(bpy.types.RenderEngine):
 
     def _render(self, depsgraph):
         # Not before something is rendered: this imports Numba and every kernel.
-        from ..render import session
+        from ..render import libraries, session
         from .sync import sync
+
+        if bpy.app.binary_path:
+            libraries.add_search_folder(os.path.dirname(bpy.app.binary_path))
 
         self.update_stats("", "Synchronizing")
         scene = sync(depsgraph)

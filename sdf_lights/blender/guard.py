@@ -34,5 +34,7 @@ def guarded(engine: bpy.types.RenderEngine):
         if bpy.app.debug or bpy.app.debug_python:
             traceback.print_exc()
         text = sentence(error)
-        engine.error_set(text)
         engine.report({"ERROR"}, text)
+        if not bpy.app.background:
+            # For the header of the image editor. In the background Blender would only print it a second time.
+            engine.error_set(text)

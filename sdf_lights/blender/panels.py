@@ -291,6 +291,7 @@ class SDFLIGHTS_PT_lamp(_Panel, bpy.types.Panel):
 
     def draw_properties(self, layout, context):
         draw_shape(layout, context.light)
+        layout.prop(context.light.sdf_lamp, "visible_camera", text="Visible to Camera")
         draw_readout(layout, context.light, context.object)
 
 
@@ -337,6 +338,7 @@ class SDFLIGHTS_PT_view3d(bpy.types.Panel):
         if obj.data.sdf_lamp.use:
             draw_emission(layout, obj.data)
             draw_shape(layout, obj.data)
+            layout.prop(obj.data.sdf_lamp, "visible_camera", text="Visible to Camera")
             draw_readout(layout, obj.data, obj)
 
 

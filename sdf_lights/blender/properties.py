@@ -111,11 +111,7 @@ def _parameter(about):
 
 def _is_primitive(shape: type[Shape]) -> bool:
     """Whether parameters alone make the shape: an operator needs other shapes, which an expression gives it."""
-    try:
-        shape()
-    except TypeError:
-        return False
-    return True
+    return len(shape.fields()) == len(dataclasses.fields(shape))
 
 
 PRIMITIVES = {name: shape for name, shape in SHAPES.items() if _is_primitive(shape)}
@@ -161,7 +157,11 @@ SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an 
     "density": bpy.props.FloatProperty(
         name="Radiance per Metre", description="Radiance (watts per square metre and steradian) that a ray gains in each metre "
         "inside the lamp", default=1.0, min=0.0, soft_max=100.0, precision=3, update=tag),
-} | {name: bpy.props.PointerProperty(type=group) for name, group in _SHAPE_GROUPS.items()})
+    "visible_camera": bpy.props.BoolProperty(
+        # Blender creates every light hidden from the camera, which is for lights without a shape of their own.
+        name="Camera", description="The camera sees the lamp itself; the object's own switch is for the light it is to "
+        "other engines", default=True, update=tag),
+} | {name: bpy.props.PointerProperty(type=kind) for name, kind in _SHAPE_GROUPS.items()})
 
 
 # -- registration ------------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from ...render.errors import RenderError
 from ...render.scene import Camera, Projection
 from .common import Warnings, is_finite, is_flat, matrix_of
 
-# Fields of view this wide need no lens to be told from a pinhole: Blender's own limit for the f-number.
+# Cycles' limit, against division by zero.
 SMALLEST_F_NUMBER = 1e-5
 
 
@@ -98,6 +98,4 @@ def border_of(render: bpy.types.RenderSettings, width: int, height: int) -> tupl
     # Blender computes in single precision and cuts off.
     x0, x1 = (int(np.float32(value) * np.float32(width)) for value in (render.border_min_x, render.border_max_x))
     y0, y1 = (int(np.float32(value) * np.float32(height)) for value in (render.border_min_y, render.border_max_y))
-    if x0 >= x1 or y0 >= y1:
-        raise RenderError("The render region is less than one pixel: draw a larger one or clear it (Ctrl Alt B).")
     return x0, y0, x1, y1

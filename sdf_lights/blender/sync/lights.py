@@ -19,10 +19,10 @@ from .nodes import emission_of
 def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: Warnings) -> Lamp | Light | None:
     """The lamp or light of a Light object; None where it gives no light.
 
-    Raises RenderError, with a sentence that names the object, where it cannot be used.
+    Without ``normalize``, Blender's power is that of one square metre of the light's surface (found by renders of
+    Cycles: a test repeats them). Raises RenderError, with a sentence that names the object, where it cannot be used.
     """
-    data = obj.data
-    name = obj.name
+    data, name = obj.data, obj.name
     color = _color(data, warn)
     power = data.energy * 2.0**data.exposure
     if not all(map(math.isfinite, (*color, power))):
@@ -33,14 +33,14 @@ def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: W
         return None  # a portal only guides sampling in Cycles
     common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow)
     if data.type == "SUN":
-        # Blender holds the angle below 180°, where its disk would be without bound.
-        strength = power if data.normalize else power * math.pi * math.tan(0.5 * data.angle) ** 2
-        return SunLight(name, matrix, strength, angle=data.angle, **common)
+        solid = math.pi * math.sin(0.5 * data.angle) ** 2  # ∫ cosine over the sun's disk
+        return SunLight(
+            name, matrix, power * solid if solid > 0.0 and not data.normalize else power, angle=data.angle, **common)
     if data.type == "AREA":
         return _area(name, data, matrix, power, common)
     radius = data.shadow_soft_size
-    if not data.normalize and radius > 0.0:
-        power *= math.pi * radius**2
+    if not data.normalize:
+        power *= 4.0 * math.pi * radius**2 if radius > 0.0 else 4.0
     common |= dict(radius=radius, soft_falloff=data.use_soft_falloff)
     if data.type == "SPOT":
         return SpotLight(name, matrix, power, angle=data.spot_size, blend=data.spot_blend, **common)
@@ -65,6 +65,7 @@ def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, power: float, co
         shape = shape_of(lamp)
     except RenderError as error:
         raise RenderError(f"Lamp '{name}' is left out. {error}") from error
+    visibility = visibility | Ray.CAMERA if lamp.visible_camera else visibility & ~Ray.CAMERA
     density = None if lamp.normalize else lamp.density * 2.0**data.exposure
     return Lamp(name, shape, matrix, power, density, color, visibility)
 

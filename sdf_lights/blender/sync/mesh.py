@@ -36,14 +36,15 @@ class Meshes:
         self._scene, self._warn = scene, warn
         self._known: dict[int, _Known | None] = {}
 
-    def index(self, data: bpy.types.Mesh, uv_maps: Iterable[str], tangents: Iterable[str]) -> int | None:
+    def index(self, data: bpy.types.Mesh, slots: int, uv_maps: Iterable[str], tangents: Iterable[str]) -> int | None:
         """Index of the mesh in the scene, with at least these UV maps and tangents; None where there are no triangles.
 
+        Faces whose slot is past the number of ``slots`` use the last one, as in Blender.
         Evaluated data stays where it is as long as its dependency graph, so its address tells it apart; names do not.
         """
         key = data.as_pointer()
         if key not in self._known:
-            self._known[key] = self._add(data)
+            self._known[key] = self._add(data, slots)
         known = self._known[key]
         if known is None:
             return None
@@ -57,7 +58,7 @@ class Meshes:
                 mesh.tangents[name] = self._tangents(data, mesh, known.corners, name)
         return known.index
 
-    def _add(self, data: bpy.types.Mesh) -> _Known | None:
+    def _add(self, data: bpy.types.Mesh, slot_count: int) -> _Known | None:
         data.calc_loop_triangles()
         if not data.loop_triangles:
             return None
@@ -85,6 +86,7 @@ class Meshes:
         slots = data.attributes.get("material_index")
         if slots is not None and slots.domain == "FACE" and slots.data_type == "INT":
             mesh.slots = read(slots.data, "value", np.int32)[faces]
+            np.clip(mesh.slots, 0, slot_count - 1, out=mesh.slots)
         self._scene.meshes.append(mesh)
         return _Known(len(self._scene.meshes) - 1, corners)
 

@@ -29,7 +29,7 @@ def sync_objects(depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materi
     An object that cannot be used is left out with a warning that names it; the rest is rendered.
     """
     meshes = Meshes(scene, warn)
-    view_layer = depsgraph.view_layer_eval
+    view_layer = depsgraph.view_layer  # the original, which knows original objects
     for item in depsgraph.object_instances:
         # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
         obj = item.object
@@ -63,7 +63,7 @@ def _add_mesh(item, matrix: np.ndarray, view_layer, scene: Scene, meshes: Meshes
     if matrix is None:
         return
     slots = tuple(materials.index(material) for material in slot_materials(obj))
-    index = meshes.index(obj.data, *materials.needs(slots))
+    index = meshes.index(obj.data, len(slots), *materials.needs(slots))
     if index is not None:
         scene.instances.append(Instance(
             index, matrix, slots, _name(item), _visibility(item, view_layer), _is_holdout(item, view_layer)))
