@@ -313,7 +313,8 @@ def instances(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     shear = np.eye(4)
     shear[0, 2] = 0.5
     transforms = [
-        scaling(0.3, 0.3, 0.5), rotation("z", 40) @ scaling(-0.3, 0.3, 0.4), rotation("y", 30) @ scaling(0.4, 0.2, -0.3),
+        scaling(0.3, 0.3, 0.5), rotation("z", 40) @ scaling(-0.3, 0.3, 0.4),
+        rotation("y", 30) @ scaling(0.4, 0.2, -0.3),
         shear @ scaling(0.25, 0.25, 0.4), scaling(-0.3, -0.3, -0.3)]
     for i, matrix in enumerate(transforms):
         where = translation(-1.4 + 0.7 * i, 0.6 - 0.5 * (i % 2), 0.5)
@@ -334,8 +335,8 @@ def frame_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     scene.lamps += [
         Lamp("frame", frame, translation(-0.4, 0.3, 1.5) @ rotation("z", 25) @ rotation("x", 15), power=50.0,
              color=(1.0, 0.8, 0.5)),
-        Lamp("capsule", shapes.Capsule(radius=0.08, height=0.25), translation(1.2, -0.3, 2.2) @ rotation("x", 50), density=4.0,
-             color=(0.5, 0.7, 1.0)),
+        Lamp("capsule", shapes.Capsule(radius=0.08, height=0.25), translation(1.2, -0.3, 2.2) @ rotation("x", 50),
+             density=4.0, color=(0.5, 0.7, 1.0)),
     ]
     return scene
 
@@ -362,7 +363,8 @@ def transparent(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     tint = Node("mix_closure", {"factor": 0.6, "a": Node("diffuse", {"color": RED}),
                                 "b": Node("transparent", {"color": (0.5, 0.9, 0.6)})})
     upright = rotation("x", 90)
-    add(scene, 0, translation(-1.0, 0.0, 0.9) @ rotation("z", 20) @ upright @ scaling(0.6, 0.8, 1), Material("cut-out", sheet))
+    add(scene, 0, translation(-1.0, 0.0, 0.9) @ rotation("z", 20) @ upright @ scaling(0.6, 0.8, 1),
+        Material("cut-out", sheet))
     add(scene, 0, translation(0.3, 0.2, 0.9) @ upright @ scaling(0.5, 0.8, 1), Material("tinted", tint))
     add(scene, 0, translation(1.3, 0.2, 0.9) @ rotation("z", -30) @ upright @ scaling(0.4, 0.8, 1),
         material("translucent", color=(0.7, 0.6, 0.3)))

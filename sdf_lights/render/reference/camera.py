@@ -42,7 +42,7 @@ class Camera:
         return offsets.reshape(count, 2)
 
     def _lens(self, rng: np.random.Generator, count: int) -> np.ndarray:
-        """Points of the lens (count, 2) in metres: a disk, or a polygon with the middle of a side at ``blade_rotation``."""
+        """Points of the lens (count, 2) in metres; ``blade_rotation`` is the angle of the middle of a side."""
         camera = self.camera
         if camera.blades < 3:
             points = disk(rng, count)

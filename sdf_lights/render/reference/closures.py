@@ -181,9 +181,9 @@ def masking(alpha2: np.ndarray, cosine: np.ndarray) -> np.ndarray:
 class Microfacet(Lobe):
     """GGX of roughness ``alpha`` (N,), with the height-correlated masking of Heitz 2014.
 
-    ``ior`` (N,) is that of the far side over that of the side of wo. ``term`` is the Fresnel term: DIELECTRIC goes from ``f0``
-    (N, 3) to 1 as the real curve does and tints what it reflects and transmits; F82 has ``f0`` and ``tint``; NONE
-    reflects all, or refracts all where it ``transmits``. Visible normals are drawn as Dupuy and Benyoub 2023 do.
+    ``ior`` (N,) is that of the far side over that of the side of wo. ``term`` is the Fresnel term: DIELECTRIC goes from
+    ``f0`` (N, 3) to 1 as the real curve does and tints what it reflects and transmits; F82 has ``f0`` and ``tint``;
+    NONE reflects all, or refracts all where it ``transmits``. Visible normals are drawn as Dupuy and Benyoub 2023 do.
     """
 
     def kind(self, wi):

@@ -28,7 +28,8 @@ ROBUST = 4
 
 _POINTER, _INT, _UINT, _SIZE = ctypes.c_void_p, ctypes.c_int, ctypes.c_uint, ctypes.c_size_t
 _SIGNATURES = {
-    "rtcNewDevice": (_POINTER, ctypes.c_char_p), "rtcReleaseDevice": (None, _POINTER), "rtcGetDeviceError": (_INT, _POINTER),
+    "rtcNewDevice": (_POINTER, ctypes.c_char_p), "rtcReleaseDevice": (None, _POINTER),
+    "rtcGetDeviceError": (_INT, _POINTER),
     "rtcNewScene": (_POINTER, _POINTER), "rtcReleaseScene": (None, _POINTER), "rtcCommitScene": (None, _POINTER),
     "rtcSetSceneFlags": (None, _POINTER, _INT), "rtcNewGeometry": (_POINTER, _POINTER, _INT),
     "rtcReleaseGeometry": (None, _POINTER), "rtcCommitGeometry": (None, _POINTER),

@@ -38,7 +38,8 @@ class Hits:
 
     @classmethod
     def none(cls, count: int) -> "Hits":
-        return cls(np.full(count, np.inf), *(np.full(count, -1) for _ in range(2)), *(np.zeros(count) for _ in range(2)))
+        nowhere = np.full(count, -1)
+        return cls(np.full(count, np.inf), nowhere, nowhere, np.zeros(count), np.zeros(count))
 
 
 @dataclass
@@ -107,7 +108,7 @@ class Triangles:
         return tuple(np.concatenate(part) for part in zip(*parts))
 
     def _nearest(self, origins, directions, far, masks):
-        inverse = 1.0 / np.where(directions == 0.0, 1e-300, directions).T
+        inverse = 1.0 / np.where(directions == 0.0, 1e-30, directions).T
         scaled = origins.T * inverse
         ray = np.arange(len(origins))
         node = np.zeros(len(origins), int)
@@ -158,7 +159,7 @@ class Geometry:
     """All instances of a scene: rays against them, and what a hit looks like."""
 
     def __init__(self, scene: Scene, use_embree: bool | None = None):
-        """``use_embree``: None takes Embree for scenes of more than ``EMBREE_TRIANGLES`` triangles, where it is found."""
+        """``use_embree``: None takes Embree for more than ``EMBREE_TRIANGLES`` triangles, where it is found."""
         self.scene = scene
         self.matrices = np.array([i.matrix for i in scene.instances], float).reshape(-1, 4, 4)
         linear = self.matrices[:, :3, :3]
@@ -231,14 +232,17 @@ class Geometry:
         if len(self._instance) == 0:
             return Hits.none(len(origins))
         found = index >= 0
-        return Hits(distance, np.where(found, self._instance[index], -1), np.where(found, self._triangle[index], -1), u, v)
+        instance, triangle = (np.where(found, of[index], -1) for of in (self._instance, self._triangle))
+        return Hits(distance, instance, triangle, u, v)
 
     def offset(self, position: np.ndarray, ng: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Origins for rays that leave a surface, moved to the side they leave on."""
         return position + self.epsilon * np.where(dot(ng, direction) < 0.0, -1.0, 1.0)[:, None] * ng
 
     def material(self, instance: np.ndarray, triangle: np.ndarray) -> np.ndarray:
-        return self.materials[instance, self.slots[self.first[self.mesh_of[instance]] + triangle].clip(0, self.materials.shape[1] - 1)]
+        """Index of the material of triangles."""
+        slot = self.slots[self.first[self.mesh_of[instance]] + triangle]
+        return self.materials[instance, slot.clip(0, self.materials.shape[1] - 1)]
 
     def surface(self, hits: Hits, directions: np.ndarray) -> Surface:
         """The surface at ``hits``, all of which exist, as rays along ``directions`` meet it."""
@@ -258,6 +262,7 @@ class Geometry:
         wo = -directions
         backfacing = dot(ng, wo) < 0.0
         side = np.where(backfacing, -1.0, 1.0)[:, None]
-        return Surface(position, ng * side, ns * side, wo, backfacing, hits.instance, hits.triangle, barycentric, smooth,
-                       hits.distance)
+        return Surface(
+            position, ng * side, ns * side, wo, backfacing, hits.instance, hits.triangle, barycentric, smooth,
+            hits.distance)
 

@@ -49,6 +49,15 @@ class Paths:
         return Paths(**{name: value[rows] for name, value in vars(self).items()})
 
 
+def competes(visibility: Ray) -> bool:
+    """Whether every scattered ray can meet an emitter, so that light sampling and BSDF sampling share its light.
+
+    One that is hidden from some of them is left to light sampling, and to singular scattering.
+    """
+    scattered = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION
+    return visibility & scattered == scattered
+
+
 class Samples:
     """What one sample of each of ``count`` pixels adds to the passes."""
 
@@ -58,6 +67,8 @@ class Samples:
 
 
 class Integrator:
+    """Everything of a scene that paths meet. ``use_embree`` as in ``Geometry``."""
+
     def __init__(self, scene: Scene, use_embree: bool | None = None):
         self.scene, self.settings = scene, scene.settings
         self.geometry = Geometry(scene, use_embree)
@@ -137,10 +148,12 @@ class Integrator:
         self._sample_lights(paths.select(bright), surface.select(bright), shading.select(bright), samples, rng)
         return self._scatter(paths, surface, shading, end, rng)
 
-    # --- emission that a ray meets --------------------------------------------------------------------------------------
+    # --- emission that a ray meets ------------------------------------------------------------------------------------
 
-    def _weight(self, pdf: np.ndarray, light_pdf: np.ndarray) -> np.ndarray:
+    def _weight(self, pdf: np.ndarray, light_pdf: np.ndarray, visibility: Ray = Ray.ALL) -> np.ndarray:
         """Balance heuristic for emission that was met by a ray of density ``pdf``; 1 where that is 0."""
+        if not competes(visibility):
+            return np.where(pdf > 0.0, 0.0, 1.0)
         light_pdf = light_pdf * self._share
         return np.where(pdf > 0.0, pdf / np.where(pdf > 0.0, pdf + light_pdf, 1.0), 1.0)
 
@@ -166,14 +179,14 @@ class Integrator:
             spans = lamp.spans(paths.origin, paths.direction)
             visible = (paths.kind & lamp.visibility) != 0
             length = spans.length(paths.near, end) * visible
-            radiance = lamp.emission * (length * self._weight(paths.pdf, lamp.pdf(spans, count)))[:, None]
-            self._contribute(paths, radiance, paths.bounces[:, 0], samples, lamp=True)
+            weight = length * self._weight(paths.pdf, lamp.pdf(spans, count), lamp.visibility)
+            self._contribute(paths, lamp.emission * weight[:, None], paths.bounces[:, 0], samples, lamp=True)
         for light in self.lights:
             distance, radiance, pdf = light.hit(paths.origin, paths.direction)
             met = (distance > paths.near) & ((distance < end) | ~np.isfinite(end) & np.isfinite(distance))
             met &= (paths.kind & light.visibility) != 0
-            self._contribute(
-                paths, radiance * (met * self._weight(paths.pdf, pdf))[:, None], paths.bounces[:, 0], samples)
+            weight = met * self._weight(paths.pdf, pdf, light.visibility)
+            self._contribute(paths, radiance * weight[:, None], paths.bounces[:, 0], samples)
 
     def _gather_sky(self, paths: Paths, samples: Samples) -> None:
         if self.settings.transparent_film:
@@ -183,7 +196,7 @@ class Integrator:
         if self.sky.black:
             return
         visible = (paths.kind & self.sky.visibility) != 0
-        weight = visible * self._weight(paths.pdf, self.sky.pdf(paths.direction))
+        weight = visible * self._weight(paths.pdf, self.sky.pdf(paths.direction), self.sky.visibility)
         self._contribute(paths, self.sky.radiance(paths.direction) * weight[:, None], paths.bounces[:, 0], samples)
 
     def _gather_surface(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples):
@@ -202,7 +215,7 @@ class Integrator:
         samples.position[rows], samples.normal[rows] = surface.position[first], surface.ns[first]
         samples.albedo[rows] = shading.albedo[first]
 
-    # --- light sampling -------------------------------------------------------------------------------------------------
+    # --- light sampling -----------------------------------------------------------------------------------------------
 
     def _sample_lights(self, paths: Paths, surface: Surface, shading: Shading, samples: Samples, rng) -> None:
         """Next event estimation: the k-th of ``rounds`` draws is uniform in the k-th part of the list of emitters."""
@@ -227,7 +240,7 @@ class Integrator:
             wi, distance, radiance, pdf = emitter.sample(rng, x)
         scattered, scatter_pdf = shading.evaluate(wi)
         rows = np.flatnonzero(scattered.max(1) > 0.0)
-        paths, surface, shading, x, wi = paths.select(rows), surface.select(rows), shading.select(rows), x[rows], wi[rows]
+        paths, surface, x, wi = paths.select(rows), surface.select(rows), x[rows], wi[rows]
         scattered, scatter_pdf, count = scattered[rows], scatter_pdf[rows], len(rows)
         if isinstance(emitter, SdfLamp):
             spans = emitter.spans(x, wi)
@@ -242,11 +255,11 @@ class Integrator:
                 radiance = self.materials.shade(self.geometry.surface(hits, wi), np.zeros(count)).emission
             else:
                 radiance = radiance[rows]
-            if emitter.singular:
-                scatter_pdf = np.zeros(count)
             light = radiance
             if emitter.cast_shadow:
                 light = light * self._march(surface, wi, distance - 4.0 * self.geometry.epsilon)
+        if not competes(emitter.visibility) or getattr(emitter, "singular", False):
+            scatter_pdf = np.zeros(count)
         density = pdf * self._share + scatter_pdf
         light = scattered * light * np.where(pdf > 0.0, 1.0 / np.where(pdf > 0.0, density, 1.0), 0.0)[:, None]
         self._contribute(paths, light, paths.bounces[:, 0] + 1, samples, lamp=spans is not None)
@@ -274,14 +287,13 @@ class Integrator:
             through = transmittance[alive].max(1) > 0.0
             alive = alive[through]
             near[alive] = reached[alive]
-            start[alive] = self.geometry.offset(blocker.position, blocker.ng, wi[alive]) if through.all() else (
-                self.geometry.offset(blocker.position[through], blocker.ng[through], wi[alive]))
+            start[alive] = self.geometry.offset(blocker.position[through], blocker.ng[through], wi[alive])
             if not len(alive):
                 break
         transmittance[alive] = 0.0  # more surfaces than are allowed
         return transmittance if spans is None else length
 
-    # --- scattering -----------------------------------------------------------------------------------------------------
+    # --- scattering ---------------------------------------------------------------------------------------------------
 
     def _scatter(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, rng) -> Paths:
         """The paths that go on from their surfaces. Those that only gather emission go straight on or not at all."""

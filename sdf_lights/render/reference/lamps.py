@@ -82,9 +82,9 @@ class SdfLamp:
     def _local_spans(self, origins: np.ndarray, directions: np.ndarray) -> Spans:
         """Cover each ray's way through the shape's box with balls.
 
-        A point where the field is φ certifies that there is no boundary within |φ| / L of it. What is left on both sides of
-        the middle of an interval is looked at in the same way, until it is shorter than ``RESOLUTION``; then there is
-        a boundary in it if its ends differ in sign.
+        A point where the field is φ certifies that there is no boundary within |φ| / L of it. What is left on both
+        sides of the middle of an interval is looked at in the same way, until it is shorter than ``RESOLUTION``; then
+        there is a boundary in it if its ends differ in sign.
         """
         inverse = 1.0 / np.where(directions == 0.0, 1e-300, directions)
         a, b = (self._low - origins) * inverse, (self._high - origins) * inverse
@@ -159,5 +159,5 @@ class SdfLamp:
         return towards / np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-300)
 
     def pdf(self, spans: Spans, count: int) -> np.ndarray:
-        """Density of ``sample`` in solid angle for ``count`` rays: Σ (far³ − near³) / 3V, equation 4 of Huang et al. 2026."""
+        """Density of ``sample`` in solid angle for ``count`` rays: Σ (far³ − near³) / 3V (Huang et al. 2026, eq. 4)."""
         return spans.total(spans.far**3 - spans.near**3, count) / (3.0 * self.volume)

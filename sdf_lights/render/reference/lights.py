@@ -117,10 +117,21 @@ class Area(Emitter):
         self.area = float(np.prod(self.half)) * (np.pi if light.ellipse else 4.0)
         self.radiance = light.power / (np.pi * max(self.area, 1e-300)) * np.asarray(light.color, float)
         half_spread = 0.5 * light.spread
+        self.singular = half_spread <= 0.0  # a parallel beam
         self.tan_spread = np.tan(half_spread) if half_spread < 0.5 * np.pi - 1e-6 else np.inf
         self.spread_gain = 1.0 / max(self.tan_spread - half_spread, 1e-12) if np.isfinite(self.tan_spread) else 1.0
 
+    def _inside(self, offset):
+        """Whether points, relative to the centre, project onto the light."""
+        a, b = (offset @ axis / max(half, 1e-300) for axis, half in ((self.u, self.half[0]), (self.v, self.half[1])))
+        return a**2 + b**2 <= 1.0 if self.ellipse else (np.abs(a) <= 1.0) & (np.abs(b) <= 1.0)
+
     def sample(self, rng, x):
+        if self.singular:
+            height = (x - self.center) @ self.normal
+            lit = self._inside(x - self.center) & (height > 0.0)
+            return (np.broadcast_to(-self.normal, x.shape), height, np.broadcast_to(np.pi * self.radiance, x.shape),
+                    np.where(lit, 1.0, 0.0))
         place = self.half * (disk(rng, len(x)) if self.ellipse else 2.0 * rng.random((len(x), 2)) - 1.0)
         towards = self.center + place[:, :1] * self.u + place[:, 1:] * self.v - x
         distance = np.maximum(np.linalg.norm(towards, axis=1), 1e-300)
@@ -139,12 +150,12 @@ class Area(Emitter):
         return gain[:, None] * self.radiance, pdf
 
     def hit(self, origins, directions):
+        if self.singular:
+            return super().hit(origins, directions)
         cosine = -(directions @ self.normal)
         with np.errstate(divide="ignore", invalid="ignore"):
             distance = (origins - self.center) @ self.normal / cosine
-            offset = origins + distance[:, None] * directions - self.center
-            a, b = offset @ self.u / self.half[0], offset @ self.v / self.half[1]
-            inside = a**2 + b**2 <= 1.0 if self.ellipse else (np.abs(a) <= 1.0) & (np.abs(b) <= 1.0)
+            inside = self._inside(origins + distance[:, None] * directions - self.center)
         found = (cosine > 0.0) & (distance > 0.0) & inside
         distance = np.where(found, distance, np.inf)
         radiance, pdf = self._arrive(directions, np.where(found, distance, 1.0))

@@ -85,8 +85,8 @@ class Shading:
         return value, pdf
 
     def sample(self, rng: np.random.Generator):
-        """(wi, f · |cos| / pdf, pdf, kind); weight 0: nothing was drawn. pdf is 0 for singular directions, and kind is 0
-        for what goes straight through."""
+        """(wi, f · |cos| / pdf, pdf, kind); weight 0: nothing was drawn. pdf is 0 for singular directions, kind 0 for
+        what goes straight through."""
         count = len(self.holdout)
         wi, weight, pdf, kind = -self.surface.wo, np.zeros((count, 3)), np.zeros(count), np.zeros(count, int)
         for rows, lobes in self.groups:
@@ -111,8 +111,8 @@ def _evaluate(surface: Surface, lobes: list[Lobe], wi: np.ndarray):
 
 
 def _bump_shadowing(surface: Surface, lobe: Lobe, wi: np.ndarray) -> np.ndarray:
-    """Conty Estevez, Lecocq and Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem"; for
-    specular lobes only the cut at the horizon of the surface."""
+    """Conty Estevez, Lecocq and Stein 2019, "A microfacet-based shadowing function to solve the bump terminator
+    problem"; for specular lobes only the cut at the horizon of the surface."""
     bumped = (lobe.normal != surface.ns).any(1)
     cosine, tilt = dot(surface.ns, wi), dot(surface.ns, lobe.normal)
     factor = np.ones(len(wi))
@@ -258,7 +258,7 @@ class _Builder:
     def _share(self, node: Node, name: str) -> np.ndarray:
         return np.clip(self.points.input(node, name), 0.0, 1.0)
 
-    # --- closures of one lobe -------------------------------------------------------------------------------------------
+    # --- closures of one lobe -----------------------------------------------------------------------------------------
 
     def _holdout(self, node, weight):
         self.holdout += weight[:, 0]
@@ -329,13 +329,14 @@ class _Builder:
             e, mean = self.table("reflection", cosine, roughness), self.table("reflection_average", roughness)
         else:
             z = ior_axis(ior)
-            e, mean = (np.where(ior < 1.0, self.table("glass_inside" + name, z, *rest), self.table("glass" + name, z, *rest))
-                       for name, rest in (("", (cosine, roughness)), ("_average", (roughness,))))
+            e, mean = (
+                np.where(ior < 1.0, self.table("glass_inside" + name, z, *rest), self.table("glass" + name, z, *rest))
+                for name, rest in (("", (cosine, roughness)), ("_average", (roughness,))))
         missing = np.where((1.0 - e) / e < 1e-4, 0.0, (1.0 - e) / e)[:, None]
         f, mean = np.minimum(single, 1.0), mean[:, None]
         return 1.0 + missing * f * mean / (1.0 - f * (1.0 - mean))
 
-    # --- Principled -----------------------------------------------------------------------------------------------------
+    # --- Principled ---------------------------------------------------------------------------------------------------
 
     def _principled(self, node, weight):
         surface, points = self.surface, self.points
@@ -347,10 +348,12 @@ class _Builder:
         normal = points.normal(node)
         weight = self._sheen(node, weight, normal)
         weight = self._coat(node, weight)
-        self.emission += weight * points.input(node, "emission_color") * points.input(node, "emission_strength")[:, None]
+        strength = points.input(node, "emission_strength")[:, None]
+        self.emission += weight * points.input(node, "emission_color") * strength
 
-        base, tint, roughness = self._color(node, "base_color"), self._color(node, "specular_tint"), self._share(node, "roughness")
-        color, mirror = np.minimum(base, 1.0), specular_normal(surface, normal)
+        base, tint = self._color(node, "base_color"), self._color(node, "specular_tint")
+        color, roughness = np.minimum(base, 1.0), self._share(node, "roughness")
+        mirror = specular_normal(surface, normal)
         metallic = self._share(node, "metallic")[:, None]
         if np.any(metallic > CUTOFF):
             self._metal(node, weight * metallic, mirror, roughness, color, np.minimum(tint, 1.0))
@@ -360,8 +363,9 @@ class _Builder:
         transmission = self._share(node, "transmission_weight")[:, None]
         if np.any(transmission > CUTOFF):
             # Two crossings tint by the colour.
-            self._add_glass(node, weight * transmission, mirror, roughness, ior, tint * f0[:, None], np.ones_like(color),
-                            np.sqrt(color))
+            self._add_glass(
+                node, weight * transmission, mirror, roughness, ior, tint * f0[:, None], np.ones_like(color),
+                np.sqrt(color))
             weight = weight * (1.0 - transmission)
         level = np.maximum(points.input(node, "specular_ior_level"), 0.0)
         f0 = f0 * 2.0 * level
@@ -405,8 +409,9 @@ class _Builder:
             average = sum(2.0 * m * s * (color + (1.0 - color) * (1.0 - m)**5 - edge * m * (1.0 - m)**6)
                           for m, s in zip(mu, step))
             gain = self._gain(normal, roughness, average)
+        weight = weight * gain
         self.lobes.append(Microfacet(
-            weight * gain, normal, weight * gain * (color * self._lossless(normal, roughness) + (1.0 - color) * schlick),
+            weight, normal, weight * (color * self._lossless(normal, roughness) + (1.0 - color) * schlick),
             alpha=roughness**2, ior=np.ones(len(color)), term=F82, f0=color, tint=tint, transmits=False))
 
     def _sheen(self, node, weight, normal):

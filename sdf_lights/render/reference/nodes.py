@@ -11,7 +11,8 @@ from .geometry import Geometry, Surface
 from .images import lookup
 from .vectors import dot, luminance, normalize
 
-# Bump mapping takes differences over this part of a pixel, as Blender does, or this many metres where its width is unknown.
+# Bump mapping takes differences over this part of a pixel, as Blender does, or over this many metres where a pixel's
+# width is unknown.
 BUMP_FILTER, BUMP_DISTANCE = 0.1, 1e-4
 COLOR, VECTOR, NUMBER = "color", "vector", "number"
 
@@ -63,7 +64,7 @@ class Points:
             self._values[key] = method(node, shift) if method else (COLOR, np.zeros((self.count, 3)))
         return self._values[key]
 
-    # --- attributes of the mesh -----------------------------------------------------------------------------------------
+    # --- attributes of the mesh ---------------------------------------------------------------------------------------
 
     def _corners(self, attribute: str, name: str, width: int) -> np.ndarray:
         """Corner values (N, 3, width) of "uvs" or "tangents"; the active map where ``name`` is missing, or zeros."""

@@ -37,7 +37,8 @@ def build(name, count, n=N):
     }[name]()
 
 
-NAMES = ["diffuse", "translucent", "oren_nayar", "sheen", "mirror", "metal", "coat", "glass", "glass inside", "refraction"]
+NAMES = [
+    "diffuse", "translucent", "oren_nayar", "sheen", "mirror", "metal", "coat", "glass", "glass inside", "refraction"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -110,21 +111,24 @@ def test_albedo_tables_hold_what_the_lobes_reflect(roughness, cosine):
     count, table = 40_000, Table()
     normal, white = np.tile([0.0, 0.0, 1.0], (count, 1)), np.ones((count, 3))
     wo = np.array([[np.sqrt(1 - cosine**2), 0.0, cosine]])
-    common = dict(alpha=np.full(count, roughness**2))
     x = cosine_axis(np.array([cosine])), np.array([roughness])
-    zero, z = np.zeros((count, 3)), ior_axis(np.array([1.5]))
-    cases = [
-        (table("reflection", *x), Microfacet(white, normal, ior=np.ones(count), term=NONE, transmits=False, **common)),
-        (table("dielectric", z, *x), Microfacet(white, normal, ior=np.full(count, 1.5), term=DIELECTRIC, transmits=False, f0=zero, **common)),
-        (table("schlick", *x), Microfacet(white, normal, ior=np.ones(count), term=F82, transmits=False, f0=zero, tint=white, **common)),
-        (table("glass", z, *x), Microfacet(white, normal, ior=np.full(count, 1.5), term=DIELECTRIC, transmits=True,
-                                            f0=zero + 0.04, reflection=white, transmission=white, **common)),
-        (table("glass_inside", z, *x), Microfacet(white, normal, ior=np.full(count, 1 / 1.5), term=DIELECTRIC, transmits=True,
-                                                   f0=zero + 0.04, reflection=white, transmission=white, **common)),
-    ]
-    for expected, lobe in cases:
-        mean, error = albedo(lobe, wo)
-        assert abs(mean - expected[0]) < 4.4 * error + 4e-3
+    black, z = np.zeros((count, 3)), ior_axis(np.array([1.5]))
+
+    def lobe(ior, term, transmits, **more):
+        return Microfacet(white, normal, alpha=np.full(count, roughness**2), ior=np.full(count, ior), term=term,
+                          transmits=transmits, **more)
+
+    glass = dict(f0=black + 0.04, reflection=white, transmission=white)
+    cases = {
+        table("reflection", *x)[0]: lobe(1.0, NONE, False),
+        table("dielectric", z, *x)[0]: lobe(1.5, DIELECTRIC, False, f0=black),
+        table("schlick", *x)[0]: lobe(1.0, F82, False, f0=black, tint=white),
+        table("glass", z, *x)[0]: lobe(1.5, DIELECTRIC, True, **glass),
+        table("glass_inside", z, *x)[0]: lobe(1 / 1.5, DIELECTRIC, True, **glass),
+    }
+    for expected, case in cases.items():
+        mean, error = albedo(case, wo)
+        assert abs(mean - expected) < 4.4 * error + 4e-3
 
 
 def test_fresnel_at_known_angles():

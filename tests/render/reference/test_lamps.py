@@ -131,7 +131,8 @@ def test_power_and_density():
     matrix = np.diag([2.0, 1.0, 0.5, 1.0])
     volume = 4 / 3 * np.pi * 0.5**3
     assert lamp(shapes.Sphere(radius=0.5), matrix, power=7.0).emission[0] == pytest.approx(7.0 / (4 * np.pi * volume))
-    assert lamp(shapes.Sphere(radius=0.5), matrix, density=3.0, color=(1.0, 0.5, 0.0)).emission == pytest.approx([3, 1.5, 0])
+    dense = lamp(shapes.Sphere(radius=0.5), matrix, density=3.0, color=(1.0, 0.5, 0.0))
+    assert dense.emission == pytest.approx([3.0, 1.5, 0.0])
 
 
 def test_a_flat_lamp_is_refused():

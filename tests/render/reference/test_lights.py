@@ -38,7 +38,8 @@ def test_point_light_falls_off_with_the_square_of_the_distance():
 
 @pytest.mark.parametrize("distance", [0.6, 1.0, 5.0])
 def test_sphere_light_is_a_point_light_to_what_faces_it(distance):
-    light = blender_light(PointLight("p", scenes.translation(0, 0, distance), 4 * np.pi, radius=0.5, soft_falloff=False))
+    matrix = scenes.translation(0, 0, distance)
+    light = blender_light(PointLight("p", matrix, 4 * np.pi, radius=0.5, soft_falloff=False))
     close(irradiance(light, (0, 0, 0), UP), 1.0 / distance**2)
 
 
@@ -78,7 +79,8 @@ def test_rectangle_light():
     """Parallel rectangle above the point below its corner: the form factor of the textbook."""
     light = blender_light(AreaLight("a", scenes.translation(0.5, 1.0, 1.0) @ DOWN, 2.0, size=(1.0, 2.0)))
     a, b = 1.0, 2.0
-    factor = (a / np.hypot(1, a) * np.arctan(b / np.hypot(1, a)) + b / np.hypot(1, b) * np.arctan(a / np.hypot(1, b))) / 2
+    p, q = np.hypot(1, a), np.hypot(1, b)
+    factor = (a / p * np.arctan(b / p) + b / q * np.arctan(a / q)) / 2
     close(irradiance(light, (0, 0, 0), UP), 2.0 / (np.pi * 2.0) * factor)
 
 
@@ -93,13 +95,21 @@ def test_spread_keeps_the_power():
     assert abs(values.mean() - 3.0) < SIGMAS * values.std() / np.sqrt(count)
 
 
+def test_a_spread_of_zero_is_a_parallel_beam():
+    """Power over area is the irradiance below the light, and nothing beside it."""
+    light = blender_light(AreaLight("a", scenes.translation(0, 0, 1) @ DOWN, 3.0, size=(0.5, 0.5), spread=0.0))
+    close(irradiance(light, (0.1, 0.2, -5), UP), 3.0 / 0.25)
+    assert irradiance(light, (0.3, 0.0, -5), UP)[0] == 0.0
+
+
 LIGHTS = {
     "ball": PointLight("p", scenes.translation(0.2, 0.1, 1.5), 10.0, radius=0.4, soft_falloff=False),
     "disk": PointLight("p", scenes.translation(0.2, 0.1, 1.5), 10.0, radius=0.4),
     "spot": SpotLight("p", scenes.translation(0.2, 0.1, 1.5) @ DOWN, 10.0, radius=0.4, angle=0.5),
     "sun": SunLight("s", scenes.look_at((0, 0, 0), (1, 2, 3)), 2.0, angle=0.7),
     "rectangle": AreaLight("a", scenes.translation(0.2, 0.1, 1.5) @ DOWN, 10.0, size=(0.5, 1.0)),
-    "ellipse": AreaLight("a", scenes.translation(0.2, 0.1, 1.5) @ DOWN, 10.0, ellipse=True, size=(0.5, 1.0), spread=2.0),
+    "ellipse": AreaLight(
+        "a", scenes.translation(0.2, 0.1, 1.5) @ DOWN, 10.0, ellipse=True, size=(0.5, 1.0), spread=2.0),
 }
 
 
@@ -121,7 +131,8 @@ def test_a_sampled_ray_hits_the_light_with_the_same_radiance_distance_and_densit
 def test_densities_integrate_to_one(name):
     light = blender_light(LIGHTS[name])
     count = 100_000
-    _, _, density = light.hit(np.tile([0.3, 0.2, 0.1], (count, 1)), uniform_sphere(np.random.Generator(np.random.Philox(8)), count))
+    directions = uniform_sphere(np.random.Generator(np.random.Philox(8)), count)
+    _, _, density = light.hit(np.tile([0.3, 0.2, 0.1], (count, 1)), directions)
     values = 4 * np.pi * density
     assert abs(values.mean() - 1.0) < SIGMAS * values.std() / np.sqrt(count)
 

@@ -12,7 +12,7 @@ from sdf_lights.render.material import Material, Node
 from sdf_lights.render.passes import BY_NAME
 from sdf_lights.render.reference.integrator import Integrator
 from sdf_lights.render.reference.renderer import ReferenceRenderer
-from sdf_lights.render.scene import Camera, Instance, Lamp, PointLight, Scene, World
+from sdf_lights.render.scene import Lamp, PointLight, Ray, Scene, World
 from sdf_lights.render.settings import Device, Filter
 from sdf_lights.sdf import shapes
 from tests import scenes
@@ -32,8 +32,8 @@ def mean_and_error(values):
 def looking_at(mesh, material, world=(1.0, 1.0, 1.0), **settings):
     """A mesh in the middle of the frame, under an even sky."""
     scene = Scene(scenes.camera((0, -4, 1), (0, 0, 0), 8, 8, 0.2), 8, 8, world=World(world),
-                  settings=scenes.settings(max_bounces=64, diffuse_bounces=64, glossy_bounces=64, transmission_bounces=64,
-                                           **settings))
+                  settings=scenes.settings(
+                      max_bounces=64, diffuse_bounces=64, glossy_bounces=64, transmission_bounces=64, **settings))
     scene.meshes = [mesh]
     scenes.add(scene, 0, np.eye(4), material)
     return scene
@@ -50,7 +50,8 @@ def test_a_lossless_singular_box_vanishes_in_an_even_sky(material):
 
 @pytest.mark.parametrize("kind", ["diffuse", "translucent"])
 def test_a_white_diffuse_box_vanishes_in_an_even_sky(kind):
-    mean, error = mean_and_error(trace(looking_at(scenes.box(), scenes.material(kind, color=(1.0,) * 3)), 100).combined[:, 0])
+    scene = looking_at(scenes.box(), scenes.material(kind, color=(1.0, 1.0, 1.0)))
+    mean, error = mean_and_error(trace(scene, 100).combined[:, 0])
     assert abs(mean - 1.0) < 4.4 * error and error < 0.01
 
 
@@ -67,7 +68,8 @@ def test_compensated_and_layered_white_keeps_its_energy(material):
 
 @pytest.mark.parametrize("background", [(0.0, 0.0, 0.0), (0.5, 0.5, 0.5)])
 def test_the_camera_sees_chord_times_density(background):
-    scene = Scene(scenes.camera((0, -3, 0), (0, 0, 0), 1, 1, 1e-6), 1, 1, world=World(background), settings=scenes.settings())
+    scene = Scene(
+        scenes.camera((0, -3, 0), (0, 0, 0), 1, 1, 1e-6), 1, 1, world=World(background), settings=scenes.settings())
     scene.lamps = [Lamp("ball", shapes.Sphere(radius=0.7), scenes.translation(0, 0, 0), density=1.5)]
     samples = trace(scene, 4)
     np.testing.assert_allclose(samples.combined, 2 * 0.7 * 1.5 + background[0], rtol=1e-8)
@@ -124,6 +126,18 @@ def test_more_emitters_than_are_sampled_at_a_vertex():
     mean, error = mean_and_error(trace(scene, 4000).combined[:, 0])
     expected = sum(trace(floor(light), 1).combined[0, 0] for light in lights)
     assert abs(mean - expected) < 4.4 * error
+
+
+def test_a_lamp_hidden_from_some_scattered_rays_still_lights_by_sampling():
+    """Hidden from diffuse rays it gives a diffuse floor the same direct light, and the camera sees none of it."""
+    def picture(visibility):
+        matrix = scenes.translation(0, 0.5, 1.5)
+        lamp = Lamp("ball", shapes.Sphere(radius=0.5), matrix, power=20.0, visibility=visibility)
+        samples = trace(floor(lamp=lamp), 10_000)
+        return mean_and_error((samples.combined - samples.emission)[:, 0])
+
+    (a, e), (b, f) = picture(Ray.ALL), picture(Ray.ALL & ~Ray.DIFFUSE & ~Ray.CAMERA)
+    assert abs(a - b) < 4.4 * np.hypot(e, f) and a > 0.1
 
 
 def test_transparent_film_and_alpha():
