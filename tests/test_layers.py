@@ -15,7 +15,7 @@ PACKAGE = REPOSITORY / "sdf_lights"
 
 # Each layer may import itself and those before it. Modules directly in the package belong to the first layer.
 LAYERS = ("base", "sdf", "emitter", "render", "blender")
-BLENDER_MODULES = {"bpy", "mathutils", "gpu", "gpu_extras", "bl_ui", "bl_math", "blf", "bmesh", "addon_utils", "idprop", "nodeitems_utils"}
+BLENDER_MODULES = {"bpy", "bpy_extras", "mathutils", "gpu", "gpu_extras", "bl_ui", "bl_math", "blf", "bmesh", "addon_utils", "idprop", "nodeitems_utils"}
 # What a layer may use from outside: Python's own library aside.
 LIBRARIES = {
     "base": {"numpy", "numba", "llvmlite"},
