@@ -97,7 +97,8 @@ def test_projections():
 @pytest.mark.parametrize("kind", ["POINT", "TEXTURE", "VECTOR", "NORMAL"])
 def test_mapping_by_a_matrix_and_step_by_step_agree(kind):
     inputs = {
-        "vector": (0.3, -1.2, 2.0), "location": (0.5, 0.1, -1.0), "rotation": (0.3, -0.8, 2.1), "scale": (2.0, 0.5, 1.5)}
+        "vector": (0.3, -1.2, 2.0), "location": (0.5, 0.1, -1.0), "rotation": (0.3, -0.8, 2.1),
+        "scale": (2.0, 0.5, 1.5)}
     constant = emitted(Node("mapping", inputs, {"type": kind}))
     # An image of one texel makes an input vary without changing its value.
     pixels = np.ones((1, 1, 4), np.float32)
