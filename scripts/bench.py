@@ -44,20 +44,31 @@ def table(rows: list[dict]) -> str:
     texts = []
     for block in blocks:
         widths = [max(map(len, column)) for column in zip(*block)]
-        texts.append("\n".join("  ".join(value.ljust(width) for value, width in zip(line, widths)).rstrip() for line in block))
+        texts.append(
+            "\n".join("  ".join(value.ljust(width) for value, width in zip(line, widths)).rstrip() for line in block)
+        )
     return "\n\n".join(texts)
 
 
 def parse(arguments: list[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="bench", description="Measure SDF Lights; see scripts/README.md for what is measured and how.")
+    parser = argparse.ArgumentParser(
+        prog="bench", description="Measure SDF Lights; see scripts/README.md for what is measured and how."
+    )
     subcommands = parser.add_subparsers(dest="name", required=True, metavar="NAME")
     modules = {name: importlib.import_module(f"benchmarks.{name}") for name in benchmarks.NAMES}
     for name, text in [*((name, module.HELP) for name, module in modules.items()), ("all", "all of them")]:
         command = subcommands.add_parser(name, help=text, description=text)
         command.add_argument("--json", action="store_true", help="print one JSON object: summary, rows, machine")
-        command.add_argument("--quick", action="store_true", help="fewer repeats and samples: only to see that it works")
+        command.add_argument(
+            "--quick", action="store_true", help="fewer repeats and samples: only to see that it works"
+        )
         command.add_argument("--repeats", type=int, help="measurements of each figure, of which the median counts")
-        command.add_argument("--device", choices=["automatic", "cpu", "reference"], default="automatic", help="back end (default: automatic)")
+        command.add_argument(
+            "--device",
+            choices=["automatic", "cpu", "reference"],
+            default="automatic",
+            help="back end (default: automatic)",
+        )
     options = parser.parse_args(arguments)
     options.device = options.device.upper()
     if options.repeats is not None and options.repeats < 1:

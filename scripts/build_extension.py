@@ -62,8 +62,10 @@ def blender_tool() -> tuple[pathlib.Path, pathlib.Path]:
     if spec is None:
         raise BuildError("Blender's Python module is missing: run scripts/build_extension, which installs it.")
     for scripts in pathlib.Path(spec.origin).parent.glob("*/scripts"):
-        return (scripts / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py",
-                scripts / "modules" / "_bpy_internal" / "extensions" / "tags.py")
+        return (
+            scripts / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py",
+            scripts / "modules" / "_bpy_internal" / "extensions" / "tags.py",
+        )
     raise BuildError("Blender's Python module has no extension builder: it is older than 4.5.")
 
 
@@ -79,14 +81,36 @@ def collect_wheels(platform: str, python: str) -> list[pathlib.Path]:
     pins = [line.strip() for line in BUNDLED.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
 
     def present() -> list[pathlib.Path]:
-        return [wheel for name, version in (pin.split("==") for pin in pins) for wheel in folder.glob(f"{name}-{version}-*.whl")]
+        return [
+            wheel
+            for name, version in (pin.split("==") for pin in pins)
+            for wheel in folder.glob(f"{name}-{version}-*.whl")
+        ]
 
     if len(present()) != len(pins):
         shutil.rmtree(folder, ignore_errors=True)
         tags = [part for tag in PLATFORMS[platform] for part in ("--platform", tag)]
-        _run([sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:", "--implementation", "cp",
-              "--python-version", python, *tags, "--dest", folder, "-r", BUNDLED],
-             f"Downloading the wheels for {platform} and Python {python}")
+        _run(
+            [
+                sys.executable,
+                "-m",
+                "pip",
+                "download",
+                "--quiet",
+                "--no-deps",
+                "--only-binary=:all:",
+                "--implementation",
+                "cp",
+                "--python-version",
+                python,
+                *tags,
+                "--dest",
+                folder,
+                "-r",
+                BUNDLED,
+            ],
+            f"Downloading the wheels for {platform} and Python {python}",
+        )
     wheels = present()
     if len(wheels) != len(pins):
         raise BuildError(f"pip found {len(wheels)} of {len(pins)} wheels for {platform} and Python {python}.")
@@ -106,7 +130,9 @@ def _check_numpy(wheels: list[pathlib.Path], python: str) -> None:
             requirement = Requirement(line.partition(": ")[2])
             refused = [version for version in PYTHONS[python].numpy if not requirement.specifier.contains(version)]
             if refused:
-                raise BuildError(f"{wheel.name} needs {requirement}, but Blender with Python {python} has NumPy {refused[0]}.")
+                raise BuildError(
+                    f"{wheel.name} needs {requirement}, but Blender with Python {python} has NumPy {refused[0]}."
+                )
 
 
 def manifest(platform: str, python: str, wheels: list[pathlib.Path]) -> str:
@@ -144,7 +170,10 @@ def build(platform: str, python: str, out: pathlib.Path, with_wheels: bool = Tru
     tool, tags = blender_tool()
     out.mkdir(parents=True, exist_ok=True)
     path = out.resolve() / f"{name}.zip"
-    _run([sys.executable, tool, "build", "--source-dir", stage, "--output-filepath", path, f"--valid-tags={tags}"], f"Building {path.name}")
+    _run(
+        [sys.executable, tool, "build", "--source-dir", stage, "--output-filepath", path, f"--valid-tags={tags}"],
+        f"Building {path.name}",
+    )
     _run([sys.executable, tool, "validate", f"--valid-tags={tags}", path], f"Validating {path.name}")
     shutil.rmtree(stage)
     return path
@@ -154,21 +183,38 @@ def this_platform() -> str:
     """The platform of this machine, or "" where Blender has none of the three."""
     import platform
 
-    machine = {"amd64": "x64", "x86_64": "x64", "arm64": "arm64", "aarch64": "arm64"}.get(platform.machine().lower(), "")
+    machine = {"amd64": "x64", "x86_64": "x64", "arm64": "arm64", "aarch64": "arm64"}.get(
+        platform.machine().lower(), ""
+    )
     name = f"{ {'Darwin': 'macos'}.get(platform.system(), platform.system().lower()) }-{machine}"
     return name if name in PLATFORMS else ""
 
 
 def main(arguments: list[str]) -> int:
     here, python = this_platform(), "%d.%d" % sys.version_info[:2]
-    parser = argparse.ArgumentParser(prog="build_extension", description="Build the extension's zips, with their wheels.")
-    parser.add_argument("--platform", choices=[*PLATFORMS, "all"], default=here or None, required=not here,
-                        help="what the wheels are for (default: this machine)")
-    parser.add_argument("--python", choices=[*PYTHONS, "all"], default=python,
-                        help="Python of the Blender to install in: 3.11 up to Blender 5.0, 3.13 from 5.1 (default: %(default)s); "
-                             "3.14 for a Blender that a Linux distribution built; all: the first two")
-    parser.add_argument("--out", type=pathlib.Path, default=REPOSITORY / "dist", help="folder for the zips (default: dist)")
-    parser.add_argument("--no-wheels", action="store_true", help="leave the wheels out: small, but renders slowly, with NumPy")
+    parser = argparse.ArgumentParser(
+        prog="build_extension", description="Build the extension's zips, with their wheels."
+    )
+    parser.add_argument(
+        "--platform",
+        choices=[*PLATFORMS, "all"],
+        default=here or None,
+        required=not here,
+        help="what the wheels are for (default: this machine)",
+    )
+    parser.add_argument(
+        "--python",
+        choices=[*PYTHONS, "all"],
+        default=python,
+        help="Python of the Blender to install in: 3.11 up to Blender 5.0, 3.13 from 5.1 (default: %(default)s); "
+        "3.14 for a Blender that a Linux distribution built; all: the first two",
+    )
+    parser.add_argument(
+        "--out", type=pathlib.Path, default=REPOSITORY / "dist", help="folder for the zips (default: dist)"
+    )
+    parser.add_argument(
+        "--no-wheels", action="store_true", help="leave the wheels out: small, but renders slowly, with NumPy"
+    )
     options = parser.parse_args(arguments)
     platforms = list(PLATFORMS) if options.platform == "all" else [options.platform]
     pythons = ["3.11", "3.13"] if options.python == "all" else [options.python]

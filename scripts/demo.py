@@ -68,17 +68,28 @@ class Arguments(argparse.ArgumentParser):
 
 def parse(arguments: list[str]) -> argparse.Namespace:
     parser = Arguments(prog="demo", description="Render the demo scene, or any .blend, with SDF Lights.")
-    parser.add_argument("--scene", type=pathlib.Path, metavar="FILE.blend", help="render this file, with its own settings")
+    parser.add_argument(
+        "--scene", type=pathlib.Path, metavar="FILE.blend", help="render this file, with its own settings"
+    )
     parser.add_argument("--samples", type=count, help="most samples per pixel")
     parser.add_argument("--size", type=size, metavar="WIDTHxHEIGHT", help="resolution in pixels")
     parser.add_argument("--frame", type=int, help="frame to render")
     parser.add_argument("--seed", type=seed, help="seed of the sampling pattern")
-    parser.add_argument("--noise-threshold", type=threshold, metavar="ERROR",
-                        help="relative error at which a pixel gets no more samples; 0: all pixels get all")
+    parser.add_argument(
+        "--noise-threshold",
+        type=threshold,
+        metavar="ERROR",
+        help="relative error at which a pixel gets no more samples; 0: all pixels get all",
+    )
     parser.add_argument("--denoise", action=argparse.BooleanOptionalAction, help="remove the noise that is left")
     parser.add_argument("--device", choices=["automatic", "cpu", "reference"], help="what computes the picture")
-    parser.add_argument("--out", type=pathlib.Path, default=host.REPOSITORY / "renders" / "demo", metavar="NAME",
-                        help="path of both pictures without ending (default: renders/demo)")
+    parser.add_argument(
+        "--out",
+        type=pathlib.Path,
+        default=host.REPOSITORY / "renders" / "demo",
+        metavar="NAME",
+        help="path of both pictures without ending (default: renders/demo)",
+    )
     return parser.parse_args(arguments)
 
 
@@ -129,7 +140,7 @@ def clock(seconds: float) -> str:
 
 
 class Progress:
-    """A bar on one line of the terminal, or, where output is a file, a line now and then, from the engine's status text.
+    """A bar on one line of the terminal, or, in a file, a line now and then, from the engine's status text.
 
     Blender passes that text to its ``render_stats`` handlers: «Remaining: 01:02 | … | Noise: 0.0123 | Sample 4/64».
     """
@@ -217,7 +228,14 @@ def write(scene, out: pathlib.Path) -> list[pathlib.Path]:
     """The picture as EXR, 32 bit float and scene-linear, and as PNG, as Blender shows it."""
     exr, png = (out.with_name(out.name + ending) for ending in (".exr", ".png"))
     save(scene, exr, "OPEN_EXR", color_mode="RGBA", color_depth="32", exr_codec="ZIP")
-    save(scene, png, "PNG", color_mode="RGBA" if scene.render.film_transparent else "RGB", color_depth="8", compression=90)
+    save(
+        scene,
+        png,
+        "PNG",
+        color_mode="RGBA" if scene.render.film_transparent else "RGB",
+        color_depth="8",
+        compression=90,
+    )
     return [exr, png]
 
 
@@ -229,8 +247,11 @@ def count_samples(scene) -> tuple[int, int]:
         parts = range(OpenImageIO.ImageBuf(str(path)).nsubimages)
         pictures = [OpenImageIO.ImageBuf(str(path), part, 0) for part in parts]
         counts = next(
-            picture.get_pixels(OpenImageIO.FLOAT)[..., index] for picture in pictures
-            for index, name in enumerate(picture.spec().channelnames) if ".Sample Count." in name)
+            picture.get_pixels(OpenImageIO.FLOAT)[..., index]
+            for picture in pictures
+            for index, name in enumerate(picture.spec().channelnames)
+            if ".Sample Count." in name
+        )
     return counts.size, round(float(counts.sum(dtype=float)))
 
 
@@ -255,8 +276,10 @@ def main(arguments: list[str]) -> int:
     for path in paths:
         print(path)
     noise = "unknown, too few samples" if progress.noise is None else f"{100.0 * progress.noise:.2f} %"
-    print(f"{pixels} pixels, {samples / pixels:.1f} samples per pixel, {seconds:.1f} s, "
-          f"{samples / (progress.sampling_ended - progress.sampling_started) / 1e6:.3f} million samples/s, noise {noise}")
+    print(
+        f"{pixels} pixels, {samples / pixels:.1f} samples per pixel, {seconds:.1f} s, "
+        f"{samples / (progress.sampling_ended - progress.sampling_started) / 1e6:.3f} million samples/s, noise {noise}"
+    )
     return 0
 
 

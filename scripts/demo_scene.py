@@ -38,8 +38,14 @@ def make_materials() -> dict:
 
     graph = Graph("Parquet")
     bump = graph.bump(graph.texture(image("Parquet height", floor_height, False)), 0.004)
-    made["parquet"] = graph.finish(graph.node(
-        "ShaderNodeBsdfPrincipled", Base_Color=graph.texture(image("Parquet", floor_colour, True)), Roughness=0.28, Normal=bump))
+    made["parquet"] = graph.finish(
+        graph.node(
+            "ShaderNodeBsdfPrincipled",
+            Base_Color=graph.texture(image("Parquet", floor_colour, True)),
+            Roughness=0.28,
+            Normal=bump,
+        )
+    )
 
     graph = Graph("Plaster")
     bump = graph.bump(graph.texture(image("Plaster height", textures.plaster(), False), Scale=(0.6, 0.6, 0.6)), 0.008)
@@ -50,23 +56,40 @@ def make_materials() -> dict:
 
     for name, texture, roughness in (("oak", oak, 0.42), ("walnut", walnut, 0.33)):
         graph = Graph(name.title())
-        made[name] = graph.finish(graph.node(
-            "ShaderNodeBsdfPrincipled", Base_Color=graph.texture(texture), Roughness=roughness))
+        made[name] = graph.finish(
+            graph.node("ShaderNodeBsdfPrincipled", Base_Color=graph.texture(texture), Roughness=roughness)
+        )
 
     for name, colour in (("linen", (0.42, 0.40, 0.36)), ("rust", (0.46, 0.13, 0.05)), ("teal", (0.03, 0.16, 0.18))):
         graph = Graph(name.title())
         bump = graph.bump(graph.texture(weave, Scale=(5.0, 5.0, 5.0)), 0.003, 0.7)
-        made[name] = graph.finish(graph.node(
-            "ShaderNodeBsdfPrincipled", Base_Color=colour, Roughness=0.9, Sheen_Weight=0.35, Sheen_Roughness=0.4, Normal=bump))
+        made[name] = graph.finish(
+            graph.node(
+                "ShaderNodeBsdfPrincipled",
+                Base_Color=colour,
+                Roughness=0.9,
+                Sheen_Weight=0.35,
+                Sheen_Roughness=0.4,
+                Normal=bump,
+            )
+        )
 
     graph = Graph("Rug")
     bump = graph.bump(graph.texture(weave, Scale=(24.0, 24.0, 24.0)), 0.004, 0.8)
-    made["rug"] = graph.finish(graph.node(
-        "ShaderNodeBsdfDiffuse", Color=graph.texture(image("Rug", textures.rug(), True)), Roughness=0.5, Normal=bump))
+    made["rug"] = graph.finish(
+        graph.node(
+            "ShaderNodeBsdfDiffuse", Color=graph.texture(image("Rug", textures.rug(), True)), Roughness=0.5, Normal=bump
+        )
+    )
 
     graph = Graph("Marble")
-    made["marble"] = graph.finish(graph.node(
-        "ShaderNodeBsdfPrincipled", Base_Color=graph.texture(image("Marble", textures.marble(), True)), Roughness=0.12))
+    made["marble"] = graph.finish(
+        graph.node(
+            "ShaderNodeBsdfPrincipled",
+            Base_Color=graph.texture(image("Marble", textures.marble(), True)),
+            Roughness=0.12,
+        )
+    )
 
     graph = Graph("Brass")
     made["brass"] = graph.finish(graph.node("ShaderNodeBsdfAnisotropic", Color=(0.86, 0.62, 0.27), Roughness=0.22))
@@ -87,8 +110,13 @@ def make_materials() -> dict:
     made["leaf"] = graph.finish(graph.node("ShaderNodeMixShader", _0=0.4, _1=surface, _2=through))
 
     graph = Graph("Painting")
-    made["painting"] = graph.finish(graph.node(
-        "ShaderNodeBsdfPrincipled", Base_Color=graph.texture(image("Contours", textures.contours(), True)), Roughness=0.45))
+    made["painting"] = graph.finish(
+        graph.node(
+            "ShaderNodeBsdfPrincipled",
+            Base_Color=graph.texture(image("Contours", textures.contours(), True)),
+            Roughness=0.45,
+        )
+    )
     return made
 
 
@@ -113,21 +141,52 @@ def make_room(made: dict) -> None:
     slat.parent = places
     places.instance_type = "VERTS"
 
-    add("Skirting", box("Skirting", (width, 0.018, 0.09), 0.004), made["white"], location=(x, ROOM["back"] - 0.009, 0.045))
-    add("Skirting", box("Skirting", (0.018, depth, 0.09), 0.004), made["white"], location=(ROOM["right"] - 0.009, y, 0.045))
+    add(
+        "Skirting",
+        box("Skirting", (width, 0.018, 0.09), 0.004),
+        made["white"],
+        location=(x, ROOM["back"] - 0.009, 0.045),
+    )
+    add(
+        "Skirting",
+        box("Skirting", (0.018, depth, 0.09), 0.004),
+        made["white"],
+        location=(ROOM["right"] - 0.009, y, 0.045),
+    )
 
 
 def make_sofa(made: dict, at) -> None:
     x, y, _ = at
     add("Sofa Base", box("Sofa Base", (2.0, 0.82, 0.16), 0.03), made["linen"], location=(x, y, 0.22))
     for side in (-1, 1):
-        add("Sofa Seat", box("Sofa Seat", (0.92, 0.74, 0.18), 0.06, 5), made["linen"], location=(x + side * 0.47, y - 0.04, 0.38))
-        add("Sofa Back", box("Sofa Back", (0.92, 0.20, 0.46), 0.07, 5), made["linen"], location=(x + side * 0.47, y + 0.30, 0.62), rotation=(-10, 0, 0))
-        add("Sofa Arm", box("Sofa Arm", (0.15, 0.86, 0.46), 0.05, 5), made["linen"], location=(x + side * 1.03, y, 0.36))
+        add(
+            "Sofa Seat",
+            box("Sofa Seat", (0.92, 0.74, 0.18), 0.06, 5),
+            made["linen"],
+            location=(x + side * 0.47, y - 0.04, 0.38),
+        )
+        add(
+            "Sofa Back",
+            box("Sofa Back", (0.92, 0.20, 0.46), 0.07, 5),
+            made["linen"],
+            location=(x + side * 0.47, y + 0.30, 0.62),
+            rotation=(-10, 0, 0),
+        )
+        add(
+            "Sofa Arm", box("Sofa Arm", (0.15, 0.86, 0.46), 0.05, 5), made["linen"], location=(x + side * 1.03, y, 0.36)
+        )
         for front in (-1, 1):
-            rod("Sofa Foot", (x + side * 0.95, y + front * 0.34, 0.0), (x + side * 0.93, y + front * 0.32, 0.15), 0.018, made["brass"])
+            rod(
+                "Sofa Foot",
+                (x + side * 0.95, y + front * 0.34, 0.0),
+                (x + side * 0.93, y + front * 0.32, 0.15),
+                0.018,
+                made["brass"],
+            )
     for name, material, place, turn in (
-            ("Cushion Rust", "rust", (-0.66, 0.12, 0.62), (-18, 8, 14)), ("Cushion Teal", "teal", (0.62, 0.12, 0.62), (-20, -12, -10))):
+        ("Cushion Rust", "rust", (-0.66, 0.12, 0.62), (-18, 8, 14)),
+        ("Cushion Teal", "teal", (0.62, 0.12, 0.62), (-20, -12, -10)),
+    ):
         cushion = box(name, (0.42, 0.13, 0.42), 0.06, 5)
         thing = add(name, cushion, made[material], location=(x + place[0], y + place[1], place[2]), rotation=turn)
         thing.modifiers.new("Soft", "SUBSURF").render_levels = 1
@@ -136,39 +195,60 @@ def make_sofa(made: dict, at) -> None:
 def make_table(made: dict, at) -> None:
     x, y, _ = at
     top = 0.735
-    add("Table Top", turned("Table Top", [(0, 0), (0.555, 0), (0.57, 0.008), (0.57, 0.022), (0.56, 0.03), (0, 0.03)], 96), made["marble"], location=(x, y, top - 0.03))
+    add(
+        "Table Top",
+        turned("Table Top", [(0, 0), (0.555, 0), (0.57, 0.008), (0.57, 0.022), (0.56, 0.03), (0, 0.03)], 96),
+        made["marble"],
+        location=(x, y, top - 0.03),
+    )
     # A turned top has its texture wrapped round; marble wants it flat.
     layer = bpy.data.meshes["Table Top"].uv_layers[0]
     for loop, uv in zip(bpy.data.meshes["Table Top"].loops, layer.data):
         place = bpy.data.meshes["Table Top"].vertices[loop.vertex_index].co
         uv.uv = (0.8 * place.x + 0.5, 0.8 * place.y + 0.5)
-    stem = smooth_profile([(0.0, 0.0), (0.27, 0.0), (0.27, 0.012), (0.10, 0.05), (0.045, 0.16), (0.04, 0.40), (0.07, 0.64), (0.16, 0.705)])
+    stem = smooth_profile(
+        [(0.0, 0.0), (0.27, 0.0), (0.27, 0.012), (0.10, 0.05), (0.045, 0.16), (0.04, 0.40), (0.07, 0.64), (0.16, 0.705)]
+    )
     add("Table Stem", turned("Table Stem", stem), made["brass"], location=(x, y, 0.0))
 
     vase = smooth_profile([(0.0, 0.0), (0.055, 0.0), (0.10, 0.09), (0.085, 0.19), (0.038, 0.27), (0.055, 0.33)])
     inner = [(max(r - 0.007, 0.0), max(z, 0.012)) for r, z in reversed(vase)]
     add("Vase", turned("Vase", [*vase, *inner], 96), made["glass"], location=(x - 0.20, y + 0.12, top))
-    ball = turned("Glass Ball", [(0.075 * math.sin(math.pi * i / 32), 0.075 - 0.075 * math.cos(math.pi * i / 32)) for i in range(33)])
+    ball = turned(
+        "Glass Ball",
+        [(0.075 * math.sin(math.pi * i / 32), 0.075 - 0.075 * math.cos(math.pi * i / 32)) for i in range(33)],
+    )
     add("Glass Ball", ball, made["glass"], location=(x - 0.08, y - 0.25, top + 0.0005))
 
     bowl = smooth_profile([(0.0, 0.0), (0.06, 0.0), (0.075, 0.012), (0.15, 0.06), (0.185, 0.11)])
     inside = [(max(r - 0.008, 0.0), z + (0.008 if r < 0.17 else 0.0)) for r, z in reversed(bowl)]
     add("Bowl", turned("Bowl", [*bowl, *inside], 96), made["glaze"], location=(x + 0.22, y + 0.14, top))
-    fruit = turned("Orange", [(0.042 * math.sin(math.pi * i / 20), -0.042 * math.cos(math.pi * i / 20)) for i in range(21)], 40)
+    fruit = turned(
+        "Orange", [(0.042 * math.sin(math.pi * i / 20), -0.042 * math.cos(math.pi * i / 20)) for i in range(21)], 40
+    )
     fruit.materials.append(made["orange"])
-    for index, (dx, dy, dz) in enumerate(((-0.05, 0.02, 0.07), (0.05, 0.03, 0.07), (0.0, -0.055, 0.072), (0.005, 0.015, 0.128))):
+    for index, (dx, dy, dz) in enumerate(
+        ((-0.05, 0.02, 0.07), (0.05, 0.03, 0.07), (0.0, -0.055, 0.072), (0.005, 0.015, 0.128))
+    ):
         add("Orange", fruit, location=(x + 0.22 + dx, y + 0.14 + dy, top + dz), rotation=(20 * index, 40 * index, 0))
 
 
 def make_stools(made: dict) -> None:
     """One stool, instanced as a collection."""
     stool = bpy.data.collections.new("Stool")
-    add("Stool Seat", turned("Stool Seat", [(0, 0.43), (0.165, 0.43), (0.18, 0.442), (0.18, 0.458), (0.165, 0.47), (0, 0.465)], 64), made["walnut"], collection=stool)
+    add(
+        "Stool Seat",
+        turned("Stool Seat", [(0, 0.43), (0.165, 0.43), (0.18, 0.442), (0.18, 0.458), (0.165, 0.47), (0, 0.465)], 64),
+        made["walnut"],
+        collection=stool,
+    )
     for index in range(3):
         angle = 2.0 * math.pi * index / 3 + 0.4
         c, s = math.cos(angle), math.sin(angle)
         rod("Stool Leg", (0.21 * c, 0.21 * s, 0.0), (0.11 * c, 0.11 * s, 0.44), 0.012, made["steel"], stool)
-    ring = [(0.165 + 0.007 * math.cos(a), 0.20 + 0.007 * math.sin(a)) for a in [2 * math.pi * i / 12 for i in range(13)]]
+    ring = [
+        (0.165 + 0.007 * math.cos(a), 0.20 + 0.007 * math.sin(a)) for a in [2 * math.pi * i / 12 for i in range(13)]
+    ]
     add("Stool Ring", turned("Stool Ring", ring, 64), made["steel"], collection=stool)
     for place, turn in (((1.52, 0.22, 0.0), 20), ((0.08, -0.62, 0.0), 75)):
         empty = bpy.data.objects.new("Stool", None)
@@ -179,14 +259,27 @@ def make_stools(made: dict) -> None:
 
 def make_side_table(made: dict, at) -> None:
     x, y, height = at
-    add("Side Table Top", box("Side Table Top", (0.50, 0.50, 0.035), 0.006), made["walnut"], location=(x, y, height - 0.0175))
+    add(
+        "Side Table Top",
+        box("Side Table Top", (0.50, 0.50, 0.035), 0.006),
+        made["walnut"],
+        location=(x, y, height - 0.0175),
+    )
     add("Side Table Shelf", box("Side Table Shelf", (0.44, 0.44, 0.02), 0.004), made["walnut"], location=(x, y, 0.16))
     for dx in (-0.21, 0.21):
         for dy in (-0.21, 0.21):
             rod("Side Table Leg", (x + dx, y + dy, 0.0), (x + dx, y + dy, height - 0.03), 0.012, made["steel"])
-    for index, (size, colour) in enumerate((((0.24, 0.17, 0.03), "teal"), ((0.22, 0.16, 0.025), "white"), ((0.19, 0.14, 0.035), "rust"))):
+    for index, (size, colour) in enumerate(
+        (((0.24, 0.17, 0.03), "teal"), ((0.22, 0.16, 0.025), "white"), ((0.19, 0.14, 0.035), "rust"))
+    ):
         z = 0.17 + sum((0.03, 0.025, 0.035)[:index]) + size[2] / 2
-        add("Book", box("Book", size, 0.003), made[colour], location=(x + 0.02, y - 0.03, z), rotation=(0, 0, 12 * index - 8))
+        add(
+            "Book",
+            box("Book", size, 0.003),
+            made[colour],
+            location=(x + 0.02, y - 0.03, z),
+            rotation=(0, 0, 12 * index - 8),
+        )
 
 
 def make_plant(made: dict, at) -> None:
@@ -207,14 +300,30 @@ def make_plant(made: dict, at) -> None:
         for level in range(5):
             place = foot.lerp(tip, 0.42 + 0.145 * level)
             size = chance.uniform(0.75, 1.15) * (1.05 - 0.08 * level)
-            add("Leaf", shape, location=place, scale=(size,) * 3,
-                rotation=(chance.uniform(15, 45), chance.uniform(-15, 15), math.degrees(turn) + 137.5 * level - 90))
+            add(
+                "Leaf",
+                shape,
+                location=place,
+                scale=(size,) * 3,
+                rotation=(chance.uniform(15, 45), chance.uniform(-15, 15), math.degrees(turn) + 137.5 * level - 90),
+            )
 
 
 def make_painting(made: dict, at) -> None:
     x, y, z = at
-    add("Painting", plane("Painting", (1.20, 0.75), None), made["painting"], location=(x, y - 0.02, z), rotation=(90, 0, 0))
-    for size, dx, dz in (((1.26, 0.035, 0.03), 0.0, 0.39), ((1.26, 0.035, 0.03), 0.0, -0.39), ((0.03, 0.035, 0.75), 0.615, 0.0), ((0.03, 0.035, 0.75), -0.615, 0.0)):
+    add(
+        "Painting",
+        plane("Painting", (1.20, 0.75), None),
+        made["painting"],
+        location=(x, y - 0.02, z),
+        rotation=(90, 0, 0),
+    )
+    for size, dx, dz in (
+        ((1.26, 0.035, 0.03), 0.0, 0.39),
+        ((1.26, 0.035, 0.03), 0.0, -0.39),
+        ((0.03, 0.035, 0.75), 0.615, 0.0),
+        ((0.03, 0.035, 0.75), -0.615, 0.0),
+    ):
         add("Frame", box("Frame", size, 0.003), made["walnut"], location=(x + dx, y - 0.0175, z + dz))
 
 
@@ -231,15 +340,24 @@ def add_lamp(name: str, shape: str, power: float, colour, location, rotation=(0.
 
 def make_lamps(made: dict) -> None:
     x, y, z = 0.85, -0.25, 1.72
-    add_lamp("Ring", "torus", 55.0, (1.0, 0.66, 0.36), (x, y, z), RING_TILT, major_radius=RING_RADIUS, minor_radius=0.038)
+    add_lamp(
+        "Ring", "torus", 55.0, (1.0, 0.66, 0.36), (x, y, z), RING_TILT, major_radius=RING_RADIUS, minor_radius=0.038
+    )
     ring = Euler([math.radians(angle) for angle in RING_TILT])
     for index in range(3):
         angle = 2.0 * math.pi * index / 3 + 0.5
         held = ring.to_matrix() @ Vector((RING_RADIUS * math.cos(angle), RING_RADIUS * math.sin(angle), 0.0))
         rod("Wire", held + Vector((x, y, z)), (x, y, ROOM["height"] - 0.02), 0.0025, made["steel"], steps=8)
-    add("Ceiling Rose", turned("Ceiling Rose", [(0, 0), (0.06, 0), (0.06, 0.03), (0, 0.03)], 40), made["brass"], location=(x, y, ROOM["height"] - 0.03))
+    add(
+        "Ceiling Rose",
+        turned("Ceiling Rose", [(0, 0), (0.06, 0), (0.06, 0.03), (0, 0.03)], 40),
+        made["brass"],
+        location=(x, y, ROOM["height"] - 0.03),
+    )
 
-    add_lamp("Lantern", "difference(box(0.15), sphere(0.195))", 20.0, (1.0, 0.30, 0.08), (-1.93, 1.22, 0.712), (0, 0, 27))
+    add_lamp(
+        "Lantern", "difference(box(0.15), sphere(0.195))", 20.0, (1.0, 0.30, 0.08), (-1.93, 1.22, 0.712), (0, 0, 27)
+    )
     add_lamp("Tube", "capsule", 30.0, (0.12, 0.42, 1.0), (2.16, 1.66, 0.90), (4, 7, 0), radius=0.028, height=1.6)
 
 

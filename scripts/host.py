@@ -9,8 +9,6 @@ import os
 import pathlib
 import sys
 
-import bpy
-
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 PACKAGE = "sdf_lights_checkout"
 ENGINE = "SDF_LIGHTS"
@@ -26,7 +24,8 @@ def register_extension():
         return sys.modules[PACKAGE]
     os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
     spec = importlib.util.spec_from_file_location(
-        PACKAGE, REPOSITORY / "__init__.py", submodule_search_locations=[str(REPOSITORY)])
+        PACKAGE, REPOSITORY / "__init__.py", submodule_search_locations=[str(REPOSITORY)]
+    )
     package = importlib.util.module_from_spec(spec)
     sys.modules[PACKAGE] = package
     spec.loader.exec_module(package)

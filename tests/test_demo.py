@@ -20,7 +20,9 @@ DEMO = [REPOSITORY / "scripts" / "demo"]
 
 
 def run(*arguments, timeout: float = 600.0):
-    return subprocess.run([*DEMO, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, stdin=subprocess.DEVNULL)
+    return subprocess.run(
+        [*DEMO, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, stdin=subprocess.DEVNULL
+    )
 
 
 def pixels(path: pathlib.Path) -> np.ndarray:
@@ -31,7 +33,19 @@ def pixels(path: pathlib.Path) -> np.ndarray:
 
 @pytest.mark.slow  # compiles the kernels where that has not been done
 def test_demo_scene_renders_to_both_files_and_tells_about_it(tmp_path):
-    done = run("--size", "96x54", "--samples", 8, "--no-denoise", "--noise-threshold", 0, "--seed", 3, "--out", tmp_path / "demo")
+    done = run(
+        "--size",
+        "96x54",
+        "--samples",
+        8,
+        "--no-denoise",
+        "--noise-threshold",
+        0,
+        "--seed",
+        3,
+        "--out",
+        tmp_path / "demo",
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     linear, shown = pixels(tmp_path / "demo.exr"), pixels(tmp_path / "demo.png")
     assert OpenImageIO.ImageBuf(str(tmp_path / "demo.exr")).spec().format == OpenImageIO.FLOAT
@@ -45,7 +59,10 @@ def test_demo_scene_renders_to_both_files_and_tells_about_it(tmp_path):
 
     assert str(tmp_path / "demo.exr") in done.stdout
     assert str(tmp_path / "demo.png") in done.stdout
-    said = re.search(r"(\d+) pixels, ([\d.]+) samples per pixel, ([\d.]+) s, ([\d.]+) million samples/s, noise ([\d.]+) %", done.stdout)
+    said = re.search(
+        r"(\d+) pixels, ([\d.]+) samples per pixel, ([\d.]+) s, ([\d.]+) million samples/s, noise ([\d.]+) %",
+        done.stdout,
+    )
     assert said, done.stdout
     assert int(said[1]) == 96 * 54
     assert float(said[2]) == 8.0
@@ -56,7 +73,8 @@ def test_demo_scene_renders_to_both_files_and_tells_about_it(tmp_path):
 def test_reference_renders_a_file_that_is_given(tmp_path):
     """Its own settings hold unless they are overridden; the NumPy back end compiles nothing."""
     script = tmp_path / "make.py"
-    script.write_text(f"""
+    script.write_text(
+        f"""
 import sys
 sys.path.insert(0, {str(REPOSITORY / "scripts")!r})
 import bpy, host
@@ -76,8 +94,12 @@ scene.sdf_lights.samples = 16
 scene.sdf_lights.filter, scene.sdf_lights.filter_width = "BOX", 1.0
 bpy.ops.wm.save_as_mainfile(filepath={str(tmp_path / "lamp.blend")!r})
 host.finish(0)
-""", encoding="utf-8")
-    python = subprocess.run([REPOSITORY / "scripts" / "environment.sh"], capture_output=True, text=True, check=True).stdout.strip()
+""",
+        encoding="utf-8",
+    )
+    python = subprocess.run(
+        [REPOSITORY / "scripts" / "environment.sh"], capture_output=True, text=True, check=True
+    ).stdout.strip()
     subprocess.run([python, script], check=True, timeout=120)
     done = run("--scene", tmp_path / "lamp.blend", "--device", "reference", "--out", tmp_path / "lamp")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -92,16 +114,19 @@ host.finish(0)
     assert colour[0, 0].max() == 0.0
 
 
-@pytest.mark.parametrize("arguments, sentence", [
-    (["--scene", "nowhere.blend"], "there is no file nowhere.blend"),
-    (["--samples", "0"], "'0' is not a number of samples"),
-    (["--samples", "many"], "'many' is not a number of samples"),
-    (["--size", "640"], "'640' is not WIDTHxHEIGHT"),
-    (["--noise-threshold", "nan"], "'nan' is not a relative error"),
-    (["--seed", "-1"], "'-1' is not a seed"),
-    (["--device", "abacus"], "invalid choice: 'abacus'"),
-    (["--colour"], "unrecognized arguments: --colour"),
-])
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        (["--scene", "nowhere.blend"], "there is no file nowhere.blend"),
+        (["--samples", "0"], "'0' is not a number of samples"),
+        (["--samples", "many"], "'many' is not a number of samples"),
+        (["--size", "640"], "'640' is not WIDTHxHEIGHT"),
+        (["--noise-threshold", "nan"], "'nan' is not a relative error"),
+        (["--seed", "-1"], "'-1' is not a seed"),
+        (["--device", "abacus"], "invalid choice: 'abacus'"),
+        (["--colour"], "unrecognized arguments: --colour"),
+    ],
+)
 def test_a_wrong_call_gets_one_sentence(arguments, sentence, capfd):
     assert demo.main(arguments) == 2
     said = capfd.readouterr()

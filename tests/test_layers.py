@@ -15,7 +15,20 @@ PACKAGE = REPOSITORY / "sdf_lights"
 
 # Each layer may import itself and those before it. Modules directly in the package belong to the first layer.
 LAYERS = ("base", "sdf", "emitter", "render", "blender")
-BLENDER_MODULES = {"bpy", "bpy_extras", "mathutils", "gpu", "gpu_extras", "bl_ui", "bl_math", "blf", "bmesh", "addon_utils", "idprop", "nodeitems_utils"}
+BLENDER_MODULES = {
+    "bpy",
+    "bpy_extras",
+    "mathutils",
+    "gpu",
+    "gpu_extras",
+    "bl_ui",
+    "bl_math",
+    "blf",
+    "bmesh",
+    "addon_utils",
+    "idprop",
+    "nodeitems_utils",
+}
 # What a layer may use from outside: Python's own library aside.
 LIBRARIES = {
     "base": {"numpy", "numba", "llvmlite"},
@@ -32,7 +45,7 @@ def layer_of(path: pathlib.Path) -> str:
 
 
 def imports(path: pathlib.Path, source: str) -> list[tuple[str, int]]:
-    """(what, line) for everything that ``source`` imports: a layer as ``layer:NAME``, else a top-level module's name."""
+    """(what, line) for everything that ``source`` imports: a layer as ``layer:NAME``, else a top-level module."""
     found = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -57,8 +70,10 @@ def violations(path: pathlib.Path, source: str) -> list[str]:
     allowed = {f"layer:{name}" for name in LAYERS[: LAYERS.index(layer) + 1]} | LIBRARIES[layer]
     place = path.relative_to(REPOSITORY).as_posix()
     return [
-        f"{place}:{line} imports {what.removeprefix('layer:')}" for what, line in imports(path, source)
-        if what not in allowed and what not in sys.stdlib_module_names]
+        f"{place}:{line} imports {what.removeprefix('layer:')}"
+        for what, line in imports(path, source)
+        if what not in allowed and what not in sys.stdlib_module_names
+    ]
 
 
 SOURCES = sorted(PACKAGE.rglob("*.py"))
@@ -74,9 +89,19 @@ def test_imports_only_its_own_layer_and_those_below(path):
     assert violations(path, path.read_text(encoding="utf-8")) == []
 
 
-@pytest.mark.parametrize("line", [
-    "import bpy", "from mathutils import Vector", "from ..blender import sync", "from .. import blender", "from ..render.scene import Scene",
-    "import sdf_lights.vec", "from ... import something", "import scipy"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import bpy",
+        "from mathutils import Vector",
+        "from ..blender import sync",
+        "from .. import blender",
+        "from ..render.scene import Scene",
+        "import sdf_lights.vec",
+        "from ... import something",
+        "import scipy",
+    ],
+)
 def test_a_wrong_import_is_found(line):
     """Also inside a function, where it would go unnoticed until the call."""
     source = f"def late():\n{textwrap.indent(line, '    ')}\n"
@@ -91,8 +116,10 @@ def test_root_package_imports_nothing_at_module_level():
 
 def test_everything_below_blender_imports_where_bpy_is_missing():
     modules = [
-        ".".join(path.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__init__") for path in SOURCES
-        if layer_of(path) != "blender"]
+        ".".join(path.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__init__")
+        for path in SOURCES
+        if layer_of(path) != "blender"
+    ]
     code = f"""
         import importlib, sys
         sys.path.insert(0, {str(REPOSITORY)!r})
@@ -109,7 +136,9 @@ HEADER = ["SPDX-FileCopyrightText: 2026 SDF Lights authors", "SPDX-License-Ident
 
 
 def tracked(*suffixes: str) -> list[pathlib.Path]:
-    names = subprocess.run(["git", "ls-files"], cwd=REPOSITORY, capture_output=True, text=True, check=True).stdout.split("\n")
+    names = subprocess.run(
+        ["git", "ls-files"], cwd=REPOSITORY, capture_output=True, text=True, check=True
+    ).stdout.split("\n")
     return [REPOSITORY / name for name in names if name.endswith(suffixes) and (REPOSITORY / name).is_file()]
 
 

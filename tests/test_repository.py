@@ -20,7 +20,11 @@ import build_extension  # noqa: E402  (found on the path set above)
 def test_blenders_validator_accepts_the_manifest():
     tool, tags = build_extension.blender_tool()
     done = subprocess.run(
-        [sys.executable, tool, "validate", f"--valid-tags={tags}", REPOSITORY], capture_output=True, text=True, timeout=60)
+        [sys.executable, tool, "validate", f"--valid-tags={tags}", REPOSITORY],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -45,14 +49,20 @@ def test_manifest_of_a_zip_keeps_to_the_blenders_of_its_python(python):
 
 def test_numpy_is_never_bundled():
     assert "numpy" not in build_extension.BUNDLED.read_text(encoding="utf-8").lower().split("#")[0]
-    pins = [line for line in build_extension.BUNDLED.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
+    pins = [
+        line for line in build_extension.BUNDLED.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"
+    ]
     assert {pin.split("==")[0] for pin in pins} == {"numba", "llvmlite", "moderngl", "glcontext"}
 
 
 def run(script: str, *arguments, **environment):
     return subprocess.run(
-        [REPOSITORY / "scripts" / script, *arguments], capture_output=True, text=True, timeout=900,
-        env={**os.environ, **environment})
+        [REPOSITORY / "scripts" / script, *arguments],
+        capture_output=True,
+        text=True,
+        timeout=900,
+        env={**os.environ, **environment},
+    )
 
 
 def test_a_python_that_blender_does_not_run_on_is_named():
@@ -67,7 +77,10 @@ def test_without_any_python_the_cure_is_named(tmp_path):
         (tmp_path / tool).symlink_to(f"/usr/bin/{tool}")
     done = run("environment.sh", PATH=str(tmp_path), PYENV_ROOT=str(tmp_path), PYTHON="")
     assert done.returncode == 3
-    assert done.stderr == "No suitable Python: install Python 3.13 or 3.11 (Blender runs on no other), or name one with PYTHON=/path/to/python.\n"
+    assert done.stderr == (
+        "No suitable Python: install Python 3.13 or 3.11 (Blender runs on no other), "
+        "or name one with PYTHON=/path/to/python.\n"
+    )
 
 
 def test_environment_is_ready_at_once_the_second_time():
@@ -86,8 +99,15 @@ def test_scripts_are_portable_shell():
 
 
 DOCUMENTS = sorted(
-    path for path in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").rglob("*.md"), *(REPOSITORY / "scripts").rglob("*.md"),
-                      *(REPOSITORY / "tests").rglob("*.md"), *(REPOSITORY / "sdf_lights").rglob("*.md")])
+    path
+    for path in [
+        *REPOSITORY.glob("*.md"),
+        *(REPOSITORY / "docs").rglob("*.md"),
+        *(REPOSITORY / "scripts").rglob("*.md"),
+        *(REPOSITORY / "tests").rglob("*.md"),
+        *(REPOSITORY / "sdf_lights").rglob("*.md"),
+    ]
+)
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.relative_to(REPOSITORY).as_posix())

@@ -5,8 +5,8 @@
 - ``HELP``: one line;
 - ``run(options) -> (summary, rows)``: ``summary`` maps names to numbers, ``rows`` is a list of flat dictionaries.
 
-``options`` has ``quick`` (few repeats, small pictures), ``repeats`` (None: the benchmark's own number) and ``device`` (value of
-``scene.sdf_lights.device``).
+``options`` has ``quick`` (few repeats, small pictures), ``repeats`` (None: the benchmark's own number) and ``device``
+(value of ``scene.sdf_lights.device``).
 """
 
 NAMES = ("throughput", "startup")

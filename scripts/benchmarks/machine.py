@@ -15,7 +15,9 @@ import bpy
 
 def _processor() -> str:
     try:
-        found = re.search(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.MULTILINE)
+        found = re.search(
+            r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.MULTILINE
+        )
     except OSError:
         found = None
     return found[1] if found else platform.processor() or platform.machine()
@@ -29,8 +31,12 @@ def cores() -> int:
 def describe() -> dict:
     """Hardware, versions, and how busy the machine is: above ``cores`` the figures are too low."""
     about = dict(
-        processor=_processor(), cores=cores(), system=f"{platform.system()} {platform.release()}",
-        python=platform.python_version(), blender=bpy.app.version_string)
+        processor=_processor(),
+        cores=cores(),
+        system=f"{platform.system()} {platform.release()}",
+        python=platform.python_version(),
+        blender=bpy.app.version_string,
+    )
     for package in ("numpy", "numba", "llvmlite"):
         try:
             about[package] = importlib.metadata.version(package)

@@ -15,7 +15,8 @@ from scenery.modelling import add, box, plane, turned
 DIFFUSE = dict(  # name: colour, centre, half sizes, rotation about z in degrees
     Red=((0.70, 0.15, 0.10), (-1.9, -0.6, 0.35), (0.35, 0.35, 0.35), 20.0),
     Blue=((0.15, 0.25, 0.65), (1.9, 0.9, 0.9), (0.2, 0.2, 0.9), 30.0),
-    Green=((0.25, 0.55, 0.20), (0.0, 0.0, 0.3), (0.15, 0.15, 0.3), 10.0))
+    Green=((0.25, 0.55, 0.20), (0.0, 0.0, 0.3), (0.15, 0.15, 0.3), 10.0),
+)
 
 
 def _material(name: str, kind: str, colour, **inputs):
@@ -41,12 +42,31 @@ def boxes_and_sphere(size: int) -> bpy.types.Scene:
     host.register_extension()
     scene = bpy.context.scene
     diffuse = "ShaderNodeBsdfDiffuse"
-    add("Floor", plane("Floor", (12.0, 10.0)), _material("Floor", diffuse, (0.70, 0.68, 0.65)), location=(0.0, -2.0, 0.0))
-    add("Wall", plane("Wall", (12.0, 7.0)), _material("Wall", diffuse, (0.75, 0.75, 0.75)), location=(0.0, 3.0, 3.5), rotation=(90, 0, 0))
+    add(
+        "Floor",
+        plane("Floor", (12.0, 10.0)),
+        _material("Floor", diffuse, (0.70, 0.68, 0.65)),
+        location=(0.0, -2.0, 0.0),
+    )
+    add(
+        "Wall",
+        plane("Wall", (12.0, 7.0)),
+        _material("Wall", diffuse, (0.75, 0.75, 0.75)),
+        location=(0.0, 3.0, 3.5),
+        rotation=(90, 0, 0),
+    )
     for name, (colour, centre, half, turn) in DIFFUSE.items():
-        add(name, box(name, [2.0 * extent for extent in half]), _material(name, diffuse, colour), location=centre, rotation=(0, 0, turn))
+        add(
+            name,
+            box(name, [2.0 * extent for extent in half]),
+            _material(name, diffuse, colour),
+            location=centre,
+            rotation=(0, 0, turn),
+        )
     steps = 64
-    profile = [(0.45 * math.sin(math.pi * step / steps), -0.45 * math.cos(math.pi * step / steps)) for step in range(steps + 1)]
+    profile = [
+        (0.45 * math.sin(math.pi * step / steps), -0.45 * math.cos(math.pi * step / steps)) for step in range(steps + 1)
+    ]
     glossy = _material("Glossy", "ShaderNodeBsdfAnisotropic", (0.80, 0.75, 0.65), roughness=0.3, distribution="GGX")
     add("Sphere", turned("Sphere", profile, 128), glossy, location=(1.3, -1.4, 0.45))
 
@@ -74,7 +94,9 @@ def plain_cycles(scene, samples: int, bounces: int) -> None:
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", samples, False, False
     cycles.pixel_filter_type = "BOX"
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = cycles.light_sampling_threshold = 0.0
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = cycles.light_sampling_threshold = (
+        0.0
+    )
     cycles.max_bounces = bounces
     cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
 

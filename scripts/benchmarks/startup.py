@@ -75,11 +75,15 @@ def _measure(blend: pathlib.Path, device: str, cache: str) -> dict:
     command = f"from benchmarks import startup; startup.answer({str(blend)!r}, {device!r}, {{!r}})"
     with tempfile.TemporaryDirectory(dir=work_folder()) as folder:
         answer = pathlib.Path(folder) / "answer.json"
-        environment = {
-            **os.environ, "SDF_LIGHTS_CACHE": cache, "PYTHONPATH": str(host.REPOSITORY / "scripts")}
+        environment = {**os.environ, "SDF_LIGHTS_CACHE": cache, "PYTHONPATH": str(host.REPOSITORY / "scripts")}
         done = subprocess.run(
-            [sys.executable, "-c", command.format(str(answer))], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            text=True, timeout=900)
+            [sys.executable, "-c", command.format(str(answer))],
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=900,
+        )
         if not answer.is_file():
             raise RuntimeError(f"The render that was to be timed failed:\n{done.stdout}")
         return json.loads(answer.read_text(encoding="utf-8"))
@@ -107,6 +111,6 @@ def run(options) -> tuple[dict, list[dict]]:
         dict(start="Blender's own share", seconds=statistics.median(measured["blender"] for measured in warm)),
         dict(start="first render after the installation (compiles)", seconds=cold["first"]),
         dict(start="first render of a process", seconds=first),
-        dict(start="later renders", seconds=later)]
-    return dict(
-        startup_seconds=first, startup_seconds_later=later, cold_compile_seconds=cold["first"] - first), rows
+        dict(start="later renders", seconds=later),
+    ]
+    return dict(startup_seconds=first, startup_seconds_later=later, cold_compile_seconds=cold["first"] - first), rows

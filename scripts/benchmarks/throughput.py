@@ -3,7 +3,7 @@
 """Samples a second, against Cycles in the same process, and what a render costs before its first sample.
 
 Boxes and a glossy sphere lit by one point light, direct light only and with four bounces. The engines take turns; a rate
-is the number of further samples over the further time of a long render against a short one, so that neither engine's
+is the number of further samples over the further time of a long render against a short one, so neither engine's
 start-up counts; medians of all turns.
 """
 
@@ -20,7 +20,15 @@ from . import scenes, startup
 
 HELP = "samples a second against Cycles in the same process, and start-up"
 
+ENGINES = ("SDF Lights", "Cycles")
 BOUNCES = (0, 4)
+
+
+def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
+    if name == "Cycles":
+        scenes.plain_cycles(scene, samples, bounces)
+    else:
+        scenes.plain_sdf_lights(scene, samples, bounces, device)
 
 
 def _timed(path: str) -> tuple[float, np.ndarray]:
@@ -52,33 +60,40 @@ def rates(options) -> tuple[dict, list[dict]]:
     path = str(startup.work_folder() / "picture.exr")
     rows, summary = [], {}
     for bounces in BOUNCES:
-        engines = {
-            "SDF Lights": lambda samples: scenes.plain_sdf_lights(scene, samples, bounces, options.device),
-            "Cycles": lambda samples: scenes.plain_cycles(scene, samples, bounces)}
-        seconds = {(name, samples): [] for name in engines for samples in (few, many)}
+        seconds = {(name, samples): [] for name in ENGINES for samples in (few, many)}
         means = {}
         for turn in range(repeats + 1):
-            for name, prepare in engines.items():
+            for name in ENGINES:
                 for samples in (few, many):
-                    prepare(samples)
+                    _prepare(name, scene, samples, bounces, options.device)
                     taken, picture = _timed(path)
                     if turn:  # the first turn compiles and fills caches
                         seconds[name, samples].append(taken)
                     means[name] = float(picture.mean())
         rate = {}
-        for name in engines:
+        for name in ENGINES:
             differences = [long - short for short, long in zip(seconds[name, few], seconds[name, many])]
             rate[name] = size * size * (many - few) / max(statistics.median(differences), 1e-9)
-            rows.append(dict(
-                engine=name, bounces=bounces, samples=many - few, pixels=size * size, repeats=repeats, samples_per_second=rate[name],
-                fastest=size * size * (many - few) / max(min(differences), 1e-9),
-                slowest=size * size * (many - few) / max(max(differences), 1e-9), mean=means[name]))
+            rows.append(
+                dict(
+                    engine=name,
+                    bounces=bounces,
+                    samples=many - few,
+                    pixels=size * size,
+                    repeats=repeats,
+                    samples_per_second=rate[name],
+                    fastest=size * size * (many - few) / max(min(differences), 1e-9),
+                    slowest=size * size * (many - few) / max(max(differences), 1e-9),
+                    mean=means[name],
+                )
+            )
         key = "direct" if bounces == 0 else f"{bounces}_bounces"
         summary[f"samples_per_second_{key}"] = rate["SDF Lights"]
         summary[f"samples_per_second_ratio_to_cycles_{key}"] = rate["SDF Lights"] / rate["Cycles"]
     # The claim is about both, so the smaller of the two ratios stands for them.
     summary["samples_per_second_ratio_to_cycles"] = min(
-        value for name, value in summary.items() if name.startswith("samples_per_second_ratio_to_cycles_"))
+        value for name, value in summary.items() if name.startswith("samples_per_second_ratio_to_cycles_")
+    )
     return summary, rows
 
 

@@ -11,7 +11,15 @@ import bpy
 from mathutils import Matrix, Vector
 
 
-def add(name: str, mesh, *materials, location=(0.0, 0.0, 0.0), rotation=(0.0, 0.0, 0.0), scale=(1.0, 1.0, 1.0), collection=None):
+def add(
+    name: str,
+    mesh,
+    *materials,
+    location=(0.0, 0.0, 0.0),
+    rotation=(0.0, 0.0, 0.0),
+    scale=(1.0, 1.0, 1.0),
+    collection=None,
+):
     """An object in ``collection`` (default: the scene's); rotation is XYZ Euler in degrees."""
     if materials:
         mesh.materials.clear()
@@ -104,9 +112,18 @@ def smooth_profile(points, per_span: int = 8):
     for a, b, c, d in zip(padded, padded[1:], padded[2:], padded[3:]):
         for step in range(per_span):
             t = step / per_span
-            curve.append(tuple(
-                0.5 * (2.0 * q + (r - p) * t + (2.0 * p - 5.0 * q + 4.0 * r - s) * t**2 + (3.0 * q - p - 3.0 * r + s) * t**3)
-                for p, q, r, s in zip(a, b, c, d)))
+            curve.append(
+                tuple(
+                    0.5
+                    * (
+                        2.0 * q
+                        + (r - p) * t
+                        + (2.0 * p - 5.0 * q + 4.0 * r - s) * t**2
+                        + (3.0 * q - p - 3.0 * r + s) * t**3
+                    )
+                    for p, q, r, s in zip(a, b, c, d)
+                )
+            )
     return [(max(radius, 0.0), height) for radius, height in [*curve, points[-1]]]
 
 
@@ -115,7 +132,18 @@ def rod(name: str, start, end, radius: float, material, collection=None, steps: 
     start, end = Vector(start), Vector(end)
     length = (end - start).length
     bevel = 0.25 * radius
-    mesh = turned(name, [(0.0, 0.0), (radius - bevel, 0.0), (radius, bevel), (radius, length - bevel), (radius - bevel, length), (0.0, length)], steps)
+    mesh = turned(
+        name,
+        [
+            (0.0, 0.0),
+            (radius - bevel, 0.0),
+            (radius, bevel),
+            (radius, length - bevel),
+            (radius - bevel, length),
+            (0.0, length),
+        ],
+        steps,
+    )
     thing = add(name, mesh, material, collection=collection)
     thing.matrix_world = Matrix.Translation(start) @ (end - start).to_track_quat("Z", "X").to_matrix().to_4x4()
     return thing
@@ -130,7 +158,9 @@ def leaf(name: str, length: float = 0.34, width: float = 0.11, segments: int = 1
         t = index / segments
         half = 0.5 * width * math.sin(math.pi * t**0.8) ** 0.8 if 0.0 < t < 1.0 else 0.001
         y, z = length * t, 0.55 * length * (0.45 * t - t * t)
-        rows.append([work.verts.new((side * half, y, z + 0.35 * abs(side) * half)) for side in (-1.0, -0.5, 0.0, 0.5, 1.0)])
+        rows.append(
+            [work.verts.new((side * half, y, z + 0.35 * abs(side) * half)) for side in (-1.0, -0.5, 0.0, 0.5, 1.0)]
+        )
     for index, (low, high) in enumerate(zip(rows, rows[1:])):
         for side in range(4):
             face = work.faces.new((low[side], low[side + 1], high[side + 1], high[side]))

@@ -18,7 +18,8 @@ def noise(size: tuple[int, int], frequency: tuple[float, float], seed: int, octa
     """
     random = np.random.default_rng(seed)
     down, across = np.meshgrid(
-        np.fft.fftfreq(size[0], 1.0 / size[0]), np.fft.rfftfreq(size[1], 1.0 / size[1]), indexing="ij")
+        np.fft.fftfreq(size[0], 1.0 / size[0]), np.fft.rfftfreq(size[1], 1.0 / size[1]), indexing="ij"
+    )
     radius = np.hypot(down / frequency[0], across / frequency[1])
     # Amplitude falls as 1/f above the lowest frequency, as a sum of octaves of half the amplitude does.
     band = np.where((radius >= 0.5) & (radius < 2.0**octaves), 1.0 / np.maximum(radius, 1.0) ** 2, 0.0)
@@ -93,7 +94,9 @@ def rug(size: int = 1024) -> np.ndarray:
     v, u = (np.mgrid[0:size, 0:size] + 0.5) / size * 2.0 - 1.0
     wobble = 0.004 * noise((size, size), (4.0, 4.0), 31, 3)
     ring = np.maximum(np.abs(u), np.abs(v)) + wobble
-    palette = np.array([(0.71, 0.64, 0.54), (0.20, 0.25, 0.32), (0.71, 0.64, 0.54), (0.55, 0.27, 0.19), (0.16, 0.19, 0.24)])
+    palette = np.array(
+        [(0.71, 0.64, 0.54), (0.20, 0.25, 0.32), (0.71, 0.64, 0.54), (0.55, 0.27, 0.19), (0.16, 0.19, 0.24)]
+    )
     colour = palette[np.clip((ring * 5.0).astype(int), 0, len(palette) - 1)]
     threads = 0.86 + 0.14 * weave(size, 128)[..., :1]
     return np.clip(colour * threads * (1.0 + 0.05 * noise((size, size), (60.0, 60.0), 32, 3)[..., None]), 0.0, 1.0)

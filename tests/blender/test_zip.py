@@ -32,8 +32,13 @@ def run_session(command: list[str], zip_path: pathlib.Path, folder: pathlib.Path
     environment = {name: value for name, value in os.environ.items() if name != "SDF_LIGHTS_CACHE"}
     environment["BLENDER_USER_RESOURCES"] = str(resources)
     done = subprocess.run(
-        [*command, str(zip_path), str(report)], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-        timeout=600)
+        [*command, str(zip_path), str(report)],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=600,
+    )
     assert report.is_file(), f"Blender ended with code {done.returncode}:\n{done.stdout}"
     seen = json.loads(report.read_text(encoding="utf-8"))
     assert "error" not in seen, seen["error"] + done.stdout
@@ -61,7 +66,7 @@ def judge(seen: dict, printed: str) -> None:
 def judge_wheels(seen: dict) -> None:
     assert "/extensions/.local/" in seen["modules"]["numba"]
     assert "/extensions/.local/" in seen["modules"]["llvmlite"]
-    # Compiled kernels are kept where the user may write, not beside the sources, which go when the extension is updated.
+    # Compiled kernels are kept where the user may write, not beside the sources, which every update removes.
     assert seen["files"]
     assert all(name.startswith("extensions/.user/user_default/sdf_lights/") for name in seen["files"])
 
@@ -92,7 +97,10 @@ def test_without_numba_it_still_renders_and_says_what_is_lost(zip_folder, tmp_pa
 def test_zip_in_a_blender_with_a_window(blender_command, zip_folder, tmp_path):
     told = subprocess.run(
         [*blender_command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
-        capture_output=True, text=True, timeout=120)
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
     found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
     assert found, told.stdout + told.stderr
     path = build_extension.build(build_extension.this_platform(), f"{found[1]}.{found[2]}", zip_folder)
@@ -108,8 +116,20 @@ def test_zip_holds_what_blender_needs_and_nothing_else(zip_folder):
         names = archive.namelist()
     top = {name.partition("/")[0] for name in names}
     assert {"__init__.py", "blender_manifest.toml", "LICENSE", "README.md", "sdf_lights", "wheels"} <= top
-    assert top <= {"__init__.py", "blender_manifest.toml", "LICENSE", "README.md", "sdf_lights", "shaders_glsl", "wheels"}
-    wheels = sorted(name.partition("/")[2].partition("-")[0] for name in names if name.startswith("wheels/") and name.endswith(".whl"))
+    assert top <= {
+        "__init__.py",
+        "blender_manifest.toml",
+        "LICENSE",
+        "README.md",
+        "sdf_lights",
+        "shaders_glsl",
+        "wheels",
+    }
+    wheels = sorted(
+        name.partition("/")[2].partition("-")[0]
+        for name in names
+        if name.startswith("wheels/") and name.endswith(".whl")
+    )
     assert wheels == ["glcontext", "llvmlite", "moderngl", "numba"]
     assert [name for name in names if "__pycache__" in name or "/." in name] == []
     sources = {path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "sdf_lights").rglob("*.py")}

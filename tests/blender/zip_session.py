@@ -76,10 +76,15 @@ def render() -> list[float]:
 
 def state() -> dict:
     """What of the add-on Blender knows at this moment."""
-    engines = [kind for kind in bpy.types.RenderEngine.__subclasses__() if getattr(kind, "bl_idname", "") == "SDF_LIGHTS"]
+    engines = [
+        kind for kind in bpy.types.RenderEngine.__subclasses__() if getattr(kind, "bl_idname", "") == "SDF_LIGHTS"
+    ]
     return dict(
-        engine=any(kind.is_registered for kind in engines), lamp="sdf_lamp" in bpy.types.Light.bl_rna.properties,
-        settings="sdf_lights" in bpy.types.Scene.bl_rna.properties, enabled=EXTENSION in bpy.context.preferences.addons)
+        engine=any(kind.is_registered for kind in engines),
+        lamp="sdf_lamp" in bpy.types.Light.bl_rna.properties,
+        settings="sdf_lights" in bpy.types.Scene.bl_rna.properties,
+        enabled=EXTENSION in bpy.context.preferences.addons,
+    )
 
 
 def session(zip_path: str) -> dict:
@@ -104,7 +109,8 @@ def session(zip_path: str) -> dict:
     bpy.ops.extensions.package_uninstall(repo_index=index, pkg_id="sdf_lights")
     report["removed"] = state()
     report["left"] = sorted(
-        path.relative_to(RESOURCES).as_posix() for path in (RESOURCES / "extensions").rglob("sdf_lights/*.py"))
+        path.relative_to(RESOURCES).as_posix() for path in (RESOURCES / "extensions").rglob("sdf_lights/*.py")
+    )
     return report
 
 
