@@ -34,7 +34,7 @@ def pictures(renderer, name: str, samples: int) -> dict[str, np.ndarray]:
         back_end = renderer(scene, film, lambda: False, lambda text: None)
         assert back_end.sample(0, samples, lambda: False, lambda part: None)
         back_end.finish()
-        assert film.discarded[0] == 0 and not scene.warnings
+        assert not film.discarded.any() and not scene.warnings
         for item in PASSES:
             value = film.read(item).astype(float)
             found[item].append(np.where(value == NO_DEPTH, 0.0, value))
