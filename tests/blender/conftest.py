@@ -152,7 +152,7 @@ def pictures(file, tmp_path):
         image = openimageio.ImageInput.open(str(path))
         part = 0
         while image.seek_subimage(part, 0):
-            spec, pixels = image.spec(), image.read_image(part, 0, 0, -1, openimageio.FLOAT)
+            spec, pixels = image.spec(), image.read_image(openimageio.FLOAT)
             window = np.zeros((spec.full_height, spec.full_width, spec.nchannels), np.float32)
             window[spec.y:spec.y + spec.height, spec.x:spec.x + spec.width] = pixels
             for i, channel in enumerate(spec.channelnames):

@@ -7,7 +7,7 @@ import mathutils
 import numpy as np
 import pytest
 
-from sdf_lights.render.material import NODES, Node
+from sdf_lights.render.material import NODES
 
 
 @pytest.fixture
@@ -200,7 +200,7 @@ def test_displacement_and_volume_are_named(synced, add, quad, material):
 
 def test_textures_bring_their_coordinates(surface):
     def build(tree):
-        image = bpy.data.images.new("Image", 2, 2)
+        image = bpy.data.images.new("Image", 2, 2, alpha=True)
         bsdf = new(tree, "ShaderNodeBsdfPrincipled")
         texture = new(tree, "ShaderNodeTexImage", image=image, interpolation="Closest", extension="CLIP")
         mapping = new(tree, "ShaderNodeMapping", vector_type="TEXTURE", Scale=(2.0, 3.0, 4.0))
@@ -218,17 +218,17 @@ def test_textures_bring_their_coordinates(surface):
         return bsdf.outputs[0]
 
     node, scene = surface(build)
-    assert scene.warnings == [] and len(scene.images) == 1
+    assert scene.warnings == [] and len(scene.images) == 2
     color, alpha, bump = node["base_color"], node["alpha"], node["normal"]
     assert color.settings == dict(
-        image=0, interpolation="Closest", extension="CLIP", projection="FLAT", output="color", associated=False)
-    assert alpha.settings["output"] == "alpha"
+        image=0, interpolation="Closest", extension="CLIP", projection="FLAT", output="color")
+    assert alpha.settings["output"] == "alpha" and alpha.settings["image"] == 0
+    assert bump["normal"]["color"].settings["image"] == 1  # nothing asks for its alpha: colour comes multiplied by it
     assert color["vector"].kind == "mapping" and color["vector"].settings["type"] == "TEXTURE"
     assert color["vector"]["scale"] == (2.0, 3.0, 4.0)
     assert color["vector"]["vector"].settings["uv_map"] == "UVMap"
     assert bump.kind == "bump" and bump.settings["invert"] and bump["distance"] == 0.25
     assert bump["normal"].kind == "normal_map" and bump["normal"]["strength"] == 0.5
-    assert bump["normal"]["color"].settings["associated"]  # alpha is not linked there
     mesh = scene.meshes[0]
     corners = mesh.positions[mesh.triangles][..., :2]
     for name in ("", "UVMap"):
@@ -252,12 +252,15 @@ def test_tangents_of_faces_with_many_corners(synced, add, material):
     assert tangents == pytest.approx(np.broadcast_to([-1.0, 0.0, 0.0, -1.0], (3, 3, 4)), abs=1e-6)
 
 
-def test_meshes_without_uv_maps(surface):
-    """Nothing to read is no error: coordinates are then zero."""
-    node, scene = surface(lambda tree: new(tree, "ShaderNodeTexImage", image=bpy.data.images.new("I", 1, 1)).outputs[0])
-    mesh = bpy.data.meshes[0]
-    mesh.uv_layers.remove(mesh.uv_layers[0])
-    assert node.kind == "image"
+def test_meshes_without_uv_maps(synced, add, quad, material):
+    made, tree, output = material()
+    tree.links.new(new(tree, "ShaderNodeTexImage", image=bpy.data.images.new("Image", 1, 1)).outputs[0], output)
+    data = quad()
+    data.uv_layers.remove(data.uv_layers[0])
+    data.materials.append(made)
+    add("Quad", data)
+    scene = synced()
+    assert scene.meshes[0].uvs == {} and scene.materials[0].surface.kind == "image" and scene.warnings == []
 
 
 # -- world -------------------------------------------------------------------------------------------------------------
@@ -315,8 +318,3 @@ def test_world_that_is_not_understood(world):
     scene = world(build)
     assert scene.world.color == (0.5, 0.25, 0.125)
     assert len(scene.warnings) == 1 and "World 'World'" in scene.warnings[0]
-
-
-def test_node_is_a_plain_node(surface):
-    node, _ = surface(lambda tree: new(tree, "ShaderNodeEmission", Color=(1.0, 0.5, 0.25, 1.0)).outputs[0])
-    assert isinstance(node, Node) and node["color"] == (1.0, 0.5, 0.25)

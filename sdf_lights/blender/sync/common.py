@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import bpy
 import numpy as np
 
 from ...render.scene import Ray
@@ -52,6 +53,13 @@ def visibility_of(item) -> Ray:
         if getattr(item, name):
             rays |= ray
     return rays
+
+
+def node_tree_of(data: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:
+    """The node tree of a material or world; None where it does without nodes, which Blender 5.0 did away with."""
+    if bpy.app.version < (5, 0, 0) and not data.use_nodes:
+        return None
+    return data.node_tree
 
 
 def rgb(value) -> tuple[float, float, float]:

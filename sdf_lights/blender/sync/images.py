@@ -21,25 +21,34 @@ _LINEAR = {"Linear Rec.709", "Linear", "Linear BT.709", "Working Space", "scene_
 
 
 class Images:
-    """Puts each image into the scene once."""
+    """Puts each image into the scene once, or twice where it is wanted with and without its alpha."""
 
     def __init__(self, scene: Scene, warn: Warnings):
         self._scene, self._warn = scene, warn
-        self._known: dict[int, int] = {}
+        self._known: dict[tuple[int, bool], int] = {}
 
-    def index(self, image: bpy.types.Image) -> int:
-        """Index of the image in the scene."""
+    def index(self, image: bpy.types.Image, associated: bool = False) -> int:
+        """Index of the image in the scene; ``associated``: with its colour multiplied by its alpha, as ``pixels_of``."""
         # The original has the pixels that were painted or generated last; evaluated copies share them or have none.
         image = image.original or image
-        key = image.as_pointer()
+        key = image.as_pointer(), associated
         if key not in self._known:
-            self._scene.images.append(Image(image.name, pixels_of(image, self._warn)))
+            self._scene.images.append(Image(image.name, pixels_of(image, associated, self._warn)))
             self._known[key] = len(self._scene.images) - 1
         return self._known[key]
 
 
-def pixels_of(image: bpy.types.Image, warn: Warnings) -> np.ndarray:
-    """(height, width, 4) float32, scene-linear, straight alpha, row 0 at the bottom."""
+def has_alpha(image: bpy.types.Image) -> bool:
+    """Whether Blender understands the image's alpha as how much of the colour is there."""
+    return (image.alpha_mode in {"STRAIGHT", "PREMUL"} and not image.colorspace_settings.is_data
+            and (not image.has_data or image.depth in {16, 32, 64, 128}))
+
+
+def pixels_of(image: bpy.types.Image, associated: bool, warn: Warnings) -> np.ndarray:
+    """(height, width, 4) float32, scene-linear, row 0 at the bottom.
+
+    Alpha is straight, or, with ``associated``, multiplied into colour: before sRGB is decoded, as in Cycles.
+    """
     if image.source == "TILED":
         warn(f"Image '{image.name}' is made of UDIM tiles, which are not supported: its first tile is used everywhere.")
     elif image.source in {"MOVIE", "SEQUENCE"}:
@@ -49,24 +58,14 @@ def pixels_of(image: bpy.types.Image, warn: Warnings) -> np.ndarray:
         warn(f"Image '{image.name}' has no pixels ({image.filepath or 'no file'}): it is shown in magenta; "
              "find the file with File > External Data > Find Missing Files.")
         return np.array(MISSING, np.float32).reshape(1, 1, 4)
-    raw = np.empty(count, np.float32)
-    image.pixels.foreach_get(raw)
-    raw = raw.reshape(height, width, -1)
-    pixels = np.ones((height, width, 4), np.float32)
-    if raw.shape[2] < 3:  # grey, or grey and alpha
-        pixels[..., :3] = raw[..., :1]
-        pixels[..., 3] = raw[..., 1] if raw.shape[2] == 2 else 1.0
-    else:
-        pixels[..., :raw.shape[2]] = raw[..., :4]
-    if image.alpha_mode == "NONE":
-        pixels[..., 3] = 1.0
+    pixels = _read(image, height, width)
+    alpha = pixels[..., 3:]
     if image.is_float:
         # Blender has brought floats to scene-linear already, with colour multiplied by alpha.
-        if image.alpha_mode != "CHANNEL_PACKED":
-            alpha = pixels[..., 3:]
+        if image.alpha_mode != "CHANNEL_PACKED" and not associated:
             np.divide(pixels[..., :3], alpha, out=pixels[..., :3], where=(alpha > 0.0) & (alpha < 1.0))
     else:
-        _linearize(pixels, image, warn)
+        _linearize(pixels, image, associated, warn)
     bad = ~np.isfinite(pixels)
     if bad.any():
         warn(f"Image '{image.name}' has pixels that are not finite numbers: they are taken as 0.")
@@ -74,18 +73,38 @@ def pixels_of(image: bpy.types.Image, warn: Warnings) -> np.ndarray:
     return pixels
 
 
-def _linearize(pixels: np.ndarray, image: bpy.types.Image, warn: Warnings) -> None:
+def _read(image: bpy.types.Image, height: int, width: int) -> np.ndarray:
+    """(height, width, 4) pixels as Blender has them, in the image's encoding if they are bytes."""
+    raw = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(raw)
+    raw = raw.reshape(height, width, -1)
+    channels = raw.shape[2]
+    pixels = np.ones((height, width, 4), np.float32)
+    if channels < 3:  # grey, or grey and alpha
+        pixels[..., :3] = raw[..., :1]
+        pixels[..., 4 - (channels - 1):] = raw[..., 1:]
+    else:
+        pixels[..., :channels] = raw
+    if image.alpha_mode == "NONE":
+        pixels[..., 3] = 1.0
+    return pixels
+
+
+def _linearize(pixels: np.ndarray, image: bpy.types.Image, associated: bool, warn: Warnings) -> None:
     """From the encoding of an image of bytes to scene-linear, in place."""
-    space = image.colorspace_settings
-    if space.is_data or space.name in _LINEAR:
-        return
-    if space.name != "sRGB" and _convert(pixels, space.name):
+    space, color = image.colorspace_settings, pixels[..., :3]
+    is_linear = space.is_data or space.name in _LINEAR
+    if is_linear or space.name != "sRGB" and _convert(pixels, space.name):
+        if associated:
+            color *= pixels[..., 3:]
         return
     if space.name != "sRGB":
         warn(f"Image '{image.name}' is in the colour space {space.name}, which cannot be converted here: "
              "it is taken as sRGB.")
+    if associated:
+        color *= pixels[..., 3:]
     # Bytes have 256 values, so a table is exact.
-    pixels[..., :3] = _srgb_table()[np.rint(pixels[..., :3] * 255.0).astype(np.uint8)]
+    color[:] = _srgb_table()[np.rint(color * 255.0).astype(np.uint8)]
 
 
 @functools.lru_cache(maxsize=1)

@@ -10,7 +10,7 @@ import bpy
 
 from ...render.material import Material, Node
 from ...render.scene import Scene
-from .common import Warnings, rgb
+from .common import Warnings, node_tree_of, rgb
 from .images import Images
 from .nodes import Reader
 
@@ -44,10 +44,11 @@ class Materials:
         return uv_maps, tangents
 
     def _read(self, material: bpy.types.Material) -> Material:
-        if not material.use_nodes or material.node_tree is None:
+        tree = node_tree_of(material)
+        if tree is None:
             return Material(material.name, Node("diffuse", {"color": rgb(material.diffuse_color)}))
         owner = f"Material '{material.name}'"
-        reader = Reader(material.node_tree, owner, self._images, self._warn)
+        reader = Reader(tree, owner, self._images, self._warn)
         output = reader.output()
         if output is None:
             self._warn(f"{owner} has no Material Output node, so it is black: add one and link a shader to its Surface.")

@@ -17,7 +17,7 @@ import numpy as np
 from ...render.material import NODES, Node
 from ...vec import average, luminance
 from .common import Warnings, rgb
-from .images import Images
+from .images import Images, has_alpha
 
 Stack = tuple[bpy.types.Node, ...]  # group nodes that the walk is inside of, outermost first
 
@@ -183,16 +183,15 @@ class Reader:
         if projection == "BOX":
             self.report(node, "box projection is not supported, so it is read as flat")
             projection = "FLAT"
-        associated = False
-        if image is not None and output.identifier == "Color":
+        index = None
+        if image is not None:
             # Blender gives colour times alpha where nothing asks for alpha by itself.
-            opaque = image.colorspace_settings.is_data or image.alpha_mode not in {"STRAIGHT", "PREMUL"}
-            associated = not opaque and not node.outputs["Alpha"].is_linked
-        settings = dict(
-            image=None if image is None else self._images.index(image),
-            # "Smart" is cubic for magnified images in OSL and plain cubic in Cycles.
-            interpolation={"Smart": "Cubic"}.get(node.interpolation, node.interpolation),
-            extension=node.extension, projection=projection, output=output.identifier.lower(), associated=associated)
+            associated = output.identifier == "Color" and not node.outputs["Alpha"].is_linked and has_alpha(image)
+            index = self._images.index(image, associated)
+        # "Smart" interpolation is cubic in Cycles.
+        interpolation = "Cubic" if node.interpolation == "Smart" else node.interpolation
+        settings = dict(image=index, interpolation=interpolation, extension=node.extension, projection=projection,
+                        output=output.identifier.lower())
         vector = self.read(node.inputs["Vector"], None, stack)
         return Node("image", {} if vector is None else {"vector": vector}, settings)
 

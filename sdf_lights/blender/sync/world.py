@@ -9,7 +9,7 @@ import mathutils
 import numpy as np
 
 from ...render.scene import Ray, World
-from .common import Warnings, rgb
+from .common import Warnings, node_tree_of, rgb
 from .images import Images
 from .nodes import Reader
 
@@ -29,10 +29,11 @@ def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> W
     for name, ray in _RAYS.items():  # present only while the Cycles add-on is enabled
         if not getattr(getattr(world, "cycles_visibility", None), name, True):
             visibility &= ~ray
-    if not world.use_nodes or world.node_tree is None:
+    tree = node_tree_of(world)
+    if tree is None:
         return World(rgb(world.color), visibility=visibility)
     owner = f"World '{world.name}'"
-    reader = Reader(world.node_tree, owner, images, warn)
+    reader = Reader(tree, owner, images, warn)
     output = reader.output()
     node, _, stack = (None, None, ()) if output is None else reader.resolve(output.inputs["Surface"])
     if node is None:

@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The engine at F12: what Blender has in its render result afterwards."""
+
+import bpy
+import numpy as np
+import pytest
+
+from sdf_lights.blender.engine import SDFLightsRenderEngine, clock, status
+from sdf_lights.blender.passes import blender_name
+from sdf_lights.render.passes import PASSES
+from sdf_lights.render.session import Progress
+
+
+@pytest.fixture
+def stage(add, quad, lamp, file):
+    """A lit floor."""
+    add("Floor", quad(), scale=(5.0, 5.0, 1.0))
+    return add("Lamp", lamp(radius=0.4), location=(0.0, 0.0, 1.0))
+
+
+@pytest.fixture
+def errors(monkeypatch):
+    """What the engine tells the user as an error; Blender then lets the operator raise."""
+    told = []
+    monkeypatch.setattr(SDFLightsRenderEngine, "report", lambda self, kind, text: told.append((kind, text)), raising=False)
+    return told
+
+
+def combined(pictures) -> np.ndarray:
+    return pictures["ViewLayer"]["Combined"]
+
+
+def test_every_pass_arrives(file, stage, pictures):
+    for item in PASSES:
+        if item.switch:
+            setattr(file.layer.sdf_lights if item.own else file.layer, item.switch, True)
+    found = pictures()["ViewLayer"]
+    assert set(found) == {blender_name(item) for item in PASSES}
+    for item in PASSES:
+        assert found[blender_name(item)].shape == (16, 24, len(item.channels)), item.name
+    assert (found["Sample Count"] == 2.0).all()
+    seen_lamp = found["SDF Lamps"].max()
+    assert seen_lamp > 0.0 and found["Combined"][..., :3].max() == pytest.approx(seen_lamp)
+    floor = found["Position"][0, 12]
+    assert floor[2] == pytest.approx(0.0, abs=1e-4) and -5.0 < floor[1] < 0.0
+    assert found["Depth"][0, 12] == pytest.approx(floor[1] + 5.0, rel=1e-3)
+    assert found["Normal"][0, 12] == pytest.approx([0.0, 0.0, 1.0], abs=1e-5)
+
+
+def test_rows_are_the_right_way_up(file, stage, pictures):
+    """The floor is in the lower half, and nothing lights the upper half but the lamp in its middle."""
+    picture = combined(pictures())[..., :3]
+    assert picture[0].min() > 0.0 and picture[-1].max() == 0.0
+    assert picture[8, 12].min() > 0.0
+
+
+def test_border_is_the_same_picture(file, stage, pictures):
+    whole = combined(pictures())
+    render = file.scene.render
+    render.use_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.8, 0.1, 0.7
+    part = combined(pictures())
+    inside = np.zeros((16, 24), bool)
+    inside[1:11, 6:19] = True
+    assert part.shape == whole.shape
+    assert part[inside] == pytest.approx(whole[inside])
+    assert (part[~inside] == 0.0).all()
+    render.use_crop_to_border = True
+    cropped = combined(pictures())
+    assert cropped.shape == (10, 13, 4)
+    assert cropped == pytest.approx(whole[1:11, 6:19])
+
+
+def test_percentage_and_aspect(file, stage, pictures):
+    file.scene.render.resolution_percentage = 50
+    file.scene.render.pixel_aspect_x = 2.0
+    assert combined(pictures()).shape == (8, 12, 4)
+
+
+def test_view_layers_have_pictures_of_their_own(file, stage, pictures):
+    lit = bpy.data.collections.new("Lit")
+    file.scene.collection.children.link(lit)
+    file.scene.collection.objects.unlink(stage)
+    lit.objects.link(stage)
+    dark = file.scene.view_layers.new("Dark")
+    dark.layer_collection.children["Lit"].exclude = True
+    found = pictures()
+    assert found["ViewLayer"]["Combined"][..., :3].max() > 0.0
+    assert found["Dark"]["Combined"][..., :3].max() == 0.0
+
+
+def test_transparent_film_and_exposure(file, stage, pictures):
+    opaque = combined(pictures())
+    assert (opaque[..., 3] == 1.0).all()
+    file.scene.render.film_transparent, file.scene.sdf_lights.exposure = True, 2.0
+    clear = combined(pictures())
+    assert (clear[-1, :, 3] == 0.0).all() and (clear[0, :, 3] == 1.0).all()
+    assert clear[0, :, :3] == pytest.approx(2.0 * opaque[0, :, :3], rel=1e-5)
+
+
+def test_the_same_seed_gives_the_same_picture(file, stage, pictures):
+    first, again = combined(pictures()), combined(pictures())
+    assert (first == again).all()
+    file.scene.frame_set(2)
+    assert (combined(pictures()) != first).any()
+    file.scene.sdf_lights.animate_seed = False
+    still = combined(pictures())
+    file.scene.frame_set(3)
+    assert (combined(pictures()) == still).all()
+
+
+def test_animation(file, stage, tmp_path):
+    file.scene.frame_start, file.scene.frame_end = 1, 3
+    file.scene.render.filepath = str(tmp_path / "frame")
+    file.scene.render.image_settings.file_format = "PNG"
+    bpy.ops.render.render(animation=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["frame0001.png", "frame0002.png", "frame0003.png"]
+
+
+def test_machine_code_agrees_with_the_reference(file, stage, pictures):
+    file.scene.sdf_lights.samples = 64
+    reference = combined(pictures())[..., :3]
+    file.scene.sdf_lights.device = "CPU"
+    picture = combined(pictures())[..., :3]
+    assert picture.mean() == pytest.approx(reference.mean(), rel=0.05)
+
+
+def test_cancelling_keeps_what_there_is(file, stage, pictures, monkeypatch):
+    """Only the key press is made up: headless Blender has no keyboard."""
+    file.scene.sdf_lights.samples = 1 << 20
+    updates = []
+
+    def pressed(self) -> bool:
+        return len(updates) > 8
+
+    monkeypatch.setattr(SDFLightsRenderEngine, "test_break", pressed, raising=False)
+    monkeypatch.setattr(
+        SDFLightsRenderEngine, "update_progress", lambda self, value: updates.append(value), raising=False)
+    picture = combined(pictures())
+    assert picture[0, :, :3].min() > 0.0
+    assert 0.0 < max(updates[:9]) < 1.0
+
+
+def test_empty_scene_is_black(file, pictures):
+    picture = combined(pictures())
+    assert (picture[..., :3] == 0.0).all() and (picture[..., 3] == 1.0).all()
+
+
+def test_no_camera(file, stage):
+    file.scene.camera = None
+    with pytest.raises(RuntimeError, match="no camera"):
+        bpy.ops.render.render()
+
+
+def test_lamp_inside_a_wall_and_around_the_camera(file, add, quad, lamp, pictures):
+    bpy.ops.mesh.primitive_cube_add(location=(0.0, 0.0, 1.0))
+    add("Inside", lamp(radius=0.25), location=(0.0, 0.0, 1.0))
+    assert combined(pictures())[..., :3].max() == 0.0
+    add("Around", lamp(radius=2.0), location=tuple(file.camera.location))
+    picture = combined(pictures())[..., :3]
+    assert np.isfinite(picture).all() and picture.min() > 0.0
+
+
+def test_bad_input_is_reported_and_the_rest_rendered(file, stage, add, quad, lamp, material, pictures, errors, tmp_path):
+    whole = combined(pictures())
+    assert errors == []
+    add("Zero", lamp(), scale=(0.0, 0.0, 0.0))
+    add("Nowhere", quad(), location=(float("nan"), 0.0, 0.0))
+    add("Hollow", bpy.data.meshes.new("Hollow"))
+    picture = combined(pictures())
+    assert (picture == whole).all()
+    assert [kind for kind, _ in errors] == [{"WARNING"}] * 2
+    assert {name for name in ("'Zero'", "'Nowhere'") for _, text in errors if name in text} == {"'Zero'", "'Nowhere'"}
+
+
+def test_one_sentence_for_an_error(file, stage):
+    file.camera.scale = (0.0, 0.0, 0.0)
+    with pytest.raises(RuntimeError) as caught:
+        bpy.ops.render.render()
+    assert str(caught.value).count("Camera 'Camera'") == 1 and "Traceback" not in str(caught.value)
+    file.camera.scale = (1.0, 1.0, 1.0)
+    assert bpy.ops.render.render() == {"FINISHED"}
+
+
+def test_an_unexpected_error_is_told_too(file, stage, monkeypatch):
+    monkeypatch.setattr("sdf_lights.render.session.render", lambda *arguments, **options: 1 / 0)
+    with pytest.raises(RuntimeError, match="ZeroDivisionError.*--debug-python"):
+        bpy.ops.render.render()
+
+
+def test_rendering_after_enabling_again(file, stage, registered, pictures):
+    before = combined(pictures())
+    registered.unregister()
+    registered.register()
+    file.scene.render.engine = "SDF_LIGHTS"
+    assert (combined(pictures()) == before).all()
+
+
+def test_status():
+    assert clock(0.4) == "00:00" and clock(61.6) == "01:02" and clock(3723.0) == "1:02:03"
+    line = status(Progress("Sample 4/64", 0.0625, 4, 1.0, 15.2, 512 << 20, 0.0123))
+    assert line == "Remaining: 00:15 | Mem: 512M | Noise: 0.0123 | Sample 4/64"
+    assert status(Progress("Preparing")) == "Preparing"
