@@ -37,8 +37,8 @@ def rows_needed(program: np.ndarray) -> tuple[int, int]:
 
 
 @kernel
-def _primitive(row, o, d):
-    """Number of intervals inside one primitive, and their ends; as ``torus_spans``."""
+def primitive_spans(row, o, d):
+    """Number of intervals inside the primitive of one instruction, and their ends; as ``torus_spans``."""
     p = transform_point(row.inverse, o)
     v = transform_vector(row.inverse, d)
     op, size = row.op, row.parameters
@@ -97,11 +97,15 @@ def solve(program, o, d, spans):
     near the shape (``lamps.trace`` moves it there), since the ends are as precise as |o| allows. ``spans`` has at
     least ``rows_needed(program)`` rows. Slivers of rounding size are left to ``regularize``.
     """
-    top = 0
-    for index in range(len(program)):
+    top, index = 0, 0
+    while index < len(program):
         row = program[index]
+        index += 1
         if row.arity == 0:
-            count, a0, b0, a1, b1 = _primitive(row, o, d)
+            count, a0, b0, a1, b1 = primitive_spans(row, o, d)
+            if count == 0 and index < len(program) and program[index].arity > 0 and program[index].op != INTERSECTION:
+                index += 1  # the set below on the stack is left as it is
+                continue
             if count > 0:
                 spans[top, 0], spans[top, 1] = a0, b0
             if count > 1:

@@ -11,6 +11,11 @@ gives a direction, whose density is the integral of r² along the ray,
 over the intervals [c − h, c + h] of the ray inside. Distances and the volume V are those of the world, so no Jacobian
 is needed: the uniform point stays uniform under the lamp's affine transform.
 
+Where V has no closed form the estimate V̂ stands for it in ρ = P/(4π V̂) and in the density alike, while the points stay uniform
+in the true interior. Directions sampled here then give the exact power P, since V̂ cancels in L/p; those that a BSDF
+samples carry V/V̂. Under MIS the two shares w and 1 − w of the light add up to w + (1 − w)·V/V̂: no pixel is off by
+more than the relative error of V̂, whose bound is in ``volume_error``.
+
 Everything the kernels store is relative to the centre of the lamp's bounding box, and rays are moved to their closest
 approach to it: the distance of the camera or of the lamp from the origin costs no digits.
 """
@@ -30,7 +35,7 @@ from . import cells as cell_tree
 from . import volume as volume_integral
 from .cells import ATTEMPTS, CELL, cell_point
 from .hashing import following, seeded, uniform
-from .intervals import regularize, rows_needed, solve
+from .intervals import primitive_spans, regularize, rows_needed, solve
 from .membership import DEEPEST, contains
 from .points import primitive_point
 from .primitives import box_span
@@ -248,6 +253,16 @@ def crosses(block, lamp, o, d, t_max):
 
 
 @kernel
+def _keep(spans, count, distance, start, end):
+    """Append what is left at t ≥ 0 of an interval whose ends are relative to ``distance``; returns the new count."""
+    if distance + end <= 0.0:
+        return count
+    start = max(start, -distance)
+    spans[count, 0], spans[count, 1] = distance + 0.5 * (start + end), 0.5 * (end - start)
+    return count + 1
+
+
+@kernel
 def trace(block, lamp, o, d, spans):
     """All intervals of the ray o + t·d, t ≥ 0, inside the lamp: rows (c, h) of ``spans`` in order; returns their number.
 
@@ -258,22 +273,18 @@ def trace(block, lamp, o, d, spans):
     distance, p = _approach(row, o, d)
     if dot(p, p) >= row.reach * row.reach or distance + row.reach <= 0.0:
         return 0
-    if row.instruction_count > 1:
-        start, end = box_span(p, d, row.half[0], row.half[1], row.half[2])
-        if start > end or distance + end <= 0.0:
-            return 0
+    if row.instruction_count == 1:
+        count, a0, b0, a1, b1 = primitive_spans(instructions(block)[row.first_instruction], p, d)
+        kept = _keep(spans, 0, distance, a0, b0) if count > 0 else 0
+        return _keep(spans, kept, distance, a1, b1) if count > 1 else kept
+    start, end = box_span(p, d, row.half[0], row.half[1], row.half[2])
+    if start > end or distance + end <= 0.0:
+        return 0
     program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
-    count = solve(program, p, d, spans)
-    if row.instruction_count > 1:
-        count = regularize(spans, count, SMALLEST_INTERVAL * row.reach)
+    count = regularize(spans, solve(program, p, d, spans), SMALLEST_INTERVAL * row.reach)
     kept = 0
     for index in range(count):
-        start, end = spans[index, 0], spans[index, 1]
-        if distance + end <= 0.0:
-            continue
-        start = max(start, -distance)
-        spans[kept, 0], spans[kept, 1] = distance + 0.5 * (start + end), 0.5 * (end - start)
-        kept += 1
+        kept = _keep(spans, kept, distance, spans[index, 0], spans[index, 1])
     return kept
 
 
