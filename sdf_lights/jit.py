@@ -23,6 +23,7 @@ try:
     from llvmlite import ir
     from numba import types
     from numba.core import cgutils
+    from numba.core.registry import CPUDispatcher
     from numba.extending import intrinsic
     from numba.np.arrayobj import populate_array
     from numba.np.numpy_support import from_dtype
@@ -94,12 +95,41 @@ def _writable_cache() -> pathlib.Path:
 _KERNELS: list = []
 
 
-def compiled_kernels() -> tuple[int, int]:
-    """(kernels compiled or loaded in this process, kernels declared): how far a first compilation has come."""
-    return sum(1 for compiled in _KERNELS if compiled.overloads), len(_KERNELS)
+def compiled_kernels() -> int:
+    """Kernels that were compiled or loaded in this process: how far a first compilation has come."""
+    return sum(len(dispatcher.overloads) for dispatcher in _KERNELS)
 
 
 if AVAILABLE:
+
+    class _Kernel(CPUDispatcher):
+        """A kernel that other kernels call. Called from Python, it is compiled once more, with what Python needs.
+
+        That wrapper, which hardly any kernel uses, is two thirds of what a small function costs to compile.
+        """
+
+        def __call__(self, *arguments):
+            entry = self.__dict__.get("_entry")
+            if entry is None:
+                entry = self.__dict__["_entry"] = _dispatcher(CPUDispatcher, self.py_func, self.kernel_options, "python")
+            return entry(*arguments)
+
+    def _dispatcher(kind, function, options: dict, folder: str):
+        options = dict(options)
+        cached = options.pop("cache")
+        dispatcher = kind(py_func=function, targetoptions={"nopython": True, "boundscheck": None, **options})
+        dispatcher.kernel_options = {**options, "cache": cached}
+        if cached:
+            # Numba reads this process-wide setting when a function is decorated; other add-ons keep theirs.
+            previous = numba.config.CACHE_DIR
+            source = pathlib.Path(function.__code__.co_filename).resolve()
+            numba.config.CACHE_DIR = str(_writable_cache() / source_hash(source) / folder)
+            try:
+                dispatcher.enable_caching()
+            finally:
+                numba.config.CACHE_DIR = previous
+        _KERNELS.append(dispatcher)
+        return dispatcher
 
     def kernel(function=None, **options):
         """Compile ``function`` with Numba on first use: no GIL, cached on disk, division by zero gives infinity.
@@ -110,19 +140,11 @@ if AVAILABLE:
             return lambda function: kernel(function, **options)
         settings = dict(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH, no_cfunc_wrapper=True)
         settings.update(options)
-        source = pathlib.Path(function.__code__.co_filename).resolve()
-        # Numba reads this process-wide setting when a function is decorated; other add-ons keep theirs.
-        previous = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(_writable_cache() / source_hash(source))
-        try:
-            _KERNELS.append(numba.njit(**settings)(function))
-        finally:
-            numba.config.CACHE_DIR = previous
-        return _KERNELS[-1]
+        compiled = _dispatcher(_Kernel, function, {**settings, "no_cpython_wrapper": True}, "native")
+        compiled.kernel_options = settings
+        return functools.update_wrapper(compiled, function)
 
-    def inner_kernel(function):
-        """A kernel that only kernels call: without the wrappers for Python and C it compiles a third faster."""
-        return kernel(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    inner_kernel = kernel
 
     @intrinsic
     def call_address3(typingctx, address, a, b, c):

@@ -124,6 +124,9 @@ def render(
             if not film.update_active(settings.noise_threshold):
                 break
     renderer.finish()
+    discarded = film.discarded_report()
+    if discarded:
+        scene.warnings.append(discarded)
     if settings.denoise and not cancelled():
         on_progress(Progress("Denoising", 1.0, film.samples, memory=process_memory(), noise=film.noise()))
         from .denoise import denoise_film

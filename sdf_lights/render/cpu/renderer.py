@@ -52,8 +52,8 @@ class CpuRenderer:
         while thread.is_alive():
             if cancelled():
                 return False
-            done, total = jit.compiled_kernels()
-            say(f"Compiling kernels, once for this installation: {done} of {total}" if done else "Loading kernels")
+            done = jit.compiled_kernels()
+            say(f"Compiling kernels, once for this installation: {done} done" if done > 1 else "Loading kernels")
             thread.join(2 * POLL_SECONDS)
         _raise_first(failures)
         return True
