@@ -15,6 +15,7 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY / "scripts"))
 
 import build_extension  # noqa: E402  (found on the path set above)
+import readme_tables  # noqa: E402
 
 
 def test_blenders_validator_accepts_the_manifest():
@@ -116,3 +117,9 @@ def test_links_between_documents_lead_somewhere(path):
     targets = re.findall(r"\]\(([^)#\s]+)", text)
     broken = [target for target in targets if "://" not in target and not (path.parent / target).exists()]
     assert broken == []
+
+
+def test_tables_of_the_readme_are_up_to_date():
+    """If this fails: python scripts/readme_tables.py"""
+    text = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+    assert readme_tables.with_tables(text) == text

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Samples a second, against Cycles in the same process, and what a render costs before its first sample.
 
-Boxes and a glossy sphere lit by one point light, direct light only and with four bounces. The engines take turns; a rate
-is the number of further samples over the further time of a long render against a short one, so neither engine's
+Boxes and a glossy sphere lit by one point light, direct light only and with four bounces. The engines take turns; a
+rate is the number of further samples over the further time of a long render against a short one, so that no engine's
 start-up counts; medians of all turns.
 """
 
