@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Spheres in a white world look as they do in the Cycles of the installed bpy: within 1 % on average, each 3 %."""
 
+import importlib.metadata
 import json
 import pathlib
 import subprocess
@@ -62,7 +63,12 @@ def _ours(kind, inputs):
 @pytest.mark.slow
 @pytest.mark.parametrize("cases", [_GRID, _LAYERS + _NODES], ids=["grid", "lobes"])
 def test_spheres_look_as_in_cycles(cases, tmp_path):
-    pytest.importorskip("bpy")
+    try:
+        version = tuple(map(int, importlib.metadata.version("bpy").split(".")[:2]))
+    except importlib.metadata.PackageNotFoundError:
+        pytest.skip("bpy is not installed")
+    if version < (5, 2):
+        pytest.skip("Cycles before 5.2 loses up to 4 % inside white spheres that mix smooth glass and diffuse")
     (tmp_path / "cases.json").write_text(json.dumps(cases))
     script = pathlib.Path(__file__).with_name("render_spheres.py")
     command = [sys.executable, str(script), str(tmp_path / "cases.json"), str(tmp_path / "result.json")]
