@@ -5,7 +5,7 @@
 import bpy
 
 from ..render.passes import PASSES, Kind, Pass
-from .properties import group, tag
+from .properties import group
 
 # Names before Blender 5.0, which compositor nodes and file names of that time go by.
 _OLD_NAMES = {"Emission": "Emit", "Diffuse Color": "DiffCol"} if bpy.app.version < (5, 0, 0) else {}
@@ -17,7 +17,7 @@ def blender_name(item: Pass) -> str:
 
 
 def _own_switches() -> dict:
-    """A property for each switch of our own; its tooltip describes every pass that it switches on."""
+    """A property for each switch of our own; its tooltip describes every pass behind it."""
     switches: dict[str, list[Pass]] = {}
     for item in PASSES:
         if item.own:
@@ -25,18 +25,14 @@ def _own_switches() -> dict:
     return {
         switch: bpy.props.BoolProperty(
             name=switch.removeprefix("use_pass_").replace("_", " ").title().replace("Sdf", "SDF"),
-            description="; ".join(f"{item.name}: {item.description}" for item in items) if len(items) > 1
-            else items[0].description, default=False, update=_passes_changed)
+            description="; ".join(item.description for item in items), default=False, update=_passes_changed)
         for switch, items in switches.items()}
 
 
 def _passes_changed(self, context):
     """Blender asks the engine again which passes there are, so that the compositor shows their sockets."""
-    tag(self, context)
-    for scene in bpy.data.scenes:
-        if scene == self.id_data:
-            for view_layer in scene.view_layers:
-                view_layer.update_render_passes()
+    for view_layer in self.id_data.view_layers:
+        view_layer.update_render_passes()
 
 
 SDFLIGHTS_ViewLayerSettings = group("SDFLIGHTS_ViewLayerSettings", "Passes of the SDF Lights render engine", _own_switches())
@@ -65,12 +61,12 @@ def enabled_passes(names) -> dict[str, str]:
 
 
 def switches(light: bool) -> list[tuple[Pass, str]]:
-    """Passes with a switch, each switch once, and its label: those of light, or those of data."""
-    found: dict[str, tuple[Pass, str]] = {}
+    """Passes with a switch, each switch once, and a label where Blender's would not do: those of light, or of data."""
+    first: dict[str, Pass] = {}
     for item in PASSES:
-        if item.switch and (item.kind is Kind.COLOR) == light and item.switch not in found:
-            found[item.switch] = item, "" if item.own else item.name
-    return list(found.values())
+        if item.switch:
+            first.setdefault(item.switch, item)
+    return [(item, "" if item.own else item.name) for item in first.values() if (item.kind is Kind.COLOR) == light]
 
 
 CLASSES = (SDFLIGHTS_ViewLayerSettings,)

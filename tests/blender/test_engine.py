@@ -8,6 +8,7 @@ import pytest
 
 from sdf_lights.blender.engine import SDFLightsRenderEngine, clock, status
 from sdf_lights.blender.passes import blender_name
+from sdf_lights.render import session
 from sdf_lights.render.passes import PASSES
 from sdf_lights.render.session import Progress
 
@@ -17,14 +18,6 @@ def stage(add, quad, lamp, file):
     """A lit floor."""
     add("Floor", quad(), scale=(5.0, 5.0, 1.0))
     return add("Lamp", lamp(radius=0.4), location=(0.0, 0.0, 1.0))
-
-
-@pytest.fixture
-def errors(monkeypatch):
-    """What the engine tells the user as an error; Blender then lets the operator raise."""
-    told = []
-    monkeypatch.setattr(SDFLightsRenderEngine, "report", lambda self, kind, text: told.append((kind, text)), raising=False)
-    return told
 
 
 def combined(pictures) -> np.ndarray:
@@ -56,6 +49,7 @@ def test_rows_are_the_right_way_up(file, stage, pictures):
 
 
 def test_border_is_the_same_picture(file, stage, pictures):
+    file.scene.sdf_lights.device = "CPU"  # whose samples belong to a place in the frame
     whole = combined(pictures())
     render = file.scene.render
     render.use_border = True
@@ -129,17 +123,20 @@ def test_machine_code_agrees_with_the_reference(file, stage, pictures):
 def test_cancelling_keeps_what_there_is(file, stage, pictures, monkeypatch):
     """Only the key press is made up: headless Blender has no keyboard."""
     file.scene.sdf_lights.samples = 1 << 20
-    updates = []
+    progress = []
 
-    def pressed(self) -> bool:
-        return len(updates) > 8
+    def render(scene, passes, cancelled, on_progress, on_update):
+        def note(state):
+            progress.append(state)
+            on_progress(state)
 
-    monkeypatch.setattr(SDFLightsRenderEngine, "test_break", pressed, raising=False)
-    monkeypatch.setattr(
-        SDFLightsRenderEngine, "update_progress", lambda self, value: updates.append(value), raising=False)
+        return whole(scene, passes, lambda: cancelled() or len(progress) > 8, note, on_update)
+
+    whole = session.render
+    monkeypatch.setattr(session, "render", render)
     picture = combined(pictures())
     assert picture[0, :, :3].min() > 0.0
-    assert 0.0 < max(updates[:9]) < 1.0
+    assert 0.0 < progress[-1].samples < 1 << 20
 
 
 def test_empty_scene_is_black(file, pictures):
@@ -162,16 +159,16 @@ def test_lamp_inside_a_wall_and_around_the_camera(file, add, quad, lamp, picture
     assert np.isfinite(picture).all() and picture.min() > 0.0
 
 
-def test_bad_input_is_reported_and_the_rest_rendered(file, stage, add, quad, lamp, material, pictures, errors, tmp_path):
+def test_bad_input_is_reported_and_the_rest_rendered(file, stage, add, quad, lamp, pictures, capfd):
     whole = combined(pictures())
-    assert errors == []
+    assert "Warning:" not in capfd.readouterr().out
     add("Zero", lamp(), scale=(0.0, 0.0, 0.0))
     add("Nowhere", quad(), location=(float("nan"), 0.0, 0.0))
     add("Hollow", bpy.data.meshes.new("Hollow"))
     picture = combined(pictures())
     assert (picture == whole).all()
-    assert [kind for kind, _ in errors] == [{"WARNING"}] * 2
-    assert {name for name in ("'Zero'", "'Nowhere'") for _, text in errors if name in text} == {"'Zero'", "'Nowhere'"}
+    told = [line for line in capfd.readouterr().out.splitlines() if line.startswith("Warning: ")]
+    assert len(told) == 2 and "Lamp 'Zero'" in told[0] and "Object 'Nowhere'" in told[1]
 
 
 def test_one_sentence_for_an_error(file, stage):

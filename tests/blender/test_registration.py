@@ -145,8 +145,8 @@ def test_saved_files_keep_lamps(file, add, lamp, tmp_path):
 
 def test_pass_switches(file):
     switches = [item for item in PASSES if item.switch]
+    assert not any(passes.is_enabled(item, file.layer) for item in switches)
     for item in switches:
-        assert not passes.is_enabled(item, file.layer)
         setattr(passes.owner_of(item, file.layer), item.switch, True)
         assert passes.is_enabled(item, file.layer)
     shown = [item.switch for light in (False, True) for item, _ in passes.switches(light)]
