@@ -51,11 +51,11 @@ def chi2_sphere(
     of unit length is a sample the sampler gave up, so the pdf must integrate to the rest.
     ``pdf_fn_batch(directions)`` maps (m, 3) unit vectors to (m,) densities per solid angle.
 
-    The edges in cos θ are quantiles of a pilot run, so narrow distributions fill the bins as well as wide ones do; point
-    ``axis`` at the light. Expected counts come from quadrature² jittered points a bin, and the variance of that estimate
-    is added to the Poisson variance of the counts. Bins that expect fewer than five samples are pooled. A correct
-    sampler fails with probability 1 − ``confidence``: keep the seed fixed, and raise the confidence with the number of
-    tests.
+    The edges in cos θ are quantiles of a pilot run, so narrow distributions fill the bins as well as wide ones do;
+    point ``axis`` at the light. Expected counts come from quadrature² jittered points a bin, and the variance of that
+    estimate is added to the Poisson variance of the counts. Bins that expect fewer than five samples are pooled. A
+    correct sampler fails with probability 1 − ``confidence``: keep the seed fixed, and raise the confidence with the
+    number of tests.
     """
     rng = np.random.default_rng(seed)
     frame = _frame(np.asarray(axis, float))

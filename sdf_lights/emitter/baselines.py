@@ -4,9 +4,9 @@
 
     E = ∫ L(ω) max(0, n·ω) dω,     L(ω) = ρ Σ ∫ profile(x + r·ω) dr over the intervals inside
 
-An estimator is a kernel ``f(block, lamp, x, n, u, spans, shell) -> value`` whose mean over uniform u (``DIMENSIONS`` numbers)
-is E; ``Technique`` names them all. ``shell`` is the profile, the emission at a point relative to the lamp's uniform ρ. Values are
-of the red channel.
+An estimator is a kernel ``f(block, lamp, x, n, u, spans, shell) -> value`` whose mean over uniform u (``DIMENSIONS``
+numbers) is E; ``Technique`` names them all. ``shell`` is the profile, the emission at a point relative to the lamp's
+uniform ρ. Values are of the red channel.
 """
 
 from __future__ import annotations
@@ -162,8 +162,8 @@ def run(technique: Technique, blocks: np.ndarray, lamp: int, x, n, samples: int,
         shell: tuple[float, float, float, float] = EVEN) -> Estimate:
     """Mean and variance of ``samples`` values of an estimator.
 
-    ``blocks`` is a one-element array of a block with the tables of ``lamps.TABLES``; x and n are a world point and the unit
-    normal there. Deterministic for a seed, but for the time.
+    ``blocks`` is a one-element array of a block with the tables of ``lamps.TABLES``; x and n are a world point and the
+    unit normal there. Deterministic for a seed, but for the time.
     """
     rng = np.random.default_rng(seed)
     x, n = tuple(map(float, x)), tuple(map(float, n))

@@ -4,9 +4,9 @@
 
 Boxes that are certainly outside (see ``membership``) are left out, and those certainly inside need no test. A point is
 drawn uniformly from the boxes that are left, by warping one point of the unit cube down the tree: at each node the
-coordinate of the node's axis chooses the side and is stretched back to [0, 1), which keeps stratified numbers stratified.
-Where the point falls outside the shape everything is drawn again, so it is *exactly* uniform in the interior, whatever the
-boxes are: the volume of the interior is not used.
+coordinate of the node's axis chooses the side and is stretched back to [0, 1), which keeps stratified numbers
+stratified. Where the point falls outside the shape everything is drawn again, so it is *exactly* uniform in the
+interior, whatever the boxes are: the volume of the interior is not used.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import kernel
-from .hashing import following, seeded, uniform
-from .membership import BOX, CONE, CYLINDER, classify, classify_primitive, contains
+from .membership import BOX, CONE, CYLINDER, classify, classify_primitive
 
 CELL = np.dtype([
     ("first", np.int64),  # index of the two children, from the root; −1 for a leaf
@@ -92,12 +91,12 @@ def _divide(cells, index, axis, position, place):
 def build(program, low, high, volume, cells):
     """Build the tree of a program with a known volume and bounding box into ``cells``; returns the number of nodes.
 
-    Breadth first, so the largest boxes are divided first: along a flat face where there is one, else in the middle of the
-    axis that makes the most volume certain, or of the longest one relative to the bounding box.
+    Breadth first, so the largest boxes are divided first: along a flat face where there is one, else in the middle of
+    the axis that makes the most volume certain, or of the longest one relative to the bounding box.
     """
     for k in range(3):
         cells[0].low[k], cells[0].high[k] = low[k], high[k]
-    occupied = 0.0 if _certain(program, cells[0]) else cells[0].mass
+    _certain(program, cells[0])
     count, index = 1, 0
     occupied = cells[0].mass
     while index < count and count + 2 <= len(cells) and volume < ENOUGH * occupied:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Intervals of a ray inside a program of primitives and set operations.
 
-Roth 1982, "Ray casting for modeling solids": every primitive gives its intervals in closed form, and set operations merge
-sorted lists of them. All crossings are found, to rounding error, without marching.
+Roth 1982, "Ray casting for modeling solids": every primitive gives its intervals in closed form, and set operations
+merge sorted lists of them. All crossings are found, to rounding error, without marching.
 
 The stack of lists lies in the rows of ``spans``: the (start, end) rows of a list, then one row that holds their number.
 """

@@ -2,19 +2,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A lamp as a light: the interior of a closed-form shape that glows uniformly.
 
-Projection sampling (Huang, Zheng, Xu, Kitamura and Wang 2026, "Efficient Monte Carlo rendering of implicit-shaped volumetric
-emitters", equations 2, 4 and 6; as a solid angle technique already in Simon et al. 2017): a uniform point of the interior
-gives a direction, whose density is the integral of r² along the ray,
+Projection sampling (Huang, Zheng, Xu, Kitamura and Wang 2026, "Efficient Monte Carlo rendering of implicit-shaped
+volumetric emitters", equations 2, 4 and 6; as a solid angle technique already in Simon et al. 2017): a uniform point of
+the interior gives a direction, whose density is the integral of r² along the ray,
 
     p(ω|x) = 1/(3V) Σ (r₊³ − r₋³) = 1/(3V) Σ 2h (3c² + h²),     L(ω) = ρ Σ 2h
 
 over the intervals [c − h, c + h] of the ray inside. Distances and the volume V are those of the world, so no Jacobian
 is needed: the uniform point stays uniform under the lamp's affine transform.
 
-Where V has no closed form the estimate V̂ stands for it in ρ = P/(4π V̂) and in the density alike, while the points stay uniform
-in the true interior. Directions sampled here then give the exact power P, since V̂ cancels in L/p; those that a BSDF
-samples carry V/V̂. Under MIS the two shares w and 1 − w of the light add up to w + (1 − w)·V/V̂: no pixel is off by
-more than the relative error of V̂, whose bound is in ``volume_error``.
+Where V has no closed form the estimate V̂ stands for it in ρ = P/(4π V̂) and in the density alike, while the points
+stay uniform in the true interior. Directions sampled here then give the exact power P, since V̂ cancels in L/p; those
+that a BSDF samples carry V/V̂. Under MIS the two shares w and 1 − w of the light add up to w + (1 − w)·V/V̂: no pixel
+is off by more than the relative error of V̂, whose bound is in ``volume_error``. (Where ρ is given as a density it is
+the other way round: what a BSDF samples is exact, and the lamp's own share carries V̂/V.)
 
 Everything the kernels store is relative to the centre of the lamp's bounding box, and rays are moved to their closest
 approach to it: the distance of the camera or of the lamp from the origin costs no digits.
@@ -154,8 +155,10 @@ def _check_emission(name: str, power: float, density: float | None, color: np.nd
     what, value = ("power", power) if density is None else ("density", density)
     if not (math.isfinite(value) and value > 0.0):
         raise LampError(f"Lamp “{name}”: its {what} is {value:g}, so it gives no light: make it more than zero.")
-    if color.shape != (3,) or not np.isfinite(color).all() or color.min() < 0.0 or not color.max() > 0.0:
-        raise LampError(f"Lamp “{name}”: its color gives no light: choose one that is not black and has no negative part.")
+    if color.shape != (3,) or not np.isfinite(color).all() or color.min() < 0.0:
+        raise LampError(f"Lamp “{name}”: its color has a part that is negative or not a number: choose another color.")
+    if not color.max() > 0.0:
+        raise LampError(f"Lamp “{name}”: its color is black, so it gives no light: choose a brighter one.")
 
 
 @functools.lru_cache(maxsize=256)
@@ -264,7 +267,7 @@ def _keep(spans, count, distance, start, end):
 
 @kernel
 def trace(block, lamp, o, d, spans):
-    """All intervals of the ray o + t·d, t ≥ 0, inside the lamp: rows (c, h) of ``spans`` in order; returns their number.
+    """Write all intervals of the ray o + t·d, t ≥ 0, to ``spans``: rows (c, h) in order. Returns their number.
 
     ``spans`` has at least ``block.lamp_rows`` rows: no shape of the scene can need more, so nothing is ever dropped.
     Intervals and gaps below ``SMALLEST_INTERVAL`` × reach are rounding noise of coincident faces, and removed.
@@ -290,7 +293,7 @@ def trace(block, lamp, o, d, spans):
 
 @kernel
 def direction_pdf(block, lamp, x, n, d, spans, count):
-    """Density per solid angle with which ``sample_direction`` gives d, from the intervals that ``trace`` found from x."""
+    """Density per solid angle of ``sample_direction`` giving d, from the intervals that ``trace`` found from x."""
     total = 0.0
     for index in range(count):
         c, h = spans[index, 0], spans[index, 1]

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Closed-form intervals of a ray inside each primitive.
 
-Every function takes the ray o + s·d in the primitive's own space, where d has any length but zero, and returns values of the
-ray's own parameter s: an affine map keeps them, so they are world distances when the world direction was of unit length.
-Each solves about the ray's closest approach to the primitive, where no digits are lost to the distance of o.
+Every function takes the ray o + s·d in the primitive's own space, where d has any length but zero, and returns values
+of the ray's own parameter s: an affine map keeps them, so they are world distances when the world direction was of unit
+length. Each solves about the ray's closest approach to the primitive, where no digits are lost to the distance of o.
 The interval is (start, end); start > end means that the ray misses.
 """
 

@@ -6,10 +6,11 @@ The columns are skew to the bounding box, so that no face of an axis-aligned sha
 continuous function of the column's place. It is sampled in square strata; each holds two independent estimates, and
 the strata where those differ most are divided until the sum is precise enough.
 
-Columns come in pairs that mirror each other in the stratum's centre: nothing is lost where the length is linear, so only
-creases and curvature are left to the error. Strata are divided until their pairs promise the accuracy; then all columns
-are drawn anew, because strata that were left alone since their pairs happened to agree would bias the sum. The second
-draw gives two independent values of every stratum: the volume is unbiased, and so is the error made of their differences.
+Columns come in pairs that mirror each other in the stratum's centre: nothing is lost where the length is linear, so
+only creases and curvature are left to the error. Strata are divided until their pairs promise the accuracy; then all
+columns are drawn anew, because strata that were left alone since their pairs happened to agree would bias the sum. The
+second draw gives two independent values of every stratum: the volume is unbiased, and so is the error made of their
+differences.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from ..jit import kernel
 from .hashing import following, uniform
 from .intervals import rows_needed, solve
 
-SKEW = (0.3819660112501051, 0.2360679774997897)  # of a column: x and y it moves by while z crosses the box; 1/φ² and 1/φ³
+SKEW = (0.3819660112501051, 0.2360679774997897)  # what a column moves by in x and y while z crosses the box
 SAFETY = 4.0  # standard errors that the stated bound is made of
 GRID = 80  # strata along each side of the first pass
 MOST_STRATA = 24_000

@@ -43,8 +43,8 @@ def test_published_variances(torus, technique, case):
     if case in PUBLISHED[technique]:
         assert estimate.variance == pytest.approx(PUBLISHED[technique][case], rel=0.05)
     else:
-        # A point light inside the lamp: the variance is infinite, so no figure is stable (35 was published, with a mean of
-        # 0.656). What holds for every seed is that it dwarfs all others.
+        # A point light inside the lamp: the variance is infinite, so no figure is stable (35 was published, with a mean
+        # of 0.656). What holds is that it dwarfs all others.
         assert estimate.variance > 25.0
 
 

@@ -101,8 +101,9 @@ def test_torus_roots_lie_on_the_torus(minor):
     angle = rng.uniform(0, 2 * np.pi, 400)
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(400)], axis=1)
     targets = ring + minor * rng.uniform(-1.0, 1.0, (400, 3))
-    origins = [*(3.0 * directions_of(rng, 400)), (3, 0, 0), (0, 0, 3), (1, 0, 3), (3, 1, 0), (-3.0, 1.0 + 0.999999 * minor, 0)]
-    targets = [*targets, (0, 0, 0), (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 1.0 + 0.999999 * minor, 0)]
+    tangent = 1.0 + 0.999999 * minor
+    origins = [*(3.0 * directions_of(rng, 400)), (3, 0, 0), (0, 0, 3), (1, 0, 3), (3, 1, 0), (-3, tangent, 0)]
+    targets = [*targets, (0, 0, 0), (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, tangent, 0)]
     found = 0
     for o, target in zip(np.array(origins, float), np.array(targets, float)):
         d = (target - o) / np.linalg.norm(target - o)
@@ -117,7 +118,7 @@ def test_torus_roots_lie_on_the_torus(minor):
 
 @pytest.mark.parametrize("impact", [0.0, 0.5, 0.99])
 def test_distance_costs_no_digits(impact):
-    """r₊³ − r₋³ of a unit sphere from up to 30,000 radii away, against extended precision; the plain quadratic loses it."""
+    """r₊³ − r₋³ of a sphere from up to 30,000 radii away, in extended precision; the plain quadratic loses it."""
     lamp = Lamps(lamps.build_lamp("ball", Sphere(1.0), np.eye(4)))
     if np.finfo(np.longdouble).eps > 1e-18:
         pytest.skip("no extended precision on this machine")
@@ -181,10 +182,12 @@ def test_axis_parallel_rays():
         assert np.isfinite(lamp.trace((1, 2, 10), (0, 0, -1))).all()
 
 
+SLABS = ((-1.0, 0.03), (-0.45, 0.4), (0.45, 0.4))  # centre and half width along x
+
+
 def slab_field(x, factor=1.0):
-    slabs = ((-1.0, 0.03), (-0.45, 0.4), (0.45, 0.4))
     boxes = []
-    for centre, half in slabs:
+    for centre, half in SLABS:
         q = np.abs(x - (centre, 0.0, 0.0)) - (half, 2.0, 2.0)
         boxes.append(np.linalg.norm(np.maximum(q, 0.0), axis=-1) + np.minimum(q.max(axis=-1), 0.0))
     return factor * np.min(boxes, axis=0)
@@ -221,7 +224,7 @@ def published_march(origins, directions, factor, clamp, divide):
 
 
 def test_stepping_on_fields_that_overestimate():
-    """The published table: only a Lipschitz bound outside saves a field that is three times too steep; intervals need none."""
+    """The published table: only a Lipschitz bound outside saves a field three times too steep; intervals need none."""
     rng = np.random.default_rng(3)
     n = 2000
     origins = np.column_stack([rng.uniform(-1.55, -1.30, n), np.zeros((n, 2))])
@@ -235,7 +238,7 @@ def test_stepping_on_fields_that_overestimate():
         assert np.mean(count == 3) == found
         assert np.mean(np.abs(total - expected)) / expected == pytest.approx(error, rel=0.05, abs=1e-8)
 
-    slabs = Union(*(Transformed(Box((half, 2.0, 2.0)), moved(x)) for x, half in ((-1.0, 0.03), (-0.45, 0.4), (0.45, 0.4))))
+    slabs = Union(*(Transformed(Box((half, 2.0, 2.0)), moved(x)) for x, half in SLABS))
     lamp = Lamps(lamps.build_lamp("slabs", slabs, np.eye(4)))
     for o, d in zip(origins[:1000], directions[:1000]):
         spans = lamp.trace(o, d)

@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from sdf_lights.emitter import lamps, volume
-from sdf_lights.sdf.shapes import Box, Capsule, Cylinder, Difference, Intersection, Sphere, Transformed, Union
+from sdf_lights.sdf.shapes import Box, Cylinder, Difference, Intersection, Sphere, Transformed, Union
 
 from tests.emitter.shapes_under_test import COMPOSITES, PLACEMENTS, PRIMITIVES, SHAPES, moved, turned
 from tests.emitter.support import Lamps
@@ -24,12 +24,14 @@ KNOWN = {
     "lens": (Intersection(Sphere(1.0), Transformed(Sphere(1.0), moved(1.2))), lens(1.0, 1.2)),
     "two balls": (Union(Sphere(1.0), Transformed(Sphere(1.0), moved(0.7, 0.2, 0.1))),
                   8 / 3 * np.pi - lens(1.0, np.sqrt(0.54))),
-    "bicylinder": (Intersection(Cylinder(0.5, 3.0), Transformed(Cylinder(0.5, 3.0), turned(np.pi / 2, 0))), 16 / 3 * 0.125),
+    "bicylinder": (
+        Intersection(Cylinder(0.5, 3.0), Transformed(Cylinder(0.5, 3.0), turned(np.pi / 2, 0))), 16 / 3 * 0.125),
     "shell": (Difference(Sphere(1.0), Sphere(0.98)), 4 / 3 * np.pi * (1 - 0.98**3)),
     "boxes": (Difference(Box((1, 1, 1)), Transformed(Box((0.5, 1, 1)), moved(0.5))), 4.0),
     "drilled ball": (Difference(Sphere(1.0), Cylinder(0.6, 4.0)), np.pi / 6 * 1.6**3),
-    "crossed frames": (Union(*(Transformed(Box((1.0, 0.02, 0.02)), turned(a) @ moved(0, 0, 0.2 * a)) for a in range(5))),
-                       5 * 8 * 1.0 * 0.02**2),
+    "crossed bars": (
+        Union(*(Transformed(Box((1.0, 0.02, 0.02)), turned(a) @ moved(0, 0, 0.2 * a)) for a in range(5))),
+        5 * 8 * 1.0 * 0.02**2),
 }
 
 
@@ -39,13 +41,13 @@ def test_volume_of_composites(name):
     assert shape.volume() is None
     estimate, bound = volume.estimate(shape.program(), *shape.bounds())
     assert abs(estimate - exact) <= max(bound, 1e-9 * exact)
-    thin = name in ("shell", "crossed frames")
+    thin = name in ("shell", "crossed bars")
     assert bound < (1.5e-3 if thin else 1e-4) * exact
 
 
 @pytest.mark.parametrize("name", PRIMITIVES)
 def test_columns_agree_with_closed_forms(name):
-    """Every placement of a primitive goes through the same integral as composites do, and comes out at its own volume."""
+    """A primitive put through the integral that is meant for composites comes out at its own volume."""
     shape = PRIMITIVES[name]
     for matrix in (np.eye(4), PLACEMENTS["sheared"]):
         exact = shape.volume() * abs(np.linalg.det(matrix[:3, :3]))
@@ -55,7 +57,7 @@ def test_columns_agree_with_closed_forms(name):
 
 
 def test_error_bound_is_honest():
-    """The stated standard error covers the true one over many different shapes: the errors in its units are of order one."""
+    """Over many different shapes the errors, in units of the stated standard error, are of order one."""
     rng = np.random.default_rng(4)
     scores = []
     for _ in range(40):
