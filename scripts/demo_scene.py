@@ -341,7 +341,7 @@ def add_lamp(name: str, shape: str, power: float, colour, location, rotation=(0.
 def make_lamps(made: dict) -> None:
     x, y, z = 0.85, -0.25, 1.72
     add_lamp(
-        "Ring", "torus", 55.0, (1.0, 0.66, 0.36), (x, y, z), RING_TILT, major_radius=RING_RADIUS, minor_radius=0.038
+        "Ring", "torus", 55.0, (1.0, 0.66, 0.36), (x, y, z), RING_TILT, major_radius=RING_RADIUS, minor_radius=0.045
     )
     ring = Euler([math.radians(angle) for angle in RING_TILT])
     for index in range(3):
@@ -358,7 +358,7 @@ def make_lamps(made: dict) -> None:
     add_lamp(
         "Lantern", "difference(box(0.15), sphere(0.195))", 20.0, (1.0, 0.30, 0.08), (-1.93, 1.22, 0.712), (0, 0, 27)
     )
-    add_lamp("Tube", "capsule", 30.0, (0.12, 0.42, 1.0), (2.16, 1.66, 0.90), (4, 7, 0), radius=0.028, height=1.6)
+    add_lamp("Tube", "capsule", 30.0, (0.12, 0.42, 1.0), (2.16, 1.66, 0.90), (4, 7, 0), radius=0.04, height=1.6)
 
 
 def make_camera(scene) -> None:
@@ -392,7 +392,8 @@ def build() -> None:
     world = bpy.data.worlds.new("Night")
     world.color = (0.0, 0.0, 0.0)
     scene.world = world
-    scene.render.resolution_x, scene.render.resolution_y = 1280, 720
+    scene.render.resolution_x, scene.render.resolution_y = 960, 540
+    scene.sdf_lights.samples, scene.sdf_lights.denoise = 64, True
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
 
