@@ -14,7 +14,7 @@ import numpy as np
 
 from ... import emitter as lamps
 from ...jit import block_dtype, kernel, table
-from ...vec import add, average, dot, largest, madd, mul, negate, scale, vec
+from ...vec import add, average, dot, largest, length, madd, mul, negate, scale, sub, vec
 from ..scene import Ray
 from . import lights
 from .accumulate import add_sample, is_active, pixel_index
@@ -68,10 +68,32 @@ def spans_of(workspace):
 
 
 @kernel
+def step_size(position):
+    return max(abs(position[0]), abs(position[1]), abs(position[2]), 1e-3) * OFFSET
+
+
+@kernel
 def leave(position, ng, direction):
     """``position`` moved off its surface to the side of ``direction``."""
-    size = max(abs(position[0]), abs(position[1]), abs(position[2]), 1e-3) * OFFSET
+    size = step_size(position)
     return madd(position, size if dot(ng, direction) > 0.0 else -size, ng)
+
+
+@kernel
+def aim(x, start, wi, distance):
+    """Direction and length of a shadow ray from ``start`` to just before the point at ``distance`` from x along wi.
+
+    From x itself it would end before that point; from a start beside x, along the same direction, it could end behind
+    the surface of an emissive triangle and be shadowed by the light.
+    """
+    if distance == np.inf:
+        return wi, np.inf
+    target = madd(x, distance, wi)
+    way = sub(target, start)
+    reach = length(way)
+    if reach <= 0.0:
+        return wi, 0.0
+    return scale(way, 1.0 / reach), max(reach * (1.0 - OFFSET) - 4.0 * step_size(target), 0.0)
 
 
 @kernel
@@ -139,7 +161,7 @@ def competes(block, emitter):
 def shade_triangle(block, workspace, start, wi, distance):
     """Radiance (RGB) of a textured emissive triangle, shaded where the ray meets it."""
     aside = aside_table(workspace)[0]
-    if not intersect(block, aside, start, wi, 0.0, distance * (1.0 + OFFSET), ANY):
+    if not intersect(block, aside, start, wi, 0.0, distance * (1.0 + OFFSET) + 8.0 * step_size(start), ANY):
         return BLACK
     find_surface(block, aside, negate(wi), DIFFUSE, 0.0)
     shade(block, aside)
@@ -181,7 +203,8 @@ def light_vertex(block, workspace):
         return
     start = leave(x, ng, wi)
     if lights.casts_shadow(block, emitter):
-        weight = mul(weight, transmittance(block, workspace, start, wi, distance * (1.0 - OFFSET)))
+        to_light, reach = aim(x, start, wi, distance)
+        weight = mul(weight, transmittance(block, workspace, start, to_light, reach))
         if largest(weight) <= 0.0:
             return
     if lights.triangle_textured(block, emitter):
