@@ -101,13 +101,9 @@ def test_scripts_are_portable_shell():
 
 DOCUMENTS = sorted(
     path
-    for path in [
-        *REPOSITORY.glob("*.md"),
-        *(REPOSITORY / "docs").rglob("*.md"),
-        *(REPOSITORY / "scripts").rglob("*.md"),
-        *(REPOSITORY / "tests").rglob("*.md"),
-        *(REPOSITORY / "sdf_lights").rglob("*.md"),
-    ]
+    for place in (REPOSITORY, *(REPOSITORY / name for name in ("docs", "scripts", "tests", "sdf_lights")))
+    for path in (place.glob("*.md") if place == REPOSITORY else place.rglob("*.md"))
+    if ".pytest_cache" not in path.parts
 )
 
 
