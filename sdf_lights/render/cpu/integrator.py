@@ -276,11 +276,19 @@ def gather_lights(block, workspace, t_to):
 
 
 @kernel
+def uncover(workspace, part):
+    """Take from the sample's alpha what the camera sees through to nothing."""
+    sample = sample_table(workspace)[0]
+    alpha = sample.alpha - part * average(vec(path_table(workspace)[0].throughput))
+    sample.alpha = alpha if alpha > 1e-12 else 0.0  # three thirds may round to less than one
+
+
+@kernel
 def gather_world(block, workspace):
     """Add the background, and end the path in the alpha channel."""
     path = path_table(workspace)[0]
     if path.kind == CAMERA and block.transparent_film:
-        sample_table(workspace)[0].alpha -= average(vec(path.throughput))
+        uncover(workspace, 1.0)
         return
     world = lights.world_emitter(block)
     if not lights.visibility(block, world) & path.kind:
@@ -427,12 +435,13 @@ def trace_path(block, workspace, x, y):
         wo = negate(vec(path.direction))
         find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle)
         if instance_table(block)[surface.instance].holdout:
-            sample.alpha -= average(vec(path.throughput)) if path.kind == CAMERA else 0.0
+            if path.kind == CAMERA:
+                uncover(workspace, 1.0)
             return
         shade(block, workspace)
         gather_surface(block, workspace)
         if path.kind == CAMERA:
-            sample.alpha -= surface.holdout * average(vec(path.throughput))
+            uncover(workspace, surface.holdout)
             if not sample.found and average(vec(surface.transparency)) < 0.5:
                 record_first_surface(block, workspace)
         if path.last:

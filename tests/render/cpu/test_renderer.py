@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The CPU back end as a user of ``session`` meets it: reproducible, interruptible, and right at the edges."""
+
+import time
+
+import numpy as np
+import pytest
+
+from sdf_lights import jit
+from sdf_lights.render import session
+from sdf_lights.render.scene import Instance, Ray
+from sdf_lights.render.settings import Device
+from tests import scenes
+
+pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
+
+
+def render(name="torus_room", width=40, height=30, passes=(), change=lambda scene: None, **settings):
+    scene = scenes.SCENES[name](width, height)
+    scene.settings.device, scene.settings.noise_threshold = Device.CPU, 0.0
+    for key, value in settings.items():
+        setattr(scene.settings, key, value)
+    change(scene)
+    film = session.render(scene, passes)
+    return scene, film
+
+
+@pytest.mark.parametrize("threads", [2, 5])
+def test_threads_change_no_bit(threads):
+    _, one = render(samples=6, threads=1)
+    _, many = render(samples=6, threads=threads)
+    assert np.array_equal(one.read("Combined"), many.read("Combined"))
+
+
+def test_adaptive_sampling_is_reproducible_and_takes_fewer_samples():
+    pictures = [render(samples=96, threads=threads, noise_threshold=0.1, min_samples=16)[1] for threads in (1, 3)]
+    assert np.array_equal(pictures[0].read("Combined"), pictures[1].read("Combined"))
+    count = pictures[0].read("Sample Count")
+    assert count.min() >= 16 and count.mean() < 0.8 * 96 and count.max() <= 96
+
+
+def test_seed_changes_the_noise_and_not_the_light():
+    _, a = render(samples=32, seed=1)
+    _, b = render(samples=32, seed=2)
+    a, b = a.read("Combined")[..., :3], b.read("Combined")[..., :3]
+    assert not np.array_equal(a, b)
+    assert abs(a.mean() / b.mean() - 1.0) < 0.02
+
+
+def test_border_is_the_crop_of_the_frame():
+    def crop(scene):
+        scene.border = (7, 5, 29, 21)
+
+    _, whole = render(samples=4)
+    _, part = render(samples=4, change=crop)
+    assert np.array_equal(part.read("Combined"), whole.read("Combined")[5:21, 7:29])
+
+
+def test_baked_and_instanced_meshes_give_one_picture():
+    """The same box once by itself, once as one of two instances, the other hidden from every ray."""
+    def twice(scene):
+        for instance in list(scene.instances):
+            scene.instances.append(Instance(instance.mesh, instance.matrix, instance.materials, visibility=Ray(0)))
+
+    _, baked = render(samples=16)
+    _, shared = render(samples=16, change=twice)
+    a, b = baked.read("Combined"), shared.read("Combined")
+    # Embree transforms rays in float32 for instances, so a few samples fall on the other side of an edge.
+    assert np.mean(np.abs(a - b).max(axis=2) > 1e-3 * a.max()) < 0.05
+    assert abs(a.mean() / b.mean() - 1.0) < 2e-3
+
+
+def test_lamp_pass_is_all_light_where_lamps_are_the_only_lights():
+    _, film = render(samples=4, passes=("SDF Lamps",))
+    assert np.allclose(film.read("SDF Lamps"), film.read("Combined")[..., :3], rtol=1e-6)
+
+
+def test_cancel_keeps_the_partial_picture_and_is_quick():
+    scene = scenes.SCENES["glass"](400, 300)
+    scene.settings.device, scene.settings.samples, scene.settings.noise_threshold = Device.CPU, 100_000, 0.0
+    began = []
+
+    def progress(state):
+        if state.samples >= 1 and not began:
+            began.append(time.perf_counter())
+
+    film = session.render(scene, (), cancelled=lambda: bool(began), on_progress=progress)
+    assert time.perf_counter() - began[0] < 0.5
+    assert film.read("Combined")[..., :3].max() > 0.0 and film.samples < 100_000
+
+
+def test_time_limit_ends_the_render_with_at_least_one_sample():
+    start = time.perf_counter()
+    _, film = render(samples=1 << 20, width=64, height=48, time_limit=0.5)
+    assert time.perf_counter() - start < 5.0
+    assert 1 <= film.samples < 1 << 20
+
+
+def test_progress_reaches_the_end_and_tells_the_noise():
+    scene = scenes.SCENES["torus_room"](40, 30)
+    scene.settings.device, scene.settings.samples, scene.settings.noise_threshold = Device.CPU, 64, 0.0
+    states = []
+    session.render(scene, (), on_progress=states.append)
+    assert states[-1].fraction == 1.0 and states[-1].samples == 64 and states[-1].noise > 0.0
+    assert all(b.fraction >= a.fraction for a, b in zip(states, states[1:]))
+    assert states[-1].memory > 0
+
+
+def test_bad_lamp_is_named_and_the_rest_still_shines():
+    def spoil(scene):
+        lamp = scenes.torus_lamp(x=0.5)
+        lamp.name, lamp.matrix = "Flat", lamp.matrix @ np.diag([1.0, 1.0, 0.0, 1.0])
+        scene.lamps.append(lamp)
+
+    scene, film = render(samples=2, change=spoil)
+    assert any("Flat" in warning for warning in scene.warnings)
+    assert film.read("Combined")[..., :3].mean() > 0.0
+
+
+def test_empty_scene_is_black():
+    def clear(scene):
+        scene.instances, scene.lamps, scene.lights, scene.meshes = [], [], [], []
+
+    _, film = render(samples=2, change=clear)
+    picture = film.read("Combined")
+    assert not picture[..., :3].any() and np.all(picture[..., 3] == 1.0)
+
+
+def test_transparent_film_has_no_alpha_where_nothing_is():
+    def clear(scene):
+        scene.instances, scene.settings.transparent_film = [], True
+
+    _, film = render(samples=4, change=clear)
+    picture = film.read("Combined")
+    assert not picture[..., 3].any() and picture[..., :3].max() > 0.0, "a lamp glows before nothing, without covering it"
+
+
+def test_no_sample_is_lost_to_infinities():
+    for name in ("glass", "inside_lamp", "emissive_mesh"):
+        scene, film = render(name, samples=8)
+        assert not film.discarded.any() and not scene.warnings
+
+
+@pytest.mark.parametrize("width, height", [(1, 1), (33, 1), (3, 70)])
+def test_odd_sizes(width, height):
+    _, film = render(width=width, height=height, samples=2)
+    assert film.read("Combined").shape == (height, width, 4)
+    assert np.all(film.read("Sample Count") == 2)
