@@ -13,7 +13,7 @@ import tempfile
 import bpy
 import numpy as np
 
-SIZE, SAMPLES, BOUNCES = 64, 32, 64
+SIZE, SAMPLES, BOUNCES = 64, 64, 64
 
 
 def prepare():

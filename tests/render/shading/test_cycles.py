@@ -57,7 +57,7 @@ _NODES = [
 def _ours(kind, inputs):
     inputs = {name.lower().replace(" ", "_"): value for name, value in inputs.items()}
     settings = {"distribution": inputs.pop("distribution")} if "distribution" in inputs else {}
-    return Surface(Node(_KINDS[kind], inputs, settings)).sphere()
+    return Surface(Node(_KINDS[kind], inputs, settings)).sphere(400_000)
 
 
 @pytest.mark.slow
@@ -72,7 +72,7 @@ def test_spheres_look_as_in_cycles(cases, tmp_path):
     (tmp_path / "cases.json").write_text(json.dumps(cases))
     script = pathlib.Path(__file__).with_name("render_spheres.py")
     command = [sys.executable, str(script), str(tmp_path / "cases.json"), str(tmp_path / "result.json")]
-    subprocess.run(command, check=True, capture_output=True, cwd=tmp_path, timeout=600)
+    subprocess.run(command, check=True, capture_output=True, cwd=tmp_path, timeout=1200)
     cycles = np.array(json.loads((tmp_path / "result.json").read_text()))
     ours = np.array([_ours(*case) for case in cases])
     error = np.max(np.abs(ours / cycles - 1.0), axis=1)
