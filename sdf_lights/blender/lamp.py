@@ -37,7 +37,8 @@ def shape_of(lamp) -> Shape:
         name = lamp.shape.lower()
         values = getattr(lamp, name)
         read = {about.name: getattr(values, about.name) for about in PRIMITIVES[name].fields()}
-        shape = PRIMITIVES[name](**{key: value if isinstance(value, float) else tuple(value) for key, value in read.items()})
+        shape = PRIMITIVES[name](
+            **{key: value if isinstance(value, float) else tuple(value) for key, value in read.items()})
     problem = shape.validate()
     if problem:
         raise RenderError(problem)

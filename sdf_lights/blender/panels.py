@@ -126,13 +126,14 @@ _RENDER = (
         "SDFLIGHTS_PT_sampling_viewport", "Viewport", ("noise_threshold", "samples", "min_samples", "time_limit"),
         "SDFLIGHTS_PT_sampling", viewport=True, closed=True),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_viewport_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_viewport", viewport=True, closed=True,
-        header="denoise"),
+        "SDFLIGHTS_PT_sampling_viewport_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_viewport", viewport=True,
+        closed=True, header="denoise"),
     _settings_panel(
         "SDFLIGHTS_PT_sampling_render", "Render", ("noise_threshold", "samples", "min_samples", "time_limit"),
         "SDFLIGHTS_PT_sampling"),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_render_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_render", closed=True, header="denoise"),
+        "SDFLIGHTS_PT_sampling_render_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_render", closed=True,
+        header="denoise"),
     _settings_panel(
         "SDFLIGHTS_PT_sampling_advanced", "Advanced", ("seed", "animate_seed"), "SDFLIGHTS_PT_sampling", closed=True),
     _settings_panel("SDFLIGHTS_PT_light_paths", "Light Paths", (), closed=True),
@@ -143,7 +144,8 @@ _RENDER = (
     _settings_panel(
         "SDFLIGHTS_PT_light_paths_clamping", "Clamping", ("clamp_direct", "clamp_indirect"), "SDFLIGHTS_PT_light_paths",
         closed=True),
-    _settings_panel("SDFLIGHTS_PT_light_paths_caustics", "Caustics", ("caustics",), "SDFLIGHTS_PT_light_paths", closed=True),
+    _settings_panel(
+        "SDFLIGHTS_PT_light_paths_caustics", "Caustics", ("caustics",), "SDFLIGHTS_PT_light_paths", closed=True),
     SDFLIGHTS_PT_film,
     SDFLIGHTS_PT_performance,
 )
@@ -232,7 +234,7 @@ def draw_readout(layout, light, obj) -> None:
             raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
         lines = _facts(shape, matrix.tobytes())
     except RenderError as error:
-        for i, line in enumerate(textwrap.wrap(str(error), 40)):
+        for i, line in enumerate(textwrap.wrap(str(error), 34)):
             column.label(text=line, icon="NONE" if i else "ERROR")
         return
     for line in lines:

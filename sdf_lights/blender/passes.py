@@ -35,7 +35,8 @@ def _passes_changed(self, context):
         view_layer.update_render_passes()
 
 
-SDFLIGHTS_ViewLayerSettings = group("SDFLIGHTS_ViewLayerSettings", "Passes of the SDF Lights render engine", _own_switches())
+SDFLIGHTS_ViewLayerSettings = group(
+    "SDFLIGHTS_ViewLayerSettings", "Passes of the SDF Lights render engine", _own_switches())
 
 
 def owner_of(item: Pass, view_layer: bpy.types.ViewLayer):

@@ -55,7 +55,8 @@ def _setting(field: dataclasses.Field, default):
     if isinstance(default, int):
         return bpy.props.IntProperty(default=default, **limits, **common)
     if about["unit"]:
-        common["unit"] = about["unit"]
+        # Blender's TIME counts frames.
+        common["unit"] = "TIME_ABSOLUTE" if about["unit"] == "TIME" else about["unit"]
     # Three digits hide a threshold of 0.0005.
     return bpy.props.FloatProperty(default=default, precision=4, **limits, **common)
 
@@ -155,8 +156,9 @@ SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an 
         name="Normalize", description="The power is that of the whole lamp, whatever its size and shape; "
         "otherwise the radiance gained per metre stays the same", default=True, update=tag),
     "density": bpy.props.FloatProperty(
-        name="Radiance per Metre", description="Radiance (watts per square metre and steradian) that a ray gains in each metre "
-        "inside the lamp", default=1.0, min=0.0, soft_max=100.0, precision=3, update=tag),
+        name="Radiance per Metre",
+        description="Radiance (watts per square metre and steradian) that a ray gains in each metre inside the lamp",
+        default=1.0, min=0.0, soft_max=100.0, precision=3, update=tag),
     "visible_camera": bpy.props.BoolProperty(
         # Blender creates every light hidden from the camera, which is for lights without a shape of their own.
         name="Camera", description="The camera sees the lamp itself; the object's own switch is for the light it is to "

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from sdf_lights.blender.engine import SDFLightsRenderEngine, clock, status
+from sdf_lights.blender.engine import clock, status
 from sdf_lights.blender.passes import blender_name
 from sdf_lights.render import session
 from sdf_lights.render.passes import PASSES

@@ -131,7 +131,8 @@ def test_sun(synced, light):
 
 
 @pytest.mark.parametrize(("shape", "ellipse", "size"), [
-    ("SQUARE", False, (2.0, 2.0)), ("RECTANGLE", False, (2.0, 0.5)), ("DISK", True, (2.0, 2.0)), ("ELLIPSE", True, (2.0, 0.5))])
+    ("SQUARE", False, (2.0, 2.0)), ("RECTANGLE", False, (2.0, 0.5)), ("DISK", True, (2.0, 2.0)),
+    ("ELLIPSE", True, (2.0, 0.5))])
 def test_area(synced, light, shape, ellipse, size):
     light("AREA", shape=shape, size=2.0, size_y=0.5, spread=1.0)
     [found] = synced().lights

@@ -43,17 +43,20 @@ def new(tree, kind: str, **values):
 def test_principled_has_every_input(surface):
     def build(tree):
         return new(
-            tree, "ShaderNodeBsdfPrincipled", Base_Color=(0.1, 0.2, 0.3, 1.0), Metallic=0.25, Roughness=0.75, IOR=1.75, Alpha=0.5,
-            Diffuse_Roughness=0.125, Specular_IOR_Level=0.625, Specular_Tint=(0.5, 1.0, 0.5, 1.0), Transmission_Weight=0.375,
+            tree, "ShaderNodeBsdfPrincipled", Base_Color=(0.1, 0.2, 0.3, 1.0), Metallic=0.25, Roughness=0.75, IOR=1.75,
+            Alpha=0.5, Diffuse_Roughness=0.125, Specular_IOR_Level=0.625, Specular_Tint=(0.5, 1.0, 0.5, 1.0),
+            Transmission_Weight=0.375,
             Coat_Weight=0.5, Coat_Roughness=0.25, Coat_IOR=1.25, Coat_Tint=(1.0, 0.5, 1.0, 1.0), Sheen_Weight=0.75,
-            Sheen_Roughness=0.25, Sheen_Tint=(0.25, 0.5, 1.0, 1.0), Emission_Color=(1.0, 0.0, 0.5, 1.0), Emission_Strength=2.0,
+            Sheen_Roughness=0.25, Sheen_Tint=(0.25, 0.5, 1.0, 1.0), Emission_Color=(1.0, 0.0, 0.5, 1.0),
+            Emission_Strength=2.0,
         ).outputs["BSDF"]
 
     node, scene = surface(build)
     assert node.kind == "principled" and scene.warnings == []
     expected = dict(
         base_color=(0.1, 0.2, 0.3), metallic=0.25, roughness=0.75, ior=1.75, alpha=0.5, diffuse_roughness=0.125,
-        specular_ior_level=0.625, specular_tint=(0.5, 1.0, 0.5), transmission_weight=0.375, coat_weight=0.5, coat_roughness=0.25,
+        specular_ior_level=0.625, specular_tint=(0.5, 1.0, 0.5), transmission_weight=0.375, coat_weight=0.5,
+        coat_roughness=0.25,
         coat_ior=1.25, coat_tint=(1.0, 0.5, 1.0), sheen_weight=0.75, sheen_roughness=0.25, sheen_tint=(0.25, 0.5, 1.0),
         emission_color=(1.0, 0.0, 0.5), emission_strength=2.0)
     assert set(expected) | {"normal", "coat_normal"} == set(NODES["principled"])
@@ -66,7 +69,8 @@ def test_principled_has_every_input(surface):
     ("Diffuse", "diffuse"), ("Anisotropic", "glossy"), ("Glass", "glass"), ("Refraction", "refraction"),
     ("Transparent", "transparent"), ("Translucent", "translucent")])
 def test_closures(surface, name, kind):
-    node, scene = surface(lambda tree: new(tree, f"ShaderNodeBsdf{name}", Color=(0.5, 0.25, 0.125, 1.0)).outputs["BSDF"])
+    node, scene = surface(
+        lambda tree: new(tree, f"ShaderNodeBsdf{name}", Color=(0.5, 0.25, 0.125, 1.0)).outputs["BSDF"])
     assert node.kind == kind and node["color"] == (0.5, 0.25, 0.125) and scene.warnings == []
 
 

@@ -28,13 +28,15 @@ def traces() -> set[str]:
     for base in (bpy.types.PropertyGroup, bpy.types.Panel, bpy.types.Operator, bpy.types.Menu, bpy.types.RenderEngine):
         found |= {kind.__name__ for kind in base.__subclasses__()
                   if "sdflights" in kind.__name__.lower() and getattr(kind, "is_registered", False)}
-    found |= {panel.__name__ for panel in bpy.types.Panel.__subclasses__() if ENGINE in getattr(panel, "COMPAT_ENGINES", ())}
-    found |= {str(draw) for draw in getattr(bpy.types.VIEW3D_MT_light_add.draw, "_draw_funcs", ()) if "sdf" in draw.__module__}
+    found |= {panel.__name__ for panel in bpy.types.Panel.__subclasses__()
+              if ENGINE in getattr(panel, "COMPAT_ENGINES", ())}
+    found |= {str(draw) for draw in bpy.types.VIEW3D_MT_light_add._dyn_ui_initialize() if "sdf" in draw.__module__}
     return found
 
 
 def test_registering_twice_and_leaving_nothing_behind(registered):
     everything = traces()
+    assert any("draw_menu" in name for name in everything)
     assert {"Scene.sdf_lights", "Light.sdf_lamp", "ViewLayer.sdf_lights", "SDFLightsRenderEngine"} <= everything
     registered.register()
     assert traces() == everything
@@ -47,7 +49,8 @@ def test_registering_twice_and_leaving_nothing_behind(registered):
 
 def test_enabling_does_not_wait_for_numba():
     code = (
-        "import sys, time; import bpy, numpy; started = time.process_time(); import sdf_lights.blender as b; b.register(); "
+        "import sys, time; import bpy, numpy; started = time.process_time(); "
+        "import sdf_lights.blender as b; b.register(); "
         "spent = time.process_time() - started; print(spent, 'numba' in sys.modules, flush=True); "
         "import os; os._exit(0)")  # Blender's own way out is slow
     done = subprocess.run(
@@ -86,8 +89,9 @@ def test_settings_are_read_back(file):
 
 def test_every_shape_parameter_has_a_property(lamp, file):
     group = lamp().sdf_lamp
-    assert {item.identifier.lower() for item in group.bl_rna.properties["shape"].enum_items} == set(properties.PRIMITIVES)
-    assert len({item.value for item in group.bl_rna.properties["shape"].enum_items}) == len(properties.PRIMITIVES)
+    items = group.bl_rna.properties["shape"].enum_items
+    assert {item.identifier.lower() for item in items} == set(properties.PRIMITIVES)
+    assert len({item.value for item in items}) == len(properties.PRIMITIVES)
     for name, shape in properties.PRIMITIVES.items():
         for about in shape.fields():
             prop = getattr(group, name).bl_rna.properties[about.name]
@@ -108,7 +112,8 @@ def test_changes_from_python_tag_their_owner(file, add, lamp):
     bpy.app.handlers.depsgraph_update_post.append(listen)
     try:
         for owner, name, value in (
-                (data.sdf_lamp.sphere, "radius", 0.75), (data.sdf_lamp, "shape", "TORUS"), (file.scene.sdf_lights, "samples", 9)):
+                (data.sdf_lamp.sphere, "radius", 0.75), (data.sdf_lamp, "shape", "TORUS"),
+                (file.scene.sdf_lights, "samples", 9)):
             bpy.context.view_layer.update()
             heard.clear()
             setattr(owner, name, value)

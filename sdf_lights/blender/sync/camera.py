@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import math
-
 import bpy
 import numpy as np
 
@@ -37,7 +35,8 @@ def camera_of(
         camera.latitude = data.latitude_min, data.latitude_max
         camera.longitude = data.longitude_min, data.longitude_max
         if data.panorama_type != "EQUIRECTANGULAR":
-            warn(f"Camera '{obj.name}' is a panorama of a kind that is not supported: it is rendered as equirectangular.")
+            warn(f"Camera '{obj.name}' is a panorama of a kind that is not supported: "
+                 "it is rendered as equirectangular.")
     else:
         if data.type == "ORTHO":
             camera.projection = Projection.ORTHOGRAPHIC

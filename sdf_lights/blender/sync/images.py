@@ -28,7 +28,7 @@ class Images:
         self._known: dict[tuple[int, bool], int] = {}
 
     def index(self, image: bpy.types.Image, associated: bool = False) -> int:
-        """Index of the image in the scene; ``associated``: with its colour multiplied by its alpha, as ``pixels_of``."""
+        """Index of the image in the scene; ``associated``: its colour is multiplied by its alpha, as ``pixels_of``."""
         # The original has the pixels that were painted or generated last; evaluated copies share them or have none.
         image = image.original or image
         key = image.as_pointer(), associated
@@ -52,7 +52,8 @@ def pixels_of(image: bpy.types.Image, associated: bool, warn: Warnings) -> np.nd
     if image.source == "TILED":
         warn(f"Image '{image.name}' is made of UDIM tiles, which are not supported: its first tile is used everywhere.")
     elif image.source in {"MOVIE", "SEQUENCE"}:
-        warn(f"Image '{image.name}' is a movie or a sequence, which is not supported: one frame of it is used throughout.")
+        warn(f"Image '{image.name}' is a movie or a sequence, which is not supported: "
+             "one frame of it is used throughout.")
     count, (width, height) = len(image.pixels), image.size  # asking for pixels loads the file, and so sets the size
     if not count or not width or not height:
         warn(f"Image '{image.name}' has no pixels ({image.filepath or 'no file'}): it is shown in magenta; "

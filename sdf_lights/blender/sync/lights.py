@@ -26,7 +26,8 @@ def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: W
     color = _color(data, warn)
     power = data.energy * 2.0**data.exposure
     if not all(map(math.isfinite, (*color, power))):
-        raise RenderError(f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again.")
+        raise RenderError(
+            f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again.")
     if data.sdf_lamp.use:
         return _lamp(name, data, matrix, power, color, visibility)
     if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
@@ -59,7 +60,8 @@ def _color(data: bpy.types.Light, warn: Warnings) -> RGB:
 
 def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, power: float, color: RGB, visibility: Ray) -> Lamp:
     if is_flat(matrix):
-        raise RenderError(f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale.")
+        raise RenderError(
+            f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale.")
     lamp = data.sdf_lamp
     try:
         shape = shape_of(lamp)
@@ -74,8 +76,10 @@ def _area(name: str, data: bpy.types.AreaLight, matrix: np.ndarray, power: float
     ellipse = data.shape in {"DISK", "ELLIPSE"}
     size = (data.size, data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size)
     # Stretched by the object as Blender does it: each axis by its own length.
-    area = size[0] * size[1] * float(np.prod(np.linalg.norm(matrix[:3, :2], axis=0))) * (math.pi / 4 if ellipse else 1.0)
+    stretch = float(np.prod(np.linalg.norm(matrix[:3, :2], axis=0)))
+    area = size[0] * size[1] * stretch * (math.pi / 4 if ellipse else 1.0)
     if area <= 0.0:
         raise RenderError(f"Area light '{name}' has no area: it is left out; set its size and its scale.")
     return AreaLight(
-        name, matrix, power if data.normalize else power * area, ellipse=ellipse, size=size, spread=data.spread, **common)
+        name, matrix, power if data.normalize else power * area, ellipse=ellipse, size=size, spread=data.spread,
+        **common)

@@ -51,7 +51,8 @@ class Materials:
         reader = Reader(tree, owner, self._images, self._warn)
         output = reader.output()
         if output is None:
-            self._warn(f"{owner} has no Material Output node, so it is black: add one and link a shader to its Surface.")
+            self._warn(
+                f"{owner} has no Material Output node, so it is black: add one and link a shader to its Surface.")
             return Material(material.name)
         for name in ("Volume", "Displacement"):
             if reader.resolve(output.inputs[name])[0] is not None:

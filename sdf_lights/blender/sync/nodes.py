@@ -164,7 +164,7 @@ class Reader:
         if entry is None:
             return self._unsupported(node, output, stack)
         if node.bl_idname == "ShaderNodeNormalMap" and node.space.startswith("BLENDER_"):
-            self.report(node, "swapped axes are not supported, so it is read as if its space were not Blender's old one")
+            self.report(node, "the swapped axes of its space are not supported, so it is read without them")
         for identifier, harmless in entry.ignored.items():
             socket = _by_identifier(node.inputs, identifier)
             if socket is not None and (self.resolve(socket, stack)[0] is not None or socket.default_value != harmless):

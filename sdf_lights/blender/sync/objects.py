@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import bpy
 import numpy as np
 
 from ...render.errors import RenderError
-from ...render.scene import Instance, Ray, Scene
+from ...render.scene import Instance, Lamp, Ray, Scene
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
 from .lights import light_of
 from .materials import Materials
@@ -28,45 +30,85 @@ def sync_objects(depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materi
 
     An object that cannot be used is left out with a warning that names it; the rest is rendered.
     """
-    meshes = Meshes(scene, warn)
-    view_layer = depsgraph.view_layer  # the original, which knows original objects
+    reader = _Reader(depsgraph.view_layer, scene, materials, warn)
     for item in depsgraph.object_instances:
         # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
+        if item.show_self:
+            reader.read(item)
+
+
+class _Flags(NamedTuple):
+    """What an object passes on to all its instances."""
+
+    visibility: Ray
+    holdout: bool
+
+
+class _Reader:
+    """Reads instances; what many instances have in common is asked of Blender once."""
+
+    def __init__(self, view_layer: bpy.types.ViewLayer, scene: Scene, materials: Materials, warn: Warnings):
+        self._view_layer = view_layer  # the original, which knows original objects
+        self._scene, self._materials, self._warn = scene, materials, warn
+        self._meshes = Meshes(scene, warn)
+        self._flags: dict[int, _Flags] = {}
+        self._shown: dict[tuple[int, int], tuple[int | None, tuple[int, ...]]] = {}
+
+    def read(self, item: bpy.types.DepsgraphObjectInstance) -> None:
         obj = item.object
-        if not item.show_self:
-            continue
-        if obj.type in _UNSUPPORTED:
-            warn(f"Object '{_name(item)}' is {_UNSUPPORTED[obj.type]}, which is not supported: it is left out; "
-                 "convert it to a mesh.")
-            continue
-        if obj.type not in {"MESH", "LIGHT"}:
-            continue
+        kind = obj.type
+        if kind in _UNSUPPORTED:
+            self._warn(f"Object '{obj.original.name}' is {_UNSUPPORTED[kind]}, which is not supported: it is left out; "
+                       "convert it to a mesh.")
+        if kind not in {"MESH", "LIGHT"}:
+            return
         matrix = matrix_of(item.matrix_world)
         if not is_finite(matrix):
-            warn(f"Object '{_name(item)}' has a transform that is not made of finite numbers: it is left out; "
-                 "clear its location, rotation and scale.")
-            continue
+            self._warn(f"Object '{obj.original.name}' has a transform that is not made of finite numbers: "
+                       "it is left out; clear its location, rotation and scale.")
+            return
+        flags = self._flags_of(obj)
+        if item.is_instance and item.parent is not None:
+            instancer = self._flags_of(item.parent)
+            flags = _Flags(flags.visibility & instancer.visibility, flags.holdout or instancer.holdout)
+        if kind == "MESH":
+            self._mesh(obj, matrix, flags)
+        else:
+            self._light(obj, matrix, flags)
+
+    def _mesh(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags) -> None:
+        matrix = invertible(matrix)
+        if matrix is None:
+            return
+        original = obj.original
+        key = original.as_pointer(), obj.data.as_pointer()
+        if key not in self._shown:
+            slots = tuple(self._materials.index(material) for material in slot_materials(obj))
+            self._shown[key] = self._meshes.index(obj.data, len(slots), *self._materials.needs(slots)), slots
+        index, slots = self._shown[key]
+        if index is not None:
+            self._scene.instances.append(Instance(index, matrix, slots, original.name, flags.visibility, flags.holdout))
+
+    def _light(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags) -> None:
         try:
-            if obj.type == "LIGHT":
-                light = light_of(obj, matrix, _visibility(item, view_layer), warn)
-                if light is not None:
-                    (scene.lamps if hasattr(light, "shape") else scene.lights).append(light)
-            else:
-                _add_mesh(item, matrix, view_layer, scene, meshes, materials)
+            light = light_of(obj, matrix, flags.visibility, self._warn)
         except RenderError as error:
-            warn(str(error))
+            self._warn(str(error))
+            return
+        if isinstance(light, Lamp):
+            self._scene.lamps.append(light)
+        elif light is not None:
+            self._scene.lights.append(light)
 
-
-def _add_mesh(item, matrix: np.ndarray, view_layer, scene: Scene, meshes: Meshes, materials: Materials) -> None:
-    obj = item.object
-    matrix = _invertible(matrix)
-    if matrix is None:
-        return
-    slots = tuple(materials.index(material) for material in slot_materials(obj))
-    index = meshes.index(obj.data, len(slots), *materials.needs(slots))
-    if index is not None:
-        scene.instances.append(Instance(
-            index, matrix, slots, _name(item), _visibility(item, view_layer), _is_holdout(item, view_layer)))
+    def _flags_of(self, obj: bpy.types.Object) -> _Flags:
+        original = obj.original
+        key = original.as_pointer()
+        if key not in self._flags:
+            rays = visibility_of(obj)
+            if original.indirect_only_get(view_layer=self._view_layer):
+                rays &= ~Ray.CAMERA
+            self._flags[key] = _Flags(rays, obj.is_holdout or original.holdout_get(view_layer=self._view_layer))
+        return self._flags[key]
 
 
 def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:
@@ -84,35 +126,13 @@ def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:
     return found
 
 
-def _name(item) -> str:
-    """The object that the user knows: the instancer, for an instance without a name of its own."""
-    return item.object.original.name if item.object.original else item.parent.name
-
-
-def _owners(item):
-    yield item.object
-    if item.is_instance and item.parent is not None:
-        yield item.parent
-
-
-def _visibility(item, view_layer) -> Ray:
-    """Rays that see the instance: those that see both the object and what instances it."""
-    rays = Ray.ALL
-    for owner in _owners(item):
-        rays &= visibility_of(owner)
-        if owner.original.indirect_only_get(view_layer=view_layer):
-            rays &= ~Ray.CAMERA
-    return rays
-
-
-def _is_holdout(item, view_layer) -> bool:
-    return any(owner.is_holdout or owner.original.holdout_get(view_layer=view_layer) for owner in _owners(item))
-
-
-def _invertible(matrix: np.ndarray) -> np.ndarray | None:
+def invertible(matrix: np.ndarray) -> np.ndarray | None:
     """``matrix``, with a trace of thickness where it flattens (a plane scaled to zero along its normal is still to be
     seen); None where it leaves no area at all."""
-    rotation, scales, axes = np.linalg.svd(matrix[:3, :3])
+    linear = matrix[:3, :3]
+    if abs(np.linalg.det(linear)) > 1e-6 * np.abs(linear).max() ** 3:  # the least scale is then above this part too
+        return matrix
+    rotation, scales, axes = np.linalg.svd(linear)
     if scales[1] <= FLAT * scales[0] or scales[0] == 0.0:
         return None
     if scales[2] > FLAT * scales[0]:

@@ -55,7 +55,8 @@ def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> W
         return World(rgb(node.inputs["Color"].default_value), strength, visibility=visibility)
     color = reader.read(node.inputs["Color"], (0.0, 0.0, 0.0), stack)
     if not isinstance(color, tuple):
-        warn(f"{owner}: only an Environment Texture is supported as a picture of the world: the background has its own colour.")
+        warn(f"{owner}: only an Environment Texture is supported as a picture of the world: "
+             "the background has its own colour.")
         color = rgb(node.inputs["Color"].default_value)
     return World(color, strength, visibility=visibility)
 
@@ -77,6 +78,7 @@ def _rotation(reader: Reader, socket, stack) -> np.ndarray:
         if node.vector_type == "TEXTURE":
             rotation = rotation.T
         return rotation @ _rotation(reader, node.inputs["Vector"], inner)
-    if node.bl_idname != "ShaderNodeTexCoord" or output.identifier not in {"Generated", "Object"} or node.object is not None:
+    is_direction = node.bl_idname == "ShaderNodeTexCoord" and output.identifier in {"Generated", "Object"}
+    if not is_direction or node.object is not None:
         reader.report(node, "not supported here, so the picture is not turned by it")
     return np.eye(3)
