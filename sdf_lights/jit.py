@@ -187,8 +187,6 @@ if AVAILABLE:
         _KERNELS.append(part)
         return functools.update_wrapper(part, function)
 
-    inner_kernel = kernel
-
     @intrinsic
     def call_address3(typingctx, address, a, b, c):
         """Call the C function ``void f(void*, void*, void*)`` at an address; all arguments are integers."""
@@ -207,8 +205,6 @@ else:
 
     def kernel(function=None, **options):
         return function if function is not None else (lambda function: function)
-
-    inner_kernel = kernel
 
 
 def table(name: str, dtype):

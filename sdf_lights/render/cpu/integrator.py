@@ -251,13 +251,17 @@ def gather_lamps(block, workspace, t_to):
 
 
 @kernel
-def meets_lamp(block, path):
-    """False if the path's ray certainly misses every lamp."""
+def lamp_reach(block, workspace, path):
+    """Distance at which the path's ray leaves the last lamp that it crosses; 0 if it crosses none."""
+    spans = spans_of(workspace)
+    origin, direction = vec(path.origin), vec(path.direction)
+    reach = 0.0
     for lamp in range(block.lamp_count):
-        if lights.visibility(block, lamp) & path.kind:
-            if lamps.crosses(block, lamp, vec(path.origin), vec(path.direction), path.t_max):
-                return True
-    return False
+        if lights.visibility(block, lamp) & path.kind and lamps.crosses(block, lamp, origin, direction, path.t_max):
+            count = lamps.trace(block, lamp, origin, direction, spans)
+            if count > 0:
+                reach = max(reach, spans[count - 1, 0] + spans[count - 1, 1])
+    return reach
 
 
 @kernel
@@ -420,8 +424,10 @@ def trace_path(block, workspace, x, y):
     surface = surface_table(workspace)[0]
     start_path(block, workspace, x, y)
     while True:
-        if path.last and not block.emitters_hit and not meets_lamp(block, path):
-            return
+        if path.last and not block.emitters_hit:
+            path.t_max = min(path.t_max, lamp_reach(block, workspace, path))
+            if path.t_max <= path.t_min:
+                return
         found = intersect(block, workspace, vec(path.start), vec(path.direction), path.t_min, path.t_max, path.kind)
         t_to = float(ray_table(workspace)[0].t_far) if found else path.t_max
         if block.lamp_count > 0:

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from ...jit import inner_kernel, table
+from ...jit import kernel, table
 
 LINEAR, CLOSEST, CUBIC = range(3)
 REPEAT, EXTEND, CLIP, MIRROR = range(4)
@@ -43,7 +43,7 @@ def pack_images(scene) -> dict[str, np.ndarray]:
     return {"images": records, "texels": np.concatenate(chunks) if chunks else np.zeros(4, np.float32)}
 
 
-@inner_kernel
+@kernel
 def _wrap(i, size, extension):
     """Texel index of an index outside the image; −1 for what CLIP leaves out."""
     if 0 <= i < size:
@@ -58,7 +58,7 @@ def _wrap(i, size, extension):
     return -1
 
 
-@inner_kernel
+@kernel
 def _add_texel(texels, image, x, y, extension, associated, weight, total):
     column, row = _wrap(x, image.width, extension), _wrap(y, image.height, extension)
     if column < 0 or row < 0:
@@ -73,7 +73,7 @@ def _add_texel(texels, image, x, y, extension, associated, weight, total):
     )
 
 
-@inner_kernel
+@kernel
 def _cubic(t, i):
     """Weight i of four of the uniform cubic B-spline."""
     if i == 0:
@@ -85,7 +85,7 @@ def _cubic(t, i):
     return t * t * t / 6.0
 
 
-@inner_kernel
+@kernel
 def image_lookup(block, index, u, v, interpolation, extension, associated):
     """RGBA of image ``index`` at (u, v); magenta if it is missing. Texels outside a clipped image are transparent
     black, and interpolation blends with them. ``associated``: colour is multiplied by alpha."""

@@ -9,13 +9,13 @@ cosines"; its three tables as the closed-form fits of MaterialX 1.39 and OpenPBR
 
 import math
 
-from ....jit import inner_kernel
+from ....jit import kernel
 from ....vec import dot, frame, madd, normalize, cross, to_world, vec
 
 _HALF_PI = 0.5 * math.pi
 
 
-@inner_kernel
+@kernel
 def cosine_hemisphere(u1, u2):
     """A direction about z with pdf cosθ/π (Malley's method), by Shirley and Chiu's 1997 concentric map of the disk."""
     a, b = 2.0 * u1 - 1.0, 2.0 * u2 - 1.0
@@ -28,7 +28,7 @@ def cosine_hemisphere(u1, u2):
     return (radius * math.cos(phi), radius * math.sin(phi), math.sqrt(max(1.0 - radius * radius, 0.0)))
 
 
-@inner_kernel
+@kernel
 def _oren_nayar_g(cosine):
     if cosine < 1e-6:  # its limit, where tan θ overflows
         return (_HALF_PI - 2.0 / 3.0) - cosine
@@ -37,7 +37,7 @@ def _oren_nayar_g(cosine):
     return sine * (math.acos(cosine) - 2.0 / 3.0 - sine * cosine) + 2.0 / 3.0 * (sine / cosine) * (1.0 - sine**3)
 
 
-@inner_kernel
+@kernel
 def oren_nayar_setup(closure, cosine, roughness, color):
     """Fill A, B and the multiple scattering of an Oren–Nayar closure; ``cosine`` is that of wo."""
     sigma = min(max(roughness, 0.0), 1.0)
@@ -52,7 +52,7 @@ def oren_nayar_setup(closure, cosine, roughness, color):
         closure.multiscatter[i] = albedo * albedo / math.pi * mean / (1.0 - mean) / (1.0 - albedo * (1.0 - mean)) * lost
 
 
-@inner_kernel
+@kernel
 def oren_nayar(closure, wo, wi):
     """f · cos; black below the surface. The closure's weight holds the colour once."""
     n = vec(closure.normal)
@@ -68,7 +68,7 @@ def oren_nayar(closure, wo, wi):
     return (cosine_i * (single + m[0] * lost), cosine_i * (single + m[1] * lost), cosine_i * (single + m[2] * lost))
 
 
-@inner_kernel
+@kernel
 def sheen_albedo(cosine, roughness):
     """Directional albedo R of sheen."""
     x, y = cosine, roughness
@@ -79,7 +79,7 @@ def sheen_albedo(cosine, roughness):
     return math.exp(-0.5 * d * d) / (width * math.sqrt(2.0 * math.pi)) + offset
 
 
-@inner_kernel
+@kernel
 def sheen_transform(cosine, roughness):
     """Coefficients (A, B) of the inverse linear transform."""
     x, y = cosine, roughness
@@ -88,7 +88,7 @@ def sheen_transform(cosine, roughness):
     return a, b / (0.0000254053 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y)
 
 
-@inner_kernel
+@kernel
 def _sheen_frame(n, wo):
     t = madd(wo, -dot(n, wo), n)
     if dot(t, t) < 1e-12:
@@ -97,7 +97,7 @@ def _sheen_frame(n, wo):
     return t, cross(n, t)
 
 
-@inner_kernel
+@kernel
 def sheen(closure, wo, wi):
     """f · cos of sheen with an albedo of 1, which is its pdf too."""
     n = vec(closure.normal)
@@ -111,7 +111,7 @@ def sheen(closure, wo, wi):
     return z * ratio * ratio / math.pi
 
 
-@inner_kernel
+@kernel
 def sheen_sample(closure, wo, u1, u2):
     n = vec(closure.normal)
     t, b = _sheen_frame(n, wo)

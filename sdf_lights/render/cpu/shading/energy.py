@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....jit import inner_kernel, table
+from ....jit import kernel, table
 from ...tables.albedo import OFFSETS, SIZE
 
 TABLES = {"albedo": np.dtype("f8")}
@@ -23,19 +23,19 @@ _DIELECTRIC, _SCHLICK = OFFSETS["dielectric"], OFFSETS["schlick"]
 _RELEVANT = 1e-4  # missing energy that is not worth giving back
 
 
-@inner_kernel
+@kernel
 def _cell(x):
     x = min(max(x, 0.0), 1.0) * (SIZE - 1)
     i = min(int(x), SIZE - 2)
     return i, x - i
 
 
-@inner_kernel
+@kernel
 def _line(values, offset, i, t):
     return values[offset + i] + t * (values[offset + i + 1] - values[offset + i])
 
 
-@inner_kernel
+@kernel
 def _plane(values, offset, x, y):
     i, s = _cell(x)
     j, t = _cell(y)
@@ -43,24 +43,24 @@ def _plane(values, offset, x, y):
     return low + t * (_line(values, offset + (j + 1) * SIZE, i, s) - low)
 
 
-@inner_kernel
+@kernel
 def _space(values, offset, x, y, z):
     k, t = _cell(z)
     low = _plane(values, offset + k * SIZE * SIZE, x, y)
     return low + t * (_plane(values, offset + (k + 1) * SIZE * SIZE, x, y) - low)
 
 
-@inner_kernel
+@kernel
 def _axis_of_ior(ior):
     return math.sqrt(abs((ior - 1.0) / (ior + 1.0)))
 
 
-@inner_kernel
+@kernel
 def _axis_of_cosine(cosine):
     return math.sqrt(max(cosine, 0.0))
 
 
-@inner_kernel
+@kernel
 def _compensate(closure, e, mean, single):
     """Scale the closure's weight so that a lossless surface loses nothing.
 
@@ -74,7 +74,7 @@ def _compensate(closure, e, mean, single):
             closure.weight[i] *= 1.0 + missing * f * mean / (1.0 - f * (1.0 - mean))
 
 
-@inner_kernel
+@kernel
 def compensate_glass(block, closure, cosine, roughness, single):
     """For a closure that reflects and refracts; ``single`` is what crossing the surface keeps."""
     values = _albedo(block)
@@ -85,32 +85,32 @@ def compensate_glass(block, closure, cosine, roughness, single):
     _compensate(closure, e, mean, single)
 
 
-@inner_kernel
+@kernel
 def compensate_reflection(block, closure, e, roughness, single):
     """For a closure that reflects only; ``e`` is ``reflection_albedo``."""
     i, t = _cell(roughness)
     _compensate(closure, e, _line(_albedo(block), _REFLECTION_AVERAGE, i, t), single)
 
 
-@inner_kernel
+@kernel
 def reflection_albedo(block, cosine, roughness):
     """Albedo of GGX single scattering off microfacets that reflect everything."""
     return _plane(_albedo(block), _REFLECTION, roughness, _axis_of_cosine(cosine))
 
 
-@inner_kernel
+@kernel
 def dielectric_albedo(block, ior, cosine, roughness):
     """Albedo of GGX single scattering where a microfacet reflects (F − F0) / (1 − F0) of a dielectric."""
     return _space(_albedo(block), _DIELECTRIC, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
 
 
-@inner_kernel
+@kernel
 def schlick_albedo(block, cosine, roughness):
     """Albedo of GGX single scattering where a microfacet reflects Schlick's (1 − cosθ)⁵."""
     return _plane(_albedo(block), _SCHLICK, roughness, _axis_of_cosine(cosine))
 
 
-@inner_kernel
+@kernel
 def mixed(f0, e, s):
     """Albedo (RGB) of reflectances f0 + (1 − f0) x, from the albedos e of 1 and s of x."""
     return (

@@ -5,7 +5,7 @@ Adobe Standard Material"."""
 
 import math
 
-from ....jit import inner_kernel, kernel
+from ....jit import kernel
 
 # F82-Tint states its tint at the cosine 1/7, where the factor cosθ (1 − cosθ)⁶ is largest.
 _EDGE = 6.0 / 7.0
@@ -13,7 +13,7 @@ _EDGE5 = _EDGE**5
 _EDGE_SCALE = 7.0 / _EDGE**6
 
 
-@inner_kernel
+@kernel
 def dielectric(cosine, ior):
     """Unpolarised reflectance and the cosine of the refracted ray (positive; 0 for total internal reflection).
 
@@ -30,7 +30,7 @@ def dielectric(cosine, ior):
     return 0.5 * (s * s + p * p), cosine_t
 
 
-@inner_kernel
+@kernel
 def f0_of_ior(ior):
     ratio = (ior - 1.0) / (ior + 1.0)
     return ratio * ratio
@@ -43,7 +43,7 @@ def ior_of_f0(f0):
     return (1.0 + root) / (1.0 - root)
 
 
-@inner_kernel
+@kernel
 def dielectric_average(ior):
     """Cosine-weighted average reflectance, ∫ 2 μ F(μ) dμ.
 
@@ -54,7 +54,7 @@ def dielectric_average(ior):
     return (ior - 1.0) / (4.08567 + 1.00071 * ior)
 
 
-@inner_kernel
+@kernel
 def remapped(reflectance, f0_real):
     """Where a real dielectric's reflectance lies between its own F0 (0) and 1 (1)."""
     if f0_real >= 1.0:
@@ -62,20 +62,20 @@ def remapped(reflectance, f0_real):
     return min(max((reflectance - f0_real) / (1.0 - f0_real), 0.0), 1.0)
 
 
-@inner_kernel
+@kernel
 def f82_edge(f0, tint):
     """The factor B of F = Schlick − B cosθ (1 − cosθ)⁶ for which the tint multiplies Schlick's value at 82°."""
     return (f0 + (1.0 - f0) * _EDGE5) * _EDGE_SCALE * (1.0 - tint)
 
 
-@inner_kernel
+@kernel
 def f82(cosine, f0, edge):
     s = min(max(1.0 - cosine, 0.0), 1.0)
     s5 = s * s * s * s * s
     return min(max(f0 + (1.0 - f0) * s5 - edge * cosine * s5 * s, 0.0), 1.0)
 
 
-@inner_kernel
+@kernel
 def f82_average(f0, edge):
     """∫ 2 μ F(μ) dμ in closed form: Schlick's 1/21 and ∫ 2 μ² (1 − μ)⁶ dμ = 1/126."""
     return f0 + (1.0 - f0) / 21.0 - edge / 126.0

@@ -9,7 +9,7 @@ spherical caps, Dupuy and Benyoub 2023, "Sampling visible GGX normals with spher
 
 import math
 
-from ....jit import inner_kernel
+from ....jit import kernel
 from ....vec import add, average, dot, frame, madd, negate, scale, sub, to_world, vec
 from . import fresnel
 from .records import FRESNEL_DIELECTRIC, FRESNEL_F82
@@ -18,12 +18,12 @@ _BLACK = (0.0, 0.0, 0.0)
 _SINGULAR_ALPHA2 = 2e-10  # below, GGX in Cycles is a perfect mirror too
 
 
-@inner_kernel
+@kernel
 def is_singular(alpha):
     return alpha * alpha <= _SINGULAR_ALPHA2
 
 
-@inner_kernel
+@kernel
 def distribution(alpha2, cosine):
     """GGX distribution of normals D."""
     square = min(cosine * cosine, 1.0)
@@ -31,13 +31,13 @@ def distribution(alpha2, cosine):
     return alpha2 / (math.pi * root * root)
 
 
-@inner_kernel
+@kernel
 def masking(alpha2, cosine):
     """Smith's Λ of GGX."""
     return 0.5 * (math.sqrt(1.0 + alpha2 * max(1.0 / (cosine * cosine) - 1.0, 0.0)) - 1.0)
 
 
-@inner_kernel
+@kernel
 def visible_normal(wo, alpha, u1, u2):
     """A microfacet normal, drawn in proportion to its area as seen from wo; both in the frame of the normal z."""
     x, y, z = alpha * wo[0], alpha * wo[1], wo[2]
@@ -54,7 +54,7 @@ def visible_normal(wo, alpha, u1, u2):
     return (hx * inverse, hy * inverse, hz * inverse)
 
 
-@inner_kernel
+@kernel
 def reflectance(closure, cosine):
     """Reflectance, transmittance (RGB) and cosine of refraction of one microfacet."""
     if closure.fresnel == FRESNEL_F82:
@@ -85,12 +85,12 @@ def reflectance(closure, cosine):
     return _BLACK, (1.0, 1.0, 1.0), cosine_t
 
 
-@inner_kernel
+@kernel
 def reflection_probability(r, t):
     return average(r) / average(add(r, t))
 
 
-@inner_kernel
+@kernel
 def evaluate(closure, wo, wi):
     """f · |cos| of a rough closure without its weight, and the pdf of ``sample``."""
     n = vec(closure.normal)
@@ -123,7 +123,7 @@ def evaluate(closure, wo, wi):
     return scale(r, common / (1.0 + masking_o + masking_i)), common * average(r) / (total * (1.0 + masking_o))
 
 
-@inner_kernel
+@kernel
 def sample(closure, wo, u1, u2, u3):
     """A direction (pdf 0: none), f · |cos|, pdf, whether it is refracted, and whether it is singular."""
     n = vec(closure.normal)

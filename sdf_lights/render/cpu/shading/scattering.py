@@ -4,7 +4,7 @@
 
 import math
 
-from ....jit import inner_kernel, kernel
+from ....jit import kernel
 from ....vec import ZERO, add, dot, frame, mul, negate, scale, to_world, vec
 from . import diffuse, microfacet
 from .records import (
@@ -15,7 +15,7 @@ from .records import (
 _BELOW_ONE = 1.0 - 2.0**-53
 
 
-@inner_kernel
+@kernel
 def _bump_shadowing(surface, closure, wi):
     """Factor on a closure whose normal is not the surface's.
 
@@ -37,7 +37,7 @@ def _bump_shadowing(surface, closure, wi):
     return 1.0 / (1.0 + microfacet.masking(alpha2, cosine))
 
 
-@inner_kernel
+@kernel
 def _evaluate_closure(surface, closure, wi):
     """f · |cos| with the closure's weight, and its pdf."""
     kind = closure.kind
@@ -73,7 +73,7 @@ def evaluate(workspace, wi):
     return total, density
 
 
-@inner_kernel
+@kernel
 def _sample_closure(surface, closure, u1, u2, u3):
     """wi, f · |cos| with the closure's weight, pdf, and kind."""
     wo, kind = vec(surface.wo), closure.kind
@@ -114,7 +114,7 @@ def sample(workspace, u1, u2, u3):
         u3 = min(u3 / closures[chosen].pick, _BELOW_ONE)
     closure = closures[chosen]
     wi, value, pdf, kind = _sample_closure(surface, closure, u1, u2, u3)
-    if pdf <= 0.0 or not math.isfinite(pdf):
+    if not 0.0 < pdf < math.inf:
         return ZERO, ZERO, 0.0, 0
     if not kind & TRANSPARENT:
         # A direction must leave on the side that its kind says, whatever the shading normal is.

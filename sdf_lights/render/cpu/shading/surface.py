@@ -7,7 +7,7 @@ Layers of Principled are stacked from the top as Cycles does: each keeps what th
 
 import math
 
-from ....jit import inner_kernel, kernel, table
+from ....jit import kernel, table
 from ....vec import ZERO, average, dot, madd, mul, normalize, scale, vec
 from . import diffuse, energy, fresnel, microfacet
 from .program import (
@@ -30,36 +30,36 @@ _SMOOTH_DIFFUSE = 1e-5  # Oren–Nayar of less roughness is Lambert's
 _LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
 
 
-@inner_kernel
+@kernel
 def _saturate(x):
     return min(max(x, 0.0), 1.0)
 
 
-@inner_kernel
+@kernel
 def _positive(v):
     return (max(v[0], 0.0), max(v[1], 0.0), max(v[2], 0.0))
 
 
-@inner_kernel
+@kernel
 def _saturated(v):
     return (_saturate(v[0]), _saturate(v[1]), _saturate(v[2]))
 
 
-@inner_kernel
+@kernel
 def _set(array, v):
     array[0] = v[0]
     array[1] = v[1]
     array[2] = v[2]
 
 
-@inner_kernel
+@kernel
 def _accumulate(array, v):
     array[0] += v[0]
     array[1] += v[1]
     array[2] += v[2]
 
 
-@inner_kernel
+@kernel
 def _begin(workspace, weight, n):
     """Index of the next free closure, for which the caller sets a kind; −1 where the weight is negligible or no
     closure is free. It counts from ``_finish`` on only."""
@@ -77,7 +77,7 @@ def _begin(workspace, weight, n):
     return index
 
 
-@inner_kernel
+@kernel
 def _finish(workspace, index, albedo):
     """Count closure ``index``, whose directional albedo with its weight is about ``albedo`` (RGB)."""
     surface, closure = surface_table(workspace)[0], closure_table(workspace)[index]
@@ -90,7 +90,7 @@ def _finish(workspace, index, albedo):
         _accumulate(surface.albedo, albedo)
 
 
-@inner_kernel
+@kernel
 def _add_lambert(workspace, weight, n, through):
     index = _begin(workspace, weight, n)
     if index >= 0:
@@ -98,7 +98,7 @@ def _add_lambert(workspace, weight, n, through):
         _finish(workspace, index, weight)
 
 
-@inner_kernel
+@kernel
 def _add_diffuse(workspace, weight, color, roughness, n):
     if roughness < _SMOOTH_DIFFUSE:
         _add_lambert(workspace, weight, n, False)
@@ -111,7 +111,7 @@ def _add_diffuse(workspace, weight, color, roughness, n):
         _finish(workspace, index, weight)
 
 
-@inner_kernel
+@kernel
 def _add_transparency(workspace, weight):
     surface = surface_table(workspace)[0]
     index = _begin(workspace, weight, vec(surface.n))
@@ -123,7 +123,7 @@ def _add_transparency(workspace, weight):
         _finish(workspace, index, weight)
 
 
-@inner_kernel
+@kernel
 def _begin_microfacet(workspace, weight, n, roughness, ior):
     """``_begin`` of a reflecting closure without Fresnel term."""
     index = _begin(workspace, weight, n)
@@ -139,7 +139,7 @@ def _begin_microfacet(workspace, weight, n, roughness, ior):
     return index
 
 
-@inner_kernel
+@kernel
 def specular_normal(surface, n):
     """The normal raised towards the geometric one until the mirror direction of wo leaves the surface.
 
@@ -162,7 +162,7 @@ def specular_normal(surface, n):
     return madd(scale(x, math.sin(angle)), math.cos(angle), g)
 
 
-@inner_kernel
+@kernel
 def _below(weight, albedo):
     """What is left of ``weight`` below a layer that reflects ``albedo`` (with its weight): the same for all colours,
     so that a white base looks white."""
@@ -173,7 +173,7 @@ def _below(weight, albedo):
     return scale(weight, _saturate(1.0 - worst))
 
 
-@inner_kernel
+@kernel
 def _glossy(block, workspace, lobe, weight, color):
     """Glossy BSDF: a metal of reflectance ``color`` at every angle."""
     surface = surface_table(workspace)[0]
@@ -188,7 +188,7 @@ def _glossy(block, workspace, lobe, weight, color):
         _finish(workspace, index, scale(vec(closure.weight), e))
 
 
-@inner_kernel
+@kernel
 def _glass(block, workspace, features, weight, n, roughness, ior, f0, reflection, transmission):
     """Reflection and refraction tinted ``reflection`` and ``transmission``; ``f0`` is that from outside."""
     surface = surface_table(workspace)[0]
@@ -208,7 +208,7 @@ def _glass(block, workspace, features, weight, n, roughness, ior, f0, reflection
     _finish(workspace, index, mul(vec(closure.weight), (r[0] + t[0], r[1] + t[1], r[2] + t[2])))
 
 
-@inner_kernel
+@kernel
 def _refraction(block, workspace, lobe, weight):
     surface = surface_table(workspace)[0]
     ior = max(number(block, workspace, lobe.args[2]), 1e-5)
@@ -223,7 +223,7 @@ def _refraction(block, workspace, lobe, weight):
         _finish(workspace, index, weight)
 
 
-@inner_kernel
+@kernel
 def _add_dielectric_layer(block, workspace, compensated, weight, n, roughness, ior, f0):
     """A clear reflecting layer; the weight of what lies below it."""
     index = _begin_microfacet(workspace, weight, n, roughness, ior)
@@ -245,7 +245,7 @@ def _add_dielectric_layer(block, workspace, compensated, weight, n, roughness, i
     return _below(weight, albedo)
 
 
-@inner_kernel
+@kernel
 def _add_metal(block, workspace, features, weight, n, roughness, color, tint):
     index = _begin_microfacet(workspace, weight, n, roughness, 1.0)
     if index < 0:
@@ -266,7 +266,7 @@ def _add_metal(block, workspace, features, weight, n, roughness, color, tint):
     _finish(workspace, index, mul(vec(closure.weight), albedo))
 
 
-@inner_kernel
+@kernel
 def _add_sheen(block, workspace, lobe, weight, n, coat_weight):
     """Sheen on top of all; the weight of what lies below it."""
     args = lobe.args
@@ -294,7 +294,7 @@ def _add_sheen(block, workspace, lobe, weight, n, coat_weight):
     return _below(weight, own)
 
 
-@inner_kernel
+@kernel
 def _add_coat(block, workspace, lobe, weight):
     args = lobe.args
     surface = surface_table(workspace)[0]
@@ -322,7 +322,7 @@ def _add_coat(block, workspace, lobe, weight):
     return weight
 
 
-@inner_kernel
+@kernel
 def _principled(block, workspace, lobe, share):
     surface = surface_table(workspace)[0]
     features, args = lobe.features, lobe.args
@@ -378,7 +378,7 @@ def _principled(block, workspace, lobe, share):
     _add_diffuse(workspace, mul(weight, base), base, _saturate(number(block, workspace, args[DIFFUSE_ROUGHNESS])), n)
 
 
-@inner_kernel
+@kernel
 def _add_lobe(block, workspace, lobe, weight):
     surface = surface_table(workspace)[0]
     kind, args = lobe.kind, lobe.args

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ....jit import inner_kernel, table
+from ....jit import kernel, table
 from ....vec import (
     add, average, cross, dot, length, lerp, luminance, negate, normalize, scale, sub, to_world, transform_normal,
     vec)
@@ -26,12 +26,12 @@ _BUMP_FILTER = 0.1
 _BUMP_DISTANCE = 1e-4
 
 
-@inner_kernel
+@kernel
 def number(block, workspace, operand):
     return _registers(workspace)[operand] if operand >= 0 else _constants(block)[~operand]
 
 
-@inner_kernel
+@kernel
 def vector(block, workspace, operand):
     if operand >= 0:
         values, i = _registers(workspace), operand
@@ -40,7 +40,7 @@ def vector(block, workspace, operand):
     return (values[i], values[i + 1], values[i + 2])
 
 
-@inner_kernel
+@kernel
 def normal(block, workspace, operand):
     """The unit normal of an input; the shading normal where there is none or it vanishes."""
     n = vec(surface_table(workspace)[0].n)
@@ -51,7 +51,7 @@ def normal(block, workspace, operand):
     return given if 0.5 < square < 2.0 else n
 
 
-@inner_kernel
+@kernel
 def _store(workspace, out, v):
     registers = _registers(workspace)
     registers[out] = v[0]
@@ -59,13 +59,13 @@ def _store(workspace, out, v):
     registers[out + 2] = v[2]
 
 
-@inner_kernel
+@kernel
 def bump_step(surface):
     """Distance over which bump mapping takes differences."""
     return _BUMP_FILTER * surface.footprint if surface.footprint > 0.0 else _BUMP_DISTANCE
 
 
-@inner_kernel
+@kernel
 def _uv(surface, layer, shift):
     u, v = surface.uv[layer, 0], surface.uv[layer, 1]
     if shift == 1:
@@ -77,7 +77,7 @@ def _uv(surface, layer, shift):
     return (u, v, 0.0)
 
 
-@inner_kernel
+@kernel
 def _matrix(block, operand, v):
     m, i = _constants(block), ~operand
     return (
@@ -87,7 +87,7 @@ def _matrix(block, operand, v):
     )
 
 
-@inner_kernel
+@kernel
 def _turn(v, angles):
     """Rotation about x, then y, then z."""
     c, s = math.cos(angles[0]), math.sin(angles[0])
@@ -98,7 +98,7 @@ def _turn(v, angles):
     return (c * v[0] - s * v[1], s * v[0] + c * v[1], v[2])
 
 
-@inner_kernel
+@kernel
 def _turn_back(v, angles):
     c, s = math.cos(angles[2]), math.sin(angles[2])
     v = (c * v[0] + s * v[1], c * v[1] - s * v[0], v[2])
@@ -108,14 +108,14 @@ def _turn_back(v, angles):
     return (v[0], c * v[1] + s * v[2], c * v[2] - s * v[1])
 
 
-@inner_kernel
+@kernel
 def _divide(a, b):
     """a / b of each component, 0 where b is 0."""
     return (
         a[0] / b[0] if b[0] != 0.0 else 0.0, a[1] / b[1] if b[1] != 0.0 else 0.0, a[2] / b[2] if b[2] != 0.0 else 0.0)
 
 
-@inner_kernel
+@kernel
 def _mapping(v, location, rotation, size, kind):
     if kind == TEXTURE:
         return _divide(_turn_back(sub(v, location), rotation), size)
@@ -125,7 +125,7 @@ def _mapping(v, location, rotation, size, kind):
     return add(v, location) if kind == POINT else v
 
 
-@inner_kernel
+@kernel
 def _project(v, projection):
     """Image coordinates of a point of the unit cube, about whose middle a sphere or a tube stands."""
     if projection == FLAT:
@@ -138,7 +138,7 @@ def _project(v, projection):
     return u, 0.5 * (z + 1.0)
 
 
-@inner_kernel
+@kernel
 def _normal_map(surface, color, strength, layer, space):
     n = vec(surface.n)
     x, y, z = 2.0 * color[0] - 1.0, 2.0 * color[1] - 1.0, 2.0 * color[2] - 1.0
@@ -165,7 +165,7 @@ def _normal_map(surface, color, strength, layer, space):
     return normalize(lerp(n, mapped, strength)) if strength != 1.0 else mapped
 
 
-@inner_kernel
+@kernel
 def _bump(surface, n, height, height_u, height_v, strength, distance):
     """Normal of the surface raised by ``distance`` × height (Mikkelsen 2010, "Bump mapping unparametrized surfaces on
     the GPU"); the heights are one step apart along the triangle's edges."""
@@ -181,7 +181,7 @@ def _bump(surface, n, height, height_u, height_v, strength, distance):
     return normalize(lerp(n, bumped, strength)) if dot(bumped, bumped) > 0.5 else n
 
 
-@inner_kernel
+@kernel
 def run(block, workspace, first, end):
     """Execute the instructions [first, end)."""
     surface = surface_table(workspace)[0]
