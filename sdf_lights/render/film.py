@@ -70,14 +70,11 @@ class Film:
             return self._denoised
         if item.rule is Rule.COUNT:
             return self.count.reshape(self.height, self.width, 1).astype(np.float32)
-        sums = self.sums[item.source].reshape(self.height, self.width, -1)
-        weight = self.count
-        if item.rule is Rule.SURFACE_MEAN:
-            weight = self.surfaces
-        elif item.rule is Rule.FIRST:
-            weight = np.ones_like(self.count)
-        weight = 1.0 / np.maximum(weight, 1).reshape(self.height, self.width, 1)
-        value = sums * weight
+        weight, value = self._settled(
+            self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count, self.sums[item.source])
+        if item.rule is not Rule.FIRST:
+            value /= np.maximum(weight, 1)[:, None]
+        value = value.reshape(self.height, self.width, -1)
         if item.light:
             value[..., :3] *= self.exposure
         if value.shape[-1] == 4:
@@ -86,6 +83,23 @@ class Film:
         if name == "Depth":
             value = np.where(self.surfaces.reshape(value.shape) > 0, value, NO_DEPTH)
         return value.astype(np.float32)
+
+    def _settled(self, counts: np.ndarray, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Copies of counts (pixels,) and sums (pixels, channels) that belong together, while threads go on adding.
+
+        Pixels whose count changed during the copy are read again; in the end at most the one pixel that each thread is
+        at may be a sample apart.
+        """
+        sums = sums.reshape(len(counts), -1)
+        kept, values = counts.copy(), sums.copy()
+        changed = np.flatnonzero(kept != counts)
+        for _ in range(4):
+            if not len(changed):
+                break
+            kept[changed] = counts[changed]
+            values[changed] = sums[changed]
+            changed = changed[kept[changed] != counts[changed]]
+        return kept, values
 
     def replace_combined(self, color: np.ndarray) -> None:
         """Show ``color`` (height, width, RGB), exposed, as the Combined pass: the denoised picture."""

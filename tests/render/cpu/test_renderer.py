@@ -147,3 +147,17 @@ def test_odd_sizes(width, height):
     _, film = render(width=width, height=height, samples=2)
     assert film.read("Combined").shape == (height, width, 4)
     assert np.all(film.read("Sample Count") == 2)
+
+
+def test_pictures_shown_meanwhile_are_never_too_bright(monkeypatch):
+    """Every sample of this picture is 1, so a pixel read between its sum and its count would show as another value."""
+    monkeypatch.setattr(session, "UPDATE_INTERVAL", 0.0)
+    scene = scenes.SCENES["world_color"](300, 200)
+    scene.instances, scene.world.color, scene.world.strength = [], (1.0, 1.0, 1.0), 1.0
+    scene.settings.device, scene.settings.samples, scene.settings.threads = Device.CPU, 200, 2
+    scene.settings.noise_threshold = 0.0
+    seen = []
+    session.render(scene, (), on_update=lambda film: seen.append(film.read("Combined")[..., 0]))
+    assert len(seen) >= 3
+    for picture in seen:
+        assert np.sum(picture > 1.0 + 1e-6) <= scene.settings.threads
