@@ -34,3 +34,19 @@ def blender_command() -> list[str]:
         if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
             command = ["xvfb-run", "-a", *command]
     return command
+
+
+_exit_codes: list[int] = []
+
+
+def pytest_sessionfinish(session, exitstatus):
+    _exit_codes.append(int(exitstatus))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    """End here where a test has loaded Blender: the destructors of its Python module can hang."""
+    if "bpy" in sys.modules and _exit_codes:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(_exit_codes[0])
