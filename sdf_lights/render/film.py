@@ -11,7 +11,8 @@ from .scene import Scene
 
 # Values that a pixel sums up for each pass; "half" sums half of the samples of "combined", to estimate the noise.
 CHANNELS = {
-    "combined": 4, "half": 3, "lamps": 3, "emission": 3, "normal": 3, "albedo": 3, "position": 3, "depth": 1}
+    "combined": 4, "half": 3, "lamps": 3, "emission": 3, "normal": 3, "albedo": 3, "diffuse_albedo": 3,
+    "position": 3, "depth": 1}
 
 # Depth of a pixel that sees nothing, as Cycles gives it.
 NO_DEPTH = 1e10

@@ -19,7 +19,8 @@ from tests import scenes
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
 SEEDS, BLOCK, CONFIDENCE = 8, 4, 0.9999
-PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Emission", "SDF Lamps")
+PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission",
+          "SDF Lamps")
 TEN = ("torus_room", "blender_lights", "environment", "emissive_mesh", "glossy_metal", "glass", "textured", "instances",
        "transparent", "inside_lamp")
 

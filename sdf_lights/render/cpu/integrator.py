@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The path tracer: camera to film, with next event estimation and BSDF sampling joined by the balance heuristic.
 
-Each emitter (an SDF lamp, a Blender light, an emissive triangle, the world) is an integral of its own over the sphere of
-directions. It is estimated twice at every vertex of a path: once by a ray towards a point of an emitter that
+Each emitter (an SDF lamp, a Blender light, an emissive triangle, the world) is an integral of its own over the sphere
+of directions. It is estimated twice at every vertex of a path: once by a ray towards a point of an emitter that
 ``lights.select`` drew, once by the ray that continues the path, which adds the line integral of every lamp it crosses
 before its hit (Huang et al. 2026, equations 1 and 2). Veach 1997, chapter 9, for the weights.
 """
@@ -333,6 +333,7 @@ def record_first_surface(block, workspace):
         sample.position[axis] = surface.position[axis]
         sample.normal[axis] = surface.n[axis]
         sample.albedo[axis] = surface.albedo[axis]
+        sample.diffuse_albedo[axis] = surface.diffuse_albedo[axis]
 
 
 @kernel

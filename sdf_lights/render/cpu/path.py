@@ -10,7 +10,7 @@ from ...vec import mul, scale, vec
 # What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out.
 SAMPLE = np.dtype([
     ("combined", "f8", 3), ("lamps", "f8", 3), ("emission", "f8", 3), ("alpha", "f8"), ("depth", "f8"),
-    ("position", "f8", 3), ("normal", "f8", 3), ("albedo", "f8", 3), ("found", "i8"),
+    ("position", "f8", 3), ("normal", "f8", 3), ("albedo", "f8", 3), ("diffuse_albedo", "f8", 3), ("found", "i8"),
 ], align=True)
 
 # ``origin`` is where the path last scattered (the camera at first), with shading normal ``normal``: light sampling
@@ -75,6 +75,7 @@ def clear_sample(workspace):
         sample.position[axis] = 0.0
         sample.normal[axis] = 0.0
         sample.albedo[axis] = 0.0
+        sample.diffuse_albedo[axis] = 0.0
     sample.alpha = 1.0
     sample.depth = 0.0
     sample.found = 0

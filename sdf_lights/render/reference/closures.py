@@ -20,7 +20,7 @@ SINGULAR_ALPHA2 = 2e-10  # a smoother GGX is a perfect mirror, as in Cycles
 class Lobe:
     """``albedo`` (N, 3) is an estimate of what the lobe scatters in all, with its weight."""
 
-    smooth = False  # darkens gradually where its normal differs from the surface's
+    diffuse = False  # counts as diffuse in the passes, and darkens gradually where its normal is not the surface's
 
     def __init__(self, weight: np.ndarray, normal: np.ndarray, albedo: np.ndarray | None = None, **parameters):
         self.weight, self.normal = weight, normal
@@ -49,7 +49,7 @@ class Lobe:
 class Diffuse(Lobe):
     """Lambert."""
 
-    smooth = True
+    diffuse = True
 
     def evaluate(self, wo, wi):
         pdf = np.maximum(dot(self.normal, wi), 0.0) / np.pi
@@ -59,7 +59,7 @@ class Diffuse(Lobe):
 class Translucent(Lobe):
     """Lambert to the far side."""
 
-    smooth = True
+    diffuse = True
 
     def kind(self, wi):
         return np.full(len(wi), int(Ray.TRANSMISSION))
@@ -78,7 +78,7 @@ class OrenNayar(Lobe):
     The weight holds the colour once; multiple scattering brings its higher powers.
     """
 
-    smooth = True
+    diffuse = True
 
     @staticmethod
     def _g(cosine):
@@ -105,7 +105,7 @@ class OrenNayar(Lobe):
 class Sheen(Lobe):
     """Sheen of Zeltner et al. 2022, a linearly transformed cosine whose inverse has coefficients ``a`` and ``b``."""
 
-    smooth = True
+    diffuse = True
 
     def _frame(self, wo):
         n = self.normal

@@ -62,7 +62,8 @@ class Samples:
     """What one sample of each of ``count`` pixels adds to the passes."""
 
     def __init__(self, count: int):
-        self.combined, self.lamps, self.emission, self.position, self.normal, self.albedo = np.zeros((6, count, 3))
+        self.combined, self.lamps, self.emission = np.zeros((3, count, 3))
+        self.position, self.normal, self.albedo, self.diffuse_albedo = np.zeros((4, count, 3))
         self.alpha, self.depth, self.found = np.ones(count), np.zeros(count), np.zeros(count, bool)
 
 
@@ -213,7 +214,7 @@ class Integrator:
         rows = paths.sample[first]
         samples.found[rows], samples.depth[rows] = True, end[first]
         samples.position[rows], samples.normal[rows] = surface.position[first], surface.ns[first]
-        samples.albedo[rows] = shading.albedo[first]
+        samples.albedo[rows], samples.diffuse_albedo[rows] = shading.albedo[first], shading.diffuse_albedo[first]
 
     # --- light sampling -----------------------------------------------------------------------------------------------
 

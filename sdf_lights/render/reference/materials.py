@@ -58,7 +58,7 @@ class Shading:
     def __init__(self, surface: Surface):
         self.surface = surface
         count = len(surface.distance)
-        self.emission, self.transparency, self.albedo = np.zeros((3, count, 3))
+        self.emission, self.transparency, self.albedo, self.diffuse_albedo = np.zeros((4, count, 3))
         self.holdout, self.scatters = np.zeros(count), np.zeros(count, bool)
         self.groups: list[tuple[np.ndarray, list[Lobe]]] = []
 
@@ -66,7 +66,7 @@ class Shading:
         """The same for some rows, given as indices or as a mask."""
         rows = np.arange(len(self.holdout))[rows]
         result = Shading(self.surface.select(rows))
-        for name in ("emission", "transparency", "albedo", "holdout", "scatters"):
+        for name in ("emission", "transparency", "albedo", "diffuse_albedo", "holdout", "scatters"):
             setattr(result, name, getattr(self, name)[rows])
         place = np.full(len(self.holdout), -1)
         place[rows] = np.arange(len(rows))
@@ -116,7 +116,7 @@ def _bump_shadowing(surface: Surface, lobe: Lobe, wi: np.ndarray) -> np.ndarray:
     bumped = (lobe.normal != surface.ns).any(1)
     cosine, tilt = dot(surface.ns, wi), dot(surface.ns, lobe.normal)
     factor = np.ones(len(wi))
-    if lobe.smooth:
+    if lobe.diffuse:
         tilt2 = np.clip(tilt * tilt, 1e-12, 1.0)
         factor = 1.0 / (1.0 + masking(np.minimum(0.125 * (1.0 / tilt2 - 1.0), 1.0), np.minimum(np.abs(cosine), 1.0)))
     return np.where(bumped, factor * (cosine * tilt * dot(lobe.normal, wi) >= 0.0), 1.0)
@@ -173,6 +173,8 @@ class Materials:
                     shading.transparency[rows] += lobe.weight
                 else:
                     shading.albedo[rows] += lobe.albedo
+                    if lobe.diffuse:
+                        shading.diffuse_albedo[rows] += lobe.albedo
                     singular = lobe.singular if isinstance(lobe, Microfacet) else False
                     shading.scatters[rows] |= (lobe.weight.mean(1) >= CUTOFF) & ~np.asarray(singular)
             if lobes:

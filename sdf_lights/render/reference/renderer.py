@@ -64,7 +64,7 @@ class ReferenceRenderer:
         self._sum("half", pixel[half], samples.combined[half])
         for name in ("lamps", "emission"):
             self._sum(name, pixel[rows], getattr(samples, name)[rows])
-        for name in ("normal", "albedo"):
+        for name in ("normal", "albedo", "diffuse_albedo"):
             self._sum(name, pixel[surface], getattr(samples, name)[surface])
         # Distances are those of the first sample that met a surface.
         new, where = np.unique(pixel[surface], return_index=True)

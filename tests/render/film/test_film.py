@@ -26,7 +26,7 @@ def random_samples(count, film, seed=0):
     """(count, pixels) records as the integrator fills them; two of three meet a surface."""
     rng = np.random.default_rng(seed)
     samples = np.zeros((count, film.width * film.height), path.SAMPLE)
-    for name in ("combined", "lamps", "emission", "normal", "albedo", "position", "depth"):
+    for name in ("combined", "lamps", "emission", "normal", "albedo", "diffuse_albedo", "position", "depth"):
         samples[name] = rng.gamma(1.0, 1.0, samples[name].shape)
     samples["alpha"] = rng.random(samples.shape)
     samples["found"] = rng.random(samples.shape) < 2 / 3
@@ -76,13 +76,15 @@ def test_passes_are_read_by_their_rule():
     first = np.argmax(found, axis=0)
     seen = found.any(axis=0)[:, None]
     each = np.arange(found.shape[1])
-    surface = {name: np.where(found[..., None], samples[name], 0.0) for name in ("normal", "albedo")}
+    surface = {name: np.where(found[..., None], samples[name], 0.0)
+               for name in ("normal", "albedo", "diffuse_albedo")}
     combined = np.concatenate([2.5 * samples["combined"].mean(axis=0), samples["alpha"].mean(axis=0)[:, None]], axis=1)
     expected = {
         "Combined": combined, "Noisy Image": combined, "SDF Lamps": 2.5 * samples["lamps"].mean(axis=0),
         "Emission": 2.5 * samples["emission"].mean(axis=0), "Sample Count": np.full((len(each), 1), 7),
         "Normal": surface["normal"].sum(axis=0) / hits, "Denoising Normal": surface["normal"].mean(axis=0),
-        "Diffuse Color": surface["albedo"].mean(axis=0), "Denoising Albedo": surface["albedo"].mean(axis=0),
+        "Diffuse Color": surface["diffuse_albedo"].mean(axis=0),
+        "Denoising Albedo": surface["albedo"].mean(axis=0),
         "Position": np.where(seen, samples["position"][first, each], 0.0),
         "Depth": np.where(seen, samples["depth"][first, each][:, None], NO_DEPTH)}
     assert set(expected) == set(ALL)

@@ -54,6 +54,7 @@ SURFACE = np.dtype([
     ("emission", "f8", 3),  # radiance towards wo
     ("transparency", "f8", 3),  # what passes straight through; sample() draws it too, as TRANSPARENT
     ("albedo", "f8", 3),  # estimated directional albedo of all closures, for denoising
+    ("diffuse_albedo", "f8", 3),  # the part of it that is neither reflection nor refraction by microfacets
     ("holdout", "f8"),  # weight of Holdout
     ("pick_total", "f8"),  # sum of the closures' weights for sampling, before they were normalised
 ], align=True)

@@ -88,6 +88,8 @@ def _finish(workspace, index, albedo):
         surface.evaluable += 1
     if closure.kind != STRAIGHT:
         _accumulate(surface.albedo, albedo)
+        if closure.kind != MICROFACET:
+            _accumulate(surface.diffuse_albedo, albedo)
 
 
 @kernel
@@ -415,7 +417,7 @@ def _add_lobe(block, workspace, lobe, weight):
 
 @kernel
 def shade(block, workspace):
-    """Run the material of ``workspace.surface``: fill its closures, emission, transparency, albedo and holdout."""
+    """Run the material of ``workspace.surface``: fill its closures, emission, transparency, albedos and holdout."""
     surface = surface_table(workspace)[0]
     material = _materials(block)[surface.material]
     surface.closure_count = 0
@@ -425,6 +427,7 @@ def shade(block, workspace):
     _set(surface.emission, ZERO)
     _set(surface.transparency, ZERO)
     _set(surface.albedo, ZERO)
+    _set(surface.diffuse_albedo, ZERO)
     if material.instructions[1] > material.instructions[0]:
         run(block, workspace, material.instructions[0], material.instructions[1])
     lobes = _lobes(block)
