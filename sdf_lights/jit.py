@@ -58,7 +58,7 @@ def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
 
 @functools.lru_cache(maxsize=None)
 def source_hash(path: pathlib.Path) -> str:
-    """Hash of a kernel source file, of all it imports from the package, of Numba and of NumPy, and of the package's name.
+    """Hash of a kernel source file and all it imports from the package, of the package's name, Numba and NumPy.
 
     Numba's own cache looks at the time stamp of the one file that defines a function and misses changes in the
     functions it calls; a folder named by this hash makes any such change start from a clean cache. A cached kernel
@@ -121,8 +121,8 @@ if AVAILABLE:
     class _Part(JITCodeLibrary):
         """Code of a kernel that other kernels call: intermediate code, to be linked into an entry.
 
-        Numba would optimise each function together with all it calls, and emit it, at every level of the call tree: for a
-        path tracer that is most of the time spent on compiling. Here that happens once, in the entry.
+        Numba would optimise each function together with all it calls, and emit it, at every level of the call tree:
+        for a path tracer that is most of the time spent on compiling. Here that happens once, in the entry.
         """
 
         @property

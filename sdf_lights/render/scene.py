@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..sdf.shapes import Shape
 from .material import Material
 from .settings import Settings
 
@@ -73,7 +74,7 @@ class Lamp:
     """
 
     name: str
-    shape: "sdf_lights.sdf.shapes.Shape"
+    shape: Shape
     matrix: np.ndarray
     power: float = 10.0
     density: float | None = None

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 import time
@@ -91,7 +92,8 @@ def render(
     started = time.perf_counter()
     on_progress(Progress("Preparing", memory=process_memory()))
     film = Film(scene, passes)
-    renderer = choose_back_end(scene)(scene, film, cancelled, lambda text: on_progress(Progress(text, memory=process_memory())))
+    renderer = choose_back_end(scene)(
+        scene, film, cancelled, lambda text: on_progress(Progress(text, memory=process_memory())))
     sampling_started = last_update = time.perf_counter()
     deadline = sampling_started + settings.time_limit if settings.time_limit > 0.0 else math.inf
     out_of_time = False
@@ -101,24 +103,24 @@ def render(
         out_of_time = out_of_time or (film.samples > 0 and time.perf_counter() > deadline)
         return out_of_time or cancelled()
 
-    for first, count in batches(settings.samples):
-        def report(part: float) -> None:
-            """``part``: how much of this batch has been done."""
-            nonlocal last_update
-            now = time.perf_counter()
-            done = (first + part * count) / settings.samples
-            elapsed = now - sampling_started
-            remaining = elapsed * (1.0 - done) / done if done > 0.0 and elapsed > 0.2 else None
-            if remaining is not None:
-                remaining = min(remaining, max(deadline - now, 0.0))
-            on_progress(Progress(
-                f"Sample {first}/{settings.samples}", done, first, now - started, remaining, process_memory(), noise))
-            if now - last_update > UPDATE_INTERVAL:
-                on_update(film)
-                last_update = time.perf_counter()
+    def report(first: int, count: int, noise: float | None, part: float) -> None:
+        """``part``: how much of the batch of ``count`` samples after the ``first`` has been done."""
+        nonlocal last_update
+        now = time.perf_counter()
+        done = (first + part * count) / settings.samples
+        elapsed = now - sampling_started
+        remaining = elapsed * (1.0 - done) / done if done > 0.0 and elapsed > 0.2 else None
+        if remaining is not None:
+            remaining = min(remaining, max(deadline - now, 0.0))
+        on_progress(Progress(
+            f"Sample {first}/{settings.samples}", done, first, now - started, remaining, process_memory(), noise))
+        if now - last_update > UPDATE_INTERVAL:
+            on_update(film)
+            last_update = time.perf_counter()
 
+    for first, count in batches(settings.samples):
         noise = film.noise() if first else None
-        if not renderer.sample(first, count, stop, report):
+        if not renderer.sample(first, count, stop, functools.partial(report, first, count, noise)):
             break
         if settings.noise_threshold > 0.0 and first + count >= settings.min_samples:
             if not film.update_active(settings.noise_threshold):
@@ -136,5 +138,6 @@ def render(
         except RenderError as error:
             scene.warnings.append(str(error))
     elapsed = time.perf_counter() - started
-    on_progress(Progress(f"Sample {film.samples}/{settings.samples}", 1.0, film.samples, elapsed, 0.0, process_memory(), film.noise()))
+    on_progress(Progress(
+        f"Sample {film.samples}/{settings.samples}", 1.0, film.samples, elapsed, 0.0, process_memory(), film.noise()))
     return film

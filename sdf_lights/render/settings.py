@@ -33,15 +33,18 @@ class Settings:
         0.01, "Relative error at which a pixel gets no more samples; 0 gives every pixel all samples", 0.0, 1.0)
     min_samples: int = _setting(16, "Samples per pixel before the noise threshold is looked at", 1, 4096)
     time_limit: float = _setting(0.0, "Seconds after which the render stops; 0 means no limit", 0.0, None, "TIME")
-    seed: int = _setting(0, "Seed of the sampling pattern: the same seed gives the same picture, bit for bit", 0, (1 << 31) - 1)
+    seed: int = _setting(
+        0, "Seed of the sampling pattern: the same seed gives the same picture, bit for bit", 0, (1 << 31) - 1)
     animate_seed: bool = _setting(True, "Another seed for every frame", label="Animate Seed")
     max_bounces: int = _setting(12, "Most bounces of light of all kinds together", 0, 1024)
     diffuse_bounces: int = _setting(4, "Most diffuse bounces", 0, 1024)
     glossy_bounces: int = _setting(4, "Most glossy bounces", 0, 1024)
     transmission_bounces: int = _setting(12, "Most bounces through glass", 0, 1024)
     transparent_bounces: int = _setting(8, "Most transparent surfaces a path goes straight through", 0, 1024)
-    clamp_direct: float = _setting(0.0, "Largest value one sample of direct light may add; 0 means no clamp, and no bias", 0.0, None)
-    clamp_indirect: float = _setting(0.0, "Largest value one sample of indirect light may add; 0 means no clamp, and no bias", 0.0, None)
+    clamp_direct: float = _setting(
+        0.0, "Largest value one sample of direct light may add; 0 means no clamp, and no bias", 0.0, None)
+    clamp_indirect: float = _setting(
+        0.0, "Largest value one sample of indirect light may add; 0 means no clamp, and no bias", 0.0, None)
     caustics: bool = _setting(True, "Light that reaches a diffuse surface by way of a glossy one")
     filter: Filter = _setting(Filter.BLACKMAN_HARRIS, "Pixel filter")
     filter_width: float = _setting(1.5, "Width of the pixel filter in pixels", 0.01, 10.0)

@@ -9,7 +9,7 @@ import numpy as np
 from ... import emitter as lamps
 from ...jit import block_dtype, fill_table
 from ..film import Film
-from ..scene import AreaLight, Instance, Mesh, Scene
+from ..scene import Instance, Mesh, Scene
 from . import accumulate, camera, geometry, integrator, lights, path, rays, shading
 from .shading.records import HAS_EMISSION, HAS_TRANSPARENCY
 
@@ -75,8 +75,8 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
     settings = scene.settings
     names = ("seed", "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_bounces",
              "clamp_direct", "clamp_indirect", "caustics", "transparent_film")
-    finite = any(isinstance(light, AreaLight) or getattr(light, "radius", 0.0) > 0.0 or getattr(light, "angle", 0.0) > 0.0
-                 for light in scene.lights)
+    finite = bool(len(tables["light_areas"]) or (tables["light_balls"]["radius"] > 0.0).any()
+                  or (tables["light_suns"]["one_minus_cos"] > 0.0).any())
     world = scene.world.strength > 0.0 and (scene.world.image is not None or max(scene.world.color) > 0.0)
     emissive = bool((flags & HAS_EMISSION).any())
     return {

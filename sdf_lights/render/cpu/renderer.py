@@ -9,8 +9,6 @@ import os
 import threading
 from collections.abc import Callable
 
-import numpy as np
-
 from ... import jit
 from ..errors import RenderError
 from ..film import Film

@@ -8,7 +8,7 @@ from ....jit import kernel
 from ....vec import dot, largest, sub, vec
 from .area import hit_area, sample_area
 from .ball import ball_distance, ball_pdf, ball_radiance, sample_ball
-from .cone import cone_pdf, one_minus_cos, sample_cone
+from .cone import cone_pdf, sample_cone
 from .environment import sample_world, world_radiance
 from .records import (
     AREA,
