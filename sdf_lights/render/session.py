@@ -18,7 +18,8 @@ from .scene import Scene
 from .settings import Device
 
 LARGEST_BATCH = 32
-UPDATE_INTERVAL = 1.0
+# Seconds until the first picture is shown, and from one to the next.
+FIRST_UPDATE, UPDATE_INTERVAL = 0.25, 1.0
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,8 @@ def render(
     film = Film(scene, passes)
     renderer = choose_back_end(scene)(
         scene, film, cancelled, lambda text: on_progress(Progress(text, memory=process_memory())))
-    sampling_started = last_update = time.perf_counter()
+    sampling_started = time.perf_counter()
+    next_update = sampling_started + FIRST_UPDATE
     deadline = sampling_started + settings.time_limit if settings.time_limit > 0.0 else math.inf
     out_of_time = False
 
@@ -105,7 +107,7 @@ def render(
 
     def report(first: int, count: int, noise: float | None, part: float) -> None:
         """``part``: how much of the batch of ``count`` samples after the ``first`` has been done."""
-        nonlocal last_update
+        nonlocal next_update
         now = time.perf_counter()
         done = (first + part * count) / settings.samples
         elapsed = now - sampling_started
@@ -114,9 +116,9 @@ def render(
             remaining = min(remaining, max(deadline - now, 0.0))
         on_progress(Progress(
             f"Sample {first}/{settings.samples}", done, first, now - started, remaining, process_memory(), noise))
-        if now - last_update > UPDATE_INTERVAL:
+        if now > next_update:
             on_update(film)
-            last_update = time.perf_counter()
+            next_update = time.perf_counter() + UPDATE_INTERVAL
 
     for first, count in batches(settings.samples):
         noise = film.noise() if first else None

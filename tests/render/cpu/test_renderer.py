@@ -157,6 +157,7 @@ def test_odd_sizes(width, height):
 
 def test_pictures_shown_meanwhile_are_never_too_bright(monkeypatch):
     """Every sample of this picture is 1, so a pixel read between its sum and its count would show as another value."""
+    monkeypatch.setattr(session, "FIRST_UPDATE", 0.0)
     monkeypatch.setattr(session, "UPDATE_INTERVAL", 0.0)
     scene = scenes.SCENES["world_color"](300, 200)
     scene.instances, scene.world.color, scene.world.strength = [], (1.0, 1.0, 1.0), 1.0
