@@ -3,6 +3,10 @@
 """One bpy process for all tests here: the add-on is registered once, and every test starts from an empty file."""
 
 import contextlib
+import pathlib
+import re
+import subprocess
+import sys
 import types
 
 import numpy as np
@@ -10,9 +14,25 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+
+import build_extension  # noqa: E402  (found on the path set above)
+
 from sdf_lights import blender  # noqa: E402
 from sdf_lights.blender import sync as sync_package  # noqa: E402
 from sdf_lights.blender.naming import ENGINE  # noqa: E402
+
+
+@pytest.fixture(scope="session")
+def blender_zip(blender_command, tmp_path_factory) -> pathlib.Path:
+    """The extension's zip for the Blender with a window."""
+    told = subprocess.run(
+        [*blender_command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
+        capture_output=True, text=True, timeout=120)
+    found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
+    assert found, told.stdout + told.stderr
+    folder = tmp_path_factory.mktemp("blender_zip")
+    return build_extension.build(build_extension.this_platform(), f"{found[1]}.{found[2]}", folder)
 
 
 @pytest.fixture(scope="session")
