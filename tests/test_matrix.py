@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tests of everything that touches Blender, in every supported Blender."""
+"""The tests of everything that touches Blender, and of materials against its Cycles, in every supported Blender."""
 
 import os
 import pathlib
@@ -40,6 +40,7 @@ def test_blender_suite_and_zip(blender, capfd):
             "not gui and not matrix",
             "-q",
             "tests/blender",
+            "tests/render/shading/test_cycles.py",
         ],
         cwd=REPOSITORY,
         env=environment,
