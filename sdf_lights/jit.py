@@ -24,11 +24,12 @@ try:
     from llvmlite import ir
     from numba import types
     from numba.core import cgutils
+    from numba.core.caching import FunctionCache
     from numba.core.codegen import JITCodeLibrary
     from numba.core.compiler import Compiler
     from numba.core.registry import CPUDispatcher
+    from numba.core.runtime import rtsys
     from numba.extending import intrinsic
-    from numba.np.arrayobj import populate_array
     from numba.np.numpy_support import from_dtype
 
     AVAILABLE, REASON = True, ""
@@ -95,13 +96,13 @@ def _writable_cache() -> pathlib.Path:
         return pathlib.Path(tempfile.mkdtemp(prefix="sdf_lights-"))
 
 
-_KERNELS: list = []
+_PARTS: list = []
 _numbers = itertools.count()
 
 
 def compiled_kernels() -> int:
-    """Kernels that were compiled or loaded in this process: how far a first compilation has come."""
-    return sum(len(dispatcher.overloads) for dispatcher in _KERNELS)
+    """Kernels that were compiled in this process to be linked into others: how far a first compilation has come."""
+    return sum(len(part.overloads) for part in _PARTS)
 
 
 if AVAILABLE:
@@ -145,15 +146,40 @@ if AVAILABLE:
             library = library or _Part(target_context.codegen(), f"kernel{next(_numbers)}")
             super().__init__(typing_context, target_context, library, *arguments)
 
-    class _Kernel(CPUDispatcher):
+    class _Kernel:
         """What ``kernel`` returns. Kernels link it in; a call from Python compiles it once more as an entry, which is
         optimised, emitted, given the wrapper that Python needs, and cached on disk."""
 
+        def __init__(self, function, settings: dict):
+            functools.update_wrapper(self, function)
+            self._settings = settings
+
         def __call__(self, *arguments):
-            entry = self.__dict__.get("_entry")
-            if entry is None:
-                entry = self.__dict__["_entry"] = _entry(self.py_func, self.kernel_options)
-            return entry(*arguments)
+            return self._entry(*arguments)
+
+        @functools.cached_property
+        def _entry(self):
+            return _entry(self.__wrapped__, self._settings)
+
+        @functools.cached_property
+        def _numba_type_(self):
+            """Numba asks for this where another kernel calls this one: never, where all entries come from the cache."""
+            settings = {name: value for name, value in self._settings.items() if name != "cache"}
+            part = CPUDispatcher(
+                self.__wrapped__, targetoptions={**settings, "no_cpython_wrapper": True}, pipeline_class=_PartCompiler)
+            _PARTS.append(part)
+            return types.Dispatcher(part)
+
+    class _Cache(FunctionCache):
+        """Loads compiled entries without first registering all that Numba can compile, which takes a third of a second.
+
+        What an entry calls outside itself is C's mathematics, Python's interface and Numba's run time.
+        """
+
+        def load_overload(self, signature, target):
+            rtsys.initialize(target)
+            with self._guard_against_spurious_io_errors():
+                return self._load_overload(signature, target)
 
     def _entry(function, options: dict):
         options = dict(options)
@@ -165,7 +191,7 @@ if AVAILABLE:
             source = pathlib.Path(function.__code__.co_filename).resolve()
             numba.config.CACHE_DIR = str(_writable_cache() / source_hash(source))
             try:
-                dispatcher.enable_caching()
+                dispatcher._cache = _Cache(function)
             finally:
                 numba.config.CACHE_DIR = previous
         return dispatcher
@@ -181,11 +207,7 @@ if AVAILABLE:
             nopython=True, boundscheck=None, nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH,
             no_cfunc_wrapper=True)
         settings.update(options)
-        inner = {name: value for name, value in settings.items() if name != "cache"}
-        part = _Kernel(function, targetoptions={**inner, "no_cpython_wrapper": True}, pipeline_class=_PartCompiler)
-        part.kernel_options = settings
-        _KERNELS.append(part)
-        return functools.update_wrapper(part, function)
+        return _Kernel(function, settings)
 
     @intrinsic
     def call_address3(typingctx, address, a, b, c):
@@ -215,8 +237,6 @@ def table(name: str, dtype):
     """
     if not AVAILABLE:
         return None
-    element = from_dtype(np.dtype(dtype))
-    array_type = types.Array(element, 1, "C")
 
     def read(context, builder, signature, arguments, field):
         block_type = signature.args[0]
@@ -226,12 +246,17 @@ def table(name: str, dtype):
     @intrinsic
     def view(typingctx, block):
         # Written as an intrinsic because a compiled function for each table would cost a tenth of all compile time.
+        array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
+
         def codegen(context, builder, signature, arguments):
+            from numba.np.arrayobj import populate_array  # here, because nothing that is loaded from disk needs it
+
             address = read(context, builder, signature, arguments, name + "_address")
             count = read(context, builder, signature, arguments, name + "_count")
             array = context.make_array(array_type)(context, builder)
-            data = builder.inttoptr(address, context.get_data_type(element).as_pointer())
-            size = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(element)))
+            element = context.get_data_type(array_type.dtype)
+            data = builder.inttoptr(address, element.as_pointer())
+            size = context.get_constant(types.intp, context.get_abi_sizeof(element))
             populate_array(array, data=data, shape=[count], strides=[size], itemsize=size, meminfo=None)
             return array._getvalue()
 

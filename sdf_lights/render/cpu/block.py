@@ -52,6 +52,7 @@ class PackedScene:
             **geometry.pack_geometry(scene, self._accelerator.baked, layers), "control": self.control}
         # A name that no module declares, or one without its table, is a mistake of this file.
         assert tables.keys() == TABLES.keys(), tables.keys() ^ TABLES.keys()
+        self._images = scene.images  # whose pixels the tables point at
         self._tables = {name: np.ascontiguousarray(array).view(TABLES[name]) for name, array in tables.items()}
         self.block = np.zeros(1, BLOCK)
         for name, array in self._tables.items():
@@ -67,7 +68,7 @@ class PackedScene:
     def release(self) -> None:
         """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""
         self._accelerator = None
-        self._tables = {}
+        self._tables, self._images = {}, []
         self.block[:] = 0
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image textures: all texels of a scene in one table, and their look-up.
+"""Image textures and their look-up.
 
 Texture coordinates have (0, 0) at the lower left corner of the image and (1, 1) at the upper right; the centre of a
 texel lies half a texel inside, as in Blender.
@@ -12,35 +12,37 @@ import math
 
 import numpy as np
 
-from ...jit import kernel, table
+from ...jit import block_dtype, fill_table, kernel, table
 
 LINEAR, CLOSEST, CUBIC = range(3)
 REPEAT, EXTEND, CLIP, MIRROR = range(4)
 INTERPOLATIONS = {"Linear": LINEAR, "Closest": CLOSEST, "Cubic": CUBIC, "Smart": CUBIC}
 EXTENSIONS = {"REPEAT": REPEAT, "EXTEND": EXTEND, "CLIP": CLIP, "MIRROR": MIRROR}
 
-IMAGE = np.dtype([("offset", "i8"), ("width", "i8"), ("height", "i8")])
-TABLES = {"images": IMAGE, "texels": np.dtype("f4")}
+TEXEL = np.dtype("f4")
+IMAGE = block_dtype({"texels": TEXEL}, [("width", np.int64), ("height", np.int64)])
+TABLES = {"images": IMAGE}
 
 _images = table("images", TABLES["images"])
-_texels = table("texels", TABLES["texels"])
+_texels = table("texels", TEXEL)
 
 _MISSING = (1.0, 0.0, 1.0, 1.0)
 _FAR = 4.0  # of an image that does not repeat nothing changes farther out than this, even if it is a single texel
 
 
 def pack_images(scene) -> dict[str, np.ndarray]:
-    """Tables of ``scene.images``; an image without pixels, or of another shape than (h, w, 4), counts as missing."""
+    """Tables of ``scene.images``, whose pixels they point at: the caller keeps these alive.
+
+    An image without pixels, or of another shape than (h, w, 4), counts as missing.
+    """
     records = np.zeros(max(len(scene.images), 1), IMAGE)
-    chunks, offset = [], 0
-    for record, image in zip(records, scene.images):
-        pixels = np.asarray(image.pixels, dtype=np.float32)
-        if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels.size == 0:
-            continue
-        record["offset"], record["width"], record["height"] = offset, pixels.shape[1], pixels.shape[0]
-        chunks.append(pixels.reshape(-1))
-        offset += pixels.size
-    return {"images": records, "texels": np.concatenate(chunks) if chunks else np.zeros(4, np.float32)}
+    for index, image in enumerate(scene.images):
+        image.pixels = pixels = np.ascontiguousarray(image.pixels, TEXEL)
+        if pixels.ndim == 3 and pixels.shape[2] == 4 and pixels.size:
+            record = records[index:index + 1]
+            fill_table(record, "texels", pixels.reshape(-1))
+            record["height"], record["width"] = pixels.shape[:2]
+    return {"images": records}
 
 
 @kernel
@@ -63,7 +65,7 @@ def _add_texel(texels, image, x, y, extension, associated, weight, total):
     column, row = _wrap(x, image.width, extension), _wrap(y, image.height, extension)
     if column < 0 or row < 0:
         return total
-    i = image.offset + 4 * (row * image.width + column)
+    i = 4 * (row * image.width + column)
     color = weight * texels[i + 3] if associated else weight
     return (
         total[0] + color * texels[i],
@@ -103,7 +105,7 @@ def image_lookup(block, index, u, v, interpolation, extension, associated):
         u, v = u - 2.0 * np.floor(0.5 * u), v - 2.0 * np.floor(0.5 * v)
     else:
         u, v = min(max(u, -_FAR), 1.0 + _FAR), min(max(v, -_FAR), 1.0 + _FAR)
-    texels = _texels(block)
+    texels = _texels(image)
     x, y = u * image.width, v * image.height
     if interpolation == CLOSEST:
         column, row = int(np.floor(x)), int(np.floor(y))
