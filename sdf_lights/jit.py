@@ -30,6 +30,7 @@ try:
     from numba.core.registry import CPUDispatcher
     from numba.core.runtime import rtsys
     from numba.extending import intrinsic
+    from numba.np.arrayobj import populate_array
     from numba.np.numpy_support import from_dtype
 
     AVAILABLE, REASON = True, ""
@@ -249,8 +250,6 @@ def table(name: str, dtype):
         array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
 
         def codegen(context, builder, signature, arguments):
-            from numba.np.arrayobj import populate_array  # here, because nothing that is loaded from disk needs it
-
             address = read(context, builder, signature, arguments, name + "_address")
             count = read(context, builder, signature, arguments, name + "_count")
             array = context.make_array(array_type)(context, builder)

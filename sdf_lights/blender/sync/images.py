@@ -95,18 +95,25 @@ def _read(image: bpy.types.Image, height: int, width: int) -> np.ndarray:
 
 def _linearize(pixels: np.ndarray, image: bpy.types.Image, associated: bool, warn: Warnings) -> None:
     """From the encoding of an image of bytes to scene-linear, in place."""
-    space, color = image.colorspace_settings, pixels[..., :3]
+    space = image.colorspace_settings
     is_linear = space.is_data or space.name in _LINEAR
     if is_linear or space.name != "sRGB" and _convert(pixels, space.name):
         if associated:
-            color *= pixels[..., 3:]
+            _associate(pixels)
         return
     if space.name != "sRGB":
         warn(f"Image '{image.name}' is in the colour space {space.name}, which cannot be converted here: "
              "it is taken as sRGB.")
     if associated:
-        color *= pixels[..., 3:]
+        _associate(pixels)
     _decode_srgb(pixels)
+
+
+def _associate(pixels: np.ndarray) -> None:
+    """Multiply colour by alpha, in place."""
+    alpha = pixels[..., 3:]
+    if (alpha != 1.0).any():
+        pixels[..., :3] *= alpha
 
 
 def _decode_srgb(pixels: np.ndarray) -> None:
