@@ -143,6 +143,13 @@ def lamp():
 
 
 @pytest.fixture
+def stage(add, quad, lamp, file):
+    """A lit floor; the lamp's object."""
+    add("Floor", quad(), scale=(5.0, 5.0, 1.0))
+    return add("Lamp", lamp(radius=0.4), location=(0.0, 0.0, 1.0))
+
+
+@pytest.fixture
 def material():
     """Function: a material with an empty node tree; returns it, the tree, and its output's Surface socket."""
 

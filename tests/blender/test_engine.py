@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The engine at F12: what Blender has in its render result afterwards."""
 
+import dataclasses
+import time
+
 import bpy
 import numpy as np
 import pytest
@@ -11,13 +14,7 @@ from sdf_lights.blender.passes import blender_name
 from sdf_lights.render import session
 from sdf_lights.render.passes import PASSES
 from sdf_lights.render.session import Progress
-
-
-@pytest.fixture
-def stage(add, quad, lamp, file):
-    """A lit floor."""
-    add("Floor", quad(), scale=(5.0, 5.0, 1.0))
-    return add("Lamp", lamp(radius=0.4), location=(0.0, 0.0, 1.0))
+from sdf_lights.render.settings import Device, Settings
 
 
 def combined(pictures) -> np.ndarray:
@@ -176,38 +173,6 @@ def test_cancelling_keeps_what_there_is(file, stage, pictures, monkeypatch):
     assert 0.0 < progress[-1].samples < 1 << 20
 
 
-def test_empty_scene_is_black(file, pictures):
-    picture = combined(pictures())
-    assert (picture[..., :3] == 0.0).all() and (picture[..., 3] == 1.0).all()
-
-
-def test_no_camera(file, stage):
-    file.scene.camera = None
-    with pytest.raises(RuntimeError, match="no camera"):
-        bpy.ops.render.render()
-
-
-def test_lamp_inside_a_wall_and_around_the_camera(file, add, quad, lamp, pictures):
-    bpy.ops.mesh.primitive_cube_add(location=(0.0, 0.0, 1.0))
-    add("Inside", lamp(radius=0.25), location=(0.0, 0.0, 1.0))
-    assert combined(pictures())[..., :3].max() == 0.0
-    add("Around", lamp(radius=2.0), location=tuple(file.camera.location))
-    picture = combined(pictures())[..., :3]
-    assert np.isfinite(picture).all() and picture.min() > 0.0
-
-
-def test_bad_input_is_reported_and_the_rest_rendered(file, stage, add, quad, lamp, pictures, capfd):
-    whole = combined(pictures())
-    assert "Warning:" not in capfd.readouterr().out
-    add("Zero", lamp(), scale=(0.0, 0.0, 0.0))
-    add("Nowhere", quad(), location=(float("nan"), 0.0, 0.0))
-    add("Hollow", bpy.data.meshes.new("Hollow"))
-    picture = combined(pictures())
-    assert (picture == whole).all()
-    told = [line for line in capfd.readouterr().out.splitlines() if line.startswith("Warning: ")]
-    assert len(told) == 2 and "Lamp 'Zero'" in told[0] and "Object 'Nowhere'" in told[1]
-
-
 def test_one_sentence_for_an_error(file, stage):
     file.camera.scale = (0.0, 0.0, 0.0)
     with pytest.raises(RuntimeError) as caught:
@@ -229,6 +194,41 @@ def test_rendering_after_enabling_again(file, stage, registered, pictures):
     registered.register()
     file.scene.render.engine = "SDF_LIGHTS"
     assert (combined(pictures()) == before).all()
+
+
+@pytest.mark.parametrize("changes", [
+    dict(samples=64, noise_threshold=0.2), dict(samples=64, noise_threshold=0.2, min_samples=32), dict(samples=7)])
+def test_sampling_is_that_of_a_session(file, stage, pictures, synced, changes):
+    """Settings reach the renderer: each pixel gets as many samples as in a session with the same settings."""
+    settings = file.scene.sdf_lights
+    settings.device = "CPU"
+    for name, value in changes.items():
+        setattr(settings, name, value)
+    file.layer.sdf_lights.use_pass_sample_count = True
+    counts = pictures()["ViewLayer"]["Sample Count"]
+    expected = Settings(
+        device=Device.CPU, noise_threshold=changes.get("noise_threshold", 0.0), samples=changes["samples"],
+        min_samples=changes.get("min_samples", Settings().min_samples))
+    scene = synced()
+    # The frame seeds the pattern.
+    scene.settings = dataclasses.replace(expected, seed=scene.settings.seed)
+    film = session.render(scene, ("Sample Count",))
+    assert (counts == film.read("Sample Count")).all()
+    assert counts.max() == changes["samples"]
+    assert (counts.min() < counts.max()) == ("noise_threshold" in changes)
+    assert counts.min() >= changes.get("min_samples", 0)
+
+
+def test_time_limit(file, stage, pictures):
+    file.scene.sdf_lights.device = "CPU"
+    pictures()  # compiles, if need be
+    file.scene.sdf_lights.samples, file.scene.sdf_lights.time_limit = 1 << 20, 0.5
+    file.layer.sdf_lights.use_pass_sample_count = True
+    started = time.perf_counter()
+    found = pictures()["ViewLayer"]
+    assert 0.5 < time.perf_counter() - started < 5.0
+    assert 0 < found["Sample Count"].min() and found["Sample Count"].max() < 1 << 20
+    assert found["Combined"][0, :, :3].min() > 0.0
 
 
 def test_status():
