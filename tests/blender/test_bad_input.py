@@ -45,7 +45,8 @@ def test_camera_that_is_nowhere(file, stage, change):
     assert "Traceback" not in str(caught.value)
 
 
-@pytest.mark.parametrize("place", [dict(scale=(0.0, 0.0, 0.0)), dict(scale=(1.0, 0.0, 1.0)), dict(location=(0, NAN, 0))])
+@pytest.mark.parametrize("place", [
+    dict(scale=(0.0, 0.0, 0.0)), dict(scale=(1.0, 0.0, 1.0)), dict(location=(0.0, NAN, 0.0))])
 @pytest.mark.parametrize("kind", ["lamp", "light"])
 def test_lamp_without_extent_or_place(render, stage, add, lamp, kind, place):
     """Of Blender's lights only those with an area have an extent that a scale can take away."""
@@ -86,7 +87,7 @@ def test_parameters_that_make_no_shape(render, stage, add, lamp):
 
 @pytest.fixture
 def textured(stage, material):
-    """The image texture node of the floor's material; its image is deleted in one test or the other."""
+    """The image texture node of the floor's material; its image some tests delete."""
     made, tree, output = material()
     diffuse, texture = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeTexImage")
     tree.links.new(texture.outputs["Color"], diffuse.inputs["Color"])

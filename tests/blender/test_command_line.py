@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rendering without a window, as farms do it: the extension installed from its zip, ``blender -b FILE -E SDF_LIGHTS``."""
+"""Rendering without a window, as farms do it: the installed extension, and ``blender -b FILE -E SDF_LIGHTS``."""
 
 import os
 import subprocess
