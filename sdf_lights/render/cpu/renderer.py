@@ -25,33 +25,36 @@ class CpuRenderer:
 
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
         self._film = film
-        say("Building the scene")
-        self._packed = PackedScene(scene, film)
-        threads = scene.settings.threads or os.cpu_count() or 1
-        self._workspaces = [Workspace(self._packed) for _ in range(threads)]
+        self._packed: PackedScene | None = None
+        self._workspaces: list[Workspace] = []
         x0, y0, x1, y1 = film.window
         self._tiles = [
             (x, y, min(x + TILE, x1), min(y + TILE, y1)) for y in range(y0, y1, TILE) for x in range(x0, x1, TILE)]
-        self.ready = self._compile(cancelled, say)
+        self.ready = self._prepare(scene, cancelled, say)
 
-    def _compile(self, cancelled, say) -> bool:
-        """Compile the kernels, or load them from the cache, in a thread of its own. False if cancelled meanwhile."""
+    def _prepare(self, scene: Scene, cancelled, say) -> bool:
+        """Pack the scene, and compile the kernels or load them, in a thread of its own. False if cancelled meanwhile."""
+        say("Building the scene")
         failures: list[Exception] = []
 
         def load() -> None:
             try:
+                packed = PackedScene(scene, self._film)
+                self._workspaces = [Workspace(packed) for _ in range(scene.settings.threads or os.cpu_count() or 1)]
+                self._packed = packed
                 self._render((0, 0, 0, 0), 0, 0, self._workspaces[0])
             except Exception as error:
                 failures.append(error)
 
+        compiled = jit.compiled_kernels()
         thread = threading.Thread(target=load)
         thread.start()
         thread.join(POLL_SECONDS)
         while thread.is_alive():
             if cancelled():
                 return False
-            done = jit.compiled_kernels()
-            say(f"Compiling kernels, once for this installation: {done} done" if done > 1 else "Loading kernels")
+            done = jit.compiled_kernels() - compiled
+            say(f"Compiling kernels, once for this installation: {done} done" if done > 1 else "Building the scene")
             thread.join(2 * POLL_SECONDS)
         _raise_first(failures)
         return True
@@ -103,9 +106,12 @@ class CpuRenderer:
 
     def finish(self) -> None:
         """Drop what the render no longer needs; the film keeps its own arrays."""
-        self._packed.release()
+        if self.ready:
+            self._packed.release()
 
 
 def _raise_first(failures: list[Exception]) -> None:
+    if failures and isinstance(failures[0], RenderError):
+        raise failures[0]
     if failures:
         raise RenderError(f"The CPU back end failed ({type(failures[0]).__name__}: {failures[0]}).") from failures[0]
