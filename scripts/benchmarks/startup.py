@@ -36,7 +36,7 @@ def work_folder() -> pathlib.Path:
 
 
 class EmptyEngine(bpy.types.RenderEngine):
-    """What a render costs Blender itself: evaluating the scene and showing a result."""
+    """What a render costs Blender itself: evaluating the scene, decoding image files and showing a result."""
 
     bl_idname = "SDF_LIGHTS_BENCH_EMPTY"
     bl_label = "Empty"
@@ -45,6 +45,9 @@ class EmptyEngine(bpy.types.RenderEngine):
         super().__init__(*args, **kwargs)
 
     def render(self, depsgraph):
+        for image in bpy.data.images:
+            if image.has_data or image.packed_file or image.filepath:
+                image.pixels[0]  # Blender decodes a file when it is first looked at, once for all engines
         result = self.begin_result(0, 0, self.resolution_x, self.resolution_y, layer=depsgraph.view_layer.name)
         self.end_result(result)
 
