@@ -3,8 +3,8 @@
 """The path tracer and the NumPy reference, which share no code, agree within their error bars on every pass.
 
 Each renders a scene with ``SEEDS`` seeds. Means over blocks of pixels and over the whole picture are compared by
-Welch's t test; their variances come from the seeds. The threshold makes a scene of two right renderers fail with probability
-1 − ``CONFIDENCE``, over all its channels and blocks together. Seeds are fixed.
+Welch's t test; their variances come from the seeds. The threshold makes a scene of two right renderers fail with
+probability 1 − ``CONFIDENCE``, over all its channels and blocks together. Seeds are fixed.
 """
 
 import numpy as np

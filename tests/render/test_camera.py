@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
+from sdf_lights.emitter.points import disk_point
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.render.cpu.camera import (
     FILTER_CELLS, SCALARS, TABLES, camera_ray, camera_scalars, filter_inverse_cdf, filter_offset, filter_radius,
-    filter_weight, pack_camera, sample_blades, sample_disk, view_depth)
+    filter_weight, pack_camera, sample_blades, view_depth)
 from sdf_lights.render.scene import Camera, Projection, Scene
 from sdf_lights.render.settings import Filter, Settings
 
@@ -137,7 +138,7 @@ SIDE = 256
 @kernel(cache=False)
 def _lens(blades, rotation, u, out):
     for i in range(len(u)):
-        out[i] = sample_blades(blades, rotation, u[i, 0], u[i, 1]) if blades > 0 else sample_disk(u[i, 0], u[i, 1])
+        out[i] = sample_blades(blades, rotation, u[i, 0], u[i, 1]) if blades > 0 else disk_point(u[i, 0], u[i, 1])
 
 
 def lens_points(blades, rotation=0.0, side=SIDE):

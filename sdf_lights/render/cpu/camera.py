@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from ...emitter.points import disk_point
 from ...jit import kernel, table
 from ...vec import madd, normalize, scale, sub, transform_point, transform_vector
 from ..scene import Camera, Projection, Scene
@@ -114,19 +115,6 @@ def filter_offset(block, u1, u2):
 
 
 @kernel
-def sample_disk(u1, u2):
-    """Uniform point of the unit disk, neighbours staying neighbours (Shirley and Chiu 1997)."""
-    a, b = 2.0 * u1 - 1.0, 2.0 * u2 - 1.0
-    if a == 0.0 and b == 0.0:
-        return 0.0, 0.0
-    if abs(a) > abs(b):
-        radius, angle = a, 0.25 * math.pi * (b / a)
-    else:
-        radius, angle = b, 0.5 * math.pi - 0.25 * math.pi * (a / b)
-    return radius * math.cos(angle), radius * math.sin(angle)
-
-
-@kernel
 def sample_blades(blades, rotation, u1, u2):
     """Uniform point of the regular polygon in the unit circle; ``rotation`` is the angle of the middle of a side."""
     position = u1 * blades
@@ -144,7 +132,7 @@ def sample_blades(blades, rotation, u1, u2):
 def sample_lens(camera, u1, u2):
     """Point of the lens in metres. A ratio above 1 narrows it along x."""
     if camera.blades < 3:
-        x, y = sample_disk(u1, u2)
+        x, y = disk_point(u1, u2)
     else:
         x, y = sample_blades(camera.blades, camera.blade_rotation, u1, u2)
     return camera.aperture * x / camera.blade_ratio, camera.aperture * y

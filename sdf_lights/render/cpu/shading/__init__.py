@@ -13,6 +13,10 @@ from .records import CLOSURE, SURFACE, WORKSPACE_COUNTS, WORKSPACE_TABLES
 from .scattering import evaluate, sample
 from .surface import shade, transparency
 
+__all__ = [
+    "CLOSURE", "MATERIAL", "SURFACE", "TABLES", "WORKSPACE_COUNTS", "WORKSPACE_TABLES", "evaluate", "pack_materials",
+    "sample", "shade", "transparency", "uv_layers"]
+
 TABLES = {**program.TABLES, **textures.TABLES, **energy.TABLES}
 
 
