@@ -210,19 +210,46 @@ if AVAILABLE:
         settings.update(options)
         return _Kernel(function, settings)
 
+    def _caller(kinds):
+        """Intrinsic that calls a C function without result at an address; ``kinds`` are the types of its arguments."""
+        signature = types.void(*[types.int64] * (1 + len(kinds)))
+
+        def codegen(context, builder, signature, arguments):
+            function = builder.inttoptr(arguments[0], ir.FunctionType(ir.VoidType(), kinds).as_pointer())
+            builder.call(function, [
+                builder.inttoptr(value, kind) if isinstance(kind, ir.PointerType) else value
+                for kind, value in zip(kinds, arguments[1:])])
+            return context.get_dummy_value()
+
+        return lambda typingctx, *arguments: (signature, codegen)
+
     @intrinsic
     def call_address3(typingctx, address, a, b, c):
         """Call the C function ``void f(void*, void*, void*)`` at an address; all arguments are integers."""
-        signature = types.void(types.int64, types.int64, types.int64, types.int64)
+        return _caller([cgutils.voidptr_t] * 3)(typingctx)
+
+    @intrinsic
+    def call_field(typingctx, address, count, points, parameters, values):
+        """Call a compiled formula (see ``sdf.read_native.Compiled``) at an address; all arguments are integers."""
+        return _caller([ir.IntType(64)] + [cgutils.voidptr_t] * 3)(typingctx)
+
+    @intrinsic(prefer_literal=True)
+    def stack_array(typingctx, count):
+        """Uninitialised float64 array of a literal ``count`` elements on the stack, gone when the function returns."""
+        array_type = types.Array(types.float64, 1, "C")
+        size = count.literal_value
 
         def codegen(context, builder, signature, arguments):
-            word = cgutils.voidptr_t
-            kind = ir.FunctionType(ir.VoidType(), [word, word, word])
-            function = builder.inttoptr(arguments[0], kind.as_pointer())
-            builder.call(function, [builder.inttoptr(value, word) for value in arguments[1:]])
-            return context.get_dummy_value()
+            array = context.make_array(array_type)(context, builder)
+            element = context.get_data_type(types.float64)
+            data = cgutils.alloca_once(builder, element, size=ir.Constant(ir.IntType(64), size))
+            data.align = 64
+            itemsize = context.get_constant(types.intp, 8)
+            populate_array(array, data=data, shape=[context.get_constant(types.intp, size)], strides=[itemsize],
+                           itemsize=itemsize, meminfo=None)
+            return array._getvalue()
 
-        return signature, codegen
+        return array_type(count), codegen
 
 else:
 

@@ -6,12 +6,14 @@ The same expression is always the same object, so common subexpressions are comp
 about, and the formula itself is the key under which a reading (compiled code, say) is kept. A parameter is the number
 of a slot in an array of values: other values, same formula.
 
-``OPERATIONS`` is the one table of what a node can be and what it means. Readings walk ``order(formula)`` and add
-nothing to it: see ``read_numpy``, ``read_native`` and ``read_text``. This module knows none of them.
+``OPERATIONS`` is the one table of what a node can be and what it means; ``iterate`` adds bounded loops. Readings walk
+``order(formula)`` and add nothing to it: see ``read_numpy``, ``read_native`` and ``read_text``. This module knows none
+of them.
 """
 
 from __future__ import annotations
 
+import contextvars
 import math
 import threading
 import weakref
@@ -30,6 +32,9 @@ class Operation(NamedTuple):
 
 
 CONSTANT, POSITION, PARAMETER = "constant", "position", "parameter"
+STATE, ITERATE, RESULT = "state", "iterate", "result"
+
+LONGEST_LOOP = 1000  # rounds
 
 OPERATIONS: dict[str, Operation] = {
     "negate": Operation(1, np.negative),
@@ -65,14 +70,17 @@ class Formula:
     """One node. Made only by the functions and operators of this module; compared and hashed by identity.
 
     ``kind`` is ``CONSTANT`` (``value`` a float), ``POSITION`` (``value`` 0, 1 or 2 for x, y, z), ``PARAMETER``
-    (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas).
+    (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Of loops (see ``iterate``) it is ``ITERATE``
+    (``value`` a ``Loop``, ``operands`` the number of rounds, the first states, and what the body needs from outside),
+    ``RESULT`` (``value`` the number of a state, ``operands`` the loop), or, in the body alone, ``STATE`` (``value`` the
+    loop's level and the number of the state).
     """
 
     __slots__ = ("kind", "operands", "value", "__weakref__")
 
     kind: str
     operands: tuple["Formula", ...]
-    value: float | int | None
+    value: "float | int | tuple[int, int] | Loop | None"
 
     def __add__(self, other):
         return apply("add", self, other)
@@ -126,6 +134,22 @@ class Formula:
         return f"<Formula {self.kind} {self.value if self.value is not None else ''}>".replace(" >", ">")
 
 
+class Loop(NamedTuple):
+    """The body of a loop: ``steps`` are the next states, computed while the comparison ``going`` holds.
+
+    ``level`` says how many loops it stands in. ``limit`` is the most rounds there can be.
+    """
+
+    level: int
+    limit: int
+    steps: tuple[Formula, ...]
+    going: Formula | None
+
+    def roots(self) -> tuple[Formula, ...]:
+        """What a round has to compute."""
+        return self.steps if self.going is None else (*self.steps, self.going)
+
+
 # Formulas live as long as somebody holds them. Blender renders and draws from different threads, hence the lock.
 _known: weakref.WeakValueDictionary[tuple, Formula] = weakref.WeakValueDictionary()
 _lock = threading.Lock()
@@ -137,7 +161,7 @@ def _intern(kind: str, operands: tuple[Formula, ...] = (), value=None) -> Formul
     key = (kind, operands, value, sign)
     with _lock:
         found = _known.get(key)
-        if found is None and operands and OPERATIONS[kind].commutes:
+        if found is None and kind in OPERATIONS and OPERATIONS[kind].commutes:
             found = _known.get((kind, operands[::-1], value, sign))
         if found is None:
             found = object.__new__(Formula)
@@ -296,11 +320,62 @@ POINT = Vector(*(_intern(POSITION, value=axis) for axis in range(3)))
 """The point at which a formula is read."""
 
 
-def order(formula: Formula) -> list[Formula]:
-    """Every node of the graph once, operands before the nodes that use them; the formula itself comes last."""
+_level = contextvars.ContextVar("level", default=0)
+
+
+def iterate(count: Formula | float, initial: tuple[Formula | float, ...],
+            body: Callable[..., tuple[tuple[Formula | float, ...], Formula | None]], limit: int) -> tuple[Formula, ...]:
+    """States after ``count`` rounds of a loop: ``steps, going = body(*states)``.
+
+    ``count`` must not depend on the position; it is rounded down, and held to 0 and ``limit``. ``going`` is a comparison
+    of the states before the round, or None: a point at which it fails keeps its states from then on.
+    """
+    if not 0 < limit <= LONGEST_LOOP:
+        raise ValueError(f"a loop can have 1 to {LONGEST_LOOP} rounds, not {limit}")
+    count, *initial = (o if isinstance(o, Formula) else constant(o) for o in (count, *initial))
+    if any(node.kind in (POSITION, STATE) for node in order(count)):
+        raise TypeError("the number of rounds of a loop cannot depend on the position")
+    level = _level.get()
+    states = tuple(_intern(STATE, value=(level, index)) for index in range(len(initial)))
+    token = _level.set(level + 1)
+    try:
+        steps, going = body(*states)
+    finally:
+        _level.reset(token)
+    steps = tuple(o if isinstance(o, Formula) else constant(o) for o in steps)
+    if len(steps) != len(states) or (going is not None and going.kind not in CONDITIONS):
+        raise TypeError("the body of a loop gives one value for each state, and a comparison or None")
+    loop = Loop(level, limit, steps, going)
+    node = _intern(ITERATE, (count, *initial, *_captures(loop)), loop)
+    return tuple(_intern(RESULT, (node,), index) for index in range(len(states)))
+
+
+def _captures(loop: Loop) -> list[Formula]:
+    """Nodes that the body of a loop uses and that stay the same in all its rounds; constants are not listed."""
+    nodes = order(*loop.roots())
+    inside = {}
+    for node in nodes:
+        inside[node] = (node.kind == STATE and node.value[0] == loop.level) or any(inside[o] for o in node.operands)
+    used = [o for node in nodes if inside[node] for o in node.operands]
+    used += loop.roots()
+    return [node for node in dict.fromkeys(used) if not inside[node] and node.kind != CONSTANT]
+
+
+def body(node: Formula) -> list[Formula]:
+    """What each round of an ``ITERATE`` node computes, in order; its captures are known by then (as its operands)."""
+    loop = node.value
+    known = set(node.operands[1 + len(loop.steps):])
+    return [n for n in order(*loop.roots(), known=known) if n not in known]
+
+
+def order(*formulas: Formula, known: set[Formula] = frozenset()) -> list[Formula]:
+    """Every node of the graph once, operands before the nodes that use them; the last formula itself comes last.
+
+    The bodies of loops are not part of it. Operands of ``known`` nodes are left out, where nothing else uses them.
+    """
     ordered: list[Formula] = []
     seen: set[Formula] = set()
-    pending = [(formula, False)]
+    pending = [(formula, False) for formula in reversed(formulas)]
     while pending:
         node, ready = pending.pop()
         if ready:
@@ -308,7 +383,8 @@ def order(formula: Formula) -> list[Formula]:
         elif node not in seen:
             seen.add(node)
             pending.append((node, True))
-            pending += [(operand, False) for operand in reversed(node.operands)]
+            if node not in known:
+                pending += [(operand, False) for operand in reversed(node.operands)]
     return ordered
 
 

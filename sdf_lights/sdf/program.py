@@ -13,6 +13,8 @@ A primitive row says ``inverse`` (3 × 4: the space of the whole shape -> the pr
     CAPSULE   radius, height             along z; height is the length of the segment, without the caps
     CYLINDER  radius, height             along z, centred
     CONE      radius, height             along z, base at −height/2, apex at +height/2
+    HALF_SPACE                           z ≤ 0
+    FRUSTUM   radii at −height/2 and +height/2, height    along z, centred; either radius may be 0
 
 ``inverse`` and ``parameters`` of operator rows are zero.
 """
@@ -34,9 +36,12 @@ class Op(enum.IntEnum):
     CAPSULE = 3
     CYLINDER = 4
     CONE = 5
+    HALF_SPACE = 6
+    FRUSTUM = 7
     UNION = 16
     INTERSECTION = 17
     DIFFERENCE = 18
+    EXCLUSIVE = 19
 
 
 class NoClosedForm(Exception):

@@ -6,30 +6,65 @@ from __future__ import annotations
 
 import numpy as np
 
-from .formula import CONSTANT, OPERATIONS, PARAMETER, POSITION, Formula, order
+from .formula import CONSTANT, ITERATE, OPERATIONS, PARAMETER, POSITION, RESULT, STATE, Formula, body, order
 
 
 def evaluate(formula: Formula, points: np.ndarray, parameters: np.ndarray = ()) -> np.ndarray:
     """Values (…) of the formula at points (…, 3). Where it is undefined the value is NaN, without a warning."""
     points = np.asarray(points, np.float64)
-    nodes = order(formula)
-    uses = dict.fromkeys(nodes, 0)
-    for node in nodes:
-        for operand in node.operands:
-            uses[operand] += 1
-    values: dict[Formula, np.ndarray | np.float64] = {}
     with np.errstate(all="ignore"):
-        for node in nodes:
-            if node.kind == CONSTANT:
-                values[node] = np.float64(node.value)
-            elif node.kind == POSITION:
-                values[node] = points[..., node.value]
-            elif node.kind == PARAMETER:
-                values[node] = np.float64(parameters[node.value])
-            else:
-                values[node] = OPERATIONS[node.kind].meaning(*(values[operand] for operand in node.operands))
-                for operand in node.operands:  # a graph of hundreds of nodes must not hold hundreds of arrays
-                    uses[operand] -= 1
-                    if not uses[operand]:
-                        values.pop(operand, None)
-        return np.broadcast_to(values[formula], points.shape[:-1]).astype(np.float64)
+        value = _run(order(formula), (formula,), {}, points, parameters)[formula]
+        return np.broadcast_to(value, points.shape[:-1]).astype(np.float64)
+
+
+def _run(nodes: list[Formula], wanted: tuple[Formula, ...], known: dict, points, parameters) -> dict:
+    """Values of ``nodes``, given in order; those that are not ``wanted`` are forgotten after their last use."""
+    uses = dict.fromkeys(nodes, 0)
+    for node in (*wanted, *(operand for node in nodes for operand in node.operands)):
+        if node in uses:
+            uses[node] += 1
+    values = dict(known)
+    for node in nodes:
+        operands = [values[operand] for operand in node.operands]
+        if node.kind == CONSTANT:
+            values[node] = np.float64(node.value)
+        elif node.kind == POSITION:
+            values[node] = points[..., node.value]
+        elif node.kind == PARAMETER:
+            values[node] = np.float64(parameters[node.value])
+        elif node.kind == ITERATE:
+            values[node] = _loop(node, operands, points, parameters)
+        elif node.kind == RESULT:
+            values[node] = operands[0][node.value]
+        else:
+            values[node] = OPERATIONS[node.kind].meaning(*operands)
+        for operand in node.operands:  # a graph of hundreds of nodes must not hold hundreds of arrays
+            if operand in uses:
+                uses[operand] -= 1
+                if not uses[operand]:
+                    values.pop(operand, None)
+    return values
+
+
+def _loop(node: Formula, operands: list, points, parameters) -> list:
+    """States after the loop of an ``ITERATE`` node."""
+    loop, size = node.value, len(node.value.steps)
+    states = operands[1:1 + size]
+    captures = dict(zip(node.operands[1 + size:], operands[1 + size:]))
+    nodes = body(node)
+    going = True
+    for _ in range(rounds(operands[0], loop.limit)):
+        known = {**captures, **{state: states[state.value[1]] for state in nodes if state.kind == STATE
+                                and state.value[0] == loop.level}}
+        values = _run([n for n in nodes if n not in known], loop.roots(), known, points, parameters)
+        if loop.going is not None:
+            going = going & values[loop.going]
+            if not np.any(going):
+                break
+        states = [np.where(going, values[step], state) for step, state in zip(loop.steps, states)]
+    return states
+
+
+def rounds(count: float, limit: int) -> int:
+    """Rounds of a loop for the value of its count."""
+    return int(min(max(np.floor(count), 0.0), limit)) if count == count else 0

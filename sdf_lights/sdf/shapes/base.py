@@ -9,6 +9,7 @@ Everything that has a name for a shape (the expression language, Blender's prope
 from __future__ import annotations
 
 import dataclasses
+import enum
 import functools
 import inspect
 import math
@@ -46,13 +47,47 @@ class Parameter(NamedTuple):
     maximum: float
     soft_maximum: float  # where a slider ends, though more may be typed
     size: int
+    whole: bool  # a count: whole numbers only
 
 
 def number(default, description: str, *, unit: str = "LENGTH", minimum: float = SMALLEST, maximum: float = LARGEST,
-           soft_maximum: float = 10.0, label: str = ""):
+           soft_maximum: float = 10.0, label: str = "", whole: bool = False):
     """Dataclass field of a shape's parameter: a float, or a vector where ``default`` is a 3-tuple."""
     return dataclasses.field(default=default, metadata=dict(
-        description=description, unit=unit, minimum=minimum, maximum=maximum, soft_maximum=soft_maximum, label=label))
+        description=description, unit=unit, minimum=minimum, maximum=maximum, soft_maximum=soft_maximum, label=label,
+        whole=whole))
+
+
+def part(description: str):
+    """Dataclass field of a shape that another shape is made of; comes before the numbers."""
+    return dataclasses.field(metadata=dict(part=True, description=description))
+
+
+class Family(enum.IntEnum):
+    """How a field is joined from others, as far as leaving some of them out is concerned."""
+
+    LEAF = 0  # not joined from others
+    MAP = 1  # of one field: an offset, a shell
+    UNION = 2  # of a and b, far from each other: the lesser
+    INTERSECTION = 3  # the greater
+    DIFFERENCE = 4  # the greater of a and −b
+    EXCLUSIVE = 5  # a where |a| < b, −a where |a| < −b, and so on
+
+
+class Term(NamedTuple):
+    """One of the formulas, in postfix order, that a shape's field is evaluated by.
+
+    A term takes ``arity`` values from a stack and puts its own in their place. Its ``formula`` reads the point where
+    arity is 0, else its operands in place of the coordinates x (the first) and y. Where operands a and b (−b in a
+    difference) differ by more than ``reach``, the value is exactly that of one of them, as ``family`` says.
+    """
+
+    formula: Formula
+    parameters: np.ndarray
+    arity: int
+    family: Family
+    reach: float
+    lipschitz: float  # of the value, as a function of the point
 
 
 class Slots:
@@ -76,11 +111,17 @@ class Shape:
 
     ``exactness`` says what |φ| is: ``"exact"``, the distance to the surface everywhere; ``"bound"``, never more than
     that distance; ``"none"``, neither. The sign is right in all three. ``lipschitz`` is an L with
-    |φ(x) − φ(y)| ≤ L |x − y| for all x, y; it is 1 for the first two.
+    |φ(x) − φ(y)| ≤ L |x − y| for all x, y; it is 1 for the first two, and infinite where none is known for all of
+    space: then bounds are found box by box, from the formula. Where no bound exists at all, ``certified`` is False and
+    ``lipschitz`` is a measured one, which rays that miss a crossing may yet disprove.
+
+    A shape that is not ``bounded`` reaches to infinity: it is of use inside an intersection alone.
     """
 
     exactness = EXACT
     lipschitz = 1.0
+    certified = True
+    bounded = True
     children = ()  # the shapes that this one is made of
     size = 1  # number of primitives in the shape
     depth = 1  # number of shapes inside one another
@@ -135,7 +176,8 @@ class Shape:
     def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Corners (low, high) of an axis-aligned box around ``matrix`` (4 × 4, default identity) applied to the shape.
 
-        Tight for primitives under every affine matrix. An empty intersection may give a box without extent.
+        Tight for primitives under every affine matrix. An empty intersection may give a box without extent; a shape
+        that is not ``bounded`` gives infinite corners.
         """
         raise NotImplementedError
 
@@ -153,6 +195,17 @@ class Shape:
         Raises ``program.NoClosedForm`` where ray intervals have to be found numerically.
         """
         raise program.NoClosedForm(f"{self.label()} has no closed form for its ray intervals.")
+
+    def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
+        """The field factor · φ(matrix⁻¹ x) in parts that can be left out where they do not matter: see ``Term``.
+
+        This one is of a shape without such parts. ``factor`` is at most the least singular value of ``matrix``.
+        """
+        slots = Slots()
+        rows = [(slots(tuple(row[:3])), slots(row[3])) for row in np.linalg.inv(matrix)[:3].tolist()]
+        moved = Vector(*(row.dot(POINT) + offset for row, offset in rows))
+        formula = self.build(moved, slots) * slots(factor)
+        return [Term(formula, np.array(slots.values), 0, Family.LEAF, 0.0, self.lipschitz)]
 
     # -- what follows from it -------------------------------------------------------------------------------------
 
@@ -195,6 +248,8 @@ class Shape:
                     return f"{what} at least {field.minimum:g}."
                 if component > field.maximum:
                     return f"{what} at most {field.maximum:g}."
+                if field.whole and component != math.floor(component):
+                    return f"{what} a whole number."
         return self.relation()
 
 
