@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fields in kernels: a shape's terms as compiled code, evaluated at ``LANES`` points at a time.
+
+A field is a list of terms in postfix order (``sdf.shapes.Term``). A *list* of it holds indices of terms, also in
+postfix order: all of them, or those that matter in one box of space (see ``interior``). Where the second operand of a
+difference is all that matters, ``NEGATED`` follows it in the list.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..jit import call_field, kernel, table
+from ..sdf.read_native import LANES, compiled
+from ..sdf.shapes.base import Term
+
+TERM = np.dtype([
+    ("address", np.int64),  # of the compiled formula
+    ("parameters", np.int64),  # index of the formula's first parameter
+    ("arity", np.int64),
+    ("family", np.int64),  # sdf.shapes.Family
+    ("reach", np.float64),
+    ("lipschitz", np.float64),
+], align=True)
+
+LIST = np.dtype(np.int32)
+NEGATED = -1  # in a list: the value on top of the stack changes its sign
+
+TABLES = {"lamp_terms": TERM, "lamp_parameters": np.dtype(np.float64), "lamp_lists": LIST}
+
+DEEPEST = 62  # values that an evaluation may hold at a time
+VALUES = 3 * LANES  # where the values are in ``stack``, after all x, all y and all z
+STACK = VALUES + DEEPEST * LANES  # float64 that ``stack`` must have: jit.stack_array(STACK), imported by that name
+
+lamp_terms = table("lamp_terms", TERM)
+lamp_parameters = table("lamp_parameters", np.float64)
+lamp_lists = table("lamp_lists", LIST)
+
+
+@dataclass(frozen=True)
+class CompiledField:
+    """A field ready for the kernels. ``code`` owns what the addresses in ``terms`` point at."""
+
+    terms: np.ndarray  # TERM
+    parameters: np.ndarray  # float64
+    depth: int  # most values that an evaluation of all terms holds at a time
+    code: tuple
+
+    def all_terms(self) -> np.ndarray:
+        """The list of all terms."""
+        return np.arange(len(self.terms), dtype=LIST)
+
+
+def compile_terms(terms: list[Term]) -> CompiledField:
+    """Compile what is not compiled yet; terms of the same formula share their code."""
+    rows = np.zeros(len(terms), TERM)
+    code, parameters, used, height, depth = [], [np.zeros(0)], 0, 0, 0
+    for row, term in zip(rows, terms):
+        found = compiled(term.formula)
+        code.append(found.owner)
+        row["address"], row["parameters"] = found.address, used
+        row["arity"], row["family"], row["reach"], row["lipschitz"] = term.arity, term.family, term.reach, term.lipschitz
+        parameters.append(term.parameters)
+        used += len(term.parameters)
+        height += 1 - term.arity
+        depth = max(depth, height)
+    return CompiledField(rows, np.concatenate(parameters), depth, tuple(dict.fromkeys(code)))
+
+
+@kernel
+def run_terms(terms, parameters, lists, first, count, stack):
+    """Values of a list, the ``count`` entries of ``lists`` from ``first``, at the points in ``stack``.
+
+    ``stack`` has ``STACK`` elements: the ``LANES`` x, then y, then z are at its head and stay there; the values come
+    after them, from ``VALUES``. A term reads its operands where they lie and leaves its own values in their place.
+    """
+    points = stack.ctypes.data
+    numbers = parameters.ctypes.data
+    top = VALUES
+    for index in range(first, first + count):
+        number = lists[index]
+        if number == NEGATED:
+            for lane in range(top - LANES, top):
+                stack[lane] = -stack[lane]
+            continue
+        term = terms[number]
+        top -= term.arity * LANES
+        place = points + 8 * top
+        call_field(term.address, LANES, points if term.arity == 0 else place, numbers + 8 * term.parameters, place)
+        top += LANES
+
+
+@kernel
+def evaluate(block, row, first, count, stack):
+    """As ``run_terms``, for the lamp ``row`` of a block: ``first`` counts from the beginning of the lamp's lists."""
+    run_terms(lamp_terms(block)[row.first_term:], lamp_parameters(block), lamp_lists(block), row.first_list + first,
+              count, stack)
