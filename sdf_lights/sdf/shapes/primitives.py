@@ -15,23 +15,21 @@ import numpy as np
 
 from ..formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from ..program import Op, combine, primitive
+from . import support
 from .base import BOUND, Shape, Slots, number
-
-
-def _linear(matrix: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Columns' part (3, 3) and translation (3,) of a 4 × 4 matrix; of the identity for None."""
-    matrix = np.eye(4) if matrix is None else np.asarray(matrix, np.float64)
-    return matrix[:3, :3], matrix[:3, 3]
-
-
-def _around(center: np.ndarray, extent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    return center - extent, center + extent
 
 
 class Primitive(Shape, abstract=True):
     """A shape without parts. ``op`` names it to the emitter's kernels, where they know it."""
 
     op: Op | None = None
+
+    def support(self, directions: np.ndarray) -> np.ndarray:
+        """Greatest d · x of the points x of the shape, (n,), for directions d (n, 3) of any length."""
+        raise NotImplementedError
+
+    def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        return support.bounds(self.support, matrix)
 
     def program(self, matrix: np.ndarray | None = None) -> np.ndarray:
         if self.op is None:
@@ -56,9 +54,8 @@ class Sphere(Primitive):
     def volume(self) -> float:
         return 4.0 / 3.0 * math.pi * self.radius**3
 
-    def bounds(self, matrix=None):
-        linear, center = _linear(matrix)
-        return _around(center, self.radius * np.linalg.norm(linear, axis=1))
+    def support(self, directions):
+        return support.of_ball(directions, self.radius)
 
 
 @dataclass(frozen=True)
@@ -79,9 +76,8 @@ class Ellipsoid(Primitive):
     def volume(self) -> float:
         return 4.0 / 3.0 * math.pi * math.prod(self.radii)
 
-    def bounds(self, matrix=None):
-        linear, center = _linear(matrix)
-        return _around(center, np.linalg.norm(linear * self.radii, axis=1))
+    def support(self, directions):
+        return support.of_ball(directions * self.radii, 1.0)
 
     def program(self, matrix=None):
         stretch = np.diag([*self.radii, 1.0])
@@ -107,9 +103,8 @@ class Box(Primitive):
     def volume(self) -> float:
         return 8.0 * math.prod(self.half_size)
 
-    def bounds(self, matrix=None):
-        linear, center = _linear(matrix)
-        return _around(center, np.abs(linear) @ self.half_size)
+    def support(self, directions):
+        return np.abs(directions) @ self.half_size
 
     def _program_parameters(self):
         return self.half_size
@@ -149,8 +144,8 @@ class BoxFrame(Primitive):
         # In one octant a point is in the frame if at least two of its coordinates are within the thickness of a face.
         return 8.0 * self.thickness**2 * (sum(self.half_size) - 2.0 * self.thickness)
 
-    def bounds(self, matrix=None):
-        return Box(self.half_size).bounds(matrix)
+    def support(self, directions):
+        return np.abs(directions) @ self.half_size
 
     def program(self, matrix=None):
         parts = [Box(self.half_size).program(matrix)]
@@ -185,10 +180,8 @@ class Torus(Primitive):
     def volume(self) -> float:
         return 2.0 * math.pi**2 * self.major_radius * self.minor_radius**2
 
-    def bounds(self, matrix=None):
-        linear, center = _linear(matrix)
-        ring = self.major_radius * np.linalg.norm(linear[:, :2], axis=1)
-        return _around(center, ring + self.minor_radius * np.linalg.norm(linear, axis=1))
+    def support(self, directions):
+        return support.of_disk(directions, self.major_radius) + support.of_ball(directions, self.minor_radius)
 
 
 @dataclass(frozen=True)
@@ -207,10 +200,8 @@ class Capsule(Primitive):
     def volume(self) -> float:
         return math.pi * self.radius**2 * (self.height + 4.0 / 3.0 * self.radius)
 
-    def bounds(self, matrix=None):
-        linear, center = _linear(matrix)
-        segment = 0.5 * self.height * np.abs(linear[:, 2])
-        return _around(center, segment + self.radius * np.linalg.norm(linear, axis=1))
+    def support(self, directions):
+        return support.of_segment(directions, 0.5 * self.height) + support.of_ball(directions, self.radius)
 
 
 @dataclass(frozen=True)
@@ -230,10 +221,8 @@ class Cylinder(Primitive):
     def volume(self) -> float:
         return math.pi * self.radius**2 * self.height
 
-    def bounds(self, matrix=None):
-        linear, center = _linear(matrix)
-        disk = self.radius * np.linalg.norm(linear[:, :2], axis=1)
-        return _around(center, disk + 0.5 * self.height * np.abs(linear[:, 2]))
+    def support(self, directions):
+        return support.of_disk(directions, self.radius) + support.of_segment(directions, 0.5 * self.height)
 
 
 @dataclass(frozen=True)
@@ -261,8 +250,6 @@ class Cone(Primitive):
     def volume(self) -> float:
         return math.pi * self.radius**2 * self.height / 3.0
 
-    def bounds(self, matrix=None):
-        linear, center = _linear(matrix)
-        half_axis = 0.5 * self.height * linear[:, 2]
-        low, high = _around(center - half_axis, self.radius * np.linalg.norm(linear[:, :2], axis=1))
-        return np.minimum(low, center + half_axis), np.maximum(high, center + half_axis)
+    def support(self, directions):
+        tip = 0.5 * self.height * directions[:, 2]
+        return np.maximum(tip, support.of_disk(directions, self.radius) - tip)
