@@ -15,8 +15,11 @@ import numpy as np
 from ..jit import kernel
 from ..sdf.program import Op
 from ..vec import transform_point, transform_vector
-from .membership import BOX, CAPSULE, CYLINDER, DIFFERENCE, INTERSECTION, SPHERE, TORUS, UNION
-from .primitives import box_span, capsule_span, cone_span, cylinder_span, sphere_span, torus_spans
+from .fields import NEGATED
+from .membership import (
+    BOX, CAPSULE, CONE, CYLINDER, DIFFERENCE, EXCLUSIVE, HALF_SPACE, INTERSECTION, SPHERE, TORUS, UNION)
+from .primitives import (
+    box_span, capsule_span, cylinder_span, frustum_span, half_space_span, sphere_span, torus_spans)
 
 
 def rows_needed(program: np.ndarray) -> tuple[int, int]:
@@ -28,8 +31,8 @@ def rows_needed(program: np.ndarray) -> tuple[int, int]:
         else:
             both = stack[-2] + stack[-1]
             rows = max(rows, sum(stack) + len(stack) + both)  # the merged list is written above its operands
-            # Every interval of the result starts where one of an operand starts, or where one ends that is cut out;
-            # the starts of an intersection are the later ones of pairs.
+            # Every interval of the result lies between two of the ends of its operands', and shares none of them with
+            # another; an intersection starts at the later ones of pairs of starts.
             stack[-2:] = [both - 1 if op == Op.INTERSECTION else both]
         deepest = max(deepest, len(stack))
         rows = max(rows, sum(stack) + len(stack))
@@ -52,8 +55,12 @@ def primitive_spans(row, o, d):
         span = capsule_span(p, v, size[0], 0.5 * size[1])
     elif op == CYLINDER:
         span = cylinder_span(p, v, size[0], 0.5 * size[1])
+    elif op == CONE:
+        span = frustum_span(p, v, size[0], 0.0, 0.5 * size[1])
+    elif op == HALF_SPACE:
+        span = half_space_span(p, v)
     else:
-        span = cone_span(p, v, size[0], 0.5 * size[1])
+        span = frustum_span(p, v, size[0], size[1], 0.5 * size[2])
     return (1 if span[0] < span[1] else 0), span[0], span[1], 0.0, 0.0
 
 
@@ -66,7 +73,7 @@ def _combine(spans, first, count_first, second, count_second, op, out):
     while i < 2 * count_first or j < 2 * count_second:
         t_first = spans[first + i // 2, i % 2] if i < 2 * count_first else np.inf
         t_second = spans[second + j // 2, j % 2] if j < 2 * count_second else np.inf
-        if t_first <= t_second:
+        if t_first <= t_second and i < 2 * count_first:  # an end may itself be infinite
             t = t_first
             in_first = not in_first
             i += 1
@@ -78,8 +85,10 @@ def _combine(spans, first, count_first, second, count_second, op, out):
             now = in_first or in_second
         elif op == DIFFERENCE:
             now = in_first and not in_second
-        else:
+        elif op == INTERSECTION:
             now = in_first and in_second
+        else:
+            now = in_first != in_second
         if now and not inside:
             spans[out + count, 0] = t
         elif inside and not now and t > spans[out + count, 0]:
@@ -90,21 +99,57 @@ def _combine(spans, first, count_first, second, count_second, op, out):
 
 
 @kernel
-def solve(program, o, d, spans):
+def _complement(spans, first, count):
+    """Replace a sorted list by the gaps between its intervals, before and after them; returns their number."""
+    kept, start = 0, -np.inf
+    for index in range(first, first + count):
+        low, high = spans[index, 0], spans[index, 1]
+        if low > start:
+            spans[first + kept, 0], spans[first + kept, 1] = start, low
+            kept += 1
+        start = high
+    if start < np.inf:
+        spans[first + kept, 0], spans[first + kept, 1] = start, np.inf
+        kept += 1
+    return kept
+
+
+@kernel
+def solve(program, o, d, spans, chosen=None):
     """Sorted, disjoint intervals (start, end) of the ray o + s·d inside the program, in rows from 0; their number.
 
-    o and d are in the space the instructions' ``inverse`` starts from. d may have any length but zero; o should be
+    ``chosen`` are the indices of the instructions that count, and ``NEGATED``; None for all of them. o and d are in the space the instructions' ``inverse`` starts from. d may have any length but zero; o should be
     near the shape (``lamps.trace`` moves it there), since the ends are as precise as |o| allows. ``spans`` has at
     least ``rows_needed(program)`` rows. Slivers of rounding size are left to ``regularize``.
     """
-    top, index = 0, 0
-    while index < len(program):
+    length = len(program)
+    if chosen is not None:
+        length = len(chosen)
+    top, step, missed = 0, 0, False
+    while step < length:
+        index = step
+        if chosen is not None:
+            index = chosen[step]
+        step += 1
+        if missed:
+            missed = False
+            if index != NEGATED and program[index].arity > 0 and program[index].op != INTERSECTION:
+                continue  # the set below on the stack is left as it is
+            spans[top, 0] = 0
+            top += 1
+        if index == NEGATED:
+            count = int(spans[top - 1, 0])
+            first = top - 1 - count
+            count = _complement(spans, first, count)
+            top = first + count
+            spans[top, 0] = count
+            top += 1
+            continue
         row = program[index]
-        index += 1
         if row.arity == 0:
             count, a0, b0, a1, b1 = primitive_spans(row, o, d)
-            if count == 0 and index < len(program) and program[index].arity > 0 and program[index].op != INTERSECTION:
-                index += 1  # the set below on the stack is left as it is
+            if count == 0 and step < length:
+                missed = True
                 continue
             if count > 0:
                 spans[top, 0], spans[top, 1] = a0, b0
@@ -120,7 +165,7 @@ def solve(program, o, d, spans):
         first = second - 1 - count_first
         if count_second == 0 and row.op != INTERSECTION:
             count = count_first
-        elif count_first == 0 and row.op != UNION:
+        elif count_first == 0 and (row.op == INTERSECTION or row.op == DIFFERENCE):
             count = 0
         else:
             count = _combine(spans, first, count_first, second, count_second, row.op, top)

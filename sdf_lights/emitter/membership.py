@@ -10,10 +10,13 @@ import math
 
 from ..jit import kernel
 from ..sdf.program import Op
+from .fields import NEGATED
 
 SPHERE, BOX, TORUS = int(Op.SPHERE), int(Op.BOX), int(Op.TORUS)
 CAPSULE, CYLINDER, CONE = int(Op.CAPSULE), int(Op.CYLINDER), int(Op.CONE)
-UNION, INTERSECTION, DIFFERENCE = int(Op.UNION), int(Op.INTERSECTION), int(Op.DIFFERENCE)
+HALF_SPACE, FRUSTUM = int(Op.HALF_SPACE), int(Op.FRUSTUM)
+UNION, INTERSECTION = int(Op.UNION), int(Op.INTERSECTION)
+DIFFERENCE, EXCLUSIVE = int(Op.DIFFERENCE), int(Op.EXCLUSIVE)
 
 DEEPEST = 62  # bits of an int64 that hold one flag for each set on the stack
 
@@ -56,6 +59,8 @@ def classify_primitive(row, c, h):
     """Flags (inside, outside) of one primitive's instruction for a box of the shape's space."""
     c, h = place(row, c, h)
     op, size = row.op, row.parameters
+    if op == HALF_SPACE:
+        return (1 if c[2] + h[2] <= 0.0 else 0), (1 if c[2] - h[2] >= 0.0 else 0)
     near_x, near_y, near_z = _near(c[0], h[0]), _near(c[1], h[1]), _near(c[2], h[2])
     far_x, far_y, far_z = _far(c[0], h[0]), _far(c[1], h[1]), _far(c[2], h[2])
     if op == BOX:
@@ -70,29 +75,41 @@ def classify_primitive(row, c, h):
         near_tube = max(near_ring - size[0], size[0] - far_ring, 0.0)
         far_tube = max(far_ring - size[0], size[0] - near_ring)
         return _beside(math.hypot(near_tube, near_z), math.hypot(far_tube, far_z), size[1])
-    half_height = 0.5 * size[1]
+    half_height = 0.5 * (size[2] if op == FRUSTUM else size[1])
     if op == CAPSULE:
         above, top = max(near_z - half_height, 0.0), max(far_z - half_height, 0.0)
         return _beside(math.hypot(near_ring, above), math.hypot(far_ring, top), size[0])
-    if op == CYLINDER:
-        inside = far_ring <= size[0] and far_z <= half_height
-        outside = near_ring >= size[0] or near_z >= half_height
-        return (1 if inside else 0), (1 if outside else 0)
-    shallow, deep = half_height - (c[2] + h[2]), half_height - (c[2] - h[2])  # depths below the apex
-    slope = size[0] / size[1]
-    inside = shallow >= 0.0 and deep <= size[1] and far_ring <= slope * shallow
-    outside = deep <= 0.0 or shallow >= size[1] or near_ring >= slope * min(deep, size[1])
+    narrow, wide = size[0], size[0]
+    if op != CYLINDER:
+        # The radius is linear in z: of the part of the box between the ends, it is least and greatest at two heights.
+        end = size[1] if op == FRUSTUM else 0.0
+        low = min(max(0.5 + (c[2] - h[2]) / (2.0 * half_height), 0.0), 1.0)
+        high = min(max(0.5 + (c[2] + h[2]) / (2.0 * half_height), 0.0), 1.0)
+        at_low, at_high = (1.0 - low) * size[0] + low * end, (1.0 - high) * size[0] + high * end
+        narrow, wide = min(at_low, at_high), max(at_low, at_high)
+    inside = far_z <= half_height and far_ring <= narrow
+    outside = near_z >= half_height or near_ring >= wide
     return (1 if inside else 0), (1 if outside else 0)
 
 
 @kernel
-def classify(program, c, h):
-    """Flags (inside, outside) of a whole program for the box with centre c and half sizes h.
+def classify(program, c, h, chosen=None):
+    """Flags (inside, outside) of a program for the box with centre c and half sizes h.
 
-    The stack of sets is a stack of bits, so a program may hold at most ``DEEPEST`` sets at a time.
+    ``chosen`` are the indices of the instructions that count, and ``NEGATED``; None for all of them. The stack of sets
+    is a stack of bits, so a program may hold at most ``DEEPEST`` sets at a time.
     """
+    count = len(program)
+    if chosen is not None:
+        count = len(chosen)
     inside, outside = 0, 0
-    for index in range(len(program)):
+    for step in range(count):
+        index = step
+        if chosen is not None:
+            index = chosen[step]
+        if index == NEGATED:
+            inside, outside = inside >> 1 << 1 | outside & 1, outside >> 1 << 1 | inside & 1
+            continue
         row = program[index]
         if row.arity == 0:
             is_inside, is_outside = classify_primitive(row, c, h)
@@ -105,13 +122,16 @@ def classify(program, c, h):
             first_in, first_out = first_in | second_in, first_out & second_out
         elif row.op == INTERSECTION:
             first_in, first_out = first_in & second_in, first_out | second_out
-        else:
+        elif row.op == DIFFERENCE:
             first_in, first_out = first_in & second_out, first_out | second_in
+        else:
+            first_in, first_out = (
+                first_in & second_out | first_out & second_in, first_in & second_in | first_out & second_out)
         inside, outside = inside >> 1 << 1 | first_in, outside >> 1 << 1 | first_out
     return inside, outside
 
 
 @kernel
-def contains(program, p):
+def contains(program, p, chosen=None):
     """Whether the point p of the shape's space is inside."""
-    return classify(program, p, (0.0, 0.0, 0.0))[0] == 1
+    return classify(program, p, (0.0, 0.0, 0.0), chosen)[0] == 1

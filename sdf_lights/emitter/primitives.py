@@ -96,27 +96,39 @@ def capsule_span(o, d, radius, half_height):
 
 
 @kernel
-def cone_span(o, d, radius, half_height):
-    """Cone with its base of ``radius`` at z = −half_height and its apex at z = +half_height.
+def half_space_span(o, d):
+    """Where z ≤ 0: one end, or both, is infinite."""
+    if d[2] == 0.0:
+        return (-math.inf, math.inf) if o[2] <= 0.0 else MISS
+    crossing = -o[2] / d[2]
+    return (-math.inf, crossing) if d[2] > 0.0 else (crossing, math.inf)
 
-    Within the slab of its height only one of the two nappes of x² + y² = (slope·w)² is left, w the depth below the
-    apex; there the solid is convex.
+
+@kernel
+def frustum_span(o, d, bottom, top, half_height):
+    """Solid between the circles of radius ``bottom`` at z = −half_height and ``top`` at z = +half_height.
+
+    Within the slab of its height only one of the two nappes of x² + y² = r(z)² is left, r the radius at height z, which
+    is linear; there the solid is convex. Equal radii make it a cylinder, and no radius at one end a cone.
     """
     side = slab(o[2], d[2], half_height)
     if side[0] > side[1]:
         return MISS
     middle = -dot(o, d) / dot(d, d)
     p = madd(o, middle, d)
-    slope = radius / (2.0 * half_height)
-    depth = slope * (half_height - p[2])
-    rate = -slope * d[2]
-    a = d[0] * d[0] + d[1] * d[1] - rate * rate
-    b = p[0] * d[0] + p[1] * d[1] - depth * rate
-    c = p[0] * p[0] + p[1] * p[1] - depth * depth
+    # Weighted ends keep the digits of the radius near an apex, whichever end it is at.
+    radius = (bottom * (half_height - p[2]) + top * (half_height + p[2])) / (2.0 * half_height)
+    rate = (top - bottom) / (2.0 * half_height) * d[2]
+    across = d[0] * d[0] + d[1] * d[1]
+    a = across - rate * rate
+    b = p[0] * d[0] + p[1] * d[1] - radius * rate
+    c = p[0] * p[0] + p[1] * p[1] - radius * radius
     # b² − a·c without its cancellation: the Gram determinant of p and d in the cone's indefinite metric.
-    turn = p[0] * d[1] - p[1] * d[0]
-    swing_x, swing_y = p[0] * rate - depth * d[0], p[1] * rate - depth * d[1]
-    discriminant = swing_x * swing_x + swing_y * swing_y - turn * turn
+    turn = abs(p[0] * d[1] - p[1] * d[0])
+    swing = math.hypot(p[0] * rate - radius * d[0], p[1] * rate - radius * d[1])
+    discriminant = (swing - turn) * (swing + turn)
+    if a == 0.0 and b == 0.0:  # the side is neither nearer nor farther anywhere along the ray
+        return side if c < 0.0 else MISS
     if discriminant <= 0.0:
         # A line steeper than the cone always meets both nappes: at best together, in the apex.
         if a >= 0.0:
@@ -126,8 +138,8 @@ def cone_span(o, d, radius, half_height):
     other = c / q if q != 0.0 else 0.0
     if a == 0.0:
         # Parallel to a line of the cone: one crossing; inside where the linear function 2b·s + c is negative.
-        first = middle - c / (2.0 * b) if b != 0.0 else -math.inf
-        return overlap(side, (first, math.inf) if b <= 0.0 else (-math.inf, first))
+        first = middle - c / (2.0 * b)
+        return overlap(side, (first, math.inf) if b < 0.0 else (-math.inf, first))
     near, far = middle + min(q / a, other), middle + max(q / a, other)
     if a > 0.0:
         return overlap(side, (near, far))

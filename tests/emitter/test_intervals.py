@@ -6,6 +6,12 @@ import numpy as np
 import pytest
 
 from sdf_lights.emitter import lamps
+from sdf_lights.emitter.fields import NEGATED
+from sdf_lights.emitter.intervals import regularize, rows_needed, solve
+from sdf_lights.emitter.membership import classify
+from sdf_lights.emitter.primitives import cylinder_span, frustum_span
+from sdf_lights.jit import kernel
+from sdf_lights.sdf.program import Op, combine, primitive
 from sdf_lights.sdf.shapes import Box, Cone, Cylinder, Difference, Sphere, Torus, Transformed, Union
 
 from tests.emitter.shapes_under_test import PLACEMENTS, SHAPES, moved, turned
@@ -180,6 +186,191 @@ def test_axis_parallel_rays():
         spans = lamp.trace((0, 0, 10), (0, 0, -1))
         assert np.isclose(2.0 * spans[:, 1].sum(), through, rtol=1e-12)
         assert np.isfinite(lamp.trace((1, 2, 10), (0, 0, -1))).all()
+
+
+def ring(p):
+    return np.hypot(p[..., 0], p[..., 1])
+
+
+# What is inside, as ``sdf.program`` says it: of points in the primitive's own space, with its parameters.
+INSIDE = {
+    Op.SPHERE: lambda p, k: np.linalg.norm(p, axis=-1) <= k[0],
+    Op.BOX: lambda p, k: np.all(np.abs(p) <= k[:3], axis=-1),
+    Op.TORUS: lambda p, k: np.hypot(ring(p) - k[0], p[..., 2]) <= k[1],
+    Op.CAPSULE: lambda p, k: np.hypot(ring(p), np.maximum(np.abs(p[..., 2]) - k[1] / 2, 0)) <= k[0],
+    Op.CYLINDER: lambda p, k: (ring(p) <= k[0]) & (np.abs(p[..., 2]) <= k[1] / 2),
+    Op.CONE: lambda p, k: (ring(p) <= k[0] * (0.5 - p[..., 2] / k[1])) & (np.abs(p[..., 2]) <= k[1] / 2),
+    Op.HALF_SPACE: lambda p, k: p[..., 2] <= 0.0,
+    Op.FRUSTUM: lambda p, k: (
+        (ring(p) <= 0.5 * (k[0] + k[1]) + p[..., 2] * (k[1] - k[0]) / k[2]) & (np.abs(p[..., 2]) <= k[2] / 2)),
+}
+SETS = {Op.UNION: np.logical_or, Op.INTERSECTION: np.logical_and, Op.DIFFERENCE: np.greater,
+        Op.EXCLUSIVE: np.logical_xor}
+PARAMETERS = {Op.SPHERE: (0.6,), Op.BOX: (0.7, 0.5, 0.3), Op.TORUS: (0.6, 0.2), Op.CAPSULE: (0.3, 0.7),
+              Op.CYLINDER: (0.5, 0.9), Op.CONE: (0.6, 1.0), Op.HALF_SPACE: (), Op.FRUSTUM: (0.6, 0.2, 0.8)}
+
+
+def inside(program, points):
+    stack = []
+    for row in program:
+        if row["arity"]:
+            second, first = stack.pop(), stack.pop()
+            stack.append(SETS[row["op"]](first, second))
+        else:
+            local = points @ row["inverse"][:, :3].T + row["inverse"][:, 3]
+            stack.append(INSIDE[row["op"]](local, row["parameters"]))
+    return stack.pop()
+
+
+def random_map(rng):
+    return moved(*rng.uniform(-0.4, 0.4, 3)) @ turned(*rng.uniform(0, 7, 1), axis=rng.integers(3)) @ turned(
+        rng.uniform(0, 7), axis=rng.integers(3)) @ np.diag([*rng.uniform(0.5, 1.5, 3), 1.0])
+
+
+def random_program(rng, size):
+    """Any tree of set operations on any primitives."""
+    if size == 1:
+        op = Op(rng.choice(list(INSIDE)))
+        return primitive(op, random_map(rng), PARAMETERS[op])
+    left = rng.integers(1, size)
+    return combine(Op(rng.choice(list(SETS))), [random_program(rng, left), random_program(rng, size - left)])
+
+
+@kernel(cache=False)
+def _solved(program, o, d, spans, chosen, smallest):
+    return regularize(spans, solve(program, o, d, spans, chosen), smallest)
+
+
+def solved(program, o, d, chosen=None, smallest=0.0):
+    spans = np.empty((rows_needed(program)[0], 2))
+    return spans[:_solved(program, tuple(map(float, o)), tuple(map(float, d)), spans, chosen, smallest)].copy()
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 6, 20])
+def test_random_programs_against_membership(size):
+    """Every primitive and set operation, unbounded ones too: points along a ray are inside where its intervals say."""
+    rng = np.random.default_rng(size)
+    for _ in range(40):
+        program = random_program(rng, size)
+        for _ in range(6):
+            o, d = rng.normal(size=3), rng.normal(size=3)
+            spans = solved(program, o, d)
+            assert np.all(np.diff(spans.ravel()) >= 0.0)
+            t = rng.uniform(-8.0, 8.0, 3000)
+            t = t[np.abs(t[:, None] - spans.ravel()).min(axis=1, initial=np.inf) > 1e-9]
+            found = np.any((t[:, None] > spans[:, 0]) & (t[:, None] < spans[:, 1]), axis=1)
+            assert np.array_equal(found, inside(program, o + t[:, None] * d))
+
+
+def test_chosen_instructions_are_a_program():
+    """A list of instructions gives what a program of just those gives."""
+    rng = np.random.default_rng(4)
+    parts = [random_program(rng, 3) for _ in range(4)]
+    whole = combine(Op.UNION, parts)
+    first, second = len(parts[0]), len(parts[0]) + len(parts[1])
+    # The second and third part, and the union of which they are the operands.
+    third = np.arange(second + 1, second + 1 + len(parts[2]))
+    chosen = np.concatenate([np.arange(first, second), third, [third[-1] + 1]]).astype(np.int32)
+    assert np.array_equal(whole[chosen], combine(Op.UNION, parts[1:3]))
+    everywhere = combine(Op.UNION, [primitive(Op.HALF_SPACE, np.diag([1.0, s, s, 1.0]), ()) for s in (1, -1)])
+    without = combine(Op.DIFFERENCE, [everywhere, whole[chosen]])
+    negated = np.append(chosen, NEGATED).astype(np.int32)
+    for _ in range(200):
+        o, d = rng.normal(size=3), rng.normal(size=3)
+        half = tuple(rng.uniform(0.0, 0.3, 3))
+        for indices, expected in ((chosen, whole[chosen]), (negated, without)):
+            assert np.array_equal(solved(whole, o, d, indices, 1e-12), solved(expected, o, d, None, 1e-12))
+            box = half if indices is chosen else (0.0, 0.0, 0.0)  # which no two half spaces together can enclose
+            assert classified(whole, o, box, indices) == classified(expected, o, box)
+
+
+@kernel(cache=False)
+def _classified(program, c, h, chosen):
+    return classify(program, c, h, chosen)
+
+
+def classified(program, c, h, chosen=None):
+    return _classified(program, tuple(map(float, c)), tuple(map(float, h)), chosen)
+
+
+@pytest.mark.parametrize("op", INSIDE)
+def test_boxes_are_classified_conservatively_and_tightly(op):
+    """A flag is never wrong, for any map; without a map, a box is undecided only where the surface passes it."""
+    rng = np.random.default_rng(int(op))
+    for matrix, tight in ((np.eye(4), True), (random_map(rng), False)):
+        program = primitive(op, matrix, PARAMETERS[op])
+        undecided = crossed = 0
+        for _ in range(500):
+            half = 0.4 * rng.random(3)
+            centre = rng.uniform(-1.0, 1.0, 3)
+            flags = classified(program, centre, half)
+            there = inside(program, centre + half * np.concatenate([
+                rng.uniform(-1, 1, (300, 3)), np.clip(rng.uniform(-1.5, 1.5, (600, 3)), -1, 1)]))
+            assert flags != (1, 1)
+            assert not flags[0] or there.all()
+            assert not flags[1] or not there.any()
+            undecided += flags == (0, 0)
+            crossed += there.any() and not there.all()
+        # Some boxes are crossed at so small a corner that no sample falls into it.
+        assert crossed > 40
+        assert not tight or crossed > 0.9 * undecided
+
+
+def test_half_spaces():
+    """Infinite ends, rays within and along the plane, and planes that the origin is far from."""
+    below, above = (primitive(Op.HALF_SPACE, np.diag([1.0, sign, sign, 1.0]), ()) for sign in (1, -1))
+    for o, d, expected in (((0, 0, 2), (0, 0, -0.5), [(4.0, np.inf)]), ((0, 0, 2), (1, 0, 1), [(-np.inf, -2.0)]),
+                           ((0, 0, -1), (1, 0, 0), [(-np.inf, np.inf)]), ((0, 0, 1), (1, 0, 0), [])):
+        assert np.array_equal(solved(below, o, d), np.reshape(expected, (-1, 2)))
+    rng = np.random.default_rng(1)
+    everything = combine(Op.UNION, [below, above])
+    slab = combine(Op.INTERSECTION, [below, primitive(Op.HALF_SPACE, moved(z=-1e-3) @ np.diag([1.0, -1, -1, 1]), ())])
+    for _ in range(100):
+        o, d = 3.0 * rng.normal(size=3), rng.normal(size=3)
+        assert np.array_equal(solved(everything, o, d, smallest=1e-12), [(-np.inf, np.inf)])
+        for op in (Op.INTERSECTION, Op.EXCLUSIVE, Op.DIFFERENCE):
+            assert len(solved(combine(op, [everything, everything]), o, d, smallest=1e-12)) == (op == Op.INTERSECTION)
+        for distance in (1.0, 1e3, 1e6):
+            (start, end), = solved(slab, (o[0] * distance, o[1] * distance, o[2]), d)
+            assert end - start == pytest.approx(1e-3 / abs(d[2]), rel=1e-10)
+
+
+@pytest.mark.parametrize("difference", [0.0, 1e-15, 1e-12, 1e-9, 1e-6])
+def test_frustums_that_are_almost_cylinders(difference):
+    rng = np.random.default_rng(6)
+    along = [((0.1, 0.2, 5.0), (0.0, 0.0, -1.0)), ((0.1, 0.2, 5.0), (1e-14, 0.0, -1.0)), ((0.4, 0.0, 5.0), (0, 0, 1.0)),
+             ((0.6, 0.0, 5.0), (0.0, 0.0, 1.0)), ((0.6, 0.0, 0.0), (1e-9, 0.0, 1.0))]
+    rays = along + [(rng.normal(size=3), rng.normal(size=3)) for _ in range(2000)]
+    hits = 0
+    for o, d in rays:
+        o, d = tuple(map(float, o)), tuple(map(float, d))
+        frustum, cylinder = frustum_span(o, d, 0.5, 0.5 * (1.0 - difference), 0.4), cylinder_span(o, d, 0.5, 0.4)
+        if cylinder[1] - cylinder[0] > 1e-2:
+            assert np.allclose(frustum, cylinder, rtol=0.0, atol=1e-13 + 100.0 * difference)
+            hits += 1
+        elif cylinder[0] > cylinder[1]:
+            assert not frustum[1] - frustum[0] > 1e-2
+    assert hits > 300
+
+
+@pytest.mark.parametrize("bottom, top", [(0.5, 0.2), (0.0, 0.5), (0.5, 0.0), (0.3, 0.31)])
+def test_frustum_ends_lie_on_its_surface(bottom, top):
+    """Also of rays through the apex, along the axis and along a line of the side."""
+    rng = np.random.default_rng(7)
+    line = np.array([top - bottom, 0.0, 0.8])
+    rays = [(rng.normal(size=3), rng.normal(size=3)) for _ in range(1000)]
+    rays += [((0.0, 0.0, 3.0), (0.0, 0.0, -1.0)), ((0.05, 0.0, 3.0), (0.0, 0.0, -1.0)), ((0.0, 0.1, 0.0), line),
+             ((0.02, 0.1, 0.0), line)]
+    hits = 0
+    for o, d in rays:
+        o, d = np.array(o, float), np.array(d, float)
+        start, end = frustum_span(tuple(o), tuple(d), bottom, top, 0.4)
+        for t in (start, end) if start < end else ():
+            x, y, z = o + t * d
+            side = np.hypot(x, y) - (0.5 * (bottom + top) + (top - bottom) * z / 0.8)
+            assert abs(max(side, abs(z) - 0.4)) < 1e-12
+            hits += 1
+    assert hits > 60
 
 
 SLABS = ((-1.0, 0.03), (-0.45, 0.4), (0.45, 0.4))  # centre and half width along x
