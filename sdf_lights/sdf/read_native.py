@@ -23,7 +23,7 @@ import numpy as np
 
 from .. import jit
 from ..jit import AVAILABLE
-from .formula import CONSTANT, PARAMETER, POSITION, Formula, order, slots
+from .formula import CONSTANT, ITERATE, PARAMETER, POSITION, RESULT, STATE, Formula, body, order, slots
 
 LANES = 8  # a cache line of doubles: two registers with AVX2, four with NEON
 
@@ -88,7 +88,8 @@ if AVAILABLE:
     from numba import types
 
     _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
-    _LANES = ir.VectorType(_DOUBLE, LANES)
+    _LANES, _MASK = ir.VectorType(_DOUBLE, LANES), ir.VectorType(ir.IntType(1), LANES)
+    _TRUE = ir.Constant(ir.IntType(1), 1)
     _FIRST = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
     _POINTER = _DOUBLE.as_pointer()
     _FUNCTION = ir.FunctionType(ir.VoidType(), [_INDEX, _POINTER, _POINTER, _POINTER])
@@ -169,45 +170,132 @@ if AVAILABLE:
         **{kind: _library(kind) for kind in _LIBRARY},
     }
 
-    def _emit_graph(builder: ir.IRBuilder, formula: Formula, position, parameters):
-        """Instructions for ``LANES`` points; ``position(axis)`` gives the vector of one coordinate."""
-        values = {}
-        spread = {}
+    def _spread(builder: ir.IRBuilder, value):
+        """One value in every lane."""
+        kind = ir.VectorType(value.type, LANES)
+        first = builder.insert_element(ir.Constant(kind, ir.Undefined), value, _INDEX(0))
+        return builder.shuffle_vector(first, first, _FIRST)
 
-        def lanes(node):
-            value = values[node]
+    def _rounds(builder: ir.IRBuilder, count, limit: int):
+        """Rounds of a loop for the value of its count, as ``read_numpy.rounds``."""
+        low, high = ir.Constant(_DOUBLE, 0.0), ir.Constant(_DOUBLE, float(limit))
+        count = builder.select(builder.fcmp_ordered(">", count, low), count, low)  # not ordered: NaN
+        return builder.fptosi(builder.select(builder.fcmp_ordered("<", count, high), count, high), _INDEX)
+
+    def _any(builder: ir.IRBuilder, mask):
+        """Whether the condition holds in any lane."""
+        if not isinstance(mask.type, ir.VectorType):
+            return mask
+        bits = builder.bitcast(mask, ir.IntType(LANES))
+        return builder.icmp_unsigned("!=", bits, bits.type(0))
+
+    class _Scope:
+        """What is computed for the whole formula, or in one round of a loop.
+
+        ``values`` holds one double or ``LANES`` of them for each node (a list of such for a loop). Those of a round mean
+        nothing outside it.
+        """
+
+        def __init__(self, builder: ir.IRBuilder, position, parameters, values: dict, spread: dict):
+            self.builder, self.position, self.parameters = builder, position, parameters
+            self.values, self.spread = values, spread
+
+        def lanes(self, node: Formula):
+            """Value of the node in every lane."""
+            value = self.values[node]
             if isinstance(value.type, ir.VectorType):
                 return value
-            if node not in spread:
-                kind = ir.VectorType(value.type, LANES)
-                first = builder.insert_element(ir.Constant(kind, ir.Undefined), value, _INDEX(0))
-                spread[node] = builder.shuffle_vector(first, first, _FIRST)
-            return spread[node]
-
-        for node in order(formula):
             if node.kind == CONSTANT:
-                values[node] = ir.Constant(_DOUBLE, node.value)
-            elif node.kind == POSITION:
-                values[node] = position(node.value)
-            elif node.kind == PARAMETER:
-                values[node] = builder.load(builder.gep(parameters, [_INDEX(node.value)]))
+                return ir.Constant(_LANES, [node.value] * LANES)
+            if node not in self.spread:
+                self.spread[node] = _spread(self.builder, value)
+            return self.spread[node]
+
+        def emit(self, nodes: list[Formula], mask=None) -> None:
+            """Instructions for ``nodes``, operands first. What lanes outside ``mask`` come to does not matter."""
+            for node in nodes:
+                if node not in self.values:
+                    self.values[node] = self._emitted(node, mask)
+
+        def _emitted(self, node: Formula, mask):
+            if node.kind == CONSTANT:
+                return ir.Constant(_DOUBLE, node.value)
+            if node.kind == POSITION:
+                return self.position(node.value)
+            if node.kind == PARAMETER:
+                return self.builder.load(self.builder.gep(self.parameters, [_INDEX(node.value)]))
+            if node.kind == RESULT:
+                return self.values[node.operands[0]][node.value]
+            scalar = not any(isinstance(self.values[operand].type, ir.VectorType) for operand in node.operands)
+            if node.kind == ITERATE:
+                return self._loop(node, scalar, mask)
+            operands = [self.values[operand] if scalar else self.lanes(operand) for operand in node.operands]
+            return _EMIT[node.kind](self.builder, *operands)
+
+        def _loop(self, node: Formula, scalar: bool, mask) -> list:
+            """States after the loop of an ``ITERATE`` node; ``scalar`` if they are the same in every lane."""
+            builder, loop = self.builder, node.value
+            count, initial = node.operands[0], node.operands[1:1 + len(loop.steps)]
+            captures = node.operands[1 + len(loop.steps):]
+            read = self.values.get if scalar else self.lanes
+            first = [read(state) for state in initial]
+            inner = _Scope(builder, self.position, self.parameters, {c: self.values[c] for c in captures},
+                           {} if scalar else {c: self.lanes(c) for c in captures})
+            if scalar:
+                mask = None  # the loop is needed as long as one lane needs it
+            if loop.going is not None and mask is None:
+                mask = _TRUE if scalar else ir.Constant(_MASK, [_TRUE] * LANES)
+            rounds = _rounds(builder, self.values[count], loop.limit)
+            before = builder.block
+            head, check, step, done = (builder.append_basic_block() for _ in range(4))
+            builder.branch(head)
+
+            builder.position_at_end(head)
+            index = builder.phi(_INDEX)
+            states = [builder.phi(value.type) for value in first]
+            entered = builder.phi(mask.type) if loop.going is not None else mask
+            builder.cbranch(builder.icmp_signed("<", index, rounds), check, done)
+
+            builder.position_at_end(check)
+            nodes = body(node)
+            inner.values |= {n: states[n.value[1]] for n in nodes if n.kind == STATE and n.value[0] == loop.level}
+            going = entered
+            if loop.going is not None:
+                inner.emit(order(loop.going, known=set(captures)), entered)
+                condition = inner.values[loop.going]
+                going = builder.and_(entered, condition if scalar else inner.lanes(loop.going))
+                builder.cbranch(_any(builder, going), step, done)
             else:
-                scalar = not any(isinstance(values[operand].type, ir.VectorType) for operand in node.operands)
-                operands = [values[operand] if scalar else lanes(operand) for operand in node.operands]
-                values[node] = _EMIT[node.kind](builder, *operands)
-        return lanes(formula)
+                builder.branch(step)
+
+            builder.position_at_end(step)
+            inner.emit(nodes, going)
+            following = [inner.values[s] if scalar else inner.lanes(s) for s in loop.steps]
+            if loop.going is not None:
+                following = [builder.select(going, new, old) for new, old in zip(following, states)]
+            next_index = builder.add(index, _INDEX(1))
+            incoming = [(index, _INDEX(0), next_index), *zip(states, first, following)]
+            if loop.going is not None:
+                incoming.append((entered, mask, going))
+            for phi, at_first, later in incoming:
+                phi.add_incoming(at_first, before)
+                phi.add_incoming(later, builder.block)
+            builder.branch(head)
+
+            builder.position_at_end(done)
+            return states
 
     def _module(formula: Formula) -> ir.Module:
         module = ir.Module()
         module.triple = llvm.get_process_triple()
         function = ir.Function(module, _FUNCTION, "read")
         n, points, parameters, values = function.args
-        entry, body, done = (function.append_basic_block(name) for name in ("entry", "body", "done"))
+        entry, points_left, done = (function.append_basic_block(name) for name in ("entry", "points", "done"))
 
         builder = ir.IRBuilder(entry)
-        builder.cbranch(builder.icmp_signed(">", n, _INDEX(0)), body, done)
+        builder.cbranch(builder.icmp_signed(">", n, _INDEX(0)), points_left, done)
 
-        builder.position_at_end(body)
+        builder.position_at_end(points_left)
         first = builder.phi(_INDEX)
 
         def lanes_at(array, index):
@@ -216,11 +304,13 @@ if AVAILABLE:
         def position(axis):
             return builder.load(lanes_at(points, builder.add(builder.mul(n, _INDEX(axis)), first)), align=8)
 
-        builder.store(_emit_graph(builder, formula, position, parameters), lanes_at(values, first), align=8)
+        scope = _Scope(builder, position, parameters, {}, {})
+        scope.emit(order(formula))
+        builder.store(scope.lanes(formula), lanes_at(values, first), align=8)
         following = builder.add(first, _INDEX(LANES))
         first.add_incoming(_INDEX(0), entry)
-        first.add_incoming(following, body)
-        builder.cbranch(builder.icmp_signed("<", following, n), body, done)
+        first.add_incoming(following, builder.block)
+        builder.cbranch(builder.icmp_signed("<", following, n), points_left, done)
 
         builder.position_at_end(done)
         builder.ret_void()
