@@ -1,0 +1,414 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The interior tree: boxes around a shape that are certainly empty or certainly full, and what matters in the others.
+
+A k-d tree over the shape's bounding box. A field φ with Lipschitz bound L that exceeds L·R at the centre of a box of
+half diagonal R has one sign in all of it; for closed-form programs ``membership`` decides. What is left is divided, and
+each box has a list of the terms or instructions that matter in it, pruned from the list of the box that it is part of
+(see ``pruning``): its cost does not depend on how many parts the whole shape has.
+
+*Tree space* is the shape's own space, shifted so that the centre of its bounding box is the origin. The tree is built
+once a shape, and kept: moving a lamp or changing its power costs nothing.
+
+A uniform point of the boxes that are not empty is found by warping one point of the unit cube down the tree: at each
+node the coordinate of the node's axis chooses the side and is stretched back to [0, 1), which keeps stratified numbers
+stratified. Points that are then found to be outside the shape are drawn again, so what is left is *exactly* uniform in
+the interior, whatever the boxes are.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..jit import kernel, stack_array, table
+from ..sdf.program import INSTRUCTION, NoClosedForm
+from ..sdf.shapes.base import Shape
+from .fields import DEEPEST, LANES, LIST, STACK, TERM, VALUES, CompiledField, compile_terms
+from .membership import BOX, CONE, CYLINDER, FRUSTUM, HALF_SPACE, classify_primitive
+from .pruning import prune_field, prune_program
+
+NODE = np.dtype([
+    ("first", np.int32),  # index of the two children, below the split and above it; −1 for a leaf
+    ("axis", np.int32),  # that the children divide
+    ("split", np.float64),  # where, in tree space
+    ("state", np.int32),
+    ("row_first", np.int32),  # the list of what matters in this box; no rows where the state is certain
+    ("row_count", np.int32),
+    ("lipschitz", np.float64),  # bound of the field in this box; of no meaning for programs
+    ("share", np.float64),  # of the child below the split in the mass
+    ("mass", np.float64),  # m³ of the boxes below that are not certainly outside
+], align=True)
+
+OUTSIDE, INSIDE, BOUNDARY = 0, 1, 2  # state of a node: of all points of its box, or not certain
+
+TABLES = {"lamp_nodes": NODE}
+
+MOST_NODES = 1 << 16
+MOST_ROWS = 1 << 21  # of all lists together
+RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the boundary are not divided below it …
+ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
+KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
+
+lamp_nodes = table("lamp_nodes", NODE)
+
+
+@kernel
+def _volume(box):
+    return (box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2])
+
+
+@kernel
+def _longest(box):
+    """Longest side of a box, and its axis."""
+    axis = 0
+    for k in range(1, 3):
+        if box[3 + k] - box[k] > box[3 + axis] - box[axis]:
+            axis = k
+    return box[3 + axis] - box[axis], axis
+
+
+@kernel
+def _halve(boxes, index, axis, position, place):
+    """Write the parts of a box, cut at ``position``, to rows ``place`` and ``place + 1``."""
+    for side in range(2):
+        for k in range(6):
+            boxes[place + side, k] = boxes[index, k]
+    boxes[place, 3 + axis] = position
+    boxes[place + 1, axis] = position
+
+
+@kernel
+def _divide(nodes, boxes, used, index, axis, position):
+    """Give a node two children, which are yet to be filled in; returns the place of the first."""
+    place = used[0]
+    used[0] += 2
+    _halve(boxes, index, axis, position, place)
+    node = nodes[index]
+    node.first, node.axis, node.split = place, axis, position
+    for side in range(2):
+        child = nodes[place + side]
+        child.first, child.axis, child.split, child.share = -1, 0, 0.0, 0.5
+        child.state, child.lipschitz = BOUNDARY, node.lipschitz
+        child.row_first, child.row_count = node.row_first, node.row_count
+    return place
+
+
+@kernel
+def _store(nodes, index, before, lists, used, parts, count):
+    """Give a node the list ``parts`` of ``count`` rows, or share that of the node ``before`` where it is the same."""
+    node, other = nodes[index], nodes[before]
+    node.row_count = count
+    same = before != index and other.row_count == count
+    row = 0
+    while same and row < count:
+        same = lists[other.row_first + row] == parts[row]
+        row += 1
+    if same:
+        node.row_first = other.row_first
+        return
+    node.row_first = used[1]
+    lists[used[1]:used[1] + count] = parts[:count]
+    used[1] += count
+
+
+@kernel
+def _settle(nodes, boxes, index, state, mass):
+    """Set the state of a leaf; ``mass`` counts the volume of all full leaves and of all on the boundary."""
+    node = nodes[index]
+    node.state = state
+    if state != BOUNDARY:
+        node.row_count = 0
+    if state != OUTSIDE:
+        mass[state - 1] += _volume(boxes[index])
+
+
+@kernel
+def _small_enough(box, smallest, mass):
+    """Whether a box on the boundary stays as it is."""
+    occupied = mass[0] + mass[1]
+    return _longest(box)[0] <= smallest and mass[0] + 0.5 * mass[1] >= ENOUGH * occupied
+
+
+@kernel
+def _certainty(states, first, count):
+    """The state that ``count`` leaves from ``first`` have in common, or ``BOUNDARY``."""
+    for index in range(first + 1, first + count):
+        if states[index] != states[first]:
+            return BOUNDARY
+    return states[first]
+
+
+@kernel
+def _eighths(box, axes, position):
+    """Centre of each of the eight parts that three halvings along ``axes`` make of a box, and their half diagonal."""
+    size = np.empty(3)
+    for k in range(3):
+        size[k] = box[3 + k] - box[k]
+    low = np.empty((LANES, 3))
+    for lane in range(LANES):
+        for k in range(3):
+            low[lane, k] = box[k]
+    for turn in range(3):
+        axis = np.argmax(size)
+        axes[turn] = axis
+        size[axis] *= 0.5
+        for lane in range(LANES):
+            if lane >> (2 - turn) & 1:
+                low[lane, axis] += size[axis]
+    for lane in range(LANES):
+        for k in range(3):
+            position[k * LANES + lane] = low[lane, k] + 0.5 * size[k]
+    return 0.5 * math.sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2])
+
+
+@kernel
+def grow_field(terms, parameters, gains, bounds, nodes, boxes, lists, used, mass, first, last, smallest):
+    """Divide the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
+
+    ``used`` holds the numbers of nodes and of rows of lists in use. ``bounds`` is (1 or ``last − first``, terms): see
+    ``pruning.prune_field``.
+    """
+    stack = stack_array(STACK)
+    axes = np.empty(3, np.int64)
+    states = np.empty(LANES, np.int64)
+    lengths = np.empty(LANES, np.int64)
+    slopes = np.empty(LANES)
+    out = np.empty((LANES, len(terms)), LIST)
+    for index in range(first, last):
+        node = nodes[index]
+        if node.state != BOUNDARY or node.first >= 0 or _small_enough(boxes[index], smallest, mass):
+            continue
+        if used[0] + 14 > len(nodes) or used[1] + LANES * node.row_count > len(lists):
+            return
+        radius = _eighths(boxes[index], axes, stack)
+        local = bounds[index - first if len(bounds) > 1 else 0]
+        prune_field(terms, parameters, gains, local, lists, node.row_first, node.row_count, radius, stack, out,
+                    lengths, slopes)
+        for lane in range(LANES):
+            value = stack[VALUES + lane]
+            margin = slopes[lane] * radius
+            states[lane] = OUTSIDE if value > margin else INSIDE if value < -margin else BOUNDARY
+        mass[1] -= _volume(boxes[index])
+        common = _certainty(states, 0, LANES)
+        if common != BOUNDARY:
+            node.lipschitz = max(slopes.max(), 0.0)
+            _settle(nodes, boxes, index, common, mass)
+            continue
+        before = index
+        half = _divide(nodes, boxes, used, index, axes[0], _middle(boxes[index], axes[0]))
+        for lane in range(0, LANES, 4):
+            part = half + lane // 4
+            common = _certainty(states, lane, 4)
+            if common != BOUNDARY:
+                _settle(nodes, boxes, part, common, mass)
+                continue
+            quarter = _divide(nodes, boxes, used, part, axes[1], _middle(boxes[part], axes[1]))
+            for pair in range(lane, lane + 4, 2):
+                part = quarter + (pair - lane) // 2
+                common = _certainty(states, pair, 2)
+                if common != BOUNDARY:
+                    _settle(nodes, boxes, part, common, mass)
+                    continue
+                eighth = _divide(nodes, boxes, used, part, axes[2], _middle(boxes[part], axes[2]))
+                for side in range(2):
+                    leaf = eighth + side
+                    _settle(nodes, boxes, leaf, states[pair + side], mass)
+                    nodes[leaf].lipschitz = slopes[pair + side]
+                    if states[pair + side] == BOUNDARY:
+                        _store(nodes, leaf, before, lists, used, out[pair + side], lengths[pair + side])
+                        before = leaf
+
+
+@kernel
+def _middle(box, axis):
+    return 0.5 * (box[axis] + box[3 + axis])
+
+
+@kernel
+def _flat_face(program, lists, node, box):
+    """Axis and position of a flat face, square to an axis, of a primitive whose surface crosses the box; axis −1: none.
+
+    Boxes cut along such faces become certain at once, where halving would close in on the face for ever.
+    """
+    for entry in range(node.row_first, node.row_first + node.row_count):
+        if lists[entry] < 0:
+            continue
+        row = program[lists[entry]]
+        if row.op != BOX and row.op != CYLINDER and row.op != CONE and row.op != FRUSTUM and row.op != HALF_SPACE:
+            continue
+        for local in range(0 if row.op == BOX else 2, 3):
+            if row.op == BOX:
+                size = row.parameters[local]
+            elif row.op == HALF_SPACE:
+                size = 0.0
+            else:
+                size = 0.5 * row.parameters[2 if row.op == FRUSTUM else 1]
+            for axis in range(3):
+                m = row.inverse[local]
+                slope = m[axis]
+                if slope == 0.0 or m[(axis + 1) % 3] != 0.0 or m[(axis + 2) % 3] != 0.0:
+                    continue
+                for sign in range(2):
+                    position = ((size if sign else -size) - m[3]) / slope
+                    margin = 1e-6 * (box[3 + axis] - box[axis])
+                    if box[axis] + margin < position < box[3 + axis] - margin:
+                        return axis, position
+    return -1, 0.0
+
+
+@kernel
+def _pruned(program, lists, node, box, out):
+    """``pruning.prune_program`` for a box."""
+    c = (0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]))
+    h = (0.5 * (box[3] - box[0]), 0.5 * (box[4] - box[1]), 0.5 * (box[5] - box[2]))
+    return prune_program(program, lists, node.row_first, node.row_count, c, h, out)
+
+
+@kernel
+def _best_axis(program, lists, nodes, boxes, index, place, out):
+    """Axis whose halves are certain, or else the longest one. Rows of ``boxes`` from ``place`` are scratch."""
+    longest = _longest(boxes[index])[0]
+    best, axis = -1.0, 0
+    for k in range(3):
+        _halve(boxes, index, k, _middle(boxes[index], k), place)
+        score = (boxes[index, 3 + k] - boxes[index, k]) / longest
+        for side in range(2):
+            _, inside, outside = _pruned(program, lists, nodes[index], boxes[place + side], out)
+            score += inside | outside
+        if score > best:
+            best, axis = score, k
+    return axis
+
+
+@kernel
+def grow_program(program, nodes, boxes, lists, used, mass, smallest):
+    """Divide the boxes of a program's tree in two, the largest first: along a flat face where there is one, else in the
+    middle of the axis that makes the most volume certain. Arguments as of ``grow_field``."""
+    out = np.empty(len(program), LIST)
+    index = 0
+    while index < used[0] and used[0] + 2 <= len(nodes):
+        node = nodes[index]
+        index += 1
+        if node.state != BOUNDARY or _small_enough(boxes[index - 1], smallest, mass):
+            continue
+        if used[1] + 2 * node.row_count > len(lists):
+            return
+        axis, position = _flat_face(program, lists, node, boxes[index - 1])
+        if axis < 0:
+            axis = _best_axis(program, lists, nodes, boxes, index - 1, used[0], out)
+            position = _middle(boxes[index - 1], axis)
+        mass[1] -= _volume(boxes[index - 1])
+        place = _divide(nodes, boxes, used, index - 1, axis, position)
+        for side in range(2):
+            child = place + side
+            count, inside, outside = _pruned(program, lists, node, boxes[child], out)
+            _settle(nodes, boxes, child, INSIDE if inside else OUTSIDE if outside else BOUNDARY, mass)
+            if nodes[child].state == BOUNDARY:
+                _store(nodes, child, index - 1, lists, used, out, count)
+
+
+@kernel
+def finish(nodes, boxes, count):
+    """Join children that are both empty or both full, sum the masses, and leave out nodes that nothing leads to.
+
+    Returns the number of nodes that are left, in the order they were in.
+    """
+    for index in range(count - 1, -1, -1):
+        node = nodes[index]
+        if node.first < 0:
+            node.mass = 0.0 if node.state == OUTSIDE else _volume(boxes[index])
+            continue
+        left, right = nodes[node.first], nodes[node.first + 1]
+        node.mass = left.mass + right.mass
+        node.share = left.mass / node.mass if node.mass > 0.0 else 0.5
+        node.lipschitz = min(node.lipschitz, max(left.lipschitz, right.lipschitz))
+        if left.first < 0 and right.first < 0 and left.state == right.state and left.state != BOUNDARY:
+            node.first, node.state, node.row_count = -1, left.state, 0
+    place = np.full(count, -1)
+    place[0] = 0
+    kept = 0
+    for index in range(count):
+        if place[index] < 0:
+            continue
+        place[index] = kept
+        first = nodes[index].first
+        if first >= 0:
+            place[first] = place[first + 1] = 0
+        nodes[kept] = nodes[index]
+        boxes[kept] = boxes[index]
+        kept += 1
+    for index in range(kept):
+        if nodes[index].first >= 0:
+            nodes[index].first = place[nodes[index].first]
+    return kept
+
+
+@dataclass(frozen=True)
+class Tree:
+    """The interior tree of a shape, and what its lists refer to: a closed-form program or a field."""
+
+    center: np.ndarray  # (3,) the origin of tree space, in the shape's own space
+    half: np.ndarray  # (3,) half sizes of the root's box
+    nodes: np.ndarray  # NODE
+    lists: np.ndarray  # LIST
+    boxes: np.ndarray  # (nodes, 6) low and high corners
+    program: np.ndarray  # INSTRUCTION, in tree space; none for a field
+    field: CompiledField | None
+
+    @property
+    def boundary(self) -> np.ndarray:
+        """Indices of the leaves on the boundary."""
+        return np.flatnonzero((self.nodes["first"] < 0) & (self.nodes["state"] == BOUNDARY))
+
+    def bounds(self, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Corners of a box, in the world, around all that is not empty; ``matrix`` takes the shape to the world."""
+        occupied = self.boxes[(self.nodes["first"] < 0) & (self.nodes["state"] != OUTSIDE)]
+        middle = 0.5 * (occupied[:, :3] + occupied[:, 3:]) + self.center
+        extent = 0.5 * (occupied[:, 3:] - occupied[:, :3])
+        middle = middle @ matrix[:3, :3].T + matrix[:3, 3]
+        extent = extent @ np.abs(matrix[:3, :3].T)
+        return (middle - extent).min(axis=0), (middle + extent).max(axis=0)
+
+
+@functools.lru_cache(maxsize=KEPT)
+def tree(shape: Shape) -> Tree:
+    """The interior tree of a valid, bounded shape. Raises ``ValueError`` with the rest of a sentence that names it."""
+    low, high = shape.bounds()
+    center, half = 0.5 * (low + high), 0.5 * (high - low)
+    matrix = np.eye(4)
+    matrix[:3, 3] = -center
+    program, field = np.zeros(0, INSTRUCTION), None
+    try:
+        program = shape.program(matrix)
+    except NoClosedForm:
+        field = compile_terms(shape.terms(matrix, 1.0))
+    nodes = np.zeros(MOST_NODES, NODE)
+    boxes = np.empty((MOST_NODES, 6))
+    lists = np.empty(MOST_ROWS, LIST)
+    size = len(program) or len(field.terms)
+    used, mass = np.array([1, size]), np.array([0.0, np.prod(2.0 * half)])
+    boxes[0] = [*-half, *half]
+    nodes["first"] = -1
+    nodes["state"][0], nodes["row_count"][0] = BOUNDARY, size
+    lists[:size] = np.arange(size)
+    smallest = RESOLUTION * 2.0 * half.max()
+    if field is None:
+        grow_program(program, nodes, boxes, lists, used, mass, smallest)
+    else:
+        bounds = field.terms["lipschitz"].copy()
+        nodes["lipschitz"][0] = bounds[-1]
+        gains = np.full(size, np.inf)
+        first, last = 0, 1
+        while first < last:
+            grow_field(field.terms, field.parameters, gains, bounds[None], nodes, boxes, lists, used, mass, first,
+                       last, smallest)
+            first, last = last, int(used[0])
+    count = finish(nodes, boxes, int(used[0]))
+    arrays = [nodes[:count].copy(), lists[:used[1]].copy(), boxes[:count].copy()]
+    for array in arrays:
+        array.flags.writeable = False
+    return Tree(center, half, arrays[0], arrays[1], arrays[2], program, field)

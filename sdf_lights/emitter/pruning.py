@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which operands matter in a box: lists of terms or instructions without those that certainly change nothing there.
+
+For fields this is the Lipschitz pruning of Barbier, Sanchez, Paris, Michel, Lambert, Boubekeur, Paulin and Thonat 2025
+("Lipschitz pruning: hierarchical simplification of primitive-based SDFs"): where two operands differ by more than
+their operator reaches, at the centre and by so much that no point of the box can make up for it, one of them is the
+result. For closed-form programs the flags of ``membership`` tell which sets are all or nothing of the box.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..jit import call_field, kernel
+from ..sdf.shapes.base import Family
+from .fields import DEEPEST, LANES, NEGATED, VALUES
+from .membership import DIFFERENCE, INTERSECTION, UNION, classify_primitive
+
+LESSER, GREATER, WITHOUT = int(Family.UNION), int(Family.INTERSECTION), int(Family.DIFFERENCE)
+
+
+@kernel
+def _negated(out, used):
+    """The list that ends at ``used``, with its sign changed; returns its new end."""
+    if out[used - 1] == NEGATED:
+        return used - 1
+    out[used] = NEGATED
+    return used + 1
+
+
+@kernel
+def _winner(family, a, b, margin):
+    """Operand that a join comes down to: 1 or 2, −1 or −2 with its sign changed, 0 if both may matter.
+
+    a and b are the operands' values at the centre of the box, ``margin`` the reach of the join and all that their
+    difference can change by in the box.
+    """
+    if family == LESSER:
+        return 1 if b - a > margin else 2 if a - b > margin else 0
+    if family == GREATER:
+        return 1 if a - b > margin else 2 if b - a > margin else 0
+    if family == WITHOUT:
+        return 1 if a + b > margin else -2 if -a - b > margin else 0
+    if abs(b) - abs(a) > margin:
+        return 1 if b > 0.0 else -1
+    if abs(a) - abs(b) > margin:
+        return 2 if a > 0.0 else -2
+    return 0
+
+
+@kernel
+def _without(out, used, start, middle, winner):
+    """Leave the operand ``winner`` of two lists that lie one after the other in ``out``; returns the new end."""
+    if abs(winner) == 1:
+        used = middle
+    else:
+        for index in range(middle, used):
+            out[start + index - middle] = out[index]
+        used += start - middle
+    return used if winner > 0 else _negated(out, used)
+
+
+@kernel
+def prune_field(terms, parameters, gains, bounds, lists, first, count, radius, stack, out, used, slopes):
+    """Evaluate a list at the centres of ``LANES`` boxes of half diagonal ``radius``, and prune it for each of them.
+
+    ``stack`` holds the centres and takes the values, as in ``fields.run_terms``. Row i of ``out`` (LANES, count) takes
+    the list of box i, ``used[i]`` its length, and ``slopes[i]`` a bound on the gradient there. ``bounds`` has a bound
+    for each term that is the field of a shape, in these boxes; ``gains`` for each join or map by how much it can
+    multiply the bounds of its operands.
+    """
+    starts = np.empty((LANES, DEEPEST), np.int64)
+    steepness = np.empty((LANES, DEEPEST))
+    points = stack.ctypes.data
+    numbers = parameters.ctypes.data
+    used[:] = 0
+    depth = 0
+    for index in range(first, first + count):
+        number = lists[index]
+        if number == NEGATED:
+            for lane in range(LANES):
+                place = VALUES + (depth - 1) * LANES + lane
+                stack[place] = -stack[place]
+                used[lane] = _negated(out[lane], used[lane])
+            continue
+        term = terms[number]
+        depth -= term.arity
+        for lane in range(LANES):
+            chosen, slope = 0, bounds[number]
+            if term.arity == 1:
+                slope = min(slope, gains[number] * steepness[lane, depth])
+            elif term.arity == 2:
+                place = VALUES + depth * LANES + lane
+                slope_a, slope_b = steepness[lane, depth], steepness[lane, depth + 1]
+                margin = term.reach + radius * (slope_a + slope_b)
+                chosen = _winner(term.family, stack[place], stack[place + LANES], margin)
+                slope = min(slope, gains[number] * max(slope_a, slope_b))
+                if chosen != 0:
+                    slope = slope_a if abs(chosen) == 1 else slope_b
+                    used[lane] = _without(
+                        out[lane], used[lane], starts[lane, depth], starts[lane, depth + 1], chosen)
+            else:
+                starts[lane, depth] = used[lane]
+            if chosen == 0:
+                out[lane, used[lane]] = number
+                used[lane] += 1
+            steepness[lane, depth] = slope
+        place = points + 8 * (VALUES + depth * LANES)
+        call_field(term.address, LANES, points if term.arity == 0 else place, numbers + 8 * term.parameters, place)
+        depth += 1
+    for lane in range(LANES):
+        slopes[lane] = steepness[lane, 0]
+
+
+@kernel
+def prune_program(program, lists, first, count, c, h, out):
+    """Prune a list for the box with centre c and half sizes h into ``out``, which is as long as the list.
+
+    Returns the length of the new list and the flags (inside, outside) of the whole box, as ``membership.classify``; the
+    list is empty where one of them is set.
+    """
+    starts = np.empty(DEEPEST, np.int64)
+    inside = np.empty(DEEPEST, np.int64)
+    outside = np.empty(DEEPEST, np.int64)
+    used, depth = 0, 0
+    for index in range(first, first + count):
+        number = lists[index]
+        if number == NEGATED:
+            top = depth - 1
+            inside[top], outside[top] = outside[top], inside[top]
+            if inside[top] + outside[top] == 0:
+                used = _negated(out, used)
+            continue
+        row = program[number]
+        if row.arity == 0:
+            starts[depth] = used
+            inside[depth], outside[depth] = classify_primitive(row, c, h)
+            if inside[depth] + outside[depth] == 0:
+                out[used] = number
+                used += 1
+            depth += 1
+            continue
+        depth -= 1
+        a, b = depth - 1, depth
+        if row.op == UNION:
+            decided_in, decided_out = inside[a] | inside[b], outside[a] & outside[b]
+        elif row.op == INTERSECTION:
+            decided_in, decided_out = inside[a] & inside[b], outside[a] | outside[b]
+        elif row.op == DIFFERENCE:
+            decided_in, decided_out = inside[a] & outside[b], outside[a] | inside[b]
+        else:
+            decided_in = inside[a] & outside[b] | outside[a] & inside[b]
+            decided_out = inside[a] & inside[b] | outside[a] & outside[b]
+        if decided_in + decided_out > 0:
+            used = starts[a]
+        elif inside[a] + outside[a] + inside[b] + outside[b] == 0:
+            out[used] = number
+            used += 1
+        elif inside[a] + inside[b] > 0 and row.op != UNION and row.op != INTERSECTION:
+            used = _negated(out, used)  # one set is all of the box, and the other is taken from it
+        inside[a], outside[a] = decided_in, decided_out
+    return used, inside[0], outside[0]
