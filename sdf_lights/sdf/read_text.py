@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
-from .formula import CONSTANT, PARAMETER, POSITION, Formula, order
+from collections import Counter
+
+from .formula import CONSTANT, ITERATE, PARAMETER, POSITION, RESULT, STATE, Formula, body, order
 
 # Symbol and how strongly it binds; everything else is written as a function.
 _INFIX = {"less": ("<", 1), "less_equal": ("<=", 1), "add": ("+", 2), "subtract": ("-", 2),
           "multiply": ("*", 3), "divide": ("/", 3)}
 _NEGATE, _ATOM = 4, 5
+
+_Written = tuple[str, int]  # text, and how strongly its outermost operation binds
 
 
 def text(formula: Formula) -> str:
@@ -17,26 +21,67 @@ def text(formula: Formula) -> str:
 
         a0 = sqrt(x * x + y * y) - k0
         sqrt(a0 * a0 + z * z) - k1
+
+    ``s0, s1, …`` are the states of loops.
+
+        s0, s1 = x, 0
+        repeat k0 times, at most 20:
+            stop unless s1 < 9
+            s0, s1 = s0 * s0 + y, s1 + 1
+        sqrt(s0)
     """
-    nodes = order(formula)
-    uses = dict.fromkeys(nodes, 0)
-    for node in nodes:
-        for operand in node.operands:
-            uses[operand] += 1
-    lines = []
-    written: dict[Formula, tuple[str, int]] = {}
-    for node in nodes:
-        line, strength = _written(node, [written[operand] for operand in node.operands])
-        if node.operands and uses[node] > 1:
-            name = f"a{len(lines)}"
-            lines.append(f"{name} = {line}")
-            line, strength = name, _ATOM
-        written[node] = line, strength
-    return "\n".join([*lines, written[formula][0]])
+    writer = _Writer()
+    writer.write(order(formula))
+    return "\n".join([*writer.lines, writer.text[formula][0]])
 
 
-def _written(node: Formula, operands: list[tuple[str, int]]) -> tuple[str, int]:
-    """Text of one node, and how strongly its outermost operation binds."""
+class _Writer:
+    """Writes nodes into ``lines``; ``text`` holds what each node is then called, or computed by."""
+
+    def __init__(self):
+        self.lines: list[str] = []
+        self.text: dict[Formula, _Written] = {}
+        self._states: dict[Formula, list[str]] = {}  # of each loop
+        self._named = Counter()  # names given so far, by letter
+
+    def _name(self, letter: str) -> str:
+        self._named[letter] += 1
+        return f"{letter}{self._named[letter] - 1}"
+
+    def write(self, nodes: list[Formula], indent: str = "") -> None:
+        """Write ``nodes``, operands first."""
+        uses = Counter(operand for node in nodes for operand in node.operands)
+        for node in nodes:
+            if node.kind == ITERATE:
+                self._write_loop(node, indent)
+            elif node.kind == RESULT:
+                self.text[node] = self._states[node.operands[0]][node.value], _ATOM
+            elif node not in self.text:
+                line, strength = _line(node, [self.text[operand] for operand in node.operands])
+                if node.operands and uses[node] > 1:
+                    name = self._name("a")
+                    self.lines.append(f"{indent}{name} = {line}")
+                    line, strength = name, _ATOM
+                self.text[node] = line, strength
+
+    def _write_loop(self, node: Formula, indent: str) -> None:
+        loop, nodes = node.value, body(node)
+        states = self._states[node] = [self._name("s") for _ in loop.steps]
+        count, *operands = (self.text[operand][0] for operand in node.operands)
+        self.lines.append(f"{indent}{', '.join(states)} = {', '.join(operands[:len(states)])}")
+        self.lines.append(f"{indent}repeat {count} times, at most {loop.limit}:")
+        outside = self.text
+        self.text = {n: outside[n] for n in node.operands[1 + len(states):]}
+        self.text |= {n: (states[n.value[1]], _ATOM) for n in nodes if n.kind == STATE and n.value[0] == loop.level}
+        self.write(nodes, indent + "    ")
+        if loop.going is not None:
+            self.lines.append(f"{indent}    stop unless {self.text[loop.going][0]}")
+        following = ", ".join(self.text[step][0] for step in loop.steps)
+        self.lines.append(f"{indent}    {', '.join(states)} = {following}")
+        self.text = outside  # loops side by side have the same states, and so the same nodes that mean something else
+
+
+def _line(node: Formula, operands: list[_Written]) -> _Written:
     if node.kind == CONSTANT:
         return f"{node.value:.17g}", _NEGATE if node.value < 0.0 else _ATOM
     if node.kind == POSITION:
@@ -52,6 +97,6 @@ def _written(node: Formula, operands: list[tuple[str, int]]) -> tuple[str, int]:
     return f"{node.kind}({', '.join(operand for operand, _ in operands)})", _ATOM
 
 
-def _inside(operand: tuple[str, int], least: int) -> str:
+def _inside(operand: _Written, least: int) -> str:
     line, strength = operand
     return line if strength >= least else f"({line})"
