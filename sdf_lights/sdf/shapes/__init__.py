@@ -4,9 +4,10 @@
 
 from .base import BOUND, EXACT, NONE, SHAPES, Family, Parameter, Shape, ShapeError, Term
 from .primitives import Box, BoxFrame, Capsule, Cone, Cylinder, Ellipsoid, Primitive, Sphere, Torus
-from .operators import Difference, Intersection, SetOperation, Transformed, Union
+from .field import Field
+from .operators import Difference, Exclusive, Intersection, Operator, SetOperation, Transformed, Union
 
 __all__ = [
     "BOUND", "EXACT", "NONE", "SHAPES", "Family", "Parameter", "Shape", "ShapeError", "Term",
-    "Difference", "Intersection", "SetOperation", "Transformed", "Union",
+    "Difference", "Exclusive", "Intersection", "Operator", "SetOperation", "Transformed", "Union",
     "Box", "BoxFrame", "Capsule", "Cone", "Cylinder", "Ellipsoid", "Primitive", "Sphere", "Torus"]

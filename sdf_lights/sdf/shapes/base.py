@@ -181,6 +181,29 @@ class Shape:
         """
         raise NotImplementedError
 
+    @property
+    def exact_outside(self) -> bool:
+        """Whether φ is the distance at every point outside the shape, whatever it is inside."""
+        return self.exactness == EXACT
+
+    def level_bounds(self, level: float, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Corners, as of ``bounds``, of a box around {x : φ(x) ≤ level}: what operators that move the surface need.
+
+        Infinite where nothing is known of φ outside the shape; ``operators.guarded`` helps there.
+        """
+        low, high = self.bounds(matrix)
+        if level > 0.0:
+            # Points whose distance is at most the level.
+            grown = level if self.exact_outside else math.inf
+        else:
+            # A ball of radius −level/L around such a point is inside the shape.
+            grown = level / max(self.lipschitz, 1.0)
+        margin = grown * np.linalg.norm(np.eye(3) if matrix is None else matrix[:3, :3], axis=1)
+        low, high = low - margin, high + margin
+        crossed = low > high
+        low[crossed] = high[crossed] = (low[crossed] + high[crossed]) / 2.0
+        return low, high
+
     def relation(self) -> str:
         """What is wrong between parameters that are each within their limits: one sentence, or an empty string."""
         return ""

@@ -1,41 +1,103 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes made of shapes: sharp set operations and affine transforms."""
+"""Shapes made of shapes: what operators on one shape or several have in common; sharp set operations; affine transforms.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
-from ..formula import Formula, Vector, maximum, minimum
+from ..formula import POINT, Formula, Vector, maximum, minimum
 from ..program import Op, combine
-from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Shape, ShapeError, Slots
+from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Family, Shape, ShapeError, Slots, Term, part
+from .primitives import Box
 
 _FLAT = 1e-9  # ratio of singular values below which a matrix counts as flat
 _SIMILAR = 1e-12  # relative spread of singular values below which a matrix scales all directions alike
 
 
-class SetOperation(Shape, abstract=True):
-    """A combination of one or more shapes, given as arguments or, as with ``min``, as one sequence.
+def balanced(join: Callable, parts: list):
+    """``join(a, b)`` of neighbours, in as few levels as the number of parts allows."""
+    while len(parts) > 1:
+        pairs = [join(a, b) for a, b in zip(parts[::2], parts[1::2])]
+        parts = pairs + parts[2 * len(pairs):]
+    return parts[0]
 
-    Nested combinations of the same kind become one, so long chains stay shallow.
+
+def enclosing(boxes) -> tuple[np.ndarray, np.ndarray]:
+    """The box around boxes (low, high)."""
+    lows, highs = zip(*boxes)
+    return np.min(lows, axis=0), np.max(highs, axis=0)
+
+
+def common(boxes) -> tuple[np.ndarray, np.ndarray]:
+    """The box that boxes (low, high) have in common; one without extent where they have none."""
+    lows, highs = zip(*boxes)
+    low = np.max(lows, axis=0)
+    return low, np.maximum(low, np.min(highs, axis=0))
+
+
+def _checked(shape: Shape, child) -> Shape:
+    if not isinstance(child, Shape):
+        raise ShapeError(f"{shape.label()} takes shapes, not {child!r:.40}.")
+    return child
+
+
+class Composite(Shape, abstract=True):
+    """A shape made of the shapes ``children``."""
+
+    @property
+    def certified(self) -> bool:
+        return all(child.certified for child in self.children)
+
+    @property
+    def bounded(self) -> bool:
+        return all(child.bounded for child in self.children)
+
+    @property
+    def lipschitz(self) -> float:
+        return max(child.lipschitz for child in self.children)
+
+    @property
+    def exactness(self) -> str:
+        """The nearest surface may be one that the operation removed or moved, so even of exact shapes this is a bound."""
+        return BOUND if self.lipschitz <= 1.0 and all(c.exactness != NONE for c in self.children) else NONE
+
+    def level_bounds(self, level: float, matrix: np.ndarray | None = None):
+        raise NotImplementedError
+
+    def bounds(self, matrix: np.ndarray | None = None):
+        return self.level_bounds(0.0, matrix)
+
+
+class SetOperation(Composite, abstract=True):
+    """A combination of one or more shapes, given as arguments or, as with ``min``, as one sequence; then the numbers.
+
+    Two shapes at a time are joined. Nested combinations of the same kind and numbers become one, so long chains stay
+    shallow. The one shape of a combination of one is left as it is.
     """
 
-    op: Op
+    op: Op | None = None
+    family: Family
+    associative = False  # else a, b, c are joined as (a, b), c
     children: tuple[Shape, ...]
 
-    def __init__(self, *children: Shape):
+    def __init__(self, *children: Shape, **numbers: float):
         if len(children) == 1 and isinstance(children[0], (tuple, list)):
             children = tuple(children[0])
-        for child in children:
-            if not isinstance(child, Shape):
-                raise ShapeError(f"{self.label()} combines shapes, not {child!r:.40}.")
+        for field in self.fields():
+            object.__setattr__(self, field.name, numbers.pop(field.name, field.default))
+        if numbers:
+            raise ShapeError(f"{self.label()} has no parameter {next(iter(numbers)):.40}.")
+        super().__post_init__()
         parts, depth = [], 1
         for index, child in enumerate(children):
-            absorbed = self._absorbs(index, child)
+            absorbed = self._absorbs(index, _checked(self, child))
             parts.extend(child.children if absorbed else (child,))
             depth = max(depth, child.depth + (not absorbed))
         object.__setattr__(self, "children", tuple(parts))
@@ -45,28 +107,49 @@ class SetOperation(Shape, abstract=True):
 
     def _absorbs(self, index: int, child: Shape) -> bool:
         """Whether the argument ``child`` can be replaced by its parts."""
-        return type(child) is type(self)
+        return type(child) is type(self) and (self.associative or index == 0) and all(
+            getattr(child, field.name) == getattr(self, field.name) for field in self.fields())
+
+    def _join(self, a: Formula, b: Formula, slot: Slots, factor: float = 1.0) -> Formula:
+        """The field of two shapes with the fields a and b, ``factor`` times as large as distances."""
+        raise NotImplementedError
+
+    def _reach(self) -> float:
+        """Where two fields differ by more, their join is one of them."""
+        return 0.0
+
+    def _operands(self) -> tuple[Shape, ...]:
+        """The shapes that are joined."""
+        return self.children
+
+    def _joined(self, join: Callable, parts: list):
+        return balanced(join, parts) if self.associative else reduce(join, parts)
 
     @property
     def exactness(self) -> str:
-        """The nearest surface may be one that the operation removed, so even of exact shapes this is only a bound."""
-        kinds = {child.exactness for child in self.children}
-        if len(self.children) == 1:
-            return kinds.pop()
-        return NONE if NONE in kinds else BOUND
+        return self.children[0].exactness if len(self.children) == 1 else super().exactness
 
     @property
-    def lipschitz(self) -> float:
-        return max(child.lipschitz for child in self.children)
-
-    def _combine(self, fields: list[Formula]) -> Formula:
-        raise NotImplementedError
+    def exact_outside(self) -> bool:
+        return len(self.children) == 1 and self.children[0].exact_outside
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        return self._combine([child.build(p, slot) for child in self.children])
+        return self._joined(lambda a, b: self._join(a, b, slot), [shape.build(p, slot) for shape in self._operands()])
+
+    def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
+        slots = Slots()
+        formula = self._join(POINT.x, POINT.y, slots, factor)
+        numbers, reach = np.array(slots.values), self._reach() * factor
+
+        def join(a: list[Term], b: list[Term]) -> list[Term]:
+            steepest = max(a[-1].lipschitz, b[-1].lipschitz)
+            return [*a, *b, Term(formula, numbers, 2, self.family, reach, steepest)]
+
+        return self._joined(join, [shape.terms(matrix, factor) for shape in self._operands()])
 
     def program(self, matrix: np.ndarray | None = None) -> np.ndarray:
-        return combine(self.op, [child.program(matrix) for child in self.children])
+        programs = [child.program(matrix) for child in self.children]
+        return programs[0] if len(programs) == 1 or self.op is None else combine(self.op, programs)
 
     def volume(self) -> float | None:
         return self.children[0].volume() if len(self.children) == 1 else None
@@ -80,15 +163,20 @@ class Union(SetOperation):
     """All points that are in at least one of the shapes."""
 
     op = Op.UNION
+    family = Family.UNION
+    associative = True
 
     children: tuple[Shape, ...] = ()
 
-    def _combine(self, fields):
-        return minimum(*fields)
+    def _join(self, a, b, slot, factor=1.0):
+        return minimum(a, b)
 
-    def bounds(self, matrix=None):
-        lows, highs = zip(*(child.bounds(matrix) for child in self.children))
-        return np.min(lows, axis=0), np.max(highs, axis=0)
+    @property
+    def exact_outside(self):
+        return all(child.exact_outside for child in self.children)
+
+    def level_bounds(self, level, matrix=None):
+        return enclosing(child.level_bounds(level, matrix) for child in self.children)
 
 
 @dataclass(frozen=True, init=False)
@@ -96,16 +184,20 @@ class Intersection(SetOperation):
     """The points that are in all of the shapes."""
 
     op = Op.INTERSECTION
+    family = Family.INTERSECTION
+    associative = True
 
     children: tuple[Shape, ...] = ()
 
-    def _combine(self, fields):
-        return maximum(*fields)
+    def _join(self, a, b, slot, factor=1.0):
+        return maximum(a, b)
 
-    def bounds(self, matrix=None):
-        lows, highs = zip(*(child.bounds(matrix) for child in self.children))
-        low = np.max(lows, axis=0)
-        return low, np.maximum(low, np.min(highs, axis=0))
+    @property
+    def bounded(self):
+        return any(child.bounded for child in self.children) or bool(np.isfinite(self.bounds()).all())
+
+    def level_bounds(self, level, matrix=None):
+        return common(child.level_bounds(level, matrix) for child in self.children)
 
 
 @dataclass(frozen=True, init=False)
@@ -113,21 +205,66 @@ class Difference(SetOperation):
     """The first shape without the others."""
 
     op = Op.DIFFERENCE
+    family = Family.DIFFERENCE
 
     children: tuple[Shape, ...] = ()
 
-    def _absorbs(self, index, child):
-        return index == 0 and super()._absorbs(index, child)
+    def _join(self, a, b, slot, factor=1.0):
+        return maximum(a, -b)
 
-    def _combine(self, fields):
-        return maximum(fields[0], *(-field for field in fields[1:]))
+    def _operands(self):
+        first, *others = self.children
+        return (first, Union(others)) if len(others) > 1 else self.children
 
-    def bounds(self, matrix=None):
-        return self.children[0].bounds(matrix)
+    @property
+    def bounded(self):
+        return self.children[0].bounded
+
+    def level_bounds(self, level, matrix=None):
+        return self.children[0].level_bounds(level, matrix)
+
+
+@dataclass(frozen=True, init=False)
+class Exclusive(SetOperation):
+    """The points that are in an odd number of the shapes: of two, in one of them but not in both."""
+
+    op = Op.EXCLUSIVE
+    family = Family.EXCLUSIVE
+    associative = True
+
+    children: tuple[Shape, ...] = ()
+
+    def _join(self, a, b, slot, factor=1.0):
+        return maximum(minimum(a, b), -maximum(a, b))
+
+    def level_bounds(self, level, matrix=None):
+        return enclosing(child.level_bounds(level, matrix) for child in self.children)
+
+
+class Operator(Composite, abstract=True):
+    """A shape made of one other. What is not redefined is as with the child."""
+
+    child: Shape
+
+    def __post_init__(self):
+        _checked(self, self.child)
+        super().__post_init__()
+
+    @property
+    def children(self) -> tuple[Shape, ...]:
+        return (self.child,)
+
+    @property
+    def size(self) -> int:
+        return self.child.size
+
+    @property
+    def depth(self) -> int:
+        return 1 + self.child.depth
 
 
 @dataclass(frozen=True)
-class Transformed(Shape, abstract=True):
+class Transformed(Operator, abstract=True):
     """A shape moved by an affine matrix: rotation, uneven scale, shear and mirroring included.
 
     The field is σ·φ(M⁻¹x) with σ the least singular value of M: M⁻¹ stretches no length by more than 1/σ, so the
@@ -135,14 +272,13 @@ class Transformed(Shape, abstract=True):
     with ``translate``, ``rotate`` and ``scale``, or with objects.
     """
 
-    child: Shape
+    child: Shape = part("Shape that is moved")
     matrix: tuple[tuple[float, ...], ...] = dataclasses.field(
         default=tuple(map(tuple, np.eye(4).tolist())),
         metadata=dict(description="4 × 4 matrix that takes the shape to its place"))
 
     def __post_init__(self):
-        if not isinstance(self.child, Shape):
-            raise ShapeError(f"Transformed moves a shape, not {self.child!r:.40}.")
+        super().__post_init__()
         try:
             matrix = np.array(self.matrix, np.float64)
         except (TypeError, ValueError):
@@ -167,31 +303,25 @@ class Transformed(Shape, abstract=True):
         return self._array if matrix is None else matrix @ self._array
 
     @property
-    def exactness(self) -> str:
+    def _similar(self) -> bool:
         largest, _, least = self._singular_values
-        similar = largest - least <= _SIMILAR * largest
-        return BOUND if self.child.exactness == EXACT and not similar else self.child.exactness
+        return bool(largest - least <= _SIMILAR * largest)
 
     @property
-    def lipschitz(self) -> float:
-        return self.child.lipschitz
+    def exactness(self) -> str:
+        return BOUND if self.child.exactness == EXACT and not self._similar else self.child.exactness
+
+    @property
+    def exact_outside(self) -> bool:
+        return self.child.exact_outside and self._similar
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         rows = [(slot(tuple(row[:3])), slot(row[3])) for row in np.linalg.inv(self._array)[:3].tolist()]
         moved = Vector(*(row.dot(p) + offset for row, offset in rows))
         return self.child.build(moved, slot) * slot(float(self._singular_values[-1]))
 
-    @property
-    def children(self) -> tuple[Shape, ...]:
-        return (self.child,)
-
-    @property
-    def size(self) -> int:
-        return self.child.size
-
-    @property
-    def depth(self) -> int:
-        return 1 + self.child.depth
+    def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
+        return self.child.terms(matrix @ self._array, factor * float(self._singular_values[-1]))
 
     def relation(self) -> str:
         if not np.isfinite(self._array).all():
@@ -209,8 +339,20 @@ class Transformed(Shape, abstract=True):
         volume = self.child.volume()
         return None if volume is None else volume * abs(float(np.linalg.det(self._array[:3, :3])))
 
-    def bounds(self, matrix=None):
-        return self.child.bounds(self._total(matrix))
+    def level_bounds(self, level, matrix=None):
+        # Divided only where it matters: a matrix that flattens the shape has bounds, too.
+        level = level / float(self._singular_values[-1]) if level else 0.0
+        return self.child.level_bounds(level, self._total(matrix))
 
     def program(self, matrix=None):
         return self.child.program(self._total(matrix))
+
+
+def guarded(shape: Shape) -> Shape:
+    """The same set of points, with a field of which ``level_bounds`` are known: it grows outside the shape's box."""
+    low, high = shape.bounds()
+    if not shape.bounded or np.isfinite(shape.level_bounds(1.0)).all():
+        return shape
+    place = np.eye(4)
+    place[:3, 3] = (low + high) / 2.0
+    return Intersection(shape, Transformed(Box(tuple((high - low) / 2.0)), place))
