@@ -6,9 +6,15 @@
     hole = sphere(1.35 * size)
     difference(box(size), hole) | torus(size * 1.6, 0.1)
 
-Python's parser reads the text, and only a whitelist of its syntax tree is walked: nothing is evaluated as Python.
-Before that, the text is held to few characters, a length and a nesting depth, so that the parser itself cannot be made
-to labour; afterwards every value is a finite float, a vector of three or a ``Shape``, and shapes have a greatest size.
+or, with the field itself, as a formula of the point p:
+
+    for i in range(5):
+        p = fold(abs(p), (1, -1, 0))
+    box(0.5)(p) + 0.02 * sin(40 * p.x)
+
+Python's parser reads the text (``syntax``), and only a whitelist of its syntax tree is walked: nothing is evaluated as
+Python. Every step of the walk counts, those of a loop as often as it runs, and there is a most; shapes have a greatest
+size. So an expression cannot ask for more than a moment's work.
 """
 
 from __future__ import annotations
@@ -16,158 +22,120 @@ from __future__ import annotations
 import ast
 import difflib
 import itertools
-import keyword
 import math
 import operator
-import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
-from .functions import CONSTANTS, FUNCTIONS, Misuse, apply, kind_of
-from .shapes import Difference, Intersection, Shape, ShapeError, Union
+import numpy as np
 
-LONGEST = 10_000  # characters
-DEEPEST = 50  # brackets inside one another
-MOST_OPERATORS = 1_000  # in one statement; a chain of n is a tree n deep, and frees itself by recursion in CPython 3.13
-MOST_POWERS = 100  # each is nested in the one before, and so takes of the parser's stack
+from . import formula, values
+from .formula import LONGEST_LOOP, POINT, Formula
+from .functions import CONSTANTS, FUNCTIONS, as_shape
+from .shapes import Difference, Intersection, Shape, ShapeError, Union
+from .shapes.base import Slots
+from .syntax import DEEPEST, ExpressionError, parse
+from .values import Condition, Live, Misuse, NeedsNumber, choose, compute, has_field, kind_of, lifted, live, spread
+
 MOST_PRIMITIVES = 2_000
 DEEPEST_SHAPE = 100
+MOST_STEPS = 10_000
+MOST_OPERATIONS = 20_000  # that a field takes at each point
+
+_FIELD_STEPS = 20  # that the field of one primitive counts for
 
 
-class ExpressionError(Exception):
-    """What is wrong in an expression, where, and how to put it right; ``str()`` says it in one sentence.
+class Declaration(NamedTuple):
+    """A parameter that an expression declares, as in ``size = slider(1, 0, 3)  # in metres``.
 
-    ``line`` and ``column`` count from 1.
+    ``kind`` is the word that declares it: ``slider``, ``integer``, ``toggle``, ``angle`` (in degrees) or ``vector``.
+    ``default`` is a float, or a 3-tuple for a vector; a toggle is 0.0 or 1.0. Limits are those of each component.
     """
 
-    def __init__(self, message: str, line: int, column: int, cure: str):
-        super().__init__(f"Line {line}, column {column}: {message}: {cure}.")
-        self.message, self.line, self.column, self.cure = message, line, column, cure
-
-
-class Slider(NamedTuple):
-    """A parameter that an expression declares with ``name = slider(default, minimum, maximum)``."""
-
     name: str
-    default: float
+    kind: str
+    default: float | tuple[float, float, float]
     minimum: float
     maximum: float
+    description: str
+
+    def held(self, value) -> float | tuple[float, float, float]:
+        """A value held to the limits; whole for an integer. Raises ``ValueError`` for what is not a number."""
+        if self.kind == "vector":
+            x, y, z = value
+            return self._held(x), self._held(y), self._held(z)
+        return self._held(value)
+
+    def _held(self, value) -> float:
+        value = float(value)
+        if math.isnan(value):
+            raise ValueError
+        value = min(max(value, self.minimum), self.maximum)
+        return float(math.floor(value + 0.5)) if self.kind in ("integer", "toggle") else value
 
 
 class Expression:
-    """A checked expression: its ``sliders``, and its shape for any of their values."""
+    """A checked expression: its ``parameters``, and its shape for any of their values."""
 
     def __init__(self, text: str):
         """Raises ``ExpressionError`` if the text does not say a shape."""
-        self._tree = _parsed(text)
-        evaluation = _Evaluation({})
+        self._tree, self._remarks = parse(text)
+        evaluation = _Evaluation({}, self._remarks)
         evaluation.run(self._tree)
-        self.sliders: tuple[Slider, ...] = tuple(evaluation.sliders.values())
+        self.parameters: tuple[Declaration, ...] = tuple(evaluation.declarations.values())
 
-    def shape(self, values: Mapping[str, float] | None = None) -> Shape:
-        """The shape with ``values`` of sliders by name in place of their defaults, held to the sliders' limits.
+    def shape(self, values: Mapping[str, object] | None = None) -> Shape:
+        """The shape with ``values`` of parameters by name in place of their defaults, held to their limits.
 
         Values of other names are ignored. Raises ``ExpressionError`` where these values do not make a shape.
         """
-        return _Evaluation(values or {}).run(self._tree)
+        return _Evaluation(values or {}, self._remarks).run(self._tree)
 
 
-def evaluate(text: str, values: Mapping[str, float] | None = None) -> Shape:
+def evaluate(text: str, values: Mapping[str, object] | None = None) -> Shape:
     """The shape that the text says. Raises ``ExpressionError``."""
     return Expression(text).shape(values)
 
 
-# -- before Python's parser -------------------------------------------------------------------------------------------
-
-_OTHER_CHARACTER = re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|& \t]")
-_LONGEST_NUMBER = re.compile(r"\d{41}")
-_SIGNS_IN_A_ROW = re.compile(r"([-+][ \t]*){10}")
-_OPERATOR = re.compile(r"[-+*/%|&]|\.\s*[A-Za-z_]|\)\s*\(")
-_WORD = re.compile(r"[A-Za-z_]\w*")
-_CURES = {
-    "[": "use ( ) instead", "]": "use ( ) instead", "{": "use ( ) instead", "}": "use ( ) instead",
-    "'": "there is no text in expressions", '"': "there is no text in expressions",
-    "^": "write ** for a power", ";": "write each statement on a line of its own",
-    ":": "there are no blocks in expressions", "<": "there are no comparisons in expressions",
-    ">": "there are no comparisons in expressions", "\\": "a line goes on by itself inside ( )"}
+def _modulo(a, b):
+    return a - b * values.floor(a / b)
 
 
-def _guard(lines: list[str]) -> None:
-    """Refuses text that is not worth showing to the parser."""
-    brackets = powers = 0
-    statement = ""  # may go on over several lines, inside brackets
-    for number, line in enumerate(lines, 1):
-        for pattern, problem, cure in (
-                (_OTHER_CHARACTER, "{!r} means nothing here", "use letters, digits, ( ) , . and + - * / % ** | & ="),
-                (_LONGEST_NUMBER, "the number has too many digits", "write 1e9 for 10 to the 9th"),
-                (_SIGNS_IN_A_ROW, "there are too many signs in a row", "use one")):
-            found = pattern.search(line)
-            if found:
-                raise ExpressionError(
-                    problem.format(found[0]), number, found.start() + 1, _CURES.get(found[0], cure))
-        for word in _WORD.finditer(line):
-            if keyword.iskeyword(word[0]):
-                raise ExpressionError(f"{word[0]} is not part of the language", number, word.start() + 1,
-                                      "write lines such as name = value, and a shape last")
-        for column, character in enumerate(line, 1):
-            brackets += (character == "(") - (character == ")")
-            powers += line.startswith("**", column - 1)
-            if brackets > DEEPEST:
-                raise ExpressionError("the brackets are nested too deeply", number, column,
-                                      f"use at most {DEEPEST} inside one another, and name parts on lines of their own")
-            if powers > MOST_POWERS:
-                raise ExpressionError("there are too many powers", number, column, f"use at most {MOST_POWERS}")
-        statement += line + "\n"
-        if brackets <= 0 or number == len(lines):
-            if len(_OPERATOR.findall(statement)) > MOST_OPERATORS:
-                raise ExpressionError("there are too many operators in one statement", number, 1,
-                                      f"use at most {MOST_OPERATORS}, or union(a, b, …) with commas")
-            statement = ""
-
-
-def _parsed(text: str) -> ast.Module:
-    if len(text) > LONGEST:
-        raise ExpressionError(f"the expression has {len(text)} characters", 1, 1, f"use at most {LONGEST}")
-    text = text.replace("\r\n", "\n").replace("\r", "\n")
-    lines = [line.split("#", 1)[0] for line in text.split("\n")]
-    _guard(lines)
-    # There are no blocks, so how far a line is indented means nothing; but mistakes are reported where they stand.
-    indents = [len(line) - len(line.lstrip()) for line in lines]
-    try:
-        tree = ast.parse("\n".join(map(str.lstrip, lines)))
-    except SyntaxError as error:
-        problem = re.sub(r"\W*(Perhaps|Maybe|Did) .*|\.$", "", error.msg or "invalid syntax")
-        line = min(max(error.lineno or 1, 1), len(lines))
-        raise ExpressionError(problem, line, max(error.offset or 1, 1) + indents[line - 1],
-                              "look for a missing bracket, comma or operator just before") from None
-    except (ValueError, RecursionError, MemoryError, OverflowError):
-        raise ExpressionError("the expression is nested too deeply", 1, 1,
-                              "name parts of it on lines of their own") from None
-    if any(indents):
-        for node in ast.walk(tree):
-            if hasattr(node, "lineno"):
-                node.col_offset += indents[node.lineno - 1]
-    return tree
-
-
-# -- the walk over the tree -------------------------------------------------------------------------------------------
-
-_ARITHMETIC = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.Mod: FUNCTIONS["mod"].call, ast.Pow: math.pow}
+_ARITHMETIC: dict[type, Callable] = {
+    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
+    ast.Div: lambda a, b: a / b, ast.Mod: _modulo, ast.Pow: values.power}
 _COMBINATIONS = {ast.BitOr: Union, ast.BitAnd: Intersection, ast.Sub: Difference}
 _SYMBOLS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Mod: "%", ast.Pow: "**", ast.BitOr: "|",
             ast.BitAnd: "&"}
+_COMPARISONS: dict[type, Callable] = {
+    ast.Lt: values.less, ast.LtE: values.less_equal,
+    ast.Gt: lambda a, b: values.less(b, a), ast.GtE: lambda a, b: values.less_equal(b, a)}
+
+# How each kind of parameter is declared; numbers in a declaration come in this order.
+DECLARATIONS = {
+    "slider": "name = slider(default, minimum, maximum)",
+    "integer": "name = integer(default, minimum, maximum)",
+    "angle": "name = angle(default, minimum, maximum), in degrees",
+    "toggle": "name = toggle(True)",
+    "vector": "name = vector((x, y, z), minimum, maximum)"}
+_LIMITS = {"angle": (-360.0, 360.0), "vector": (-10.0, 10.0)}  # where a declaration has none
 
 
 class _Evaluation:
     """One run through the statements, with the names known so far."""
 
-    def __init__(self, values: Mapping[str, float]):
-        self.values = values
-        self.names: dict[str, object] = dict(CONSTANTS)
-        self.sliders: dict[str, Slider] = {}
-        self.depth = 0
+    def __init__(self, given: Mapping[str, object], remarks: Mapping[int, str]):
+        self.given = given
+        self.remarks = remarks
+        self.names: dict[str, object] = CONSTANTS | {"p": tuple(POINT)}
+        self.declarations: dict[str, Declaration] = {}
+        self.slots = Slots()
+        self.depth = 0  # of values inside one another
+        self.nesting = 0  # of blocks
+        self.loops = 0  # of the formula, that are being made
+        self.rounds = 1  # the most of these together
+        self.steps = 0
+        self.operations = 0
 
     def error(self, node: ast.AST, message: str, cure: str) -> ExpressionError:
         return ExpressionError(message, getattr(node, "lineno", 1), getattr(node, "col_offset", 0) + 1, cure)
@@ -175,66 +143,281 @@ class _Evaluation:
     def run(self, tree: ast.Module) -> Shape:
         if not tree.body:
             raise ExpressionError("the expression is empty", 1, 1, "write a shape, for instance sphere(0.5)")
-        for statement in tree.body[:-1]:
-            self.assign(statement)
-        last = tree.body[-1]
-        if not isinstance(last, ast.Expr):
-            self.assign(last)
-            raise self.error(last, "the last line does not say what glows", "end with a line that is a shape")
-        result = self.value(last.value)
-        if not isinstance(result, Shape):
-            raise self.error(last, f"the last line is a {kind_of(result)}", "end with a line that is a shape")
-        return result
+        with np.errstate(all="ignore"):  # what is not finite is found and reported where it arises
+            self.block(tree.body[:-1])
+            last = tree.body[-1]
+            if not isinstance(last, ast.Expr):
+                self.block([last])
+                raise self.error(last, "the last line does not say what glows", "end with a line that is a shape")
+            result = self.value(last.value)
+            if not isinstance(result, (Shape, Formula)):
+                raise self.error(last, f"the last line is a {kind_of(result)}",
+                                 "end with a line that is a shape, or a field that is negative inside")
+            return self.checked(last, as_shape(result, self.slots))
 
-    def assign(self, statement: ast.stmt) -> None:
-        if isinstance(statement, ast.Expr):
-            raise self.error(statement, "this line has no effect",
-                             "give its value a name, or combine it into the last line")
-        if not (isinstance(statement, ast.Assign) and len(statement.targets) == 1
-                and isinstance(statement.targets[0], ast.Name)):
-            raise self.error(statement, "this statement is not part of the language", "write name = value, or a shape")
-        name = statement.targets[0].id
-        if name in FUNCTIONS or name in CONSTANTS or name == "slider":
-            raise self.error(statement, f"{name} already means something", "choose another name")
+    def step(self, node: ast.AST, count: int = 1) -> None:
+        """Counts work, before it is done."""
+        self.steps += count
+        self.operations += count * self.rounds
+        if self.steps > MOST_STEPS or self.operations > MOST_OPERATIONS:
+            raise self.error(node, "the expression takes too many steps", "use fewer rounds, or fewer parts")
+
+    # -- statements ---------------------------------------------------------------------------------------------------
+
+    def inner(self, statements: list[ast.stmt]) -> None:
+        """Runs the statements of a block."""
+        self.nesting += 1
+        self.block(statements)
+        self.nesting -= 1
+
+    def block(self, statements: list[ast.stmt]) -> None:
+        for statement in statements:
+            self.step(statement)
+            run = _STATEMENTS.get(type(statement))
+            if run is None:
+                raise self.error(statement, "this statement is not part of the language",
+                                 "write name = value, for name in range(count):, or a shape last")
+            run(self, statement)
+
+    def no_effect(self, statement: ast.Expr) -> None:
+        raise self.error(statement, "this line has no effect", "give its value a name, or combine it into the last line")
+
+    def misplaced_break(self, statement: ast.Break) -> None:
+        raise self.error(statement, "break does not stand here",
+                         "write if condition: break among the lines of the loop itself")
+
+    def new_name(self, target: ast.expr, statement: ast.stmt) -> str:
+        if not isinstance(target, ast.Name):
+            raise self.error(statement, "only a name can be given a value", "write name = value")
+        if target.id in FUNCTIONS or target.id in CONSTANTS or target.id in DECLARATIONS or target.id == "range":
+            raise self.error(statement, f"{target.id} already means something", "choose another name")
+        return target.id
+
+    def assign(self, statement: ast.Assign) -> None:
+        if len(statement.targets) != 1:
+            raise self.error(statement, "a line gives one name a value", "write name = value")
+        name = self.new_name(statement.targets[0], statement)
         call = statement.value
-        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "slider":
-            self.names[name] = self.slider(name, call)
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in DECLARATIONS:
+            self.names[name] = self.declared(name, call.func.id, call)
         else:
             self.names[name] = self.value(call)
 
-    def slider(self, name: str, call: ast.Call) -> float:
-        cure = "write name = slider(default, minimum, maximum) with three numbers"
-        if name in self.sliders:
-            raise self.error(call, f"there already is a slider {name}", "choose another name")
-        if call.keywords or len(call.args) != 3:
-            raise self.error(call, "slider takes three numbers", cure)
+    def assign_in_place(self, statement: ast.AugAssign) -> None:
+        """``a += b`` as ``a = a + b``."""
+        name = self.new_name(statement.target, statement)
+        old = ast.copy_location(ast.Name(name, ast.Load()), statement.target)
+        self.names[name] = self.value(ast.copy_location(ast.BinOp(old, statement.op, statement.value), statement))
+
+    def declared(self, name: str, kind: str, call: ast.Call):
+        cure = f"write {DECLARATIONS[kind]}"
+        if name in self.declarations:
+            raise self.error(call, f"there already is a parameter {name}", "choose another name")
+        if self.nesting:
+            raise self.error(call, "a parameter cannot be declared in a block", "move the line to the top")
         for part in ast.walk(call):  # or the limits, and with them the user interface, would change as sliders move
             if isinstance(part, ast.Name) and part.id in self.names and part.id not in CONSTANTS:
-                raise self.error(part, f"the numbers of a slider cannot depend on {part.id:.40}", cure)
-        numbers = [self.value(argument) for argument in call.args]
-        if not all(isinstance(number, float) for number in numbers):
-            raise self.error(call, "slider takes three numbers", cure)
-        default, minimum, maximum = numbers
-        if not minimum <= default <= maximum or minimum == maximum:
-            raise self.error(call, f"the default {default:g} is not between {minimum:g} and {maximum:g}", cure)
-        self.sliders[name] = Slider(name, *numbers)
+                raise self.error(part, f"the numbers of a parameter cannot depend on {part.id:.40}", cure)
+        given = [self.value(argument) for argument in call.args]
+        if call.keywords:
+            raise self.error(call, f"{kind} takes no named arguments", cure)
+        declaration = self.declaration(name, kind, given, self.remarks.get(call.lineno, ""))
+        if declaration is None:
+            counts = {"toggle": "True or False", "vector": "a vector, and its limits or none",
+                      "angle": "a number of degrees, and its limits or none"}
+            raise self.error(call, f"{kind} takes {counts.get(kind, 'three numbers')}", cure)
+        held = values.components(declaration.default)
+        if not all(declaration.minimum <= c <= declaration.maximum for c in held) or (
+                declaration.minimum == declaration.maximum):
+            raise self.error(call, f"the default {held[0]:g} is not between {declaration.minimum:g} and "
+                             f"{declaration.maximum:g}", cure)
+        if kind == "integer" and any(c != math.floor(c) for c in (*held, declaration.minimum, declaration.maximum)):
+            raise self.error(call, "integer takes whole numbers", cure)
+        self.declarations[name] = declaration
         try:
-            value = float(self.values.get(name, default))
+            value = declaration.held(self.given.get(name, declaration.default))
         except (TypeError, ValueError, OverflowError):
-            value = math.nan
-        if math.isnan(value):
-            raise self.error(call, f"the value given for {name} is not a number", "set it to a number")
-        return min(max(value, minimum), maximum)
+            raise self.error(call, f"the value given for {name} is not a {'vector' if kind == 'vector' else 'number'}",
+                             "set it to a number") from None
+        if kind == "vector":
+            return tuple(Live(component, declaration.maximum) for component in value)
+        return Condition(Live(value)) if kind == "toggle" else Live(value, declaration.maximum)
+
+    def declaration(self, name: str, kind: str, given: list, description: str) -> Declaration | None:
+        """The declaration with the given values; None where they are not what it takes."""
+        kinds = list(map(kind_of, given))
+        if kind == "toggle":
+            if kinds != ["condition"]:
+                return None
+            return Declaration(name, kind, given[0].truth, 0.0, 1.0, description)
+        wanted = [["vector" if kind == "vector" else "number"], ["number", "number"]]
+        if kinds != wanted[0] + wanted[1] and (kind not in _LIMITS or kinds != wanted[0]):
+            return None
+        if kind == "vector" and len(given[0]) != 3:
+            return None
+        return Declaration(name, kind, *(given if len(given) == 3 else (given[0], *_LIMITS[kind])), description)
+
+    def branch(self, statement: ast.If) -> None:
+        """Both sides are computed; what they give a value is chosen by the condition, point by point if need be."""
+        condition = self.condition(statement.test)
+        if type(condition.truth) is float:  # the same always
+            self.inner(statement.body if condition.truth > 0.5 else statement.orelse)
+            return
+        before = dict(self.names)
+        self.inner(statement.body)
+        then, self.names = self.names, dict(before)
+        self.inner(statement.orelse)
+        otherwise, self.names = self.names, before
+        for name in then:
+            if name not in otherwise:
+                continue  # it would have no value on one side
+            if then[name] is otherwise[name]:
+                self.names[name] = then[name]
+            else:
+                self.names[name] = self.attempt(
+                    statement, lambda: choose(self.slots, condition, then[name], otherwise[name]))
+
+    def loop(self, statement: ast.For) -> None:
+        index = self.new_name(statement.target, statement)
+        if statement.orelse:
+            raise self.error(statement.orelse[0], "a loop has no else", "leave it out")
+        count = self.count(statement.iter)
+        inside = [node for part in statement.body for node in ast.walk(part) if isinstance(node, ast.Name)]
+        written = {node.id for node in inside if isinstance(node.ctx, ast.Store)}
+        read = {node.id for node in inside if isinstance(node.ctx, ast.Load)} | {
+            part.target.id for body in statement.body for part in ast.walk(body)
+            if isinstance(part, ast.AugAssign) and isinstance(part.target, ast.Name)}
+        carried = [name for name in self.names if name in written and name != index]
+        outside = {name: self.names[name] for name in self.names if name in read | written}
+        shapes = any(isinstance(outside[name], Shape) for name in carried)
+        state = dict(self.names), self.nesting, self.loops, self.rounds
+        if not shapes and any(map(has_field, outside.values())):
+            try:
+                self.iterated(statement, index if index in read else "", count, carried)
+                return
+            except NeedsNumber:  # a shape in it is made of the states: then the rounds are written one after another
+                self.names, self.nesting, self.loops, self.rounds = state
+        self.unrolled(statement, index, count, carried)
+
+    def count(self, node: ast.expr) -> float:
+        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "range"
+                and len(node.args) == 1 and not node.keywords):
+            raise self.error(node, "a loop runs over a range", "write for name in range(count):")
+        count = self.value(node.args[0])
+        if not isinstance(count, float):
+            raise self.error(node, f"the number of rounds is a {kind_of(count)}", "give a whole number")
+        greatest = count.greatest if isinstance(count, Live) else count
+        if greatest == math.inf:
+            raise self.error(node, "the number of rounds has no greatest value",
+                             "give a whole number, or a parameter: count = integer(5, 1, 10)")
+        if not isinstance(count, Live) and count != math.floor(count):
+            raise self.error(node, f"{count:g} is not a whole number of rounds", "give a whole number")
+        if greatest > LONGEST_LOOP:
+            raise self.error(node, f"a loop of {greatest:g} rounds is too long", f"use at most {LONGEST_LOOP}")
+        return count
+
+    def round(self, statements: list[ast.stmt], carried: list[str]) -> Condition:
+        """Runs the statements of a loop once; the condition on which one of its lines ``if …: break`` has ended it."""
+        exits = []
+        self.nesting += 1
+        for part in statements:
+            if isinstance(part, ast.If) and isinstance(part.body[-1], ast.Break) and not part.orelse:
+                self.step(part)
+                condition, names = self.condition(part.test), self.names
+                self.names = dict(names)
+                self.block(part.body[:-1])
+                exits.append((part, condition, self.names))
+                self.names = names
+            else:
+                self.block([part])
+        self.nesting -= 1
+        ended = Condition(0.0)
+        for part, condition, names in reversed(exits):
+            for name in carried:
+                self.names[name] = self.attempt(
+                    part, lambda: choose(self.slots, condition, names[name], self.names[name]))
+            ended = choose(self.slots, condition, Condition(1.0), ended)
+        return ended
+
+    def unrolled(self, statement: ast.For, index: str, count: float, carried: list[str]) -> None:
+        """The rounds one after another: for loops of numbers, and of shapes."""
+        before = self.names
+        self.names = dict(before)
+        follows = isinstance(count, Live)  # whether the results change with parameters through the number of rounds
+        ended = Condition(0.0)
+        for i in range(int(max(count, 0.0))):
+            self.step(statement)
+            self.names[index] = float(i)
+            old = {name: self.names[name] for name in carried}
+            now = self.round(statement.body, carried)
+            for name in carried:
+                self.names[name] = self.attempt(
+                    statement, lambda: choose(self.slots, ended, old[name], self.names[name]))
+            ended = choose(self.slots, ended, Condition(1.0), now)
+            follows = follows or isinstance(ended.truth, Live)
+            if isinstance(ended.truth, float) and ended.truth > 0.5:
+                break
+        for name in carried:
+            before[name] = live(self.names[name]) if follows else self.names[name]
+        self.names = before
+
+    def iterated(self, statement: ast.For, index: str, count: float, carried: list[str]) -> None:
+        """The loop as one of the formula: for loops of fields."""
+        limit = int(count.greatest if isinstance(count, Live) else count)
+        if limit < 1:
+            return
+        before = self.names
+        for name in carried:
+            if kind_of(before[name]) not in ("number", "field", "vector"):
+                raise self.error(statement, f"{name} is a {kind_of(before[name])}, which a loop cannot carry on",
+                                 "carry on numbers, fields, vectors or shapes")
+        sizes = [len(before[name]) if isinstance(before[name], tuple) else 0 for name in carried]
+        breaks = any(isinstance(node, ast.Break) for part in statement.body for node in ast.walk(part))
+
+        def flat(names: Mapping[str, object]) -> list:
+            return [scalar for name in carried for scalar in values.components(lifted(names[name], self.slots))]
+
+        def body(*states: Formula):
+            self.names = dict(before)
+            remaining = iter(states)
+            for name, size in zip(carried, sizes):
+                self.names[name] = tuple(itertools.islice(remaining, size)) if size else next(remaining)
+            if index:
+                self.names[index] = next(remaining)
+            ended = self.round(statement.body, carried)
+            for name, size in zip(carried, sizes):
+                now = self.names[name]
+                if kind_of(now) == "shape" or (len(now) if isinstance(now, tuple) else 0) != size:
+                    raise self.error(statement, f"{name} is a {kind_of(before[name])} before the loop, and a "
+                                     f"{kind_of(now)} after a round", "keep it of one kind, or choose another name")
+            steps = flat(self.names)
+            if index:
+                steps.append(states[len(steps)] + 1.0)
+            if not breaks:
+                return tuple(steps), None
+            steps.append(lifted(choose(self.slots, ended, 1.0, 0.0), self.slots))
+            return tuple(steps), states[-1] < 0.5
+
+        rounds = self.rounds
+        self.rounds, self.loops = rounds * limit, self.loops + 1
+        first = (*flat(before), *[0.0] * (bool(index) + breaks))
+        results = iter(formula.iterate(lifted(count, self.slots), first, body, limit))
+        self.names, self.rounds, self.loops = before, rounds, self.loops - 1
+        for name, size in zip(carried, sizes):
+            self.names[name] = tuple(itertools.islice(results, size)) if size else next(results)
+
+    # -- values -------------------------------------------------------------------------------------------------------
 
     def value(self, node: ast.expr):
         self.depth += 1
         try:
             if self.depth > 2 * DEEPEST:
                 raise self.error(node, "the expression is nested too deeply", "name parts of it on lines of their own")
+            self.step(node)
             visit = _VISITS.get(type(node))
             if visit is None:
                 raise self.error(node, "this is not part of the language",
-                                 "use numbers, names, calls, vectors and the operators + - * / % ** | &")
+                                 "use numbers, names, calls, vectors, comparisons and the operators + - * / % ** | &")
             return self.checked(node, visit(self, node))
         finally:
             self.depth -= 1
@@ -249,11 +432,15 @@ class _Evaluation:
                 message, _, cure = problem.rstrip(".").rpartition(": ")
                 message, cure = (message, cure) if ": " in message else (problem.rstrip("."), "change the value")
                 raise self.error(node, message, cure)
-        elif not all(map(math.isfinite, value if isinstance(value, tuple) else (value,))):
-            raise self.error(node, "the number is too large", "use smaller numbers")
+        else:
+            for scalar in values.components(value):
+                if isinstance(scalar, float) and not math.isfinite(scalar):
+                    raise self.error(node, "the value is undefined or too large", "use other numbers")
         return value
 
-    def constant(self, node: ast.Constant) -> float:
+    def constant(self, node: ast.Constant) -> float | Condition:
+        if type(node.value) is bool:
+            return Condition(float(node.value))
         if type(node.value) not in (int, float):
             raise self.error(node, f"{node.value!r:.40} is not a number of the language", "write a number such as 0.5")
         return self.attempt(node, lambda: float(node.value))
@@ -272,32 +459,48 @@ class _Evaluation:
         return self.error(node, f"{node.id:.40} is not a known name", cure)
 
     def call(self, node: ast.Call):
-        if not isinstance(node.func, ast.Name):
-            raise self.error(node, "only functions can be called", "write function(value, …)")
-        if node.func.id == "slider":
-            raise self.error(node, "slider has to stand alone", "write name = slider(default, minimum, maximum)")
-        function = FUNCTIONS.get(node.func.id)
-        if function is None:
-            if node.func.id in self.names:
-                raise self.error(node, f"{node.func.id} is a value, not a function", "leave out the brackets after it")
+        name = node.func.id if isinstance(node.func, ast.Name) else None
+        if name is None or name in self.names:
+            shape = self.value(node.func)
+            if not isinstance(shape, Shape):
+                raise self.error(node, f"{'this' if name is None else name} is a {kind_of(shape)}, not a function",
+                                 "leave out the brackets after it")
+            function = FUNCTIONS["distance"]
+            if len(node.args) != 1 or node.keywords:
+                raise self.error(node, "the field of a shape takes one point", "write shape(p)")
+            positional, named = [shape, self.value(node.args[0])], {}
+        elif name in DECLARATIONS:
+            raise self.error(node, f"{name} has to stand alone", f"write {DECLARATIONS[name]}")
+        elif name in FUNCTIONS:
+            function, positional, named = FUNCTIONS[name], [], {}
+            for argument in node.args:
+                positional.append(self.value(argument))
+            for keyword in node.keywords:
+                if keyword.arg is None:
+                    raise self.error(node, "** is not part of a call", "name the arguments")
+                named[keyword.arg] = self.value(keyword.value)
+        else:
             raise self.unknown(node.func, FUNCTIONS)
-        positional = [self.value(argument) for argument in node.args]
-        named = {}
-        for keyword in node.keywords:
-            if keyword.arg is None:
-                raise self.error(node, "** is not part of a call", "name the arguments")
-            named[keyword.arg] = self.value(keyword.value)
-        self.limit(node, [*positional, *named.values()])
-        return self.attempt(node, lambda: function(positional, named))
+        given = [*positional, *named.values()]
+        self.limit(node, given)
+        if function.name == "distance" and isinstance(given[0], Shape):
+            self.step(node, _FIELD_STEPS * given[0].size)
+        return self.attempt(node, lambda: function(self.slots, positional, named))
 
-    def limit(self, node: ast.expr, values: list) -> None:
+    def limit(self, node: ast.expr, given: Iterable) -> None:
         """Refuses to combine shapes that are too large together, before that takes time."""
-        if sum(value.size for value in values if isinstance(value, Shape)) > MOST_PRIMITIVES:
+        size = sum(value.size for value in given if isinstance(value, Shape))
+        if size > MOST_PRIMITIVES:
             raise self.error(node, "the shape has too many parts", f"use at most {MOST_PRIMITIVES} shapes")
+        self.step(node, size // 64)
 
-    def attempt(self, node: ast.expr, compute):
+    def attempt(self, node: ast.AST, work: Callable):
         try:
-            return compute()
+            return work()
+        except NeedsNumber as misuse:
+            if self.loops:
+                raise
+            raise self.error(node, str(misuse), misuse.cure) from None
         except Misuse as misuse:
             raise self.error(node, str(misuse), misuse.cure) from None
         except ShapeError as error:
@@ -313,42 +516,111 @@ class _Evaluation:
         while isinstance(spine[-1].left, ast.BinOp):
             spine.append(spine[-1].left)
         result = self.value(spine[-1].left)
-        for part in reversed(spine):
-            result = self.checked(part, self.operation(part, result, self.value(part.right)))
+        parts = spine[::-1]
+        while parts:
+            part, kind = parts[0], type(parts[0].op)
+            operands = [result, self.value(part.right)]
+            count = 1
+            if self.combines(kind, *operands):
+                # A chain of one operator is built at once: link by link, each would copy the shapes before it.
+                count = next((i for i, later in enumerate(parts) if type(later.op) is not kind), len(parts))
+                for later in parts[1:count]:
+                    operands.append(self.value(later.right))
+                    if not self.combines(kind, operands[0], operands[-1]):
+                        raise self.mismatch(later, "shape", kind_of(operands[-1]))
+                    self.limit(later, operands)
+                result = self.combination(parts[count - 1], operands)
+            else:
+                result = self.arithmetic(part, *operands)
+            result = self.checked(parts[count - 1], result)
+            parts = parts[count:]
         return result
 
-    def operation(self, node: ast.BinOp, left, right):
-        kind = type(node.op)
-        if isinstance(left, Shape) and isinstance(right, Shape) and kind in _COMBINATIONS:
-            self.limit(node, [left, right])
-            return _COMBINATIONS[kind](left, right)
-        if isinstance(left, Shape) or isinstance(right, Shape) or kind not in _ARITHMETIC:
-            symbol = _SYMBOLS.get(kind, "this operator")
-            raise self.error(node, f"{symbol} does not work between a {kind_of(left)} and a {kind_of(right)}",
-                             "use | & - between shapes, and + - * / % ** between numbers and vectors")
-        return self.attempt(node, lambda: apply(_ARITHMETIC[kind], left, right))
+    def combines(self, kind: type, left, right) -> bool:
+        """Whether an operator makes a shape: of shapes, or of fields where it could mean nothing else."""
+        kinds = {kind_of(left), kind_of(right)}
+        return kind in _COMBINATIONS and kinds <= {"shape", "field"} and ("shape" in kinds or kind is not ast.Sub)
+
+    def combination(self, node: ast.BinOp, operands: list) -> Shape:
+        self.limit(node, operands)
+        return self.attempt(node, lambda: _COMBINATIONS[type(node.op)](*(as_shape(o, self.slots) for o in operands)))
+
+    def mismatch(self, node: ast.BinOp, left: str, right: str) -> ExpressionError:
+        symbol = _SYMBOLS.get(type(node.op), "this operator")
+        cure = "use | & - between shapes, and + - * / % ** between numbers, fields and vectors"
+        if {left, right} == {"shape", "field"}:
+            cure = "write shape(p) for the field of a shape"
+        return self.error(node, f"{symbol} does not work between a {left} and a {right}", cure)
+
+    def arithmetic(self, node: ast.BinOp, left, right):
+        kinds = kind_of(left), kind_of(right)
+        function = _ARITHMETIC.get(type(node.op))
+        if function is None or not set(kinds) <= {"number", "field", "vector"}:
+            raise self.mismatch(node, *kinds)
+        return self.attempt(
+            node, lambda: spread(lambda *scalars: compute(self.slots, function, *scalars), left, right))
 
     def unary(self, node: ast.UnaryOp):
+        if isinstance(node.op, ast.Not):
+            return choose(self.slots, self.condition(node.operand), Condition(0.0), Condition(1.0))
         value = self.value(node.operand)
-        if isinstance(value, Shape) or not isinstance(node.op, (ast.USub, ast.UAdd)):
+        if kind_of(value) not in ("number", "field", "vector") or not isinstance(node.op, (ast.USub, ast.UAdd)):
             raise self.error(node, f"this sign does not work before a {kind_of(value)}", "use - and + before numbers")
-        return apply(operator.neg, value) if isinstance(node.op, ast.USub) else value
+        if isinstance(node.op, ast.UAdd):
+            return value
+        return spread(lambda scalar: compute(self.slots, operator.neg, scalar), value)
+
+    def condition(self, node: ast.expr) -> Condition:
+        value = self.value(node)
+        if not isinstance(value, Condition):
+            raise self.error(node, f"a {kind_of(value)} is not a condition", "compare it, as in a < b")
+        return value
+
+    def comparison(self, node: ast.Compare) -> Condition:
+        function = _COMPARISONS.get(type(node.ops[0]))
+        if function is None or len(node.ops) > 1:
+            raise self.error(node, "this comparison is not part of the language",
+                             "compare two values with < <= > >=, and join comparisons with and")
+        left, right = self.value(node.left), self.value(node.comparators[0])
+        for value in (left, right):
+            if kind_of(value) not in ("number", "field"):
+                raise self.error(node, f"a {kind_of(value)} cannot be compared", "compare numbers or fields")
+        return compute(self.slots, function, left, right)
+
+    def logic(self, node: ast.BoolOp) -> Condition:
+        result = self.condition(node.values[0])
+        for operand in node.values[1:]:
+            other = self.condition(operand)
+            sides = (other, Condition(0.0)) if isinstance(node.op, ast.And) else (Condition(1.0), other)
+            result = choose(self.slots, result, *sides)
+        return result
+
+    def selection(self, node: ast.IfExp):
+        condition = self.condition(node.test)
+        then, otherwise = self.value(node.body), self.value(node.orelse)
+        return self.attempt(node, lambda: choose(self.slots, condition, then, otherwise))
 
     def vector(self, node: ast.Tuple):
-        components = [self.value(element) for element in node.elts]
-        if len(components) != 3 or not all(isinstance(component, float) for component in components):
-            raise self.error(node, "a vector has three numbers", "write vec3(x, y, z)")
-        return tuple(components)
+        parts = tuple(self.value(element) for element in node.elts)
+        if len(parts) not in (2, 3) or not all(kind_of(part) in ("number", "field") for part in parts):
+            raise self.error(node, "a vector has two or three numbers or fields", "write vec3(x, y, z)")
+        return parts
 
-    def component(self, node: ast.Attribute) -> float:
+    def component(self, node: ast.Attribute):
         value = self.value(node.value)
-        if not isinstance(value, tuple) or node.attr not in ("x", "y", "z"):
+        if kind_of(value) != "vector" or len(node.attr) > 3 or not set(node.attr) <= set("xyz"[:len(value)]):
             raise self.error(node, f".{node.attr:.40} is not part of a {kind_of(value)}",
-                             "only vectors have parts: .x, .y and .z; functions are written function(shape, …)")
-        return value["xyz".index(node.attr)]
+                             "only vectors have parts: .x, .y, .z, .xy and so on; functions are written "
+                             "function(shape, …)")
+        chosen = tuple(value["xyz".index(letter)] for letter in node.attr)
+        return chosen if len(chosen) > 1 else chosen[0]
 
 
+_STATEMENTS = {
+    ast.Assign: _Evaluation.assign, ast.AugAssign: _Evaluation.assign_in_place, ast.For: _Evaluation.loop,
+    ast.If: _Evaluation.branch, ast.Expr: _Evaluation.no_effect, ast.Break: _Evaluation.misplaced_break}
 _VISITS = {
     ast.Constant: _Evaluation.constant, ast.Name: _Evaluation.name, ast.Call: _Evaluation.call,
     ast.BinOp: _Evaluation.binary, ast.UnaryOp: _Evaluation.unary, ast.Tuple: _Evaluation.vector,
-    ast.Attribute: _Evaluation.component}
+    ast.Attribute: _Evaluation.component, ast.Compare: _Evaluation.comparison, ast.BoolOp: _Evaluation.logic,
+    ast.IfExp: _Evaluation.selection}

@@ -1,13 +1,14 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the expression language: every shape by name, transforms, and the mathematics of numbers and vectors.
+"""The words of the expression language: every shape by name, transforms, and the mathematics of numbers and fields.
 
-``FUNCTIONS`` and ``CONSTANTS`` are all that an expression can reach. A value is a float, a vector (3-tuple of floats)
-or a ``Shape``; a word is a Python function whose annotations say which of them it takes.
+``FUNCTIONS`` and ``CONSTANTS`` are all that an expression can reach. A word is a Python function whose annotations say
+which values it takes; what they mean is said in ``values``.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 import math
 from collections.abc import Callable
@@ -15,31 +16,37 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .shapes import SHAPES, Shape, Transformed
+from . import formula, values
+from .formula import Formula
+from .shapes import SHAPES, Field, Intersection, Shape, Transformed
+from .shapes.base import Slots
 from .shapes.operators import SetOperation
-
-Vec3 = tuple[float, float, float]
-Value = "float | Vec3"
+from .values import (
+    Condition, Live, Misuse, NeedsNumber, Scalar, Vector, absolute, choose, compute, cos, has_field, kind_of, maximum,
+    minimum, sin, spread, sqrt)
 
 REQUIRED = object()
 
-
-class Misuse(Exception):
-    """A function was called with something it does not take; says what in half a sentence, and the cure."""
-
-    def __init__(self, problem: str, cure: str):
-        super().__init__(problem)
-        self.cure = cure
+# What an argument can be, and how messages say so. Those of the first group have to be numbers, not fields.
+_WANTED = {
+    "number": "a number", "angle": "a number of degrees", "numbers": "a vector of three numbers or a number",
+    "scalar": "a number or a field", "vector": "a vector", "vector3": "a vector of three components",
+    "value": "a number, a field or a vector", "condition": "a condition such as a < b", "shape": "a shape",
+    "any": "a value"}
 
 
 class Argument(NamedTuple):
     name: str
-    kind: str  # "number", "vector", "value" (number or vector) or "shape"
+    kind: str  # a key of _WANTED
     default: Any = REQUIRED
 
 
 class Function(NamedTuple):
-    """A word of the language. ``variadic``: the last argument may be given any number of times."""
+    """A word of the language.
+
+    ``call(slots, …)`` gets the slots of the expression and one value for each argument. ``variadic``: the first argument
+    may be given any number of times. ``other`` is the word for what is not a shape, where the name serves for both.
+    """
 
     name: str
     group: str
@@ -48,34 +55,48 @@ class Function(NamedTuple):
     description: str
     variadic: bool = False
     usage: str = ""  # where the arguments do not say it well
+    other: "Function | None" = None
 
     def signature(self) -> str:
         """As in ``torus(major_radius=0.5, minor_radius=0.175)``."""
         if self.usage:
             return self.usage
         shown = [a.name if a.default is REQUIRED else f"{a.name}={show(a.default)}" for a in self.arguments]
-        return f"{self.name}({', '.join(shown)}{', …' if self.variadic else ''})"
+        return f"{self.name}({', '.join(shown[:1] + ['…'] * self.variadic + shown[1:])})"
 
-    def __call__(self, positional: list, named: dict[str, Any]):
+    def __call__(self, slots: Slots, positional: list, named: dict[str, Any]):
         """The result for the given values. Raises ``Misuse``."""
+        if self.other is not None and positional and not isinstance(positional[0], Shape):
+            return self.other(slots, positional, named)
+        repeated, arguments = [], self.arguments
         if self.variadic:
-            if named:
+            if named and len(arguments) == 1:
                 raise Misuse(f"{self.name} takes no named arguments", f"write {self.signature()}")
-            last = self.arguments[-1]
-            fixed = [self._converted(a, v) for a, v in zip(self.arguments, positional)]
-            if len(fixed) < len(self.arguments):
-                raise self._wrong_count(positional)
-            return self.call(*fixed, *(self._converted(last, v) for v in positional[len(fixed):]))
-        given = self._bound(self._gathered(positional), named)
-        return self.call(**{a.name: self._converted(a, given[a.name]) for a in self.arguments})
+            repeated, positional, arguments = self._repeated(positional)
+        positional = self._gathered(positional, arguments)
+        given = self._bound(positional, named, arguments)
+        return self.call(slots, *(self._converted(self.arguments[0], value, slots) for value in repeated),
+                         *(self._converted(a, given[a.name], slots) for a in arguments))
 
-    def _gathered(self, positional: list) -> list:
+    def _repeated(self, positional: list) -> tuple[list, list, tuple[Argument, ...]]:
+        """Values of the first argument, the values after them, and the arguments that those are for."""
+        first, rest = self.arguments[0], self.arguments[1:]
+        count = len(positional)
+        if rest:
+            numbers = [isinstance(value, float) for value in positional]
+            count = numbers.index(True) if True in numbers else count
+        if not count:
+            raise self._wrong_count(positional)
+        return [*positional[:count]], positional[count:], rest
+
+    def _gathered(self, positional: list, arguments: tuple[Argument, ...]) -> list:
         """``positional`` with three numbers in a row made one vector, where there are more values than arguments."""
-        if len(positional) <= len(self.arguments):
+        if len(positional) <= len(arguments):
             return positional
         gathered, rest = [], list(positional)
-        for argument in self.arguments:
-            if argument.kind == "vector" and len(rest) >= 3 and all(isinstance(v, float) for v in rest[:3]):
+        for argument in arguments:
+            if argument.kind in ("numbers", "vector", "vector3") and len(rest) >= 3 and all(
+                    kind_of(v) in ("number", "field") for v in rest[:3]):
                 gathered.append(tuple(rest[:3]))
                 del rest[:3]
             elif rest:
@@ -84,37 +105,45 @@ class Function(NamedTuple):
             raise self._wrong_count(positional)
         return gathered
 
-    def _bound(self, positional: list, named: dict[str, Any]) -> dict[str, Any]:
-        given = {a.name: v for a, v in zip(self.arguments, positional)}
+    def _bound(self, positional: list, named: dict[str, Any], arguments: tuple[Argument, ...]) -> dict[str, Any]:
+        given = {a.name: v for a, v in zip(arguments, positional)}
         for name, value in named.items():
-            if name not in {a.name for a in self.arguments}:
+            if name not in {a.name for a in arguments}:
                 raise Misuse(f"{self.name} has no argument {name:.40}", f"write {self.signature()}")
             if name in given:
                 raise Misuse(f"{self.name} gets {name} twice", f"write {self.signature()}")
             given[name] = value
-        for argument in self.arguments:
+        for argument in arguments:
             if argument.name not in given:
                 if argument.default is REQUIRED:
                     raise Misuse(f"{self.name} needs {argument.name}", f"write {self.signature()}")
                 given[argument.name] = argument.default
         return given
 
-    def _converted(self, argument: Argument, value):
-        if kind_of(value) == argument.kind or argument.kind == "value" and kind_of(value) in ("number", "vector"):
+    def _converted(self, argument: Argument, value, slots: Slots):
+        kind, wanted = kind_of(value), argument.kind
+        if wanted in ("number", "angle", "numbers"):
+            if has_field(value):
+                raise NeedsNumber(f"{argument.name} of {self.name} differs from point to point, but must be a number",
+                                  "give it a number, or write the field of the shape with p yourself")
+            if kind == "number":
+                return math.radians(value) if wanted == "angle" else (value,) * 3 if wanted == "numbers" else value
+            if wanted == "numbers" and kind == "vector" and len(value) == 3:
+                return value
+        elif wanted == "any" or wanted == kind or wanted == "scalar" and kind in ("number", "field") or (
+                wanted == "value" and kind in ("number", "field", "vector")):
             return value
-        if argument.kind == "vector" and isinstance(value, float):
+        elif wanted == "vector3" and kind == "vector" and len(value) == 3:
+            return value
+        elif wanted in ("vector", "vector3") and kind in ("number", "field"):
             return (value,) * 3
-        wanted = {"value": "a number or a vector", "vector": "a vector or a number"}.get(
-            argument.kind, f"a {argument.kind}")
-        raise Misuse(f"{argument.name} of {self.name} must be {wanted}, not a {kind_of(value)}",
+        elif wanted == "shape" and kind == "field":
+            return as_shape(value, slots)
+        raise Misuse(f"{argument.name} of {self.name} must be {_WANTED[wanted]}, not a {kind}",
                      f"write {self.signature()}")
 
     def _wrong_count(self, positional: list) -> Misuse:
         return Misuse(f"{self.name} does not take {len(positional)} values", f"write {self.signature()}")
-
-
-def kind_of(value) -> str:
-    return "number" if isinstance(value, float) else "vector" if isinstance(value, tuple) else "shape"
 
 
 def show(value) -> str:
@@ -126,158 +155,385 @@ CONSTANTS = {"pi": math.pi, "tau": math.tau, "e": math.e}
 
 FUNCTIONS: dict[str, Function] = {}
 
-_KINDS = {"float": "number", "Vec3": "vector", "Value": "value", "Shape": "shape"}
+_KINDS = {"float": "number", "Vec3": "numbers", "Scalar": "scalar", "Vector": "vector", "Vector3": "vector3",
+          "Value": "value", "Condition": "condition", "Shape": "shape", "Any": "any"}
 
 
-def _word(group: str):
-    """Decorator: adds a function to the language, under its name without a trailing underscore."""
+def _add(function: Function) -> None:
+    shape = FUNCTIONS.get(function.name)
+    FUNCTIONS[function.name] = function if shape is None else shape._replace(other=function)
+
+
+def _word(group: str, usage: str = ""):
+    """Decorator: adds a function to the language, under its name without a trailing underscore.
+
+    One whose first argument is ``slots`` gets those of the expression; others are computed with formulas or floats.
+    """
 
     def add(function):
         signature = inspect.signature(function)
+        named = list(signature.parameters.values())
+        raw = named[0].name == "slots"
         arguments = tuple(
             Argument(p.name, _KINDS[p.annotation], REQUIRED if p.default is p.empty else p.default)
-            for p in signature.parameters.values())
-        variadic = any(p.kind is p.VAR_POSITIONAL for p in signature.parameters.values())
-        name = function.__name__.rstrip("_")
-        FUNCTIONS[name] = Function(name, group, arguments, function, inspect.getdoc(function), variadic)
+            for p in named[raw:])
+        variadic = any(p.kind is p.VAR_POSITIONAL for p in named)
+        call = function if raw else lambda slots, *given: compute(slots, function, *given)
+        _add(Function(function.__name__.rstrip("_"), group, arguments, call, inspect.getdoc(function), variadic, usage))
         return function
 
     return add
 
 
+# -- shapes -----------------------------------------------------------------------------------------------------------
+
+
+def _shape_arguments(shape: type[Shape]) -> tuple[Argument, ...]:
+    parts = [Argument(field.name, "shape") for field in dataclasses.fields(shape) if field.metadata.get("part")]
+    numbers = []
+    for about in shape.fields():
+        kind, default = "numbers" if about.size == 3 else "number", about.default
+        if about.unit == "ANGLE" and about.size == 1:
+            kind, default = "angle", math.degrees(default)
+        numbers.append(Argument(about.name, kind, default))
+    return (*parts, *numbers)
+
+
 def _add_shape(name: str, shape: type[Shape]) -> None:
+    arguments = _shape_arguments(shape)
     if issubclass(shape, SetOperation):
-        FUNCTIONS[name] = Function(
-            name, "Combinations", (Argument("shape", "shape"),), shape, inspect.getdoc(shape), variadic=True)
+
+        def call(slots, *given):
+            count = len(given) - len(arguments)
+            return shape(*given[:count], **{a.name: v for a, v in zip(arguments, given[count:])})
+
+        _add(Function(name, "Combinations", (Argument("shape", "shape"), *arguments), call, inspect.getdoc(shape),
+                      variadic=True))
     else:
-        arguments = tuple(
-            Argument(f.name, "vector" if f.size == 3 else "number", f.default) for f in shape.fields())
-        FUNCTIONS[name] = Function(name, "Shapes", arguments, shape, inspect.getdoc(shape))
+        group = "Operators" if any(a.kind == "shape" for a in arguments) else "Shapes"
+        _add(Function(name, group, arguments, lambda slots, *given: shape(*given), inspect.getdoc(shape)))
+
+
+def as_shape(value, slots: Slots) -> Shape:
+    """A shape, or the one that a field is negative in. Raises ``Misuse`` for anything else."""
+    if isinstance(value, Shape):
+        return value
+    if isinstance(value, Formula):
+        if any(node.kind == formula.STATE for node in formula.order(value)):
+            raise NeedsNumber("a shape cannot differ from round to round of a loop of fields",
+                              "combine the fields with min and max")
+        return Field.of(value, slots.values)
+    raise Misuse(f"a {kind_of(value)} is not a shape", "give it a shape, or a field that is negative inside")
 
 
 for _name, _shape in SHAPES.items():
     _add_shape(_name, _shape)
 
 
+@_word("Fields")
+def field(slots: Slots, value: Scalar, bounds: Vec3 = math.inf):
+    """The shape that a field is negative in.
+
+    Its limits are found by themselves, unless half of the size of a box around it is given as bounds.
+    """
+    if not isinstance(value, Formula):
+        raise Misuse("this field is the same at all points", "make it of the point p, as in field(length(p) - 1)")
+    shape = as_shape(value, slots)
+    return shape if math.inf in bounds else Intersection(shape, SHAPES["box"](bounds))
+
+
+@_word("Fields", usage="distance(shape, point) or distance(a, b)")
+def distance(slots: Slots, shape: Any, point: Vector):
+    """The field of a shape at a point, also written `shape(point)`, or the distance between two points."""
+    if isinstance(shape, tuple):
+        return compute(slots, lambda a, b: _length(_subtract(a, b)), shape, point)
+    shape = as_shape(shape, slots)
+    if len(point) != 3:
+        raise Misuse("a shape has a field in space", "give it a point of three components")
+    if not has_field(point):
+        return Live(shape.distance(np.array(point)))
+    return shape.build(formula.Vector(*map(_formula, values.lifted(point, slots))), slots)
+
+
+def _formula(scalar: Scalar) -> Formula:
+    return scalar if isinstance(scalar, Formula) else formula.constant(scalar)
+
+
 # -- transforms -------------------------------------------------------------------------------------------------------
 
 
-def _transformed(shape: Shape, linear: np.ndarray, offset: Vec3 = (0.0, 0.0, 0.0)) -> Shape:
+def _transformed(shape: Shape, linear, offset=(0.0, 0.0, 0.0)) -> Shape:
     matrix = np.eye(4)
     matrix[:3, :3] = linear
     matrix[:3, 3] = offset
     return Transformed(shape, matrix)
 
 
-def _rotation(axis: np.ndarray, degrees: float) -> np.ndarray:
+def _turned(vector: Vector, axis: Vector, degrees: Scalar) -> Vector:
     """Rodrigues' formula for a unit axis, counter-clockwise as seen from its tip."""
-    angle = math.radians(degrees)
-    x, y, z = axis
-    crossed = np.array([(0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)])
-    return np.eye(3) + math.sin(angle) * crossed + (1.0 - math.cos(angle)) * crossed @ crossed
+    c, s = cos(degrees * (math.pi / 180.0)), sin(degrees * (math.pi / 180.0))
+    along = _dot(axis, vector) * (1.0 - c)
+    return tuple(v * c + w * s + a * along for v, w, a in zip(vector, _cross(axis, vector), axis))
+
+
+def _rotated(slots: Slots, what, turn: Callable, *angles):
+    """A vector turned by ``turn(vector, *angles)``, or a shape by its matrix."""
+    if isinstance(what, Shape):
+        if any(map(has_field, angles)):
+            raise NeedsNumber("a shape is turned as a whole, but the angle differs from point to point",
+                              "turn the point, as in shape(rotate_z(p, 90 * p.z))")
+        return _transformed(what, np.transpose([turn(tuple(unit), *angles) for unit in np.eye(3).tolist()]))
+    return compute(slots, turn, what, *angles)
 
 
 @_word("Transforms")
-def translate(shape: Shape, offset: Vec3):
+def translate(slots: Slots, shape: Shape, offset: Vec3):
     """The shape moved by an offset in metres."""
     return _transformed(shape, np.eye(3), offset)
 
 
 @_word("Transforms")
-def rotate(shape: Shape, degrees: Value, axis: Vec3 = (0.0, 0.0, 1.0)):
-    """The shape turned about an axis through the origin, counter-clockwise as seen from the tip of the axis.
+def rotate(slots: Slots, shape: Any, degrees: Value, axis: Vector3 = (0.0, 0.0, 1.0)):
+    """The shape, or vector, turned about an axis through the origin, counter-clockwise as seen from its tip.
 
-    With a vector of three angles: about x, then y, then z, as Blender's XYZ Euler rotation; axis is not used then.
+    With a vector of three angles: about x, then y, then z, as Blender's XYZ Euler rotation; axis is not used then. A
+    vector of two components is turned in its plane.
     """
+    if kind_of(shape) not in ("shape", "field", "vector"):
+        raise Misuse(f"rotate turns shapes and vectors, not a {kind_of(shape)}", "write rotate(shape, degrees)")
+    if isinstance(shape, Formula):
+        shape = as_shape(shape, slots)
+    if isinstance(shape, tuple) and len(shape) == 2:
+        return _rotated(slots, (*shape, 0.0), _about(2), degrees)[:2]
     if isinstance(degrees, tuple):
-        about = [_rotation(unit, angle) for unit, angle in zip(np.eye(3), degrees)]
-        return _transformed(shape, about[2] @ about[1] @ about[0])
-    norm = math.hypot(*axis)
-    if norm == 0.0:
-        raise Misuse("the axis of rotate has no direction", "give an axis other than vec3(0, 0, 0)")
-    return _transformed(shape, _rotation(np.divide(axis, norm), degrees))
+        for index, angle in enumerate(degrees):
+            shape = _rotated(slots, shape, _about(index), angle)
+        return shape
+    return _rotated(slots, shape, lambda v, a, d: _turned(v, _normalized(a), d), axis, degrees)
+
+
+def _about(index: int) -> Callable:
+    unit = tuple(np.eye(3)[index].tolist())
+    return lambda vector, degrees: _turned(vector, unit, degrees)
 
 
 @_word("Transforms")
-def scale(shape: Shape, factor: Vec3):
+def rotate_x(slots: Slots, shape: Any, degrees: Scalar):
+    """The shape, or vector, turned about the x axis."""
+    return rotate(slots, shape, degrees, (1.0, 0.0, 0.0))
+
+
+@_word("Transforms")
+def rotate_y(slots: Slots, shape: Any, degrees: Scalar):
+    """The shape, or vector, turned about the y axis."""
+    return rotate(slots, shape, degrees, (0.0, 1.0, 0.0))
+
+
+@_word("Transforms")
+def rotate_z(slots: Slots, shape: Any, degrees: Scalar):
+    """The shape, or vector, turned about the z axis."""
+    return rotate(slots, shape, degrees, (0.0, 0.0, 1.0))
+
+
+@_word("Transforms")
+def scale(slots: Slots, shape: Shape, factor: Vec3):
     """The shape stretched from the origin: one factor, or one each along x, y and z. A negative factor mirrors."""
     return _transformed(shape, np.diag(factor))
 
 
-# -- numbers and vectors ----------------------------------------------------------------------------------------------
+# -- numbers, fields and vectors --------------------------------------------------------------------------------------
+
+MATHEMATICS = "Numbers, fields and vectors"
 
 
+def _vector(slots: Slots, size: int, given: tuple) -> Vector:
+    flat = [scalar for value in given for scalar in values.components(value)]
+    for value in given:
+        if kind_of(value) not in ("number", "field", "vector"):
+            raise Misuse(f"a vector is made of numbers and fields, not of a {kind_of(value)}",
+                         f"write vec{size}({', '.join('xyz'[:size])})")
+    if len(flat) == 1:
+        flat *= size
+    if len(flat) != size:
+        raise Misuse(f"vec{size} does not take {len(flat)} components", f"write vec{size}({', '.join('xyz'[:size])})")
+    return tuple(flat)
+
+
+FUNCTIONS["vec2"] = Function(
+    "vec2", MATHEMATICS, (Argument("x", "value"),), lambda slots, *given: _vector(slots, 2, given),
+    "A vector of two components, as in `vec2(length(p.xy) - 1, p.z)`. `(x, y)` is one too.", True, "vec2(x, y)")
 FUNCTIONS["vec3"] = Function(
-    "vec3", "Numbers and vectors", (Argument("xyz", "vector"),), lambda xyz: xyz,
-    "A vector of three numbers, or of the same number three times: `vec3(1)`. `(x, y, z)` is one too.",
-    usage="vec3(x, y, z)")
+    "vec3", MATHEMATICS, (Argument("x", "value"),), lambda slots, *given: _vector(slots, 3, given),
+    "A vector of three components, made of numbers and vectors, `vec3(p.xy, 0)`, or of the same number three times, "
+    "`vec3(1)`. `(x, y, z)` is one too.", True, "vec3(x, y, z)")
 
 
-def apply(function: Callable, *values: float | Vec3) -> float | Vec3:
-    """``function`` of floats applied to numbers, and to vectors component by component."""
-    if not any(isinstance(value, tuple) for value in values):
-        return float(function(*values))
-    columns = [value if isinstance(value, tuple) else (value,) * 3 for value in values]
-    return tuple(float(function(*components)) for components in zip(*columns))
+def _spread(name: str, function: Callable, description: str, *arguments: str, variadic: bool = False) -> None:
+    """Adds a function of scalars, which works on the components of vectors one by one."""
+    _add(Function(
+        name, MATHEMATICS, tuple(Argument(a, "value") for a in arguments),
+        lambda slots, *given: spread(lambda *scalars: compute(slots, function, *scalars), *given), description,
+        variadic))
 
 
-def _componentwise(name: str, function: Callable, description: str, *arguments: str, variadic: bool = False) -> None:
-    FUNCTIONS[name] = Function(
-        name, "Numbers and vectors", tuple(Argument(a, "value") for a in arguments),
-        lambda *values, **named: apply(function, *values, *named.values()), description, variadic)
+def _fold(function: Callable) -> Callable:
+    def run(first, *others):
+        for other in others:
+            first = function(first, other)
+        return first
+
+    return run
 
 
-_componentwise("sin", math.sin, "Sine of an angle in radians.", "angle")
-_componentwise("cos", math.cos, "Cosine of an angle in radians.", "angle")
-_componentwise("tan", math.tan, "Tangent of an angle in radians.", "angle")
-_componentwise("asin", math.asin, "Angle in radians whose sine is the value.", "value")
-_componentwise("acos", math.acos, "Angle in radians whose cosine is the value.", "value")
-_componentwise("atan", math.atan, "Angle in radians whose tangent is the value.", "value")
-_componentwise("atan2", math.atan2, "Angle in radians of the point (x, y).", "y", "x")
-_componentwise("radians", math.radians, "Degrees as radians.", "degrees")
-_componentwise("degrees", math.degrees, "Radians as degrees.", "radians")
-_componentwise("sqrt", math.sqrt, "Square root.", "value")
-_componentwise("exp", math.exp, "e to the power of the value.", "value")
-_componentwise("log", math.log, "Natural logarithm.", "value")
-_componentwise("pow", math.pow, "Base to the power of the exponent, also written `base ** exponent`.",
-               "base", "exponent")
-_componentwise("abs", abs, "The value without its sign.", "value")
-_componentwise("sign", lambda a: (a > 0.0) - (a < 0.0), "−1, 0 or 1.", "value")
-_componentwise("floor", math.floor, "The next whole number below.", "value")
-_componentwise("ceil", math.ceil, "The next whole number above.", "value")
-_componentwise("fract", lambda a: a - math.floor(a), "What is left above the next whole number below.", "value")
-_componentwise("mod", lambda a, b: a - b * math.floor(a / b),
-               "Remainder with the sign of the divisor, also written `value % divisor`.", "value", "divisor")
-_componentwise("min", min, "The least value.", "value", variadic=True)
-_componentwise("max", max, "The greatest value.", "value", variadic=True)
-_componentwise("clamp", lambda a, low, high: min(max(a, low), high), "The value held between two limits.",
-               "value", "low", "high")
-_componentwise("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.",
-               "a", "b", "t")
+def _sign(a: Scalar) -> Scalar:
+    return _where(0.0 < a, 1.0, 0.0) - _where(a < 0.0, 1.0, 0.0)
 
 
-@_word("Numbers and vectors")
-def dot(a: Vec3, b: Vec3):
-    """Dot product."""
-    return math.fsum(x * y for x, y in zip(a, b))
+def _where(truth, then: Scalar, otherwise: Scalar) -> Scalar:
+    if isinstance(truth, Formula):
+        return formula.select(truth, then, otherwise)
+    return then if truth else otherwise
 
 
-@_word("Numbers and vectors")
-def cross(a: Vec3, b: Vec3):
-    """Cross product."""
-    return tuple(np.cross(a, b).tolist())
+def _clamp(a: Scalar, low: Scalar, high: Scalar) -> Scalar:
+    return minimum(maximum(a, low), high)
 
 
-@_word("Numbers and vectors")
-def length(vector: Vec3):
-    """Length of a vector."""
-    return math.hypot(*vector)
+def _smoothstep(low: Scalar, high: Scalar, a: Scalar) -> Scalar:
+    t = _clamp((a - low) / (high - low), 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
 
 
-@_word("Numbers and vectors")
-def normalize(vector: Vec3):
-    """The vector of length 1 in the same direction."""
-    norm = math.hypot(*vector)
-    if norm == 0.0:
-        raise Misuse("a vector of length 0 has no direction", "normalize another vector")
+def _round(a: Scalar) -> Scalar:
+    return values.floor(a + 0.5)
+
+
+def _mod(a: Scalar, divisor: Scalar) -> Scalar:
+    return a - divisor * values.floor(a / divisor)
+
+
+_spread("sin", sin, "Sine of an angle in radians.", "angle")
+_spread("cos", cos, "Cosine of an angle in radians.", "angle")
+_spread("tan", values.tan, "Tangent of an angle in radians.", "angle")
+_spread("asin", values.asin, "Angle in radians whose sine is the value.", "value")
+_spread("acos", values.acos, "Angle in radians whose cosine is the value.", "value")
+_spread("atan", values.atan, "Angle in radians whose tangent is the value.", "value")
+_spread("atan2", values.atan2, "Angle in radians of the point (x, y).", "y", "x")
+_spread("radians", lambda a: a * (math.pi / 180.0), "Degrees as radians.", "degrees")
+_spread("degrees", lambda a: a * (180.0 / math.pi), "Radians as degrees.", "radians")
+_spread("sqrt", sqrt, "Square root.", "value")
+_spread("exp", values.exp, "e to the power of the value.", "value")
+_spread("log", values.log, "Natural logarithm.", "value")
+_spread("pow", values.power, "Base to the power of the exponent, also written `base ** exponent`.", "base", "exponent")
+_spread("abs", absolute, "The value without its sign.", "value")
+_spread("sign", _sign, "−1, 0 or 1.", "value")
+_spread("floor", values.floor, "The next whole number below.", "value")
+_spread("ceil", lambda a: -values.floor(-a), "The next whole number above.", "value")
+_spread("round", _round, "The nearest whole number.", "value")
+_spread("fract", lambda a: a - values.floor(a), "What is left above the next whole number below.", "value")
+_spread("mod", _mod, "Remainder with the sign of the divisor, also written `value % divisor`.", "value", "divisor")
+_spread("min", _fold(minimum), "The least value.", "value", variadic=True)
+_spread("max", _fold(maximum), "The greatest value.", "value", variadic=True)
+_spread("clamp", _clamp, "The value held between two limits.", "value", "low", "high")
+_spread("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.", "a", "b", "t")
+_spread("step", lambda edge, a: _where(a < edge, 0.0, 1.0), "0 below the edge, 1 from there on.", "edge", "value")
+_spread("smoothstep", _smoothstep, "From 0 below low to 1 above high, on a smooth curve between.", "low", "high",
+        "value")
+
+
+@_word(MATHEMATICS)
+def select(slots: Slots, condition: Condition, then: Any, otherwise: Any):
+    """One value where the condition holds, another elsewhere; also written `then if condition else otherwise`.
+
+    A condition compares numbers or fields: `a < b`, `<=`, `>`, `>=`, and is put together with `and`, `or` and `not`.
+    """
+    return choose(slots, condition, then, otherwise)
+
+
+def _dot(a: Vector, b: Vector) -> Scalar:
+    if len(a) != len(b):
+        raise Misuse("vectors of two and of three components do not go together", "use one kind, as in p.xy or p")
+    return sum((x * y for x, y in zip(a[1:], b[1:])), a[0] * b[0])
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return tuple(a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3))
+
+
+def _subtract(a: Vector, b: Vector) -> Vector:
+    return spread(lambda x, y: x - y, a, b)
+
+
+def _length(vector: Vector) -> Scalar:
+    return sqrt(_dot(vector, vector))
+
+
+def _normalized(vector: Vector) -> Vector:
+    norm = _length(vector)
+    if isinstance(norm, float) and norm == 0.0:
+        raise Misuse("a vector of length 0 has no direction", "give another vector")
     return tuple(component / norm for component in vector)
+
+
+@_word(MATHEMATICS)
+def dot(a: Vector, b: Vector):
+    """Dot product."""
+    return _dot(a, b)
+
+
+@_word(MATHEMATICS)
+def cross(a: Vector3, b: Vector3):
+    """Cross product."""
+    return _cross(a, b)
+
+
+@_word(MATHEMATICS)
+def length(vector: Vector):
+    """Length of a vector."""
+    return _length(vector)
+
+
+@_word(MATHEMATICS)
+def normalize(vector: Vector):
+    """The vector of length 1 in the same direction."""
+    return _normalized(vector)
+
+
+# -- points -----------------------------------------------------------------------------------------------------------
+
+POINTS = "Folded points"
+
+
+@_word(POINTS)
+def repeat(slots: Slots, point: Value, period: Value):
+    """The point as seen from the middle of its cell, where cells of the given size fill space.
+
+    A shape there appears in every cell: `sphere(0.2)(repeat(p, 1))`. A direction with a period of 0 is left alone.
+    """
+    def cell(a: Scalar, size: Scalar) -> Scalar:
+        return a if type(size) is float and size == 0.0 else compute(slots, lambda a, b: a - b * _round(a / b), a, size)
+
+    return spread(cell, point, period)
+
+
+@_word(POINTS)
+def fold(point: Vector, normal: Vector, offset: Scalar = 0.0):
+    """The point mirrored to the side of a plane that its normal points to, if it is on the other.
+
+    The plane is offset from the origin by so many metres along the normal.
+    """
+    normal = _normalized(normal)
+    beyond = 2.0 * minimum(_dot(point, normal) - offset, 0.0)
+    return _subtract(point, tuple(beyond * n for n in normal))
+
+
+@_word(POINTS)
+def polar(point: Vector, count: Scalar):
+    """The point turned about the z axis, by whole parts of a turn, to the part around the x axis.
+
+    A shape there appears that many times around the axis: `sphere(0.2)(polar(p, 6) - (1, 0, 0))`.
+    """
+    part = math.tau / count
+    turn = part * _round(values.atan2(point[1], point[0]) / part)
+    c, s = cos(turn), sin(turn)
+    return (point[0] * c + point[1] * s, point[1] * c - point[0] * s, *point[2:])

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import sys
 
-from .expression import DEEPEST, LONGEST, MOST_PRIMITIVES
+from .expression import MOST_PRIMITIVES
 from .functions import CONSTANTS, FUNCTIONS, show
 from .shapes import SHAPES
+from .syntax import DEEPEST, LONGEST
 
 _INTRODUCTION = f"""\
 # Expressions

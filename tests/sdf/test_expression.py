@@ -8,8 +8,8 @@ import time
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import expression
-from sdf_lights.sdf.expression import Expression, ExpressionError, Slider, evaluate
+from sdf_lights.sdf import expression, syntax
+from sdf_lights.sdf.expression import Declaration, Expression, ExpressionError, evaluate
 from sdf_lights.sdf.functions import FUNCTIONS
 from sdf_lights.sdf.reference import reference_page
 from sdf_lights.sdf.shapes import SHAPES, Box, BoxFrame, Difference, Intersection, Primitive, Sphere, Torus, Transformed
@@ -86,7 +86,8 @@ def test_transforms(text, point, moved):
 def test_sliders():
     text = "a = slider(1, 0, 2)\nb = slider(0.1, 1 / 100, 3)\ntorus(1 + a, b)"
     lamp = Expression(text)
-    assert lamp.sliders == (Slider("a", 1.0, 0.0, 2.0), Slider("b", 0.1, 0.01, 3.0))
+    assert lamp.parameters == (
+        Declaration("a", "slider", 1.0, 0.0, 2.0, ""), Declaration("b", "slider", 0.1, 0.01, 3.0, ""))
     assert lamp.shape() == Torus(2.0, 0.1)
     assert lamp.shape({"b": 0.5, "unknown": 7}) == Torus(2.0, 0.5)
     assert lamp.shape({"a": 9.0, "b": 0.0}) == Torus(3.0, 0.01)  # held to the limits
@@ -113,10 +114,10 @@ MISTAKES = [
     ("sphere(-1)", 1, 1, "radius is -1", "change"),
     ("  sphere(-1)", 1, 3, "radius is -1", "change"),
     (" a = 1\n   sphere(1", 2, 10, "never closed", "missing"),
-    ("a = 1\nb = slider(a, 0, 2)\nsphere(b)", 2, 12, "cannot depend on a", "three numbers"),
+    ("a = 1\nb = slider(a, 0, 2)\nsphere(b)", 2, 12, "cannot depend on a", "name = slider"),
     ("torus(1, 2)", 1, 1, "minor radius 2 is more than the major radius 1", "make the minor radius smaller"),
     ("scale(sphere(1), 1, 0, 1)", 1, 1, "flattens", "scale other than zero"),
-    ("rotate(sphere(), 10, vec3(0))", 1, 1, "no direction", "axis"),
+    ("rotate(sphere(), 10, vec3(0))", 1, 1, "no direction", "another vector"),
     ("union()", 1, 1, "does not take 0", "union(shape, …)"),
     ("union(1)", 1, 1, "must be a shape, not a number", "union"),
     ("union(shape=sphere())", 1, 1, "no named", "union"),
@@ -135,11 +136,11 @@ MISTAKES = [
     ("pi = 3\nsphere(pi)", 1, 1, "pi already means", "another name"),
     ("sphere = 3\nsphere", 1, 1, "sphere already means", "another name"),
     ("slider = 3\nsphere(1)", 1, 1, "slider already means", "another name"),
-    ("a = 1\na(2)", 2, 1, "a value, not a function", "brackets"),
+    ("a = 1\na(2)", 2, 1, "a is a number, not a function", "brackets"),
     ("sphere(slider(1, 0, 2))", 1, 8, "stand alone", "name = slider"),
     ("a = slider(1, 0)\nsphere(a)", 1, 5, "three numbers", "name = slider"),
     ("a = slider(3, 0, 1)\nsphere(a)", 1, 5, "not between 0 and 1", "name = slider"),
-    ("a = slider(1, 0, 2)\na = slider(1, 0, 2)\nsphere(a)", 2, 5, "already is a slider", "another name"),
+    ("a = slider(1, 0, 2)\na = slider(1, 0, 2)\nsphere(a)", 2, 5, "already is a parameter", "another name"),
     ("sphere(1", 1, 7, "never closed", "missing bracket"),
     ("sphere(1))", 1, 10, "unmatched", "missing bracket"),
     ("sphere(1) sphere(2)", 1, 11, "invalid syntax", "missing"),
@@ -148,8 +149,8 @@ MISTAKES = [
     ("sphere(sqrt(-1))", 1, 8, "undefined", "other numbers"),
     ("sphere((-1) ** 0.5)", 1, 8, "undefined", "other numbers"),
     ("sphere(0 ** -1)", 1, 8, "undefined", "other numbers"),
-    ("sphere(1e999)", 1, 8, "too large", "smaller"),
-    ("box((1, 2))", 1, 5, "three numbers", "vec3"),
+    ("sphere(1e999)", 1, 8, "too large", "other numbers"),
+    ("box((1, 2))", 1, 1, "must be a vector of three numbers", "vec3"),
     ("sphere((1, 2, 3).w)", 1, 8, ".w is not part of a vector", ".x"),
     ("sphere[0]", 1, 7, "'[' means nothing", "( )"),
     ("sphere(2^3)", 1, 9, "'^' means nothing", "**"),
@@ -237,7 +238,7 @@ def test_random_words_make_a_shape_or_an_error():
             shapes += isinstance(evaluate(text), Shape)
         except ExpressionError:
             pass
-    assert shapes > 20
+    assert shapes > 10
 
 
 def test_attacks_do_not_overflow_the_small_stack_of_a_thread():
@@ -263,9 +264,9 @@ def test_attacks_do_not_overflow_the_small_stack_of_a_thread():
 def test_the_largest_expressions_that_are_allowed():
     wide = "s = sphere()\nunion(" + ", ".join("s" * expression.MOST_PRIMITIVES) + ")"
     assert evaluate(wide).size == expression.MOST_PRIMITIVES
-    assert evaluate("|".join(["sphere()"] * (expression.MOST_OPERATORS + 1))).size == expression.MOST_OPERATORS + 1
-    half = expression.DEEPEST // 2
-    deep = "sphere(" + "(" * (expression.DEEPEST - 1) + "1" + ")" * expression.DEEPEST
+    assert evaluate("|".join(["sphere()"] * (syntax.MOST_OPERATORS + 1))).size == syntax.MOST_OPERATORS + 1
+    half = syntax.DEEPEST // 2
+    deep = "sphere(" + "(" * (syntax.DEEPEST - 1) + "1" + ")" * syntax.DEEPEST
     assert evaluate(deep) == Sphere(1.0)
     nested = "union(box(), difference(sphere(), " * (half - 1) + "sphere()" + "))" * (half - 1)
     assert evaluate(nested).size == 2 * half - 1

@@ -1,0 +1,190 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What names stand for in an expression: numbers, fields, vectors of them, conditions and shapes.
+
+A *number* is a float, or a ``Live`` one if it follows a parameter of the expression. A *field* is a ``Formula``: a number
+at each point. Both are *scalars*; a vector is a tuple of two or three scalars.
+
+``compute`` is the one way from values to values. Numbers alone are computed at once. Where they meet a field, floats
+become constants of the formula, and ``Live`` numbers its parameters, so the formula stays the same one as they change.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from . import formula
+from .formula import CONDITIONS, CONSTANT, OPERATIONS, Formula
+from .shapes import Shape
+from .shapes.base import Slots
+
+
+class Misuse(Exception):
+    """Something was given what it does not take; says what in half a sentence, and the cure."""
+
+    def __init__(self, problem: str, cure: str):
+        super().__init__(problem)
+        self.cure = cure
+
+
+class NeedsNumber(Misuse):
+    """A field was given where only a number will do."""
+
+
+class Live(float):
+    """A number that changes with the parameters of the expression.
+
+    ``greatest`` is the most it can be, infinite where that is not declared. ``slot`` is its place in the formulas of the
+    expression, once it has one.
+    """
+
+    __slots__ = ("greatest", "slot")
+
+    greatest: float
+    slot: Formula | None
+
+    def __new__(cls, value: float, greatest: float = math.inf):
+        made = super().__new__(cls, value)
+        made.greatest, made.slot = greatest, None
+        return made
+
+    def formula(self, slots: Slots) -> Formula:
+        if self.slot is None:
+            self.slot = slots(float(self))
+        return self.slot
+
+
+Scalar = float | Formula
+Vector = tuple[Scalar, ...]
+
+
+class Condition(NamedTuple):
+    """``truth`` is 1.0 or 0.0 where the same holds at every point, else a formula that is a comparison."""
+
+    truth: Scalar
+
+    def formula(self, slots: Slots) -> Formula:
+        """As a comparison."""
+        if isinstance(self.truth, Formula):
+            return self.truth
+        return formula.apply("less", 0.5, self.truth.formula(slots) if isinstance(self.truth, Live) else self.truth)
+
+
+def kind_of(value) -> str:
+    """The word for a value in messages."""
+    if isinstance(value, tuple):
+        return "condition" if isinstance(value, Condition) else "vector"
+    return "number" if isinstance(value, float) else "field" if isinstance(value, Formula) else "shape"
+
+
+def components(value) -> tuple:
+    """The scalars of a scalar or vector."""
+    return value if isinstance(value, tuple) else (value,)
+
+
+def is_live(value) -> bool:
+    return isinstance(value, Live) or isinstance(value, tuple) and any(isinstance(c, Live) for c in value)
+
+
+def has_field(value) -> bool:
+    """Whether a value differs from point to point."""
+    return isinstance(value, Formula) or isinstance(value, tuple) and any(isinstance(c, Formula) for c in value)
+
+
+def _map(function: Callable, value):
+    if isinstance(value, tuple):
+        return type(value)(*map(function, value)) if isinstance(value, Condition) else tuple(map(function, value))
+    return function(value)
+
+
+def lifted(value, slots: Slots):
+    """A value with parameters of a formula in place of numbers that change."""
+    return _map(lambda scalar: scalar.formula(slots) if isinstance(scalar, Live) else scalar, value)
+
+
+def _settled(value):
+    """A value with numbers in place of formulas that turned out constant."""
+    return _map(lambda scalar: scalar.value if isinstance(scalar, Formula) and scalar.kind == CONSTANT else scalar, value)
+
+
+def live(value):
+    """A value that counts as changing with the parameters."""
+    return _map(lambda scalar: Live(scalar) if type(scalar) is float else scalar, value)
+
+
+def compute(slots: Slots, function: Callable, *values):
+    """``function`` of values; scalars in it are floats alone, or formulas and floats."""
+    if any(has_field(value) for value in values):
+        return _settled(function(*(lifted(value, slots) for value in values)))
+    result = function(*values)
+    return live(result) if any(map(is_live, values)) else result
+
+
+def spread(function: Callable, *values):
+    """``function`` of scalars applied to scalars, and to vectors component by component.
+
+    A scalar counts for each component. Raises ``Misuse`` for vectors of different length.
+    """
+    sizes = {len(value) for value in values if isinstance(value, tuple)}
+    if not sizes:
+        return function(*values)
+    if len(sizes) > 1:
+        raise Misuse("vectors of two and of three components do not go together", "use one kind, as in p.xy or p")
+    columns = [value if isinstance(value, tuple) else (value,) * max(sizes) for value in values]
+    return tuple(function(*scalars) for scalars in zip(*columns))
+
+
+# -- arithmetic of scalars: of floats, or of formulas and floats ------------------------------------------------------
+
+
+def _operation(kind: str) -> Callable:
+    meaning = OPERATIONS[kind].meaning
+
+    def run(*operands: Scalar) -> Scalar:
+        if any(isinstance(operand, Formula) for operand in operands):
+            return formula.apply(kind, *operands)
+        return float(meaning(*operands))
+
+    return run
+
+
+absolute, sqrt, sin, cos, tan, asin, acos, atan, exp, log, floor, power, atan2, minimum, maximum = map(_operation, (
+    "abs", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "floor", "power", "atan2", "minimum",
+    "maximum"))
+
+
+def less(a: Scalar, b: Scalar) -> Condition:
+    truth = a < b
+    return Condition(truth if isinstance(truth, Formula) else float(truth))
+
+
+def less_equal(a: Scalar, b: Scalar) -> Condition:
+    truth = a <= b
+    return Condition(truth if isinstance(truth, Formula) else float(truth))
+
+
+def choose(slots: Slots, condition: Condition, then, otherwise):
+    """``then`` where the condition holds, else ``otherwise``: scalars, vectors, conditions or shapes of one kind."""
+    truth = condition.truth
+    if isinstance(then, Shape) or isinstance(otherwise, Shape):
+        if isinstance(truth, Formula):
+            raise Misuse("a condition on the point cannot choose between shapes",
+                         "choose between their fields, as in select(p.x > 0, a(p), b(p))")
+        return then if truth > 0.5 else otherwise
+    if type(truth) is float:
+        return then if truth > 0.5 else otherwise
+    if isinstance(then, Condition) and isinstance(otherwise, Condition):
+        one, other = (choose(slots, c, 1.0, 0.0) for c in (then, otherwise))
+        chosen = choose(slots, condition, one, other)
+        return Condition(chosen if isinstance(chosen, float) else formula.apply("less", 0.5, chosen))
+
+    def scalar(test: Scalar, a: Scalar, b: Scalar) -> Scalar:
+        if isinstance(test, float) and not isinstance(a, Formula) and not isinstance(b, Formula):
+            return Live(a if test > 0.5 else b)
+        return _settled(formula.select(Condition(test).formula(slots), lifted(a, slots), lifted(b, slots)))
+
+    return spread(scalar, truth, then, otherwise)
