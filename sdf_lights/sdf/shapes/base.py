@@ -186,23 +186,14 @@ class Shape:
         """Whether φ is the distance at every point outside the shape, whatever it is inside."""
         return self.exactness == EXACT
 
-    def level_bounds(self, level: float, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Corners, as of ``bounds``, of a box around {x : φ(x) ≤ level}: what operators that move the surface need.
+    def growth(self, matrix: np.ndarray | None = None) -> np.ndarray:
+        """By how much ``bounds`` have to grow on each side to enclose {x : φ(x) ≤ c}, for each metre of c > 0: (3,).
 
         Infinite where nothing is known of φ outside the shape; ``operators.guarded`` helps there.
         """
-        low, high = self.bounds(matrix)
-        if level > 0.0:
-            # Points whose distance is at most the level.
-            grown = level if self.exact_outside else math.inf
-        else:
-            # A ball of radius −level/L around such a point is inside the shape.
-            grown = level / max(self.lipschitz, 1.0)
-        margin = grown * np.linalg.norm(np.eye(3) if matrix is None else matrix[:3, :3], axis=1)
-        low, high = low - margin, high + margin
-        crossed = low > high
-        low[crossed] = high[crossed] = (low[crossed] + high[crossed]) / 2.0
-        return low, high
+        if not self.exact_outside:
+            return np.full(3, math.inf)
+        return np.ones(3) if matrix is None else np.linalg.norm(matrix[:3, :3], axis=1)
 
     def relation(self) -> str:
         """What is wrong between parameters that are each within their limits: one sentence, or an empty string."""

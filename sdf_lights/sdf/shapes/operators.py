@@ -68,11 +68,8 @@ class Composite(Shape, abstract=True):
         """The nearest surface may be one that the operation removed or moved, so even of exact shapes this is a bound."""
         return BOUND if self.lipschitz <= 1.0 and all(c.exactness != NONE for c in self.children) else NONE
 
-    def level_bounds(self, level: float, matrix: np.ndarray | None = None):
-        raise NotImplementedError
-
-    def bounds(self, matrix: np.ndarray | None = None):
-        return self.level_bounds(0.0, matrix)
+    def growth(self, matrix: np.ndarray | None = None) -> np.ndarray:
+        return np.max([child.growth(matrix) for child in self.children], axis=0)
 
 
 class SetOperation(Composite, abstract=True):
@@ -149,7 +146,9 @@ class SetOperation(Composite, abstract=True):
 
     def program(self, matrix: np.ndarray | None = None) -> np.ndarray:
         programs = [child.program(matrix) for child in self.children]
-        return programs[0] if len(programs) == 1 or self.op is None else combine(self.op, programs)
+        if len(programs) == 1:
+            return programs[0]
+        return super().program(matrix) if self.op is None else combine(self.op, programs)
 
     def volume(self) -> float | None:
         return self.children[0].volume() if len(self.children) == 1 else None
@@ -175,8 +174,8 @@ class Union(SetOperation):
     def exact_outside(self):
         return all(child.exact_outside for child in self.children)
 
-    def level_bounds(self, level, matrix=None):
-        return enclosing(child.level_bounds(level, matrix) for child in self.children)
+    def bounds(self, matrix=None):
+        return enclosing(child.bounds(matrix) for child in self.children)
 
 
 @dataclass(frozen=True, init=False)
@@ -196,8 +195,8 @@ class Intersection(SetOperation):
     def bounded(self):
         return any(child.bounded for child in self.children) or bool(np.isfinite(self.bounds()).all())
 
-    def level_bounds(self, level, matrix=None):
-        return common(child.level_bounds(level, matrix) for child in self.children)
+    def bounds(self, matrix=None):
+        return common(child.bounds(matrix) for child in self.children)
 
 
 @dataclass(frozen=True, init=False)
@@ -220,8 +219,11 @@ class Difference(SetOperation):
     def bounded(self):
         return self.children[0].bounded
 
-    def level_bounds(self, level, matrix=None):
-        return self.children[0].level_bounds(level, matrix)
+    def bounds(self, matrix=None):
+        return self.children[0].bounds(matrix)
+
+    def growth(self, matrix=None):
+        return self.children[0].growth(matrix)
 
 
 @dataclass(frozen=True, init=False)
@@ -237,8 +239,8 @@ class Exclusive(SetOperation):
     def _join(self, a, b, slot, factor=1.0):
         return maximum(minimum(a, b), -maximum(a, b))
 
-    def level_bounds(self, level, matrix=None):
-        return enclosing(child.level_bounds(level, matrix) for child in self.children)
+    def bounds(self, matrix=None):
+        return enclosing(child.bounds(matrix) for child in self.children)
 
 
 class Operator(Composite, abstract=True):
@@ -339,20 +341,70 @@ class Transformed(Operator, abstract=True):
         volume = self.child.volume()
         return None if volume is None else volume * abs(float(np.linalg.det(self._array[:3, :3])))
 
-    def level_bounds(self, level, matrix=None):
-        # Divided only where it matters: a matrix that flattens the shape has bounds, too.
-        level = level / float(self._singular_values[-1]) if level else 0.0
-        return self.child.level_bounds(level, self._total(matrix))
+    def bounds(self, matrix=None):
+        return self.child.bounds(self._total(matrix))
+
+    def growth(self, matrix=None):
+        return self.child.growth(self._total(matrix)) / self._singular_values[-1]
 
     def program(self, matrix=None):
         return self.child.program(self._total(matrix))
 
 
+@dataclass(frozen=True)
+class Guarded(Operator, abstract=True):
+    """A bounded shape with a field that is at least the distance to the shape's box, so that its ``growth`` is known.
+
+    Not in ``SHAPES``: operators guard what they are given, where they have to.
+    """
+
+    child: Shape = part("Shape")
+
+    @cached_property
+    def _box(self) -> Transformed:
+        low, high = self.child.bounds()
+        place = np.eye(4)
+        place[:3, 3] = (low + high) / 2.0
+        return Transformed(Box(tuple((high - low) / 2.0)), place)
+
+    @property
+    def lipschitz(self):
+        return max(self.child.lipschitz, 1.0)
+
+    def build(self, p, slot):
+        return Intersection(self.child, self._box).build(p, slot)
+
+    def terms(self, matrix, factor):
+        return Intersection(self.child, self._box).terms(matrix, factor)
+
+    def bounds(self, matrix=None):
+        return self._box.bounds(matrix)
+
+    def growth(self, matrix=None):
+        return self._box.growth(matrix)
+
+    def program(self, matrix=None):
+        return self.child.program(matrix)
+
+    def volume(self):
+        return self.child.volume()
+
+
 def guarded(shape: Shape) -> Shape:
-    """The same set of points, with a field of which ``level_bounds`` are known: it grows outside the shape's box."""
-    low, high = shape.bounds()
-    if not shape.bounded or np.isfinite(shape.level_bounds(1.0)).all():
-        return shape
-    place = np.eye(4)
-    place[:3, 3] = (low + high) / 2.0
-    return Intersection(shape, Transformed(Box(tuple((high - low) / 2.0)), place))
+    """The same set of points, with a field of known ``growth`` if the shape is bounded."""
+    return shape if not shape.bounded or np.isfinite(shape.growth()).all() else Guarded(shape)
+
+
+def level_bounds(shape: Shape, level: float, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Corners, as of ``bounds``, of a box around {x : φ(x) ≤ level}."""
+    low, high = shape.bounds(matrix)
+    if level > 0.0:
+        margin = level * shape.growth(matrix)
+    else:
+        # A ball of radius −level / L around such a point is inside the shape.
+        least = level / shape.lipschitz
+        margin = np.full(3, least) if matrix is None else least * np.linalg.norm(matrix[:3, :3], axis=1)
+    low, high = low - margin, high + margin
+    crossed = low > high
+    low[crossed] = high[crossed] = (low[crossed] + high[crossed]) / 2.0
+    return low, high
