@@ -58,9 +58,9 @@ def number(default, description: str, *, unit: str = "LENGTH", minimum: float = 
         whole=whole))
 
 
-def part(description: str):
-    """Dataclass field of a shape that another shape is made of; comes before the numbers."""
-    return dataclasses.field(metadata=dict(part=True, description=description))
+def part(description: str, kind: str = "shape"):
+    """Dataclass field of a shape ("shape") or profile ("profile") that a shape is made of; before the numbers."""
+    return dataclasses.field(metadata=dict(part=kind, description=description))
 
 
 class Family(enum.IntEnum):
@@ -104,33 +104,11 @@ class Slots:
         return parameter(len(self.values) - 1)
 
 
-class Shape:
-    """A region of space Ω = {x : φ(x) ≤ 0}, given by a field φ that is negative inside.
+class Parametric:
+    """A field φ with a name and documented parameters: a frozen dataclass of ``number`` fields.
 
-    Immutable and compared by value. Space is the shape's own; lengths are in metres.
-
-    ``exactness`` says what |φ| is: ``"exact"``, the distance to the surface everywhere; ``"bound"``, never more than
-    that distance; ``"none"``, neither. The sign is right in all three. ``lipschitz`` is an L with
-    |φ(x) − φ(y)| ≤ L |x − y| for all x, y; it is 1 for the first two, and infinite where none is known for all of
-    space: then bounds are found box by box, from the formula. Where no bound exists at all, ``certified`` is False and
-    ``lipschitz`` is a measured one, which rays that miss a crossing may yet disprove.
-
-    A shape that is not ``bounded`` reaches to infinity: it is of use inside an intersection alone.
+    What shapes, and the profiles they are swept from, have in common.
     """
-
-    exactness = EXACT
-    lipschitz = 1.0
-    certified = True
-    bounded = True
-    children = ()  # the shapes that this one is made of
-    size = 1  # number of primitives in the shape
-    depth = 1  # number of shapes inside one another
-
-    def __init_subclass__(cls, abstract: bool = False, **options):
-        """Register the class in ``SHAPES``, unless it is abstract: not to be named by artists."""
-        super().__init_subclass__(**options)
-        if not abstract:
-            SHAPES[cls.name()] = cls
 
     def __post_init__(self):
         for field in self.fields():
@@ -164,14 +142,83 @@ class Shape:
                 found.append(Parameter(field.name, label, default=field.default, size=size, **about))
         return tuple(found)
 
-    # -- what every shape defines ---------------------------------------------------------------------------------
-
     def build(self, p: Vector, slot: Slots) -> Formula:
         """The field φ at the point p. Numbers that may change are put into ``slot(…)``, which gives their formulas.
 
         The graph must not depend on the numbers, or changing one compiles anew.
         """
         raise NotImplementedError
+
+    def relation(self) -> str:
+        """What is wrong between parameters that are each within their limits: one sentence, or an empty string."""
+        return ""
+
+    @cached_property
+    def _built(self) -> tuple[Formula, np.ndarray]:
+        slots = Slots()
+        formula = self.build(POINT, slots)
+        values = np.array(slots.values, np.float64)
+        values.flags.writeable = False
+        return formula, values
+
+    def formula(self) -> Formula:
+        """The field φ. What differs only in numbers has the very same formula, the key of compiled code."""
+        return self._built[0]
+
+    def parameters(self) -> np.ndarray:
+        """Values of the formula's slots: (slots,) float64, read-only."""
+        return self._built[1]
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """φ at points (…, 3), by the NumPy reading."""
+        return read_numpy.evaluate(self.formula(), points, self.parameters())
+
+    def check(self) -> str:
+        """What is wrong, and how to put it right: one sentence, or an empty string. Parts are not looked at."""
+        for field in self.fields():
+            value = getattr(self, field.name)
+            for component in value if field.size == 3 else (value,):
+                what = f"{self.label()}: {field.label.lower()} is {component:g}, but must be"
+                if not math.isfinite(component):
+                    return f"{what} a finite number."
+                if component < field.minimum:
+                    return f"{what} at least {field.minimum:g}."
+                if component > field.maximum:
+                    return f"{what} at most {field.maximum:g}."
+                if field.whole and component != math.floor(component):
+                    return f"{what} a whole number."
+        return self.relation()
+
+
+class Shape(Parametric):
+    """A region of space Ω = {x : φ(x) ≤ 0}, given by a field φ that is negative inside.
+
+    Immutable and compared by value. Space is the shape's own; lengths are in metres.
+
+    ``exactness`` says what |φ| is: ``"exact"``, the distance to the surface everywhere; ``"bound"``, never more than
+    that distance; ``"none"``, neither. The sign is right in all three. ``lipschitz`` is an L with
+    |φ(x) − φ(y)| ≤ L |x − y| for all x, y; it is 1 for the first two, and infinite where none is known for all of
+    space: then bounds are found box by box, from the formula. Where no bound exists at all, ``certified`` is False and
+    ``lipschitz`` is a measured one, which rays that miss a crossing may yet disprove.
+
+    A shape that is not ``bounded`` reaches to infinity: it is of use inside an intersection alone.
+    """
+
+    exactness = EXACT
+    lipschitz = 1.0
+    certified = True
+    bounded = True
+    children = ()  # the shapes that this one is made of
+    size = 1  # number of primitives in the shape
+    depth = 1  # number of shapes inside one another
+
+    def __init_subclass__(cls, abstract: bool = False, **options):
+        """Register the class in ``SHAPES``, unless it is abstract: not to be named by artists."""
+        super().__init_subclass__(**options)
+        if not abstract:
+            SHAPES[cls.name()] = cls
+
+    # -- what every shape defines ---------------------------------------------------------------------------------
 
     def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Corners (low, high) of an axis-aligned box around ``matrix`` (4 × 4, default identity) applied to the shape.
@@ -194,10 +241,6 @@ class Shape:
         if not self.exact_outside:
             return np.full(3, math.inf)
         return np.ones(3) if matrix is None else np.linalg.norm(matrix[:3, :3], axis=1)
-
-    def relation(self) -> str:
-        """What is wrong between parameters that are each within their limits: one sentence, or an empty string."""
-        return ""
 
     def volume(self) -> float | None:
         """Volume in cubic metres, or None where no closed form is known: then the emitter integrates it."""
@@ -223,51 +266,15 @@ class Shape:
 
     # -- what follows from it -------------------------------------------------------------------------------------
 
-    @cached_property
-    def _built(self) -> tuple[Formula, np.ndarray]:
-        slots = Slots()
-        formula = self.build(POINT, slots)
-        values = np.array(slots.values, np.float64)
-        values.flags.writeable = False
-        return formula, values
-
-    def formula(self) -> Formula:
-        """The field φ. Shapes that differ only in numbers have the very same formula, the key of compiled code."""
-        return self._built[0]
-
-    def parameters(self) -> np.ndarray:
-        """Values of the formula's slots: (slots,) float64, read-only."""
-        return self._built[1]
-
-    def distance(self, points: np.ndarray) -> np.ndarray:
-        """φ at points (…, 3), by the NumPy reading."""
-        return read_numpy.evaluate(self.formula(), points, self.parameters())
-
     def validate(self) -> str:
-        """What is wrong with the shape and its parts, and how to put it right: one sentence, or an empty string.
+        """As ``check``, but of the shape and all its parts.
 
         The other methods promise nothing for a shape that is not valid.
         """
         return self.check() or next(filter(None, (child.validate() for child in self.children)), "")
 
-    def check(self) -> str:
-        """As ``validate``, but of this shape alone, without its parts."""
-        for field in self.fields():
-            value = getattr(self, field.name)
-            for component in value if field.size == 3 else (value,):
-                what = f"{self.label()}: {field.label.lower()} is {component:g}, but must be"
-                if not math.isfinite(component):
-                    return f"{what} a finite number."
-                if component < field.minimum:
-                    return f"{what} at least {field.minimum:g}."
-                if component > field.maximum:
-                    return f"{what} at most {field.maximum:g}."
-                if field.whole and component != math.floor(component):
-                    return f"{what} a whole number."
-        return self.relation()
 
-
-def _coerced(shape: Shape, field: Parameter, value):
+def _coerced(owner: Parametric, field: Parameter, value):
     """``value`` as a float or a 3-tuple of floats; one number stands for three equal ones."""
     try:
         if field.size == 1:
@@ -278,4 +285,4 @@ def _coerced(shape: Shape, field: Parameter, value):
         return float(x), float(y), float(z)
     except (TypeError, ValueError, OverflowError):
         kind = "a number" if field.size == 1 else "a number or three numbers"
-        raise ShapeError(f"{shape.label()}: {field.label.lower()} must be {kind}, not {value!r:.40}.") from None
+        raise ShapeError(f"{owner.label()}: {field.label.lower()} must be {kind}, not {value!r:.40}.") from None
