@@ -2,10 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shapes and points that every reading is tried on."""
 
+import dataclasses
+import functools
+import math
+
 import numpy as np
 
-from sdf_lights.sdf.shapes import SHAPES, Box, BoxFrame, Cone, Cylinder, Difference, Intersection, Primitive, Sphere
-from sdf_lights.sdf.shapes import Torus, Transformed, Union
+from sdf_lights.sdf.shapes import SHAPES, Box, BoxFrame, Cone, Cylinder, Difference, Intersection, SetOperation, Shape
+from sdf_lights.sdf.shapes import Sphere, Torus, Transformed, Union
+from sdf_lights.sdf.shapes.balls import CutHollowSphere, CutSphere, DeathStar, Lens, SolidAngle
+from sdf_lights.sdf.shapes.polyhedra import Bipyramid, Prism, Pyramid, RegularPyramid, Rhombus, Wedge
+from sdf_lights.sdf.shapes.primitives import Frustum
+from sdf_lights.sdf.shapes.solids import CappedTorus, CrossedBars, HalfSpace, Link, PieSlice, RoundCone, RoundedBox
+from sdf_lights.sdf.shapes.solids import RoundedCylinder, Slab
 
 SHEAR = np.array([(1.0, 0.4, 0.0, 0.3), (0.0, 0.8, -0.5, -0.2), (0.2, 0.0, 1.3, 0.1), (0.0, 0.0, 0.0, 1.0)])
 MIRROR = np.diag([-1.0, 0.5, 2.0, 1.0])
@@ -19,38 +28,87 @@ def rotation() -> np.ndarray:
     return matrix
 
 
-PRIMITIVES = {name: shape() for name, shape in SHAPES.items() if issubclass(shape, Primitive)}
+PRIMITIVES = {name: shape() for name, shape in SHAPES.items() if len(dataclasses.fields(shape)) == len(shape.fields())}
+"""Every shape that numbers alone make, as it is by default."""
+
+# The other shapes of the same classes: where a formula has cases, each of them, and the ends of the limits.
+VARIATIONS = {
+    "solid angle, most of the ball": SolidAngle(0.5, 4.5), "solid angle, half of the ball": SolidAngle(0.5, math.pi),
+    "cut sphere, less than half": CutSphere(0.5, 0.3), "lens, almost a ball": Lens(0.5, 0.98),
+    "bowl, less than half": CutHollowSphere(0.5, -0.3, 0.3), "bowl, thick": CutHollowSphere(0.5, 0.45, 0.4),
+    "death star, small dent": DeathStar(0.5, 0.2, 0.4), "death star, large dent": DeathStar(0.5, 0.7, 0.35),
+    "short arc": CappedTorus(0.5, 0.2, 0.7), "half of a ring": CappedTorus(0.5, 0.5, math.pi),
+    "arc of no length": CappedTorus(0.5, 0.2, 0.0), "link without bars": Link(0.3, 0.1, 0.0),
+    "slice, most of the cake": PieSlice(0.6, 0.3, 5.5), "slice, half": PieSlice(0.6, 0.3, math.pi),
+    "rounded box, flat core": RoundedBox((0.2, 0.5, 0.7), 0.2), "rounded box, sharp": RoundedBox((0.2, 0.5, 0.7), 0.0),
+    "rounded box, a ball": RoundedBox(0.5, 0.5), "rounded disk": RoundedCylinder(0.6, 0.4, 0.2),
+    "rounded cylinder, thin core": RoundedCylinder(0.4, 1.2, 0.3), "capsule": RoundedCylinder(0.3, 1.0, 0.3),
+    "rounded cylinder, sharp": RoundedCylinder(0.3, 1.0, 0.0),
+    "flat frustum": Frustum(0.1, 0.8, 0.2), "cone upside down": Frustum(0.0, 0.5, 1.0),
+    "round cone, a ball almost": RoundCone(0.2, 0.5, 0.31), "round cone, a capsule": RoundCone(0.3, 0.3, 0.5),
+    "crossed bars, thick": CrossedBars(1.0, 0.9),
+    "prism, 3": Prism(3, 0.5, 1.5), "prism, 4": Prism(4, 0.6, 0.3), "prism, 7": Prism(7, 0.5, 0.8),
+    "prism, 64": Prism(64, 0.5, 0.2), "flat pyramid": Pyramid(0.8, 0.2), "spire": Pyramid(0.2, 1.5),
+    "pyramid, 3": RegularPyramid(3, 0.7, 0.6), "pyramid, 12": RegularPyramid(12, 0.4, 1.0),
+    "bipyramid, 3": Bipyramid(3, 0.7, 0.4), "bipyramid, 5": Bipyramid(5, 0.2, 1.4),
+    "steep rhombus": Rhombus((0.1, 0.8, 0.5)), "steep wedge": Wedge((0.1, 0.2, 0.7)),
+    "tilted half space": HalfSpace((1.0, 2.0, -3.0), 0.2), "thick frame": BoxFrame((0.4, 0.5, 0.6), 0.3)}
 
 COMPOSITES = {
     "hollow box": Difference(Box(0.8), Sphere(1.08)),
     "three": Difference(Union(Box(0.5), Cylinder(0.2, 3.0)), Torus(0.6, 0.3), Transformed(Cone(), rotation())),
-    "lens": Intersection(Transformed(Sphere(1.0), np.eye(4)), Transformed(Sphere(1.0), SHEAR)),
-    "thick frame": BoxFrame((0.4, 0.5, 0.6), 0.3),
+    "lens of two spheres": Intersection(Transformed(Sphere(1.0), np.eye(4)), Transformed(Sphere(1.0), SHEAR)),
     "one part": Union(Sphere(0.7)),
     "rotated": Transformed(Box((0.3, 0.5, 0.7)), rotation()),
     "sheared": Transformed(Torus(0.8, 0.3), SHEAR),
     "mirrored": Transformed(Cone(0.5, 1.0), MIRROR),
     "nested": Transformed(Union(Transformed(Cone(), SHEAR), Torus(), Intersection(Box(), Sphere(0.6))), MIRROR),
-}
+    "cut by what has no end": Intersection(Sphere(0.7), Slab(0.3), Transformed(HalfSpace((1.0, 1.0, 0.0), 0.1), SHEAR))}
 
-SHAPES_TO_TRY = PRIMITIVES | COMPOSITES
+SHAPES_TO_TRY = PRIMITIVES | VARIATIONS | COMPOSITES
 
 
-def points(shape, count: int = 4000, seed: int = 1) -> np.ndarray:
-    """Points (n, 3) in and around the shape, on its axes and planes of symmetry, near its surface, and far away."""
-    rng = np.random.default_rng(seed)
+def window(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (low, high) of the shape's box, or of the part near the origin of one that has no end."""
     low, high = shape.bounds()
+    return np.where(np.isfinite(low), low, -1.5), np.where(np.isfinite(high), high, 1.5)
+
+
+def crossings(shape: Shape, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """One point (n, 3) on the surface between each of the points a and b, of which one is inside the shape."""
+    a_inside = shape.distance(a) <= 0.0
+    for _ in range(48):
+        middle = (a + b) / 2
+        like_a = ((shape.distance(middle) <= 0.0) == a_inside)[:, None]
+        a, b = np.where(like_a, middle, a), np.where(like_a, b, middle)
+    return a
+
+
+@functools.cache
+def surface(shape: Shape, count: int = 2000) -> np.ndarray:
+    """At least ``count`` points on the surface: where segments between random points cross it."""
+    rng = np.random.default_rng(11)
+    low, high = window(shape)
+    center, extent = (low + high) / 2, high - low
+    found, total = [], 0
+    while total < count:
+        a, b = center + 0.75 * extent * rng.uniform(-1.0, 1.0, (2, 4 * count, 3))
+        crossing = (shape.distance(a) <= 0.0) != (shape.distance(b) <= 0.0)
+        found.append(crossings(shape, a[crossing], b[crossing]))
+        total += len(found[-1])
+    return np.concatenate(found)
+
+
+@functools.cache
+def points(shape: Shape, count: int = 3000) -> np.ndarray:
+    """Points (n, 3) in and around the shape, on its axes and planes of symmetry, on its surface, and far away."""
+    rng = np.random.default_rng(1)
+    low, high = window(shape)
     center, extent = (low + high) / 2, high - low
     near = center + extent * rng.uniform(-1.0, 1.0, (count, 3))
     lattice = center + extent * np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 9)] * 3), axis=-1).reshape(-1, 3)
-    # Half way between a point and one across the surface, repeatedly: ends at the surface.
-    inside, outside = near[shape.distance(near) <= 0.0][:300], near[shape.distance(near) > 0.0]
-    outside = outside[:len(inside)]
-    for _ in range(45):
-        middle = (inside + outside) / 2
-        is_in = (shape.distance(middle) <= 0.0)[:, None]
-        inside, outside = np.where(is_in, middle, inside), np.where(is_in, outside, middle)
     # The field must also be defined where terms vanish, and far from where they matter.
     tiny = rng.normal(size=(200, 3)) * 10.0 ** rng.uniform(-300, -3, (200, 1))
     huge = rng.normal(size=(200, 3)) * 10.0 ** rng.uniform(3, 12, (200, 1))
-    return np.concatenate([near, lattice, inside, outside, tiny, huge, np.zeros((1, 3))])
+    axes = np.concatenate([huge[:50, None] * np.eye(3), tiny[:50, None] * np.eye(3)]).reshape(-1, 3)
+    return np.concatenate([near, lattice, surface(shape)[:300], tiny, huge, axes, np.zeros((1, 3))])

@@ -4,6 +4,7 @@
 
 from .base import BOUND, EXACT, NONE, SHAPES, Family, Parameter, Shape, ShapeError, Term
 from .primitives import Box, BoxFrame, Capsule, Cone, Cylinder, Ellipsoid, Primitive, Sphere, Torus
+from . import balls, polyhedra, solids
 from .field import Field
 from .operators import Difference, Exclusive, Intersection, Operator, SetOperation, Transformed, Union
 

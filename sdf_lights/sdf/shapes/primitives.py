@@ -16,7 +16,7 @@ import numpy as np
 from ..formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from ..program import Op, combine, primitive
 from . import support
-from .base import BOUND, Shape, Slots, number
+from .base import BOUND, SMALLEST, Shape, Slots, number
 
 
 class Primitive(Shape, abstract=True):
@@ -84,9 +84,25 @@ class Ellipsoid(Primitive):
         return primitive(Op.SPHERE, stretch if matrix is None else matrix @ stretch, (1.0,))
 
 
-def _box(q: Vector) -> Formula:
-    """Signed distance to a box from q = |p| − half size."""
-    return q.maximum(0.0).length() + minimum(maximum(*q), 0.0)
+def corner(faces, edges=()) -> Formula:
+    """Signed distance to a convex corner, from coordinates along perpendicular axes.
+
+    The solid is where all of ``faces`` are negative. ``edges`` are positive beyond the ends of its faces, and nowhere
+    in the solid.
+    """
+    outside = length(*(maximum(q, 0.0) for q in (*faces, *edges)))
+    return outside + minimum(maximum(*faces), 0.0)
+
+
+def rhombus_side(x: Formula, y: Formula, half_width: float, half_height: float, slot: Slots) -> tuple[Formula, Formula]:
+    """Of a rhombus in the plane with its corners on the axes, where x and y ≥ 0: coordinates out of its side, and past
+    the ends of the side. For ``corner``, as a face and an edge."""
+    side = math.hypot(half_width, half_height)
+    sine, cosine = half_width / side, half_height / side
+    out = x * slot(cosine) + y * slot(sine) - slot(half_width * cosine)
+    along = y * slot(cosine) - x * slot(sine)
+    middle = 0.5 * (half_height * cosine - half_width * sine)
+    return out, abs(along - slot(middle)) - slot(0.5 * side)
 
 
 @dataclass(frozen=True)
@@ -98,7 +114,7 @@ class Box(Primitive):
     half_size: tuple[float, float, float] = number((0.5, 0.5, 0.5), "Half of the size along x, y and z")
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        return _box(abs(p) - slot(self.half_size))
+        return corner(abs(p) - slot(self.half_size))
 
     def volume(self) -> float:
         return 8.0 * math.prod(self.half_size)
@@ -124,9 +140,9 @@ class BoxFrame(Primitive):
         # Folded into one octant, a bar along x is a box of outer length and half_bar across, centred half_bar inwards.
         across = abs(outer + half_bar) - half_bar
         outside = minimum(
-            _box(Vector(outer.x, across.y, across.z)),
-            _box(Vector(across.x, outer.y, across.z)),
-            _box(Vector(across.x, across.y, outer.z)))
+            corner((outer.x, across.y, across.z)),
+            corner((across.x, outer.y, across.z)),
+            corner((across.x, across.y, outer.z)))
         # Inside a corner the nearest surface is not always that of the nearest bar: it is the outer faces or one of
         # the three openings, which are convex. Each of the two readings is exact on its own side of the surface.
         depth = (outer + thickness).maximum(0.0)
@@ -215,14 +231,28 @@ class Cylinder(Primitive):
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         radius, half_height = slot(self.radius), slot(self.height) * 0.5
-        side, end = length(p.x, p.y) - radius, abs(p.z) - half_height
-        return length(maximum(side, 0.0), maximum(end, 0.0)) + minimum(maximum(side, end), 0.0)
+        return corner((length(p.x, p.y) - radius, abs(p.z) - half_height))
 
     def volume(self) -> float:
         return math.pi * self.radius**2 * self.height
 
     def support(self, directions):
         return support.of_disk(directions, self.radius) + support.of_segment(directions, 0.5 * self.height)
+
+
+def _frustum(p: Vector, bottom: Formula, top: Formula | float, half_height: Formula) -> Formula:
+    """Signed distance to a frustum with the radius ``bottom`` at −half_height and ``top`` at +half_height."""
+    across, height, narrowing = length(p.x, p.y), half_height * 2.0, bottom - top
+    # In the plane through the axis: the nearest points of the slant (from the upper rim down) and of the nearer end.
+    beyond_top, below_top = across - top, p.z - half_height
+    slant = narrowing * narrowing + height * height
+    along = clamp((beyond_top * narrowing - below_top * height) / slant, 0.0, 1.0)
+    end = abs(p.z) - half_height
+    to_slant = (beyond_top - along * narrowing, below_top + along * height)
+    to_end = (maximum(across - select(p.z < 0.0, bottom, top), 0.0), end)
+    distance = sqrt(minimum(*(u * u + v * v for u, v in (to_slant, to_end))))
+    beyond_slant = beyond_top * height + below_top * narrowing
+    return select(maximum(beyond_slant, end) <= 0.0, -distance, distance)
 
 
 @dataclass(frozen=True)
@@ -235,17 +265,7 @@ class Cone(Primitive):
     height: float = number(1.0, "Length along z, from the base to the tip")
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        radius, height = slot(self.radius), slot(self.height)
-        across, above_base = length(p.x, p.y), p.z + height * 0.5
-        below_tip = p.z - height * 0.5
-        # In the plane through the axis: the nearest points of the slant (tip to rim) and of the base disk.
-        slant = radius * radius + height * height
-        along = clamp((across * radius - below_tip * height) / slant, 0.0, 1.0)
-        to_slant = (across - along * radius, below_tip + along * height)
-        to_base = (maximum(across - radius, 0.0), above_base)
-        distance = sqrt(minimum(*(u * u + v * v for u, v in (to_slant, to_base))))
-        beyond_slant = across * height + below_tip * radius
-        return select(maximum(beyond_slant, -above_base) <= 0.0, -distance, distance)
+        return _frustum(p, slot(self.radius), 0.0, slot(self.height) * 0.5)
 
     def volume(self) -> float:
         return math.pi * self.radius**2 * self.height / 3.0
@@ -253,3 +273,34 @@ class Cone(Primitive):
     def support(self, directions):
         tip = 0.5 * self.height * directions[:, 2]
         return np.maximum(tip, support.of_disk(directions, self.radius) - tip)
+
+
+@dataclass(frozen=True)
+class Frustum(Primitive):
+    """A cone along z without its tip, or a cylinder that becomes narrower or wider.
+
+    Also known as a capped cone. One of the radii may be 0: then it is a cone.
+    """
+
+    op = Op.FRUSTUM
+
+    bottom_radius: float = number(0.5, "Radius of the end at −height/2", minimum=0.0)
+    top_radius: float = number(0.25, "Radius of the end at +height/2", minimum=0.0)
+    height: float = number(1.0, "Length along z")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        return _frustum(p, slot(self.bottom_radius), slot(self.top_radius), slot(self.height) * 0.5)
+
+    def relation(self) -> str:
+        if max(self.bottom_radius, self.top_radius) < SMALLEST:
+            return f"Frustum: both radii are below {SMALLEST:g}, so nothing is left: give one end a larger radius."
+        return ""
+
+    def volume(self) -> float:
+        bottom, top = self.bottom_radius, self.top_radius
+        return math.pi / 3.0 * self.height * (bottom**2 + bottom * top + top**2)
+
+    def support(self, directions):
+        end = 0.5 * self.height * directions[:, 2]
+        return np.maximum(
+            support.of_disk(directions, self.bottom_radius) - end, support.of_disk(directions, self.top_radius) + end)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tight boxes from support functions.
 
-The support of a set along a direction d is the greatest d · x of its points x. It is the same for the convex hull, it
-takes the greater of two for a union and the sum of two for a Minkowski sum (a ball of radius r around every point, say).
+The support of a set along a direction d is the greatest d · x of its points x. That of the convex hull is the same;
+that of a union is the greater of two; that of a Minkowski sum (a ball around every point, say) is the sum of two.
 Directions are (n, 3) arrays and need not have unit length; supports are (n,).
 """
 

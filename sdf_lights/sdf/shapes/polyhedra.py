@@ -1,0 +1,475 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids with flat faces. All distances are exact.
+
+A point is first reflected in planes of symmetry until it lies in one chamber of the symmetry group. The nearest point
+of a convex solid with that symmetry lies in the same chamber, where there is little of the solid: a face, half of an
+edge, a corner. H. S. M. Coxeter, "Regular Polytopes", chapter 5, has the groups and their chambers.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..formula import Formula, Vector, clamp, length, maximum, minimum, select
+from ..program import Op, combine, primitive
+from . import support
+from .base import Slots, number
+from .cuts import half_space, placed, polyhedron
+from .primitives import Primitive, corner, rhombus_side
+
+_MOST_SIDES = 64
+_GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
+
+
+def _reflected(p: Vector, normal: tuple[float, float, float]) -> Vector:
+    """p, mirrored to the side of the plane through the origin that its unit normal points to."""
+    beyond = minimum(p.dot(Vector(*normal)), 0.0)
+    return p - Vector(*(beyond * (2.0 * component) for component in normal))
+
+
+def _sorted(p: Vector) -> Vector:
+    """The coordinates in descending order: reflections in the planes x = y, y = z and z = x."""
+    a, b, c = p
+    return Vector(maximum(a, b, c), maximum(minimum(a, b), minimum(maximum(a, b), c)), minimum(a, b, c))
+
+
+def _cyclic(points) -> np.ndarray:
+    """Points (n, 3) with their coordinates in each of the three cyclic orders."""
+    return np.concatenate([np.roll(points, shift, axis=1) for shift in range(3)])
+
+
+def _signs(*magnitudes: float) -> np.ndarray:
+    """All points whose coordinates have these magnitudes: the signs vary wherever there is something to vary."""
+    return np.array(list(itertools.product(*[(m, -m) if m else (0.0,) for m in magnitudes])))
+
+
+_OCTAHEDRON = _cyclic(_signs(1.0, 0.0, 0.0))
+_CUBE = _signs(1.0, 1.0, 1.0) / math.sqrt(3.0)
+_TETRAHEDRON = _CUBE[np.prod(_CUBE, axis=1) > 0.0]
+_ICOSAHEDRON = _cyclic(_signs(0.0, _GOLDEN, 1.0)) / math.hypot(_GOLDEN, 1.0)
+_DODECAHEDRON = np.concatenate([_CUBE, _cyclic(_signs(_GOLDEN, 0.0, 1.0 / _GOLDEN)) / math.sqrt(3.0)])
+
+
+# -- regular polyhedra ------------------------------------------------------------------------------------------------
+
+
+class Regular(Primitive, abstract=True):
+    """A polyhedron of which every corner of every face is like any other. ``radius`` is the distance of the corners.
+
+    ``corners`` are those for radius 1, ``normals`` the unit normals of the faces, and ``chamber`` the directions of the
+    centre of a face, the middle of one of its edges and an end of that edge: ``_folded`` takes points between them.
+    """
+
+    radius: float
+    corners: np.ndarray
+    normals: np.ndarray
+    chamber: tuple
+
+    def __init_subclass__(cls, **options):
+        super().__init_subclass__(**options)
+        normal, middle, end = (np.divide(v, np.linalg.norm(v)) for v in cls.chamber)
+        cls._inradius = float(end @ normal)
+        middle = middle * (end @ middle)
+        # Out of the face, towards the edge, along the edge: three directions at right angles.
+        outwards, along = middle - cls._inradius * normal, end - middle
+        cls._apothem, cls._half_edge = float(np.linalg.norm(outwards)), float(np.linalg.norm(along))
+        cls._frame = [Vector(*v.tolist()) for v in (normal, outwards / cls._apothem, along / cls._half_edge)]
+
+    def _folded(self, p: Vector) -> Vector:
+        raise NotImplementedError
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        radius, p = slot(self.radius), self._folded(p)
+        out, outwards, along = (p.dot(direction) - radius * ratio for direction, ratio in zip(
+            self._frame, (self._inradius, self._apothem, self._half_edge)))
+        return corner((out,), (outwards, along))
+
+    def volume(self) -> float:
+        sides = round(math.pi / math.atan2(self._half_edge, self._apothem))
+        face = sides * self._apothem * self._half_edge
+        return len(self.normals) * face * self._inradius / 3.0 * self.radius**3
+
+    def support(self, directions):
+        return support.of_points(directions, self.radius * self.corners)
+
+    def program(self, matrix=None):
+        return polyhedron(matrix, self.normals, self.radius * self._inradius)
+
+
+@dataclass(frozen=True)
+class Tetrahedron(Regular):
+    """A pyramid of four equal triangles.
+
+    Its corners are four of the eight corners of a cube.
+    """
+
+    corners = _TETRAHEDRON
+    normals = -_TETRAHEDRON
+    chamber = (1.0, 1.0, -1.0), (1.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+
+    radius: float = number(0.75, "Distance from the centre to the corners")
+
+    def _folded(self, p):
+        # Reflections in x = ±y, then in y = ±z; x = y is what they may undo.
+        a, b = abs(p.x + p.y), abs(p.x - p.y)
+        x, y = (a + b) * 0.5, (a - b) * 0.5
+        a, b = abs(y + p.z), abs(y - p.z)
+        y, z = (a + b) * 0.5, (a - b) * 0.5
+        return Vector(maximum(x, y), minimum(x, y), z)
+
+
+@dataclass(frozen=True)
+class Octahedron(Regular):
+    """Two square pyramids joined at their bases: eight equal triangles.
+
+    Its corners are on the axes.
+    """
+
+    corners = _OCTAHEDRON
+    normals = _CUBE
+    chamber = (1.0, 1.0, 1.0), (1.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+
+    radius: float = number(0.65, "Distance from the centre to the corners")
+
+    def _folded(self, p):
+        return _sorted(abs(p))
+
+
+class _Icosahedral(Regular, abstract=True):
+    """With the symmetry of an icosahedron: 120 chambers, of which the octants have 15 each."""
+
+    chamber = (1.0, 0.0, _GOLDEN), (_GOLDEN, 1.0 / _GOLDEN, 1.0), (_GOLDEN, 0.0, 1.0 / _GOLDEN)
+
+    def _folded(self, p):
+        # From an octant to one chamber takes five reflections: no fewer do, as a search of all sequences shows.
+        long, short = 0.5 * _GOLDEN, 0.5 / _GOLDEN
+        p = abs(p)
+        for normal in ((0.5, -long, short), (0.5, -long, -short), (0.5, long, -short), (-short, -0.5, long)):
+            p = _reflected(p, normal)
+        return Vector(p.x, abs(p.y), p.z)
+
+
+@dataclass(frozen=True)
+class Dodecahedron(_Icosahedral):
+    """A ball-like solid with twelve pentagons as faces."""
+
+    corners = _DODECAHEDRON
+    normals = _ICOSAHEDRON
+
+    radius: float = number(0.6, "Distance from the centre to the corners")
+
+
+@dataclass(frozen=True)
+class Icosahedron(_Icosahedral):
+    """A ball-like solid with twenty triangles as faces."""
+
+    corners = _ICOSAHEDRON
+    normals = _DODECAHEDRON
+    chamber = _Icosahedral.chamber[::-1]
+
+    radius: float = number(0.6, "Distance from the centre to the corners")
+
+
+@dataclass(frozen=True)
+class RhombicDodecahedron(Primitive):
+    """A solid with twelve rhombi as faces; copies of it fill space without gaps."""
+
+    radius: float = number(0.65, "Distance from the centre to the six farthest corners, which are on the axes")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        p, half = _sorted(abs(p)), math.sqrt(0.5)
+        # Of the face around (1, 1, 0), a rhombus with its diagonals along (1, −1, 0) and z.
+        out = (p.x + p.y) * half - slot(self.radius * half)
+        return corner((out,), rhombus_side((p.x - p.y) * half, p.z, self.radius * half, 0.5 * self.radius, slot))
+
+    def volume(self) -> float:
+        return 2.0 * self.radius**3
+
+    def support(self, directions):
+        return support.of_points(directions, self.radius * np.concatenate([_OCTAHEDRON, 0.5 * math.sqrt(3.0) * _CUBE]))
+
+    def program(self, matrix=None):
+        return polyhedron(matrix, _cyclic(_signs(1.0, 1.0, 0.0)), self.radius)
+
+
+# -- prisms and pyramids ----------------------------------------------------------------------------------------------
+
+
+class _Polygonal(Primitive, abstract=True):
+    """With a regular polygon across the z axis."""
+
+    radius: float
+    height: float
+    _most_sides = _MOST_SIDES
+    _first_corner = 0.0  # its angle from the x axis
+
+    def _sides(self) -> int:
+        raise NotImplementedError
+
+    def _apothem(self) -> float:
+        """Distance from the axis to the sides of the polygon."""
+        return self.radius * math.cos(math.pi / self._sides())
+
+    def _half_side(self) -> float:
+        return self.radius * math.sin(math.pi / self._sides())
+
+    def _polygon(self, z: float) -> np.ndarray:
+        """The corners, (n, 3)."""
+        angles = self._first_corner + 2.0 * math.pi / self._sides() * np.arange(self._sides())
+        return np.stack([self.radius * np.cos(angles), self.radius * np.sin(angles), np.full(len(angles), z)], axis=1)
+
+    def _normals(self) -> np.ndarray:
+        """Unit normals of the sides of the polygon, (n, 2)."""
+        angles = self._first_corner + 2.0 * math.pi / self._sides() * (np.arange(self._sides()) + 0.5)
+        return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+    def _area(self) -> float:
+        return self._sides() * self._apothem() * self._half_side()
+
+    def _folded(self, p: Vector, slot: Slots) -> tuple[Formula, Formula]:
+        """Coordinates out of the nearest side of the polygon, from the axis, and along it, from its middle, ≥ 0."""
+        sides = self._sides()
+        x, y = p.x, abs(p.y)
+        # The point is now within ``left`` sectors, of half a side each, from the x axis. A reflection in the ray that
+        # halves them takes the farther half to the nearer. Where one sector is left the mirror has no normal: the graph
+        # is to be the same for any number of sides.
+        left = sides
+        for _ in range(math.ceil(math.log2(self._most_sides))):
+            kept = (left + 1) // 2
+            angle = math.pi / sides * kept
+            normal = (math.sin(angle), -math.cos(angle)) if left > 1 else (0.0, 0.0)
+            u, v = slot(normal[0]), slot(normal[1])
+            beyond = minimum(x * u + y * v, 0.0) * 2.0
+            x, y, left = x - beyond * u, y - beyond * v, kept
+        sine, cosine = slot(math.sin(math.pi / sides)), slot(math.cos(math.pi / sides))
+        return x * cosine + y * sine, x * sine - y * cosine
+
+
+class _Prism(_Polygonal, abstract=True):
+    """A polygon with thickness."""
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        out, along = self._folded(p, slot)
+        faces = out - slot(self._apothem()), abs(p.z) - slot(0.5 * self.height)
+        return corner(faces, (along - slot(self._half_side()),))
+
+    def volume(self) -> float:
+        return self._area() * self.height
+
+    def support(self, directions):
+        return support.of_points(directions, self._polygon(0.0)) + support.of_segment(directions, 0.5 * self.height)
+
+    def program(self, matrix=None):
+        sides = np.pad(self._normals(), ((0, 0), (0, 1)))
+        normals = np.concatenate([sides, [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]])
+        return polyhedron(matrix, normals, [self._apothem()] * len(sides) + [0.5 * self.height] * 2)
+
+
+@dataclass(frozen=True)
+class Prism(_Prism):
+    """A bar along z with a regular polygon of any number of sides as its ends.
+
+    One of the corners is in the direction of x.
+    """
+
+    sides: float = number(
+        5.0, "Number of sides", unit="NONE", minimum=3.0, maximum=_MOST_SIDES, soft_maximum=12.0, whole=True)
+    radius: float = number(0.5, "Distance from the axis to the corners")
+    height: float = number(0.8, "Length along z")
+
+    def _sides(self):
+        return int(self.sides)
+
+
+@dataclass(frozen=True)
+class TriangularPrism(_Prism):
+    """A bar along z with equilateral triangles as its ends; a corner is in the direction of x."""
+
+    _most_sides = 3
+
+    radius: float = number(0.6, "Distance from the axis to the corners")
+    height: float = number(0.8, "Length along z")
+
+    def _sides(self):
+        return 3
+
+
+@dataclass(frozen=True)
+class HexagonalPrism(_Prism):
+    """A bar along z with regular hexagons as its ends; a corner is in the direction of x."""
+
+    _most_sides = 6
+
+    radius: float = number(0.5, "Distance from the axis to the corners")
+    height: float = number(0.8, "Length along z")
+
+    def _sides(self):
+        return 6
+
+
+class _Pyramidal(_Polygonal, abstract=True):
+    """With slanted faces that rise from a polygon to a tip on the z axis."""
+
+    def _slant(self, p: Vector, up: Formula, height: float, slot: Slots) -> tuple[Formula, Formula, Formula]:
+        """The signed distance to the cone of the slanted faces, the distance to a base in the polygon's plane, and what
+        is negative where the base is nearer. ``up`` is the distance above that plane, ``height`` that of the tip."""
+        apothem, half_side = self._apothem(), self._half_side()
+        out, along = self._folded(p, slot)
+        out = out - slot(apothem)
+        slant = math.hypot(apothem, height)
+        sine, cosine = slot(apothem / slant), slot(height / slant)
+        # In the plane of the face: ``climb`` up from the base, ``along`` it from the middle.
+        climb = up * cosine - out * sine
+        face = corner((out * cosine + up * sine,), rhombus_side(along, climb, half_side, slant, slot))
+        base = length(maximum(out, 0.0), maximum(along - slot(half_side), 0.0), up)
+        return face, base, climb
+
+
+class _Pyramid(_Pyramidal, abstract=True):
+    """A pyramid on a polygon at −height/2."""
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        up = p.z + slot(0.5 * self.height)
+        face, base, climb = self._slant(p, up, self.height, slot)
+        return select(minimum(climb, up) < 0.0, base, maximum(face, -up))
+
+    def volume(self) -> float:
+        return self._area() * self.height / 3.0
+
+    def support(self, directions):
+        return support.of_points(directions, [*self._polygon(-0.5 * self.height), (0.0, 0.0, 0.5 * self.height)])
+
+    def program(self, matrix=None):
+        slants = np.pad(self._normals() * self.height, ((0, 0), (0, 1)), constant_values=self._apothem())
+        offsets = [0.5 * self.height * self._apothem()] * len(slants) + [0.5 * self.height]
+        return polyhedron(matrix, [*slants, (0.0, 0.0, -1.0)], offsets)
+
+
+@dataclass(frozen=True)
+class Pyramid(_Pyramid):
+    """A pyramid along z with a square base at −height/2 and its tip at +height/2."""
+
+    _first_corner = 0.25 * math.pi
+
+    half_size: float = number(0.5, "Half of the length of the base's sides, which are along x and y")
+    height: float = number(0.8, "Length along z, from the base to the tip")
+
+    @property
+    def radius(self):
+        return math.sqrt(2.0) * self.half_size
+
+    def _sides(self):
+        return 4
+
+    def _folded(self, p, slot):
+        return maximum(abs(p.x), abs(p.y)), minimum(abs(p.x), abs(p.y))
+
+
+@dataclass(frozen=True)
+class RegularPyramid(_Pyramid):
+    """A pyramid along z with a regular polygon of any number of sides as its base.
+
+    The base is at −height/2 with a corner in the direction of x, the tip at +height/2.
+    """
+
+    sides: float = number(
+        5.0, "Number of sides of the base", unit="NONE", minimum=3.0, maximum=_MOST_SIDES, soft_maximum=12.0,
+        whole=True)
+    radius: float = number(0.6, "Distance from the axis to the corners of the base")
+    height: float = number(0.8, "Length along z, from the base to the tip")
+
+    def _sides(self):
+        return int(self.sides)
+
+
+@dataclass(frozen=True)
+class Bipyramid(_Pyramidal):
+    """Two equal pyramids joined at their bases, a regular polygon of any number of sides: a crystal along z.
+
+    One of the polygon's corners is in the direction of x.
+    """
+
+    sides: float = number(
+        6.0, "Number of sides of the polygon", unit="NONE", minimum=3.0, maximum=_MOST_SIDES, soft_maximum=12.0,
+        whole=True)
+    radius: float = number(0.4, "Distance from the axis to the corners of the polygon")
+    height: float = number(1.2, "Length along z, from tip to tip")
+
+    def _sides(self):
+        return int(self.sides)
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        face, rim, climb = self._slant(p, abs(p.z), 0.5 * self.height, slot)
+        return select(climb < 0.0, rim, face)
+
+    def volume(self) -> float:
+        return self._area() * self.height / 3.0
+
+    def support(self, directions):
+        tip = support.of_segment(directions, 0.5 * self.height)
+        return np.maximum(support.of_points(directions, self._polygon(0.0)), tip)
+
+    def program(self, matrix=None):
+        half_height, apothem = 0.5 * self.height, self._apothem()
+        slants = [(x * half_height, y * half_height, z) for x, y in self._normals() for z in (apothem, -apothem)]
+        return polyhedron(matrix, slants, half_height * apothem)
+
+
+# -- blocks -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Rhombus(Primitive):
+    """A bar along z with rhombi as its ends; the corners are in the directions of x and y."""
+
+    half_size: tuple[float, float, float] = number(
+        (0.6, 0.35, 0.2), "Half of the rhombus' diagonals along x and y, and half of the size along z")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        x, y, z = self.half_size
+        out, past = rhombus_side(abs(p.x), abs(p.y), x, y, slot)
+        return corner((out, abs(p.z) - slot(z)), (past,))
+
+    def volume(self) -> float:
+        return 4.0 * math.prod(self.half_size)
+
+    def support(self, directions):
+        x, y, z = np.abs(directions).T * np.reshape(self.half_size, (3, 1))
+        return np.maximum(x, y) + z
+
+    def program(self, matrix=None):
+        x, y, z = self.half_size
+        return polyhedron(matrix, [*_signs(y, x, 0.0), *_signs(0.0, 0.0, 1.0)], [x * y] * 4 + [z] * 2)
+
+
+@dataclass(frozen=True)
+class Wedge(Primitive):
+    """A ramp: half of a block, cut along the diagonal; it rises in the direction of x."""
+
+    half_size: tuple[float, float, float] = number((0.5, 0.4, 0.3), "Half of the size along x, y and z")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        x, y, z = self.half_size
+        # A triangle with its right angle at the origin of (u, w), extruded along y.
+        u, w = slot(x) - p.x, p.z + slot(z)
+        slope, past = rhombus_side(u, w, 2.0 * x, 2.0 * z, slot)
+        beside = length(u - clamp(u, 0.0, slot(2.0 * x)), w - clamp(w, 0.0, slot(2.0 * z)))
+        triangle = select(minimum(u, w) < 0.0, beside, maximum(corner((slope,), (past,)), -u, -w))
+        return corner((triangle, abs(p.y) - slot(y)))
+
+    def volume(self) -> float:
+        return 4.0 * math.prod(self.half_size)
+
+    def support(self, directions):
+        across, y = directions[:, [0, 2]] * self.half_size[::2], np.abs(directions[:, 1]) * self.half_size[1]
+        return (across @ np.array([(-1, -1), (1, -1), (1, 1)]).T).max(axis=1) + y
+
+    def program(self, matrix=None):
+        x, _, z = self.half_size
+        block = primitive(Op.BOX, placed(matrix), self.half_size)
+        return combine(Op.INTERSECTION, [block, half_space(matrix, (-z, 0.0, x))])
