@@ -42,7 +42,8 @@ def common(boxes) -> tuple[np.ndarray, np.ndarray]:
     return low, np.maximum(low, np.min(highs, axis=0))
 
 
-def _checked(shape: Shape, child) -> Shape:
+def checked(shape: Shape, child) -> Shape:
+    """``child``, a part of ``shape``. Raises ``ShapeError`` if it is not a shape."""
     if not isinstance(child, Shape):
         raise ShapeError(f"{shape.label()} takes shapes, not {child!r:.40}.")
     return child
@@ -94,7 +95,7 @@ class SetOperation(Composite, abstract=True):
         super().__post_init__()
         parts, depth = [], 1
         for index, child in enumerate(children):
-            absorbed = self._absorbs(index, _checked(self, child))
+            absorbed = self._absorbs(index, checked(self, child))
             parts.extend(child.children if absorbed else (child,))
             depth = max(depth, child.depth + (not absorbed))
         object.__setattr__(self, "children", tuple(parts))
@@ -107,9 +108,13 @@ class SetOperation(Composite, abstract=True):
         return type(child) is type(self) and (self.associative or index == 0) and all(
             getattr(child, field.name) == getattr(self, field.name) for field in self.fields())
 
-    def _join(self, a: Formula, b: Formula, slot: Slots, factor: float = 1.0) -> Formula:
-        """The field of two shapes with the fields a and b, ``factor`` times as large as distances."""
+    def _join(self, a: Formula, b: Formula, *numbers: Formula) -> Formula:
+        """The field of two shapes with the fields a and b; it gets the operation's own numbers."""
         raise NotImplementedError
+
+    def _numbers(self, slot: Slots, factor: float = 1.0) -> list[Formula]:
+        """The numbers, for fields ``factor`` times as large as distances."""
+        return [slot(getattr(self, field.name) * (factor if field.unit == "LENGTH" else 1.0)) for field in self.fields()]
 
     def _reach(self) -> float:
         """Where two fields differ by more, their join is one of them."""
@@ -131,11 +136,12 @@ class SetOperation(Composite, abstract=True):
         return len(self.children) == 1 and self.children[0].exact_outside
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        return self._joined(lambda a, b: self._join(a, b, slot), [shape.build(p, slot) for shape in self._operands()])
+        numbers = self._numbers(slot) if len(self.children) > 1 else ()
+        return self._joined(lambda a, b: self._join(a, b, *numbers), [o.build(p, slot) for o in self._operands()])
 
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         slots = Slots()
-        formula = self._join(POINT.x, POINT.y, slots, factor)
+        formula = self._join(POINT.x, POINT.y, *self._numbers(slots, factor))
         numbers, reach = np.array(slots.values), self._reach() * factor
 
         def join(a: list[Term], b: list[Term]) -> list[Term]:
@@ -167,7 +173,7 @@ class Union(SetOperation):
 
     children: tuple[Shape, ...] = ()
 
-    def _join(self, a, b, slot, factor=1.0):
+    def _join(self, a, b):
         return minimum(a, b)
 
     @property
@@ -188,7 +194,7 @@ class Intersection(SetOperation):
 
     children: tuple[Shape, ...] = ()
 
-    def _join(self, a, b, slot, factor=1.0):
+    def _join(self, a, b):
         return maximum(a, b)
 
     @property
@@ -208,7 +214,7 @@ class Difference(SetOperation):
 
     children: tuple[Shape, ...] = ()
 
-    def _join(self, a, b, slot, factor=1.0):
+    def _join(self, a, b):
         return maximum(a, -b)
 
     def _operands(self):
@@ -236,7 +242,7 @@ class Exclusive(SetOperation):
 
     children: tuple[Shape, ...] = ()
 
-    def _join(self, a, b, slot, factor=1.0):
+    def _join(self, a, b):
         return maximum(minimum(a, b), -maximum(a, b))
 
     def bounds(self, matrix=None):
@@ -249,7 +255,7 @@ class Operator(Composite, abstract=True):
     child: Shape
 
     def __post_init__(self):
-        _checked(self, self.child)
+        checked(self, self.child)
         super().__post_init__()
 
     @property
