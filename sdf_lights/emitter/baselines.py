@@ -20,7 +20,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..vec import add, dot, frame, madd, normalize, sub, to_world, vec
-from .lamps import direction_pdf, interior_point, lamps, sample_direction, trace
+from .lamps import direction_pdf, interior_point, lamps, new_spans, sample_direction, trace
 from .points import disk_point
 
 DIMENSIONS = 7  # a direction by the cosine (2), a point in the lamp (3), a place in the intervals of each ray (2)
@@ -167,7 +167,7 @@ def run(technique: Technique, blocks: np.ndarray, lamp: int, x, n, samples: int,
     """
     rng = np.random.default_rng(seed)
     x, n = tuple(map(float, x)), tuple(map(float, n))
-    spans = np.empty((int(blocks["lamp_rows"][0]), 2))
+    spans = new_spans(int(blocks["lamp_rows"][0]), int(blocks["lamps_count"][0]))
     total = square = seconds = 0.0
     shift, done = None, 0
     while done < samples:

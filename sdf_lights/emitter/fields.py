@@ -13,8 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..jit import call_field, kernel, table
+from ..jit import call_field, kernel, stack_array, table
+from ..sdf.formula import CONSTANT, ITERATE, PARAMETER, Formula, body, order
 from ..sdf.read_native import LANES, compiled
+from ..sdf.read_numpy import rounds
 from ..sdf.shapes.base import Term
 
 TERM = np.dtype([
@@ -31,6 +33,8 @@ NEGATED = -1  # in a list: the value on top of the stack changes its sign
 
 TABLES = {"lamp_terms": TERM, "lamp_parameters": np.dtype(np.float64), "lamp_lists": LIST}
 
+LIBRARY = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "power", "atan2"})  # a call a lane
+
 DEEPEST = 62  # values that an evaluation may hold at a time
 VALUES = 3 * LANES  # where the values are in ``stack``, after all x, all y and all z
 STACK = VALUES + DEEPEST * LANES  # float64 that ``stack`` must have: jit.stack_array(STACK), imported by that name
@@ -46,12 +50,27 @@ class CompiledField:
 
     terms: np.ndarray  # TERM
     parameters: np.ndarray  # float64
+    costs: np.ndarray  # rough ns that each term takes for LANES points: the same on every machine
     depth: int  # most values that an evaluation of all terms holds at a time
     code: tuple
 
     def all_terms(self) -> np.ndarray:
         """The list of all terms."""
         return np.arange(len(self.terms), dtype=LIST)
+
+
+def _cost(nodes: list[Formula], parameters: np.ndarray) -> float:
+    """Rough ns that nodes of a graph take for ``LANES`` points, from what they are alone."""
+    total = 0.0
+    for node in nodes:
+        if node.kind == ITERATE:
+            count = node.operands[0]
+            known = count.value if count.kind == CONSTANT else parameters[count.value] if count.kind == PARAMETER else (
+                node.value.limit)
+            total += rounds(known, node.value.limit) * _cost(body(node), parameters)
+        else:
+            total += 80.0 if node.kind in LIBRARY else 1.5
+    return total
 
 
 def compile_terms(terms: list[Term]) -> CompiledField:
@@ -67,7 +86,8 @@ def compile_terms(terms: list[Term]) -> CompiledField:
         used += len(term.parameters)
         height += 1 - term.arity
         depth = max(depth, height)
-    return CompiledField(rows, np.concatenate(parameters), depth, tuple(dict.fromkeys(code)))
+    costs = np.array([10.0 + _cost(order(term.formula), term.parameters) for term in terms])
+    return CompiledField(rows, np.concatenate(parameters), costs, depth, tuple(dict.fromkeys(code)))
 
 
 @kernel
@@ -98,3 +118,14 @@ def evaluate(block, row, first, count, stack):
     """As ``run_terms``, for the lamp ``row`` of a block: ``first`` counts from the beginning of the lamp's lists."""
     run_terms(lamp_terms(block)[row.first_term:], lamp_parameters(block), lamp_lists(block), row.first_list + first,
               count, stack)
+
+
+@kernel
+def value(block, row, first, count, p):
+    """Value of a list at a single point."""
+    stack = stack_array(STACK)
+    for k in range(3):
+        for lane in range(LANES):
+            stack[k * LANES + lane] = p[k]
+    evaluate(block, row, first, count, stack)
+    return stack[VALUES]

@@ -28,7 +28,8 @@ from ..jit import kernel, stack_array, table
 from ..sdf.program import INSTRUCTION, NoClosedForm
 from ..sdf.shapes.base import Shape
 from .fields import DEEPEST, LANES, LIST, STACK, TERM, VALUES, CompiledField, compile_terms
-from .membership import BOX, CONE, CYLINDER, FRUSTUM, HALF_SPACE, classify_primitive
+from .intervals import rows_needed
+from .membership import BOX, CONE, CYLINDER, FRUSTUM, HALF_SPACE
 from .pruning import prune_field, prune_program
 
 NODE = np.dtype([
@@ -51,6 +52,7 @@ MOST_NODES = 1 << 16
 MOST_ROWS = 1 << 21  # of all lists together
 RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the boundary are not divided below it …
 ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
+MOST_LEVELS = 60  # of nodes below one another
 KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
 
 lamp_nodes = table("lamp_nodes", NODE)
@@ -82,11 +84,12 @@ def _halve(boxes, index, axis, position, place):
 
 
 @kernel
-def _divide(nodes, boxes, used, index, axis, position):
+def _divide(nodes, boxes, levels, used, index, axis, position):
     """Give a node two children, which are yet to be filled in; returns the place of the first."""
     place = used[0]
     used[0] += 2
     _halve(boxes, index, axis, position, place)
+    levels[place] = levels[place + 1] = levels[index] + 1
     node = nodes[index]
     node.first, node.axis, node.split = place, axis, position
     for side in range(2):
@@ -127,10 +130,11 @@ def _settle(nodes, boxes, index, state, mass):
 
 
 @kernel
-def _small_enough(box, smallest, mass):
+def _small_enough(box, level, smallest, mass):
     """Whether a box on the boundary stays as it is."""
-    occupied = mass[0] + mass[1]
-    return _longest(box)[0] <= smallest and mass[0] + 0.5 * mass[1] >= ENOUGH * occupied
+    if level > MOST_LEVELS - 3:
+        return True
+    return _longest(box)[0] <= smallest and mass[0] + 0.5 * mass[1] >= ENOUGH * (mass[0] + mass[1])
 
 
 @kernel
@@ -166,10 +170,10 @@ def _eighths(box, axes, position):
 
 
 @kernel
-def grow_field(terms, parameters, gains, bounds, nodes, boxes, lists, used, mass, first, last, smallest):
+def grow_field(terms, parameters, gains, bounds, nodes, boxes, levels, lists, used, mass, first, last, smallest):
     """Divide the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
 
-    ``used`` holds the numbers of nodes and of rows of lists in use. ``bounds`` is (1 or ``last − first``, terms): see
+    ``levels`` holds the depth of each node, ``used`` the numbers of nodes and of rows of lists in use. ``bounds`` is (1 or ``last − first``, terms): see
     ``pruning.prune_field``.
     """
     stack = stack_array(STACK)
@@ -180,7 +184,7 @@ def grow_field(terms, parameters, gains, bounds, nodes, boxes, lists, used, mass
     out = np.empty((LANES, len(terms)), LIST)
     for index in range(first, last):
         node = nodes[index]
-        if node.state != BOUNDARY or node.first >= 0 or _small_enough(boxes[index], smallest, mass):
+        if node.state != BOUNDARY or node.first >= 0 or _small_enough(boxes[index], levels[index], smallest, mass):
             continue
         if used[0] + 14 > len(nodes) or used[1] + LANES * node.row_count > len(lists):
             return
@@ -199,21 +203,21 @@ def grow_field(terms, parameters, gains, bounds, nodes, boxes, lists, used, mass
             _settle(nodes, boxes, index, common, mass)
             continue
         before = index
-        half = _divide(nodes, boxes, used, index, axes[0], _middle(boxes[index], axes[0]))
+        half = _divide(nodes, boxes, levels, used, index, axes[0], _middle(boxes[index], axes[0]))
         for lane in range(0, LANES, 4):
             part = half + lane // 4
             common = _certainty(states, lane, 4)
             if common != BOUNDARY:
                 _settle(nodes, boxes, part, common, mass)
                 continue
-            quarter = _divide(nodes, boxes, used, part, axes[1], _middle(boxes[part], axes[1]))
+            quarter = _divide(nodes, boxes, levels, used, part, axes[1], _middle(boxes[part], axes[1]))
             for pair in range(lane, lane + 4, 2):
                 part = quarter + (pair - lane) // 2
                 common = _certainty(states, pair, 2)
                 if common != BOUNDARY:
                     _settle(nodes, boxes, part, common, mass)
                     continue
-                eighth = _divide(nodes, boxes, used, part, axes[2], _middle(boxes[part], axes[2]))
+                eighth = _divide(nodes, boxes, levels, used, part, axes[2], _middle(boxes[part], axes[2]))
                 for side in range(2):
                     leaf = eighth + side
                     _settle(nodes, boxes, leaf, states[pair + side], mass)
@@ -232,8 +236,10 @@ def _middle(box, axis):
 def _flat_face(program, lists, node, box):
     """Axis and position of a flat face, square to an axis, of a primitive whose surface crosses the box; axis −1: none.
 
-    Boxes cut along such faces become certain at once, where halving would close in on the face for ever.
+    Boxes cut along such faces become certain at once, where halving would close in on the face for ever. Of several
+    faces the one closest to the middle of the box is taken.
     """
+    best, best_axis, best_position = 0.5 - 1e-6, -1, 0.0
     for entry in range(node.row_first, node.row_first + node.row_count):
         if lists[entry] < 0:
             continue
@@ -247,17 +253,17 @@ def _flat_face(program, lists, node, box):
                 size = 0.0
             else:
                 size = 0.5 * row.parameters[2 if row.op == FRUSTUM else 1]
+            m = row.inverse[local]
             for axis in range(3):
-                m = row.inverse[local]
                 slope = m[axis]
                 if slope == 0.0 or m[(axis + 1) % 3] != 0.0 or m[(axis + 2) % 3] != 0.0:
                     continue
                 for sign in range(2):
                     position = ((size if sign else -size) - m[3]) / slope
-                    margin = 1e-6 * (box[3 + axis] - box[axis])
-                    if box[axis] + margin < position < box[3 + axis] - margin:
-                        return axis, position
-    return -1, 0.0
+                    aside = abs(position - _middle(box, axis)) / (box[3 + axis] - box[axis])
+                    if aside < best:
+                        best, best_axis, best_position = aside, axis, position
+    return best_axis, best_position
 
 
 @kernel
@@ -285,30 +291,31 @@ def _best_axis(program, lists, nodes, boxes, index, place, out):
 
 
 @kernel
-def grow_program(program, nodes, boxes, lists, used, mass, smallest):
+def grow_program(program, nodes, boxes, levels, lists, used, mass, smallest):
     """Divide the boxes of a program's tree in two, the largest first: along a flat face where there is one, else in the
     middle of the axis that makes the most volume certain. Arguments as of ``grow_field``."""
     out = np.empty(len(program), LIST)
     index = 0
     while index < used[0] and used[0] + 2 <= len(nodes):
-        node = nodes[index]
+        node, box = nodes[index], boxes[index]
+        parent = index
         index += 1
-        if node.state != BOUNDARY or _small_enough(boxes[index - 1], smallest, mass):
+        if node.state != BOUNDARY or _small_enough(box, levels[parent], smallest, mass):
             continue
         if used[1] + 2 * node.row_count > len(lists):
             return
-        axis, position = _flat_face(program, lists, node, boxes[index - 1])
+        axis, position = _flat_face(program, lists, node, box)
         if axis < 0:
-            axis = _best_axis(program, lists, nodes, boxes, index - 1, used[0], out)
-            position = _middle(boxes[index - 1], axis)
-        mass[1] -= _volume(boxes[index - 1])
-        place = _divide(nodes, boxes, used, index - 1, axis, position)
+            axis = _best_axis(program, lists, nodes, boxes, parent, used[0], out)
+            position = _middle(box, axis)
+        mass[1] -= _volume(box)
+        place = _divide(nodes, boxes, levels, used, parent, axis, position)
         for side in range(2):
             child = place + side
             count, inside, outside = _pruned(program, lists, node, boxes[child], out)
             _settle(nodes, boxes, child, INSIDE if inside else OUTSIDE if outside else BOUNDARY, mass)
             if nodes[child].state == BOUNDARY:
-                _store(nodes, child, index - 1, lists, used, out, count)
+                _store(nodes, child, parent, lists, used, out, count)
 
 
 @kernel
@@ -347,6 +354,39 @@ def finish(nodes, boxes, count):
     return kept
 
 
+@kernel
+def _warp(u, share):
+    """Side that u chooses, and u stretched back to the unit interval."""
+    if u < share:
+        return 0, u / share
+    return 1, (u - share) / (1.0 - share)
+
+
+@kernel
+def tree_point(nodes, low, high, u1, u2, u3):
+    """Uniform point in the boxes that are not empty, and the leaf that it is in. Low and high are the root's corners."""
+    x0, y0, z0 = low[0], low[1], low[2]
+    x1, y1, z1 = high[0], high[1], high[2]
+    index = 0
+    while nodes[index].first >= 0:
+        node = nodes[index]
+        if node.axis == 0:
+            side, u1 = _warp(u1, node.share)
+            x0, x1 = (node.split, x1) if side else (x0, node.split)
+        elif node.axis == 1:
+            side, u2 = _warp(u2, node.share)
+            y0, y1 = (node.split, y1) if side else (y0, node.split)
+        else:
+            side, u3 = _warp(u3, node.share)
+            z0, z1 = (node.split, z1) if side else (z0, node.split)
+        index = node.first + side
+    return (x0 + u1 * (x1 - x0), y0 + u2 * (y1 - y0), z0 + u3 * (z1 - z0)), index
+
+
+class TreeError(ValueError):
+    """A shape cannot have a tree: the rest of a sentence that names its lamp."""
+
+
 @dataclass(frozen=True)
 class Tree:
     """The interior tree of a shape, and what its lists refer to: a closed-form program or a field."""
@@ -358,14 +398,29 @@ class Tree:
     boxes: np.ndarray  # (nodes, 6) low and high corners
     program: np.ndarray  # INSTRUCTION, in tree space; none for a field
     field: CompiledField | None
+    certified: bool  # that the states and the bounds hold everywhere
 
     @property
     def boundary(self) -> np.ndarray:
         """Indices of the leaves on the boundary."""
         return np.flatnonzero((self.nodes["first"] < 0) & (self.nodes["state"] == BOUNDARY))
 
+    @property
+    def inside(self) -> np.ndarray:
+        """Indices of the leaves that are full."""
+        return np.flatnonzero((self.nodes["first"] < 0) & (self.nodes["state"] == INSIDE))
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, np.ndarray]:
+        """Terms and parameters of the field; none for a program."""
+        if self.field is None:
+            return np.zeros(0, TERM), np.zeros(0)
+        return self.field.terms, self.field.parameters
+
     def bounds(self, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Corners of a box, in the world, around all that is not empty; ``matrix`` takes the shape to the world."""
+        if self.nodes["mass"][0] == 0.0:
+            return self.center, self.center
         occupied = self.boxes[(self.nodes["first"] < 0) & (self.nodes["state"] != OUTSIDE)]
         middle = 0.5 * (occupied[:, :3] + occupied[:, 3:]) + self.center
         extent = 0.5 * (occupied[:, 3:] - occupied[:, :3])
@@ -376,7 +431,7 @@ class Tree:
 
 @functools.lru_cache(maxsize=KEPT)
 def tree(shape: Shape) -> Tree:
-    """The interior tree of a valid, bounded shape. Raises ``ValueError`` with the rest of a sentence that names it."""
+    """The interior tree of a valid shape whose bounding box has a finite extent along each axis. Raises ``TreeError``."""
     low, high = shape.bounds()
     center, half = 0.5 * (low + high), 0.5 * (high - low)
     matrix = np.eye(4)
@@ -386,8 +441,11 @@ def tree(shape: Shape) -> Tree:
         program = shape.program(matrix)
     except NoClosedForm:
         field = compile_terms(shape.terms(matrix, 1.0))
+    if (rows_needed(program)[1] if field is None else field.depth) > DEEPEST:
+        raise TreeError("its shape has too many parts inside one another: simplify it.")
     nodes = np.zeros(MOST_NODES, NODE)
     boxes = np.empty((MOST_NODES, 6))
+    levels = np.zeros(MOST_NODES, np.int64)
     lists = np.empty(MOST_ROWS, LIST)
     size = len(program) or len(field.terms)
     used, mass = np.array([1, size]), np.array([0.0, np.prod(2.0 * half)])
@@ -397,18 +455,18 @@ def tree(shape: Shape) -> Tree:
     lists[:size] = np.arange(size)
     smallest = RESOLUTION * 2.0 * half.max()
     if field is None:
-        grow_program(program, nodes, boxes, lists, used, mass, smallest)
+        grow_program(program, nodes, boxes, levels, lists, used, mass, smallest)
     else:
         bounds = field.terms["lipschitz"].copy()
         nodes["lipschitz"][0] = bounds[-1]
         gains = np.full(size, np.inf)
         first, last = 0, 1
         while first < last:
-            grow_field(field.terms, field.parameters, gains, bounds[None], nodes, boxes, lists, used, mass, first,
-                       last, smallest)
+            grow_field(field.terms, field.parameters, gains, bounds[None], nodes, boxes, levels, lists, used, mass,
+                       first, last, smallest)
             first, last = last, int(used[0])
     count = finish(nodes, boxes, int(used[0]))
     arrays = [nodes[:count].copy(), lists[:used[1]].copy(), boxes[:count].copy()]
     for array in arrays:
         array.flags.writeable = False
-    return Tree(center, half, arrays[0], arrays[1], arrays[2], program, field)
+    return Tree(center, half, arrays[0], arrays[1], arrays[2], program, field, shape.certified)

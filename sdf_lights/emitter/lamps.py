@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lamp as a light: the interior of a closed-form shape that glows uniformly.
+"""A lamp as a light: the interior of a shape that glows uniformly.
 
 Projection sampling (Huang, Zheng, Xu, Kitamura and Wang 2026, "Efficient Monte Carlo rendering of implicit-shaped
 volumetric emitters", equations 2, 4 and 6; as a solid angle technique already in Simon et al. 2017): a uniform point of
@@ -17,6 +17,10 @@ that a BSDF samples carry V/V̂. Under MIS the two shares w and 1 − w of the l
 is off by more than the relative error of V̂, whose bound is in ``volume_error``. (Where ρ is given as a density it is
 the other way round: what a BSDF samples is exact, and the lamp's own share carries V̂/V.)
 
+There are three kinds of lamps. A *primitive* has a closed form for everything. A *closed* shape is a program of
+primitives and set operations, whose intervals have closed forms. Of all others the *field* is traced and drawn from.
+The last two have an interior tree (``interior``).
+
 Everything the kernels store is relative to the centre of the lamp's bounding box, and rays are moved to their closest
 approach to it: the distance of the camera or of the lamp from the origin costs no digits.
 """
@@ -31,15 +35,19 @@ import numpy as np
 
 from ..jit import kernel, table
 from ..sdf.program import INSTRUCTION, NoClosedForm
-from ..vec import dot, madd, normalize, scale, sub, transform_point, vec
-from . import cells as cell_tree
-from . import volume as volume_integral
-from .cells import ATTEMPTS, CELL, cell_point
+from ..vec import dot, madd, normalize, scale, sub, transform_point, transform_vector, vec
+from . import fields, interior
+from .crossings import crossings
+from .fields import LIST
 from .hashing import following, seeded, uniform
+from .interior import INSIDE, NODE, Tree, tree_point
 from .intervals import primitive_spans, regularize, rows_needed, solve
-from .membership import DEEPEST, contains
+from .membership import contains
 from .points import primitive_point
 from .primitives import box_span
+from .volume import measure
+
+PRIMITIVE, CLOSED, FIELD = 0, 1, 2  # kinds of lamps
 
 LAMP = np.dtype([
     ("center", np.float64, (3,)),  # of the world bounding box; what follows is relative to it
@@ -50,27 +58,39 @@ LAMP = np.dtype([
     ("emission", np.float64, (3,)),  # ρ, W/(sr·m³)
     ("power", np.float64),  # W, mean of the colour channels: 4π V ρ
     ("visibility", np.int64),  # render.scene.Ray
-    ("matrix", np.float64, (3, 4)),  # space that points are drawn in -> world, relative to the centre
+    ("kind", np.int64),
+    ("matrix", np.float64, (3, 4)),  # tree space, or the space of a single primitive -> world, relative to the centre
     ("inverse", np.float64, (3, 4)),  # back
-    ("determinant", np.float64),  # |det| of matrix
-    ("primitive", np.int64),  # the Op of a lamp that is a single primitive, else −1: drawn from cells
+    ("primitive", np.int64),  # the Op of a lamp that is a single primitive
     ("parameters", np.float64, (4,)),  # of that primitive
+    ("low", np.float64, (3,)),  # corners of the root's box in tree space
+    ("high", np.float64, (3,)),
+    ("rows", np.int64),  # of spans that hold the intervals of a ray at most
     ("first_instruction", np.int64),
     ("instruction_count", np.int64),
-    ("first_cell", np.int64),
-    ("cell_count", np.int64),
+    ("first_term", np.int64),
+    ("first_node", np.int64),
+    ("node_count", np.int64),
+    ("first_list", np.int64),
 ], align=True)
 
-TABLES = {"lamps": LAMP, "lamp_instructions": INSTRUCTION, "lamp_cells": CELL}
-SCALARS = [("lamp_rows", np.int64)]  # rows that ``spans`` must have: the most that any lamp of the scene can use
+TABLES = {"lamps": LAMP, "lamp_instructions": INSTRUCTION, **interior.TABLES, **fields.TABLES}
+SCALARS = [("lamp_rows", np.int64)]  # rows of ``spans`` for intervals: the most that any lamp of the scene can use
 
-MOST_ROWS = 1 << 16  # of spans a lamp may need
+MOST_ROWS = 1 << 16  # of spans that a program may need
+FIELD_ROWS = 512  # intervals of a ray in a field lamp; what is more counts as unresolved
+DIRECT = 16  # instructions of a program that is traced as a whole, without its tree
 LEAST_ACCEPTANCE = 1.0 / 200.0  # part of the boxes of a lamp's tree that must be interior
+ATTEMPTS = 4096  # draws before giving up; the least acceptance that lamps allow makes that a chance of 1e-9
+NOTICEABLE = 1e-3  # part of a lamp's length along rays that is left open before the user is told
 SMALLEST_INTERVAL = 1e-10  # of a lamp's reach: shorter intervals and gaps are rounding, where faces coincide
+
+EMPTY = "its shape has no interior, so it gives no light: make its parts overlap."
 
 lamps = table("lamps", LAMP)
 instructions = table("lamp_instructions", INSTRUCTION)
-cells = table("lamp_cells", CELL)
+nodes = table("lamp_nodes", NODE)
+lists = table("lamp_lists", LIST)
 
 
 class LampError(ValueError):
@@ -79,11 +99,15 @@ class LampError(ValueError):
 
 @dataclass(frozen=True)
 class BuiltLamp:
-    """A lamp ready to be packed: one ``LAMP`` row, its program relative to the row's centre, and its tree of cells."""
+    """A lamp ready to be packed: its name, one ``LAMP`` row, its program, and its tree unless it is a primitive.
 
+    Compiled fields live as long as the tree: keep the lamp while kernels may run on its tables.
+    """
+
+    name: str
     row: np.ndarray
     program: np.ndarray
-    cells: np.ndarray
+    tree: Tree | None
 
 
 def build_lamp(name: str, shape, matrix: np.ndarray, power: float = 10.0, density: float | None = None,
@@ -99,45 +123,71 @@ def build_lamp(name: str, shape, matrix: np.ndarray, power: float = 10.0, densit
     color = np.asarray(color, np.float64)
     _check_placement(name, shape, matrix)
     _check_emission(name, power, density, color)
-
     low, high = shape.bounds(matrix)
-    center = 0.5 * (low + high)
-    relative = matrix.copy()
-    relative[:3, 3] -= center
+    _check_bounds(name, low, high)
     try:
-        program = shape.program(relative)
-    except NoClosedForm as error:
-        raise LampError(f"Lamp “{name}”: {str(error).rstrip('.')}: change the shape or its transform.") from None
-    rows, depth = rows_needed(program)
-    if rows > MOST_ROWS or depth > DEEPEST:
-        raise LampError(f"Lamp “{name}”: its shape has too many parts inside one another: simplify it.")
-
-    determinant = abs(float(np.linalg.det(matrix[:3, :3])))
+        tree = None if _is_primitive(shape) else interior.tree(shape)
+    except interior.TreeError as error:
+        raise LampError(f"Lamp “{name}”: {error}") from None
+    if tree is not None:
+        tight_low, tight_high = tree.bounds(matrix)
+        low, high = np.maximum(low, tight_low), np.minimum(high, tight_high)
+        _check_bounds(name, low, high)
     local_volume, error = _volume(shape)
-    volume = local_volume * determinant
+    volume = local_volume * abs(float(np.linalg.det(matrix[:3, :3])))
     if not (volume > 0.0 and math.isfinite(volume)):
-        raise LampError(f"Lamp “{name}”: its shape has no interior, so it gives no light: make its parts overlap.")
+        raise LampError(f"Lamp “{name}”: {EMPTY}")
+    if tree is not None and local_volume < LEAST_ACCEPTANCE * tree.nodes["mass"][0]:
+        raise LampError(f"Lamp “{name}”: its shape is too thin for its size to be sampled: make its parts thicker.")
 
     row = np.zeros(1, LAMP)
-    row["center"], row["half"] = center, 0.5 * (high - low)
+    row["center"], row["half"] = 0.5 * (low + high), 0.5 * (high - low)
     row["reach"] = np.linalg.norm(row["half"])
     row["volume"], row["volume_error"] = volume, error / local_volume
     row["emission"] = color * (power / (4.0 * math.pi * volume) if density is None else density)
     row["power"] = 4.0 * math.pi * volume * row["emission"].mean()
     row["visibility"] = int(visibility)
-    if len(program) == 1:
-        row["primitive"], row["parameters"] = program["op"][0], program["parameters"][0]
-        row["inverse"] = program["inverse"][0]
-        row["matrix"] = np.linalg.inv(np.vstack([program["inverse"][0], [0.0, 0.0, 0.0, 1.0]]))[:3]
-        tree = np.zeros(0, CELL)
-    else:
-        row["primitive"] = -1
-        row["matrix"], row["inverse"] = relative[:3], np.linalg.inv(relative)[:3]
-        tree = _tree(shape)
-        if local_volume < LEAST_ACCEPTANCE * tree["mass"][0]:
-            raise LampError(f"Lamp “{name}”: its shape is too thin for its size to be sampled: make its parts thicker.")
-    row["determinant"] = abs(np.linalg.det(row["matrix"][0, :, :3]))
-    return BuiltLamp(row, program, tree)
+    relative = matrix.copy()
+    relative[:3, 3] -= row["center"][0]
+    program = _place_primitive(row, shape, relative) if tree is None else _place_tree(row, tree, relative)
+    if row["rows"][0] > MOST_ROWS:
+        raise LampError(f"Lamp “{name}”: its shape has too many parts: simplify it.")
+    return BuiltLamp(name, row, program, tree)
+
+
+def _is_primitive(shape) -> bool:
+    try:
+        return len(shape.program()) == 1
+    except NoClosedForm:
+        return False
+
+
+def _place_primitive(row: np.ndarray, shape, matrix: np.ndarray) -> np.ndarray:
+    """Fill in the row of a single primitive; returns its program, in the space of the row's centre."""
+    program = shape.program(matrix)
+    row["kind"], row["primitive"], row["parameters"] = PRIMITIVE, program["op"][0], program["parameters"][0]
+    row["inverse"] = program["inverse"][0]
+    row["matrix"] = np.linalg.inv(np.vstack([program["inverse"][0], [0.0, 0.0, 0.0, 1.0]]))[:3]
+    row["rows"] = rows_needed(program)[0]
+    return program
+
+
+def _place_tree(row: np.ndarray, tree: Tree, matrix: np.ndarray) -> np.ndarray:
+    """Fill in the row of a lamp with a tree; returns its program, in tree space, which is empty for a field."""
+    matrix = matrix.copy()
+    matrix[:3, 3] += matrix[:3, :3] @ tree.center
+    row["kind"] = CLOSED if tree.field is None else FIELD
+    row["matrix"], row["inverse"] = matrix[:3], np.linalg.inv(matrix)[:3]
+    row["low"], row["high"] = -tree.half, tree.half
+    row["rows"] = rows_needed(tree.program)[0] if tree.field is None else FIELD_ROWS
+    return tree.program
+
+
+def _check_bounds(name: str, low: np.ndarray, high: np.ndarray) -> None:
+    if not np.isfinite([low, high]).all():
+        raise LampError(f"Lamp “{name}”: its shape has no limits: intersect it with a box or another shape.")
+    if not np.all(high > low):
+        raise LampError(f"Lamp “{name}”: {EMPTY}")
 
 
 def _check_placement(name: str, shape, matrix: np.ndarray) -> None:
@@ -167,39 +217,76 @@ def _volume(shape) -> tuple[float, float]:
     exact = shape.volume()
     if exact is not None:
         return exact, 0.0
-    return volume_integral.estimate(shape.program(), *shape.bounds())
-
-
-@functools.lru_cache(maxsize=256)
-def _tree(shape) -> np.ndarray:
-    """Tree of cells in the shape's own space; shared by all lamps of that shape, so not to be written to."""
-    low, high = shape.bounds()
-    tree = np.zeros(cell_tree.LIMIT, CELL)
-    count = cell_tree.build(shape.program(), tuple(low), tuple(high), _volume(shape)[0], tree)
-    tree = tree[:count].copy()
-    tree.flags.writeable = False
-    return tree
+    found = measure(interior.tree(shape))
+    return found.value, found.error
 
 
 def pack_lamps(built: list[BuiltLamp]) -> dict[str, np.ndarray]:
-    """Tables of ``TABLES`` for lamps in the order given."""
+    """Tables of ``TABLES`` for lamps in the order given. Lamps of the same shape share all but their rows."""
     rows = np.concatenate([lamp.row for lamp in built] or [np.zeros(0, LAMP)])
-    programs = [lamp.program for lamp in built]
-    trees = [lamp.cells for lamp in built]
-    for first, count, parts in (("first_instruction", "instruction_count", programs),
-                                ("first_cell", "cell_count", trees)):
-        rows[count] = [len(part) for part in parts]
-        rows[first] = np.cumsum(rows[count]) - rows[count]
-    return {
-        "lamps": rows,
-        "lamp_instructions": np.concatenate(programs or [np.zeros(0, INSTRUCTION)]),
-        "lamp_cells": np.concatenate(trees or [np.zeros(0, CELL)]),
-    }
+    parts = {name: [np.zeros(0, dtype)] for name, dtype in TABLES.items()}
+    used = dict.fromkeys(TABLES, 0)
+    places: dict[int, tuple] = {}
+
+    def append(name: str, array: np.ndarray) -> int:
+        parts[name].append(array)
+        used[name] += len(array)
+        return used[name] - len(array)
+
+    def place(tree: Tree | None, program: np.ndarray) -> tuple:
+        first_instruction = append("lamp_instructions", program)
+        if tree is None:
+            return first_instruction, len(program), 0, 0, 0, 0
+        terms, parameters = tree.arrays
+        terms = terms.copy()
+        terms["parameters"] += append("lamp_parameters", parameters)
+        return (first_instruction, len(program), append("lamp_terms", terms), append("lamp_nodes", tree.nodes),
+                len(tree.nodes), append("lamp_lists", tree.lists))
+
+    for row, lamp in zip(rows, built):
+        key = id(lamp.program if lamp.tree is None else lamp.tree)
+        if key not in places:
+            places[key] = place(lamp.tree, lamp.program)
+        for field, value in zip(("first_instruction", "instruction_count", "first_term", "first_node", "node_count",
+                                 "first_list"), places[key]):
+            row[field] = value
+    return {**{name: np.concatenate(arrays) for name, arrays in parts.items()}, "lamps": rows}
 
 
 def pack_scalars(built: list[BuiltLamp]) -> dict[str, int]:
     """Values of ``SCALARS``."""
-    return {"lamp_rows": max((rows_needed(lamp.program)[0] for lamp in built), default=1)}
+    # The walk through a tree solves programs above the intervals that it has found.
+    needed = [int(lamp.row["rows"][0]) * (1 if lamp.row["kind"][0] == FIELD else 2) for lamp in built]
+    return {"lamp_rows": max(needed, default=1)}
+
+
+def new_spans(rows: int, count: int) -> np.ndarray:
+    """Scratch for ``trace``, for one thread: ``lamp_rows`` rows of intervals, and a row of lengths for each lamp."""
+    return np.zeros((rows + count, 2))
+
+
+def doubts(built: list[BuiltLamp]) -> list[str]:
+    """A sentence for each lamp whose intervals are not certain to be all that there are."""
+    return [f"Lamp “{lamp.name}”: nothing bounds how fast its field changes, so rays may miss thin parts of it."
+            for lamp in built if lamp.tree is not None and not lamp.tree.certified]
+
+
+def unresolved(built: list[BuiltLamp], lengths: np.ndarray) -> list[str]:
+    """A sentence for each lamp of whose intervals too much was left open; ``lengths`` (lamps, 2) as ``trace`` sums them."""
+    return [f"Lamp “{lamp.name}”: {100.0 * left / (left + inside):.2g} % of its length along rays could not be resolved, "
+            "so its light is off by as much: make its thinnest parts thicker, or simplify its shape."
+            for lamp, (left, inside) in zip(built, lengths) if left > NOTICEABLE * (left + inside)]
+
+
+@kernel
+def _found_inside(block, row, q, leaf):
+    """Whether the point q, in a leaf on the boundary, is inside: by all that matters there."""
+    node = nodes(block)[row.first_node + leaf]
+    if row.kind == CLOSED:
+        program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
+        first = row.first_list + node.row_first
+        return contains(program, q, lists(block)[first:first + node.row_count])
+    return fields.value(block, row, node.row_first, node.row_count, q) <= 0.0
 
 
 @kernel
@@ -209,16 +296,14 @@ def interior_point(block, lamp, u1, u2, u3):
     A point that the tree's boxes put outside the shape is drawn again with numbers hashed from u1, u2 and u3.
     """
     row = lamps(block)[lamp]
-    if row.primitive >= 0:
+    if row.kind == PRIMITIVE:
         return transform_point(row.matrix, primitive_point(row.primitive, row.parameters, u1, u2, u3))
-    program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
-    tree = cells(block)[row.first_cell:row.first_cell + row.cell_count]
+    tree = nodes(block)[row.first_node:row.first_node + row.node_count]
     state = seeded(u1, u2, u3)
-    p = (0.0, 0.0, 0.0)
+    q = (0.0, 0.0, 0.0)
     for _ in range(ATTEMPTS):
-        q, certain = cell_point(tree, u1, u2, u3)
-        p = transform_point(row.matrix, q)
-        if certain or contains(program, p):
+        q, leaf = tree_point(tree, row.low, row.high, u1, u2, u3)
+        if tree[leaf].state == INSIDE or _found_inside(block, row, q, leaf):
             break
         state = following(state)
         u1 = uniform(state)
@@ -226,7 +311,7 @@ def interior_point(block, lamp, u1, u2, u3):
         u2 = uniform(state)
         state = following(state)
         u3 = uniform(state)
-    return p
+    return transform_point(row.matrix, q)
 
 
 @kernel
@@ -266,29 +351,48 @@ def _keep(spans, count, distance, start, end):
 
 
 @kernel
+def _trace_parts(block, row, lamp, distance, p, d, spans):
+    """As ``trace``, for a lamp with a tree. p and d are the ray in tree space; its origin is at −``distance``."""
+    half = row.high
+    start, end = box_span(p, d, half[0], half[1], half[2])
+    start = max(start, -distance)
+    if start >= end:
+        return 0
+    if row.kind == CLOSED and row.instruction_count <= DIRECT:
+        program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
+        count = solve(program, p, d, spans)
+    else:
+        count, unresolved = crossings(block, row, p, d, start, end, spans)
+        spans[block.lamp_rows + lamp, 0] += unresolved
+    if row.kind == CLOSED:
+        count = regularize(spans, count, SMALLEST_INTERVAL * row.reach)
+    kept = 0
+    for index in range(count):
+        kept = _keep(spans, kept, distance, spans[index, 0], spans[index, 1])
+    for index in range(kept):
+        spans[block.lamp_rows + lamp, 1] += 2.0 * spans[index, 1]
+    return kept
+
+
+@kernel
 def trace(block, lamp, o, d, spans):
     """Write all intervals of the ray o + t·d, t ≥ 0, to ``spans``: rows (c, h) in order. Returns their number.
 
-    ``spans`` has at least ``block.lamp_rows`` rows: no shape of the scene can need more, so nothing is ever dropped.
-    Intervals and gaps below ``SMALLEST_INTERVAL`` × reach are rounding noise of coincident faces, and removed.
+    ``spans`` is ``new_spans``: no closed-form shape of the scene can need more rows, so nothing of them is dropped.
+    Row ``block.lamp_rows + lamp`` sums two lengths along rays, of which the first counts for fields alone: what could
+    not be resolved or had no row, and what is inside the lamp. Intervals and gaps of closed-form shapes that are below
+    ``SMALLEST_INTERVAL`` × reach are rounding noise of coincident faces, and removed.
     """
     row = lamps(block)[lamp]
     distance, p = _approach(row, o, d)
     if dot(p, p) >= row.reach * row.reach or distance + row.reach <= 0.0:
         return 0
-    if row.instruction_count == 1:
+    if row.kind == PRIMITIVE:
         count, a0, b0, a1, b1 = primitive_spans(instructions(block)[row.first_instruction], p, d)
         kept = _keep(spans, 0, distance, a0, b0) if count > 0 else 0
         return _keep(spans, kept, distance, a1, b1) if count > 1 else kept
-    start, end = box_span(p, d, row.half[0], row.half[1], row.half[2])
-    if start > end or distance + end <= 0.0:
-        return 0
-    program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
-    count = regularize(spans, solve(program, p, d, spans), SMALLEST_INTERVAL * row.reach)
-    kept = 0
-    for index in range(count):
-        kept = _keep(spans, kept, distance, spans[index, 0], spans[index, 1])
-    return kept
+    return _trace_parts(
+        block, row, lamp, distance, transform_point(row.inverse, p), transform_vector(row.inverse, d), spans)
 
 
 @kernel

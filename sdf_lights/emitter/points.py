@@ -8,7 +8,7 @@ An affine map of a uniform point is uniform in the mapped shape, so one map serv
 import math
 
 from ..jit import kernel
-from .membership import BOX, CAPSULE, CYLINDER, SPHERE, TORUS
+from .membership import BOX, CAPSULE, CONE, CYLINDER, SPHERE, TORUS
 
 
 @kernel
@@ -68,11 +68,18 @@ def cylinder_point(u1, u2, u3, radius, height):
 
 
 @kernel
-def cone_point(u1, u2, u3, radius, height):
-    """Uniform point in a cone with its apex at z = +height/2."""
-    part = u1 ** (1.0 / 3.0)  # depth below the apex: the volume above grows with its cube
+def frustum_point(u1, u2, u3, bottom, top, height):
+    """Uniform point in a frustum of the radii ``bottom`` at z = −height/2 and ``top`` at +height/2.
+
+    The volume below grows with the cube of the radius; the quotient of two differences of cubes gives the height, and
+    needs no special case where the radii are equal.
+    """
+    first, last = bottom * bottom * bottom, top * top * top
+    radius = (first + u1 * (last - first)) ** (1.0 / 3.0)
+    square = bottom * bottom + bottom * radius + radius * radius
+    part = u1 * (bottom * bottom + bottom * top + top * top) / square if square > 0.0 else 0.0
     x, y = disk_point(u2, u3)
-    return (radius * part * x, radius * part * y, height * (0.5 - part))
+    return (radius * x, radius * y, height * (part - 0.5))
 
 
 @kernel
@@ -89,4 +96,6 @@ def primitive_point(op, size, u1, u2, u3):
         return capsule_point(u1, u2, u3, size[0], size[1])
     if op == CYLINDER:
         return cylinder_point(u1, u2, u3, size[0], size[1])
-    return cone_point(u1, u2, u3, size[0], size[1])
+    if op == CONE:
+        return frustum_point(u1, u2, u3, size[0], 0.0, size[1])
+    return frustum_point(u1, u2, u3, size[0], size[1], size[2])

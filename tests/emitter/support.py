@@ -23,7 +23,7 @@ class Lamps:
             fill_table(self.blocks, name, array)
         for name, value in lamps.pack_scalars(self.built).items():
             self.blocks[name] = value
-        self.spans = np.empty((int(self.blocks["lamp_rows"][0]), 2))
+        self.spans = lamps.new_spans(int(self.blocks["lamp_rows"][0]), len(built))
         self.row = self.tables["lamps"][0]
 
     def sample(self, x, u):

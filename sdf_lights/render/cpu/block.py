@@ -35,6 +35,7 @@ class PackedScene:
                     lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density, lamp.color, int(lamp.visibility)))
             except lamps.LampError as error:
                 scene.warnings.append(str(error))
+        scene.warnings += lamps.doubts(built)
         materials = shading.pack_materials(scene)
         flags = materials["materials"]["flags"]
         self._accelerator = rays.Accelerator(scene, flags & HAS_TRANSPARENCY != 0)
@@ -53,6 +54,7 @@ class PackedScene:
         # A name that no module declares, or one without its table, is a mistake of this file.
         assert tables.keys() == TABLES.keys(), tables.keys() ^ TABLES.keys()
         self._images = scene.images  # whose pixels the tables point at
+        self.lamps = built  # whose compiled fields the tables point at
         self._tables = {name: np.ascontiguousarray(array).view(TABLES[name]) for name, array in tables.items()}
         self.block = np.zeros(1, BLOCK)
         for name, array in self._tables.items():
@@ -68,7 +70,7 @@ class PackedScene:
     def release(self) -> None:
         """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""
         self._accelerator = None
-        self._tables, self._images = {}, []
+        self._tables, self._images, self.lamps = {}, [], []
         self.block[:] = 0
 
 
@@ -118,9 +120,10 @@ class Workspace:
     """Scratch memory of one thread: ``block`` is one record of tables."""
 
     def __init__(self, packed: PackedScene, aside: bool = True):
+        self._span_rows = packed.span_rows
         counts = {
-            "ray": 1, "spans": 2 * max(packed.span_rows, 1), "light_hits": packed.light_hits, **path.COUNTS,
-            **shading.WORKSPACE_COUNTS}
+            "ray": 1, "spans": 2 * (packed.span_rows + len(packed.lamps)), "light_hits": packed.light_hits,
+            **path.COUNTS, **shading.WORKSPACE_COUNTS}
         self._tables = {
             name: rays.new_rays(1) if name == "ray" else np.zeros(count, integrator.WORKSPACE_TABLES[name])
             for name, count in counts.items()}
@@ -130,3 +133,7 @@ class Workspace:
         if aside:
             self._aside = Workspace(packed, aside=False)
             fill_table(self.block, "aside", self._aside.block)
+
+    def lamp_lengths(self) -> np.ndarray:
+        """(lamps, 2) lengths that rays of this thread could not resolve in each lamp, and had inside it."""
+        return self._tables["spans"].reshape(-1, 2)[self._span_rows:]

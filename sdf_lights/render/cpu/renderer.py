@@ -9,6 +9,7 @@ import os
 import threading
 from collections.abc import Callable
 
+from ... import emitter as lamps
 from ... import jit
 from ..errors import RenderError
 from ..film import Film
@@ -25,6 +26,7 @@ class CpuRenderer:
 
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
         self._film = film
+        self._warnings = scene.warnings
         self._packed: PackedScene | None = None
         self._workspaces: list[Workspace] = []
         x0, y0, x1, y1 = film.window
@@ -105,8 +107,10 @@ class CpuRenderer:
         return not stopped
 
     def finish(self) -> None:
-        """Drop what the render no longer needs; the film keeps its own arrays."""
+        """Warn of lamps that rays could not resolve, and drop what the render no longer needs; the film stays."""
         if self.ready:
+            lengths = sum(workspace.lamp_lengths() for workspace in self._workspaces)
+            self._warnings += lamps.unresolved(self._packed.lamps, lengths)
             self._packed.release()
 
 
