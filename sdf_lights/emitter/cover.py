@@ -1,0 +1,297 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every zero of a field along a ray, by covering the ray with balls that hold none.
+
+Where a field falls at most at the rate F per unit of the ray's parameter and rises at most at the rate R, a value
+v > 0 at t certifies that there is no zero from t − v/R to t + v/F; a value below zero, the same with F and R
+exchanged. Sphere tracing (Hart 1996) uses the half of that ball which lies ahead; here both halves count, and values
+anywhere along the ray can be asked for, so eight of them at a time. A *gap* is what lies between two neighbouring
+values and is certified by neither:
+
+- no gap is left, or the field is monotonic there: there is one zero where the signs differ, and none where they agree;
+- the gap is shorter than the tolerance: the same is taken for granted, and the gap counts as unresolved;
+- else the field is evaluated within the gap, which makes two gaps of it, or three.
+
+So every two zeros that lie farther apart than the tolerance are found, if the rates are right. A single zero between
+two values is then located by the bracketing method of Chandrupatla 1997, "A new hybrid quadratic/bisection algorithm
+for finding the zero of a nonlinear function without using derivatives".
+
+``pending`` is a stack of entries: stretches of the ray between two values, with the rates there. Its size and the
+number of rounds are bounded. The tolerance grows when a ray takes many rounds, so that every stretch gets its share;
+what is then taken for granted is counted.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..jit import kernel
+from .fields import LANES, VALUES, evaluate
+
+# Columns of an entry. Of a bracket FALL and RISE are a third point and its value: rates are not needed any more.
+START, AT_START, END, AT_END, FALL, RISE, BRACKET, FIRST, SECOND, COLUMNS = range(10)
+THIRD, AT_THIRD = FALL, RISE
+
+PENDING = 256  # entries that ``pending`` holds
+PENDING_SIZE = (PENDING + LANES) * COLUMNS  # float64 that it must have: jit.stack_array(PENDING_SIZE)
+
+SIGN = 1e-300  # magnitude of a value of which only the sign is known
+LARGEST = 1e300  # magnitude of the values that are kept
+UNKNOWN = math.nan  # a value that is still to be evaluated
+
+RESOLUTION = 1e-7  # zeros closer to each other, relative to the lamp's size, may stay unresolved
+PRECISION = 1e-12  # of a zero, relative to the lamp's size
+STEEP = 0.1  # part of its greatest rate at which a field between two values is taken for a straight line
+PATIENCE = 32  # rounds, and eight more for each entry at the start, before the tolerance grows …
+GROWTH = 1.25  # … by this factor a round
+LAST = 200  # rounds after which what is left is counted as it is
+
+
+@kernel
+def signed(value):
+    """A value as the cover keeps it: neither zero nor infinite, and NaN outside but certifying nothing."""
+    if value > 0.0:
+        return min(max(value, SIGN), LARGEST)
+    if value <= 0.0:
+        return max(min(value, -SIGN), -LARGEST)
+    return SIGN
+
+
+@kernel
+def add(pending, used, start, at_start, end, at_end, fall, rise):
+    """Append a stretch of the ray to ``pending``; returns the new number of entries, at most ``PENDING``.
+
+    ``at_end`` may be ``UNKNOWN``, and so may ``at_start`` where the entry before ends at ``start``.
+    """
+    place = used * COLUMNS
+    pending[place + START], pending[place + AT_START] = start, at_start
+    pending[place + END], pending[place + AT_END] = end, at_end
+    pending[place + FALL], pending[place + RISE], pending[place + BRACKET] = fall, rise, 0.0
+    return used + 1
+
+
+@kernel
+def insert(spans, limit, count, t):
+    """Insert t into the sorted numbers in the first ``limit`` rows of ``spans``; returns how many there have been.
+
+    Of more than fit the greatest are dropped.
+    """
+    place = min(count, 2 * limit)
+    while place > 0 and spans[(place - 1) >> 1, (place - 1) & 1] > t:
+        if place < 2 * limit:
+            spans[place >> 1, place & 1] = spans[(place - 1) >> 1, (place - 1) & 1]
+        place -= 1
+    if place < 2 * limit:
+        spans[place >> 1, place & 1] = t
+    return count + 1
+
+
+@kernel
+def _ask(stack, lane, o, d, t):
+    stack[lane] = o[0] + t * d[0]
+    stack[LANES + lane] = o[1] + t * d[1]
+    stack[2 * LANES + lane] = o[2] + t * d[2]
+
+
+@kernel
+def _gap(start, at_start, end, at_end, fall, rise):
+    """Ends of the part of a stretch that the values at its own ends do not certify; in reverse order if there is none."""
+    low = start + (at_start / fall if at_start > 0.0 else -at_start / rise)
+    high = end - (at_end / rise if at_end > 0.0 else -at_end / fall)
+    return low, high
+
+
+@kernel
+def _settle(pending, used, start, at_start, end, at_end, fall, rise, tolerance, precision, spans, limit, found):
+    """Append a stretch unless it is settled. Returns (entries, zeros found so far, length left unresolved)."""
+    differ = (at_start > 0.0) != (at_end > 0.0)
+    low, high = _gap(start, at_start, end, at_end, fall, rise)
+    if not differ and (low >= high or fall <= 0.0 or rise <= 0.0):
+        return used, found, 0.0
+    certain = differ and (rise if at_start > 0.0 else fall) <= 0.0
+    unresolved = 0.0 if certain else max(high - low, 0.0)
+    full = used >= PENDING - LANES
+    if not (certain or unresolved <= tolerance or full):
+        return add(pending, used, start, at_start, end, at_end, fall, rise), found, 0.0
+    if differ:
+        if end - start <= precision or full:
+            found = insert(spans, limit, found, 0.5 * (start + end))
+        else:
+            used = add(pending, used, start, at_start, end, at_end, UNKNOWN, UNKNOWN)
+            pending[(used - 1) * COLUMNS + BRACKET] = 1.0
+    return used, found, unresolved
+
+
+@kernel
+def _joints(block, row, first, count, o, d, pending, used, stack):
+    """Evaluate what is unknown at the ends of entries. Returns the number of evaluations."""
+    evaluations, entry = 0, 0
+    while entry < used:
+        lanes, begin = 0, entry
+        while entry < used and lanes < LANES:
+            if math.isnan(pending[entry * COLUMNS + AT_END]):
+                _ask(stack, lanes, o, d, pending[entry * COLUMNS + END])
+                lanes += 1
+            entry += 1
+        if lanes > 0:
+            evaluate(block, row, first, count, stack)
+            evaluations += lanes
+            lane = 0
+            for asked in range(begin, entry):
+                if math.isnan(pending[asked * COLUMNS + AT_END]):
+                    pending[asked * COLUMNS + AT_END] = signed(stack[VALUES + lane])
+                    lane += 1
+    for entry in range(1, used):
+        place = entry * COLUMNS
+        if math.isnan(pending[place + AT_START]):
+            pending[place + AT_START] = pending[place - COLUMNS + AT_END]
+    return evaluations
+
+
+@kernel
+def _points(start, at_start, end, at_end, fall, rise, low, high):
+    """One or two places in a gap that certify much of it: (first, second), the second NaN where there is one."""
+    if (at_start > 0.0) == (at_end > 0.0):
+        # A value's ball reaches unequally far to both sides; here it would touch both ends of the gap at once.
+        ahead, behind = (fall, rise) if at_start > 0.0 else (rise, fall)
+        middle = low + (high - low) * (ahead / (ahead + behind))
+        return (middle if low < middle < high else 0.5 * (low + high)), math.nan
+    size_start, size_end = abs(at_start), abs(at_end)
+    if size_start <= SIGN or size_end <= SIGN:
+        return 0.5 * (low + high), math.nan
+    # On both sides of the zero that a straight line would have: points whose balls reach just to the ends of the gap.
+    ahead, behind = (fall, rise) if at_start > 0.0 else (rise, fall)
+    slope = (size_start + size_end) / (end - start)
+    zero = start + size_start / slope
+    steepness = slope / max(ahead, behind)
+    if steepness < STEEP:
+        return 0.5 * (low + high), math.nan
+    share = 1.0 / (1.0 + steepness)
+    return zero - share * (zero - low), zero + share * (high - zero)
+
+
+@kernel
+def estimate(start, at_start, end, at_end, third, at_third, precision):
+    """Where a bracket is evaluated next (Chandrupatla 1997).
+
+    Its newest point is ``start``, where the value has the other sign than at ``end``; ``third`` is the point before, NaN
+    in a new bracket.
+    """
+    width = end - start
+    if abs(at_start) <= SIGN or abs(at_end) <= SIGN:
+        return start + 0.5 * width
+    part = at_start / (at_start - at_end)
+    if not math.isnan(third):
+        xi = -width / (third - end)
+        phi = (at_start - at_end) / (at_third - at_end)
+        part = 0.5
+        if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
+            part = at_start / (at_end - at_start) * (at_third / (at_end - at_third))
+            part += (third - start) / width * (at_start / (at_third - at_start)) * (at_end / (at_third - at_end))
+    least = min(0.5 * precision / abs(width), 0.5)
+    return start + min(max(part, least), 1.0 - least) * width
+
+
+@kernel
+def narrow(start, at_start, end, at_end, t, value, precision):
+    """A bracket with a new point: (zero, or NaN if it is not located yet; end, at_end, third, at_third)."""
+    if (value > 0.0) == (at_start > 0.0):
+        third, at_third = start, at_start
+    else:
+        third, at_third = end, at_end
+        end, at_end = start, at_start
+    slope = (at_end - value) / (end - t)
+    located = abs(value) <= precision * abs(slope) or abs(end - t) <= precision
+    return (t - value / slope if located else math.nan), end, at_end, third, at_third
+
+
+@kernel
+def cover(block, row, first, count, o, d, pending, used, tolerance, precision, spans, limit, found, stack):
+    """Insert into ``spans`` all zeros in the ``used`` entries of ``pending``, of the field of a list (``evaluate``).
+
+    ``tolerance`` and ``precision`` are in the unit of the ray's parameter. Returns (zeros found so far, the value at
+    the end of the last entry, length left unresolved, number of evaluations).
+    """
+    evaluations = _joints(block, row, first, count, o, d, pending, used, stack)
+    last = pending[(used - 1) * COLUMNS + AT_END]
+    unresolved = 0.0
+    entries, used = used, 0
+    for entry in range(entries):
+        place = entry * COLUMNS
+        used, found, left = _settle(
+            pending, used, pending[place + START], pending[place + AT_START], pending[place + END],
+            pending[place + AT_END], pending[place + FALL], pending[place + RISE], tolerance, precision, spans, limit,
+            found)
+        unresolved += left
+    patience = PATIENCE + 8 * entries
+    rounds = 0
+    while used > 0 and rounds < patience + LAST:
+        rounds += 1
+        if rounds > patience:
+            tolerance *= GROWTH
+        # The entries that this round takes stay above those that it leaves, in the last rows of ``pending``.
+        lanes, taken = 0, 0
+        while used > 0 and lanes < LANES:
+            used -= 1
+            place = used * COLUMNS
+            start, at_start, end, at_end = (
+                pending[place + START], pending[place + AT_START], pending[place + END], pending[place + AT_END])
+            fall, rise = pending[place + FALL], pending[place + RISE]
+            if pending[place + BRACKET] > 0.0:
+                t, other = estimate(start, at_start, end, at_end, fall, rise, precision), math.nan
+            else:
+                low, high = _gap(start, at_start, end, at_end, fall, rise)
+                t, other = _points(start, at_start, end, at_end, fall, rise, low, high)
+                if lanes == LANES - 1:
+                    other = math.nan
+            place = (PENDING + taken) * COLUMNS
+            add(pending, PENDING + taken, start, at_start, end, at_end, fall, rise)
+            pending[place + BRACKET] = pending[used * COLUMNS + BRACKET]
+            pending[place + FIRST], pending[place + SECOND] = t, other
+            taken += 1
+            _ask(stack, lanes, o, d, t)
+            lanes += 1
+            if not math.isnan(other):
+                _ask(stack, lanes, o, d, other)
+                lanes += 1
+        evaluate(block, row, first, count, stack)
+        evaluations += lanes
+        lane = 0
+        for entry in range(PENDING, PENDING + taken):
+            place = entry * COLUMNS
+            t, other = pending[place + FIRST], pending[place + SECOND]
+            value = signed(stack[VALUES + lane])
+            lane += 1
+            if pending[place + BRACKET] > 0.0:
+                zero, end, at_end, third, at_third = narrow(
+                    pending[place + START], pending[place + AT_START], pending[place + END], pending[place + AT_END], t,
+                    value, precision)
+                if math.isnan(zero):
+                    used = add(pending, used, t, value, end, at_end, third, at_third)
+                    pending[(used - 1) * COLUMNS + BRACKET] = 1.0
+                else:
+                    found = insert(spans, limit, found, zero)
+                continue
+            start, at_start = pending[place + START], pending[place + AT_START]
+            fall, rise = pending[place + FALL], pending[place + RISE]
+            used, found, left = _settle(pending, used, start, at_start, t, value, fall, rise, tolerance, precision,
+                                        spans, limit, found)
+            unresolved += left
+            if not math.isnan(other):
+                start, at_start = t, value
+                t, value = other, signed(stack[VALUES + lane])
+                lane += 1
+                used, found, left = _settle(pending, used, start, at_start, t, value, fall, rise, tolerance, precision,
+                                            spans, limit, found)
+                unresolved += left
+            used, found, left = _settle(
+                pending, used, t, value, pending[place + END], pending[place + AT_END], fall, rise, tolerance,
+                precision, spans, limit, found)
+            unresolved += left
+    for entry in range(used):
+        place = entry * COLUMNS
+        start, end = pending[place + START], pending[place + END]
+        unresolved += abs(end - start)
+        if (pending[place + AT_START] > 0.0) != (pending[place + AT_END] > 0.0):
+            found = insert(spans, limit, found, 0.5 * (start + end))
+    return found, last, unresolved, evaluations
