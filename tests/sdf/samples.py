@@ -54,6 +54,28 @@ VARIATIONS = {
     "steep rhombus": Rhombus((0.1, 0.8, 0.5)), "steep wedge": Wedge((0.1, 0.2, 0.7)),
     "tilted half space": HalfSpace((1.0, 2.0, -3.0), 0.2), "thick frame": BoxFrame((0.4, 0.5, 0.6), 0.3)}
 
+
+def varied(shape: Shape, seed: int) -> Shape:
+    """A shape of the same class with other numbers that are valid: drawn within the limits, or near those it has."""
+    rng = np.random.default_rng(seed)
+
+    def draw(about, value):
+        if about.whole:
+            return float(rng.integers(about.minimum, about.soft_maximum + 1.0))
+        if about.unit == "ANGLE" and math.isfinite(about.minimum):
+            return rng.uniform(about.minimum, about.soft_maximum)
+        return (value + 0.2 * rng.normal() if value == 0.0 else value * 10.0 ** rng.uniform(-0.5, 0.5))
+
+    while True:
+        numbers = {about.name: getattr(shape, about.name) for about in shape.fields()}
+        for about in shape.fields():
+            old = numbers[about.name]
+            numbers[about.name] = tuple(draw(about, v) for v in old) if about.size == 3 else draw(about, old)
+        found = dataclasses.replace(shape, **numbers)
+        if not found.validate():
+            return found
+
+
 COMPOSITES = {
     "hollow box": Difference(Box(0.8), Sphere(1.08)),
     "three": Difference(Union(Box(0.5), Cylinder(0.2, 3.0)), Torus(0.6, 0.3), Transformed(Cone(), rotation())),
