@@ -186,30 +186,131 @@ def _is(formula: Formula, value: float) -> bool:
     return formula.kind == CONSTANT and formula.value == value
 
 
+_MOST_FACTORS = 16  # of a power that is written as products
+
+
 def _simplified(kind: str, operands: tuple[Formula, ...]) -> Formula | None:
-    """A smaller formula of the same value for all finite operands, where one of these rules finds it."""
-    a, b = operands[0], operands[-1]
-    if kind == "negate" and a.kind == "negate":
+    """A smaller or faster formula of the same value, to rounding, for all finite operands; None if no rule finds one."""
+    rule = _RULES.get(kind)
+    return rule and rule(*operands)
+
+
+def _negate(a: Formula) -> Formula | None:
+    if a.kind == "negate":
         return a.operands[0]
-    if kind == "abs" and a.kind in ("abs", "sqrt"):
-        return a
-    if kind == "abs" and a.kind == "negate":
-        return apply("abs", a.operands[0])
-    if kind == "add":
-        return b if _is(a, 0.0) else a if _is(b, 0.0) else None
-    if kind == "subtract":
-        return a if _is(b, 0.0) else constant(0.0) if a is b else apply("negate", b) if _is(a, 0.0) else None
-    if kind == "multiply":
-        if _is(a, 0.0) or _is(b, 0.0):
-            return constant(0.0)
-        return b if _is(a, 1.0) else a if _is(b, 1.0) else None
-    if kind in ("divide", "power"):
-        return a if _is(b, 1.0) else None
-    if kind in ("minimum", "maximum"):
-        return a if a is b else None
-    if kind == "select":
-        return operands[1] if operands[1] is operands[2] else None
+    if a.kind == "subtract":
+        return a.operands[1] - a.operands[0]
+    if a.kind == "multiply" and CONSTANT in (factor.kind for factor in a.operands):
+        return apply("multiply", *(-factor if factor.kind == CONSTANT else factor for factor in a.operands))
     return None
+
+
+def _abs(a: Formula) -> Formula | None:
+    if a.kind == "negate":
+        return abs(a.operands[0])
+    return a if a.kind in ("abs", "sqrt", "exp") or _is_square(a) else None
+
+
+def _sqrt(a: Formula) -> Formula | None:
+    return abs(a.operands[0]) if _is_square(a) else None
+
+
+def _is_square(a: Formula) -> bool:
+    return a.kind == "multiply" and a.operands[0] is a.operands[1]
+
+
+def _add(a: Formula, b: Formula) -> Formula | None:
+    if _is(a, 0.0):
+        return b
+    if _is(b, 0.0):
+        return a
+    if b.kind == "negate":
+        return a - b.operands[0]
+    return b - a.operands[0] if a.kind == "negate" else None
+
+
+def _subtract(a: Formula, b: Formula) -> Formula | None:
+    if _is(b, 0.0):
+        return a
+    if _is(a, 0.0):
+        return -b
+    if a is b:
+        return constant(0.0)
+    return a + b.operands[0] if b.kind == "negate" else None
+
+
+def _multiply(a: Formula, b: Formula) -> Formula | None:
+    for factor, other in ((a, b), (b, a)):
+        if factor.kind == CONSTANT and factor.value in (0.0, 1.0, -1.0):
+            return factor if factor.value == 0.0 else other if factor.value == 1.0 else -other
+        if factor.kind == "negate":
+            return -(factor.operands[0] * other)
+    return None
+
+
+def _divide(a: Formula, b: Formula) -> Formula | None:
+    if a.kind == "negate":
+        return -(a.operands[0] / b)
+    if b.kind == "negate":
+        return -(a / b.operands[0])
+    if b.kind == CONSTANT and math.frexp(b.value)[0] in (0.5, -0.5) and 2.0**-1000 < abs(b.value) < 2.0**1000:
+        return a * (1.0 / b.value)  # exact
+    return None
+
+def _power(a: Formula, exponent: Formula) -> Formula | None:
+    if exponent.kind != CONSTANT:
+        return None
+    n = exponent.value
+    if n == 0.5:
+        return sqrt(a)
+    if n != math.floor(n) or abs(n) > _MOST_FACTORS:
+        return None
+    if n < 0.0:
+        return 1.0 / _power(a, constant(-n))
+    product, square = constant(1.0), a
+    for bit in reversed(f"{int(n):b}"):
+        product = product * square if bit == "1" else product
+        square = square * square
+    return product
+
+
+def _extremum(kind: str, opposite: str) -> Callable:
+    meaning = OPERATIONS[kind].meaning
+
+    def rule(a: Formula, b: Formula) -> Formula | None:
+        if a is b:
+            return a
+        for nested, other in ((a, b), (b, a)):
+            if nested.kind not in (kind, opposite):
+                continue
+            if other in nested.operands:
+                return nested if nested.kind == kind else other
+            for operand, bound in (nested.operands, nested.operands[::-1]):
+                if bound.kind == other.kind == CONSTANT:
+                    if nested.kind == kind:
+                        return apply(kind, operand, apply(kind, bound, other))
+                    if meaning(bound.value, other.value) == other.value:  # as in min(max(x, 2), 1)
+                        return other
+        return None
+
+    return rule
+
+
+def _select(condition: Formula, then: Formula, otherwise: Formula) -> Formula | None:
+    a, b = condition.operands
+    if then is otherwise:
+        return then
+    if a.kind == b.kind == CONSTANT:
+        return then if OPERATIONS[condition.kind].meaning(a.value, b.value) else otherwise
+    if (then, otherwise) == (a, b):
+        return minimum(a, b)
+    return maximum(a, b) if (then, otherwise) == (b, a) else None
+
+
+_RULES = {
+    "negate": _negate, "abs": _abs, "sqrt": _sqrt, "add": _add, "subtract": _subtract, "multiply": _multiply,
+    "divide": _divide, "power": _power, "minimum": _extremum("minimum", "maximum"),
+    "maximum": _extremum("maximum", "minimum"), "select": _select}
 
 
 def apply(kind: str, *operands: Formula | float) -> Formula:
@@ -243,6 +344,39 @@ def sin(a: Formula | float) -> Formula:
 
 def cos(a: Formula | float) -> Formula:
     return apply("cos", a)
+
+
+def tan(a: Formula | float) -> Formula:
+    return apply("tan", a)
+
+
+def asin(a: Formula | float) -> Formula:
+    return apply("asin", a)
+
+
+def acos(a: Formula | float) -> Formula:
+    return apply("acos", a)
+
+
+def atan2(y: Formula | float, x: Formula | float) -> Formula:
+    """The angle of (x, y) to the x axis, −π to π."""
+    return apply("atan2", y, x)
+
+
+def exp(a: Formula | float) -> Formula:
+    return apply("exp", a)
+
+
+def log(a: Formula | float) -> Formula:
+    return apply("log", a)
+
+
+def power(a: Formula | float, exponent: Formula | float) -> Formula:
+    return apply("power", a, exponent)
+
+
+def floor(a: Formula | float) -> Formula:
+    return apply("floor", a)
 
 
 def minimum(*operands: Formula | float) -> Formula:
@@ -286,34 +420,71 @@ class Vector(NamedTuple):
     y: Formula
     z: Formula
 
+    def _with(self, function: Callable[[Formula, Formula], Formula], other) -> "Vector":
+        return Vector(*(function(a, b) for a, b in zip(self, other if isinstance(other, tuple) else (other,) * 3)))
+
     def __add__(self, other):
-        return Vector(*(a + b for a, b in zip(self, _components(other))))
+        return self._with(lambda a, b: a + b, other)
 
     def __sub__(self, other):
-        return Vector(*(a - b for a, b in zip(self, _components(other))))
+        return self._with(lambda a, b: a - b, other)
 
     def __mul__(self, other):
-        return Vector(*(a * b for a, b in zip(self, _components(other))))
+        return self._with(lambda a, b: a * b, other)
 
     def __truediv__(self, other):
-        return Vector(*(a / b for a, b in zip(self, _components(other))))
+        return self._with(lambda a, b: a / b, other)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __neg__(self):
+        return Vector(*(-a for a in self))
 
     def __abs__(self):
         return Vector(*(abs(a) for a in self))
 
+    def minimum(self, other) -> "Vector":
+        """Lesser of each pair of components."""
+        return self._with(minimum, other)
+
     def maximum(self, other) -> "Vector":
         """Greater of each pair of components."""
-        return Vector(*(maximum(a, b) for a, b in zip(self, _components(other))))
+        return self._with(maximum, other)
 
-    def dot(self, other: "Vector") -> Formula:
+    def least(self) -> Formula:
+        return minimum(*self)
+
+    def greatest(self) -> Formula:
+        return maximum(*self)
+
+    def dot(self, other) -> Formula:
         return _fold("add", [a * b for a, b in zip(self, other)])
+
+    def cross(self, other) -> "Vector":
+        (a, b, c), (u, v, w) = self, other
+        return Vector(b * w - c * v, c * u - a * w, a * v - b * u)
 
     def length(self) -> Formula:
         return length(*self)
 
+    def normalized(self) -> "Vector":
+        """The vector with length 1; zero where it is shorter than any length that matters."""
+        return self / maximum(self.length(), 1e-150)
 
-def _components(value) -> tuple:
-    return value if isinstance(value, tuple) else (value, value, value)
+    def reflected(self, normal) -> "Vector":
+        """Mirror image in the plane through the origin with this unit normal."""
+        return self - Vector(*normal) * (2.0 * self.dot(normal))
+
+    def rotated(self, axis, cosine: Formula | float, sine: Formula | float) -> "Vector":
+        """Turned about a unit axis by the angle with this cosine and sine, counter-clockwise seen against the axis.
+
+        The formula of Rodrigues.
+        """
+        axis = Vector(*axis)
+        return self * cosine + axis.cross(self) * sine + axis * (self.dot(axis) * (1.0 - cosine))
 
 
 POINT = Vector(*(_intern(POSITION, value=axis) for axis in range(3)))
@@ -327,14 +498,17 @@ def iterate(count: Formula | float, initial: tuple[Formula | float, ...],
             body: Callable[..., tuple[tuple[Formula | float, ...], Formula | None]], limit: int) -> tuple[Formula, ...]:
     """States after ``count`` rounds of a loop: ``steps, going = body(*states)``.
 
-    ``count`` must not depend on the position; it is rounded down, and held to 0 and ``limit``. ``going`` is a comparison
-    of the states before the round, or None: a point at which it fails keeps its states from then on.
+    ``count`` must not depend on the position; it is rounded down, and held to 0 and ``limit`` (NaN counts as 0).
+    ``going`` is a comparison of the states before the round, or None: a point at which it fails keeps its states from
+    then on. ``body`` is called once, with the formulas that stand for the states; it may contain loops itself.
     """
     if not 0 < limit <= LONGEST_LOOP:
         raise ValueError(f"a loop can have 1 to {LONGEST_LOOP} rounds, not {limit}")
     count, *initial = (o if isinstance(o, Formula) else constant(o) for o in (count, *initial))
     if any(node.kind in (POSITION, STATE) for node in order(count)):
-        raise TypeError("the number of rounds of a loop cannot depend on the position")
+        raise TypeError("the number of rounds of a loop cannot depend on the position or on the states of a loop")
+    if count.kind == CONSTANT and count.value < 1.0:
+        return tuple(initial)
     level = _level.get()
     states = tuple(_intern(STATE, value=(level, index)) for index in range(len(initial)))
     token = _level.set(level + 1)

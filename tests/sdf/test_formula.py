@@ -54,11 +54,74 @@ def test_unused_formulas_are_forgotten():
 
 @pytest.mark.parametrize("built, simple", [
     (x + 0.0, x), (0.0 + x, x), (x - 0.0, x), (x - x, f.constant(0.0)), (0.0 - x, -x), (-(-x), x), (x * 1.0, x),
-    (x * 0.0, f.constant(0.0)), (x / 1.0, x), (abs(abs(x)), abs(x)), (abs(-x), abs(x)), (abs(f.sqrt(x)), f.sqrt(x)),
-    (f.minimum(x, x), x), (f.maximum(x, x), x), (f.select(x < y, z, z), z), (f.constant(2.0) + 3.0, f.constant(5.0)),
-    (f.sqrt(f.constant(4.0)), f.constant(2.0)), (f.apply("power", x, 1.0), x)])
+    (x + -y, x - y), (-x + y, y - x), (x - -y, x + y), (-(x - y), y - x), (x * -1.0, -x), (-x * -y, x * y),
+    (-x * y, -(x * y)), (-(x * 2.0), x * -2.0), (-x / y, -(x / y)), (x / -y, -(x / y)), (x / 4.0, x * 0.25),
+    (x / -1.0, -x), (x * 0.0, f.constant(0.0)), (x / 1.0, x), (abs(abs(x)), abs(x)), (abs(-x), abs(x)),
+    (abs(f.sqrt(x)), f.sqrt(x)), (abs(x * x), x * x), (abs(f.exp(x)), f.exp(x)), (f.sqrt(x * x), abs(x)),
+    (f.length(x), abs(x)), (f.minimum(x, x), x), (f.maximum(x, x), x),
+    (f.minimum(f.minimum(x, 2.0), 1.0), f.minimum(x, 1.0)), (f.maximum(1.0, f.maximum(x, 2.0)), f.maximum(x, 2.0)),
+    (f.minimum(f.maximum(x, 2.0), 1.0), f.constant(1.0)), (f.maximum(f.minimum(x, 1.0), 1.0), f.constant(1.0)),
+    (f.minimum(x, f.minimum(y, x)), f.minimum(x, y)), (f.minimum(x, f.maximum(y, x)), x),
+    (f.select(x < y, z, z), z), (f.select(x < y, x, y), f.minimum(x, y)), (f.select(x <= y, y, x), f.maximum(x, y)),
+    (f.select(f.constant(1.0) < 2.0, x, y), x), (f.select(f.constant(2.0) <= 1.0, x, y), y),
+    (f.constant(2.0) + 3.0, f.constant(5.0)), (f.sqrt(f.constant(4.0)), f.constant(2.0)), (f.power(x, 1.0), x),
+    (f.power(x, 0.0), f.constant(1.0)), (f.power(x, 2.0), x * x), (f.power(x, 5.0), x * ((x * x) * (x * x))),
+    (f.power(x, -3.0), 1.0 / (x * (x * x))), (f.power(x, 0.5), f.sqrt(x))])
 def test_simplification(built, simple):
     assert built is simple
+
+
+@pytest.mark.parametrize("kept", [
+    f.power(x, 17.0), f.power(x, 2.5), x / 3.0, f.minimum(f.maximum(x, 1.0), 2.0), f.select(x < y, x, z)])
+def test_what_is_not_simpler_stays(kept):
+    assert kept.kind in ("power", "divide", "minimum", "select")
+
+
+def test_random_formulas_keep_their_values_when_simplified():
+    """Each is also computed operation by operation, on operands that are often equal, opposite or special constants."""
+    rng = np.random.default_rng(4)
+    at = rng.integers(-3, 4, (50, 3)) + rng.choice([0.0, 0.25], (50, 3))
+    kinds = [kind for kind in f._RULES if kind != "select"]
+    tried = 0
+    for _ in range(3000):
+        parts = [(p, at[:, i]) for i, p in enumerate(f.POINT)]
+        parts += [(f.constant(c), np.full(50, c)) for c in (-1.0, 0.0, 0.5, 1.0, 2.0, -3.0)]
+        for _ in range(rng.integers(2, 7)):
+            kind = kinds[rng.integers(len(kinds))]
+            chosen = [parts[-1 if rng.random() < 0.5 else rng.integers(len(parts))]
+                      for _ in range(f.OPERATIONS[kind].arity)]
+            with np.errstate(all="ignore"):
+                value = f.OPERATIONS[kind].meaning(*(v for _, v in chosen))
+            parts.append((f.apply(kind, *(formula for formula, _ in chosen)), value))
+            if not np.isfinite(value).all():
+                break  # a value that is not finite is promised nothing from here on
+            np.testing.assert_allclose(read_numpy.evaluate(parts[-1][0], at), value, rtol=1e-13, atol=1e-13)
+            tried += 1
+    assert tried > 5000
+
+
+def test_vectors():
+    at = np.random.default_rng(5).normal(size=(100, 3))
+    axis = np.array([0.6, 0.0, 0.8])
+    p, u = f.POINT, f.Vector(*map(f.constant, axis))
+
+    def values(vector):
+        return np.stack([read_numpy.evaluate(a, at) for a in vector], axis=-1)
+
+    np.testing.assert_allclose(values(p.cross(u)), np.cross(at, axis), atol=1e-15)
+    np.testing.assert_allclose(values(p.normalized()), at / np.linalg.norm(at, axis=1, keepdims=True), atol=1e-15)
+    np.testing.assert_allclose(values(p.reflected(u)), at - 2.0 * np.outer(at @ axis, axis), atol=1e-15)
+    np.testing.assert_array_equal(values(2.0 * p + 1.0), 2.0 * at + 1.0)
+    np.testing.assert_array_equal(values((1.0, 2.0, 3.0) - p), (1.0, 2.0, 3.0) - at)
+    np.testing.assert_array_equal(values(p.minimum(0.5).maximum(u)), np.maximum(np.minimum(at, 0.5), axis))
+    np.testing.assert_array_equal(read_numpy.evaluate(p.greatest() - p.least(), at), np.ptp(at, axis=1))
+    turned = values(p.rotated((0.0, 0.0, 1.0), 0.0, 1.0))
+    np.testing.assert_array_equal(turned, np.stack([-at[:, 1], at[:, 0], at[:, 2]], axis=-1))
+    turned = values(p.rotated(u, np.cos(0.7), np.sin(0.7)))
+    np.testing.assert_allclose(turned @ axis, at @ axis, atol=1e-14)
+    across, before = turned - np.outer(at @ axis, axis), at - np.outer(at @ axis, axis)
+    np.testing.assert_allclose((across * before).sum(axis=1), np.cos(0.7) * (before**2).sum(axis=1), atol=1e-14)
+    assert (values(f.Vector(x * 0.0, y * 0.0, z * 0.0).normalized()) == 0.0).all()
 
 
 def test_undefined_constants_stay_to_be_seen():
@@ -135,6 +198,7 @@ def test_a_deep_formula_is_read_without_recursion():
 def test_text():
     assert read_text.text(Torus().formula()) == "a0 = sqrt(x * x + y * y) - k0\nsqrt(a0 * a0 + z * z) - k1"
     assert read_text.text(x - (y - z)) == "x - (y - z)"
-    assert read_text.text((x + y) * -z / (x * 2.0)) == "(x + y) * -z / (x * 2)"
+    assert read_text.text((x + y) * -z / (x * 3.0)) == "-(z * (x + y) / (x * 3))"
+    assert read_text.text(f.exp(-x) * y) == "exp(-x) * y"
     assert read_text.text(-(x + 1.0) - f.select(x <= 0.1, -2.0, y)) == "-(x + 1) - select(x <= 0.1, -2, y)".replace(
         "0.1", f"{0.1:.17g}")
