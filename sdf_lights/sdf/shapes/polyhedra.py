@@ -21,8 +21,8 @@ from . import support
 from .base import Slots, number
 from .cuts import half_space, placed, polyhedron
 from .primitives import Primitive, corner, rhombus_side
+from .sectors import MOST_SECTORS, into_sector
 
-_MOST_SIDES = 64
 _GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
 
 
@@ -205,7 +205,7 @@ class _Polygonal(Primitive, abstract=True):
 
     radius: float
     height: float
-    _most_sides = _MOST_SIDES
+    _most_sides = MOST_SECTORS
     _first_corner = 0.0  # its angle from the x axis
 
     def _sides(self) -> int:
@@ -234,18 +234,7 @@ class _Polygonal(Primitive, abstract=True):
     def _folded(self, p: Vector, slot: Slots) -> tuple[Formula, Formula]:
         """Coordinates out of the nearest side of the polygon, from the axis, and along it, from its middle, ≥ 0."""
         sides = self._sides()
-        x, y = p.x, abs(p.y)
-        # The point is now within ``left`` sectors, of half a side each, from the x axis. A reflection in the ray that
-        # halves them takes the farther half to the nearer. Where one sector is left the mirror has no normal: the graph
-        # is to be the same for any number of sides.
-        left = sides
-        for _ in range(math.ceil(math.log2(self._most_sides))):
-            kept = (left + 1) // 2
-            angle = math.pi / sides * kept
-            normal = (math.sin(angle), -math.cos(angle)) if left > 1 else (0.0, 0.0)
-            u, v = slot(normal[0]), slot(normal[1])
-            beyond = minimum(x * u + y * v, 0.0) * 2.0
-            x, y, left = x - beyond * u, y - beyond * v, kept
+        x, y = into_sector(p.x, abs(p.y), sides, self._most_sides, slot)
         sine, cosine = slot(math.sin(math.pi / sides)), slot(math.cos(math.pi / sides))
         return x * cosine + y * sine, x * sine - y * cosine
 
@@ -278,7 +267,7 @@ class Prism(_Prism):
     """
 
     sides: float = number(
-        5.0, "Number of sides", unit="NONE", minimum=3.0, maximum=_MOST_SIDES, soft_maximum=12.0, whole=True)
+        5.0, "Number of sides", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True)
     radius: float = number(0.5, "Distance from the axis to the corners")
     height: float = number(0.8, "Length along z")
 
@@ -378,7 +367,7 @@ class RegularPyramid(_Pyramid):
     """
 
     sides: float = number(
-        5.0, "Number of sides of the base", unit="NONE", minimum=3.0, maximum=_MOST_SIDES, soft_maximum=12.0,
+        5.0, "Number of sides of the base", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0,
         whole=True)
     radius: float = number(0.6, "Distance from the axis to the corners of the base")
     height: float = number(0.8, "Length along z, from the base to the tip")
@@ -395,7 +384,7 @@ class Bipyramid(_Pyramidal):
     """
 
     sides: float = number(
-        6.0, "Number of sides of the polygon", unit="NONE", minimum=3.0, maximum=_MOST_SIDES, soft_maximum=12.0,
+        6.0, "Number of sides of the polygon", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0,
         whole=True)
     radius: float = number(0.4, "Distance from the axis to the corners of the polygon")
     height: float = number(1.2, "Length along z, from tip to tip")

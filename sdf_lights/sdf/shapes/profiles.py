@@ -1,0 +1,728 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Profiles: regions of the plane, which ``swept`` makes solids of. Each is given by its signed distance.
+
+A profile is documented and validated as a shape is, and known to expressions by its ``name()``; ``PROFILES`` lists all.
+Its plane is that of x and y, and z does not matter. ``Polygon`` takes any number of points, as a ``SetOperation`` takes
+shapes: ``Polygon((0, 0), (1, 0), (0, 1))``. A point may have a z, which does not matter either.
+
+The distances follow from geometry, after folding by symmetry. Inigo Quilez, "2D distance functions", collects many of
+the same regions.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from .. import program
+from ..formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
+from ..program import Op, combine, primitive
+from .base import BOUND, EXACT, LARGEST, Parametric, ShapeError, Slots, number
+from .cuts import half_space, placed, polyhedron
+from .operators import balanced
+from .primitives import corner
+from .sectors import MOST_SECTORS, into_sector
+
+PROFILES: dict[str, type["Profile"]] = {}
+"""Every profile by the name it has in expressions, in order of definition."""
+
+MOST_POINTS = 256  # of a polygon: each of them costs time at every point of space
+_STRAIGHT = 1e-12  # sine of the turn below which a corner of an outline is none
+_SHORTEST = 1e-300  # square of the length of an edge between equal points, which must not divide by 0
+
+
+class Profile(Parametric):
+    """A region of the plane. ``exactness`` and ``lipschitz`` say of its field what they say of a shape's."""
+
+    exactness = EXACT
+    lipschitz = 1.0
+    mirrored = True  # whether x and −x are alike
+    size = 1  # number of primitives that it costs as much as
+
+    def __init_subclass__(cls, abstract: bool = False, **options):
+        """Register the class in ``PROFILES``, unless it is abstract."""
+        super().__init_subclass__(**options)
+        if not abstract:
+            PROFILES[cls.name()] = cls
+
+    def support(self, directions: np.ndarray) -> np.ndarray:
+        """Greatest d · x of the points x of the profile, (n,), for directions d (n, 2) of any length."""
+        raise NotImplementedError
+
+    def area(self) -> float | None:
+        """Area in square metres, or None where no closed form is known."""
+        return None
+
+    def moment(self, offset: float) -> float | None:
+        """Integral of x + offset over what is right of x = −offset, or None where no closed form is known.
+
+        Times 2π, that is the volume of the solid of revolution about that line (Pappus).
+        """
+        area = self.area()
+        return area * offset if area is not None and self.mirrored and self.least_x() >= -offset else None
+
+    def extruded_program(self, matrix: np.ndarray | None, height: float) -> np.ndarray:
+        """Closed-form program of the solid with this profile across z, within height/2 of the plane.
+
+        ``matrix`` puts the solid in its place. Raises ``program.NoClosedForm`` where there is none.
+        """
+        raise program.NoClosedForm(f"An extruded {self.label().lower()} has no closed form for its ray intervals.")
+
+    def revolved_program(self, matrix: np.ndarray | None, offset: float) -> np.ndarray:
+        """As ``extruded_program``, of the solid of revolution: x is the distance to the axis less ``offset``, y is z."""
+        raise program.NoClosedForm(f"A revolved {self.label().lower()} has no closed form for its ray intervals.")
+
+    def least_x(self) -> float:
+        return -float(self.support(np.array([(-1.0, 0.0)]))[0])
+
+    def beside_axis(self, offset: float) -> bool:
+        """Whether no part of the profile is beyond the line x = −offset, or what is there is only a mirror image."""
+        return self.least_x() >= -offset or (self.mirrored and offset == 0.0)
+
+
+def _norm(directions: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(directions, axis=1)
+
+
+def _cylinder(matrix: np.ndarray | None, x: float, y: float, radius: float, height: float) -> np.ndarray:
+    return primitive(Op.CYLINDER, placed(matrix, x, y), (radius, height))
+
+
+def _torus(matrix: np.ndarray | None, offset: float, radius: float) -> np.ndarray:
+    """Program of a disk of this radius revolved: a ball where ``offset`` is 0, else at least the radius."""
+    if offset == 0.0:
+        return primitive(Op.SPHERE, placed(matrix), (radius,))
+    if offset < radius:
+        raise program.NoClosedForm("A torus that overlaps itself has no closed form for its ray intervals.")
+    return primitive(Op.TORUS, placed(matrix), (offset, radius))
+
+
+# -- round ones -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Circle(Profile):
+    """A disk."""
+
+    radius: float = number(0.5, "Distance from the centre to the edge")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        return length(p.x, p.y) - slot(self.radius)
+
+    def support(self, directions):
+        return self.radius * _norm(directions)
+
+    def area(self) -> float:
+        return math.pi * self.radius**2
+
+    def moment(self, offset):
+        if offset >= self.radius:
+            return self.area() * offset
+        half_chord = math.sqrt(self.radius**2 - offset**2)
+        right = self.radius**2 * (math.pi - math.acos(offset / self.radius)) + offset * half_chord
+        return right * offset + 2.0 / 3.0 * half_chord**3
+
+    def extruded_program(self, matrix, height):
+        return _cylinder(matrix, 0.0, 0.0, self.radius, height)
+
+    def revolved_program(self, matrix, offset):
+        return _torus(matrix, offset, self.radius)
+
+
+@dataclass(frozen=True)
+class Ring(Profile):
+    """The region between two circles around the origin."""
+
+    radius: float = number(0.4, "Distance from the centre to the middle of the band")
+    thickness: float = number(0.1, "Width of the band")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        return abs(length(p.x, p.y) - slot(self.radius)) - slot(0.5 * self.thickness)
+
+    def relation(self) -> str:
+        if self.thickness > 2.0 * self.radius:
+            return (f"Ring: thickness {self.thickness:g} is more than twice the radius {self.radius:g}, so there is no "
+                    "hole: make the thickness smaller, or use a circle.")
+        return ""
+
+    def _circles(self) -> tuple[Circle, Circle]:
+        return Circle(self.radius + 0.5 * self.thickness), Circle(self.radius - 0.5 * self.thickness)
+
+    def support(self, directions):
+        return self._circles()[0].support(directions)
+
+    def area(self) -> float:
+        return 2.0 * math.pi * self.radius * self.thickness
+
+    def moment(self, offset):
+        outer, inner = self._circles()
+        return outer.moment(offset) - inner.moment(offset)
+
+    def extruded_program(self, matrix, height):
+        outer, inner = self._circles()
+        if inner.radius <= 0.0:
+            return outer.extruded_program(matrix, height)
+        # The hole is longer than the solid, so no two faces coincide.
+        return combine(Op.DIFFERENCE, [
+            outer.extruded_program(matrix, height), inner.extruded_program(matrix, 2.0 * height)])
+
+    def revolved_program(self, matrix, offset):
+        outer, inner = self._circles()
+        if inner.radius <= 0.0:
+            return outer.revolved_program(matrix, offset)
+        return combine(Op.DIFFERENCE, [outer.revolved_program(matrix, offset), inner.revolved_program(matrix, offset)])
+
+
+@dataclass(frozen=True)
+class Ellipse(Profile):
+    """A disk stretched along x and y.
+
+    The field is that of the unit circle in the stretched plane times the lesser radius, which never exceeds the distance.
+    """
+
+    exactness = BOUND
+
+    radius_x: float = number(0.5, "Half of the size along x", label="Radius X")
+    radius_y: float = number(0.3, "Half of the size along y", label="Radius Y")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        x, y = slot(self.radius_x), slot(self.radius_y)
+        return (length(p.x / x, p.y / y) - 1.0) * minimum(x, y)
+
+    def support(self, directions):
+        return _norm(directions * (self.radius_x, self.radius_y))
+
+    def area(self) -> float:
+        return math.pi * self.radius_x * self.radius_y
+
+    def moment(self, offset):
+        # The plane stretched back to the unit circle: x + offset and the area grow by the radii.
+        return Circle(1.0).moment(offset / self.radius_x) * self.radius_x**2 * self.radius_y
+
+    def extruded_program(self, matrix, height):
+        stretch = np.diag([self.radius_x, self.radius_y, 1.0, 1.0])
+        return Circle(1.0).extruded_program(placed(matrix) @ stretch, height)
+
+    def revolved_program(self, matrix, offset):
+        stretch = np.diag([self.radius_x, self.radius_x, self.radius_y, 1.0])
+        return Circle(1.0).revolved_program(placed(matrix) @ stretch, offset / self.radius_x)
+
+
+@dataclass(frozen=True)
+class Almond(Profile):
+    """The region that two equal disks have in common: pointed at both ends of y.
+
+    Also known as vesica piscis.
+    """
+
+    half_width: float = number(0.25, "Half of the size along x")
+    half_height: float = number(0.5, "Distance from the centre to the points, along y")
+
+    def arc(self) -> tuple[float, float]:
+        """Radius of the disks, and the distance of their centres from the origin."""
+        radius = 0.5 * (self.half_width + self.half_height**2 / self.half_width)
+        return radius, radius - self.half_width
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        radius, away = (slot(value) for value in self.arc())
+        tip = slot(self.half_height)
+        x, y = abs(p.x), abs(p.y)
+        # The tip is nearest to the points beyond the line from the farther centre through it.
+        return select((y - tip) * away > x * tip, length(x, y - tip), length(x + away, y) - radius)
+
+    def relation(self) -> str:
+        if self.half_width > self.half_height:
+            return (f"Almond: half width {self.half_width:g} is more than the half height {self.half_height:g}: make it "
+                    "smaller, or exchange the two and turn the profile.")
+        return ""
+
+    def support(self, directions):
+        radius, away = self.arc()
+        across, along = np.abs(directions).T
+        # Normals of the arc turn from x to the direction of the tip as seen from the centre.
+        on_arc = along * away <= across * self.half_height
+        return np.where(on_arc, radius * _norm(directions) - away * across, self.half_height * along)
+
+    def area(self) -> float:
+        radius, away = self.arc()
+        return 2.0 * (radius**2 * math.atan2(self.half_height, away) - away * self.half_height)
+
+    def extruded_program(self, matrix, height):
+        radius, away = self.arc()
+        return combine(Op.INTERSECTION, [_cylinder(matrix, x, 0.0, radius, height) for x in (-away, away)])
+
+
+@dataclass(frozen=True)
+class Moon(Profile):
+    """A disk without what another disk covers: a crescent.
+
+    The other disk is moved along x.
+    """
+
+    mirrored = False
+
+    radius: float = number(0.5, "Radius of the disk")
+    bite_radius: float = number(0.4, "Radius of the disk that is taken away")
+    offset: float = number(0.25, "Distance between the centres of the disks", soft_maximum=2.0)
+
+    def tip(self) -> tuple[float, float]:
+        """Where the two circles meet, y > 0."""
+        x = 0.5 * (self.offset + (self.radius - self.bite_radius) * (self.radius + self.bite_radius) / self.offset)
+        return x, math.sqrt(max((self.radius - x) * (self.radius + x), 0.0))
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        tip_x, tip_y = (slot(value) for value in self.tip())
+        radius, bite, offset = slot(self.radius), slot(self.bite_radius), slot(self.offset)
+        x, y = p.x, abs(p.y)
+        # Beyond the tip: away from the line from the first centre through it, and of that from the second.
+        beyond_tip = minimum(x * tip_y - y * tip_x, x * tip_y - y * tip_x - offset * (tip_y - y))
+        region = maximum(length(x, y) - radius, bite - length(x - offset, y))
+        return select(beyond_tip > 0.0, length(x - tip_x, y - tip_y), region)
+
+    def relation(self) -> str:
+        if not abs(self.radius - self.bite_radius) < self.offset < self.radius + self.bite_radius:
+            return (f"Moon: at an offset of {self.offset:g} the circles do not cross: make it more than "
+                    f"{abs(self.radius - self.bite_radius):g} and less than {self.radius + self.bite_radius:g}.")
+        return ""
+
+    def support(self, directions):
+        tip_x, tip_y = self.tip()
+        across, along = directions[:, 0], np.abs(directions[:, 1])
+        between_tips = across * tip_y > along * tip_x
+        return np.where(between_tips, across * tip_x + along * tip_y, self.radius * _norm(directions))
+
+    def _segment(self, radius: float, chord: float) -> tuple[float, float]:
+        """Area, and its first moment about the centre, of the part of a disk beyond a chord at the given distance."""
+        half_chord = math.sqrt(max((radius - chord) * (radius + chord), 0.0))
+        return radius**2 * math.atan2(half_chord, chord) - chord * half_chord, 2.0 / 3.0 * half_chord**3
+
+    def _covered(self) -> tuple[float, float]:
+        """Area that the other disk covers, and its first moment about the y axis."""
+        chord, _ = self.tip()
+        near, near_moment = self._segment(self.radius, chord)
+        far, far_moment = self._segment(self.bite_radius, self.offset - chord)
+        return near + far, near_moment + far * self.offset - far_moment
+
+    def area(self) -> float:
+        return math.pi * self.radius**2 - self._covered()[0]
+
+    def moment(self, offset):
+        return self.area() * offset - self._covered()[1] if self.least_x() >= -offset else None
+
+    def extruded_program(self, matrix, height):
+        return combine(Op.DIFFERENCE, [
+            _cylinder(matrix, 0.0, 0.0, self.radius, height),
+            _cylinder(matrix, self.offset, 0.0, self.bite_radius, 2.0 * height)])
+
+
+@dataclass(frozen=True)
+class HeartOutline(Profile):
+    """A heart: a square on its corner, with half a disk on each of its upper sides."""
+
+    width: float = number(0.8, "Size along x")
+
+    def _square(self) -> tuple[float, float, float]:
+        """Side of the square, how far the middles of its upper sides are aside, and how far below them its corner is.
+
+        The corner is at the same distance below the origin as the top is above it.
+        """
+        side = self.width / (1.0 + math.sqrt(0.5))
+        return side, side * math.sqrt(0.125), side * math.sqrt(1.125)
+
+    def _bottom(self) -> float:
+        side, _, below = self._square()
+        return -0.5 * (below + 0.5 * side)
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        side, root = slot(self._square()[0]), math.sqrt(0.5)
+        # Along the lower right side of the square from the corner, and away from it, into the square.
+        x, y = abs(p.x) * root, (p.y - slot(self._bottom())) * root
+        along, away = y + x, y - x
+        half = side * 0.5
+        lobe = length(along - side, away - half) - half
+        before = minimum(along, 0.0)
+        to_side, to_cleft = length(before, away), length(along - side, away - side)
+        distance = minimum(to_side, to_cleft)
+        return select(along > side, lobe, select(away > 0.0, -distance, distance))
+
+    def support(self, directions):
+        side, aside, below = self._square()
+        across, up = np.abs(directions[:, 0]), directions[:, 1]
+        lobe = across * aside + up * (self._bottom() + below) + 0.5 * side * _norm(directions)
+        return np.maximum(lobe, up * self._bottom())
+
+    def area(self) -> float:
+        side = self._square()[0]
+        return side**2 * (1.0 + 0.25 * math.pi)
+
+    def extruded_program(self, matrix, height):
+        side, aside, below = self._square()
+        turned = np.eye(4)
+        turned[:2, :2] = math.sqrt(0.5) * np.array([(1.0, -1.0), (1.0, 1.0)])
+        square = placed(matrix, y=self._bottom() + side * math.sqrt(0.5)) @ turned
+        lobes = [_cylinder(matrix, x, self._bottom() + below, 0.5 * side, height) for x in (-aside, aside)]
+        return combine(Op.UNION, [primitive(Op.BOX, square, (0.5 * side, 0.5 * side, 0.5 * height)), *lobes])
+
+
+# -- polygons ---------------------------------------------------------------------------------------------------------
+
+
+class Polygonal(Profile, abstract=True):
+    """A region with straight edges that neither cross nor touch each other."""
+
+    def outline(self) -> np.ndarray:
+        """The corners (n, 2), in order around the region."""
+        raise NotImplementedError
+
+    def support(self, directions):
+        return (directions @ self.outline().T).max(axis=1)
+
+    def area(self) -> float | None:
+        return abs(_signed_area(self.outline()))
+
+    def moment(self, offset):
+        # Green's theorem: the integral of max(x, 0)² dy / 2 along the edges, of which each is positive in one piece.
+        a = self.outline() + (offset, 0.0)
+        b = np.roll(a, -1, axis=0)
+        u, v = np.maximum(a[:, 0], 0.0), np.maximum(b[:, 0], 0.0)
+        positive = (u + v) / np.maximum(np.abs(a[:, 0]) + np.abs(b[:, 0]), np.sqrt(_SHORTEST))
+        squares = (u * u + u * v + v * v) / 3.0 * positive
+        return abs(float(0.5 * np.sum(squares * (b[:, 1] - a[:, 1]))))
+
+    def extruded_program(self, matrix, height):
+        corners = _without_straight_corners(self.outline())
+        if _signed_area(corners) < 0.0:
+            corners = corners[::-1]
+        ends = polyhedron(matrix, [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)], 0.5 * height)
+        return combine(Op.INTERSECTION, [ends, _hull_without_pockets(matrix, corners, closed=True)])
+
+    def revolved_program(self, matrix, offset):
+        # A point is inside if the edges to its right are odd in number, and so are then the frustums between the axis
+        # and an edge that it is in.
+        frustums = []
+        a = self.outline() + (offset, 0.0)
+        for (bottom, low), (top, high) in zip(a, np.roll(a, -1, axis=0)):
+            if low > high:
+                bottom, low, top, high = top, high, bottom, low
+            if low == high or max(bottom, top) <= 0.0:
+                continue
+            # Only what is on this side of the axis is revolved.
+            if bottom < 0.0:
+                bottom, low = 0.0, low + (high - low) * bottom / (bottom - top)
+            if top < 0.0:
+                top, high = 0.0, high + (low - high) * top / (top - bottom)
+            place = placed(matrix, z=0.5 * (low + high))
+            frustums.append(primitive(Op.FRUSTUM, place, (bottom, top, high - low)))
+        return combine(Op.EXCLUSIVE, frustums)
+
+
+def _signed_area(corners: np.ndarray) -> float:
+    """Positive if the corners go around counter-clockwise."""
+    x, y = (corners - corners.mean(axis=0)).T
+    return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def _turns(corners: np.ndarray) -> np.ndarray:
+    """Sine of the turn at each corner, times the lengths of its two edges; and those lengths."""
+    before, after = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
+    return before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], _norm(before) * _norm(after)
+
+
+def _without_straight_corners(corners: np.ndarray) -> np.ndarray:
+    while True:
+        turns, lengths = _turns(corners)
+        kept = np.abs(turns) > _STRAIGHT * lengths
+        if kept.all():
+            return corners
+        # One at a time: the neighbours of a corner that goes may then be straight, or no longer.
+        corners = np.delete(corners, np.argmin(kept), axis=0)
+
+
+def _hull(corners: np.ndarray) -> list[int]:
+    """Indices of the corners of the convex hull of a counter-clockwise outline, in the order of the outline."""
+    order = np.lexsort((corners[:, 1], corners[:, 0]))
+
+    def chain(indices) -> list[int]:
+        kept: list[int] = []
+        for index in indices:
+            while len(kept) > 1:
+                a, b = corners[kept[-1]] - corners[kept[-2]], corners[index] - corners[kept[-1]]
+                if a[0] * b[1] - a[1] * b[0] > _STRAIGHT * math.hypot(*a) * math.hypot(*b):
+                    break
+                kept.pop()
+            kept.append(int(index))
+        return kept[:-1]
+
+    return sorted(chain(order) + chain(order[::-1]))
+
+
+def _hull_without_pockets(matrix: np.ndarray | None, corners: np.ndarray, closed: bool) -> np.ndarray:
+    """Program of a counter-clockwise outline as its convex hull without what lies between the two, and so on inwards.
+
+    Tor and Middleditch, "Convex Decomposition of Simple Polygons", 1984. Where it is not ``closed``, the edge from the
+    last corner to the first is left out: the region it bounds is a pocket, which is cut out of what ends there anyway.
+    """
+    hull = _hull(corners)
+    sides, pockets = [], []
+    for start, end in zip(hull, hull[1:] + [hull[0] + len(corners)]):
+        a, b = corners[start], corners[end % len(corners)]
+        if closed or end < len(corners):
+            normal = (b[1] - a[1], a[0] - b[0], 0.0)
+            sides.append(half_space(matrix, normal, normal[0] * a[0] + normal[1] * a[1]))
+        if end - start > 1:
+            pocket = corners[np.arange(end, start - 1, -1) % len(corners)]
+            pockets.append(_hull_without_pockets(matrix, pocket, closed=False))
+    return combine(Op.DIFFERENCE, [combine(Op.INTERSECTION, sides), *pockets])
+
+
+@dataclass(frozen=True)
+class Rectangle(Polygonal):
+    """A rectangle."""
+
+    width: float = number(0.8, "Size along x")
+    height: float = number(0.5, "Size along y")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        return corner((abs(p.x) - slot(0.5 * self.width), abs(p.y) - slot(0.5 * self.height)))
+
+    def outline(self):
+        return 0.5 * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) * (self.width, self.height)
+
+    def extruded_program(self, matrix, height):
+        return primitive(Op.BOX, placed(matrix), (0.5 * self.width, 0.5 * self.height, 0.5 * height))
+
+
+@dataclass(frozen=True)
+class RoundedRectangle(Profile):
+    """A rectangle with round corners."""
+
+    width: float = number(0.8, "Size along x")
+    height: float = number(0.5, "Size along y")
+    rounding: float = number(0.1, "Radius of the corners", minimum=0.0)
+
+    def _core(self) -> np.ndarray:
+        """Half of the size of the rectangle that the centres of the corners make."""
+        return 0.5 * np.array([self.width, self.height]) - self.rounding
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        x, y = self._core().tolist()
+        return corner((abs(p.x) - slot(x), abs(p.y) - slot(y))) - slot(self.rounding)
+
+    def relation(self) -> str:
+        if 2.0 * self.rounding > min(self.width, self.height):
+            return (f"Rounded Rectangle: rounding {self.rounding:g} is more than half of the lesser side, "
+                    f"{min(self.width, self.height):g}: make the rounding smaller.")
+        return ""
+
+    def support(self, directions):
+        return np.abs(directions) @ self._core() + self.rounding * _norm(directions)
+
+    def area(self) -> float:
+        return self.width * self.height - (4.0 - math.pi) * self.rounding**2
+
+    def extruded_program(self, matrix, height):
+        x, y = self._core().tolist()
+        half = 0.5 * height
+        parts = [primitive(Op.BOX, placed(matrix), size) for size, there in
+                 (((x + self.rounding, y, half), y > 0.0), ((x, y + self.rounding, half), x > 0.0)) if there]
+        if self.rounding > 0.0:
+            ends = dict.fromkeys([(x, y), (x, -y), (-x, y), (-x, -y)])
+            parts += [_cylinder(matrix, *end, self.rounding, height) for end in ends]
+        return combine(Op.UNION, parts)
+
+
+def _radial(count: float, radii: tuple[float, ...]) -> np.ndarray:
+    """Points (n, 2) at equal angles, the first one in the direction of y, at the given distances in turn."""
+    distances = np.tile(radii, int(count))
+    angles = math.tau * np.arange(len(distances)) / len(distances)
+    return distances[:, None] * np.stack([-np.sin(angles), np.cos(angles)], axis=1)
+
+
+@dataclass(frozen=True)
+class RegularPolygon(Polygonal):
+    """A polygon of equal sides and angles, with a corner in the direction of y."""
+
+    sides: float = number(
+        6.0, "Number of sides", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True)
+    radius: float = number(0.5, "Distance from the centre to the corners")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        along, aside = into_sector(p.y, abs(p.x), int(self.sides), MOST_SECTORS, slot)
+        sine, cosine = math.sin(math.pi / self.sides), math.cos(math.pi / self.sides)
+        # Out of the nearest side, and past its end.
+        out = along * slot(cosine) + aside * slot(sine) - slot(self.radius * cosine)
+        past = along * slot(sine) - aside * slot(cosine) - slot(self.radius * sine)
+        return corner((out,), (past,))
+
+    def outline(self):
+        return _radial(self.sides, (self.radius,))
+
+
+@dataclass(frozen=True)
+class Star(Polygonal):
+    """A star of straight edges, with a point in the direction of y."""
+
+    points: float = number(
+        5.0, "Number of points", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True)
+    radius: float = number(0.5, "Distance from the centre to the points")
+    inner_radius: float = number(0.2, "Distance from the centre to the corners between two points")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        along, aside = into_sector(p.y, abs(p.x), int(self.points), MOST_SECTORS, slot)
+        angle = math.pi / self.points
+        edge = self.inner_radius * math.cos(angle) - self.radius, self.inner_radius * math.sin(angle)
+        u, v, radius = slot(edge[0]), slot(edge[1]), slot(self.radius)
+        from_point = along - radius
+        way = clamp((from_point * u + aside * v) / (u * u + v * v), 0.0, 1.0)
+        distance = length(from_point - way * u, aside - way * v)
+        return select(from_point * v - aside * u > 0.0, distance, -distance)
+
+    def relation(self) -> str:
+        if self.inner_radius > self.radius:
+            return (f"Star: inner radius {self.inner_radius:g} is more than the radius {self.radius:g}: make the inner "
+                    "radius smaller.")
+        return ""
+
+    def outline(self):
+        return _radial(self.points, (self.radius, self.inner_radius))
+
+
+@dataclass(frozen=True)
+class Plus(Polygonal):
+    """Two bars of the same size that cross at right angles, along x and y."""
+
+    half_length: float = number(0.5, "Distance from the centre to the ends of the bars")
+    half_width: float = number(0.15, "Half of the width of the bars")
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        half_length, half_width = slot(self.half_length), slot(self.half_width)
+        along, aside = maximum(abs(p.x), abs(p.y)), minimum(abs(p.x), abs(p.y))
+        end, side = along - half_length, aside - half_width
+        # In the middle a bar is open towards the other: its side begins at the corner that they share.
+        to_side = length(maximum(half_width - along, 0.0), side)
+        inside = select(maximum(end, side) < 0.0, minimum(-end, to_side), 0.0)
+        return length(maximum(end, 0.0), maximum(side, 0.0)) - inside
+
+    def relation(self) -> str:
+        if self.half_width > self.half_length:
+            return (f"Plus: half width {self.half_width:g} is more than the half length {self.half_length:g}, so there "
+                    "are no bars: make the half width smaller.")
+        return ""
+
+    def outline(self):
+        a, b = self.half_length, self.half_width
+        arm = np.array([(b, b), (b, a), (-b, a)])
+        quarter_turn = np.array([(0.0, 1.0), (-1.0, 0.0)])
+        return np.concatenate([arm @ np.linalg.matrix_power(quarter_turn, turns) for turns in range(4)])
+
+    def extruded_program(self, matrix, height):
+        sizes = [(self.half_length, self.half_width), (self.half_width, self.half_length)]
+        return combine(Op.UNION, [primitive(Op.BOX, placed(matrix), (*size, 0.5 * height)) for size in sizes])
+
+
+@dataclass(frozen=True, init=False)
+class Polygon(Polygonal):
+    """The region inside a closed line through the given points.
+
+    Where the line crosses itself, a point is inside if one has to cross it an odd number of times to come out.
+    """
+
+    mirrored = False
+
+    points: tuple[tuple[float, float], ...] = field(metadata=dict(description="corners, in order"))
+
+    def __init__(self, *points):
+        """Points are given as arguments or as one sequence; each is two or three numbers."""
+        if len(points) == 1 and np.ndim(points[0]) == 2:
+            points = tuple(points[0])
+        corners = []
+        for point in points:
+            try:
+                x, y, *rest = (float(value) for value in point)
+            except (TypeError, ValueError, OverflowError):
+                x, y, rest = 0.0, 0.0, [0.0, 0.0]
+            if len(rest) > 1:
+                raise ShapeError(f"Polygon: a point must be two or three numbers, not {point!r:.40}.")
+            corners.append((x, y))
+        object.__setattr__(self, "points", tuple(corners))
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        corners = [(slot(x), slot(y)) for x, y in self.points]
+        # Whether the corner is at or below the point, as ±1.
+        below = [select(y <= p.y, 1.0, -1.0) for _, y in corners]
+        squares, signs = [], []
+        for (a, a_below), (b, b_below) in zip(zip(corners, below), zip(corners[1:] + corners[:1], below[1:] + below[:1])):
+            u, v = b[0] - a[0], b[1] - a[1]
+            x, y = p.x - a[0], p.y - a[1]
+            way = clamp((x * u + y * v) / maximum(u * u + v * v, _SHORTEST), 0.0, 1.0)
+            across, up = x - way * u, y - way * v
+            squares.append(across * across + up * up)
+            # The edge is met by the ray along +x if its ends are at different sides of it and the point is on its left.
+            met = maximum(a_below * b_below, (v * x - u * y) * a_below)
+            signs.append(select(met < 0.0, -1.0, 1.0))
+        return sqrt(minimum(*squares)) * balanced(operator.mul, signs)
+
+    def relation(self) -> str:
+        if not 3 <= len(self.points) <= MOST_POINTS:
+            return f"Polygon: it has {len(self.points)} points: give it at least 3 and at most {MOST_POINTS}."
+        corners = np.array(self.points)
+        if not np.isfinite(corners).all():
+            return "Polygon: a point has a coordinate that is not a finite number: give it an ordinary one."
+        if np.abs(corners).max() > LARGEST:
+            return f"Polygon: a point has a coordinate above {LARGEST:g}: make the polygon smaller."
+        if np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)[1] <= _STRAIGHT * np.abs(corners).max():
+            return "Polygon: all its points lie on one straight line: move one of them aside."
+        return ""
+
+    @property
+    def size(self) -> int:
+        return len(self.points)
+
+    @property
+    def exactness(self) -> str:
+        # Where edges run along each other, what is on both sides may be alike, and the field 0 all the same.
+        return EXACT if self.simple else BOUND
+
+    def outline(self):
+        """The corners, where neighbours are at the same place only once."""
+        corners = np.array(self.points)
+        return corners[(corners != np.roll(corners, 1, axis=0)).any(axis=1)]
+
+    @cached_property
+    def simple(self) -> bool:
+        """Whether no two edges cross or touch, but for neighbours at their common corner."""
+        a = self.outline()
+        b = np.roll(a, -1, axis=0)
+
+        def side(p, q, r):
+            """On which side of each line p–q each point r is: (edges, points)."""
+            (px, py), (qx, qy), (rx, ry) = p.T[:, :, None], q.T[:, :, None], r.T[:, None, :]
+            return np.sign((qx - px) * (ry - py) - (qy - py) * (rx - px))
+
+        of_a, of_b = side(a, b, a), side(a, b, b)
+        apart = (of_a * of_b > 0.0) | (of_a * of_b > 0.0).T
+        # Edges on one line meet unless they end before the other begins.
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        apart |= (low[:, None] > high[None, :]).any(axis=-1) | (high[:, None] < low[None, :]).any(axis=-1)
+        n = len(a)
+        steps = (np.arange(n)[:, None] - np.arange(n)) % n
+        neighbours = (steps <= 1) | (steps == n - 1)
+        turns, lengths = _turns(a)
+        back = (np.abs(turns) <= _STRAIGHT * lengths) & (((b - a) * (a - np.roll(a, 1, axis=0))).sum(axis=1) < 0.0)
+        return bool((apart | neighbours).all() and not back.any())
+
+    def area(self):
+        return super().area() if self.simple else None
+
+    def moment(self, offset):
+        return super().moment(offset) if self.simple else None
+
+    def extruded_program(self, matrix, height):
+        if not self.simple:
+            raise program.NoClosedForm("A polygon that crosses itself has no closed form for its ray intervals.")
+        return super().extruded_program(matrix, height)
