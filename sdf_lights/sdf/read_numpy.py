@@ -52,11 +52,12 @@ def _loop(node: Formula, operands: list, points, parameters) -> list:
     states = operands[1:1 + size]
     captures = dict(zip(node.operands[1 + size:], operands[1 + size:]))
     nodes = body(node)
+    own = [n for n in nodes if n.kind == STATE and n.value[0] == loop.level]
+    computed = [n for n in nodes if n not in own]
     going = True
     for _ in range(rounds(operands[0], loop.limit)):
-        known = {**captures, **{state: states[state.value[1]] for state in nodes if state.kind == STATE
-                                and state.value[0] == loop.level}}
-        values = _run([n for n in nodes if n not in known], loop.roots(), known, points, parameters)
+        known = captures | {state: states[state.value[1]] for state in own}
+        values = _run(computed, loop.roots(), known, points, parameters)
         if loop.going is not None:
             going = going & values[loop.going]
             if not np.any(going):
