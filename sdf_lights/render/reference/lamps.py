@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...sdf.lipschitz import global_lipschitz
 from ..scene import Lamp, Ray
 
 # As a share of the diagonal of the shape's box: parts of a ray shorter than this can be missed.
@@ -51,6 +52,9 @@ class SdfLamp:
         low, high = (np.asarray(corner, float) for corner in lamp.shape.bounds())
         self._low, self._high = low - 1e-9 * (high - low), high + 1e-9 * (high - low)
         self._diagonal = float(np.linalg.norm(high - low))
+        # Where no bound exists at all, nothing is certified, and rays are followed in steps of RESOLUTION.
+        self._lipschitz = lamp.shape.lipschitz if np.isfinite(lamp.shape.lipschitz) else global_lipschitz(
+            lamp.shape.formula(), self._low, self._high, lamp.shape.parameters())
         self.volume = self._local_volume() * abs(np.linalg.det(self._linear))
         if not self.volume > 0.0:
             raise ValueError("it has no volume")
@@ -99,7 +103,7 @@ class SdfLamp:
             middle = 0.5 * (low + high)
             value = self._field(origins, directions, ray, middle)
             # Where the field is undefined nothing is certified, and outside.
-            radius = np.nan_to_num(np.abs(value)) / (self.lamp.shape.lipschitz * speed[ray])
+            radius = np.nan_to_num(np.abs(value)) / (self._lipschitz * speed[ray])
             inside = value <= 0.0
             low, high = (np.concatenate(part) for part in (
                 (low, np.minimum(middle + radius, high)), (np.maximum(middle - radius, low), high)))
