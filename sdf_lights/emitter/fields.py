@@ -9,6 +9,7 @@ difference is all that matters, ``NEGATED`` follows it in the list.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,8 +49,11 @@ lamp_lists = table("lamp_lists", LIST)
 class CompiledField:
     """A field ready for the kernels. ``code`` owns what the addresses in ``terms`` point at."""
 
+    source: tuple[Term, ...]
     terms: np.ndarray  # TERM
     parameters: np.ndarray  # float64
+    gains: np.ndarray  # how much each term can multiply the Lipschitz bounds of its operands; infinite for leaves
+    operations: np.ndarray  # of each term, at a point
     costs: np.ndarray  # rough ns that each term takes for LANES points: the same on every machine
     depth: int  # most values that an evaluation of all terms holds at a time
     code: tuple
@@ -59,35 +63,44 @@ class CompiledField:
         return np.arange(len(self.terms), dtype=LIST)
 
 
-def _cost(nodes: list[Formula], parameters: np.ndarray) -> float:
-    """Rough ns that nodes of a graph take for ``LANES`` points, from what they are alone."""
+def _work(nodes: list[Formula], parameters: np.ndarray, library: float) -> float:
+    """Operations of a graph at a point, with all rounds of its loops; each call of a library counts as ``library``."""
     total = 0.0
     for node in nodes:
         if node.kind == ITERATE:
             count = node.operands[0]
             known = count.value if count.kind == CONSTANT else parameters[count.value] if count.kind == PARAMETER else (
                 node.value.limit)
-            total += rounds(known, node.value.limit) * _cost(body(node), parameters)
+            total += rounds(known, node.value.limit) * _work(body(node), parameters, library)
         else:
-            total += 80.0 if node.kind in LIBRARY else 1.5
+            total += library if node.kind in LIBRARY else 1.0
     return total
 
 
 def compile_terms(terms: list[Term]) -> CompiledField:
     """Compile what is not compiled yet; terms of the same formula share their code."""
     rows = np.zeros(len(terms), TERM)
-    code, parameters, used, height, depth = [], [np.zeros(0)], 0, 0, 0
-    for row, term in zip(rows, terms):
+    code, parameters, used, depth = [], [np.zeros(0)], 0, 0
+    gains, stack = np.full(len(terms), np.inf), []
+    for index, (row, term) in enumerate(zip(rows, terms)):
         found = compiled(term.formula)
         code.append(found.owner)
         row["address"], row["parameters"] = found.address, used
         row["arity"], row["family"], row["reach"], row["lipschitz"] = term.arity, term.family, term.reach, term.lipschitz
         parameters.append(term.parameters)
         used += len(term.parameters)
-        height += 1 - term.arity
-        depth = max(depth, height)
-    costs = np.array([10.0 + _cost(order(term.formula), term.parameters) for term in terms])
-    return CompiledField(rows, np.concatenate(parameters), costs, depth, tuple(dict.fromkeys(code)))
+        if term.arity > 0:
+            steepest = max(stack[-term.arity:])
+            del stack[-term.arity:]
+            # No join or map of shapes whose bounds are not known is steeper than the steepest of them.
+            gains[index] = term.lipschitz / steepest if math.isfinite(term.lipschitz) else 1.0
+        stack.append(term.lipschitz)
+        depth = max(depth, len(stack))
+    graphs = [(order(term.formula), term.parameters) for term in terms]
+    operations = np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs])
+    costs = np.array([10.0 + 1.5 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs])
+    return CompiledField(tuple(terms), rows, np.concatenate(parameters), gains, operations, costs, depth,
+                         tuple(dict.fromkeys(code)))
 
 
 @kernel

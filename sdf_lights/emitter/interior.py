@@ -25,7 +25,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..jit import kernel, stack_array, table
+from ..sdf.lipschitz import enclose_with_slope
 from ..sdf.program import INSTRUCTION, NoClosedForm
+from ..sdf.read_native import evaluate
 from ..sdf.shapes.base import Shape
 from .fields import DEEPEST, LANES, LIST, STACK, TERM, VALUES, CompiledField, compile_terms
 from .intervals import rows_needed
@@ -53,6 +55,8 @@ MOST_ROWS = 1 << 21  # of all lists together
 RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the boundary are not divided below it …
 ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
 MOST_LEVELS = 60  # of nodes below one another
+SLOPES = 32  # measured in a box of whose field no Lipschitz bound is found
+BOUNDS_WORK = 150_000  # operations of formulas times boxes, to find Lipschitz bounds of boxes
 KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
 
 lamp_nodes = table("lamp_nodes", NODE)
@@ -170,11 +174,12 @@ def _eighths(box, axes, position):
 
 
 @kernel
-def grow_field(terms, parameters, gains, bounds, nodes, boxes, levels, lists, used, mass, first, last, smallest):
+def grow_field(terms, parameters, gains, columns, bounds, nodes, boxes, levels, lists, used, mass, first, last,
+               smallest):
     """Divide the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
 
-    ``levels`` holds the depth of each node, ``used`` the numbers of nodes and of rows of lists in use. ``bounds`` is (1 or ``last − first``, terms): see
-    ``pruning.prune_field``.
+    ``levels`` holds the depth of each node, ``used`` the numbers of nodes and of rows of lists in use. ``gains``,
+    ``columns`` and the rows of ``bounds``, one for each node, are those of ``pruning.prune_field``.
     """
     stack = stack_array(STACK)
     axes = np.empty(3, np.int64)
@@ -189,9 +194,8 @@ def grow_field(terms, parameters, gains, bounds, nodes, boxes, levels, lists, us
         if used[0] + 14 > len(nodes) or used[1] + LANES * node.row_count > len(lists):
             return
         radius = _eighths(boxes[index], axes, stack)
-        local = bounds[index - first if len(bounds) > 1 else 0]
-        prune_field(terms, parameters, gains, local, lists, node.row_first, node.row_count, radius, stack, out,
-                    lengths, slopes)
+        prune_field(terms, parameters, gains, columns, bounds[index], lists, node.row_first, node.row_count, radius,
+                    stack, out, lengths, slopes)
         for lane in range(LANES):
             value = stack[VALUES + lane]
             margin = slopes[lane] * radius
@@ -202,7 +206,7 @@ def grow_field(terms, parameters, gains, bounds, nodes, boxes, levels, lists, us
             node.lipschitz = max(slopes.max(), 0.0)
             _settle(nodes, boxes, index, common, mass)
             continue
-        before = index
+        before, begin = index, used[0]
         half = _divide(nodes, boxes, levels, used, index, axes[0], _middle(boxes[index], axes[0]))
         for lane in range(0, LANES, 4):
             part = half + lane // 4
@@ -225,6 +229,8 @@ def grow_field(terms, parameters, gains, bounds, nodes, boxes, levels, lists, us
                     if states[pair + side] == BOUNDARY:
                         _store(nodes, leaf, before, lists, used, out[pair + side], lengths[pair + side])
                         before = leaf
+        for child in range(begin, used[0]):
+            bounds[child] = bounds[index]
 
 
 @kernel
@@ -429,6 +435,70 @@ class Tree:
         return (middle - extent).min(axis=0), (middle + extent).max(axis=0)
 
 
+def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, used, mass, smallest: float) -> None:
+    """Grow the tree of a field, from its root. Lipschitz bounds that none is known of for all of space are found for
+    boxes, largest first; the parts of a box inherit its bound when the work is spent."""
+    terms = field.terms
+    nodes["lipschitz"][0] = terms["lipschitz"][-1]
+    unknown = np.flatnonzero(~np.isfinite(terms["lipschitz"]) & (terms["arity"] == 0))
+    columns = np.full(len(terms), -1)
+    columns[unknown] = np.arange(len(unknown))
+    bounds = np.full((len(nodes), len(unknown)), np.inf)
+    first, last, work = 0, 1, BOUNDS_WORK
+    while first < last:
+        if len(unknown) and work > 0:
+            work -= _bound(field, unknown, nodes, boxes, lists, np.arange(first, last), mass, bounds, work)
+        grow_field(terms, field.parameters, field.gains, columns, bounds, nodes, boxes, levels, lists, used, mass, first,
+                   last, smallest)
+        first, last = last, int(used[0])
+
+
+def _bound(field: CompiledField, unknown, nodes, boxes, lists, places, mass, bounds, work: int) -> int:
+    """Write bounds of the terms ``unknown`` to ``bounds`` (nodes, unknown), for boxes that are yet to be divided among
+    ``places``. Boxes where a single term matters, and has one sign, are settled. Returns the work done, about ``work``
+    at most: operations times boxes."""
+    places = places[(nodes["state"][places] == BOUNDARY) & (nodes["first"][places] < 0)]
+    done = 0
+    for column, number in enumerate(unknown):
+        term = field.source[number]
+        matters = [number in lists[row["row_first"]:row["row_first"] + row["row_count"]] for row in nodes[places]]
+        chosen = places[matters][:int(max(work - done, 0) / field.operations[number]) + 1]
+        done += len(chosen) * field.operations[number]
+        corners = boxes[chosen]
+        low, high, slope = enclose_with_slope(term.formula, corners[:, :3], corners[:, 3:], term.parameters)
+        bounds[chosen, column] = np.minimum(bounds[chosen, column], slope)
+        if len(field.terms) > 1:
+            continue
+        nodes["lipschitz"][chosen] = bounds[chosen, 0]
+        volumes = np.prod(corners[:, 3:] - corners[:, :3], axis=1)
+        for certain, state in ((low > 0.0, OUTSIDE), (high < 0.0, INSIDE)):
+            nodes["state"][chosen[certain]], nodes["row_count"][chosen[certain]] = state, 0
+            mass[1] -= volumes[certain].sum()
+            mass[0] += volumes[certain].sum() if state == INSIDE else 0.0
+    return done
+
+
+def _guess(shape: Shape, center: np.ndarray, nodes, boxes) -> bool:
+    """Give the leaves on the boundary that have no bound a guess: twice the steepest slope of some that are measured.
+
+    Returns whether there are such leaves.
+    """
+    places = np.flatnonzero((nodes["state"] == BOUNDARY) & (nodes["first"] < 0) & ~np.isfinite(nodes["lipschitz"]))
+    if not len(places):
+        return False
+    rng = np.random.default_rng(1)
+    size = boxes[places, None, 3:] - boxes[places, None, :3]
+    points = boxes[places, None, :3] + rng.random((len(places), SLOPES, 3)) * size
+    step = 1e-4 * size * rng.standard_normal((len(places), SLOPES, 3))
+    ahead, behind = (evaluate(shape.formula(), points + sign * step + center, shape.parameters()) for sign in (1, -1))
+    with np.errstate(invalid="ignore"):
+        slopes = np.abs(ahead - behind) / (2.0 * np.linalg.norm(step, axis=2))
+    slopes[~np.isfinite(slopes)] = 0.0
+    # A direction at random sees the steepest slope's projection: rarely less than half of it in one of many.
+    nodes["lipschitz"][places] = 2.0 * slopes.max(axis=1) + 1e-9
+    return True
+
+
 @functools.lru_cache(maxsize=KEPT)
 def tree(shape: Shape) -> Tree:
     """The interior tree of a valid shape whose bounding box has a finite extent along each axis. Raises ``TreeError``."""
@@ -454,19 +524,14 @@ def tree(shape: Shape) -> Tree:
     nodes["state"][0], nodes["row_count"][0] = BOUNDARY, size
     lists[:size] = np.arange(size)
     smallest = RESOLUTION * 2.0 * half.max()
+    guessed = False
     if field is None:
         grow_program(program, nodes, boxes, levels, lists, used, mass, smallest)
     else:
-        bounds = field.terms["lipschitz"].copy()
-        nodes["lipschitz"][0] = bounds[-1]
-        gains = np.full(size, np.inf)
-        first, last = 0, 1
-        while first < last:
-            grow_field(field.terms, field.parameters, gains, bounds[None], nodes, boxes, levels, lists, used, mass,
-                       first, last, smallest)
-            first, last = last, int(used[0])
+        _grow_levels(field, nodes, boxes, levels, lists, used, mass, smallest)
+        guessed = _guess(shape, center, nodes[:used[0]], boxes)
     count = finish(nodes, boxes, int(used[0]))
     arrays = [nodes[:count].copy(), lists[:used[1]].copy(), boxes[:count].copy()]
     for array in arrays:
         array.flags.writeable = False
-    return Tree(center, half, arrays[0], arrays[1], arrays[2], program, field, shape.certified)
+    return Tree(center, half, arrays[0], arrays[1], arrays[2], program, field, shape.certified and not guessed)

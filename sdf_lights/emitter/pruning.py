@@ -62,13 +62,13 @@ def _without(out, used, start, middle, winner):
 
 
 @kernel
-def prune_field(terms, parameters, gains, bounds, lists, first, count, radius, stack, out, used, slopes):
+def prune_field(terms, parameters, gains, columns, bounds, lists, first, count, radius, stack, out, used, slopes):
     """Evaluate a list at the centres of ``LANES`` boxes of half diagonal ``radius``, and prune it for each of them.
 
     ``stack`` holds the centres and takes the values, as in ``fields.run_terms``. Row i of ``out`` (LANES, count) takes
-    the list of box i, ``used[i]`` its length, and ``slopes[i]`` a bound on the gradient there. ``bounds`` has a bound
-    for each term that is the field of a shape, in these boxes; ``gains`` for each join or map by how much it can
-    multiply the bounds of its operands.
+    the list of box i, ``used[i]`` its length, and ``slopes[i]`` a Lipschitz bound there. ``gains`` tells of each term by
+    how much it can multiply the bounds of its operands. A term without a bound for all of space has one for these boxes
+    in the column ``columns[term]`` of ``bounds``.
     """
     starts = np.empty((LANES, DEEPEST), np.int64)
     steepness = np.empty((LANES, DEEPEST))
@@ -87,7 +87,9 @@ def prune_field(terms, parameters, gains, bounds, lists, first, count, radius, s
         term = terms[number]
         depth -= term.arity
         for lane in range(LANES):
-            chosen, slope = 0, bounds[number]
+            chosen, slope = 0, term.lipschitz
+            if columns[number] >= 0:
+                slope = bounds[columns[number]]
             if term.arity == 1:
                 slope = min(slope, gains[number] * steepness[lane, depth])
             elif term.arity == 2:
