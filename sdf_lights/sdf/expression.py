@@ -24,7 +24,7 @@ import difflib
 import itertools
 import math
 import operator
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -32,17 +32,15 @@ import numpy as np
 from . import formula, values
 from .formula import LONGEST_LOOP, POINT, Formula
 from .functions import CONSTANTS, FUNCTIONS, as_shape
-from .shapes import Difference, Intersection, Shape, ShapeError, Union
-from .shapes.base import Slots
+from .shapes import Difference, Field, Intersection, Shape, ShapeError, Union
+from .shapes.base import Parametric
 from .syntax import DEEPEST, ExpressionError, parse
-from .values import Condition, Live, Misuse, NeedsNumber, choose, compute, has_field, kind_of, lifted, live, spread
+from .values import Condition, Live, Misuse, NeedsNumber, Work, choose, compute, has_field, kind_of, lifted, live, spread
 
 MOST_PRIMITIVES = 2_000
 DEEPEST_SHAPE = 100
-MOST_STEPS = 10_000
-MOST_OPERATIONS = 20_000  # that a field takes at each point
-
-_FIELD_STEPS = 20  # that the field of one primitive counts for
+MOST_FIELDS = 16  # in a shape: finding the limits of each takes time
+_SHAPE_STEPS = 6  # that making a shape counts for
 
 
 class Declaration(NamedTuple):
@@ -129,13 +127,10 @@ class _Evaluation:
         self.remarks = remarks
         self.names: dict[str, object] = CONSTANTS | {"p": tuple(POINT)}
         self.declarations: dict[str, Declaration] = {}
-        self.slots = Slots()
+        self.slots = Work()
         self.depth = 0  # of values inside one another
         self.nesting = 0  # of blocks
         self.loops = 0  # of the formula, that are being made
-        self.rounds = 1  # the most of these together
-        self.steps = 0
-        self.operations = 0
 
     def error(self, node: ast.AST, message: str, cure: str) -> ExpressionError:
         return ExpressionError(message, getattr(node, "lineno", 1), getattr(node, "col_offset", 0) + 1, cure)
@@ -153,14 +148,30 @@ class _Evaluation:
             if not isinstance(result, (Shape, Formula)):
                 raise self.error(last, f"the last line is a {kind_of(result)}",
                                  "end with a line that is a shape, or a field that is negative inside")
-            return self.checked(last, as_shape(result, self.slots))
+            return self.finished(last, self.attempt(last, lambda: as_shape(result, self.slots)))
+
+    def finished(self, node: ast.AST, shape: Shape) -> Shape:
+        """Refuses what could not be rendered."""
+        shape = self.checked(node, shape)
+        fields = list(itertools.islice(_fields(shape), MOST_FIELDS + 1))
+        if len(fields) > MOST_FIELDS:
+            raise self.error(node, "the shape has too many parts that are fields",
+                             f"use at most {MOST_FIELDS}: make one field of several with min and max")
+        if not shape.bounded:
+            raise self.error(node, "the shape has no limits, or none that can be found",
+                             "intersect it with box(…), or give limits with field(…, bounds=…)")
+        if len(fields) == 1 and fields[0] is shape and not np.any(shape.bounds()):
+            raise self.error(node, "the field is positive everywhere", "make it negative inside the shape")
+        return shape
 
     def step(self, node: ast.AST, count: int = 1) -> None:
-        """Counts work, before it is done."""
-        self.steps += count
-        self.operations += count * self.rounds
-        if self.steps > MOST_STEPS or self.operations > MOST_OPERATIONS:
-            raise self.error(node, "the expression takes too many steps", "use fewer rounds, or fewer parts")
+        try:
+            self.slots.step(count)
+        except Misuse as misuse:
+            raise self.error(node, str(misuse), misuse.cure) from None
+
+    def operate(self, node: ast.AST, count: int) -> None:
+        self.attempt(node, lambda: self.slots.operate(count))
 
     # -- statements ---------------------------------------------------------------------------------------------------
 
@@ -271,11 +282,7 @@ class _Evaluation:
         for name in then:
             if name not in otherwise:
                 continue  # it would have no value on one side
-            if then[name] is otherwise[name]:
-                self.names[name] = then[name]
-            else:
-                self.names[name] = self.attempt(
-                    statement, lambda: choose(self.slots, condition, then[name], otherwise[name]))
+            self.names[name] = self.chosen(statement, condition, then[name], otherwise[name])
 
     def loop(self, statement: ast.For) -> None:
         index = self.new_name(statement.target, statement)
@@ -289,14 +296,14 @@ class _Evaluation:
             if isinstance(part, ast.AugAssign) and isinstance(part.target, ast.Name)}
         carried = [name for name in self.names if name in written and name != index]
         outside = {name: self.names[name] for name in self.names if name in read | written}
-        shapes = any(isinstance(outside[name], Shape) for name in carried)
-        state = dict(self.names), self.nesting, self.loops, self.rounds
+        shapes = any(isinstance(outside[name], Parametric) for name in carried)
+        state = dict(self.names), self.nesting, self.loops, self.slots.rounds
         if not shapes and any(map(has_field, outside.values())):
             try:
                 self.iterated(statement, index if index in read else "", count, carried)
                 return
             except NeedsNumber:  # a shape in it is made of the states: then the rounds are written one after another
-                self.names, self.nesting, self.loops, self.rounds = state
+                self.names, self.nesting, self.loops, self.slots.rounds = state
         self.unrolled(statement, index, count, carried)
 
     def count(self, node: ast.expr) -> float:
@@ -334,9 +341,8 @@ class _Evaluation:
         ended = Condition(0.0)
         for part, condition, names in reversed(exits):
             for name in carried:
-                self.names[name] = self.attempt(
-                    part, lambda: choose(self.slots, condition, names[name], self.names[name]))
-            ended = choose(self.slots, condition, Condition(1.0), ended)
+                self.names[name] = self.chosen(part, condition, names[name], self.names[name])
+            ended = self.chosen(part, condition, Condition(1.0), ended)
         return ended
 
     def unrolled(self, statement: ast.For, index: str, count: float, carried: list[str]) -> None:
@@ -351,9 +357,8 @@ class _Evaluation:
             old = {name: self.names[name] for name in carried}
             now = self.round(statement.body, carried)
             for name in carried:
-                self.names[name] = self.attempt(
-                    statement, lambda: choose(self.slots, ended, old[name], self.names[name]))
-            ended = choose(self.slots, ended, Condition(1.0), now)
+                self.names[name] = self.chosen(statement, ended, old[name], self.names[name])
+            ended = self.chosen(statement, ended, Condition(1.0), now)
             follows = follows or isinstance(ended.truth, Live)
             if isinstance(ended.truth, float) and ended.truth > 0.5:
                 break
@@ -387,7 +392,7 @@ class _Evaluation:
             ended = self.round(statement.body, carried)
             for name, size in zip(carried, sizes):
                 now = self.names[name]
-                if kind_of(now) == "shape" or (len(now) if isinstance(now, tuple) else 0) != size:
+                if isinstance(now, Parametric) or (len(now) if isinstance(now, tuple) else 0) != size:
                     raise self.error(statement, f"{name} is a {kind_of(before[name])} before the loop, and a "
                                      f"{kind_of(now)} after a round", "keep it of one kind, or choose another name")
             steps = flat(self.names)
@@ -398,11 +403,11 @@ class _Evaluation:
             steps.append(lifted(choose(self.slots, ended, 1.0, 0.0), self.slots))
             return tuple(steps), states[-1] < 0.5
 
-        rounds = self.rounds
-        self.rounds, self.loops = rounds * limit, self.loops + 1
+        rounds = self.slots.rounds
+        self.slots.rounds, self.loops = rounds * limit, self.loops + 1
         first = (*flat(before), *[0.0] * (bool(index) + breaks))
         results = iter(formula.iterate(lifted(count, self.slots), first, body, limit))
-        self.names, self.rounds, self.loops = before, rounds, self.loops - 1
+        self.names, self.slots.rounds, self.loops = before, rounds, self.loops - 1
         for name, size in zip(carried, sizes):
             self.names[name] = tuple(itertools.islice(results, size)) if size else next(results)
 
@@ -423,8 +428,8 @@ class _Evaluation:
             self.depth -= 1
 
     def checked(self, node: ast.expr, value):
-        if isinstance(value, Shape):
-            if value.size > MOST_PRIMITIVES or value.depth > DEEPEST_SHAPE:
+        if isinstance(value, Parametric):
+            if isinstance(value, Shape) and (value.size > MOST_PRIMITIVES or value.depth > DEEPEST_SHAPE):
                 raise self.error(node, "the shape has too many parts", f"use at most {MOST_PRIMITIVES} shapes, "
                                  f"and {DEEPEST_SHAPE} combinations inside one another")
             problem = value.check()
@@ -462,7 +467,7 @@ class _Evaluation:
         name = node.func.id if isinstance(node.func, ast.Name) else None
         if name is None or name in self.names:
             shape = self.value(node.func)
-            if not isinstance(shape, Shape):
+            if not isinstance(shape, Parametric):
                 raise self.error(node, f"{'this' if name is None else name} is a {kind_of(shape)}, not a function",
                                  "leave out the brackets after it")
             function = FUNCTIONS["distance"]
@@ -483,8 +488,10 @@ class _Evaluation:
             raise self.unknown(node.func, FUNCTIONS)
         given = [*positional, *named.values()]
         self.limit(node, given)
-        if function.name == "distance" and isinstance(given[0], Shape):
-            self.step(node, _FIELD_STEPS * given[0].size)
+        if any(map(has_field, given)):
+            self.operate(node, function.cost * sum(len(values.components(value)) for value in given))
+        else:
+            self.step(node, _SHAPE_STEPS if function.makes_shape else 1)
         return self.attempt(node, lambda: function(self.slots, positional, named))
 
     def limit(self, node: ast.expr, given: Iterable) -> None:
@@ -492,7 +499,7 @@ class _Evaluation:
         size = sum(value.size for value in given if isinstance(value, Shape))
         if size > MOST_PRIMITIVES:
             raise self.error(node, "the shape has too many parts", f"use at most {MOST_PRIMITIVES} shapes")
-        self.step(node, size // 64)
+        self.step(node, size // 16)
 
     def attempt(self, node: ast.AST, work: Callable):
         try:
@@ -526,9 +533,8 @@ class _Evaluation:
                 count = next((i for i, later in enumerate(parts) if type(later.op) is not kind), len(parts))
                 for later in parts[1:count]:
                     operands.append(self.value(later.right))
-                    if not self.combines(kind, operands[0], operands[-1]):
+                    if kind_of(operands[-1]) not in ("shape", "field"):
                         raise self.mismatch(later, "shape", kind_of(operands[-1]))
-                    self.limit(later, operands)
                 result = self.combination(parts[count - 1], operands)
             else:
                 result = self.arithmetic(part, *operands)
@@ -557,12 +563,14 @@ class _Evaluation:
         function = _ARITHMETIC.get(type(node.op))
         if function is None or not set(kinds) <= {"number", "field", "vector"}:
             raise self.mismatch(node, *kinds)
+        if has_field(left) or has_field(right):
+            self.operate(node, 3 if "vector" in kinds else 1)
         return self.attempt(
             node, lambda: spread(lambda *scalars: compute(self.slots, function, *scalars), left, right))
 
     def unary(self, node: ast.UnaryOp):
         if isinstance(node.op, ast.Not):
-            return choose(self.slots, self.condition(node.operand), Condition(0.0), Condition(1.0))
+            return self.chosen(node, self.condition(node.operand), Condition(0.0), Condition(1.0))
         value = self.value(node.operand)
         if kind_of(value) not in ("number", "field", "vector") or not isinstance(node.op, (ast.USub, ast.UAdd)):
             raise self.error(node, f"this sign does not work before a {kind_of(value)}", "use - and + before numbers")
@@ -585,6 +593,8 @@ class _Evaluation:
         for value in (left, right):
             if kind_of(value) not in ("number", "field"):
                 raise self.error(node, f"a {kind_of(value)} cannot be compared", "compare numbers or fields")
+        if has_field(left) or has_field(right):
+            self.operate(node, 1)
         return compute(self.slots, function, left, right)
 
     def logic(self, node: ast.BoolOp) -> Condition:
@@ -592,12 +602,19 @@ class _Evaluation:
         for operand in node.values[1:]:
             other = self.condition(operand)
             sides = (other, Condition(0.0)) if isinstance(node.op, ast.And) else (Condition(1.0), other)
-            result = choose(self.slots, result, *sides)
+            result = self.chosen(node, result, *sides)
         return result
 
     def selection(self, node: ast.IfExp):
         condition = self.condition(node.test)
         then, otherwise = self.value(node.body), self.value(node.orelse)
+        return self.chosen(node, condition, then, otherwise)
+
+    def chosen(self, node: ast.AST, condition: Condition, then, otherwise):
+        if then is otherwise:
+            return then
+        if has_field(condition) or has_field(then) or has_field(otherwise):
+            self.operate(node, max(len(values.components(value)) for value in (then, otherwise)))
         return self.attempt(node, lambda: choose(self.slots, condition, then, otherwise))
 
     def vector(self, node: ast.Tuple):
@@ -614,6 +631,14 @@ class _Evaluation:
                              "function(shape, …)")
         chosen = tuple(value["xyz".index(letter)] for letter in node.attr)
         return chosen if len(chosen) > 1 else chosen[0]
+
+
+def _fields(shape: Shape) -> Iterator[Field]:
+    """The parts of a shape that are fields."""
+    if isinstance(shape, Field):
+        yield shape
+    for child in shape.children:
+        yield from _fields(child)
 
 
 _STATEMENTS = {

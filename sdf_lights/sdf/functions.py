@@ -19,20 +19,23 @@ import numpy as np
 from . import formula, values
 from .formula import Formula
 from .shapes import SHAPES, Field, Intersection, Shape, Transformed
-from .shapes.base import Slots
+from .shapes.base import Parametric
 from .shapes.operators import SetOperation
+from .shapes.profiles import PROFILES, Polygon, Profile
 from .values import (
-    Condition, Live, Misuse, NeedsNumber, Scalar, Vector, absolute, choose, compute, cos, has_field, kind_of, maximum,
+    Condition, Live, Misuse, NeedsNumber, Scalar, Vector, Work, absolute, choose, compute, cos, has_field, kind_of, maximum,
     minimum, sin, spread, sqrt)
 
 REQUIRED = object()
+
+SHAPE_GROUPS = ("Shapes", "Profiles", "Solids from profiles", "Combinations", "Operators", "Transforms")
 
 # What an argument can be, and how messages say so. Those of the first group have to be numbers, not fields.
 _WANTED = {
     "number": "a number", "angle": "a number of degrees", "numbers": "a vector of three numbers or a number",
     "scalar": "a number or a field", "vector": "a vector", "vector3": "a vector of three components",
     "value": "a number, a field or a vector", "condition": "a condition such as a < b", "shape": "a shape",
-    "any": "a value"}
+    "profile": "a profile such as circle(0.5)", "corner": "a vector of two numbers", "any": "a value"}
 
 
 class Argument(NamedTuple):
@@ -45,7 +48,8 @@ class Function(NamedTuple):
     """A word of the language.
 
     ``call(slots, …)`` gets the slots of the expression and one value for each argument. ``variadic``: the first argument
-    may be given any number of times. ``other`` is the word for what is not a shape, where the name serves for both.
+    may be given any number of times. ``cost`` is about how many operations it makes of a field, or of each component.
+    ``other`` is the word for what is not a shape, where the name serves for both.
     """
 
     name: str
@@ -55,6 +59,7 @@ class Function(NamedTuple):
     description: str
     variadic: bool = False
     usage: str = ""  # where the arguments do not say it well
+    cost: int = 1
     other: "Function | None" = None
 
     def signature(self) -> str:
@@ -64,9 +69,13 @@ class Function(NamedTuple):
         shown = [a.name if a.default is REQUIRED else f"{a.name}={show(a.default)}" for a in self.arguments]
         return f"{self.name}({', '.join(shown[:1] + ['…'] * self.variadic + shown[1:])})"
 
-    def __call__(self, slots: Slots, positional: list, named: dict[str, Any]):
+    @property
+    def makes_shape(self) -> bool:
+        return self.group in SHAPE_GROUPS
+
+    def __call__(self, slots: Work, positional: list, named: dict[str, Any]):
         """The result for the given values. Raises ``Misuse``."""
-        if self.other is not None and positional and not isinstance(positional[0], Shape):
+        if self.other is not None and positional and not isinstance(positional[0], Parametric):
             return self.other(slots, positional, named)
         repeated, arguments = [], self.arguments
         if self.variadic:
@@ -120,15 +129,15 @@ class Function(NamedTuple):
                 given[argument.name] = argument.default
         return given
 
-    def _converted(self, argument: Argument, value, slots: Slots):
+    def _converted(self, argument: Argument, value, slots: Work):
         kind, wanted = kind_of(value), argument.kind
-        if wanted in ("number", "angle", "numbers"):
+        if wanted in ("number", "angle", "numbers", "corner"):
             if has_field(value):
                 raise NeedsNumber(f"{argument.name} of {self.name} differs from point to point, but must be a number",
                                   "give it a number, or write the field of the shape with p yourself")
-            if kind == "number":
+            if kind == "number" and wanted != "corner":
                 return math.radians(value) if wanted == "angle" else (value,) * 3 if wanted == "numbers" else value
-            if wanted == "numbers" and kind == "vector" and len(value) == 3:
+            if kind == "vector" and (wanted == "corner" or wanted == "numbers" and len(value) == 3):
                 return value
         elif wanted == "any" or wanted == kind or wanted == "scalar" and kind in ("number", "field") or (
                 wanted == "value" and kind in ("number", "field", "vector")):
@@ -155,6 +164,10 @@ CONSTANTS = {"pi": math.pi, "tau": math.tau, "e": math.e}
 
 FUNCTIONS: dict[str, Function] = {}
 
+MATHEMATICS, POINTS = "Numbers, fields and vectors", "Points"
+GROUPS = (*SHAPE_GROUPS, "Fields", MATHEMATICS, POINTS)
+"""Of words, in the order in which one looks for them."""
+
 _KINDS = {"float": "number", "Vec3": "numbers", "Scalar": "scalar", "Vector": "vector", "Vector3": "vector3",
           "Value": "value", "Condition": "condition", "Shape": "shape", "Any": "any"}
 
@@ -164,7 +177,7 @@ def _add(function: Function) -> None:
     FUNCTIONS[function.name] = function if shape is None else shape._replace(other=function)
 
 
-def _word(group: str, usage: str = ""):
+def _word(group: str, usage: str = "", cost: int = 1):
     """Decorator: adds a function to the language, under its name without a trailing underscore.
 
     One whose first argument is ``slots`` gets those of the expression; others are computed with formulas or floats.
@@ -179,7 +192,8 @@ def _word(group: str, usage: str = ""):
             for p in named[raw:])
         variadic = any(p.kind is p.VAR_POSITIONAL for p in named)
         call = function if raw else lambda slots, *given: compute(slots, function, *given)
-        _add(Function(function.__name__.rstrip("_"), group, arguments, call, inspect.getdoc(function), variadic, usage))
+        _add(Function(
+            function.__name__.rstrip("_"), group, arguments, call, inspect.getdoc(function), variadic, usage, cost))
         return function
 
     return add
@@ -188,10 +202,11 @@ def _word(group: str, usage: str = ""):
 # -- shapes -----------------------------------------------------------------------------------------------------------
 
 
-def _shape_arguments(shape: type[Shape]) -> tuple[Argument, ...]:
-    parts = [Argument(field.name, "shape") for field in dataclasses.fields(shape) if field.metadata.get("part")]
+def _arguments(kind_of_shape: type[Parametric]) -> tuple[Argument, ...]:
+    parts = [Argument("shape" if field.name == "child" else field.name, field.metadata["part"])
+             for field in dataclasses.fields(kind_of_shape) if "part" in field.metadata]
     numbers = []
-    for about in shape.fields():
+    for about in kind_of_shape.fields():
         kind, default = "numbers" if about.size == 3 else "number", about.default
         if about.unit == "ANGLE" and about.size == 1:
             kind, default = "angle", math.degrees(default)
@@ -199,8 +214,8 @@ def _shape_arguments(shape: type[Shape]) -> tuple[Argument, ...]:
     return (*parts, *numbers)
 
 
-def _add_shape(name: str, shape: type[Shape]) -> None:
-    arguments = _shape_arguments(shape)
+def _add_shape(name: str, shape: type[Parametric]) -> None:
+    arguments = _arguments(shape)
     if issubclass(shape, SetOperation):
 
         def call(slots, *given):
@@ -209,29 +224,39 @@ def _add_shape(name: str, shape: type[Shape]) -> None:
 
         _add(Function(name, "Combinations", (Argument("shape", "shape"), *arguments), call, inspect.getdoc(shape),
                       variadic=True))
-    else:
-        group = "Operators" if any(a.kind == "shape" for a in arguments) else "Shapes"
-        _add(Function(name, group, arguments, lambda slots, *given: shape(*given), inspect.getdoc(shape)))
+        return
+    variadic = shape is Polygon
+    if variadic:
+        arguments = (Argument("point", "corner"),)
+    parts = {argument.kind for argument in arguments}
+    group = ("Profiles" if issubclass(shape, Profile) else "Operators" if "shape" in parts
+             else "Solids from profiles" if "profile" in parts else "Shapes")
+    _add(Function(name, group, arguments, lambda slots, *given: shape(*given), inspect.getdoc(shape), variadic))
 
 
-def as_shape(value, slots: Slots) -> Shape:
+_PRIMITIVE = 20  # operations of the field of a primitive, about
+
+
+def as_shape(value, slots: Work) -> Shape:
     """A shape, or the one that a field is negative in. Raises ``Misuse`` for anything else."""
     if isinstance(value, Shape):
         return value
     if isinstance(value, Formula):
-        if any(node.kind == formula.STATE for node in formula.order(value)):
+        nodes = formula.order(value)
+        slots.operate(len(nodes))
+        if any(node.kind == formula.STATE for node in nodes):
             raise NeedsNumber("a shape cannot differ from round to round of a loop of fields",
                               "combine the fields with min and max")
         return Field.of(value, slots.values)
     raise Misuse(f"a {kind_of(value)} is not a shape", "give it a shape, or a field that is negative inside")
 
 
-for _name, _shape in SHAPES.items():
+for _name, _shape in {**SHAPES, **PROFILES}.items():
     _add_shape(_name, _shape)
 
 
 @_word("Fields")
-def field(slots: Slots, value: Scalar, bounds: Vec3 = math.inf):
+def field(slots: Work, value: Scalar, bounds: Vec3 = math.inf):
     """The shape that a field is negative in.
 
     Its limits are found by themselves, unless half of the size of a box around it is given as bounds.
@@ -243,15 +268,23 @@ def field(slots: Slots, value: Scalar, bounds: Vec3 = math.inf):
 
 
 @_word("Fields", usage="distance(shape, point) or distance(a, b)")
-def distance(slots: Slots, shape: Any, point: Vector):
-    """The field of a shape at a point, also written `shape(point)`, or the distance between two points."""
+def distance(slots: Work, shape: Any, point: Vector):
+    """The field of a shape at a point, also written `shape(point)`, or the distance between two points.
+
+    That of a profile is at a point of two components: `circle(1)(p.xy)`.
+    """
     if isinstance(shape, tuple):
         return compute(slots, lambda a, b: _length(_subtract(a, b)), shape, point)
-    shape = as_shape(shape, slots)
-    if len(point) != 3:
-        raise Misuse("a shape has a field in space", "give it a point of three components")
+    if not isinstance(shape, Profile):
+        shape = as_shape(shape, slots)
+    if len(point) != (2 if isinstance(shape, Profile) else 3):
+        raise Misuse("a profile has its field in the plane, a shape in space",
+                     "give a profile a point of two components, as in p.xy, and a shape one of three")
+    point = point if len(point) == 3 else (*point, 0.0)
     if not has_field(point):
+        slots.step(4 * _PRIMITIVE * shape.size)
         return Live(shape.distance(np.array(point)))
+    slots.operate(_PRIMITIVE * shape.size)
     return shape.build(formula.Vector(*map(_formula, values.lifted(point, slots))), slots)
 
 
@@ -276,7 +309,7 @@ def _turned(vector: Vector, axis: Vector, degrees: Scalar) -> Vector:
     return tuple(v * c + w * s + a * along for v, w, a in zip(vector, _cross(axis, vector), axis))
 
 
-def _rotated(slots: Slots, what, turn: Callable, *angles):
+def _rotated(slots: Work, what, turn: Callable, *angles):
     """A vector turned by ``turn(vector, *angles)``, or a shape by its matrix."""
     if isinstance(what, Shape):
         if any(map(has_field, angles)):
@@ -287,13 +320,13 @@ def _rotated(slots: Slots, what, turn: Callable, *angles):
 
 
 @_word("Transforms")
-def translate(slots: Slots, shape: Shape, offset: Vec3):
+def translate(slots: Work, shape: Shape, offset: Vec3):
     """The shape moved by an offset in metres."""
     return _transformed(shape, np.eye(3), offset)
 
 
-@_word("Transforms")
-def rotate(slots: Slots, shape: Any, degrees: Value, axis: Vector3 = (0.0, 0.0, 1.0)):
+@_word("Transforms", cost=15)
+def rotate(slots: Work, shape: Any, degrees: Value, axis: Vector3 = (0.0, 0.0, 1.0)):
     """The shape, or vector, turned about an axis through the origin, counter-clockwise as seen from its tip.
 
     With a vector of three angles: about x, then y, then z, as Blender's XYZ Euler rotation; axis is not used then. A
@@ -317,36 +350,34 @@ def _about(index: int) -> Callable:
     return lambda vector, degrees: _turned(vector, unit, degrees)
 
 
-@_word("Transforms")
-def rotate_x(slots: Slots, shape: Any, degrees: Scalar):
+@_word("Transforms", cost=15)
+def rotate_x(slots: Work, shape: Any, degrees: Scalar):
     """The shape, or vector, turned about the x axis."""
     return rotate(slots, shape, degrees, (1.0, 0.0, 0.0))
 
 
-@_word("Transforms")
-def rotate_y(slots: Slots, shape: Any, degrees: Scalar):
+@_word("Transforms", cost=15)
+def rotate_y(slots: Work, shape: Any, degrees: Scalar):
     """The shape, or vector, turned about the y axis."""
     return rotate(slots, shape, degrees, (0.0, 1.0, 0.0))
 
 
-@_word("Transforms")
-def rotate_z(slots: Slots, shape: Any, degrees: Scalar):
+@_word("Transforms", cost=15)
+def rotate_z(slots: Work, shape: Any, degrees: Scalar):
     """The shape, or vector, turned about the z axis."""
     return rotate(slots, shape, degrees, (0.0, 0.0, 1.0))
 
 
 @_word("Transforms")
-def scale(slots: Slots, shape: Shape, factor: Vec3):
+def scale(slots: Work, shape: Shape, factor: Vec3):
     """The shape stretched from the origin: one factor, or one each along x, y and z. A negative factor mirrors."""
     return _transformed(shape, np.diag(factor))
 
 
 # -- numbers, fields and vectors --------------------------------------------------------------------------------------
 
-MATHEMATICS = "Numbers, fields and vectors"
 
-
-def _vector(slots: Slots, size: int, given: tuple) -> Vector:
+def _vector(slots: Work, size: int, given: tuple) -> Vector:
     flat = [scalar for value in given for scalar in values.components(value)]
     for value in given:
         if kind_of(value) not in ("number", "field", "vector"):
@@ -368,12 +399,13 @@ FUNCTIONS["vec3"] = Function(
     "`vec3(1)`. `(x, y, z)` is one too.", True, "vec3(x, y, z)")
 
 
-def _spread(name: str, function: Callable, description: str, *arguments: str, variadic: bool = False) -> None:
+def _spread(name: str, function: Callable, description: str, *arguments: str, variadic: bool = False,
+            cost: int = 1) -> None:
     """Adds a function of scalars, which works on the components of vectors one by one."""
     _add(Function(
         name, MATHEMATICS, tuple(Argument(a, "value") for a in arguments),
         lambda slots, *given: spread(lambda *scalars: compute(slots, function, *scalars), *given), description,
-        variadic))
+        variadic, cost=cost))
 
 
 def _fold(function: Callable) -> Callable:
@@ -426,23 +458,25 @@ _spread("exp", values.exp, "e to the power of the value.", "value")
 _spread("log", values.log, "Natural logarithm.", "value")
 _spread("pow", values.power, "Base to the power of the exponent, also written `base ** exponent`.", "base", "exponent")
 _spread("abs", absolute, "The value without its sign.", "value")
-_spread("sign", _sign, "−1, 0 or 1.", "value")
+_spread("sign", _sign, "−1, 0 or 1.", "value", cost=5)
 _spread("floor", values.floor, "The next whole number below.", "value")
 _spread("ceil", lambda a: -values.floor(-a), "The next whole number above.", "value")
 _spread("round", _round, "The nearest whole number.", "value")
 _spread("fract", lambda a: a - values.floor(a), "What is left above the next whole number below.", "value")
-_spread("mod", _mod, "Remainder with the sign of the divisor, also written `value % divisor`.", "value", "divisor")
+_spread("mod", _mod, "Remainder with the sign of the divisor, also written `value % divisor`.", "value", "divisor",
+        cost=4)
 _spread("min", _fold(minimum), "The least value.", "value", variadic=True)
 _spread("max", _fold(maximum), "The greatest value.", "value", variadic=True)
-_spread("clamp", _clamp, "The value held between two limits.", "value", "low", "high")
-_spread("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.", "a", "b", "t")
+_spread("clamp", _clamp, "The value held between two limits.", "value", "low", "high", cost=2)
+_spread("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.", "a", "b", "t",
+        cost=3)
 _spread("step", lambda edge, a: _where(a < edge, 0.0, 1.0), "0 below the edge, 1 from there on.", "edge", "value")
 _spread("smoothstep", _smoothstep, "From 0 below low to 1 above high, on a smooth curve between.", "low", "high",
-        "value")
+        "value", cost=8)
 
 
 @_word(MATHEMATICS)
-def select(slots: Slots, condition: Condition, then: Any, otherwise: Any):
+def select(slots: Work, condition: Condition, then: Any, otherwise: Any):
     """One value where the condition holds, another elsewhere; also written `then if condition else otherwise`.
 
     A condition compares numbers or fields: `a < b`, `<=`, `>`, `>=`, and is put together with `and`, `or` and `not`.
@@ -475,25 +509,25 @@ def _normalized(vector: Vector) -> Vector:
     return tuple(component / norm for component in vector)
 
 
-@_word(MATHEMATICS)
+@_word(MATHEMATICS, cost=2)
 def dot(a: Vector, b: Vector):
     """Dot product."""
     return _dot(a, b)
 
 
-@_word(MATHEMATICS)
+@_word(MATHEMATICS, cost=3)
 def cross(a: Vector3, b: Vector3):
     """Cross product."""
     return _cross(a, b)
 
 
-@_word(MATHEMATICS)
+@_word(MATHEMATICS, cost=2)
 def length(vector: Vector):
     """Length of a vector."""
     return _length(vector)
 
 
-@_word(MATHEMATICS)
+@_word(MATHEMATICS, cost=4)
 def normalize(vector: Vector):
     """The vector of length 1 in the same direction."""
     return _normalized(vector)
@@ -501,11 +535,9 @@ def normalize(vector: Vector):
 
 # -- points -----------------------------------------------------------------------------------------------------------
 
-POINTS = "Folded points"
 
-
-@_word(POINTS)
-def repeat(slots: Slots, point: Value, period: Value):
+@_word(POINTS, cost=5)
+def repeat(slots: Work, point: Value, period: Value):
     """The point as seen from the middle of its cell, where cells of the given size fill space.
 
     A shape there appears in every cell: `sphere(0.2)(repeat(p, 1))`. A direction with a period of 0 is left alone.
@@ -516,7 +548,7 @@ def repeat(slots: Slots, point: Value, period: Value):
     return spread(cell, point, period)
 
 
-@_word(POINTS)
+@_word(POINTS, cost=8)
 def fold(point: Vector, normal: Vector, offset: Scalar = 0.0):
     """The point mirrored to the side of a plane that its normal points to, if it is on the other.
 
@@ -527,13 +559,21 @@ def fold(point: Vector, normal: Vector, offset: Scalar = 0.0):
     return _subtract(point, tuple(beyond * n for n in normal))
 
 
-@_word(POINTS)
+@_word(POINTS, cost=8)
+def mirror(point: Vector3, normal: Vector3 = (1.0, 0.0, 0.0)):
+    """The point mirrored to the side of a plane through the origin that its normal points to, if it is on the other."""
+    return fold(point, normal)
+
+
+@_word(POINTS, cost=6)
 def polar(point: Vector, count: Scalar):
     """The point turned about the z axis, by whole parts of a turn, to the part around the x axis.
 
     A shape there appears that many times around the axis: `sphere(0.2)(polar(p, 6) - (1, 0, 0))`.
     """
     part = math.tau / count
-    turn = part * _round(values.atan2(point[1], point[0]) / part)
-    c, s = cos(turn), sin(turn)
-    return (point[0] * c + point[1] * s, point[1] * c - point[0] * s, *point[2:])
+    angle = values.atan2(point[1], point[0])
+    # Held to its limits, which changes nothing, the angle has an interval that keeps the point in its part.
+    angle = _clamp(angle - part * _round(angle / part), -0.5 * part, 0.5 * part)
+    radius = _length(point[:2])
+    return (radius * cos(angle), radius * sin(angle), *point[2:])

@@ -7,11 +7,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 import sys
 
 from .expression import MOST_PRIMITIVES
-from .functions import CONSTANTS, FUNCTIONS, show
-from .shapes import SHAPES
+from .functions import CONSTANTS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
+from .shapes import SHAPES, Parameter
+from .shapes.profiles import PROFILES
 from .syntax import DEEPEST, LONGEST
 
 _INTRODUCTION = f"""\
@@ -39,7 +42,7 @@ numbers, vectors and shapes. `#` starts a remark.
 A mistake is reported with its line, its column and a cure, and nothing is ever run as Python.
 """
 
-_GROUPS = ("Shapes", "Combinations", "Transforms", "Numbers and vectors")
+_TABLES = (MATHEMATICS, POINTS)  # groups that are a line a word
 _DISTANCE = {
     "exact": "The field is the exact distance to the surface.",
     "bound": "The field never exceeds the distance to the surface.",
@@ -49,32 +52,42 @@ _DISTANCE = {
 def reference_page() -> str:
     """Text of ``docs/expressions.md``."""
     parts = [_INTRODUCTION]
-    for group in _GROUPS:
+    words = [form for word in FUNCTIONS.values() for form in (word, word.other) if form]
+    for group in GROUPS:
         parts.append(f"## {group}\n")
-        words = [function for function in FUNCTIONS.values() if function.group == group]
-        if group == "Numbers and vectors":
+        of_group = [word for word in words if word.group == group]
+        if group == MATHEMATICS:
             constants = ", ".join(f"`{name}` = {value:.6g}" for name, value in CONSTANTS.items())
             parts.append(f"Constants: {constants}.\n")
+        if group in _TABLES:
             parts.append("| | |\n|---|---|")
-            parts += [f"| `{word.signature()}` | {word.description} |" for word in words]
+            parts += [f"| `{word.signature()}` | {' '.join(word.description.split())} |" for word in of_group]
             parts.append("")
         else:
-            parts += [_entry(word) for word in words]
+            parts += [_entry(word) for word in of_group]
     return "\n".join(parts).rstrip("\n") + "\n"
 
 
-def _entry(word) -> str:
+def _entry(word: Function) -> str:
     lines = [f"### `{word.signature()}`\n", word.description, ""]
-    shape = SHAPES.get(word.name)
-    fields = shape.fields() if shape else ()
-    if fields:
+    shape = SHAPES.get(word.name) or PROFILES.get(word.name)
+    if shape is None:
+        return "\n".join(lines)
+    if shape.fields():
         lines += ["| parameter | default | limits | |", "|---|---|---|---|"]
-        for field in fields:
-            unit = {"LENGTH": " m", "ANGLE": " rad", "NONE": ""}[field.unit]
-            limits = f"{field.minimum:g} to {field.maximum:g}{unit}"
-            lines.append(f"| `{field.name}` | {show(field.default)}{unit} | {limits} | {field.description} |")
-        lines += ["", _DISTANCE[shape.exactness], ""]
+        lines += [_row(about) for about in shape.fields()]
+        lines.append("")
+    if not any("part" in field.metadata for field in dataclasses.fields(shape)) and not word.variadic:
+        lines += [_DISTANCE[shape().exactness], ""]
     return "\n".join(lines)
+
+
+def _row(about: Parameter) -> str:
+    factor, unit = {"LENGTH": (1.0, " m"), "ANGLE": (180.0 / math.pi, "°"), "NONE": (1.0, "")}[about.unit]
+    default = show(tuple(c * factor for c in about.default) if about.size == 3 else about.default * factor)
+    minimum, maximum = about.minimum * factor, about.maximum * factor
+    limits = f"{minimum:g} to {maximum:g}{unit}" + ", whole" * about.whole
+    return f"| `{about.name}` | {default}{unit} | {limits} | {about.description} |"
 
 
 if __name__ == "__main__":

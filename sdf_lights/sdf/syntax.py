@@ -41,13 +41,14 @@ class Syntax(NamedTuple):
     remarks: dict[int, str]
 
 
-_OTHER_CHARACTER = re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|&<>: \t]")
-_LONGEST_NUMBER = re.compile(r"\d{41}")
-_SIGNS_IN_A_ROW = re.compile(r"([-+][ \t]*){10}")
-_OPERATOR = re.compile(r"[-+*/%|&<>]|\.\s*[A-Za-z_]|\)\s*\(|\b(?:and|or)\b")
-_WORD = re.compile(r"[A-Za-z_]\w*")
-_CHOICE = re.compile(r"\b(?:not|if|else)\b")
-_ALTERNATIVE = re.compile(r"\belif\b")
+_REFUSED = (
+    (re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|&<>: \t\n]"), "{!r} means nothing here",
+     "use letters, digits, ( ) , . : and + - * / % ** | & = < >"),
+    (re.compile(r"\d{41}"), "the number has too many digits", "write 1e9 for 10 to the 9th"),
+    (re.compile(r"([-+][ \t]*){10}"), "there are too many signs in a row", "use one"))
+_TOKEN = re.compile(
+    r"(?P<word>[A-Za-z_]\w*)|(?P<power>\*\*)|(?P<operator>[-+*/%|&<>]|\.\s*[A-Za-z_]\w*|\)\s*\()|(?P<open>\()"
+    r"|(?P<close>\))|(?P<end>\n)")
 _CURES = {
     "[": "use ( ) instead", "]": "use ( ) instead", "{": "use ( ) instead", "}": "use ( ) instead",
     "'": "there is no text in expressions", '"': "there is no text in expressions",
@@ -66,7 +67,7 @@ def parse(text: str) -> Syntax:
         lines.append(code)
         if remark.strip():
             remarks[number] = remark.strip()
-    _guard(lines)
+    _guard("\n".join(lines))
     written = _indented(lines)
     moved = [len(line) - len(new) for line, new in zip(lines, written)]
     try:
@@ -86,46 +87,49 @@ def parse(text: str) -> Syntax:
     return Syntax(tree, remarks)
 
 
-def _guard(lines: list[str]) -> None:
+def _guard(code: str) -> None:
     """Refuses text that is not worth showing to the parser."""
-    brackets = powers = alternatives = 0
-    statement = ""  # may go on over several lines, inside brackets
-    for number, line in enumerate(lines, 1):
-        for pattern, problem, cure in (
-                (_OTHER_CHARACTER, "{!r} means nothing here",
-                 "use letters, digits, ( ) , . : and + - * / % ** | & = < >"),
-                (_LONGEST_NUMBER, "the number has too many digits", "write 1e9 for 10 to the 9th"),
-                (_SIGNS_IN_A_ROW, "there are too many signs in a row", "use one")):
-            found = pattern.search(line)
-            if found:
-                raise ExpressionError(
-                    problem.format(found[0]), number, found.start() + 1, _CURES.get(found[0], cure))
-        for word in _WORD.finditer(line):
-            if keyword.iskeyword(word[0]) and word[0] not in KEYWORDS:
-                raise ExpressionError(f"{word[0]} is not part of the language", number, word.start() + 1,
-                                      "write lines such as name = value, and a shape last")
-        powers += line.count("**")
+
+    def error(at: int, message: str, cure: str) -> ExpressionError:
+        return ExpressionError(message, code.count("\n", 0, at) + 1, at - code.rfind("\n", 0, at), cure)
+
+    refused = [(found.start(), problem.format(found[0]), _CURES.get(found[0], cure))
+               for pattern, problem, cure in _REFUSED if (found := pattern.search(code))]
+    if refused:
+        raise error(*min(refused))
+    brackets = powers = alternatives = operators = choices = 0
+    for found in _TOKEN.finditer(code):
+        kind, word = found.lastgroup, found[0]
+        if kind == "word":
+            if keyword.iskeyword(word) and word not in KEYWORDS:
+                raise error(found.start(), f"{word} is not part of the language",
+                            "write lines such as name = value, and a shape last")
+            operators += word in ("and", "or")
+            choices += word in ("not", "if", "else")
+            alternatives += word == "elif"
+        elif kind == "end":
+            if brackets <= 0:  # otherwise the statement goes on
+                operators = choices = 0
+        elif kind == "open":
+            brackets += 1
+        elif kind == "close":
+            brackets -= 1
+        else:
+            operators += 1
+            powers += kind == "power"
+        if brackets > DEEPEST:
+            raise error(found.start(), "the brackets are nested too deeply",
+                        f"use at most {DEEPEST} inside one another, and name parts on lines of their own")
+        if operators > MOST_OPERATORS:
+            raise error(found.start(), "there are too many operators in one statement",
+                        f"use at most {MOST_OPERATORS}, or union(a, b, …) with commas")
         if powers > MOST_POWERS:
-            raise ExpressionError("there are too many powers", number, line.rfind("**") + 1,
-                                  f"use at most {MOST_POWERS}")
-        for bracket in re.finditer(r"[()]", line):
-            brackets += 1 if bracket[0] == "(" else -1
-            if brackets > DEEPEST:
-                raise ExpressionError("the brackets are nested too deeply", number, bracket.start() + 1,
-                                      f"use at most {DEEPEST} inside one another, and name parts on lines of their own")
-        alternatives += len(_ALTERNATIVE.findall(line))
+            raise error(found.start(), "there are too many powers", f"use at most {MOST_POWERS}")
+        if choices > MOST_CHOICES:
+            raise error(found.start(), "there are too many choices in one statement",
+                        f"use not, if and else at most {MOST_CHOICES} times")
         if alternatives > MOST_ALTERNATIVES:
-            raise ExpressionError("there are too many alternatives", number, 1,
-                                  f"use elif at most {MOST_ALTERNATIVES} times")
-        statement += line + "\n"
-        if brackets <= 0 or number == len(lines):
-            if len(_OPERATOR.findall(statement)) > MOST_OPERATORS:
-                raise ExpressionError("there are too many operators in one statement", number, 1,
-                                      f"use at most {MOST_OPERATORS}, or union(a, b, …) with commas")
-            if len(_CHOICE.findall(statement)) > MOST_CHOICES:
-                raise ExpressionError("there are too many choices in one statement", number, 1,
-                                      f"use not, if and else at most {MOST_CHOICES} times")
-            statement = ""
+            raise error(found.start(), "there are too many alternatives", f"use elif at most {MOST_ALTERNATIVES} times")
 
 
 def _indented(lines: list[str]) -> list[str]:

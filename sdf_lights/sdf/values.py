@@ -19,8 +19,8 @@ import numpy as np
 
 from . import formula
 from .formula import CONDITIONS, CONSTANT, OPERATIONS, Formula
-from .shapes import Shape
-from .shapes.base import Slots
+from .shapes.base import Parametric, Slots
+from .shapes.profiles import Profile
 
 
 class Misuse(Exception):
@@ -33,6 +33,36 @@ class Misuse(Exception):
 
 class NeedsNumber(Misuse):
     """A field was given where only a number will do."""
+
+
+MOST_STEPS = 10_000
+MOST_OPERATIONS = 20_000  # that a field takes at each point
+
+
+class Work(Slots):
+    """The slots of an expression, and how much work it has been: all of it is announced here before it is done.
+
+    ``rounds`` is how often a loop of the formula that is being made runs, times that of the loop around it, and so on.
+    Raises ``Misuse`` where there is too much.
+    """
+
+    def __init__(self):
+        super().__init__()
+        self.steps = self.operations = 0
+        self.rounds = 1
+
+    def step(self, count: int = 1) -> None:
+        """Steps of about five microseconds."""
+        self.steps += count
+        if self.steps > MOST_STEPS:
+            raise Misuse("the expression takes too many steps", "use fewer rounds, or fewer parts")
+
+    def operate(self, count: int) -> None:
+        """Operations that are added to a formula."""
+        self.step(4 * count)
+        self.operations += count * self.rounds
+        if self.operations > MOST_OPERATIONS:
+            raise Misuse("the field takes too many operations at each point", "use fewer rounds")
 
 
 class Live(float):
@@ -67,7 +97,7 @@ class Condition(NamedTuple):
 
     truth: Scalar
 
-    def formula(self, slots: Slots) -> Formula:
+    def formula(self, slots: Work) -> Formula:
         """As a comparison."""
         if isinstance(self.truth, Formula):
             return self.truth
@@ -78,7 +108,9 @@ def kind_of(value) -> str:
     """The word for a value in messages."""
     if isinstance(value, tuple):
         return "condition" if isinstance(value, Condition) else "vector"
-    return "number" if isinstance(value, float) else "field" if isinstance(value, Formula) else "shape"
+    if isinstance(value, Parametric):
+        return "profile" if isinstance(value, Profile) else "shape"
+    return "number" if isinstance(value, float) else "field"
 
 
 def components(value) -> tuple:
@@ -101,14 +133,16 @@ def _map(function: Callable, value):
     return function(value)
 
 
-def lifted(value, slots: Slots):
+def lifted(value, slots: Work):
     """A value with parameters of a formula in place of numbers that change."""
     return _map(lambda scalar: scalar.formula(slots) if isinstance(scalar, Live) else scalar, value)
 
 
 def _settled(value):
     """A value with numbers in place of formulas that turned out constant."""
-    return _map(lambda scalar: scalar.value if isinstance(scalar, Formula) and scalar.kind == CONSTANT else scalar, value)
+    if type(value) is Formula:
+        return value.value if value.kind == CONSTANT else value
+    return _map(_settled, value) if isinstance(value, tuple) else value
 
 
 def live(value):
@@ -116,12 +150,17 @@ def live(value):
     return _map(lambda scalar: Live(scalar) if type(scalar) is float else scalar, value)
 
 
-def compute(slots: Slots, function: Callable, *values):
+def compute(slots: Work, function: Callable, *values):
     """``function`` of values; scalars in it are floats alone, or formulas and floats."""
-    if any(has_field(value) for value in values):
-        return _settled(function(*(lifted(value, slots) for value in values)))
-    result = function(*values)
-    return live(result) if any(map(is_live, values)) else result
+    fields = follows = False
+    for value in values:
+        for scalar in value if isinstance(value, tuple) else (value,):
+            kind = type(scalar)
+            fields = fields or kind is Formula
+            follows = follows or kind is Live
+    if fields:
+        return _settled(function(*((lifted(value, slots) for value in values) if follows else values)))
+    return live(function(*values)) if follows else function(*values)
 
 
 def spread(function: Callable, *values):
@@ -167,10 +206,10 @@ def less_equal(a: Scalar, b: Scalar) -> Condition:
     return Condition(truth if isinstance(truth, Formula) else float(truth))
 
 
-def choose(slots: Slots, condition: Condition, then, otherwise):
-    """``then`` where the condition holds, else ``otherwise``: scalars, vectors, conditions or shapes of one kind."""
+def choose(slots: Work, condition: Condition, then, otherwise):
+    """``then`` where the condition holds, else ``otherwise``: values of one kind, or scalars and vectors."""
     truth = condition.truth
-    if isinstance(then, Shape) or isinstance(otherwise, Shape):
+    if isinstance(then, Parametric) or isinstance(otherwise, Parametric):
         if isinstance(truth, Formula):
             raise Misuse("a condition on the point cannot choose between shapes",
                          "choose between their fields, as in select(p.x > 0, a(p), b(p))")

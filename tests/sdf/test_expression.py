@@ -42,7 +42,10 @@ def test_shapes(text, shape):
 
 @pytest.mark.parametrize("name", [n for n, s in SHAPES.items() if issubclass(s, Primitive)])
 def test_every_primitive_has_its_name_and_defaults(name):
-    assert evaluate(f"{name}()") == SHAPES[name]()
+    shape = SHAPES[name]()
+    assert evaluate(f"{name}() & box(1)") == Intersection(shape, Box(1.0))
+    if shape.bounded:
+        assert evaluate(f"{name}()") == shape
 
 
 @pytest.mark.parametrize("text, value", [
@@ -228,12 +231,14 @@ def test_attacks_end_in_an_error_within_a_tenth_of_a_second(text):
 
 def test_random_words_make_a_shape_or_an_error():
     rng = np.random.default_rng(19)
-    words = [*FUNCTIONS, "a", "b", "a", "(", ")", "(", ")", ",", "1", "2.5", "0", "-1", "1e9", "+", "-", "*", "/",
+    names = list(FUNCTIONS)
+    words = ["a", "b", "a", "(", ")", "(", ")", ",", "1", "2.5", "0", "-1", "1e9", "+", "-", "*", "/",
              "%", "**", "|", "&", "=", ".", ".x", "\n", "slider(", "sphere()", "box(1)", "(1, 2, 3)", "vec3(", "a = ",
-             "\nsphere(1)", "=", "_"]
+             "\nsphere(1)", "=", "_",
+             "p", "p.x", "(p)", "for i in range(3):\n  ", "if ", "<", " and ", "not ", "else ", "break", "(p) - 1"]
     shapes = 0
     for _ in range(4000):
-        text = " ".join(rng.choice(words, rng.integers(1, 9)))
+        text = " ".join(rng.choice(names if rng.random() < 0.3 else words) for _ in range(rng.integers(1, 9)))
         try:
             shapes += isinstance(evaluate(text), Shape)
         except ExpressionError:

@@ -13,13 +13,12 @@ from functools import cached_property
 import numpy as np
 
 from ..formula import ITERATE, PARAMETER, POINT, Formula, Vector, order, parameter
+from ..limits import negative_region
 from ..substitution import substitute
 from .base import NONE, Shape, Slots
+from .operators import Transformed
+from .primitives import Box
 
-_START = 10.0  # half of the size of the first box that is searched for the shape, in metres
-_FARTHEST = 1e4
-_MOST_BOXES = 20_000  # of one search
-_TIGHT = 0.01  # of the size of the shape
 _OPERATIONS_OF_A_PRIMITIVE = 20
 
 
@@ -51,9 +50,31 @@ class Field(Shape, abstract=True):
         return cls(substitute(formula, POINT, slots), tuple(float(values[slot]) for slot in used))
 
     @cached_property
+    def _operations(self) -> int:
+        return _operations((self.value,), frozenset())
+
+    @property
     def size(self) -> int:
         """How many primitives the formula is worth, by what it takes at each point."""
-        return 1 + _operations((self.value,), frozenset()) // _OPERATIONS_OF_A_PRIMITIVE
+        return 1 + self._operations // _OPERATIONS_OF_A_PRIMITIVE
+
+    @cached_property
+    def _limits(self) -> np.ndarray | None:
+        return negative_region(self.value, self.numbers, self._operations)
+
+    @cached_property
+    def _box(self) -> Transformed:
+        """A box around the region."""
+        place = np.eye(4)
+        place[:3, 3] = (self._limits[0] + self._limits[1]) / 2.0
+        return Transformed(Box(tuple((self._limits[1] - self._limits[0]) / 2.0)), place)
+
+    @property
+    def bounded(self) -> bool:
+        return self._limits is not None
+
+    def bounds(self, matrix=None):
+        return self._box.bounds(matrix) if self.bounded else (np.full(3, -np.inf), np.full(3, np.inf))
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         return substitute(self.value, p, [slot(number) for number in self.numbers])
