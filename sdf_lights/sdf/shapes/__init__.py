@@ -8,7 +8,7 @@ from . import balls, polyhedra, solids
 from .field import Field
 from .operators import Difference, Exclusive, Intersection, Operator, SetOperation, Transformed, Union
 from . import swept  # noqa: F401 (profiles and what is made of them)
-from . import blends  # noqa: F401 (21 classes, all in SHAPES)
+from . import blends, displacement, folds, layers, repetition, warps  # noqa: F401 (all in SHAPES)
 
 __all__ = [
     "BOUND", "EXACT", "NONE", "SHAPES", "Family", "Parameter", "Shape", "ShapeError", "Term",

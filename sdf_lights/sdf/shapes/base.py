@@ -190,6 +190,12 @@ class Parametric:
         return self.relation()
 
 
+def undone(matrix: np.ndarray, p: Vector, slot: Slots) -> Vector:
+    """matrix⁻¹ p: where the point was before the affine ``matrix`` (4 × 4) moved it."""
+    rows = [(slot(tuple(row[:3])), slot(row[3])) for row in np.linalg.inv(matrix)[:3].tolist()]
+    return Vector(*(row.dot(p) + offset for row, offset in rows))
+
+
 class Shape(Parametric):
     """A region of space Ω = {x : φ(x) ≤ 0}, given by a field φ that is negative inside.
 
@@ -259,9 +265,7 @@ class Shape(Parametric):
         This one is of a shape without such parts. ``factor`` is at most the least singular value of ``matrix``.
         """
         slots = Slots()
-        rows = [(slots(tuple(row[:3])), slots(row[3])) for row in np.linalg.inv(matrix)[:3].tolist()]
-        moved = Vector(*(row.dot(POINT) + offset for row, offset in rows))
-        formula = self.build(moved, slots) * slots(factor)
+        formula = self.build(undone(matrix, POINT, slots), slots) * slots(factor)
         return [Term(formula, np.array(slots.values), 0, Family.LEAF, 0.0, self.lipschitz)]
 
     # -- what follows from it -------------------------------------------------------------------------------------

@@ -12,9 +12,10 @@ from functools import cached_property, reduce
 
 import numpy as np
 
-from ..formula import POINT, Formula, Vector, maximum, minimum
+from ..formula import POINT, Formula, Vector, maximum, minimum, parameter
 from ..program import Op, combine
-from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Family, Shape, ShapeError, Slots, Term, part
+from ..substitution import substitute
+from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Family, Shape, ShapeError, Slots, Term, part, undone
 from .primitives import Box
 
 _FLAT = 1e-9  # ratio of singular values below which a matrix counts as flat
@@ -271,6 +272,36 @@ class Operator(Composite, abstract=True):
         return 1 + self.child.depth
 
 
+class Folded(Operator, abstract=True):
+    """The child's field read at another point, by a map that never takes points further apart."""
+
+    @property
+    def exactness(self):
+        # Even where the child is exact: the surface may be nearer than the part of it that the map leads to.
+        return BOUND if self.child.exactness == EXACT else self.child.exactness
+
+    def _folded(self, p: Vector, slot: Slots) -> Vector:
+        """The point at which the child is read."""
+        raise NotImplementedError
+
+    def build(self, p, slot):
+        return self.child.build(self._folded(p, slot), slot)
+
+    def terms(self, matrix, factor):
+        """Those of the child, read at the other point."""
+        slots = Slots()
+        point = self._folded(undone(matrix, POINT, slots), slots)
+        first = len(slots.values)
+        terms = []
+        for term in self.child.terms(np.eye(4), factor):
+            if term.arity == 0:
+                moved = [parameter(first + index) for index in range(len(term.parameters))]
+                term = term._replace(formula=substitute(term.formula, point, moved),
+                                     parameters=np.concatenate([slots.values, term.parameters]))
+            terms.append(term)
+        return terms
+
+
 @dataclass(frozen=True)
 class Transformed(Operator, abstract=True):
     """A shape moved by an affine matrix: rotation, uneven scale, shear and mirroring included.
@@ -324,9 +355,7 @@ class Transformed(Operator, abstract=True):
         return self.child.exact_outside and self._similar
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        rows = [(slot(tuple(row[:3])), slot(row[3])) for row in np.linalg.inv(self._array)[:3].tolist()]
-        moved = Vector(*(row.dot(p) + offset for row, offset in rows))
-        return self.child.build(moved, slot) * slot(float(self._singular_values[-1]))
+        return self.child.build(undone(self._array, p, slot), slot) * slot(float(self._singular_values[-1]))
 
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         return self.child.terms(matrix @ self._array, factor * float(self._singular_values[-1]))

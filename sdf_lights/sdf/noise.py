@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Noise as a formula: the same in every reading, without tables.
+
+Value noise: random numbers at the points of a lattice, interpolated. The numbers come from the permutation polynomial
+(34 x² + x) mod 289 of McEwan, Sheets, Richardson and Gustavson, "Efficient computational noise in GLSL" (2012): all
+integers in it are less than 2²⁴, exact also in single precision. The pattern repeats after 289 lattice points.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+from .formula import Formula, Vector, apply, clamp
+
+PERIOD = 289
+
+STEEPEST = 15.0 / 4.0
+"""Greatest slope of ``value_noise``: in the middle between four −1 and four 1. The slope of the fade is at most 15/8; the
+gradient's length is convex in the corners' values, so corners of ±1 are enough to look at."""
+
+
+def _remainder(a: Formula) -> Formula:
+    # Half a unit keeps the quotient away from whole numbers, where a division that is not exact would show.
+    return a - PERIOD * apply("floor", (a + 0.5) * (1.0 / PERIOD))
+
+
+def _permuted(a: Formula) -> Formula:
+    return _remainder((34.0 * a + 1.0) * a)
+
+
+def _mixed(a: Formula, b: Formula, share: Formula) -> Formula:
+    return a + (b - a) * share
+
+
+def value_noise(p: Vector, seed: Formula | float = 0.0) -> Formula:
+    """Noise between −1 and 1 on a lattice of spacing 1, with a continuous second derivative.
+
+    ``seed`` is a whole number from 0 to 288.
+    """
+    cell = Vector(*(apply("floor", x) for x in p))
+    inside = p - cell
+    fade = Vector(*(u * u * u * (u * (u * 6.0 - 15.0) + 10.0) for u in inside))
+    start = [_remainder(x) for x in cell]
+    # Next to the last point of the period is the first one.
+    after = [_remainder(x + 1.0) for x in start]
+    columns = [_permuted(_remainder(x + seed)) for x in (start[0], after[0])]
+    rows = {(i, j): _permuted(columns[i] + (start, after)[j][1]) for i, j in itertools.product((0, 1), repeat=2)}
+    values = {(i, j, k): _permuted(rows[i, j] + (start, after)[k][2]) for i, j, k in itertools.product((0, 1), repeat=3)}
+    along_x = {(j, k): _mixed(values[0, j, k], values[1, j, k], fade.x) for j, k in itertools.product((0, 1), repeat=2)}
+    along_y = [_mixed(along_x[0, k], along_x[1, k], fade.y) for k in (0, 1)]
+    between = _mixed(along_y[0], along_y[1], fade.z)
+    # Interval arithmetic, which cannot see through remainders, gets its limits here.
+    return clamp(between * (2.0 / (PERIOD - 1.0)) - 1.0, -1.0, 1.0)

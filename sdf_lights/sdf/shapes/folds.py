@@ -1,0 +1,251 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Symmetry by reflections: a mirror, a kaleidoscope, and the mirrors of the regular solids.
+
+Points are reflected until they are in one chamber, where the child is read: what is in the chamber appears in all its
+images, what is outside does not appear. A reflection of the points on one side of a plane takes no two points further
+apart, so the Lipschitz bound of the child stays.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+
+from ..formula import Vector, apply, cos, minimum, sin, sqrt
+from ..program import NoClosedForm
+from .base import LARGEST, SMALLEST, Shape, number, part
+from .operators import Folded, Intersection, Transformed, Union
+from .solids import HalfSpace
+
+_MOST_IMAGES = 64  # in closed form: beyond, a field is traced faster
+_GOLDEN = (1.0 + math.sqrt(5.0)) / 2.0
+
+
+def _reflection(normal) -> np.ndarray:
+    normal = np.asarray(normal, np.float64)
+    return np.eye(3) - 2.0 * np.outer(normal, normal) / (normal @ normal)
+
+
+def _reflected(p: Vector, normal: tuple[float, float, float]) -> Vector:
+    """p, or its image where it is behind the plane through the origin with the given normal."""
+    behind = minimum(p.dot(normal), 0.0) * (2.0 / math.fsum(n * n for n in normal))
+    return Vector(*(q - behind * n for q, n in zip(p, normal)))
+
+
+class Fold(Folded, abstract=True):
+    """Reflections that lead every point into a chamber; their group is finite."""
+
+    def _normals(self) -> np.ndarray:
+        """Normals (n, 3) of the chamber's walls, into the chamber."""
+        raise NotImplementedError
+
+    def _elements(self) -> np.ndarray:
+        """Matrices (n, 3, 3) that take the chamber to all its images."""
+        raise NotImplementedError
+
+    @cached_property
+    def _in_chamber(self) -> bool:
+        """Whether the shape certainly is in the chamber."""
+        low, high = self.child.bounds()
+        corners = np.stack(np.meshgrid(*zip(low, high)), axis=-1).reshape(-1, 3)
+        return bool(np.isfinite(corners).all() and (corners @ self._normals().T >= 0.0).all())
+
+    @property
+    def exact_outside(self):
+        # With all of the shape in the chamber, none of its images is nearer than that in the point's own chamber.
+        return self.child.exact_outside and self._in_chamber
+
+    @cached_property
+    def _images(self) -> Union:
+        walls = () if self._in_chamber else [HalfSpace(tuple(-normal)) for normal in self._normals()]
+        chamber = Intersection(self.child, *walls)
+        return Union([Transformed(chamber, _affine(element)) for element in self._elements()])
+
+    def bounds(self, matrix=None):
+        return self._images.bounds(matrix)
+
+    def growth(self, matrix=None):
+        return self._images.growth(matrix)
+
+    def volume(self):
+        volume = self.child.volume()
+        return len(self._elements()) * volume if self._in_chamber and volume is not None else None
+
+    def program(self, matrix=None):
+        if len(self._elements()) > _MOST_IMAGES:
+            raise NoClosedForm(f"{self.label()} makes more images than are traced in closed form.")
+        return self._images.program(matrix)
+
+
+def _affine(linear: np.ndarray) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, :3] = linear
+    return matrix
+
+
+@dataclass(frozen=True)
+class Mirror(Fold):
+    """What is on one side of a plane through the origin, and its mirror image on the other.
+
+    With a smoothness both halves flow into each other: near the plane they are drawn towards it.
+    """
+
+    child: Shape = part("Shape that is mirrored")
+    normal: tuple[float, float, float] = number(
+        (1.0, 0.0, 0.0), "Direction across the plane, to the side that is kept; its length does not matter",
+        unit="NONE", minimum=-LARGEST, soft_maximum=1.0)
+    smoothness: float = number(0.0, "By how much points of the plane are read away from it", minimum=0.0,
+                               soft_maximum=1.0)
+
+    @property
+    def exact_outside(self):
+        return super().exact_outside and not self.smoothness
+
+    @property
+    def _unit(self) -> tuple[float, float, float]:
+        return tuple(np.divide(self.normal, np.linalg.norm(self.normal)).tolist())
+
+    def _normals(self):
+        return np.array([self._unit])
+
+    def _elements(self):
+        return np.array([np.eye(3), _reflection(self._unit)])
+
+    def _folded(self, p, slot):
+        normal = slot(self._unit)
+        across = p.dot(normal)
+        # A hyperbola in place of the absolute value: its slope is at most 1, too.
+        distance = sqrt(across * across + slot(self.smoothness**2)) if self.smoothness else abs(across)
+        return Vector(*(q + n * (distance - across) for q, n in zip(p, normal)))
+
+    def bounds(self, matrix=None):
+        low, high = super().bounds(matrix)
+        linear = np.eye(3) if matrix is None else matrix[:3, :3]
+        margin = self.smoothness * np.abs(linear @ self._unit)
+        return low - margin, high + margin
+
+    def relation(self):
+        if np.linalg.norm(self.normal) < SMALLEST:
+            return "Mirror: the normal has no length: give at least one of its components a value other than 0."
+        return ""
+
+    def volume(self):
+        return None if self.smoothness else super().volume()
+
+    def program(self, matrix=None):
+        if self.smoothness:
+            raise NoClosedForm("A smooth mirror has no closed form.")
+        return super().program(matrix)
+
+
+@dataclass(frozen=True)
+class Kaleidoscope(Fold):
+    """What is in a wedge along the z axis, in all sectors of a circle, every other one mirrored.
+
+    The wedge begins at the x axis and reaches to the angle 180° / sectors towards y.
+    """
+
+    child: Shape = part("Shape of which a wedge is shown")
+    sectors: float = number(6.0, "Pairs of a wedge and its mirror image", unit="NONE", minimum=1.0, maximum=1000.0,
+                            soft_maximum=32.0, whole=True)
+
+    @property
+    def _angle(self) -> float:
+        return math.pi / self.sectors
+
+    def _normals(self):
+        return np.array([(0.0, 1.0, 0.0), (math.sin(self._angle), -math.cos(self._angle), 0.0)])
+
+    def _elements(self):
+        turns = 2.0 * self._angle * np.arange(self.sectors)
+        zero, one = np.zeros_like(turns), np.ones_like(turns)
+        rows = [(np.cos(turns), -np.sin(turns), zero), (np.sin(turns), np.cos(turns), zero), (zero, zero, one)]
+        turned = np.moveaxis(np.array(rows), -1, 0)
+        return np.concatenate([turned, turned @ np.diag([1.0, -1.0, 1.0])])
+
+    def _folded(self, p, slot):
+        pair = slot(2.0 * self._angle)
+        turn = pair * apply("floor", apply("atan2", p.y, p.x) / pair + 0.5)
+        c, s = cos(turn), sin(turn)
+        return Vector(c * p.x + s * p.y, abs(c * p.y - s * p.x), p.z)
+
+
+class Coxeter(Fold, abstract=True):
+    """The full symmetry of a regular solid: a finite reflection group of rank 3 with three ``mirrors``.
+
+    The walls of a chamber are the mirrors. With h the order of the product of all three reflections, h / 2 rounds
+    through them, in an order in which those that commute are neighbours, are the longest element of the group (Humphreys,
+    "Reflection Groups and Coxeter Groups", 3.17); reflecting only what is behind each mirror, they lead every point into
+    the chamber.
+    """
+
+    mirrors: tuple[tuple[float, float, float], ...]
+    rounds: int
+
+    def _normals(self):
+        return np.array(self.mirrors)
+
+    def _elements(self):
+        return _group(self.mirrors)
+
+    def _folded(self, p, slot):
+        for normal in self.rounds * self.mirrors:
+            p = _reflected(p, normal)
+        return p
+
+
+@cache
+def _group(mirrors) -> np.ndarray:
+    """All products (n, 3, 3) of reflections."""
+    reflections = [_reflection(normal) for normal in mirrors]
+    found = {tuple(np.eye(3).round(6).ravel()): np.eye(3)}
+    new = list(found.values())
+    while new:
+        products = {tuple((r @ m).round(6).ravel() + 0.0): r @ m for m in new for r in reflections}
+        new = [m for key, m in products.items() if key not in found]
+        found |= {key: m for key, m in products.items() if key not in found}
+    return np.array(list(found.values()))
+
+
+@dataclass(frozen=True)
+class TetrahedralFold(Coxeter):
+    """What is in one of 24 chambers, repeated with the mirror symmetry of a tetrahedron.
+
+    The chamber is z ≥ y ≥ |x|. Around (0, 0, 1) are 6 images, around (1, 1, 1) and (−1, 1, 1) 4 each.
+    """
+
+    mirrors = ((0.0, -1.0, 1.0), (-1.0, 1.0, 0.0), (1.0, 1.0, 0.0))
+    rounds = 2
+
+    child: Shape = part("Shape of which the part in the chamber is repeated")
+
+
+@dataclass(frozen=True)
+class OctahedralFold(Coxeter):
+    """What is in one of 48 chambers, repeated with the mirror symmetry of a cube and an octahedron.
+
+    The chamber is z ≥ y ≥ x ≥ 0. What is on (0, 0, 1) is repeated 6 times, on (0, 1, 1) 12 times, on (1, 1, 1) 8 times.
+    """
+
+    mirrors = ((0.0, -1.0, 1.0), (-1.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    rounds = 3
+
+    child: Shape = part("Shape of which the part in the chamber is repeated")
+
+
+@dataclass(frozen=True)
+class IcosahedralFold(Coxeter):
+    """What is in one of 120 chambers, repeated with the mirror symmetry of an icosahedron and a dodecahedron.
+
+    The chamber has x, y ≥ 0 and is about the z axis. What is on (0, 0, 1) is repeated 30 times, on (0.526, 0, 0.851)
+    12 times, on (0, 0.357, 0.934) 20 times.
+    """
+
+    mirrors = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-0.5, -0.5 * _GOLDEN, 0.5 * (_GOLDEN - 1.0)))
+    rounds = 5
+
+    child: Shape = part("Shape of which the part in the chamber is repeated")

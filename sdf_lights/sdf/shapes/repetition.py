@@ -1,0 +1,269 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Copies of a shape: in rows, and around an axis.
+
+The field is the least of all copies' fields, but not all are computed. Let the child lie within half a width w of its
+centre along an axis of copies with the spacing s. Of the copies of one of the child's points, the one next to a point
+p is in the cell of p after rounding; over all points of the child these are at most ⌈2w/s⌉ + 1 neighbouring copies:
+the candidates. So the nearest copy, and every copy that contains p, is a candidate. Where the child's field is the
+distance outside, the least field is thus one of the candidates'.
+
+The field of another child may be least for a copy farther away, and the result would jump where the candidates change.
+Then either all copies are computed, or the field is held to s/2: a copy that becomes a candidate, or ceases to be one,
+is at least as far away, so with a guarded child the jumps disappear.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..formula import Formula, Vector, apply, clamp, cos, iterate, maximum, minimum, sin
+from ..program import NoClosedForm
+from .base import BOUND, LARGEST, NONE, Shape, Slots, number, part
+from .operators import Operator, Transformed, Union, guarded
+from .primitives import Box
+
+_MOST_COPIES = 64  # that are written out, to be pruned or traced in closed form
+_MOST_CANDIDATES = 1000  # rounds of the loop over them
+_ENDLESS = 1e9  # copies to each side of a row without end
+
+
+def _floor(a: Formula) -> Formula:
+    return apply("floor", a)
+
+
+def _least(rounds: Formula, start: tuple, field: Callable, step: Callable) -> Formula:
+    """Least ``field(*state)`` over the states start, step(start), …"""
+    def body(least, *state):
+        return (minimum(least, field(*state)), *step(*state)), None
+
+    # Any number that no field exceeds, also in single precision.
+    return iterate(rounds, (1e30, *start), body, _MOST_CANDIDATES)[0]
+
+
+class Repeated(Operator, abstract=True):
+    """A union of copies of the child."""
+
+    def _places(self) -> list[np.ndarray] | None:
+        """Matrices (4 × 4) that take the child to its copies; None if there are too many to write out."""
+        raise NotImplementedError
+
+    def _apart(self) -> bool:
+        """Whether the copies certainly have no point in common."""
+        raise NotImplementedError
+
+    @cached_property
+    def _copies(self) -> Union | None:
+        places = self._places()
+        return None if places is None else Union([Transformed(self.child, place) for place in places])
+
+    @property
+    def exact_outside(self):
+        return self.child.exact_outside
+
+    def terms(self, matrix, factor):
+        return super().terms(matrix, factor) if self._copies is None else self._copies.terms(matrix, factor)
+
+    def program(self, matrix=None):
+        if self._copies is None:
+            raise NoClosedForm(f"{self.label()} has more copies than are traced in closed form.")
+        return self._copies.program(matrix)
+
+
+@dataclass(frozen=True)
+class Repetition(Repeated):
+    """Copies of the shape in rows along x, y and z, centred as a whole. They may overlap.
+
+    A count of 0 repeats without end: the shape is then of use inside an intersection alone.
+    """
+
+    child: Shape = part("Shape that is repeated")
+    count: tuple[float, float, float] = number(
+        (3.0, 3.0, 1.0), "Copies along x, y and z; 0 for a row without end", unit="NONE", minimum=0.0, maximum=1e6,
+        whole=True)
+    spacing: tuple[float, float, float] = number((1.0, 1.0, 1.0), "Distance from copy to copy along x, y and z")
+
+    @cached_property
+    def _number(self) -> float:
+        return math.inf if 0.0 in self.count else math.prod(self.count)
+
+    @property
+    def bounded(self):
+        return 0.0 not in self.count and self.child.bounded
+
+    @property
+    def _held(self) -> bool:
+        """Whether the field is held to half of the spacing."""
+        return not self.child.exact_outside and self._number > _MOST_COPIES
+
+    @cached_property
+    def _part(self) -> Shape:
+        return guarded(self.child) if self._held else self.child
+
+    @property
+    def lipschitz(self):
+        return self._part.lipschitz
+
+    def _widths(self) -> np.ndarray:
+        low, high = self.child.bounds()
+        return high - low
+
+    @cached_property
+    def _candidates(self) -> np.ndarray:
+        """How many copies are computed along each axis."""
+        count = np.where(np.equal(self.count, 0.0), np.inf, self.count)
+        if not self._held and not self.child.exact_outside:
+            return count
+        return np.minimum(count, np.ceil(self._widths() / self.spacing) + 1.0)
+
+    @cached_property
+    def _extent(self) -> np.ndarray:
+        """Half of the distance from the first copy to the last."""
+        return np.where(np.equal(self.count, 0.0), _ENDLESS, np.subtract(self.count, 1.0) / 2.0) * self.spacing
+
+    def build(self, p, slot):
+        candidates = self._candidates
+        everything = candidates == self.count
+        edge = np.where(everything, 0.0, self.child.bounds()[1])
+        # Copies are numbered from the middle, where one of an even number is half a spacing off.
+        shift = np.where(np.equal(self.count, 0.0), 0.0, np.mod(np.subtract(self.count, 1.0), 2.0) / 2.0)
+        last = self._extent / self.spacing
+        spacing, edge, shift, first, most = (slot(tuple(v.tolist())) for v in (
+            np.array(self.spacing), edge, shift, -last, np.where(everything, -last, last - candidates + 1.0)))
+        counts = slot(tuple(candidates.tolist()))
+        q = Vector(*(x - s * clamp(_floor((x - e) / s + h + 0.5) - h, low, high)
+                     for x, s, e, h, low, high in zip(p, spacing, edge, shift, first, most)))
+
+        def field(index: Formula) -> Formula:
+            row = _floor((index + 0.5) / counts.x)  # whole numbers, also where a division is not quite exact
+            layer = _floor((row + 0.5) / counts.y)
+            along = Vector(index - row * counts.x, row - layer * counts.y, layer)
+            return self._part.build(q - along * spacing, slot)
+
+        least = _least(slot(float(candidates.prod())), (0.0,), field, lambda index: (index + 1.0,))
+        if not self._held:
+            return least
+        held = 0.5 * min((s for s, whole in zip(self.spacing, everything) if not whole), default=LARGEST)
+        low, high = self._part.bounds()
+        middle = slot(tuple(((low + high) / 2.0).tolist()))
+        box = Box(tuple((high - low) / 2.0 + self._extent)).build(p - middle, slot)
+        return maximum(minimum(least, slot(held)), box)
+
+    def bounds(self, matrix=None):
+        low, high = self._part.bounds(matrix)
+        linear = np.eye(3) if matrix is None else matrix[:3, :3]
+        endless = (linear[:, np.equal(self.count, 0.0)] != 0.0).any(axis=1)
+        margin = np.where(endless, np.inf, np.abs(linear) @ self._extent)
+        return low - margin, high + margin
+
+    def growth(self, matrix=None):
+        return self._part.growth(matrix)
+
+    def _places(self):
+        if self._number > _MOST_COPIES:
+            return None
+        places = []
+        for index in np.ndindex(*map(int, self.count)):
+            place = np.eye(4)
+            place[:3, 3] = index * np.array(self.spacing) - self._extent
+            places.append(place)
+        return places
+
+    def volume(self):
+        volume = self.child.volume()
+        apart = np.logical_or(np.equal(self.count, 1.0), self._widths() <= self.spacing).all()
+        return self._number * volume if volume is not None and apart else None
+
+    def relation(self):
+        if self.child.validate():
+            return ""
+        endless = np.equal(self.count, 0.0)
+        if not self.child.bounded and not np.isfinite(self._widths()[endless]).all():
+            return "Repetition: a shape without end is repeated without end: give a count, or intersect it with a box."
+        if not self.child.bounded and self._held:
+            return (f"Repetition: more than {_MOST_COPIES} copies of a shape without end: "
+                    "make the count smaller, or intersect the shape with a box.")
+        if self._candidates.prod() > _MOST_CANDIDATES:
+            return (f"Repetition: more than {_MOST_CANDIDATES} copies overlap each other: make the spacing larger, or the "
+                    "count or the shape smaller.")
+        return ""
+
+
+@dataclass(frozen=True)
+class PolarRepetition(Repeated):
+    """Copies of the shape around the z axis, at equal angles. They may overlap."""
+
+    child: Shape = part("Shape that is repeated")
+    count: float = number(6.0, "Copies on the full circle", unit="NONE", minimum=1.0, maximum=_MOST_CANDIDATES,
+                          soft_maximum=32.0, whole=True)
+
+    @property
+    def _angle(self) -> float:
+        return math.tau / self.count
+
+    @cached_property
+    def _sector(self) -> tuple[float, float]:
+        """Middle and half width of the angle around the axis that the shape is in."""
+        low, high = self.child.bounds()
+        corners = [complex(x, y) for x in (low[0], high[0]) for y in (low[1], high[1])]
+        middle = complex((low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0)
+        around_axis = low[0] <= 0.0 <= high[0] and low[1] <= 0.0 <= high[1]
+        if around_axis or not np.isfinite(corners).all():
+            return 0.0, math.pi
+        # The box is in a half plane beside the axis: no corner is more than half a turn from another.
+        turned = np.angle(np.array(corners) / middle)
+        half = (turned.max() - turned.min()) / 2.0
+        return float(np.angle(middle) + turned.min() + half), float(half)
+
+    @property
+    def _candidates(self) -> float:
+        _, half = self._sector
+        if not self.child.exact_outside or half == math.pi:
+            return self.count
+        return min(self.count, math.ceil(2.0 * half / self._angle) + 1.0)
+
+    def build(self, p, slot):
+        middle, half = self._sector
+        angle = slot(self._angle)
+        first = angle * _floor((apply("atan2", p.y, p.x) - slot(middle + half)) / angle + 0.5)
+        start = _turned(p.x, p.y, cos(first), sin(first))
+        c, s = slot(math.cos(self._angle)), slot(math.sin(self._angle))
+        return _least(slot(self._candidates), start, lambda x, y: self.child.build(Vector(x, y, p.z), slot),
+                      lambda x, y: _turned(x, y, c, s))
+
+    def _all_places(self):
+        return [_turn(index * self._angle) for index in range(int(self.count))]
+
+    def _places(self):
+        return self._all_places() if self.count <= _MOST_COPIES else None
+
+    def bounds(self, matrix=None):
+        matrix = np.eye(4) if matrix is None else matrix
+        lows, highs = zip(*(self.child.bounds(matrix @ place) for place in self._all_places()))
+        return np.min(lows, axis=0), np.max(highs, axis=0)
+
+    def growth(self, matrix=None):
+        matrix = np.eye(4) if matrix is None else matrix
+        return np.max([self.child.growth(matrix @ place) for place in self._all_places()], axis=0)
+
+    def volume(self):
+        volume = self.child.volume()
+        apart = self.count == 1.0 or 2.0 * self._sector[1] <= self._angle
+        return self.count * volume if volume is not None and apart else None
+
+
+def _turned(x: Formula, y: Formula, c: Formula, s: Formula) -> tuple[Formula, Formula]:
+    """(x, y) turned clockwise by the angle of cosine c and sine s."""
+    return c * x + s * y, c * y - s * x
+
+
+def _turn(angle: float) -> np.ndarray:
+    """The matrix (4 × 4) that turns about z, counter-clockwise as seen from its tip."""
+    matrix = np.eye(4)
+    matrix[:2, :2] = (math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))
+    return matrix
