@@ -551,13 +551,16 @@ class RegularPolygon(Polygonal):
         6.0, "Number of sides", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True)
     radius: float = number(0.5, "Distance from the centre to the corners")
 
-    def build(self, p: Vector, slot: Slots) -> Formula:
+    def folded(self, p: Vector, slot: Slots) -> tuple[Formula, Formula]:
+        """Coordinates of p out of the nearest side, from the centre, and along that side, from its middle: ≥ 0."""
         along, aside = into_sector(p.y, abs(p.x), int(self.sides), MOST_SECTORS, slot)
-        sine, cosine = math.sin(math.pi / self.sides), math.cos(math.pi / self.sides)
-        # Out of the nearest side, and past its end.
-        out = along * slot(cosine) + aside * slot(sine) - slot(self.radius * cosine)
-        past = along * slot(sine) - aside * slot(cosine) - slot(self.radius * sine)
-        return corner((out,), (past,))
+        sine, cosine = slot(math.sin(math.pi / self.sides)), slot(math.cos(math.pi / self.sides))
+        return along * cosine + aside * sine, along * sine - aside * cosine
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        out, along = self.folded(p, slot)
+        angle = math.pi / self.sides
+        return corner((out - slot(self.radius * math.cos(angle)),), (along - slot(self.radius * math.sin(angle)),))
 
     def outline(self):
         return _radial(self.sides, (self.radius,))

@@ -176,7 +176,7 @@ class PartialRevolution(Swept):
 # -- extrusions that numbers alone make -------------------------------------------------------------------------------
 
 
-class _Prism(Primitive, abstract=True):
+class Prismatic(Primitive, abstract=True):
     """An extruded profile."""
 
     def _profile(self) -> Profile:
@@ -202,7 +202,7 @@ class _Prism(Primitive, abstract=True):
 
 
 @dataclass(frozen=True)
-class StarPrism(_Prism):
+class StarPrism(Prismatic):
     """A star with thickness. One of its points is in the direction of y."""
 
     points: float = number(
@@ -216,7 +216,7 @@ class StarPrism(_Prism):
 
 
 @dataclass(frozen=True)
-class PlusPrism(_Prism):
+class PlusPrism(Prismatic):
     """Two equal bars that cross at right angles, with thickness."""
 
     half_length: float = number(0.5, "Distance from the axis to the ends of the bars, which are along x and y")
@@ -228,7 +228,7 @@ class PlusPrism(_Prism):
 
 
 @dataclass(frozen=True)
-class Crescent(_Prism):
+class Crescent(Prismatic):
     """A crescent moon with thickness: a disk without what another disk covers."""
 
     radius: float = number(0.5, "Radius of the disk")
@@ -241,7 +241,7 @@ class Crescent(_Prism):
 
 
 @dataclass(frozen=True)
-class HeartPrism(_Prism):
+class HeartPrism(Prismatic):
     """A heart with thickness: a square on its corner, with half a disk on each of its upper sides. Its top is at +y."""
 
     width: float = number(0.8, "Size along x")
