@@ -21,7 +21,9 @@ from . import support
 from .base import Slots, number
 from .cuts import half_space, placed, polyhedron
 from .primitives import Primitive, corner, rhombus_side
-from .sectors import MOST_SECTORS, into_sector
+from .profiles import Polygonal, Rectangle, RegularPolygon
+from .sectors import MOST_SECTORS
+from .swept import Prismatic
 
 _GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
 
@@ -200,70 +202,11 @@ class RhombicDodecahedron(Primitive):
 # -- prisms and pyramids ----------------------------------------------------------------------------------------------
 
 
-class _Polygonal(Primitive, abstract=True):
-    """With a regular polygon across the z axis."""
-
-    radius: float
-    height: float
-    _most_sides = MOST_SECTORS
-    _first_corner = 0.0  # its angle from the x axis
-
-    def _sides(self) -> int:
-        raise NotImplementedError
-
-    def _apothem(self) -> float:
-        """Distance from the axis to the sides of the polygon."""
-        return self.radius * math.cos(math.pi / self._sides())
-
-    def _half_side(self) -> float:
-        return self.radius * math.sin(math.pi / self._sides())
-
-    def _polygon(self, z: float) -> np.ndarray:
-        """The corners, (n, 3)."""
-        angles = self._first_corner + 2.0 * math.pi / self._sides() * np.arange(self._sides())
-        return np.stack([self.radius * np.cos(angles), self.radius * np.sin(angles), np.full(len(angles), z)], axis=1)
-
-    def _normals(self) -> np.ndarray:
-        """Unit normals of the sides of the polygon, (n, 2)."""
-        angles = self._first_corner + 2.0 * math.pi / self._sides() * (np.arange(self._sides()) + 0.5)
-        return np.stack([np.cos(angles), np.sin(angles)], axis=1)
-
-    def _area(self) -> float:
-        return self._sides() * self._apothem() * self._half_side()
-
-    def _folded(self, p: Vector, slot: Slots) -> tuple[Formula, Formula]:
-        """Coordinates out of the nearest side of the polygon, from the axis, and along it, from its middle, ≥ 0."""
-        sides = self._sides()
-        x, y = into_sector(p.x, abs(p.y), sides, self._most_sides, slot)
-        sine, cosine = slot(math.sin(math.pi / sides)), slot(math.cos(math.pi / sides))
-        return x * cosine + y * sine, x * sine - y * cosine
-
-
-class _Prism(_Polygonal, abstract=True):
-    """A polygon with thickness."""
-
-    def build(self, p: Vector, slot: Slots) -> Formula:
-        out, along = self._folded(p, slot)
-        faces = out - slot(self._apothem()), abs(p.z) - slot(0.5 * self.height)
-        return corner(faces, (along - slot(self._half_side()),))
-
-    def volume(self) -> float:
-        return self._area() * self.height
-
-    def support(self, directions):
-        return support.of_points(directions, self._polygon(0.0)) + support.of_segment(directions, 0.5 * self.height)
-
-    def program(self, matrix=None):
-        sides = np.pad(self._normals(), ((0, 0), (0, 1)))
-        normals = np.concatenate([sides, [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]])
-        return polyhedron(matrix, normals, [self._apothem()] * len(sides) + [0.5 * self.height] * 2)
-
-
 @dataclass(frozen=True)
-class Prism(_Prism):
+class Prism(Prismatic):
     """A bar along z with a regular polygon of any number of sides as its ends.
 
-    One of the corners is in the direction of x.
+    One of the corners is in the direction of y.
     """
 
     sides: float = number(
@@ -271,89 +214,109 @@ class Prism(_Prism):
     radius: float = number(0.5, "Distance from the axis to the corners")
     height: float = number(0.8, "Length along z")
 
-    def _sides(self):
-        return int(self.sides)
+    def _profile(self):
+        return RegularPolygon(self.sides, self.radius)
 
 
 @dataclass(frozen=True)
-class TriangularPrism(_Prism):
-    """A bar along z with equilateral triangles as its ends; a corner is in the direction of x."""
-
-    _most_sides = 3
+class TriangularPrism(Prismatic):
+    """A bar along z with equilateral triangles as its ends; a corner is in the direction of y."""
 
     radius: float = number(0.6, "Distance from the axis to the corners")
     height: float = number(0.8, "Length along z")
 
-    def _sides(self):
-        return 3
+    def _profile(self):
+        return RegularPolygon(3, self.radius)
 
 
 @dataclass(frozen=True)
-class HexagonalPrism(_Prism):
-    """A bar along z with regular hexagons as its ends; a corner is in the direction of x."""
-
-    _most_sides = 6
+class HexagonalPrism(Prismatic):
+    """A bar along z with regular hexagons as its ends; a corner is in the direction of y."""
 
     radius: float = number(0.5, "Distance from the axis to the corners")
     height: float = number(0.8, "Length along z")
 
-    def _sides(self):
-        return 6
+    def _profile(self):
+        return RegularPolygon(6, self.radius)
 
 
-class _Pyramidal(_Polygonal, abstract=True):
-    """With slanted faces that rise from a polygon to a tip on the z axis."""
+class _Pyramidal(Primitive, abstract=True):
+    """With equal slanted faces that rise from a polygon to a tip on the z axis."""
+
+    def _base(self) -> Polygonal:
+        raise NotImplementedError
+
+    def _folded(self, p: Vector, slot: Slots) -> tuple[Formula, Formula]:
+        """Coordinates of p out of the nearest side of the base, from the axis, and along it, from its middle: ≥ 0."""
+        return self._base().folded(p, slot)
+
+    def _middles(self) -> np.ndarray:
+        """Middles of the sides of the base, (n, 2)."""
+        outline = self._base().outline()
+        return 0.5 * (outline + np.roll(outline, -1, axis=0))
+
+    def _apothem(self) -> float:
+        """Distance from the axis to the sides of the base."""
+        return float(np.linalg.norm(self._middles()[0]))
+
+    def _slopes(self, height: float) -> np.ndarray:
+        """Normals (n, 3) of the faces below a tip ``height`` above the base."""
+        apothem = self._apothem()
+        return np.insert(self._middles() * (height / apothem), 2, apothem, axis=1)
+
+    def _corners(self, z: float) -> np.ndarray:
+        """Corners (n, 3) of the base at height z."""
+        return np.insert(self._base().outline(), 2, z, axis=1)
 
     def _slant(self, p: Vector, up: Formula, height: float, slot: Slots) -> tuple[Formula, Formula, Formula]:
-        """The signed distance to the cone of the slanted faces, the distance to a base in the polygon's plane, and what
-        is negative where the base is nearer. ``up`` is the distance above that plane, ``height`` that of the tip."""
-        apothem, half_side = self._apothem(), self._half_side()
+        """The signed distance to the slanted faces, that to the rim or base, and what is negative where the latter holds.
+
+        ``up`` is the height above the base, ``height`` that of the tip.
+        """
+        apothem, half_side = self._apothem(), 0.5 * float(np.linalg.norm(np.diff(self._base().outline()[:2], axis=0)))
         out, along = self._folded(p, slot)
         out = out - slot(apothem)
         slant = math.hypot(apothem, height)
         sine, cosine = slot(apothem / slant), slot(height / slant)
-        # In the plane of the face: ``climb`` up from the base, ``along`` it from the middle.
+        # In the plane of the face: ``climb`` from its lower edge up, ``along`` the edge from its middle.
         climb = up * cosine - out * sine
         face = corner((out * cosine + up * sine,), rhombus_side(along, climb, half_side, slant, slot))
-        base = length(maximum(out, 0.0), maximum(along - slot(half_side), 0.0), up)
-        return face, base, climb
+        below = length(maximum(out, 0.0), maximum(along - slot(half_side), 0.0), up)
+        return face, below, climb
 
 
 class _Pyramid(_Pyramidal, abstract=True):
-    """A pyramid on a polygon at −height/2."""
+    """A pyramid on a base at −height/2."""
+
+    height: float
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         up = p.z + slot(0.5 * self.height)
-        face, base, climb = self._slant(p, up, self.height, slot)
-        return select(minimum(climb, up) < 0.0, base, maximum(face, -up))
+        face, below, climb = self._slant(p, up, self.height, slot)
+        return select(climb < 0.0, below, maximum(face, -up))
 
     def volume(self) -> float:
-        return self._area() * self.height / 3.0
+        return self._base().area() * self.height / 3.0
 
     def support(self, directions):
-        return support.of_points(directions, [*self._polygon(-0.5 * self.height), (0.0, 0.0, 0.5 * self.height)])
+        tip = (0.0, 0.0, 0.5 * self.height)
+        return support.of_points(directions, [*self._corners(-0.5 * self.height), tip])
 
     def program(self, matrix=None):
-        slants = np.pad(self._normals() * self.height, ((0, 0), (0, 1)), constant_values=self._apothem())
-        offsets = [0.5 * self.height * self._apothem()] * len(slants) + [0.5 * self.height]
-        return polyhedron(matrix, [*slants, (0.0, 0.0, -1.0)], offsets)
+        slopes = self._slopes(self.height)
+        offsets = [0.5 * self.height * self._apothem()] * len(slopes)
+        return polyhedron(matrix, [*slopes, (0.0, 0.0, -1.0)], [*offsets, 0.5 * self.height])
 
 
 @dataclass(frozen=True)
 class Pyramid(_Pyramid):
     """A pyramid along z with a square base at −height/2 and its tip at +height/2."""
 
-    _first_corner = 0.25 * math.pi
-
     half_size: float = number(0.5, "Half of the length of the base's sides, which are along x and y")
     height: float = number(0.8, "Length along z, from the base to the tip")
 
-    @property
-    def radius(self):
-        return math.sqrt(2.0) * self.half_size
-
-    def _sides(self):
-        return 4
+    def _base(self):
+        return Rectangle(2.0 * self.half_size, 2.0 * self.half_size)
 
     def _folded(self, p, slot):
         return maximum(abs(p.x), abs(p.y)), minimum(abs(p.x), abs(p.y))
@@ -363,7 +326,7 @@ class Pyramid(_Pyramid):
 class RegularPyramid(_Pyramid):
     """A pyramid along z with a regular polygon of any number of sides as its base.
 
-    The base is at −height/2 with a corner in the direction of x, the tip at +height/2.
+    The base is at −height/2 with a corner in the direction of y, the tip at +height/2.
     """
 
     sides: float = number(
@@ -372,15 +335,15 @@ class RegularPyramid(_Pyramid):
     radius: float = number(0.6, "Distance from the axis to the corners of the base")
     height: float = number(0.8, "Length along z, from the base to the tip")
 
-    def _sides(self):
-        return int(self.sides)
+    def _base(self):
+        return RegularPolygon(self.sides, self.radius)
 
 
 @dataclass(frozen=True)
 class Bipyramid(_Pyramidal):
     """Two equal pyramids joined at their bases, a regular polygon of any number of sides: a crystal along z.
 
-    One of the polygon's corners is in the direction of x.
+    One of the polygon's corners is in the direction of y.
     """
 
     sides: float = number(
@@ -389,24 +352,24 @@ class Bipyramid(_Pyramidal):
     radius: float = number(0.4, "Distance from the axis to the corners of the polygon")
     height: float = number(1.2, "Length along z, from tip to tip")
 
-    def _sides(self):
-        return int(self.sides)
+    def _base(self):
+        return RegularPolygon(self.sides, self.radius)
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         face, rim, climb = self._slant(p, abs(p.z), 0.5 * self.height, slot)
         return select(climb < 0.0, rim, face)
 
     def volume(self) -> float:
-        return self._area() * self.height / 3.0
+        return self._base().area() * self.height / 3.0
 
     def support(self, directions):
         tip = support.of_segment(directions, 0.5 * self.height)
-        return np.maximum(support.of_points(directions, self._polygon(0.0)), tip)
+        return np.maximum(support.of_points(directions, self._corners(0.0)), tip)
 
     def program(self, matrix=None):
-        half_height, apothem = 0.5 * self.height, self._apothem()
-        slants = [(x * half_height, y * half_height, z) for x, y in self._normals() for z in (apothem, -apothem)]
-        return polyhedron(matrix, slants, half_height * apothem)
+        slopes = self._slopes(0.5 * self.height)
+        both = np.concatenate([slopes, slopes * (1.0, 1.0, -1.0)])
+        return polyhedron(matrix, both, 0.5 * self.height * self._apothem())
 
 
 # -- blocks -----------------------------------------------------------------------------------------------------------
