@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solids with flat faces. All distances are exact.
 
-A point is first reflected in planes of symmetry until it lies in one chamber of the symmetry group. The nearest point
-of a convex solid with that symmetry lies in the same chamber, where there is little of the solid: a face, half of an
-edge, a corner. H. S. M. Coxeter, "Regular Polytopes", chapter 5, has the groups and their chambers.
+A point is first reflected into one chamber of the solid's symmetry. The nearest point of a convex solid lies in the
+same chamber, where there is little of the solid: a part of a face, half of an edge, a corner.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,22 +22,9 @@ from .base import Slots, number
 from .cuts import half_space, placed, polyhedron
 from .primitives import Primitive, corner, rhombus_side
 from .profiles import Polygonal, Rectangle, RegularPolygon
+from .reflections import GOLDEN, into_icosahedral_chamber, into_octahedral_chamber, into_tetrahedral_chamber
 from .sectors import MOST_SECTORS
 from .swept import Prismatic
-
-_GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
-
-
-def _reflected(p: Vector, normal: tuple[float, float, float]) -> Vector:
-    """p, mirrored to the side of the plane through the origin that its unit normal points to."""
-    beyond = minimum(p.dot(Vector(*normal)), 0.0)
-    return p - Vector(*(beyond * (2.0 * component) for component in normal))
-
-
-def _sorted(p: Vector) -> Vector:
-    """The coordinates in descending order: reflections in the planes x = y, y = z and z = x."""
-    a, b, c = p
-    return Vector(maximum(a, b, c), maximum(minimum(a, b), minimum(maximum(a, b), c)), minimum(a, b, c))
 
 
 def _cyclic(points) -> np.ndarray:
@@ -53,17 +40,17 @@ def _signs(*magnitudes: float) -> np.ndarray:
 _OCTAHEDRON = _cyclic(_signs(1.0, 0.0, 0.0))
 _CUBE = _signs(1.0, 1.0, 1.0) / math.sqrt(3.0)
 _TETRAHEDRON = _CUBE[np.prod(_CUBE, axis=1) > 0.0]
-_ICOSAHEDRON = _cyclic(_signs(0.0, _GOLDEN, 1.0)) / math.hypot(_GOLDEN, 1.0)
-_DODECAHEDRON = np.concatenate([_CUBE, _cyclic(_signs(_GOLDEN, 0.0, 1.0 / _GOLDEN)) / math.sqrt(3.0)])
+_ICOSAHEDRON = _cyclic(_signs(0.0, GOLDEN, 1.0)) / math.hypot(GOLDEN, 1.0)
+_DODECAHEDRON = np.concatenate([_CUBE, _cyclic(_signs(GOLDEN, 0.0, 1.0 / GOLDEN)) / math.sqrt(3.0)])
 
 
 # -- regular polyhedra ------------------------------------------------------------------------------------------------
 
 
 class Regular(Primitive, abstract=True):
-    """A polyhedron of which every corner of every face is like any other. ``radius`` is the distance of the corners.
+    """A solid whose symmetry takes each of its faces, edges and corners to every other.
 
-    ``corners`` are those for radius 1, ``normals`` the unit normals of the faces, and ``chamber`` the directions of the
+    ``corners`` are those of radius 1, ``normals`` the unit normals of the faces, and ``chamber`` the directions of the
     centre of a face, the middle of one of its edges and an end of that edge: ``_folded`` takes points between them.
     """
 
@@ -71,6 +58,7 @@ class Regular(Primitive, abstract=True):
     corners: np.ndarray
     normals: np.ndarray
     chamber: tuple
+    _folded: Callable[[Vector], Vector]
 
     def __init_subclass__(cls, **options):
         super().__init_subclass__(**options)
@@ -82,17 +70,14 @@ class Regular(Primitive, abstract=True):
         cls._apothem, cls._half_edge = float(np.linalg.norm(outwards)), float(np.linalg.norm(along))
         cls._frame = [Vector(*v.tolist()) for v in (normal, outwards / cls._apothem, along / cls._half_edge)]
 
-    def _folded(self, p: Vector) -> Vector:
-        raise NotImplementedError
-
     def build(self, p: Vector, slot: Slots) -> Formula:
         radius, p = slot(self.radius), self._folded(p)
-        out, outwards, along = (p.dot(direction) - radius * ratio for direction, ratio in zip(
-            self._frame, (self._inradius, self._apothem, self._half_edge)))
+        ratios = self._inradius, self._apothem, self._half_edge
+        out, outwards, along = (p.dot(axis) - radius * ratio for axis, ratio in zip(self._frame, ratios))
         return corner((out,), (outwards, along))
 
     def volume(self) -> float:
-        sides = round(math.pi / math.atan2(self._half_edge, self._apothem))
+        sides = round(math.pi / math.atan2(self._half_edge, self._apothem))  # of a face
         face = sides * self._apothem * self._half_edge
         return len(self.normals) * face * self._inradius / 3.0 * self.radius**3
 
@@ -112,17 +97,11 @@ class Tetrahedron(Regular):
 
     corners = _TETRAHEDRON
     normals = -_TETRAHEDRON
-    chamber = (1.0, 1.0, -1.0), (1.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    chamber = (-1.0, 1.0, 1.0), (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
     radius: float = number(0.75, "Distance from the centre to the corners")
 
-    def _folded(self, p):
-        # Reflections in x = ±y, then in y = ±z; x = y is what they may undo.
-        a, b = abs(p.x + p.y), abs(p.x - p.y)
-        x, y = (a + b) * 0.5, (a - b) * 0.5
-        a, b = abs(y + p.z), abs(y - p.z)
-        y, z = (a + b) * 0.5, (a - b) * 0.5
-        return Vector(maximum(x, y), minimum(x, y), z)
+    _folded = staticmethod(into_tetrahedral_chamber)
 
 
 @dataclass(frozen=True)
@@ -134,26 +113,17 @@ class Octahedron(Regular):
 
     corners = _OCTAHEDRON
     normals = _CUBE
-    chamber = (1.0, 1.0, 1.0), (1.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+    chamber = (1.0, 1.0, 1.0), (0.0, 1.0, 1.0), (0.0, 0.0, 1.0)
 
     radius: float = number(0.65, "Distance from the centre to the corners")
 
-    def _folded(self, p):
-        return _sorted(abs(p))
+    _folded = staticmethod(into_octahedral_chamber)
 
 
 class _Icosahedral(Regular, abstract=True):
-    """With the symmetry of an icosahedron: 120 chambers, of which the octants have 15 each."""
+    chamber = (1.0, 0.0, GOLDEN), (0.0, 0.0, 1.0), (0.0, 1.0 / GOLDEN, GOLDEN)
 
-    chamber = (1.0, 0.0, _GOLDEN), (_GOLDEN, 1.0 / _GOLDEN, 1.0), (_GOLDEN, 0.0, 1.0 / _GOLDEN)
-
-    def _folded(self, p):
-        # From an octant to one chamber takes five reflections: no fewer do, as a search of all sequences shows.
-        long, short = 0.5 * _GOLDEN, 0.5 / _GOLDEN
-        p = abs(p)
-        for normal in ((0.5, -long, short), (0.5, -long, -short), (0.5, long, -short), (-short, -0.5, long)):
-            p = _reflected(p, normal)
-        return Vector(p.x, abs(p.y), p.z)
+    _folded = staticmethod(into_icosahedral_chamber)
 
 
 @dataclass(frozen=True)
@@ -184,10 +154,10 @@ class RhombicDodecahedron(Primitive):
     radius: float = number(0.65, "Distance from the centre to the six farthest corners, which are on the axes")
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        p, half = _sorted(abs(p)), math.sqrt(0.5)
-        # Of the face around (1, 1, 0), a rhombus with its diagonals along (1, −1, 0) and z.
-        out = (p.x + p.y) * half - slot(self.radius * half)
-        return corner((out,), rhombus_side((p.x - p.y) * half, p.z, self.radius * half, 0.5 * self.radius, slot))
+        p, half = into_octahedral_chamber(p), math.sqrt(0.5)
+        # Of the face around (0, 1, 1), a rhombus with its diagonals along (0, −1, 1) and x.
+        out = (p.z + p.y) * half - slot(self.radius * half)
+        return corner((out,), rhombus_side((p.z - p.y) * half, p.x, self.radius * half, 0.5 * self.radius, slot))
 
     def volume(self) -> float:
         return 2.0 * self.radius**3
