@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -32,6 +33,7 @@ PROFILES: dict[str, type["Profile"]] = {}
 """Every profile by the name it has in expressions, in order of definition."""
 
 MOST_POINTS = 256  # of a polygon: each of them costs time at every point of space
+_FLAT = 1e-9  # slope below which an edge of a profile is at right angles to the axis it turns about
 _STRAIGHT = 1e-12  # sine of the turn below which a corner of an outline is none
 _SHORTEST = 1e-300  # square of the length of an edge between equal points, which must not divide by 0
 
@@ -395,30 +397,48 @@ class Polygonal(Profile, abstract=True):
         return abs(float(0.5 * np.sum(squares * (b[:, 1] - a[:, 1]))))
 
     def extruded_program(self, matrix, height):
-        corners = _without_straight_corners(self.outline())
-        if _signed_area(corners) < 0.0:
-            corners = corners[::-1]
+        def beside(a, b):
+            return half_space(matrix, (b[1] - a[1], a[0] - b[0], 0.0), a[0] * b[1] - a[1] * b[0]), True
+
         ends = polyhedron(matrix, [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)], 0.5 * height)
-        return combine(Op.INTERSECTION, [ends, _hull_without_pockets(matrix, corners, closed=True)])
+        return _hull_without_pockets(ends, beside, self._corners())
 
     def revolved_program(self, matrix, offset):
-        # A point is inside if the edges to its right are odd in number, and so are then the frustums between the axis
-        # and an edge that it is in.
-        frustums = []
-        a = self.outline() + (offset, 0.0)
-        for (bottom, low), (top, high) in zip(a, np.roll(a, -1, axis=0)):
-            if low > high:
-                bottom, low, top, high = top, high, bottom, low
-            if low == high or max(bottom, top) <= 0.0:
-                continue
-            # Only what is on this side of the axis is revolved.
-            if bottom < 0.0:
-                bottom, low = 0.0, low + (high - low) * bottom / (bottom - top)
-            if top < 0.0:
-                top, high = 0.0, high + (low - high) * top / (top - bottom)
-            place = placed(matrix, z=0.5 * (low + high))
-            frustums.append(primitive(Op.FRUSTUM, place, (bottom, top, high - low)))
-        return combine(Op.EXCLUSIVE, frustums)
+        corners = self._corners() + (offset, 0.0)
+        low, high = corners[:, 1].min(), corners[:, 1].max()
+        # Cones end well beyond the solid, so no two faces coincide.
+        low, high = 1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low
+        around = primitive(
+            Op.CYLINDER, placed(matrix, z=0.5 * (low + high)), (2.0 * corners[:, 0].max(), high - low))
+
+        def beside(a, b):
+            """What is left of an edge that goes down is outside a cone; of one that goes up, inside."""
+            across, up = b - a
+            if abs(up) <= _FLAT * abs(across):
+                side = -math.copysign(1.0, across)
+                return half_space(matrix, (0.0, 0.0, side), side * a[1]), True
+            return _cone(matrix, low, high, a, across / up), up > 0.0
+
+        return _hull_without_pockets(around, beside, corners)
+
+    def _corners(self) -> np.ndarray:
+        """The outline, counter-clockwise and without straight corners."""
+        corners = _without_straight_corners(self.outline())
+        return corners if _signed_area(corners) > 0.0 else corners[::-1]
+
+
+def _cone(matrix: np.ndarray | None, low: float, high: float, through: np.ndarray, slope: float) -> np.ndarray | None:
+    """Program of the points between z = ``low`` and ``high`` that are nearer to the z axis than a line, by which the
+    distance changes with ``slope`` and which goes ``through`` a point (distance, z). None if there are none."""
+    def radius(z):
+        return through[0] + (z - through[1]) * slope
+
+    if max(radius(low), radius(high)) <= 0.0:
+        return None
+    tip = through[1] - through[0] / slope if slope != 0.0 else low
+    low, high = tip if radius(low) < 0.0 else low, tip if radius(high) < 0.0 else high
+    radii = max(radius(low), 0.0), max(radius(high), 0.0)
+    return primitive(Op.FRUSTUM, placed(matrix, z=0.5 * (low + high)), (*radii, high - low))
 
 
 def _signed_area(corners: np.ndarray) -> float:
@@ -461,23 +481,32 @@ def _hull(corners: np.ndarray) -> list[int]:
     return sorted(chain(order) + chain(order[::-1]))
 
 
-def _hull_without_pockets(matrix: np.ndarray | None, corners: np.ndarray, closed: bool) -> np.ndarray:
-    """Program of a counter-clockwise outline as its convex hull without what lies between the two, and so on inwards.
+def _hull_without_pockets(around: np.ndarray, beside: Callable, corners: np.ndarray,
+                          closed: bool = True) -> np.ndarray | None:
+    """Program of what a counter-clockwise outline bounds, as its convex hull without what lies between, and so on inwards.
 
-    Tor and Middleditch, "Convex Decomposition of Simple Polygons", 1984. Where it is not ``closed``, the edge from the
-    last corner to the first is left out: the region it bounds is a pocket, which is cut out of what ends there anyway.
+    Tor and Middleditch, "Convex Decomposition of Simple Polygons", 1984. ``around`` is a program of more than the whole;
+    ``beside(a, b)`` one of what is left of the edge from a to b, and True, or of what is right of it, and False (None
+    for nothing). Where it is not ``closed``, the edge from the last corner to the first is left out: the outline is of
+    a pocket, which is cut out of what ends there anyway.
     """
     hull = _hull(corners)
-    sides, pockets = [], []
+    inside, outside = [around], []
     for start, end in zip(hull, hull[1:] + [hull[0] + len(corners)]):
-        a, b = corners[start], corners[end % len(corners)]
         if closed or end < len(corners):
-            normal = (b[1] - a[1], a[0] - b[0], 0.0)
-            sides.append(half_space(matrix, normal, normal[0] * a[0] + normal[1] * a[1]))
+            cut, left = beside(corners[start], corners[end % len(corners)])
+            if cut is not None:
+                (inside if left else outside).append(cut)
+            elif left:
+                return None
         if end - start > 1:
-            pocket = corners[np.arange(end, start - 1, -1) % len(corners)]
-            pockets.append(_hull_without_pockets(matrix, pocket, closed=False))
-    return combine(Op.DIFFERENCE, [combine(Op.INTERSECTION, sides), *pockets])
+            chain = corners[np.arange(end, start - 1, -1) % len(corners)]
+            pocket = _hull_without_pockets(around, beside, chain, closed=False)
+            if pocket is not None:
+                outside.append(pocket)
+    # Within a pocket nothing but its own edges matters.
+    inside = inside[1:] if not closed and len(inside) > 1 else inside
+    return combine(Op.DIFFERENCE, [combine(Op.INTERSECTION, inside), *outside])
 
 
 @dataclass(frozen=True)
@@ -725,7 +754,7 @@ class Polygon(Polygonal):
     def moment(self, offset):
         return super().moment(offset) if self.simple else None
 
-    def extruded_program(self, matrix, height):
+    def _corners(self):
         if not self.simple:
             raise program.NoClosedForm("A polygon that crosses itself has no closed form for its ray intervals.")
-        return super().extruded_program(matrix, height)
+        return super()._corners()
