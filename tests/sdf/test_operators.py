@@ -10,10 +10,10 @@ from sdf_lights.sdf.program import Op
 from sdf_lights.sdf.shapes import BOUND, EXACT, Box, BoxFrame, Cylinder, Difference, Ellipsoid, Exclusive, Family
 from sdf_lights.sdf.shapes import Intersection, Operator, Primitive, ShapeError, Sphere, Torus, Transformed, Union
 from sdf_lights.sdf.shapes.operators import guarded, level_bounds
-from tests.sdf.samples import COMPOSITES, MIRROR, SHAPES_TO_TRY, SHEAR, points, rotation, window
+from tests.sdf.operated import OPERATED, SHEAR
+from tests.sdf.samples import COMPOSITES, MIRROR, points, rotation, window
 
-each_shape = pytest.mark.parametrize("shape", [pytest.param(s, id=n) for n, s in SHAPES_TO_TRY.items()])
-each_composite = pytest.mark.parametrize("shape", [pytest.param(s, id=n) for n, s in COMPOSITES.items()])
+each_composite = pytest.mark.parametrize("shape", [pytest.param(s, id=n) for n, s in (COMPOSITES | OPERATED).items()])
 
 SETS = {
     "union": Union(Box(0.5), Transformed(Torus(), SHEAR), Sphere(0.4), Cylinder(0.1, 3.0), Ellipsoid()),
@@ -50,34 +50,13 @@ def _operands(terms):
     return operands
 
 
-def _hold_terms_to_the_field(shape, matrix):
-    at = points(shape, 500)
-    factor = np.linalg.svd(matrix[:3, :3], compute_uv=False)[-1]
-    world = at @ matrix[:3, :3].T + matrix[:3, 3]
-    low, high = window(shape)
-    scale = np.linalg.norm(world, axis=1) + np.linalg.norm(at, axis=1) + np.linalg.norm(high - low)
-    error = np.abs(run(shape.terms(matrix, factor), world)[-1] - factor * shape.distance(at))
-    assert (error / scale).max() < 1e-12
-
-
-@each_shape
-def test_terms_are_the_field(shape):
-    _hold_terms_to_the_field(shape, SHEAR)
-
-
-@each_composite
-@pytest.mark.parametrize("matrix", [np.eye(4), rotation(), MIRROR], ids=["as it is", "rotated", "mirrored"])
-def test_terms_are_the_field_under_other_matrices(shape, matrix):
-    _hold_terms_to_the_field(shape, matrix)
-
-
 @each_composite
 def test_terms_keep_their_promises(shape):
     """Far from each other the join of two operands is one of them; and no value changes faster than it says."""
     rng = np.random.default_rng(3)
     low, high = window(shape)
     center, extent = (low + high) / 2, high - low
-    a = center + extent * rng.uniform(-1.0, 1.0, (20_000, 3))
+    a = center + extent * rng.uniform(-1.0, 1.0, (4000, 3))
     b = a + rng.normal(size=a.shape) * extent * 10.0 ** rng.uniform(-6, 0, (len(a), 1))
     terms = shape.terms(np.eye(4), 1.0)
     at_a, at_b = run(terms, a), run(terms, b)

@@ -15,9 +15,9 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from ..formula import Vector, apply, cos, minimum, sin, sqrt
+from ..formula import Vector, apply, cos, length, minimum, sin
 from ..program import NoClosedForm
-from .base import LARGEST, SMALLEST, Shape, number, part
+from .base import EXACT, LARGEST, SMALLEST, Shape, number, part
 from .operators import Folded, Intersection, Transformed, Union
 from .solids import HalfSpace
 
@@ -49,15 +49,20 @@ class Fold(Folded, abstract=True):
 
     @cached_property
     def _in_chamber(self) -> bool:
-        """Whether the shape certainly is in the chamber."""
+        """Whether the shape certainly is in the chamber, clear of its walls."""
         low, high = self.child.bounds()
         corners = np.stack(np.meshgrid(*zip(low, high)), axis=-1).reshape(-1, 3)
-        return bool(np.isfinite(corners).all() and (corners @ self._normals().T >= 0.0).all())
+        return bool(np.isfinite(corners).all() and (corners @ self._normals().T > 0.0).all())
 
     @property
     def exact_outside(self):
         # With all of the shape in the chamber, none of its images is nearer than that in the point's own chamber.
         return self.child.exact_outside and self._in_chamber
+
+    @property
+    def exactness(self):
+        # The images do not touch.
+        return EXACT if self.child.exactness == EXACT and self._in_chamber else super().exactness
 
     @cached_property
     def _images(self) -> Union:
@@ -101,9 +106,9 @@ class Mirror(Fold):
     smoothness: float = number(0.0, "By how much points of the plane are read away from it", minimum=0.0,
                                soft_maximum=1.0)
 
-    @property
-    def exact_outside(self):
-        return super().exact_outside and not self.smoothness
+    @cached_property
+    def _in_chamber(self):
+        return not self.smoothness and super()._in_chamber
 
     @property
     def _unit(self) -> tuple[float, float, float]:
@@ -119,8 +124,8 @@ class Mirror(Fold):
         normal = slot(self._unit)
         across = p.dot(normal)
         # A hyperbola in place of the absolute value: its slope is at most 1, too.
-        distance = sqrt(across * across + slot(self.smoothness**2)) if self.smoothness else abs(across)
-        return Vector(*(q + n * (distance - across) for q, n in zip(p, normal)))
+        away = length(across, slot(self.smoothness)) - across
+        return Vector(*(q + n * away for q, n in zip(p, normal)))
 
     def bounds(self, matrix=None):
         low, high = super().bounds(matrix)
@@ -132,9 +137,6 @@ class Mirror(Fold):
         if np.linalg.norm(self.normal) < SMALLEST:
             return "Mirror: the normal has no length: give at least one of its components a value other than 0."
         return ""
-
-    def volume(self):
-        return None if self.smoothness else super().volume()
 
     def program(self, matrix=None):
         if self.smoothness:

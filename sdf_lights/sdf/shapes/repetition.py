@@ -24,7 +24,7 @@ import numpy as np
 
 from ..formula import Formula, Vector, apply, clamp, cos, iterate, maximum, minimum, sin
 from ..program import NoClosedForm
-from .base import BOUND, LARGEST, NONE, Shape, Slots, number, part
+from .base import EXACT, LARGEST, Shape, number, part
 from .operators import Operator, Transformed, Union, guarded
 from .primitives import Box
 
@@ -54,7 +54,11 @@ class Repeated(Operator, abstract=True):
         raise NotImplementedError
 
     def _apart(self) -> bool:
-        """Whether the copies certainly have no point in common."""
+        """Whether the copies certainly do not touch."""
+        raise NotImplementedError
+
+    def _number(self) -> float:
+        """How many copies there are."""
         raise NotImplementedError
 
     @cached_property
@@ -65,6 +69,14 @@ class Repeated(Operator, abstract=True):
     @property
     def exact_outside(self):
         return self.child.exact_outside
+
+    @property
+    def exactness(self):
+        return EXACT if self.child.exactness == EXACT and self._apart() else super().exactness
+
+    def volume(self):
+        volume = self.child.volume()
+        return self._number() * volume if volume is not None and self._apart() else None
 
     def terms(self, matrix, factor):
         return super().terms(matrix, factor) if self._copies is None else self._copies.terms(matrix, factor)
@@ -88,8 +100,7 @@ class Repetition(Repeated):
         whole=True)
     spacing: tuple[float, float, float] = number((1.0, 1.0, 1.0), "Distance from copy to copy along x, y and z")
 
-    @cached_property
-    def _number(self) -> float:
+    def _number(self):
         return math.inf if 0.0 in self.count else math.prod(self.count)
 
     @property
@@ -99,7 +110,7 @@ class Repetition(Repeated):
     @property
     def _held(self) -> bool:
         """Whether the field is held to half of the spacing."""
-        return not self.child.exact_outside and self._number > _MOST_COPIES
+        return not self.child.exact_outside and self._number() > _MOST_COPIES
 
     @cached_property
     def _part(self) -> Shape:
@@ -165,7 +176,7 @@ class Repetition(Repeated):
         return self._part.growth(matrix)
 
     def _places(self):
-        if self._number > _MOST_COPIES:
+        if self._number() > _MOST_COPIES:
             return None
         places = []
         for index in np.ndindex(*map(int, self.count)):
@@ -174,10 +185,8 @@ class Repetition(Repeated):
             places.append(place)
         return places
 
-    def volume(self):
-        volume = self.child.volume()
-        apart = np.logical_or(np.equal(self.count, 1.0), self._widths() <= self.spacing).all()
-        return self._number * volume if volume is not None and apart else None
+    def _apart(self):
+        return bool(np.logical_or(np.equal(self.count, 1.0), self._widths() < self.spacing).all())
 
     def relation(self):
         if self.child.validate():
@@ -251,10 +260,11 @@ class PolarRepetition(Repeated):
         matrix = np.eye(4) if matrix is None else matrix
         return np.max([self.child.growth(matrix @ place) for place in self._all_places()], axis=0)
 
-    def volume(self):
-        volume = self.child.volume()
-        apart = self.count == 1.0 or 2.0 * self._sector[1] <= self._angle
-        return self.count * volume if volume is not None and apart else None
+    def _number(self):
+        return self.count
+
+    def _apart(self):
+        return self.count == 1.0 or 2.0 * self._sector[1] < self._angle
 
 
 def _turned(x: Formula, y: Formula, c: Formula, s: Formula) -> tuple[Formula, Formula]:

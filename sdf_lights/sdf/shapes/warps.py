@@ -20,8 +20,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..formula import Formula, Vector, apply, clamp, cos, length, maximum, minimum, sin
-from .base import LARGEST, NONE, Shape, Slots, number, part
+from ..formula import Vector, apply, clamp, cos, length, maximum, minimum, sin
+from .base import Shape, Slots, number, part
 from .operators import Operator, Transformed, guarded
 from .primitives import Box
 
