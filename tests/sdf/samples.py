@@ -122,15 +122,17 @@ def surface(shape: Shape, count: int = 2000) -> np.ndarray:
 
 
 @functools.cache
-def points(shape: Shape, count: int = 3000) -> np.ndarray:
-    """Points (n, 3) in and around the shape, on its axes and planes of symmetry, on its surface, and far away."""
+def points(shape: Shape, count: int = 2000) -> np.ndarray:
+    """Points (n, 3) in and around the shape, on its axes and planes of symmetry, close to its surface and far away."""
     rng = np.random.default_rng(1)
     low, high = window(shape)
     center, extent = (low + high) / 2, high - low
     near = center + extent * rng.uniform(-1.0, 1.0, (count, 3))
     lattice = center + extent * np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 9)] * 3), axis=-1).reshape(-1, 3)
+    beside = surface(shape)[300:1300]
+    beside = beside + extent * rng.normal(size=beside.shape) * 10.0 ** rng.uniform(-5, -1, (len(beside), 1))
     # The field must also be defined where terms vanish, and far from where they matter.
     tiny = rng.normal(size=(200, 3)) * 10.0 ** rng.uniform(-300, -3, (200, 1))
     huge = rng.normal(size=(200, 3)) * 10.0 ** rng.uniform(3, 12, (200, 1))
     axes = np.concatenate([huge[:50, None] * np.eye(3), tiny[:50, None] * np.eye(3)]).reshape(-1, 3)
-    return np.concatenate([near, lattice, surface(shape)[:300], tiny, huge, axes, np.zeros((1, 3))])
+    return np.concatenate([near, lattice, surface(shape)[:300], beside, tiny, huge, axes, np.zeros((1, 3))])
