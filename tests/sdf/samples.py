@@ -15,8 +15,8 @@ from sdf_lights.sdf.shapes.polyhedra import Bipyramid, Prism, Pyramid, RegularPy
 from sdf_lights.sdf.shapes.primitives import Frustum
 from sdf_lights.sdf.shapes.solids import CappedTorus, CrossedBars, HalfSpace, Link, PieSlice, RoundCone, RoundedBox
 from sdf_lights.sdf.shapes.solids import RoundedCylinder, Slab
+from tests.sdf.operated import OPERATED, SHEAR
 
-SHEAR = np.array([(1.0, 0.4, 0.0, 0.3), (0.0, 0.8, -0.5, -0.2), (0.2, 0.0, 1.3, 0.1), (0.0, 0.0, 0.0, 1.0)])
 MIRROR = np.diag([-1.0, 0.5, 2.0, 1.0])
 
 
@@ -87,7 +87,7 @@ COMPOSITES = {
     "nested": Transformed(Union(Transformed(Cone(), SHEAR), Torus(), Intersection(Box(), Sphere(0.6))), MIRROR),
     "cut by what has no end": Intersection(Sphere(0.7), Slab(0.3), Transformed(HalfSpace((1.0, 1.0, 0.0), 0.1), SHEAR))}
 
-SHAPES_TO_TRY = PRIMITIVES | VARIATIONS | COMPOSITES
+SHAPES_TO_TRY = PRIMITIVES | VARIATIONS | COMPOSITES | OPERATED
 
 
 def window(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
