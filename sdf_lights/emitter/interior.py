@@ -25,14 +25,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..jit import kernel, stack_array, table
-from ..sdf.lipschitz import enclose_with_slope
+from ..sdf.lipschitz import lipschitz
 from ..sdf.program import INSTRUCTION, NoClosedForm
+from ..sdf.read_interval import enclose
 from ..sdf.read_native import evaluate
 from ..sdf.shapes.base import Shape
 from .fields import DEEPEST, LANES, LIST, STACK, TERM, VALUES, CompiledField, compile_terms
 from .intervals import rows_needed
 from .membership import BOX, CONE, CYLINDER, FRUSTUM, HALF_SPACE
 from .pruning import prune_field, prune_program
+from .slopes import fill_gradients
 
 NODE = np.dtype([
     ("first", np.int32),  # index of the two children, below the split and above it; −1 for a leaf
@@ -42,6 +44,7 @@ NODE = np.dtype([
     ("row_first", np.int32),  # the list of what matters in this box; no rows where the state is certain
     ("row_count", np.int32),
     ("lipschitz", np.float64),  # bound of the field in this box; of no meaning for programs
+    ("gradient", np.float32, (2, 3)),  # bounds of the field's gradient in this box, see ``slopes``; as lipschitz
     ("share", np.float64),  # of the child below the split in the mass
     ("mass", np.float64),  # m³ of the boxes below that are not certainly outside
 ], align=True)
@@ -50,12 +53,13 @@ OUTSIDE, INSIDE, BOUNDARY = 0, 1, 2  # state of a node: of all points of its box
 
 TABLES = {"lamp_nodes": NODE}
 
-MOST_NODES = 1 << 16
+MOST_NODES = 1 << 15
 MOST_ROWS = 1 << 21  # of all lists together
 RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the boundary are not divided below it …
 ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
 MOST_LEVELS = 60  # of nodes below one another
 SLOPES = 32  # measured in a box of whose field no Lipschitz bound is found
+CASES = 4  # that a box may be taken apart into for it
 BOUNDS_WORK = 150_000  # operations of formulas times boxes, to find Lipschitz bounds of boxes
 KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
 
@@ -187,6 +191,7 @@ def grow_field(terms, parameters, gains, columns, bounds, nodes, boxes, levels, 
     lengths = np.empty(LANES, np.int64)
     slopes = np.empty(LANES)
     out = np.empty((LANES, len(terms)), LIST)
+    starts, steepness = np.empty((LANES, DEEPEST), np.int64), np.empty((LANES, DEEPEST))
     for index in range(first, last):
         node = nodes[index]
         if node.state != BOUNDARY or node.first >= 0 or _small_enough(boxes[index], levels[index], smallest, mass):
@@ -195,7 +200,7 @@ def grow_field(terms, parameters, gains, columns, bounds, nodes, boxes, levels, 
             return
         radius = _eighths(boxes[index], axes, stack)
         prune_field(terms, parameters, gains, columns, bounds[index], lists, node.row_first, node.row_count, radius,
-                    stack, out, lengths, slopes)
+                    stack, out, lengths, slopes, starts, steepness)
         for lane in range(LANES):
             value = stack[VALUES + lane]
             margin = slopes[lane] * radius
@@ -273,15 +278,15 @@ def _flat_face(program, lists, node, box):
 
 
 @kernel
-def _pruned(program, lists, node, box, out):
+def _pruned(program, lists, node, box, out, starts):
     """``pruning.prune_program`` for a box."""
     c = (0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]))
     h = (0.5 * (box[3] - box[0]), 0.5 * (box[4] - box[1]), 0.5 * (box[5] - box[2]))
-    return prune_program(program, lists, node.row_first, node.row_count, c, h, out)
+    return prune_program(program, lists, node.row_first, node.row_count, c, h, out, starts)
 
 
 @kernel
-def _best_axis(program, lists, nodes, boxes, index, place, out):
+def _best_axis(program, lists, nodes, boxes, index, place, out, starts):
     """Axis whose halves are certain, or else the longest one. Rows of ``boxes`` from ``place`` are scratch."""
     longest = _longest(boxes[index])[0]
     best, axis = -1.0, 0
@@ -289,7 +294,7 @@ def _best_axis(program, lists, nodes, boxes, index, place, out):
         _halve(boxes, index, k, _middle(boxes[index], k), place)
         score = (boxes[index, 3 + k] - boxes[index, k]) / longest
         for side in range(2):
-            _, inside, outside = _pruned(program, lists, nodes[index], boxes[place + side], out)
+            _, inside, outside = _pruned(program, lists, nodes[index], boxes[place + side], out, starts)
             score += inside | outside
         if score > best:
             best, axis = score, k
@@ -300,7 +305,7 @@ def _best_axis(program, lists, nodes, boxes, index, place, out):
 def grow_program(program, nodes, boxes, levels, lists, used, mass, smallest):
     """Divide the boxes of a program's tree in two, the largest first: along a flat face where there is one, else in the
     middle of the axis that makes the most volume certain. Arguments as of ``grow_field``."""
-    out = np.empty(len(program), LIST)
+    out, starts = np.empty(len(program), LIST), np.empty(DEEPEST, np.int64)
     index = 0
     while index < used[0] and used[0] + 2 <= len(nodes):
         node, box = nodes[index], boxes[index]
@@ -312,13 +317,13 @@ def grow_program(program, nodes, boxes, levels, lists, used, mass, smallest):
             return
         axis, position = _flat_face(program, lists, node, box)
         if axis < 0:
-            axis = _best_axis(program, lists, nodes, boxes, parent, used[0], out)
+            axis = _best_axis(program, lists, nodes, boxes, parent, used[0], out, starts)
             position = _middle(box, axis)
         mass[1] -= _volume(box)
         place = _divide(nodes, boxes, levels, used, parent, axis, position)
         for side in range(2):
             child = place + side
-            count, inside, outside = _pruned(program, lists, node, boxes[child], out)
+            count, inside, outside = _pruned(program, lists, node, boxes[child], out, starts)
             _settle(nodes, boxes, child, INSIDE if inside else OUTSIDE if outside else BOUNDARY, mass)
             if nodes[child].state == BOUNDARY:
                 _store(nodes, child, parent, lists, used, out, count)
@@ -465,11 +470,12 @@ def _bound(field: CompiledField, unknown, nodes, boxes, lists, places, mass, bou
         chosen = places[matters][:int(max(work - done, 0) / field.operations[number]) + 1]
         done += len(chosen) * field.operations[number]
         corners = boxes[chosen]
-        low, high, slope = enclose_with_slope(term.formula, corners[:, :3], corners[:, 3:], term.parameters)
-        bounds[chosen, column] = np.minimum(bounds[chosen, column], slope)
+        slopes = lipschitz(term.formula, corners[:, :3], corners[:, 3:], term.parameters, CASES)
+        bounds[chosen, column] = np.minimum(bounds[chosen, column], slopes)
         if len(field.terms) > 1:
             continue
         nodes["lipschitz"][chosen] = bounds[chosen, 0]
+        low, high = enclose(term.formula, corners[:, :3], corners[:, 3:], term.parameters)
         volumes = np.prod(corners[:, 3:] - corners[:, :3], axis=1)
         for certain, state in ((low > 0.0, OUTSIDE), (high < 0.0, INSIDE)):
             nodes["state"][chosen[certain]], nodes["row_count"][chosen[certain]] = state, 0
@@ -531,6 +537,10 @@ def tree(shape: Shape) -> Tree:
         _grow_levels(field, nodes, boxes, levels, lists, used, mass, smallest)
         guessed = _guess(shape, center, nodes[:used[0]], boxes)
     count = finish(nodes, boxes, int(used[0]))
+    if field is not None and shape.certified and not guessed:
+        fill_gradients(field, nodes[:count], nodes["state"][:count] == BOUNDARY, boxes[:count], lists[:used[1]])
+    else:
+        nodes["gradient"] = [[-np.inf], [np.inf]]
     arrays = [nodes[:count].copy(), lists[:used[1]].copy(), boxes[:count].copy()]
     for array in arrays:
         array.flags.writeable = False

@@ -68,6 +68,7 @@ LAMP = np.dtype([
     ("rows", np.int64),  # of spans that hold the intervals of a ray at most
     ("first_instruction", np.int64),
     ("instruction_count", np.int64),
+    ("direct", np.int64),  # 1 where rays are solved by the whole program, without the tree
     ("first_term", np.int64),
     ("first_node", np.int64),
     ("node_count", np.int64),
@@ -79,7 +80,7 @@ SCALARS = [("lamp_rows", np.int64)]  # rows of ``spans`` for intervals: the most
 
 MOST_ROWS = 1 << 16  # of spans that a program may need
 FIELD_ROWS = 512  # intervals of a ray in a field lamp; what is more counts as unresolved
-DIRECT = 16  # instructions of a program that is traced as a whole, without its tree
+DIRECT = 100  # instructions of a program that is traced as a whole, without its tree
 LEAST_ACCEPTANCE = 1.0 / 200.0  # part of the boxes of a lamp's tree that must be interior
 ATTEMPTS = 4096  # draws before giving up; the least acceptance that lamps allow makes that a chance of 1e-9
 NOTICEABLE = 1e-3  # part of a lamp's length along rays that is left open before the user is told
@@ -179,6 +180,7 @@ def _place_tree(row: np.ndarray, tree: Tree, matrix: np.ndarray) -> np.ndarray:
     row["kind"] = CLOSED if tree.field is None else FIELD
     row["matrix"], row["inverse"] = matrix[:3], np.linalg.inv(matrix)[:3]
     row["low"], row["high"] = -tree.half, tree.half
+    row["direct"] = 0 < len(tree.program) <= DIRECT
     row["rows"] = rows_needed(tree.program)[0] if tree.field is None else FIELD_ROWS
     return tree.program
 
@@ -358,7 +360,7 @@ def _trace_parts(block, row, lamp, distance, p, d, spans):
     start = max(start, -distance)
     if start >= end:
         return 0
-    if row.kind == CLOSED and row.instruction_count <= DIRECT:
+    if row.direct:
         program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
         count = solve(program, p, d, spans)
     else:

@@ -93,6 +93,18 @@ def classify_primitive(row, c, h):
 
 
 @kernel
+def combined(op, first_in, first_out, second_in, second_out):
+    """Flags (inside, outside) of the combination of two sets by their flags."""
+    if op == UNION:
+        return first_in | second_in, first_out & second_out
+    if op == INTERSECTION:
+        return first_in & second_in, first_out | second_out
+    if op == DIFFERENCE:
+        return first_in & second_out, first_out | second_in
+    return first_in & second_out | first_out & second_in, first_in & second_in | first_out & second_out
+
+
+@kernel
 def classify(program, c, h, chosen=None):
     """Flags (inside, outside) of a program for the box with centre c and half sizes h.
 
@@ -117,17 +129,8 @@ def classify(program, c, h, chosen=None):
             continue
         second_in, second_out = inside & 1, outside & 1
         inside, outside = inside >> 1, outside >> 1
-        first_in, first_out = inside & 1, outside & 1
-        if row.op == UNION:
-            first_in, first_out = first_in | second_in, first_out & second_out
-        elif row.op == INTERSECTION:
-            first_in, first_out = first_in & second_in, first_out | second_out
-        elif row.op == DIFFERENCE:
-            first_in, first_out = first_in & second_out, first_out | second_in
-        else:
-            first_in, first_out = (
-                first_in & second_out | first_out & second_in, first_in & second_in | first_out & second_out)
-        inside, outside = inside >> 1 << 1 | first_in, outside >> 1 << 1 | first_out
+        now_in, now_out = combined(row.op, inside & 1, outside & 1, second_in, second_out)
+        inside, outside = inside >> 1 << 1 | now_in, outside >> 1 << 1 | now_out
     return inside, outside
 
 

@@ -10,12 +10,10 @@ result. For closed-form programs the flags of ``membership`` tell which sets are
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..jit import call_field, kernel
 from ..sdf.shapes.base import Family
-from .fields import DEEPEST, LANES, NEGATED, VALUES
-from .membership import DIFFERENCE, INTERSECTION, UNION, classify_primitive
+from .fields import LANES, NEGATED, VALUES
+from .membership import INTERSECTION, UNION, classify_primitive, combined
 
 LESSER, GREATER, WITHOUT = int(Family.UNION), int(Family.INTERSECTION), int(Family.DIFFERENCE)
 
@@ -62,16 +60,15 @@ def _without(out, used, start, middle, winner):
 
 
 @kernel
-def prune_field(terms, parameters, gains, columns, bounds, lists, first, count, radius, stack, out, used, slopes):
+def prune_field(terms, parameters, gains, columns, bounds, lists, first, count, radius, stack, out, used, slopes,
+                starts, steepness):
     """Evaluate a list at the centres of ``LANES`` boxes of half diagonal ``radius``, and prune it for each of them.
 
     ``stack`` holds the centres and takes the values, as in ``fields.run_terms``. Row i of ``out`` (LANES, count) takes
     the list of box i, ``used[i]`` its length, and ``slopes[i]`` a Lipschitz bound there. ``gains`` tells of each term by
     how much it can multiply the bounds of its operands. A term without a bound for all of space has one for these boxes
-    in the column ``columns[term]`` of ``bounds``.
+    in the column ``columns[term]`` of ``bounds``. ``starts`` and ``steepness`` are scratch, (LANES, DEEPEST).
     """
-    starts = np.empty((LANES, DEEPEST), np.int64)
-    steepness = np.empty((LANES, DEEPEST))
     points = stack.ctypes.data
     numbers = parameters.ctypes.data
     used[:] = 0
@@ -116,50 +113,43 @@ def prune_field(terms, parameters, gains, columns, bounds, lists, first, count, 
 
 
 @kernel
-def prune_program(program, lists, first, count, c, h, out):
+def prune_program(program, lists, first, count, c, h, out, starts):
     """Prune a list for the box with centre c and half sizes h into ``out``, which is as long as the list.
 
     Returns the length of the new list and the flags (inside, outside) of the whole box, as ``membership.classify``; the
-    list is empty where one of them is set.
+    list is empty where one of them is set. ``starts`` is scratch, (DEEPEST,); the flags of the sets on the stack are bits,
+    as there.
     """
-    starts = np.empty(DEEPEST, np.int64)
-    inside = np.empty(DEEPEST, np.int64)
-    outside = np.empty(DEEPEST, np.int64)
+    inside, outside = 0, 0
     used, depth = 0, 0
     for index in range(first, first + count):
         number = lists[index]
         if number == NEGATED:
-            top = depth - 1
-            inside[top], outside[top] = outside[top], inside[top]
-            if inside[top] + outside[top] == 0:
+            inside, outside = inside >> 1 << 1 | outside & 1, outside >> 1 << 1 | inside & 1
+            if (inside | outside) & 1 == 0:
                 used = _negated(out, used)
             continue
         row = program[number]
         if row.arity == 0:
             starts[depth] = used
-            inside[depth], outside[depth] = classify_primitive(row, c, h)
-            if inside[depth] + outside[depth] == 0:
+            depth += 1
+            now_in, now_out = classify_primitive(row, c, h)
+            inside, outside = inside << 1 | now_in, outside << 1 | now_out
+            if now_in | now_out == 0:
                 out[used] = number
                 used += 1
-            depth += 1
             continue
         depth -= 1
-        a, b = depth - 1, depth
-        if row.op == UNION:
-            decided_in, decided_out = inside[a] | inside[b], outside[a] & outside[b]
-        elif row.op == INTERSECTION:
-            decided_in, decided_out = inside[a] & inside[b], outside[a] | outside[b]
-        elif row.op == DIFFERENCE:
-            decided_in, decided_out = inside[a] & outside[b], outside[a] | inside[b]
-        else:
-            decided_in = inside[a] & outside[b] | outside[a] & inside[b]
-            decided_out = inside[a] & inside[b] | outside[a] & outside[b]
-        if decided_in + decided_out > 0:
-            used = starts[a]
-        elif inside[a] + outside[a] + inside[b] + outside[b] == 0:
+        second_in, second_out = inside & 1, outside & 1
+        inside, outside = inside >> 1, outside >> 1
+        first_in, first_out = inside & 1, outside & 1
+        now_in, now_out = combined(row.op, first_in, first_out, second_in, second_out)
+        if now_in | now_out:
+            used = starts[depth - 1]
+        elif first_in | first_out | second_in | second_out == 0:
             out[used] = number
             used += 1
-        elif inside[a] + inside[b] > 0 and row.op != UNION and row.op != INTERSECTION:
+        elif first_in | second_in and row.op != UNION and row.op != INTERSECTION:
             used = _negated(out, used)  # one set is all of the box, and the other is taken from it
-        inside[a], outside[a] = decided_in, decided_out
-    return used, inside[0], outside[0]
+        inside, outside = inside >> 1 << 1 | now_in, outside >> 1 << 1 | now_out
+    return used, inside, outside

@@ -27,7 +27,7 @@ from .membership import classify, contains
 SAFETY = 4.0  # standard errors that the stated bound is made of
 ACCURACY = 2e-4  # relative bound on the error at which it is good enough
 BUDGET = 3e7  # rough ns that the last of the divisions may take
-PROGRAM_COST = 100.0  # rough ns for each instruction of a list, for LANES boxes
+PROGRAM_COST = 200.0  # rough ns for each instruction of a list, for LANES boxes
 MOST_DIVISIONS = 8  # of each leaf
 
 
@@ -99,7 +99,7 @@ def sample(program, terms, parameters, nodes, lists, boxes, leaves, divisions):
     pending = np.empty((LANES * (divisions + 1), 7))
     states = np.empty(LANES, np.int64)
     random = np.uint64(1)
-    full, unsure, part, variance = 0.0, 0.0, 0.0, 0.0
+    full, unsure, inside, variance = 0.0, 0.0, 0.0, 0.0
     calls = np.zeros(len(leaves))
     for index in range(len(leaves)):
         node, box = nodes[leaves[index]], boxes[leaves[index]]
@@ -118,10 +118,9 @@ def sample(program, terms, parameters, nodes, lists, boxes, leaves, divisions):
                 random = _sample_parts(program, terms, parameters, lists, node, cell, half, random, stack, states)
                 unsure += LANES * volume
                 for lane in range(LANES):
-                    part += volume * states[lane]
+                    inside += volume * states[lane]
                 for lane in range(0, LANES, 2):
-                    if states[lane] != states[lane + 1]:
-                        variance += volume * volume
+                    variance += (volume * (states[lane] - states[lane + 1])) ** 2
                 continue
             _classify_parts(program, terms, parameters, lists, node, cell, half, stack, states)
             for lane in range(LANES):
@@ -133,7 +132,7 @@ def sample(program, terms, parameters, nodes, lists, boxes, leaves, divisions):
                         pending[top, 3 + k] = 0.5 * half[k]
                     pending[top, 6] = level + 1.0
                     top += 1
-    return full, unsure, part, variance, calls
+    return full, unsure, inside, variance, calls
 
 
 def measure(tree: Tree) -> Volume:
@@ -146,9 +145,9 @@ def measure(tree: Tree) -> Volume:
     terms, parameters = tree.arrays
     costs = _costs(tree, leaves)
     for divisions in range(MOST_DIVISIONS + 1):
-        full, unsure, part, variance, calls = sample(
+        full, unsure, inside, variance, calls = sample(
             tree.program, terms, parameters, tree.nodes, tree.lists, tree.boxes, leaves, divisions)
-        value, error = certain + full + part, SAFETY * math.sqrt(variance)
+        value, error = certain + full + inside, SAFETY * math.sqrt(variance)
         # A surface has four times as many parts of half the size.
         if error <= ACCURACY * value or 4.0 * float(calls @ costs) > BUDGET:
             break
