@@ -250,6 +250,16 @@ class Arithmetic:
             undefined = _either(undefined, _where_any(zero))
         return self._rounded(low, high, self.precision.basic, undefined, positive)
 
+    def odd_power(self, a: Interval, squares: int) -> Interval:
+        """a · a^(2^squares): it grows with a, which the product of two intervals does not know."""
+        ends = []
+        for end in a[:2]:
+            a_end = power = Interval(end, end)
+            for _ in range(squares):
+                power = self.square(power)
+            ends.append(self.multiply(a_end, power))
+        return Interval(ends[0].low, ends[1].high, a.undefined, a.positive)
+
     def square(self, a: Interval) -> Interval:
         a = self.abs(a)
         exact = self._exact(lambda u, v: u * v, a, a)
@@ -267,7 +277,8 @@ class Arithmetic:
             low, high = _extremes(np.fmin, np.fmax, (a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high))
             zero = _where_any(_holds_zero(b))
             if zero is not None:
-                low, high = np.where(zero, -np.inf, low), np.where(zero, np.inf, high)
+                endless = zero & ~(b.positive & (low <= high))  # not if the divisor is +0 or greater, and not 0/0 alone
+                low, high = np.where(endless, -np.inf, low), np.where(endless, np.inf, high)
             endless = ((a.low == -np.inf) | (a.high == np.inf)) & ((b.low == -np.inf) | (b.high == np.inf))
             undefined = _either(undefined, _either(zero, _where_any(endless)))
         return self._rounded(low, high, self.precision.basic, undefined, a.positive and b.positive)
@@ -288,9 +299,10 @@ class Arithmetic:
         ends = function(np.clip(a.low, least, greatest)), function(np.clip(a.high, least, greatest))
         low, high = ends if first < last else ends[::-1]
         if undefined is not None:
-            nowhere = (a.high < least) | (a.low > greatest)
-            low, high = np.where(nowhere, -np.inf, low), np.where(nowhere, np.inf, high)
-            positive = positive and not nowhere.any()
+            nowhere = _where_any((a.high < least) | (a.low > greatest))
+            if nowhere is not None:
+                found = self._rounded(low, high, relative, undefined, positive)
+                return Interval(np.where(nowhere, -np.inf, found.low), np.where(nowhere, np.inf, found.high), undefined)
         return self._rounded(low, high, relative, undefined, positive)
 
     def exp(self, a: Interval) -> Interval:
@@ -404,14 +416,28 @@ def _extremes(least, greatest, values) -> tuple[np.ndarray, np.ndarray]:
 # -- walking the graph --------------------------------------------------------------------------------------------
 
 
+def _squares(base: Formula, other: Formula) -> int:
+    """How often ``base`` has to be squared to give ``other``; 0 if it does not."""
+    count = 0
+    while other.kind == "multiply" and other.operands[0] is other.operands[1]:
+        count, other = count + 1, other.operands[0]
+        if other is base:
+            return count
+    return 0
+
+
 class Boxes:
-    """What intervals do at each kind of node. ``lipschitz.Slopes`` does the same for values with gradients."""
+    """What intervals do at each kind of node. ``lipschitz`` has the same for values with gradients.
+
+    A box may stand in several rows, each for a part of its points: see ``divide``.
+    """
 
     def __init__(self, arithmetic: Arithmetic, low: np.ndarray, high: np.ndarray, parameters: np.ndarray):
         self.arithmetic = arithmetic
         greatest = arithmetic.precision.greatest
         self.low, self.high = np.minimum(low, greatest), np.maximum(high, -greatest)
         self.parameters = parameters
+        self.live: list[dict] = []  # all values that are still needed, from the outermost loop to the innermost
 
     def position(self, axis: int) -> Interval:
         return Interval(self.low[:, axis], self.high[:, axis])
@@ -420,6 +446,11 @@ class Boxes:
         return self.arithmetic.number(value)
 
     def apply(self, node: Formula, operands: list) -> Interval | Condition:
+        if node.kind == "multiply":
+            for base, other, interval in zip(node.operands, node.operands[::-1], operands):
+                squares = _squares(base, other)
+                if squares:
+                    return self.arithmetic.odd_power(interval, squares)
         return getattr(self.arithmetic, node.kind)(*operands)
 
     def select(self, condition: Condition, then: Interval, otherwise: Interval) -> Interval:
@@ -428,6 +459,9 @@ class Boxes:
     def interval(self, value: Interval) -> Interval:
         """The interval part of a value."""
         return value
+
+    def divide(self, node: Formula) -> None:
+        """Called when the value of a node has become known: the place to treat parts of boxes apart."""
 
 
 def run(roots: tuple[Formula, ...], boxes: Boxes, known: dict | None = None) -> list:
@@ -439,6 +473,7 @@ def run(roots: tuple[Formula, ...], boxes: Boxes, known: dict | None = None) -> 
         if node in uses:
             uses[node] += 1
     values = dict(known)
+    boxes.live.append(values)
     for node in nodes:
         operands = [values[operand] for operand in node.operands]
         if node.kind == CONSTANT:
@@ -458,29 +493,35 @@ def run(roots: tuple[Formula, ...], boxes: Boxes, known: dict | None = None) -> 
                 uses[operand] -= 1
                 if not uses[operand]:
                     values.pop(operand, None)
+        boxes.divide(node)
+    boxes.live.pop()
     return [values[root] for root in roots]
 
 
 def _loop(node: Formula, operands: list, boxes: Boxes) -> list:
     """States after the loop: of the points that ran to its end, and of those that stopped in some round."""
     loop, size = node.value, len(node.value.steps)
-    states = stopped = operands[1:1 + size]
     captures = dict(zip(node.operands[1 + size:], operands[1 + size:]))
     own = [n for n in body(node) if n.kind == STATE and n.value[0] == loop.level]
     count = boxes.interval(operands[0])
     least, most = (rounds(float(end), loop.limit) for end in count[:2])
-    any_running, any_stopped = np.True_, np.False_  # whether some points of a box may be
+    # The states of points that run and of those that do not, and whether some points of a box may be either.
+    now = dict(states=operands[1:1 + size], stopped=operands[1:1 + size],
+               any_running=np.True_, any_stopped=np.False_, captures=list(captures.values()))
+    boxes.live.append(now)
     for number in range(most):
-        values = run(loop.roots(), boxes, captures | {state: states[state.value[1]] for state in own})
+        known = dict(zip(captures, now["captures"])) | {state: now["states"][state.value[1]] for state in own}
+        values = run(loop.roots(), boxes, known)
         going = values.pop() if loop.going is not None else Condition(np.True_, np.True_)
-        stopping = any_running & ~(going.certain & (number < least))
+        stopping = now["any_running"] & ~(going.certain & (number < least))
         if np.any(stopping):
-            now = Condition(stopping & ~any_stopped, stopping)
-            stopped = [boxes.select(now, state, old) for state, old in zip(states, stopped)]
-            any_stopped = any_stopped | stopping
-        any_running = any_running & going.possible
-        if not np.any(any_running):
-            return stopped
-        states = values
-    last = Condition(any_running & ~any_stopped, any_running)
-    return [boxes.select(last, state, old) for state, old in zip(states, stopped)]
+            chosen = Condition(stopping & ~now["any_stopped"], stopping)
+            now["stopped"] = [boxes.select(chosen, *pair) for pair in zip(now["states"], now["stopped"])]
+            now["any_stopped"] = now["any_stopped"] | stopping
+        now["any_running"] = now["any_running"] & going.possible
+        now["states"] = values
+        if not np.any(now["any_running"]):
+            break
+    boxes.live.pop()
+    last = Condition(now["any_running"] & ~now["any_stopped"], now["any_running"])
+    return [boxes.select(last, *pair) for pair in zip(now["states"], now["stopped"])]
