@@ -7,21 +7,20 @@ from __future__ import annotations
 import functools
 
 from ..render.errors import RenderError
-from ..sdf.expression import ExpressionError, evaluate
 from ..sdf.shapes import Shape
+from ..sdf.syntax import ExpressionError
+from . import parameters
 from .properties import PRIMITIVES
 
 
-def expression_of(lamp) -> str:
-    """Text of a lamp's expression: that of its text block where there is one."""
-    return lamp.text.as_string() if lamp.text is not None else lamp.expression
-
-
 @functools.lru_cache(maxsize=64)
-def _expression_shape(text: str) -> Shape:
-    # Cached because panels ask at every redraw.
+def _expression_shape(text: str, values: tuple) -> Shape:
+    # Kept, because panels ask at every redraw.
+    expression = parameters.parsed(text)
     try:
-        return evaluate(text)
+        if isinstance(expression, ExpressionError):
+            raise expression
+        return expression.shape(dict(values))
     except ExpressionError as error:
         raise RenderError(f"In its expression: {error}") from error
 
@@ -29,16 +28,17 @@ def _expression_shape(text: str) -> Shape:
 def shape_of(lamp) -> Shape:
     """Shape of a ``Light.sdf_lamp``.
 
-    Raises RenderError with a sentence where there is none, or where its parameters do not go together.
+    Raises RenderError with a sentence where there is none, or where its parameters do not go together. Its cause is an
+    ``ExpressionError`` if that is where the problem lies.
     """
     if lamp.source == "EXPRESSION":
-        shape = _expression_shape(expression_of(lamp))
+        shape = _expression_shape(parameters.text_of(lamp), tuple(parameters.values(lamp).items()))
     else:
         name = lamp.shape.lower()
         values = getattr(lamp, name)
         read = {about.name: getattr(values, about.name) for about in PRIMITIVES[name].fields()}
         shape = PRIMITIVES[name](
-            **{key: value if isinstance(value, float) else tuple(value) for key, value in read.items()})
+            **{key: value if isinstance(value, (int, float)) else tuple(value) for key, value in read.items()})
     problem = shape.validate()
     if problem:
         raise RenderError(problem)

@@ -14,11 +14,15 @@ import numpy as np
 
 from ..render.errors import RenderError
 from ..sdf.shapes import BOUND, EXACT
+from ..sdf.syntax import ExpressionError
+from . import parameters
 from .lamp import shape_of
 from .naming import ENGINE, LABEL
 from .passes import owner_of, switches
 from .preferences import draw_back_end
 from .properties import PRIMITIVES
+
+_WIDTH = 34  # letters that fit a line of a panel
 
 _EXACTNESS = {EXACT: "exact distance", BOUND: "distance never overestimated"}
 
@@ -199,14 +203,29 @@ def draw_shape(layout, light) -> None:
     lamp = light.sdf_lamp
     layout.prop(lamp, "source")
     if lamp.source == "EXPRESSION":
-        layout.prop(lamp, "text")
-        if lamp.text is None:
-            layout.prop(lamp, "expression")
+        _draw_expression(layout, lamp)
         return
     layout.prop(lamp, "shape")
     name = lamp.shape.lower()
     for about in PRIMITIVES[name].fields():
         layout.prop(getattr(lamp, name), about.name)
+
+
+def _draw_expression(layout, lamp) -> None:
+    layout.template_ID(lamp, "text", new="sdf_lights.expression_to_text", open="text.open")
+    if lamp.text is None:
+        layout.prop(lamp, "expression")
+    layout.menu("SDFLIGHTS_MT_examples", text="Load Example")
+    if parameters.missing(lamp):
+        parameters.update_soon(lamp.id_data)  # nothing may be changed while drawing
+    column = layout.column()
+    for declared in parameters.declarations(lamp):
+        if parameters.exists(lamp.id_data, declared):
+            label = declared.name.replace("_", " ").title()
+            column.prop(lamp.id_data, parameters.path(declared), text=label)
+    unused = parameters.unused(lamp.id_data)
+    if unused:
+        layout.operator("sdf_lights.parameters_remove", text=f"Remove {len(unused)} Unused", icon="TRASH")
 
 
 @functools.lru_cache(maxsize=256)
@@ -220,7 +239,7 @@ def _facts(shape, matrix: bytes) -> tuple[str, ...]:
         "Volume: found when rendering" if volume is None
         else f"Volume: {volume * abs(float(np.linalg.det(matrix[:3, :3]))):.4g} m³",
         f"Bounds: {size} m",
-        f"Field: {_EXACTNESS.get(shape.exactness, 'sign only')}")
+        f"Field: {_EXACTNESS.get(shape.exactness, 'sign only') if shape.certified else 'not certified'}")
 
 
 def draw_readout(layout, light, obj) -> None:
@@ -234,11 +253,22 @@ def draw_readout(layout, light, obj) -> None:
             raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
         lines = _facts(shape, matrix.tobytes())
     except RenderError as error:
-        for i, line in enumerate(textwrap.wrap(str(error), 34)):
+        for i, line in enumerate(_lines(error)):
             column.label(text=line, icon="NONE" if i else "ERROR")
         return
     for line in lines:
         column.label(text=line)
+    if not shape.certified:
+        column.label(text="Thin parts may be missing", icon="INFO")
+
+
+def _lines(error: RenderError) -> list[str]:
+    """A problem in lines that fit a panel: of an expression where, what, and the cure."""
+    wrong = error.__cause__
+    if not isinstance(wrong, ExpressionError):
+        return textwrap.wrap(str(error), _WIDTH)
+    sentences = f"Line {wrong.line}, column {wrong.column}:", wrong.message, f"{wrong.cure[0].upper()}{wrong.cure[1:]}"
+    return [line for sentence in sentences for line in textwrap.wrap(sentence, _WIDTH)]
 
 
 class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):

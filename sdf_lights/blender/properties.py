@@ -14,7 +14,9 @@ import zlib
 import bpy
 
 from ..render.settings import Settings
+from ..sdf.catalogue import grouped
 from ..sdf.shapes import SHAPES, Shape
+from . import parameters
 
 # Settings that Blender has a property for already.
 BLENDERS_OWN = {
@@ -95,24 +97,27 @@ def settings_of(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
 
 def _parameter(about):
     """The bpy property of one parameter of a shape."""
-    common = dict(
-        name=about.label, description=about.description, default=about.default, update=tag,
-        soft_max=about.soft_maximum, precision=3)
+    common = dict(name=about.label, description=about.description, update=tag)
+    limits = {"default": about.default, "min": about.minimum, "max": about.maximum, "soft_max": about.soft_maximum}
+    if about.whole and about.size == 1:
+        limits = {key: int(min(max(value, -LARGEST_INT), LARGEST_INT)) for key, value in limits.items()}
+        return bpy.props.IntProperty(**limits, **common)
+    common |= {key: value for key, value in limits.items() if key == "default" or math.isfinite(value)}
     if about.unit == "ANGLE":
         common["subtype"] = "ANGLE"
     elif about.unit != "NONE":
         common["unit"] = about.unit
-    for key, value in (("min", about.minimum), ("max", about.maximum)):
-        if math.isfinite(value):
-            common[key] = value
     if about.size == 3:
-        return bpy.props.FloatVectorProperty(size=3, **common)
-    return bpy.props.FloatProperty(**common)
+        return bpy.props.FloatVectorProperty(size=3, precision=3, **common)
+    return bpy.props.FloatProperty(precision=3, **common)
 
 
 def _is_primitive(shape: type[Shape]) -> bool:
-    """Whether parameters alone make the shape: an operator needs other shapes, which an expression gives it."""
-    return len(shape.fields()) == len(dataclasses.fields(shape))
+    """Whether parameters alone make a lamp of the shape.
+
+    An operator needs other shapes, and a shape without end an intersection: an expression gives them that.
+    """
+    return len(shape.fields()) == len(dataclasses.fields(shape)) and shape().bounded
 
 
 PRIMITIVES = {name: shape for name, shape in SHAPES.items() if _is_primitive(shape)}
@@ -130,10 +135,21 @@ def _summary(shape: type[Shape]) -> str:
 
 
 def shape_items() -> list[tuple]:
-    """Items of an EnumProperty with every primitive. Files store the number, so it is made from the name and stays
-    the same when shapes are added."""
-    return [(name.upper(), shape.label(), _summary(shape), zlib.crc32(name.encode()) & LARGEST_INT)
-            for name, shape in PRIMITIVES.items()]
+    """Items of an EnumProperty with every primitive, under the titles of their groups.
+
+    Files store the number, so it is made from the name and stays the same when shapes are added.
+    """
+    items = []
+    for title, shapes in grouped(PRIMITIVES.values()).items():
+        items.append(("", title, ""))
+        items += [(shape.name().upper(), shape.label(), _summary(shape), zlib.crc32(shape.name().encode()) & LARGEST_INT)
+                  for shape in shapes]
+    return items
+
+
+def expression_changed(self, context):
+    """Make the properties of the parameters that the lamp's expression declares."""
+    parameters.update(self.id_data)
 
 
 SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an SDF lamp", {
@@ -141,17 +157,17 @@ SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an 
         name="SDF Lamp", description="The inside of a shape glows, in the SDF Lights engine; other engines render the "
         "light as it is", default=False, update=tag),
     "source": bpy.props.EnumProperty(
-        name="Source", description="What says the shape of the lamp", update=tag, items=[
+        name="Source", description="What says the shape of the lamp", update=expression_changed, items=[
             ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
             ("EXPRESSION", "Expression", "Shapes put together by a few lines of text", 1)]),
     "shape": bpy.props.EnumProperty(
         name="Shape", description="Shape that glows", items=shape_items(), default="SPHERE", update=tag),
     "expression": bpy.props.StringProperty(
         name="Expression", description="Shapes and what to do with them, such as union(torus(1, 0.3), sphere(0.5))",
-        default="union(torus(0.5, 0.1), sphere(0.2))", update=tag),
+        default="union(torus(0.5, 0.1), sphere(0.2))", update=expression_changed),
     "text": bpy.props.PointerProperty(
         name="Text", description="Text block that holds the expression, for one of several lines", type=bpy.types.Text,
-        update=tag),
+        update=expression_changed),
     "normalize": bpy.props.BoolProperty(
         name="Normalize", description="The power is that of the whole lamp, whatever its size and shape; "
         "otherwise the radiance gained per metre stays the same", default=True, update=tag),

@@ -33,12 +33,13 @@ from . import formula, values
 from .formula import LONGEST_LOOP, POINT, Formula
 from .functions import CONSTANTS, FUNCTIONS, as_shape
 from .shapes import Difference, Field, Intersection, Shape, ShapeError, Union
-from .shapes.base import Parametric
+from .shapes.base import LARGEST, Parametric
 from .syntax import DEEPEST, ExpressionError, parse
 from .values import Condition, Live, Misuse, NeedsNumber, Work, choose, compute, has_field, kind_of, lifted, live, spread
 
 MOST_PRIMITIVES = 2_000
 DEEPEST_SHAPE = 100
+LONGEST_NAME = 40  # of a parameter, in letters: Blender's properties have at most 63
 MOST_FIELDS = 16  # in a shape: finding the limits of each takes time
 _SHAPE_STEPS = 6  # that making a shape counts for
 
@@ -116,7 +117,7 @@ DECLARATIONS = {
     "angle": "name = angle(default, minimum, maximum), in degrees",
     "toggle": "name = toggle(True)",
     "vector": "name = vector((x, y, z), minimum, maximum)"}
-_LIMITS = {"angle": (-360.0, 360.0), "vector": (-10.0, 10.0)}  # where a declaration has none
+LIMITS = {"angle": (-360.0, 360.0), "vector": (-10.0, 10.0)}  # where a declaration has none
 
 
 class _Evaluation:
@@ -200,7 +201,7 @@ class _Evaluation:
     def new_name(self, target: ast.expr, statement: ast.stmt) -> str:
         if not isinstance(target, ast.Name):
             raise self.error(statement, "only a name can be given a value", "write name = value")
-        if target.id in FUNCTIONS or target.id in CONSTANTS or target.id in DECLARATIONS or target.id == "range":
+        if target.id in CONSTANTS or target.id in DECLARATIONS or target.id == "range":
             raise self.error(statement, f"{target.id} already means something", "choose another name")
         return target.id
 
@@ -224,6 +225,9 @@ class _Evaluation:
         cure = f"write {DECLARATIONS[kind]}"
         if name in self.declarations:
             raise self.error(call, f"there already is a parameter {name}", "choose another name")
+        if len(name) > LONGEST_NAME:
+            raise self.error(call, f"the name {name:.20}… of the parameter is too long",
+                             f"use at most {LONGEST_NAME} letters")
         if self.nesting:
             raise self.error(call, "a parameter cannot be declared in a block", "move the line to the top")
         for part in ast.walk(call):  # or the limits, and with them the user interface, would change as sliders move
@@ -242,6 +246,8 @@ class _Evaluation:
                 declaration.minimum == declaration.maximum):
             raise self.error(call, f"the default {held[0]:g} is not between {declaration.minimum:g} and "
                              f"{declaration.maximum:g}", cure)
+        if max(abs(declaration.minimum), abs(declaration.maximum)) > LARGEST:
+            raise self.error(call, f"a limit is beyond {LARGEST:g}", cure)
         if kind == "integer" and any(c != math.floor(c) for c in (*held, declaration.minimum, declaration.maximum)):
             raise self.error(call, "integer takes whole numbers", cure)
         self.declarations[name] = declaration
@@ -262,11 +268,11 @@ class _Evaluation:
                 return None
             return Declaration(name, kind, given[0].truth, 0.0, 1.0, description)
         wanted = [["vector" if kind == "vector" else "number"], ["number", "number"]]
-        if kinds != wanted[0] + wanted[1] and (kind not in _LIMITS or kinds != wanted[0]):
+        if kinds != wanted[0] + wanted[1] and (kind not in LIMITS or kinds != wanted[0]):
             return None
         if kind == "vector" and len(given[0]) != 3:
             return None
-        return Declaration(name, kind, *(given if len(given) == 3 else (given[0], *_LIMITS[kind])), description)
+        return Declaration(name, kind, *(given if len(given) == 3 else (given[0], *LIMITS[kind])), description)
 
     def branch(self, statement: ast.If) -> None:
         """Both sides are computed; what they give a value is chosen by the condition, point by point if need be."""
@@ -464,19 +470,17 @@ class _Evaluation:
         return self.error(node, f"{node.id:.40} is not a known name", cure)
 
     def call(self, node: ast.Call):
+        # A name that was given a value still stands for a function where it is called, unless the value can be called.
         name = node.func.id if isinstance(node.func, ast.Name) else None
-        if name is None or name in self.names:
-            shape = self.value(node.func)
-            if not isinstance(shape, Parametric):
-                raise self.error(node, f"{'this' if name is None else name} is a {kind_of(shape)}, not a function",
-                                 "leave out the brackets after it")
+        if name not in FUNCTIONS and name not in DECLARATIONS or isinstance(self.names.get(name), Parametric):
+            shape = self.called(node)
             function = FUNCTIONS["distance"]
             if len(node.args) != 1 or node.keywords:
                 raise self.error(node, "the field of a shape takes one point", "write shape(p)")
             positional, named = [shape, self.value(node.args[0])], {}
         elif name in DECLARATIONS:
             raise self.error(node, f"{name} has to stand alone", f"write {DECLARATIONS[name]}")
-        elif name in FUNCTIONS:
+        else:
             function, positional, named = FUNCTIONS[name], [], {}
             for argument in node.args:
                 positional.append(self.value(argument))
@@ -484,8 +488,6 @@ class _Evaluation:
                 if keyword.arg is None:
                     raise self.error(node, "** is not part of a call", "name the arguments")
                 named[keyword.arg] = self.value(keyword.value)
-        else:
-            raise self.unknown(node.func, FUNCTIONS)
         given = [*positional, *named.values()]
         self.limit(node, given)
         if any(map(has_field, given)):
@@ -493,6 +495,17 @@ class _Evaluation:
         else:
             self.step(node, _SHAPE_STEPS if function.makes_shape else 1)
         return self.attempt(node, lambda: function(self.slots, positional, named))
+
+    def called(self, node: ast.Call) -> Parametric:
+        """The shape or profile that stands before the brackets of a call."""
+        if isinstance(node.func, ast.Name) and node.func.id not in self.names:
+            raise self.unknown(node.func, FUNCTIONS)
+        value = self.value(node.func)
+        if not isinstance(value, Parametric):
+            what = node.func.id if isinstance(node.func, ast.Name) else "this"
+            raise self.error(node, f"{what:.40} is a {kind_of(value)}, not a function",
+                             "leave out the brackets after it")
+        return value
 
     def limit(self, node: ast.expr, given: Iterable) -> None:
         """Refuses to combine shapes that are too large together, before that takes time."""

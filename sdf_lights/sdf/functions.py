@@ -18,7 +18,8 @@ import numpy as np
 
 from . import formula, values
 from .formula import Formula
-from .shapes import SHAPES, Field, Intersection, Shape, Transformed
+from .noise import value_noise
+from .shapes import SHAPES, Box, Field, Shape, Transformed
 from .shapes.base import Parametric
 from .shapes.operators import SetOperation
 from .shapes.profiles import PROFILES, Polygon, Profile
@@ -237,8 +238,11 @@ def _add_shape(name: str, shape: type[Parametric]) -> None:
 _PRIMITIVE = 20  # operations of the field of a primitive, about
 
 
-def as_shape(value, slots: Work) -> Shape:
-    """A shape, or the one that a field is negative in. Raises ``Misuse`` for anything else."""
+def as_shape(value, slots: Work, cut: Box | None = None) -> Shape:
+    """A shape, or the one that a field is negative in, cut to a box if one is given.
+
+    Raises ``Misuse`` for anything else.
+    """
     if isinstance(value, Shape):
         return value
     if isinstance(value, Formula):
@@ -247,7 +251,7 @@ def as_shape(value, slots: Work) -> Shape:
         if any(node.kind == formula.STATE for node in nodes):
             raise NeedsNumber("a shape cannot differ from round to round of a loop of fields",
                               "combine the fields with min and max")
-        return Field.of(value, slots.values)
+        return Field.of(value, slots.values, cut)
     raise Misuse(f"a {kind_of(value)} is not a shape", "give it a shape, or a field that is negative inside")
 
 
@@ -255,16 +259,16 @@ for _name, _shape in {**SHAPES, **PROFILES}.items():
     _add_shape(_name, _shape)
 
 
-@_word("Fields")
-def field(slots: Work, value: Scalar, bounds: Vec3 = math.inf):
+@_word("Fields", usage="field(value, bounds=none)")
+def field(slots: Work, value: Scalar, bounds: Vec3 = (math.inf,) * 3):
     """The shape that a field is negative in.
 
-    Its limits are found by themselves, unless half of the size of a box around it is given as bounds.
+    Its limits are found by themselves. Where that fails or takes long, give half of the size of a box around the origin
+    as bounds: the shape is cut to it.
     """
     if not isinstance(value, Formula):
         raise Misuse("this field is the same at all points", "make it of the point p, as in field(length(p) - 1)")
-    shape = as_shape(value, slots)
-    return shape if math.inf in bounds else Intersection(shape, SHAPES["box"](bounds))
+    return as_shape(value, slots, None if math.inf in bounds else Box(bounds))
 
 
 @_word("Fields", usage="distance(shape, point) or distance(a, b)")
@@ -557,6 +561,16 @@ def fold(point: Vector, normal: Vector, offset: Scalar = 0.0):
     normal = _normalized(normal)
     beyond = 2.0 * minimum(_dot(point, normal) - offset, 0.0)
     return _subtract(point, tuple(beyond * n for n in normal))
+
+
+@_word("Fields", cost=40)
+def noise(slots: Work, point: Vector3, seed: float = 0.0):
+    """Smooth random values between −1 and 1, with features of one metre: `noise(4 * p)` has them four times finer.
+
+    Another seed, a whole number from 0 to 288, gives other noise.
+    """
+    return compute(slots, lambda point, seed: values.settled(value_noise(formula.Vector(*map(_formula, point)), seed)),
+                   point, seed)
 
 
 @_word(POINTS, cost=8)

@@ -18,10 +18,12 @@ from .formula import Formula
 NEAREST, FARTHEST = 0.01, 163_840.0  # half sizes of the innermost and outermost cube of cells, in metres
 NEAR = 10.0  # half size of the cube that is searched more closely, where the large one is too much
 
-_TIGHT = 0.02  # of the size of the region: where the search ends
+_TIGHT = 0.01  # of the sum of the box's sizes: a search ends that comes this close, or gains no more
+_PATIENCE = 7  # divisions of the cells after which it has to
 _LEAST_RAISED = 0.1
-_MOST_WORK = 4_000_000  # operations × cells of one search
-_MOST_FAR_WORK = 500_000  # of the search for the end of a region
+_CALL = 1_000  # cells that take as long as the rest of an evaluation
+_MOST_WORK = 3_000_000  # operations × cells of one search
+_MOST_FAR_WORK = 1_000_000  # of the search for the end of a region
 _SMALLEST = 1e-300
 
 
@@ -49,11 +51,13 @@ def _search(formula: Formula, parameters: tuple[float, ...], operations: int, fa
         return read_interval.enclose(formula, centers - halves, centers + halves, parameters)[0].reshape(shape)
 
     centers, halves = _cells(farthest)
-    if operations * len(centers) > _MOST_WORK:
+    work = operations * (_CALL + len(centers))
+    if work > _MOST_WORK:
         return None, 0.0
     low = least(centers, halves)
     inside = np.array([(np.inf,) * 3, (-np.inf,) * 3])  # around points of the region
-    work, reached = operations * len(centers), 0.0
+    reached = 0.0
+    sizes = []  # of the region's box
     while True:
         kept = low <= 0.0
         centers, halves, low = centers[kept], halves[kept], low[kept]
@@ -68,11 +72,13 @@ def _search(formula: Formula, parameters: tuple[float, ...], operations: int, fa
         around = _hull(centers - halves, centers + halves, inside)
         if not (around[0] <= around[1]).all():
             return np.zeros((2, 3)), reached
-        work += 6 * operations * len(centers)
+        work += operations * (_CALL + 6 * len(centers))
         endless = np.abs(around).max() >= farthest
         if work > (far_work if endless else _MOST_WORK):
             return None if endless else around, reached
-        if not endless and np.abs(around - inside).max() <= _TIGHT * (around[1] - around[0]).max():
+        sizes.append((around[1] - around[0]).sum())
+        settled = len(sizes) > _PATIENCE and sizes[-1] > (1.0 - _TIGHT) * sizes[-1 - _PATIENCE]
+        if not endless and (settled or np.abs(around - inside).max() <= _TIGHT * sizes[-1]):
             return around, reached
         # Each cell is divided in two, along the axis that raises the least values most, unless it is short by now.
         parts = halves[:, None] * (1.0 - 0.5 * np.eye(3))

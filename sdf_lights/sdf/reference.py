@@ -11,11 +11,16 @@ import dataclasses
 import math
 import sys
 
-from .expression import MOST_PRIMITIVES
+from .catalogue import grouped
+from .examples import examples
+from .expression import LIMITS, MOST_PRIMITIVES
+from .formula import LONGEST_LOOP
 from .functions import CONSTANTS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
 from .shapes import SHAPES, Parameter
 from .shapes.profiles import PROFILES
 from .syntax import DEEPEST, LONGEST
+
+_ANGLE, _VECTOR = LIMITS["angle"], LIMITS["vector"]
 
 _INTRODUCTION = f"""\
 # Expressions
@@ -29,17 +34,67 @@ numbers, vectors and shapes. `#` starts a remark.
     hole = sphere(1.35 * size)
     difference(box(size), hole) | torus(1.6 * size, 0.1)
 
-- `name = slider(default, minimum, maximum)` declares a parameter. Moving it recompiles nothing.
 - Numbers: `+ - * / % **`. Vectors are written `vec3(x, y, z)` or `(x, y, z)`; arithmetic and functions work on each
-  component, a number counting for all three. `v.x`, `v.y` and `v.z` are the components.
+  component, a number counting for all three. `v.x`, `v.y` and `v.z` are the components; `v.xy`, `v.zyx` and the like
+  are vectors of two or three of them.
 - Shapes: `a | b` is `union(a, b)`, `a & b` is `intersection(a, b)`, `a - b` is `difference(a, b)`. `-` binds
   most strongly, then `&`, then `|`.
 - Arguments go by position or by name: `torus(1, 0.2)`, `torus(minor_radius=0.2)`. Where a vector is wanted, three plain
-  numbers also do if all are there, `box(1, 2, 3)`, and one number stands for three equal ones, `box(1)`.
-- Lengths are in metres; angles are in degrees in transforms, in radians in `sin` and its like.
+  numbers also do if all are there, `box(1, 2, 3)`, and one number stands for three equal ones, `box(1)`. Combinations
+  take any number of shapes, then their own numbers: `smooth_union(a, b, c, 0.1)` or `smooth_union(a, b, radius=0.1)`.
+- Lengths are in metres. Angles are in degrees, but in radians in `sin` and its like.
 - An expression has at most {LONGEST} characters, {DEEPEST} brackets inside one another and {MOST_PRIMITIVES} shapes.
 
 A mistake is reported with its line, its column and a cure, and nothing is ever run as Python.
+
+## Parameters
+
+A line of its own declares a parameter, which becomes a property of the lamp. What stands behind `#` on that line is its
+tooltip. Numbers and limits must not depend on other parameters. Moving a slider recompiles nothing.
+
+| | |
+|---|---|
+| `size = slider(1, 0.1, 3)` | a number: default, minimum, maximum |
+| `count = integer(5, 1, 12)` | a whole number |
+| `turn = angle(45)`, `angle(45, 0, 90)` | an angle in degrees, from {_ANGLE[0]:g} to {_ANGLE[1]:g} unless limits are given |
+| `place = vector((0, 0, 1))`, `vector((0, 0, 1), -2, 2)` | three numbers, from {_VECTOR[0]:g} to {_VECTOR[1]:g} unless \
+limits are given |
+| `open = toggle(True)` | a switch: a condition, as in `select(open, a, b)` |
+
+## The point
+
+`p` is the point of space at which the shape is asked for: a vector. A number made from it is a *field*: it has a value
+at each point. A field is a shape, the region in which it is negative, and a shape has a field:
+
+    bumps = 0.05 * sin(20 * p.x) * sin(20 * p.y) * sin(20 * p.z)
+    sphere(1)(p) + bumps
+
+- `shape(point)` is the field of a shape, read at a point: `box(1)(rotate_z(p, 90 * p.z))` is a twisted box,
+  `torus(1, 0.1)(p - (0, 0, 1))` a moved torus. `circle(1)(p.xz)` is that of a profile, in a plane.
+- A field where a shape is wanted, also as the last line, is the region in which it is negative. Its limits are found by
+  themselves; where they are not, put it in an intersection, `field & box(2)`, or write `field(value, bounds=2)`.
+- `p` can be given another value, such as `p = abs(p)`; what follows is then read there.
+- A field need not be a distance, but is traced faster the closer it comes to one. Shapes that can do without fields
+  are traced faster still.
+
+## Loops and conditions
+
+    q = p
+    size = 1
+    for i in range(4):
+        q = abs(q) * 2 - 1
+        size = size * 2
+        if length(q) > 8:
+            break
+    field(box(1)(q) / size, bounds=1.5)
+
+- `for i in range(count):` repeats the indented lines. `count` is a number or a parameter, at most {LONGEST_LOOP}; `i` is
+  0 in the first round. Names that had a value before the loop carry theirs on, and keep it afterwards; others
+  are forgotten. Loops that carry fields are loops of the compiled formula; loops that carry shapes put shapes together.
+- `break` ends a loop, at the points where its condition holds: `if length(q) > 4: break`.
+- `if`, `elif` and `else` choose between values of a name, `a if condition else b` and `select(condition, a, b)` between
+  two values. All sides are computed. A condition on the point chooses point by point, between fields and vectors.
+- Conditions: `a < b`, `<=`, `>`, `>=`, put together with `and`, `or`, `not`.
 """
 
 _TABLES = (MATHEMATICS, POINTS)  # groups that are a line a word
@@ -64,8 +119,22 @@ def reference_page() -> str:
             parts += [f"| `{word.signature()}` | {' '.join(word.description.split())} |" for word in of_group]
             parts.append("")
         else:
-            parts += [_entry(word) for word in of_group]
+            parts += _entries(of_group) if group == "Shapes" else map(_entry, of_group)
+    parts.append("## Examples\n")
+    parts.append("They are in the menu Load Example of a lamp.\n")
+    for example in examples().values():
+        lines = example.text.splitlines()[1:]
+        parts += [f"### {example.title}\n", *(f"    {line}".rstrip() for line in lines), ""]
     return "\n".join(parts).rstrip("\n") + "\n"
+
+
+def _entries(words: list[Function]) -> list[str]:
+    """Entries of shapes under the titles of their groups."""
+    by_name = {word.name: word for word in words}
+    parts = []
+    for title, shapes in grouped(SHAPES[name] for name in by_name).items():
+        parts += [f"**{title}**\n", *(_entry(by_name[shape.name()]) for shape in shapes)]
+    return parts
 
 
 def _entry(word: Function) -> str:

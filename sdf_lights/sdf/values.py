@@ -138,11 +138,11 @@ def lifted(value, slots: Work):
     return _map(lambda scalar: scalar.formula(slots) if isinstance(scalar, Live) else scalar, value)
 
 
-def _settled(value):
+def settled(value):
     """A value with numbers in place of formulas that turned out constant."""
     if type(value) is Formula:
         return value.value if value.kind == CONSTANT else value
-    return _map(_settled, value) if isinstance(value, tuple) else value
+    return _map(settled, value) if isinstance(value, tuple) else value
 
 
 def live(value):
@@ -159,7 +159,7 @@ def compute(slots: Work, function: Callable, *values):
             fields = fields or kind is Formula
             follows = follows or kind is Live
     if fields:
-        return _settled(function(*((lifted(value, slots) for value in values) if follows else values)))
+        return settled(function(*((lifted(value, slots) for value in values) if follows else values)))
     return live(function(*values)) if follows else function(*values)
 
 
@@ -224,6 +224,6 @@ def choose(slots: Work, condition: Condition, then, otherwise):
     def scalar(test: Scalar, a: Scalar, b: Scalar) -> Scalar:
         if isinstance(test, float) and not isinstance(a, Formula) and not isinstance(b, Formula):
             return Live(a if test > 0.5 else b)
-        return _settled(formula.select(Condition(test).formula(slots), lifted(a, slots), lifted(b, slots)))
+        return settled(formula.select(Condition(test).formula(slots), lifted(a, slots), lifted(b, slots)))
 
     return spread(scalar, truth, then, otherwise)

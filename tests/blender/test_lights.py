@@ -43,7 +43,12 @@ def test_every_primitive_has_its_own_parameters(synced, add, lamp, name):
     shape = PRIMITIVES[name]
     changed = {}
     for about in shape.fields():  # a little smaller: within the limits, and none equal to its default
-        changed[about.name] = tuple(0.9 * value for value in about.default) if about.size == 3 else 0.9 * about.default
+        if about.whole:
+            changed[about.name] = int(about.default) + (-1 if about.default > about.minimum else 1)
+        elif about.size == 3:
+            changed[about.name] = tuple(0.9 * value for value in about.default)
+        else:
+            changed[about.name] = 0.9 * about.default
     add("Lamp", lamp(shape=name.upper(), **changed))
     found = synced().lamps[0].shape
     assert type(found) is shape

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import math
 import pathlib
+import re
 import threading
 import time
 
@@ -35,7 +36,8 @@ def number(text: str) -> float:
     ("box_frame(1, 0.1)", BoxFrame(1.0, 0.1)), ("torus(minor_radius=0.2)", Torus(minor_radius=0.2)),
     ("torus(1, minor_radius=0.2)", Torus(1.0, 0.2)), ("sphere()  # a remark, in any script: 灯 \"'[]{}", Sphere()),
     ("\r\n  \r\nr = 2\r\nsphere(r)\r\n", Sphere(2.0)), ("sphere(\n  1 +\n  1)", Sphere(2.0)),
-    ("a = 1\na = a + 1\nsphere(a)", Sphere(2.0)), ("  a = 2\n sphere(a)", Sphere(2.0))])
+    ("a = 1\na = a + 1\nsphere(a)", Sphere(2.0)), ("  a = 2\n sphere(a)", Sphere(2.0)),
+    ("step = 2\nsphere(step * step(0, 1))", Sphere(2.0))])
 def test_shapes(text, shape):
     assert evaluate(text) == shape
 
@@ -137,7 +139,7 @@ MISTAKES = [
     ("1 + 1", 1, 1, "the last line is a number", "end with"),
     ("sphere()\nsphere()", 1, 1, "no effect", "combine"),
     ("pi = 3\nsphere(pi)", 1, 1, "pi already means", "another name"),
-    ("sphere = 3\nsphere", 1, 1, "sphere already means", "another name"),
+    ("sphere = 3\nsphere", 2, 1, "the last line is a number", "end with"),
     ("slider = 3\nsphere(1)", 1, 1, "slider already means", "another name"),
     ("a = 1\na(2)", 2, 1, "a is a number, not a function", "brackets"),
     ("sphere(slider(1, 0, 2))", 1, 8, "stand alone", "name = slider"),
@@ -288,7 +290,10 @@ def test_the_reference_page_is_current():
     assert page == reference_page(), "run python -m sdf_lights.sdf.reference > docs/expressions.md"
 
 
-def test_the_example_of_the_reference_page_works():
-    page = reference_page()
-    example = "\n".join(line[4:] for line in page.splitlines() if line.startswith("    "))
-    assert evaluate(example).size == 3
+def test_the_examples_of_the_reference_page_work():
+    blocks = re.findall(r"(?:^    .*\n(?:^\n(?=    ))?)+", reference_page(), re.MULTILINE)
+    assert len(blocks) >= 15
+    for block in blocks:
+        shape = evaluate("\n".join(line[4:] for line in block.splitlines()))
+        low, high = shape.bounds()
+        assert (low < high).all()

@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parameters that an expression declares, as custom properties of its Light.
+
+Custom properties are the one kind in Blender whose limits, default and description can be set while it runs. They are
+saved, undone, animated, driven and overridden as others are. Their names begin with ``PREFIX``, to be told from the
+user's own.
+
+A property is made when an expression is set, and, if a text block has changed, when a panel is drawn next. Rendering needs
+none: where it is missing the parameter has its default. What an expression no longer declares keeps its value, so a
+line that is put back finds it again, until the user removes it.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import bpy
+
+from ..sdf.expression import Declaration, Expression
+from ..sdf.syntax import ExpressionError
+
+PREFIX = "sdf_"
+
+
+def text_of(lamp) -> str:
+    """Text of a lamp's expression: that of its text block where there is one."""
+    return lamp.text.as_string() if lamp.text is not None else lamp.expression
+
+
+@functools.lru_cache(maxsize=64)
+def parsed(text: str) -> Expression | ExpressionError:
+    """The expression, or what is wrong with it. Kept, because panels ask at every redraw."""
+    try:
+        return Expression(text)
+    except ExpressionError as error:
+        return error
+
+
+def declarations(lamp) -> tuple[Declaration, ...]:
+    """What the lamp's expression declares; nothing if there is something wrong with it."""
+    expression = parsed(text_of(lamp)) if lamp.use and lamp.source == "EXPRESSION" else None
+    return expression.parameters if isinstance(expression, Expression) else ()
+
+
+def path(declaration: Declaration) -> str:
+    """RNA path of the property, from the Light."""
+    return f'["{PREFIX}{declaration.name}"]'
+
+
+def exists(light: bpy.types.Light, declaration: Declaration) -> bool:
+    return PREFIX + declaration.name in light.keys()
+
+
+def values(lamp) -> dict[str, float | tuple[float, ...]]:
+    """Values of the declared parameters that have a property, as ``Expression.shape`` takes them."""
+    light, found = lamp.id_data, {}
+    for declaration in declarations(lamp):
+        value = light.get(PREFIX + declaration.name)
+        try:
+            found[declaration.name] = declaration.held(
+                math.degrees(value) if declaration.kind == "angle" else value)
+        except (TypeError, ValueError, OverflowError):
+            pass  # missing, or of another kind: a script can put anything there
+    return found
+
+
+def missing(lamp) -> bool:
+    """Whether ``update`` has something to do."""
+    return lamp.id_data.is_editable and any(_differs(lamp.id_data, declared) for declared in declarations(lamp))
+
+
+def unused(light: bpy.types.Light) -> list[str]:
+    """Names of properties for what the expression does not declare, unless it cannot be read at present."""
+    lamp = light.sdf_lamp
+    if lamp.source == "EXPRESSION" and isinstance(parsed(text_of(lamp)), ExpressionError):
+        return []
+    declared = {PREFIX + declaration.name for declaration in declarations(lamp)}
+    return [key for key in light.keys() if key.startswith(PREFIX) and key not in declared and key not in _OWN]
+
+
+def remove_unused(light: bpy.types.Light) -> None:
+    """Removes the properties that ``unused`` lists, and what animates or drives them."""
+    for key in unused(light):
+        animation = light.animation_data
+        if animation is not None:
+            for driver in [d for d in animation.drivers if d.data_path.startswith(f'["{key}"]')]:
+                animation.drivers.remove(driver)
+        for index in range(3):
+            with contextlib.suppress(TypeError, RuntimeError):
+                light.keyframe_delete(f'["{key}"]', index=index)
+        del light[key]
+    light.update_tag()
+
+
+# Properties of the add-on itself: up to Blender 4.5 they are listed with the custom ones.
+_OWN = frozenset({"sdf_lamp"})
+
+
+def update(light: bpy.types.Light) -> None:
+    """Makes the properties of what the lamp's expression declares, with its limits."""
+    if not light.is_editable:
+        return
+    held = values(light.sdf_lamp)
+    for declaration in declarations(light.sdf_lamp):
+        if _differs(light, declaration):
+            _make(light, declaration, held.get(declaration.name, declaration.default))
+
+
+def _stored(declaration: Declaration, value):
+    """A value as the property holds it: angles in radians, as Blender shows them in degrees."""
+    if declaration.kind == "vector":
+        return [float(component) for component in value]
+    kind = {"integer": int, "toggle": bool, "angle": math.radians}.get(declaration.kind, float)
+    return kind(value)
+
+
+def _ui(declaration: Declaration) -> dict:
+    """What the user interface is told of the property."""
+    about = {"description": declaration.description, "subtype": "NONE"}
+    if declaration.kind == "toggle":
+        return about | {"default": bool(declaration.default)}
+    low, high = (_stored(declaration, (limit,) * 3 if declaration.kind == "vector" else limit)
+                 for limit in (declaration.minimum, declaration.maximum))
+    if declaration.kind == "vector":
+        low, high, about["subtype"] = low[0], high[0], "XYZ"
+    if declaration.kind == "angle":
+        about["subtype"] = "ANGLE"
+    return about | {"default": _stored(declaration, declaration.default), "min": low, "max": high, "soft_min": low,
+                    "soft_max": high}
+
+
+def _differs(light: bpy.types.Light, declaration: Declaration) -> bool:
+    key = PREFIX + declaration.name
+    if not exists(light, declaration):
+        return True
+    stored = light[key]
+    wanted = _stored(declaration, declaration.default)
+    if isinstance(wanted, list) != hasattr(stored, "to_list") or not isinstance(wanted, list) and (
+            type(stored) is not type(wanted)):
+        return True
+    ui = light.id_properties_ui(key).as_dict()
+    return any(ui.get(name, "") != value for name, value in _ui(declaration).items())
+
+
+def _make(light: bpy.types.Light, declaration: Declaration, value) -> None:
+    key = PREFIX + declaration.name
+    light[key] = _stored(declaration, value)
+    light.id_properties_ui(key).update(**_ui(declaration))
+    light.property_overridable_library_set(f'["{key}"]', True)
+    light.update_tag()
+
+
+_pending: set[str] = set()
+
+
+def update_soon(light: bpy.types.Light) -> None:
+    """``update`` as soon as Blender is not drawing, when nothing may be changed."""
+    if not _pending:
+        bpy.app.timers.register(_update_pending, first_interval=0.0)
+    _pending.add(light.name_full)
+
+
+def _update_pending() -> None:
+    for light in bpy.data.lights:
+        if light.name_full in _pending:
+            update(light)
+    _pending.clear()
