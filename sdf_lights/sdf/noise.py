@@ -16,8 +16,8 @@ from .formula import Formula, Vector, apply, clamp
 PERIOD = 289
 
 STEEPEST = 15.0 / 4.0
-"""Greatest slope of ``value_noise``: in the middle between four −1 and four 1. The slope of the fade is at most 15/8; the
-gradient's length is convex in the corners' values, so corners of ±1 are enough to look at."""
+"""Greatest slope of ``value_noise``: in the middle between four −1 and four 1. The slope of the fade is at most 15/8;
+the gradient's length is convex in the corners' values, so corners of ±1 are enough to look at."""
 
 
 def _remainder(a: Formula) -> Formula:
@@ -39,6 +39,7 @@ def value_noise(p: Vector, seed: Formula | float = 0.0) -> Formula:
 
     ``seed`` is a whole number from 0 to 288.
     """
+    pairs, triples = (tuple(itertools.product((0, 1), repeat=count)) for count in (2, 3))
     cell = Vector(*(apply("floor", x) for x in p))
     inside = p - cell
     fade = Vector(*(u * u * u * (u * (u * 6.0 - 15.0) + 10.0) for u in inside))
@@ -46,9 +47,9 @@ def value_noise(p: Vector, seed: Formula | float = 0.0) -> Formula:
     # Next to the last point of the period is the first one.
     after = [_remainder(x + 1.0) for x in start]
     columns = [_permuted(_remainder(x + seed)) for x in (start[0], after[0])]
-    rows = {(i, j): _permuted(columns[i] + (start, after)[j][1]) for i, j in itertools.product((0, 1), repeat=2)}
-    values = {(i, j, k): _permuted(rows[i, j] + (start, after)[k][2]) for i, j, k in itertools.product((0, 1), repeat=3)}
-    along_x = {(j, k): _mixed(values[0, j, k], values[1, j, k], fade.x) for j, k in itertools.product((0, 1), repeat=2)}
+    rows = {(i, j): _permuted(columns[i] + (start, after)[j][1]) for i, j in pairs}
+    values = {(i, j, k): _permuted(rows[i, j] + (start, after)[k][2]) for i, j, k in triples}
+    along_x = {(j, k): _mixed(values[0, j, k], values[1, j, k], fade.x) for j, k in pairs}
     along_y = [_mixed(along_x[0, k], along_x[1, k], fade.y) for k in (0, 1)]
     between = _mixed(along_y[0], along_y[1], fade.z)
     # Interval arithmetic, which cannot see through remainders, gets its limits here.

@@ -79,8 +79,8 @@ def test_sharp_sets_by_their_members(shape):
     at = points(shape, 3000)
     fields = np.array([child.distance(at) for child in shape.children])
     inside = fields <= 0.0
-    expected = {Union: inside.any(axis=0), Intersection: inside.all(axis=0), Difference: inside[0] & ~inside[1:].any(axis=0),
-                Exclusive: inside.sum(axis=0) % 2 == 1}[type(shape)]
+    expected = {Union: inside.any(axis=0), Intersection: inside.all(axis=0),
+                Difference: inside[0] & ~inside[1:].any(axis=0), Exclusive: inside.sum(axis=0) % 2 == 1}[type(shape)]
     clear = (np.abs(fields) > 1e-12 * (1.0 + np.linalg.norm(at, axis=1))).all(axis=0)
     np.testing.assert_array_equal((shape.distance(at) <= 0.0)[clear], expected[clear])
     # Whatever it does with the signs, the nearest of all surfaces is never left out.
@@ -144,7 +144,8 @@ def test_properties_pass_through_operators():
     assert not Transformed(Union(Box(), Sphere()), SHEAR).exact_outside
 
 
-@pytest.mark.parametrize("shape", [*SETS.values(), Transformed(BoxFrame(0.5, 0.3), SHEAR), Box(), Transformed(Torus(), MIRROR)])
+@pytest.mark.parametrize("shape", [
+    *SETS.values(), Transformed(BoxFrame(0.5, 0.3), SHEAR), Box(), Transformed(Torus(), MIRROR)])
 @pytest.mark.parametrize("level", [-0.05, 0.0, 0.4])
 def test_level_bounds_contain_what_is_below_the_level(shape, level):
     shape = guarded(shape)

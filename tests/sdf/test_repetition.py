@@ -134,7 +134,8 @@ def test_what_is_endless_along_another_axis_can_be_repeated():
 
 @pytest.mark.parametrize("shape, problem", [
     (Repetition(Sphere(5.0), (0, 0, 0), (0.1, 0.1, 0.1)),
-     "Repetition: more than 1000 copies overlap each other: make the spacing larger, or the count or the shape smaller."),
+     "Repetition: more than 1000 copies overlap each other: make the spacing larger, or the count or the shape "
+     "smaller."),
     (Repetition(InfiniteCylinder(0.1), (1, 1, 0)),
      "Repetition: a shape without end is repeated without end: give a count, or intersect it with a box."),
     (Repetition(Sphere(-1.0)), "Sphere: radius is -1, but must be at least 1e-06."),

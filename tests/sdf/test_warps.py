@@ -65,7 +65,8 @@ def test_stretch_bounds_the_jacobian_near_the_child(warp, child):
     shape = warp(child)
     low, high = child.bounds()
     at = around(shape, 20_000)
-    near = np.linalg.norm(np.maximum(np.maximum(low - (q := unwarped(shape, at)), q - high), 0.0), axis=1) < shape._margin
+    q = unwarped(shape, at)
+    near = np.linalg.norm(np.maximum(np.maximum(low - q, q - high), 0.0), axis=1) < shape._margin
     at, step = at[near], 1e-6
     columns = [(unwarped(shape, at + step * e) - unwarped(shape, at - step * e)) / (2.0 * step) for e in np.eye(3)]
     greatest = np.linalg.svd(np.stack(columns, axis=-1), compute_uv=False)[:, 0].max()
@@ -113,8 +114,8 @@ def test_the_taper_scales_its_ends():
 
 @pytest.mark.parametrize("shape, problem", [
     (Twist(HalfSpace()), "Twist: the shape has no end: intersect it with a box first."),
-    (Bend(Sphere(0.5), 0.4), "Bend: the radius 0.4 is not more than the height 0.5 of the shape, which reaches the centre of "
-                             "the circle: make the radius larger."),
+    (Bend(Sphere(0.5), 0.4), "Bend: the shape, 0.5 high, reaches the centre of the circle of radius 0.4: make the "
+                             "radius larger."),
     (Bend(Box((5.0, 0.1, 0.1)), 1.0), "Bend: the shape is longer than the circle of radius 1 is round: make the radius "
                                       "larger."),
     (Taper(Sphere(), 0.0, 1.0), "Taper: bottom is 0, but must be at least 0.01."),
@@ -177,7 +178,7 @@ def test_noise_is_random_numbers_at_whole_points():
 
 
 def test_noise_needs_no_more_than_single_precision_for_its_integers():
-    """In float32 arithmetic the noise is that of float64, to rounding: no step of the hash leaves the exact integers."""
+    """In float32 the noise is that of float64, to rounding: no step of the hash leaves the exact integers."""
     at = np.random.default_rng(1).uniform(-50.0, 50.0, (20_000, 3)).astype(np.float32)
     formula = value_noise(POINT, 7.0)
     values = {}

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shapes whose surface is moved by a pattern in space: waves, noise.
 
-The field is (φ + d) / (1 + S) for a pattern d of amplitude A and slope at most S: with L the child's Lipschitz bound, its
-own is (L + S) / (1 + S).
+The field is (φ + d) / (1 + S) for a pattern d of slope at most S: with L the child's Lipschitz bound, its own is
+(L + S) / (1 + S).
 """
 
 from __future__ import annotations

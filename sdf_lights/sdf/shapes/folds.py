@@ -180,9 +180,9 @@ class Coxeter(Fold, abstract=True):
     """The full symmetry of a regular solid: a finite reflection group of rank 3 with three ``mirrors``.
 
     The walls of a chamber are the mirrors. With h the order of the product of all three reflections, h / 2 rounds
-    through them, in an order in which those that commute are neighbours, are the longest element of the group (Humphreys,
-    "Reflection Groups and Coxeter Groups", 3.17); reflecting only what is behind each mirror, they lead every point into
-    the chamber.
+    through them, in an order in which those that commute are neighbours, are the longest element of the group
+    (Humphreys, "Reflection Groups and Coxeter Groups", 3.17); reflecting only what is behind each mirror, they lead
+    every point into the chamber.
     """
 
     mirrors: tuple[tuple[float, float, float], ...]

@@ -56,8 +56,8 @@ class Layer(Operator, abstract=True):
 class Offset(Layer):
     """The shape with its surface moved outwards, or inwards by a negative offset.
 
-    The new surface is a level set of the field. Outside shapes with exact fields, and unions of them, that is all points
-    up to the distance.
+    The new surface is a level set of the field. Outside shapes with exact fields, and unions of them, that is where the
+    distance is the offset.
     """
 
     child: Shape = part("Shape whose surface moves")

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes made of shapes: what operators on one shape or several have in common; sharp set operations; affine transforms.
-"""
+"""Shapes made of shapes: what all operators have in common; sharp set operations; affine transforms."""
 
 from __future__ import annotations
 
@@ -67,7 +66,7 @@ class Composite(Shape, abstract=True):
 
     @property
     def exactness(self) -> str:
-        """The nearest surface may be one that the operation removed or moved, so even of exact shapes this is a bound."""
+        # The nearest surface may be one that the operation removed or moved: even of exact shapes this is a bound.
         return BOUND if self.lipschitz <= 1.0 and all(c.exactness != NONE for c in self.children) else NONE
 
     def growth(self, matrix: np.ndarray | None = None) -> np.ndarray:
@@ -115,7 +114,8 @@ class SetOperation(Composite, abstract=True):
 
     def _numbers(self, slot: Slots, factor: float = 1.0) -> list[Formula]:
         """The numbers, for fields ``factor`` times as large as distances."""
-        return [slot(getattr(self, field.name) * (factor if field.unit == "LENGTH" else 1.0)) for field in self.fields()]
+        return [slot(getattr(self, field.name) * (factor if field.unit == "LENGTH" else 1.0))
+                for field in self.fields()]
 
     def _reach(self) -> float:
         """Where two fields differ by more, their join is one of them."""

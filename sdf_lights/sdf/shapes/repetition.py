@@ -198,8 +198,8 @@ class Repetition(Repeated):
             return (f"Repetition: more than {_MOST_COPIES} copies of a shape without end: "
                     "make the count smaller, or intersect the shape with a box.")
         if self._candidates.prod() > _MOST_CANDIDATES:
-            return (f"Repetition: more than {_MOST_CANDIDATES} copies overlap each other: make the spacing larger, or the "
-                    "count or the shape smaller.")
+            return (f"Repetition: more than {_MOST_CANDIDATES} copies overlap each other: make the spacing larger, or "
+                    "the count or the shape smaller.")
         return ""
 
 

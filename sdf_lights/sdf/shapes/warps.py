@@ -8,8 +8,8 @@ a margin m, T(p) is within m of B, and there the greatest singular value of T's 
 
     max(min(φ(T(p)), m) / S, distance to a box around the warped shape)
 
-is constant in its first part wherever that bound is not known to hold. So it keeps the child's Lipschitz bound, wherever
-T is continuous where it leads to within m of B; and it is negative where φ∘T is.
+is constant in its first part wherever that bound is not known to hold. So it keeps the child's Lipschitz bound, if T
+is continuous where it leads to within m of B; and it is negative where φ∘T is.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Warp(Operator, abstract=True):
         raise NotImplementedError
 
     def _stretch(self) -> float:
-        """Bound on the greatest singular value of the Jacobian where it leads to within the margin of the child's box."""
+        """Bound on the greatest singular value of the Jacobian, where the result is within the margin of the box."""
         raise NotImplementedError
 
     def _warped_box(self) -> tuple[np.ndarray, np.ndarray]:
@@ -101,8 +101,9 @@ class Twist(Warp):
     """The shape twisted around the z axis; the plane z = 0 stays."""
 
     child: Shape = part("Shape that is twisted")
-    angle: float = number(math.radians(90.0), "Angle by which it turns on each metre along z, counter-clockwise as seen "
-                          "from above", unit="ANGLE", minimum=-1e4, maximum=1e4, soft_maximum=math.tau)
+    angle: float = number(
+        math.radians(90.0), "Angle by which it turns on each metre along z, counter-clockwise as seen from above",
+        unit="ANGLE", minimum=-1e4, maximum=1e4, soft_maximum=math.tau)
 
     def _unwarped(self, p, slot):
         turn = p.z * slot(self.angle)
@@ -169,8 +170,8 @@ class Bend(Warp):
             return problem
         low, high = self._box
         if high[2] >= self.radius:
-            return (f"Bend: the radius {self.radius:g} is not more than the height {high[2]:g} of the shape, which reaches "
-                    "the centre of the circle: make the radius larger.")
+            return (f"Bend: the shape, {high[2]:g} high, reaches the centre of the circle of radius {self.radius:g}: "
+                    "make the radius larger.")
         if self._gap <= 0.0:
             return (f"Bend: the shape is longer than the circle of radius {self.radius:g} is round: make the radius "
                     "larger.")
