@@ -150,8 +150,8 @@ def test_which_combinations_are_exact():
     assert Union(Box()).exactness == EXACT and Union(Box(), Sphere()).exactness == BOUND
 
 
-def _farthest(shape, directions: np.ndarray) -> np.ndarray:
-    """Greatest d · x of points x in the shape found by a random search, (n,), for each direction d of (n, 3)."""
+def _extent_by_search(shape, directions: np.ndarray) -> np.ndarray:
+    """Greatest d · x of points x in the shape found by a random search, (n,), for unit directions d (n, 3)."""
     rng = np.random.default_rng(31)
     start = surface(shape)
     best = start[np.argmax(start @ directions.T, axis=0)]
@@ -177,13 +177,21 @@ def test_bounds_contain_and_primitives_touch_them(shape):
         assert (world >= low - slack).all() and (world <= high + slack).all()
         assert np.isfinite([low, high]).all() or not shape.bounded
         np.testing.assert_array_equal(Transformed(shape, matrix).bounds(), (low, high))
-    if isinstance(shape, Primitive) and shape.bounded and shape.exactness != NONE:
-        directions = np.concatenate([sign * m[:3, :3] for m in MATRICES.values() for sign in (-1.0, 1.0)])
-        ends = np.concatenate([
-            end for m in MATRICES.values() for end in (m[:3, 3] - shape.bounds(m)[0], shape.bounds(m)[1] - m[:3, 3])])
-        size = np.linalg.norm(directions * (window(shape)[1] - window(shape)[0]), axis=1)
-        # So close does the search come to the sharpest corners.
-        assert (ends - _farthest(shape, directions) <= 0.05 * size).all()
+        if isinstance(shape, Primitive) and shape.bounded and shape.exactness != NONE:
+            # In the shape's own space a face of the box is a plane across a row of the matrix.
+            rows = np.concatenate([-matrix[:3, :3], matrix[:3, :3]])
+            lengths = np.linalg.norm(rows, axis=1)
+            planes = np.concatenate([matrix[:3, 3] - low, high - matrix[:3, 3]]) / lengths
+            size = np.linalg.norm(np.subtract(*shape.bounds()))
+            if shape.exact_outside:
+                # Far away, the distance to the shape is that to its tangent plane.
+                normals, center = rows / lengths[:, None], np.add(*shape.bounds()) / 2
+                far = 1e5 * size
+                reached = normals @ center + far - shape.distance(center + far * normals)
+                tolerance = 1e-5
+            else:
+                reached, tolerance = _extent_by_search(shape, rows / lengths[:, None]), 0.05
+            assert (np.abs(planes - reached) <= tolerance * size).all()
 
 
 @each_primitive
