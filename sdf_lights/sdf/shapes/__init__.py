@@ -7,7 +7,8 @@ from .primitives import Box, BoxFrame, Capsule, Cone, Cylinder, Ellipsoid, Primi
 from . import balls, polyhedra, solids
 from .field import Field
 from .operators import Difference, Exclusive, Intersection, Operator, SetOperation, Transformed, Union
-from . import minimal_surfaces, swept  # noqa: F401 (profiles and what is made of them)
+from . import curved, minimal_surfaces, swept
+from . import fractals
 from . import blends, displacement, folds, layers, repetition, warps  # noqa: F401 (all in SHAPES)
 
 __all__ = [

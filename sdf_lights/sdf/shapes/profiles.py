@@ -250,6 +250,15 @@ class Almond(Profile):
         on_arc = along * away <= across * self.half_height
         return np.where(on_arc, radius * _norm(directions) - away * across, self.half_height * along)
 
+    def moment(self, offset):
+        if offset > 0.0:
+            return super().moment(offset)
+        radius, _ = self.arc()
+        angle = 2.0 * math.atan2(self.half_width, self.half_height)  # half of the arc's
+        if angle > 0.02:
+            return radius**3 * (math.sin(angle) - math.sin(angle)**3 / 3.0 - angle * math.cos(angle))
+        return radius**3 * angle**5 * (2.0 / 15.0 - 11.0 / 315.0 * angle**2)  # the same without cancellation
+
     def area(self) -> float:
         radius, away = self.arc()
         return 2.0 * (radius**2 * math.atan2(self.half_height, away) - away * self.half_height)
