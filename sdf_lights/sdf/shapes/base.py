@@ -79,7 +79,8 @@ class Term(NamedTuple):
 
     A term takes ``arity`` values from a stack and puts its own in their place. Its ``formula`` reads the point where
     arity is 0, else its operands in place of the coordinates x (the first) and y. Where operands a and b (−b in a
-    difference) differ by more than ``reach``, the value is exactly that of one of them, as ``family`` says.
+    difference) differ by more than ``reach``, the value is exactly that of one of them, as ``family`` says. Nowhere does
+    it change faster than the fastest of its operands.
     """
 
     formula: Formula

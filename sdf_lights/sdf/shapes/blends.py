@@ -102,6 +102,10 @@ class BlendedUnion(Blend, abstract=True):
     def _operands(self):
         return self._guarded
 
+    @property
+    def lipschitz(self):
+        return max(shape.lipschitz for shape in self._guarded)
+
     def _join(self, a, b, *numbers):
         return minimum(a, b) - self._drop(a - b, *numbers)
 
@@ -238,8 +242,9 @@ class Morph(Composite):
     def terms(self, matrix, factor):
         slots = Slots()
         formula = self._mixed(POINT.x, POINT.y, slots)
-        mixture = Term(formula, np.array(slots.values), 2, Family.UNION, math.inf, self.lipschitz)
-        return [*self.first.terms(matrix, factor), *self.second.terms(matrix, factor), mixture]
+        a, b = self.first.terms(matrix, factor), self.second.terms(matrix, factor)
+        steepest = max(a[-1].lipschitz, b[-1].lipschitz)
+        return [*a, *b, Term(formula, np.array(slots.values), 2, Family.UNION, math.inf, steepest)]
 
     def bounds(self, matrix=None):
         # A mixture is at most zero only where one of the fields is.

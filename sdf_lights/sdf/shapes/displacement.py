@@ -53,13 +53,15 @@ class Displaced(Operator, abstract=True):
         return (self._guarded.build(p, slot) + pattern) * slot(1.0 / (1.0 + self._slope))
 
     def terms(self, matrix, factor):
-        factor = factor / (1.0 + self._slope)
+        # As a mixture of two fields, the second the pattern with a slope of 1: no mixture is steeper than its parts.
+        child = self._guarded.terms(matrix, factor)
         slots = Slots()
-        pattern = self._pattern(undone(matrix, POINT, slots), slots) * slots(self.amplitude * factor)
-        slope = self._slope / (1.0 + self._slope)
-        return [*self._guarded.terms(matrix, factor),
-                Term(pattern, np.array(slots.values), 0, Family.LEAF, 0.0, slope),
-                Term(POINT.x + POINT.y, np.zeros(0), 2, Family.UNION, math.inf, self.lipschitz)]
+        pattern = self._pattern(undone(matrix, POINT, slots), slots) * slots(factor / self._steepest())
+        shares = Slots()
+        mixture = POINT.x * shares(1.0 / (1.0 + self._slope)) + POINT.y * shares(self._slope / (1.0 + self._slope))
+        steepest = max(child[-1].lipschitz, 1.0)
+        return [*child, Term(pattern, np.array(slots.values), 0, Family.LEAF, 0.0, 1.0),
+                Term(mixture, np.array(shares.values), 2, Family.UNION, math.inf, steepest)]
 
     def bounds(self, matrix=None):
         return level_bounds(self._guarded, self.amplitude, matrix)
