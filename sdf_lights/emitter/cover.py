@@ -28,9 +28,9 @@ import math
 from ..jit import kernel
 from .fields import LANES, VALUES, evaluate
 
-# Columns of an entry. Of a bracket FALL and RISE are a third point and its value: rates are not needed any more.
-START, AT_START, END, AT_END, FALL, RISE, BRACKET, FIRST, SECOND, COLUMNS = range(10)
-THIRD, AT_THIRD = FALL, RISE
+# Columns of an entry. Of an old bracket FALL and RISE are a third point and its value: rates are not needed any more.
+START, AT_START, END, AT_END, FALL, RISE, STATE, FIRST, SECOND, COLUMNS = range(10)
+OPEN, NEW, OLD = 0.0, 1.0, 2.0  # state of an entry: a stretch to be covered; a bracket of one zero, and one with a third point
 
 PENDING = 256  # entries that ``pending`` holds
 PENDING_SIZE = (PENDING + LANES) * COLUMNS  # float64 that it must have: jit.stack_array(PENDING_SIZE)
@@ -41,13 +41,14 @@ UNKNOWN = math.nan  # a value that is still to be evaluated
 
 RESOLUTION = 1e-7  # zeros closer to each other, relative to the lamp's size, may stay unresolved
 PRECISION = 1e-12  # of a zero, relative to the lamp's size
+ENOUGH = 0.01  # of the precision that the last step in a bracket, which is not checked, may be expected to miss
 STEEP = 0.1  # part of its greatest rate at which a field between two values is taken for a straight line
 PATIENCE = 32  # rounds, and eight more for each entry at the start, before the tolerance grows …
 GROWTH = 1.25  # … by this factor a round
 LAST = 200  # rounds after which what is left is counted as it is
 
 
-@kernel
+@kernel(forceinline=True)
 def signed(value):
     """A value as the cover keeps it: neither zero nor infinite, and NaN outside but certifying nothing."""
     if value > 0.0:
@@ -57,7 +58,7 @@ def signed(value):
     return SIGN
 
 
-@kernel
+@kernel(forceinline=True)
 def add(pending, used, start, at_start, end, at_end, fall, rise):
     """Append a stretch of the ray to ``pending``; returns the new number of entries, at most ``PENDING``.
 
@@ -66,7 +67,7 @@ def add(pending, used, start, at_start, end, at_end, fall, rise):
     place = used * COLUMNS
     pending[place + START], pending[place + AT_START] = start, at_start
     pending[place + END], pending[place + AT_END] = end, at_end
-    pending[place + FALL], pending[place + RISE], pending[place + BRACKET] = fall, rise, 0.0
+    pending[place + FALL], pending[place + RISE], pending[place + STATE] = fall, rise, OPEN
     return used + 1
 
 
@@ -86,39 +87,44 @@ def insert(spans, limit, count, t):
     return count + 1
 
 
-@kernel
+@kernel(forceinline=True)
 def _ask(stack, lane, o, d, t):
     stack[lane] = o[0] + t * d[0]
     stack[LANES + lane] = o[1] + t * d[1]
     stack[2 * LANES + lane] = o[2] + t * d[2]
 
 
-@kernel
+@kernel(forceinline=True)
 def _gap(start, at_start, end, at_end, fall, rise):
     """Ends of the part of a stretch that the values at its own ends do not certify; in reverse order if there is none."""
-    low = start + (at_start / fall if at_start > 0.0 else -at_start / rise)
-    high = end - (at_end / rise if at_end > 0.0 else -at_end / fall)
+    down, up = max(fall, 0.0), max(rise, 0.0)
+    low = start + (at_start / down if at_start > 0.0 else -at_start / up)
+    high = end - (at_end / up if at_end > 0.0 else -at_end / down)
     return low, high
 
 
-@kernel
+@kernel(forceinline=True)
 def _settle(pending, used, start, at_start, end, at_end, fall, rise, tolerance, precision, spans, limit, found):
     """Append a stretch unless it is settled. Returns (entries, zeros found so far, length left unresolved)."""
     differ = (at_start > 0.0) != (at_end > 0.0)
-    low, high = _gap(start, at_start, end, at_end, fall, rise)
-    if not differ and (low >= high or fall <= 0.0 or rise <= 0.0):
+    monotonic = fall <= 0.0 or rise <= 0.0
+    if monotonic and not differ:
         return used, found, 0.0
-    certain = differ and (rise if at_start > 0.0 else fall) <= 0.0
-    unresolved = 0.0 if certain else max(high - low, 0.0)
+    unresolved = 0.0
+    if not monotonic:
+        low, high = _gap(start, at_start, end, at_end, fall, rise)
+        if not differ and low >= high:
+            return used, found, 0.0
+        unresolved = max(high - low, 0.0)
     full = used >= PENDING - LANES
-    if not (certain or unresolved <= tolerance or full):
+    if unresolved > tolerance and not full:
         return add(pending, used, start, at_start, end, at_end, fall, rise), found, 0.0
     if differ:
         if end - start <= precision or full:
             found = insert(spans, limit, found, 0.5 * (start + end))
         else:
-            used = add(pending, used, start, at_start, end, at_end, UNKNOWN, UNKNOWN)
-            pending[(used - 1) * COLUMNS + BRACKET] = 1.0
+            used = add(pending, used, start, at_start, end, at_end, fall, rise)
+            pending[(used - 1) * COLUMNS + STATE] = NEW
     return used, found, unresolved
 
 
@@ -148,7 +154,7 @@ def _joints(block, row, first, count, o, d, pending, used, stack):
     return evaluations
 
 
-@kernel
+@kernel(forceinline=True)
 def _points(start, at_start, end, at_end, fall, rise, low, high):
     """One or two places in a gap that certify much of it: (first, second), the second NaN where there is one."""
     if (at_start > 0.0) == (at_end > 0.0):
@@ -170,39 +176,56 @@ def _points(start, at_start, end, at_end, fall, rise, low, high):
     return zero - share * (zero - low), zero + share * (high - zero)
 
 
-@kernel
-def estimate(start, at_start, end, at_end, third, at_third, precision):
-    """Where a bracket is evaluated next (Chandrupatla 1997).
+@kernel(forceinline=True)
+def first_estimate(start, at_start, end, at_end, fall, rise):
+    """Where a new bracket from ``start`` to ``end`` is evaluated: where a straight line would be zero, or, from an end
+    of which only the sign is known, just behind the zero."""
+    known_start, known_end = abs(at_start) > SIGN, abs(at_end) > SIGN
+    t = math.nan
+    if known_start and known_end:
+        t = start + (end - start) * (at_start / (at_start - at_end))
+    elif known_start or known_end:
+        slope = max(-fall, -rise)  # the least one in a stretch where the field is monotonic
+        t = start + abs(at_start) / slope if known_start else end - abs(at_end) / slope
+    return t if start < t < end else 0.5 * (start + end)
 
-    Its newest point is ``start``, where the value has the other sign than at ``end``; ``third`` is the point before, NaN
-    in a new bracket.
-    """
+
+@kernel(forceinline=True)
+def estimate(start, at_start, end, at_end, third, at_third, precision):
+    """Where a bracket is evaluated next. ``start`` is its newest point, where the value has not the sign of that at
+    ``end``; ``third`` is the point before."""
     width = end - start
-    if abs(at_start) <= SIGN or abs(at_end) <= SIGN:
-        return start + 0.5 * width
-    part = at_start / (at_start - at_end)
-    if not math.isnan(third):
-        xi = -width / (third - end)
-        phi = (at_start - at_end) / (at_third - at_end)
-        part = 0.5
-        if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
-            part = at_start / (at_end - at_start) * (at_third / (at_end - at_third))
-            part += (third - start) / width * (at_start / (at_third - at_start)) * (at_end / (at_third - at_end))
+    xi = -width / (third - end)
+    phi = (at_start - at_end) / (at_third - at_end)
+    part = 0.5
+    if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
+        part = at_start / (at_end - at_start) * (at_third / (at_end - at_third))
+        part += (third - start) / width * (at_start / (at_third - at_start)) * (at_end / (at_third - at_end))
     least = min(0.5 * precision / abs(width), 0.5)
     return start + min(max(part, least), 1.0 - least) * width
 
 
-@kernel
-def narrow(start, at_start, end, at_end, t, value, precision):
-    """A bracket with a new point: (zero, or NaN if it is not located yet; end, at_end, third, at_third)."""
+@kernel(forceinline=True)
+def narrow(start, at_start, end, at_end, third, t, value, precision):
+    """A bracket with a new value: (zero, NaN while it is not located; end, at_end, third, at_third).
+
+    The new ``start`` is t. ``third`` is NaN in a new bracket.
+    """
+    # The error of an estimate is about the product of the distances to the points that it is made from, times the same
+    # factor from step to step: what it was in this step tells what it would be in the next.
+    farthest = min(abs(start - t), abs(end - t)) if math.isnan(third) else abs(third - t)
     if (value > 0.0) == (at_start > 0.0):
         third, at_third = start, at_start
     else:
         third, at_third = end, at_end
         end, at_end = start, at_start
-    slope = (at_end - value) / (end - t)
-    located = abs(value) <= precision * abs(slope) or abs(end - t) <= precision
-    return (t - value / slope if located else math.nan), end, at_end, third, at_third
+    error = abs(value * (end - t) / (at_end - value))
+    zero = t if error <= precision or abs(end - t) <= precision else math.nan
+    if error * error <= ENOUGH * precision * farthest:
+        better = estimate(t, value, end, at_end, third, at_third, 0.0)
+        if abs(better - t) <= 2.0 * error:
+            zero = better
+    return zero, end, at_end, third, at_third
 
 
 @kernel
@@ -237,8 +260,11 @@ def cover(block, row, first, count, o, d, pending, used, tolerance, precision, s
             start, at_start, end, at_end = (
                 pending[place + START], pending[place + AT_START], pending[place + END], pending[place + AT_END])
             fall, rise = pending[place + FALL], pending[place + RISE]
-            if pending[place + BRACKET] > 0.0:
+            state = pending[place + STATE]
+            if state == OLD:
                 t, other = estimate(start, at_start, end, at_end, fall, rise, precision), math.nan
+            elif state == NEW:
+                t, other = first_estimate(start, at_start, end, at_end, fall, rise), math.nan
             else:
                 low, high = _gap(start, at_start, end, at_end, fall, rise)
                 t, other = _points(start, at_start, end, at_end, fall, rise, low, high)
@@ -246,8 +272,7 @@ def cover(block, row, first, count, o, d, pending, used, tolerance, precision, s
                     other = math.nan
             place = (PENDING + taken) * COLUMNS
             add(pending, PENDING + taken, start, at_start, end, at_end, fall, rise)
-            pending[place + BRACKET] = pending[used * COLUMNS + BRACKET]
-            pending[place + FIRST], pending[place + SECOND] = t, other
+            pending[place + STATE], pending[place + FIRST], pending[place + SECOND] = state, t, other
             taken += 1
             _ask(stack, lanes, o, d, t)
             lanes += 1
@@ -262,18 +287,25 @@ def cover(block, row, first, count, o, d, pending, used, tolerance, precision, s
             t, other = pending[place + FIRST], pending[place + SECOND]
             value = signed(stack[VALUES + lane])
             lane += 1
-            if pending[place + BRACKET] > 0.0:
+            fall, rise = pending[place + FALL], pending[place + RISE]
+            state = pending[place + STATE]
+            if state != OPEN:
                 zero, end, at_end, third, at_third = narrow(
-                    pending[place + START], pending[place + AT_START], pending[place + END], pending[place + AT_END], t,
-                    value, precision)
-                if math.isnan(zero):
-                    used = add(pending, used, t, value, end, at_end, third, at_third)
-                    pending[(used - 1) * COLUMNS + BRACKET] = 1.0
-                else:
+                    pending[place + START], pending[place + AT_START], pending[place + END], pending[place + AT_END],
+                    fall if state == OLD else math.nan, t, value, precision)
+                if not math.isnan(zero):
                     found = insert(spans, limit, found, zero)
+                elif min(abs(at_end), abs(at_third)) > SIGN:
+                    used = add(pending, used, t, value, end, at_end, third, at_third)
+                    pending[(used - 1) * COLUMNS + STATE] = OLD
+                else:
+                    if t < end:
+                        used = add(pending, used, t, value, end, at_end, fall, rise)
+                    else:
+                        used = add(pending, used, end, at_end, t, value, fall, rise)
+                    pending[(used - 1) * COLUMNS + STATE] = NEW
                 continue
             start, at_start = pending[place + START], pending[place + AT_START]
-            fall, rise = pending[place + FALL], pending[place + RISE]
             used, found, left = _settle(pending, used, start, at_start, t, value, fall, rise, tolerance, precision,
                                         spans, limit, found)
             unresolved += left

@@ -17,15 +17,14 @@ from ..jit import kernel, stack_array, table
 from ..sdf.program import INSTRUCTION
 from ..vec import length
 from .cover import (
-    AT_END, COLUMNS, PENDING, PENDING_SIZE, PRECISION, RESOLUTION, SIGN, UNKNOWN, add, cover, insert)
+    AT_END, COLUMNS, END, FALL, PENDING, PENDING_SIZE, PRECISION, RESOLUTION, RISE, SIGN, UNKNOWN, add, cover, insert)
 from .fields import STACK, lamp_lists
 from .interior import BOUNDARY, INSIDE, lamp_nodes
 from .intervals import solve
 
 WAITING = 2 * 64  # float64 for the boxes that wait on the way down a tree, which never is deeper than 64
 SHORT_PROGRAM = 4  # rows of a list of instructions that is not worth smaller boxes
-SHORT_FIELD = 1  # rows of a list of terms that is not worth smaller boxes, in stretches of the ray …
-STRETCH = 0.125  # … up to this length, relative to the lamp's size
+SHORT_FIELD = 5  # rows of a list of terms that is not worth smaller boxes where the field is monotonic along the ray
 TOGETHER = PENDING // 4  # boxes of a field that are taken together at most
 
 instructions = table("lamp_instructions", INSTRUCTION)
@@ -55,6 +54,17 @@ def _clip(spans, first, count, start, end, inside, limit, found):
     return found, after
 
 
+@kernel(forceinline=True)
+def _rates(node, ray):
+    """How much the field can fall and rise at most along a ray, per unit of its parameter, by its gradient in a box."""
+    least, most = 0.0, 0.0
+    for axis in range(3):
+        a, b = node.gradient[0, axis] * ray[3 + axis], node.gradient[1, axis] * ray[3 + axis]
+        least += min(a, b)
+        most += max(a, b)
+    return (-least, most) if least <= most else (math.inf, math.inf)
+
+
 @kernel
 def walk(block, row, o, d, start, end, spans):
     """``crossings``, and the number of evaluations of the field that it took: (count, unresolved, evaluations)."""
@@ -62,7 +72,6 @@ def walk(block, row, o, d, start, end, spans):
     closed, limit = row.instruction_count > 0, row.rows
     speed = length(d)
     size = length((row.high[0], row.high[1], row.high[2])) / speed
-    stretch = STRETCH * size
     ray, waiting = stack_array(6), stack_array(WAITING)
     pending, stack = stack_array(PENDING_SIZE), stack_array(STACK)
     for axis in range(3):
@@ -83,8 +92,10 @@ def walk(block, row, o, d, start, end, spans):
             if closed:
                 if node.row_count <= SHORT_PROGRAM:
                     break
-            elif node.row_count <= SHORT_FIELD and high - low <= stretch:
-                break
+            elif node.row_count <= SHORT_FIELD:
+                fall, rise = _rates(node, ray)
+                if fall <= 0.0 or rise <= 0.0:
+                    break
             axis = node.axis
             position, rate = ray[axis], ray[3 + axis]
             if rate == 0.0:
@@ -129,13 +140,21 @@ def walk(block, row, o, d, start, end, spans):
             if used == 0:
                 list_first, list_count, since, used = node.row_first, node.row_count, low, 1
         else:
-            rate = node.lipschitz * speed
+            fall, rise = _rates(node, ray)
+            fall, rise = min(fall, node.lipschitz * speed), min(rise, node.lipschitz * speed)
             if used == 0:
                 list_first, list_count = node.row_first, node.row_count
                 if first:  # nothing tells the sign at the start: a stretch without length asks for it
-                    used = add(pending, used, low, SIGN, low, UNKNOWN, rate, rate)
+                    used = add(pending, used, low, SIGN, low, UNKNOWN, fall, rise)
                     value = UNKNOWN
-            used = add(pending, used, low, value, high, UNKNOWN, rate, rate)
+            place = (used - 1) * COLUMNS
+            if math.isnan(value) and not first and (
+                    max(fall, pending[place + FALL]) <= 0.0 or max(rise, pending[place + RISE]) <= 0.0):  # monotonic together
+                pending[place + END] = high
+                pending[place + FALL] = max(fall, pending[place + FALL])
+                pending[place + RISE] = max(rise, pending[place + RISE])
+            else:
+                used = add(pending, used, low, value, high, UNKNOWN, fall, rise)
             value = UNKNOWN
         first = False
         low = high

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..jit import kernel, stack_array
 from ..vec import length
-from .cover import PRECISION, SIGN, estimate, narrow, signed
+from .cover import PRECISION, SIGN, estimate, first_estimate, narrow, signed
 from .fields import LANES, STACK, VALUES, evaluate
 
 PUBLISHED, SPHERES, RELAXED = 0, 1, 2
@@ -75,7 +75,7 @@ def _advance(lane, value, rule, lipschitz, speed, size, least, end, out):
     rate = lipschitz * speed
     if lane.locating == 1:
         zero, other, at_other, third, at_third = narrow(
-            lane.start, lane.at_start, lane.end, lane.at_end, lane.asked, value, precision)
+            lane.start, lane.at_start, lane.end, lane.at_end, lane.third, lane.asked, value, precision)
         lane.start, lane.at_start, lane.end, lane.at_end = lane.asked, value, other, at_other
         lane.third, lane.at_third = third, at_third
         if math.isnan(zero):
@@ -136,7 +136,9 @@ def march(block, row, count, rule, lipschitz, least, origins, directions, segmen
             if lane.ray < 0:
                 continue
             busy += 1
-            if lane.locating == 1:
+            if lane.locating == 1 and math.isnan(lane.third):
+                lane.asked = first_estimate(lane.start, lane.at_start, lane.end, lane.at_end, 0.0, 0.0)
+            elif lane.locating == 1:
                 lane.asked = estimate(lane.start, lane.at_start, lane.end, lane.at_end, lane.third, lane.at_third,
                                       PRECISION * reach / lane.speed)
             else:

@@ -147,7 +147,8 @@ def _spread(nodes, boundary, known):
             node.gradient[0, axis], node.gradient[1, axis] = low, high
 
 
-def fill(field: CompiledField, nodes: np.ndarray, boundary: np.ndarray, boxes: np.ndarray, lists: np.ndarray) -> None:
+def fill_gradients(field: CompiledField, nodes: np.ndarray, boundary: np.ndarray, boxes: np.ndarray,
+                   lists: np.ndarray) -> None:
     """Write bounds of the gradient, as ``nodes["gradient"]``, to the nodes of a tree that are on its boundary.
 
     Of large boxes they are those of their parts on the boundary together, so they do not hold where the sign of the
