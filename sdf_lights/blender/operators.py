@@ -128,7 +128,7 @@ class SDFLIGHTS_OT_expression_to_text(_LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_parameters_remove(_LampOperator, bpy.types.Operator):
-    """Remove parameters of expressions that the lamp had before, with their animation"""
+    """Remove parameters of expressions that the lamp had before"""
 
     bl_idname = "sdf_lights.parameters_remove"
     bl_label = "Remove Unused Parameters"

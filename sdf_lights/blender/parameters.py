@@ -81,15 +81,8 @@ def unused(light: bpy.types.Light) -> list[str]:
 
 
 def remove_unused(light: bpy.types.Light) -> None:
-    """Removes the properties that ``unused`` lists, and what animates or drives them."""
+    """Removes the properties that ``unused`` lists."""
     for key in unused(light):
-        animation = light.animation_data
-        if animation is not None:
-            for driver in [d for d in animation.drivers if d.data_path.startswith(f'["{key}"]')]:
-                animation.drivers.remove(driver)
-        for index in range(3):
-            with contextlib.suppress(TypeError, RuntimeError):
-                light.keyframe_delete(f'["{key}"]', index=index)
         del light[key]
     light.update_tag()
 
@@ -132,20 +125,23 @@ def _ui(declaration: Declaration) -> dict:
 
 
 def _differs(light: bpy.types.Light, declaration: Declaration) -> bool:
-    key = PREFIX + declaration.name
-    if not exists(light, declaration):
+    if not exists(light, declaration) or _is_other_kind(light, declaration):
         return True
-    stored = light[key]
-    wanted = _stored(declaration, declaration.default)
-    if isinstance(wanted, list) != hasattr(stored, "to_list") or not isinstance(wanted, list) and (
-            type(stored) is not type(wanted)):
-        return True
-    ui = light.id_properties_ui(key).as_dict()
+    ui = light.id_properties_ui(PREFIX + declaration.name).as_dict()
     return any(ui.get(name, "") != value for name, value in _ui(declaration).items())
+
+
+def _is_other_kind(light: bpy.types.Light, declaration: Declaration) -> bool:
+    stored, wanted = light[PREFIX + declaration.name], _stored(declaration, declaration.default)
+    if isinstance(wanted, list):
+        return not hasattr(stored, "to_list") or len(stored) != len(wanted) or stored.typecode != "d"
+    return type(stored) is not type(wanted)
 
 
 def _make(light: bpy.types.Light, declaration: Declaration, value) -> None:
     key = PREFIX + declaration.name
+    if exists(light, declaration) and _is_other_kind(light, declaration):
+        del light[key]  # a property keeps its kind
     light[key] = _stored(declaration, value)
     light.id_properties_ui(key).update(**_ui(declaration))
     light.property_overridable_library_set(f'["{key}"]', True)

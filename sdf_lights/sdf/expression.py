@@ -201,7 +201,7 @@ class _Evaluation:
     def new_name(self, target: ast.expr, statement: ast.stmt) -> str:
         if not isinstance(target, ast.Name):
             raise self.error(statement, "only a name can be given a value", "write name = value")
-        if target.id in CONSTANTS or target.id in DECLARATIONS or target.id == "range":
+        if target.id in DECLARATIONS or target.id == "range":
             raise self.error(statement, f"{target.id} already means something", "choose another name")
         return target.id
 
@@ -231,7 +231,7 @@ class _Evaluation:
         if self.nesting:
             raise self.error(call, "a parameter cannot be declared in a block", "move the line to the top")
         for part in ast.walk(call):  # or the limits, and with them the user interface, would change as sliders move
-            if isinstance(part, ast.Name) and part.id in self.names and part.id not in CONSTANTS:
+            if isinstance(part, ast.Name) and self.names.get(part.id) is not CONSTANTS.get(part.id):
                 raise self.error(part, f"the numbers of a parameter cannot depend on {part.id:.40}", cure)
         given = [self.value(argument) for argument in call.args]
         if call.keywords:
@@ -313,20 +313,22 @@ class _Evaluation:
         self.unrolled(statement, index, count, carried)
 
     def count(self, node: ast.expr) -> float:
+        """The number of rounds of a loop: at most a thousand, and that for all values of parameters."""
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "range"
                 and len(node.args) == 1 and not node.keywords):
             raise self.error(node, "a loop runs over a range", "write for name in range(count):")
-        count = self.value(node.args[0])
+        argument = node.args[0]
+        count = self.value(argument)
         if not isinstance(count, float):
-            raise self.error(node, f"the number of rounds is a {kind_of(count)}", "give a whole number")
+            raise self.error(argument, f"the number of rounds is a {kind_of(count)}", "give a whole number")
         greatest = count.greatest if isinstance(count, Live) else count
         if greatest == math.inf:
-            raise self.error(node, "the number of rounds has no greatest value",
+            raise self.error(argument, "the number of rounds has no greatest value",
                              "give a whole number, or a parameter: count = integer(5, 1, 10)")
         if not isinstance(count, Live) and count != math.floor(count):
-            raise self.error(node, f"{count:g} is not a whole number of rounds", "give a whole number")
+            raise self.error(argument, f"{count:g} is not a whole number of rounds", "give a whole number")
         if greatest > LONGEST_LOOP:
-            raise self.error(node, f"a loop of {greatest:g} rounds is too long", f"use at most {LONGEST_LOOP}")
+            raise self.error(argument, f"a loop of {greatest:g} rounds is too long", f"use at most {LONGEST_LOOP}")
         return count
 
     def round(self, statements: list[ast.stmt], carried: list[str]) -> Condition:

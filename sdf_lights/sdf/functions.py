@@ -40,9 +40,16 @@ _WANTED = {
 
 
 class Argument(NamedTuple):
+    """``default`` is what the function is given for it: of an angle, radians, though artists give degrees."""
+
     name: str
     kind: str  # a key of _WANTED
     default: Any = REQUIRED
+
+    def signature(self) -> str:
+        if self.default is REQUIRED:
+            return self.name
+        return f"{self.name}={show(math.degrees(self.default) if self.kind == 'angle' else self.default)}"
 
 
 class Function(NamedTuple):
@@ -67,7 +74,7 @@ class Function(NamedTuple):
         """As in ``torus(major_radius=0.5, minor_radius=0.175)``."""
         if self.usage:
             return self.usage
-        shown = [a.name if a.default is REQUIRED else f"{a.name}={show(a.default)}" for a in self.arguments]
+        shown = [argument.signature() for argument in self.arguments]
         return f"{self.name}({', '.join(shown[:1] + ['…'] * self.variadic + shown[1:])})"
 
     @property
@@ -85,8 +92,9 @@ class Function(NamedTuple):
             repeated, positional, arguments = self._repeated(positional)
         positional = self._gathered(positional, arguments)
         given = self._bound(positional, named, arguments)
-        return self.call(slots, *(self._converted(self.arguments[0], value, slots) for value in repeated),
-                         *(self._converted(a, given[a.name], slots) for a in arguments))
+        return self.call(
+            slots, *(self._converted(self.arguments[0], value, slots) for value in repeated),
+            *(self._converted(a, given[a.name], slots) if a.name in given else a.default for a in arguments))
 
     def _repeated(self, positional: list) -> tuple[list, list, tuple[Argument, ...]]:
         """Values of the first argument, the values after them, and the arguments that those are for."""
@@ -124,10 +132,8 @@ class Function(NamedTuple):
                 raise Misuse(f"{self.name} gets {name} twice", f"write {self.signature()}")
             given[name] = value
         for argument in arguments:
-            if argument.name not in given:
-                if argument.default is REQUIRED:
-                    raise Misuse(f"{self.name} needs {argument.name}", f"write {self.signature()}")
-                given[argument.name] = argument.default
+            if argument.name not in given and argument.default is REQUIRED:
+                raise Misuse(f"{self.name} needs {argument.name}", f"write {self.signature()}")
         return given
 
     def _converted(self, argument: Argument, value, slots: Work):
@@ -208,10 +214,8 @@ def _arguments(kind_of_shape: type[Parametric]) -> tuple[Argument, ...]:
              for field in dataclasses.fields(kind_of_shape) if "part" in field.metadata]
     numbers = []
     for about in kind_of_shape.fields():
-        kind, default = "numbers" if about.size == 3 else "number", about.default
-        if about.unit == "ANGLE" and about.size == 1:
-            kind, default = "angle", math.degrees(default)
-        numbers.append(Argument(about.name, kind, default))
+        kind = "numbers" if about.size == 3 else "angle" if about.unit == "ANGLE" else "number"
+        numbers.append(Argument(about.name, kind, about.default))
     return (*parts, *numbers)
 
 

@@ -138,7 +138,7 @@ MISTAKES = [
     ("x = 1", 1, 1, "what glows", "end with"),
     ("1 + 1", 1, 1, "the last line is a number", "end with"),
     ("sphere()\nsphere()", 1, 1, "no effect", "combine"),
-    ("pi = 3\nsphere(pi)", 1, 1, "pi already means", "another name"),
+    ("range = 3\nsphere(1)", 1, 1, "range already means", "another name"),
     ("sphere = 3\nsphere", 2, 1, "the last line is a number", "end with"),
     ("slider = 3\nsphere(1)", 1, 1, "slider already means", "another name"),
     ("a = 1\na(2)", 2, 1, "a is a number, not a function", "brackets"),
