@@ -290,7 +290,6 @@ _RULES: dict[str, Callable] = {
     "atan": _along(lambda value, a: _arithmetic.divide(_ONE, _arithmetic.add(_ONE, _arithmetic.square(a)))),
     "exp": _along(lambda value, a: value),
     "log": _along(lambda value, a: _arithmetic.divide(_ONE, a)),
-    "floor": lambda value, operands: (None, 0.0),
     "add": lambda value, operands: _sum(*(operand[1:3] for operand in operands)),
     "subtract": lambda value, operands: _sum(operands[0][1:3], _scaled(operands[1], _MINUS_ONE)),
     "multiply": _multiply,
@@ -362,10 +361,14 @@ def _parts(kind: str, operands: list[Slope], condition: Condition | None) -> tup
 
 # -- parts of boxes -----------------------------------------------------------------------------------------------
 
-def _comparisons(formula: Formula) -> dict[Formula, list[tuple[Formula, Formula | None]]]:
-    """Pairs of which formulas take the lesser or greater, by each of the pair; None stands for 0, of an absolute value.
+_SIGN, _STEP = "sign", "step"
 
-    Only those that are clamps and folds: one is a number, or both the lesser and the greater are taken.
+
+def _sides(formula: Formula) -> dict[Formula, list[tuple]]:
+    """What tells the sides of clamps, folds and cells apart, by each formula that it depends on.
+
+    A pair of formulas of which the lesser and the greater are taken, or of which one is a number; or a formula and
+    ``_SIGN``, where its absolute value is taken, or ``_STEP``, where it is rounded down.
     """
     pairs: dict[tuple, set[str]] = {}
     fixed: dict[Formula, bool] = {}
@@ -375,17 +378,18 @@ def _comparisons(formula: Formula) -> dict[Formula, list[tuple[Formula, Formula 
             fixed[node] = node.kind not in (POSITION, STATE, ITERATE) and all(fixed[o] for o in node.operands)
             if node.kind == ITERATE:
                 pending += node.value.roots()
-            elif node.kind == "abs":
-                pairs.setdefault((node.operands[0], None), set()).add("abs")
+            elif node.kind in ("abs", "floor"):
+                pairs[node.operands[0], _SIGN if node.kind == "abs" else _STEP] = set()
             elif node.kind in ("minimum", "maximum"):
                 known = node.operands[::-1] if node.operands[::-1] in pairs else node.operands
                 pairs.setdefault(known, set()).add(node.kind)
     found: dict[Formula, list] = {}
-    for pair, kinds in pairs.items():
-        if pair[1] is None or len(kinds) == 2 or fixed[pair[0]] != fixed[pair[1]]:
-            for node in pair:
-                if node is not None:
-                    found.setdefault(node, []).append(pair)
+    for (a, b), kinds in pairs.items():
+        if b in (_SIGN, _STEP):
+            found.setdefault(a, []).append((a, b))
+        elif len(kinds) == 2 or fixed[a] != fixed[b]:
+            found.setdefault(a, []).append((a, b))
+            found.setdefault(b, []).append((a, b))
     return found
 
 
@@ -412,7 +416,7 @@ def _taken(value, index: np.ndarray, rows: int, done: dict):
 class _Slopes(Boxes):
     """Values with gradients, at each kind of node.
 
-    Where it is open which side of a clamp or a fold a box is on, it is divided into the points on either side: what
+    Where it is open which side of a clamp, a fold or a cell's border a box is on, it is divided into the points on either side: what
     is computed from both sides later, as in the distance to a box, which joins one inside and one outside, or after
     repeated reflections, would else be taken to combine in ways that do not occur.
     """
@@ -421,7 +425,7 @@ class _Slopes(Boxes):
         super().__init__(_arithmetic, low, high, parameters)
         self.parts = parts
         self.under_roots = _under_roots(formula)
-        self.comparisons = _comparisons(formula) if parts > 1 else {}
+        self.sides = _sides(formula) if parts > 1 else {}
         self.rows = np.arange(len(low))  # the box that each row is of
 
     def position(self, axis):
@@ -459,6 +463,8 @@ class _Slopes(Boxes):
             return _select(condition, *operands, value)
         if node.kind == "abs":
             return _magnitude(operands[0])
+        if node.kind == "floor":
+            return Slope(self._floor(node, value), None, 0.0)
         if node.kind == "sqrt" and operands[0].parts is not None:
             parts = operands[0].parts
             slope = _magnitude(parts[0]) if len(parts) == 1 else _length_of(value, list(parts))
@@ -483,17 +489,32 @@ class _Slopes(Boxes):
             first, second = first & ~undefined, second & ~undefined
         return Condition(first, ~second | first)
 
+    def _floor(self, node: Formula, value: Interval) -> Interval:
+        sides = self.live[-1].get((node.operands[0], _STEP))
+        if sides is None:
+            return value
+        # On the lower side of a step the number itself is included, but the floor is that of the points below.
+        return value._replace(high=np.where(sides < 0, value.low, value.high))
+
     def divide(self, node):
-        for pair in self.comparisons.get(node, ()):
+        for pair in self.sides.get(node, ()):
             values = self.live[-1]
-            if pair not in values and all(side is None or side in values for side in pair):
+            if pair not in values and all(side in values for side in pair if isinstance(side, Formula)):
                 self._divide(*pair)
 
-    def _divide(self, a: Formula, b: Formula | None) -> None:
+    def _divide(self, a: Formula, b: Formula | str) -> None:
         values = self.live[-1]
         u = values[a].value
-        v = _ZERO if b is None else values[b].value
+        if b == _SIGN:
+            v = _ZERO
+        elif b == _STEP:
+            step = np.floor(u.high)
+            v = Interval(step, step)
+        else:
+            v = values[b].value
         open_ = (u.low < v.high) & (v.low < u.high)
+        if b == _STEP:
+            open_ = (u.low < step) & (u.low >= step - 1.0)
         for side in (u, v):
             if side.undefined is not None:
                 open_ = open_ & ~side.undefined
@@ -512,13 +533,18 @@ class _Slopes(Boxes):
         sides = np.zeros(len(index), np.int8)  # −1: a ≤ b, 1: a ≥ b, 0: open
         sides[open_], sides[n:] = -1, 1
         values[a, b] = sides
-        for node, other, sign in ((a, v, 1), (b, u, -1)):
-            if node is not None:
-                slope = values[node]
-                other = _taken(other, index, n, {})
-                low = np.where(sides == sign, np.maximum(slope.value.low, other.low), slope.value.low)
-                high = np.where(sides == -sign, np.minimum(slope.value.high, other.high), slope.value.high)
-                values[node] = slope._replace(value=slope.value._replace(low=low, high=high))
+        u, v = _taken(u, index, n, {}), _taken(v, index, n, {})
+        self._restrict(a, u, v, sides)
+        if isinstance(b, Formula):
+            self._restrict(b, v, u, -sides)
+
+    def _restrict(self, node: Formula, value: Interval, other: Interval, sides: np.ndarray) -> None:
+        """Hold the value of a node to its side of another."""
+        if np.ndim(value.low):
+            low = np.where(sides > 0, np.maximum(value.low, other.low), value.low)
+            high = np.where(sides < 0, np.minimum(value.high, other.high), value.high)
+            values = self.live[-1]
+            values[node] = values[node]._replace(value=value._replace(low=low, high=high))
 
     def whole(self, join, values: np.ndarray) -> np.ndarray:
         """Values (…, rows) of the boxes (…, n) from those of all their rows."""

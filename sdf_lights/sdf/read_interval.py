@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .formula import (
-    CONDITIONS, CONSTANT, ITERATE, PARAMETER, POSITION, RESULT, STATE, Formula, body, order)
+    CONDITIONS, CONSTANT, ITERATE, OPERATIONS, PARAMETER, POSITION, RESULT, STATE, Formula, body, order)
 from .read_numpy import rounds
 
 
@@ -64,6 +64,14 @@ class Interval(NamedTuple):
     def is_number(self) -> bool:
         """One value, the same in all boxes."""
         return np.ndim(self.low) == 0 and self.low == self.high
+
+
+class Line(NamedTuple):
+    """scale · a + shift; ``size`` is the greatest of what was added up to the shift."""
+
+    scale: Interval
+    shift: Interval
+    size: float
 
 
 class Condition(NamedTuple):
@@ -260,6 +268,14 @@ class Arithmetic:
             ends.append(self.multiply(a_end, power))
         return Interval(ends[0].low, ends[1].high, a.undefined, a.positive)
 
+    def remainder(self, a: Interval, period: Interval, line: "Line") -> Interval:
+        """a − period · floor(line of a): the floor is less than what it is of by 0 to 1."""
+        along = self.multiply(a, line.scale)
+        error = 8.0 * self.precision.basic * (along.magnitude + line.size) + self.precision.tiny
+        fraction = Interval(-error, 1.0 + error)
+        rest = self.multiply(a, self.subtract(self.number(1.0), self.multiply(period, line.scale)))
+        return self.add(rest, self.multiply(period, self.subtract(fraction, line.shift)))
+
     def square(self, a: Interval) -> Interval:
         a = self.abs(a)
         exact = self._exact(lambda u, v: u * v, a, a)
@@ -451,6 +467,13 @@ class Boxes:
                 squares = _squares(base, other)
                 if squares:
                     return self.arithmetic.odd_power(interval, squares)
+        if node.kind == "subtract":
+            found = self.arithmetic.subtract(*operands)
+            floored = self._floored(*node.operands)
+            if floored:
+                other = self.arithmetic.remainder(operands[0], *floored)
+                found = found._replace(low=np.maximum(found.low, other.low), high=np.minimum(found.high, other.high))
+            return found
         return getattr(self.arithmetic, node.kind)(*operands)
 
     def select(self, condition: Condition, then: Interval, otherwise: Interval) -> Interval:
@@ -459,6 +482,50 @@ class Boxes:
     def interval(self, value: Interval) -> Interval:
         """The interval part of a value."""
         return value
+
+    def _floored(self, a: Formula, product: Formula) -> tuple[Interval, Line] | None:
+        """The number and the line of ``product`` = number · floor(line of a), if it is of that form."""
+        factors = ((None, product),)
+        if product.kind == "multiply":
+            factors = product.operands, product.operands[::-1]
+        for factor, step in factors:
+            if step.kind == "floor":
+                period = self.arithmetic.number(1.0) if factor is None else self._fixed(factor)
+                line = self._line(step.operands[0], a) if period else None
+                return line and (period, line)
+        return None
+
+    def _line(self, formula: Formula, a: Formula, depth: int = 4) -> Line | None:
+        arithmetic = self.arithmetic
+        if formula is a:
+            return Line(arithmetic.number(1.0), arithmetic.number(0.0), 0.0)
+        if not depth or formula.kind not in ("add", "subtract", "multiply", "divide"):
+            return None
+        left, right = formula.operands
+        apply = getattr(arithmetic, formula.kind)
+        number, line = self._fixed(right), None
+        if number:
+            line = self._line(left, a, depth - 1)
+        elif formula.kind in ("add", "multiply"):
+            number = self._fixed(left)
+            line = number and self._line(right, a, depth - 1)
+        if line is None:
+            return None
+        if formula.kind in ("multiply", "divide"):
+            size = apply(Interval(np.float64(0.0), line.size + line.shift.magnitude), number).magnitude
+            return Line(apply(line.scale, number), apply(line.shift, number), size)
+        return Line(line.scale, apply(line.shift, number), line.size + line.shift.magnitude + number.magnitude)
+
+    def _fixed(self, formula: Formula, depth: int = 4) -> Interval | None:
+        """A number, or what is computed from a few numbers."""
+        if formula.kind == CONSTANT:
+            return self.arithmetic.number(formula.value)
+        if formula.kind == PARAMETER:
+            return self.arithmetic.number(self.parameters[formula.value])
+        if not depth or formula.kind not in OPERATIONS or formula.kind in CONDITIONS or formula.kind == "select":
+            return None
+        operands = [self._fixed(operand, depth - 1) for operand in formula.operands]
+        return None if None in operands else getattr(self.arithmetic, formula.kind)(*operands)
 
     def divide(self, node: Formula) -> None:
         """Called when the value of a node has become known: the place to treat parts of boxes apart."""

@@ -51,8 +51,23 @@ LOOPS = {
     "no rounds": f.iterate(-1.0, (x + y,), lambda u: ((u * 2.0,), None), 4)[0],
 }
 
+def _floor(a):
+    return f.apply("floor", a)
+
+
+REMAINDERS = {
+    "fraction": (x - _floor(x), (0.0, 1.0)),
+    "remainder": (x - 0.3 * _floor(x / 0.3), (0.0, 0.3)),
+    "remainder by a parameter": (x - f.parameter(0) * _floor(x / f.parameter(0)), (0.0, 3.0)),
+    "negative period": (x - _floor(x / -0.7) * -0.7, (-0.7, 0.0)),
+    "nearest cell": (x - 2.5 * _floor(x * 0.4 + 0.5), (-1.25, 1.25)),
+    "of whole numbers": (y - 289.0 * _floor((y + 0.5) * (1.0 / 289.0)), (-0.5, 288.5)),
+    "shifted far": (x - _floor((x + 1e9) - 1e9), (-1e-6, 1.0 + 1e-6)),
+}
+
 FORMULAS = {f"operation {name}": (formula, ()) for name, formula in operations()}
 FORMULAS |= {f"loop, {name}": (formula, (3.0,)) for name, formula in LOOPS.items()}
+FORMULAS |= {f"remainder, {name}": (formula, (3.0,)) for name, (formula, _) in REMAINDERS.items()}
 FORMULAS |= {name: (shape.formula(), shape.parameters()) for name, shape in samples.SHAPES_TO_TRY.items()}
 
 
@@ -164,6 +179,13 @@ def test_bounds_know_what_a_square_is():
             (f.apply("sin", 10.0 * x), (-1.0, 1.0)), (f.cos(x), (np.cos(2.0), 1.0)),
             (f.apply("atan2", y, x), (-np.pi, np.pi)), (f.apply("atan2", y + 3.0, x), (np.arctan2(1, 1), np.arctan2(1, -2)))]:
         np.testing.assert_allclose(np.ravel(read_interval.enclose(formula, *box)), bounds, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", REMAINDERS)
+def test_bounds_know_what_a_remainder_is(name):
+    formula, expected = REMAINDERS[name]
+    low, high = read_interval.enclose(formula, np.full((1, 3), -20.0), np.full((1, 3), 30.0), [3.0])
+    np.testing.assert_allclose([low[0], high[0]], expected, atol=1e-5)
 
 
 def test_numbers_stay_exact():
