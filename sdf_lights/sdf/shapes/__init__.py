@@ -7,7 +7,7 @@ from .primitives import Box, BoxFrame, Capsule, Cone, Cylinder, Ellipsoid, Primi
 from . import balls, polyhedra, solids
 from .field import Field
 from .operators import Difference, Exclusive, Intersection, Operator, SetOperation, Transformed, Union
-from . import curved, minimal_surfaces, swept, tubes
+from . import coils, curved, minimal_surfaces, swept, tubes
 from . import fractals
 from . import blends, displacement, folds, layers, repetition, warps  # noqa: F401 (all in SHAPES)
 

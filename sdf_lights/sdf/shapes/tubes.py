@@ -184,7 +184,7 @@ class BezierTube(Primitive):
         # As a parabola keeps off itself by its least radius of curvature, that alone decides.
         a, b, vertex = self._coefficients()
         speed = np.linalg.norm(a + vertex * b)
-        return EXACT if self.radius * np.linalg.norm(np.cross(a, b)) <= 2.0 * speed**3 else BOUND
+        return EXACT if self.radius * np.linalg.norm(np.cross(a, b)) < 2.0 * speed**3 else BOUND
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         """The squared distance has its least value where it ceases to fall, at a root of its derivative f, a cubic.

@@ -1,0 +1,339 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wires and bands that wind around the z axis: coils, knots, twisted rings.
+
+The nearest point of such a curve has no closed form. But the half plane through the axis and a given point cuts the curve
+in a few points that are known, and in that half plane the field is made. It is a bound of the distance: its slope is
+that within the half plane and, at right angles to it, what the cut points move by as the half plane turns, over the
+distance ρ from the axis. Each class says how steep that gets, and divides by it.
+
+A wire that leaves the half plane at a slant is cut in an ellipse. So that it is round across, offsets from the cut point
+(d, in the half plane) are measured without their part along the wire, of direction τ: |d|² − (d · τ)².
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..formula import Formula, Vector, atan2, cos, floor, length, maximum, minimum, select, sin, sqrt
+from . import support
+from .base import BOUND, Slots, number
+from .primitives import Primitive, corner
+
+_SAMPLES = 1000  # points of a curve to each turn, for its box
+
+
+def _nearest_whole(a: Formula) -> Formula:
+    return floor(a + 0.5)
+
+
+def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axes: tuple) -> np.ndarray:
+    """Support of all sections of a solid by half planes through the z axis, when some of them are given.
+
+    The sections at the ``angles`` (m,) are ellipses with this center and these two semi-axes, or points without axes; of
+    each the part away from the axis and that along z are given, (m,) or numbers.
+    """
+    radial = directions[:, 0, None] * np.cos(angles) + directions[:, 1, None] * np.sin(angles)
+
+    def product(vector):
+        return radial * vector[0] + directions[:, 2, None] * vector[1]
+
+    def most_moved(vector):
+        away, up = np.broadcast_to(vector[0], angles.shape), np.broadcast_to(vector[1], angles.shape)
+        points = np.stack([away * np.cos(angles), away * np.sin(angles), up])
+        return np.linalg.norm(np.diff(points), axis=0).max()
+
+    reached = product(center) + np.sqrt(sum(product(axis)**2 for axis in axes))
+    # Every other section is moved from one of these by half of the way to the next at most, along an arc that is not
+    # quite straight.
+    between = 0.501 * sum(most_moved(vector) for vector in (center, *axes))
+    return reached.max(axis=1) + between * np.linalg.norm(directions, axis=1)
+
+
+class _Coil(Primitive, abstract=True):
+    """A wire along a curve whose distance from the axis and height grow steadily with the angle.
+
+    With ``s``, the length by which both grow in a radian, and the mean distance from the axis R, offsets along the growth
+    are measured μ times as long as those across, with μ² = R² / (R² + s²): see the module. In the half plane that gives
+    the slope 1, and with the turning of the half plane √(x² + μ² y² (1 + s²/ρ²)) for a unit vector (x, y), which is at
+    most L = max(1, μ √(1 + s²/ρ²)). Nearer to the axis than half of the way to the wire the field is a constant, so L
+    is that for this ρ.
+    """
+
+    exactness = BOUND
+
+    turns: float
+    minor_radius: float
+
+    def _ends(self) -> tuple[float, float, float]:
+        """Distance from the axis at the lower and the upper end, and height."""
+        raise NotImplementedError
+
+    def _growth(self) -> tuple[float, float, float]:
+        """Growth of the distance from the axis and of the height in a radian, and s."""
+        first, last, height = self._ends()
+        across, up = (last - first) / (math.tau * self.turns), height / (math.tau * self.turns)
+        return across, up, math.hypot(across, up)
+
+    def _mean(self) -> float:
+        first, last, _ = self._ends()
+        return 0.5 * (first + last)
+
+    def _squeeze(self) -> float:
+        """μ"""
+        return self._mean() / math.hypot(self._mean(), self._growth()[2])
+
+    def _section(self) -> tuple[np.ndarray, np.ndarray]:
+        """Semi-axes of the cut of the wire, (distance, height) each: across the growth and along it."""
+        across, up, size = self._growth()
+        unit = np.array([across, up]) / size
+        return self.minor_radius * np.array([-unit[1], unit[0]]), self.minor_radius / self._squeeze() * unit
+
+    def _extent(self) -> np.ndarray:
+        """By how much the cut of the wire reaches beyond its centre: away from the axis, and up."""
+        return np.hypot(*self._section())
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        first, last, height = self._ends()
+        across, up, size = self._growth()
+        squeeze, reach, radius = self._squeeze(), self._extent(), self.minor_radius
+        inner, outer = min(first, last), max(first, last)
+        unit_across, unit_up, turn = slot(across / size), slot(up / size), slot(math.tau * size)
+        mu, half_turn = slot(squeeze), slot(math.pi * self.turns)
+
+        rho, angle = length(p.x, p.y), atan2(p.y, p.x)
+        # In the half plane, from the wire where it is at this angle: along its growth, and across.
+        out, above = rho - (slot(self._mean()) + angle * slot(across)), p.z - angle * slot(up)
+        along, aside = out * unit_across + above * unit_up, above * unit_across - out * unit_up
+        lowest = -floor((half_turn + angle) * (1.0 / math.tau))
+        highest = floor((half_turn - angle) * (1.0 / math.tau))
+        along = along - minimum(maximum(_nearest_whole(along / turn), lowest), highest) * turn
+        to_wire = length(aside, along * mu)
+
+        def to_end(side: float, distance: float) -> Formula:
+            cosine, sine = (slot(side_of) for side_of in (
+                math.cos(math.pi * self.turns), side * math.sin(math.pi * self.turns)))
+            x, y, z = p.x - cosine * slot(distance), p.y - sine * slot(distance), p.z - slot(0.5 * side * height)
+            along = (x * cosine + y * sine) * unit_across + z * unit_up
+            return sqrt(x * x + y * y + z * z - along * along * slot((1.0 - squeeze) * (1.0 + squeeze)))
+
+        # Where the wire ends, its cut is that of the end's ellipsoid too: going on around, the field is continuous.
+        ends = minimum(to_end(-1.0, first), to_end(1.0, last))
+        steep = 0.5 * (inner - reach[0])
+        # Least of to_wire where the distance from the axis is ``steep``.
+        most = self.minor_radius / reach[0] * (inner - steep)
+        wire = minimum(select(lowest <= highest, to_wire, ends), ends, slot(most))
+        slope = max(1.0, squeeze * math.sqrt(1.0 + (size / steep)**2))
+        return maximum(
+            (wire - slot(radius)) * slot(1.0 / slope), slot(inner - reach[0]) - rho, rho - slot(outer + reach[0]),
+            abs(p.z) - slot(0.5 * abs(height) + reach[1]))
+
+    def relation(self) -> str:
+        first, last, _ = self._ends()
+        if self._extent()[0] >= min(first, last):
+            return (f"{self.label()}: minor radius {self.minor_radius:g} is too much for a wire at a distance of "
+                    f"{min(first, last):g} from the axis: make it smaller.")
+        return ""
+
+    def volume(self) -> float | None:
+        first, last, _ = self._ends()
+        _, _, size = self._growth()
+        # Not if it runs into its neighbour, which comes nearer by what it grows in the angle that the end is long.
+        end = math.asin(self.minor_radius / min(first, last))
+        if self._squeeze() * size * (math.tau - end) < 2.0 * self.minor_radius:
+            return None
+        section = math.pi * self.minor_radius**2 / self._squeeze()
+        # Pappus: the centre of the cut moves around the axis; and two halves of an ellipsoid.
+        return section * (math.tau * self.turns * self._mean() + 4.0 / 3.0 * self.minor_radius)
+
+    def support(self, directions):
+        first, last, height = self._ends()
+        way = np.linspace(-1.0, 1.0, 2 + int(_SAMPLES * self.turns))
+        angles, distances, heights = math.pi * self.turns * way, self._mean() + 0.5 * (last - first) * way, 0.5 * height * way
+        wire = _of_sections(directions, angles, (distances, heights), *self._section())
+        ends = []
+        across, along = self._section()
+        for side, distance in ((-1.0, first), (1.0, last)):
+            angle = side * math.pi * self.turns
+            outwards = directions[:, 0] * math.cos(angle) + directions[:, 1] * math.sin(angle)
+            sideways = directions[:, 1] * math.cos(angle) - directions[:, 0] * math.sin(angle)
+            parts = [outwards * d + directions[:, 2] * h for d, h in (across, along)]
+            ends.append(outwards * distance + directions[:, 2] * 0.5 * side * height
+                        + np.sqrt(parts[0]**2 + parts[1]**2 + (self.minor_radius * sideways)**2))
+        return np.maximum.reduce([wire, *ends])
+
+
+_TURNS = dict(unit="NONE", minimum=0.05, maximum=100.0, soft_maximum=10.0)
+
+
+@dataclass(frozen=True)
+class Helix(_Coil):
+    """A wire wound around the z axis, centred: a coil spring. Its ends are round.
+
+    The wire is round to first order: as seen in a half plane through the axis it is an ellipse.
+    """
+
+    radius: float = number(0.35, "Distance from the axis to the middle of the wire")
+    pitch: float = number(0.25, "Distance along z from one turn to the next")
+    turns: float = number(3.0, "Number of turns; not only whole ones", **_TURNS)
+    minor_radius: float = number(0.06, "Radius of the wire")
+
+    def _ends(self):
+        return self.radius, self.radius, self.pitch * self.turns
+
+
+@dataclass(frozen=True)
+class Spiral(_Coil):
+    """A wire wound around the z axis that gets away from it on its way up, or nearer. It is flat for a height of 0.
+
+    The wire is round to first order. Its ends are round.
+    """
+
+    bottom_radius: float = number(0.12, "Distance from the axis to the middle of the wire at its lower end")
+    top_radius: float = number(0.5, "Distance from the axis to the middle of the wire at its upper end")
+    height: float = number(0.4, "Distance along z between the ends", minimum=0.0)
+    turns: float = number(3.0, "Number of turns; not only whole ones", **_TURNS)
+    minor_radius: float = number(0.045, "Radius of the wire")
+
+    def _ends(self):
+        return self.bottom_radius, self.top_radius, self.height
+
+    def relation(self):
+        if self._growth()[2] <= 1e-6 * self._mean():
+            return "Spiral: its turns lie on one another: make the height larger, or one of the radii."
+        return super().relation()
+
+
+@dataclass(frozen=True)
+class TorusKnot(Primitive):
+    """A closed wire on a torus around the z axis: a knot, or a chain where the two numbers of turns have a divisor.
+
+    The wire is round to first order. With R, r and w the radii and k = q r / p for p turns around the axis and q around the
+    tube, offsets along the wire's slant in the half plane are measured √λ times as long as those across (see the module),
+    λ = 1 / (1 + k²/ρ²), where ρ is at least R − r. For the value g so measured, and (x, y) the unit vector of its parts
+    across and along,
+
+        |∇g|² ≤ x² + λ y² + y² (√(1 − λ) − c x)² = 1 − 2 √(1 − λ) c x y² + c² x² y²,  c = (g/r) (1 − λ)^(3/2) / λ
+
+    but for the change of λ, which adds at most g k² / (ρ (ρ² + k²)). Here x y² ≤ 2/√27 and x² y² ≤ 1/4. Nearer to the
+    axis than R − r the field is multiplied by ρ / (R − r), which makes up for the 1/ρ and adds the field's size over
+    R − r. Nowhere is g let grow beyond a constant.
+    """
+
+    exactness = BOUND
+
+    major_radius: float = number(0.4, "Distance from the axis to the middle of the torus")
+    radius: float = number(0.15, "Distance from the middle of the torus to the middle of the wire", label="Torus Radius")
+    minor_radius: float = number(0.05, "Radius of the wire")
+    around_axis: float = number(2.0, "Turns around the axis", unit="NONE", minimum=1.0, maximum=20.0, soft_maximum=7.0,
+                                whole=True)
+    around_tube: float = number(3.0, "Turns around the tube of the torus", unit="NONE", minimum=0.0, maximum=20.0,
+                                soft_maximum=9.0, whole=True)
+
+    def _slant(self) -> tuple[float, float]:
+        """k, and the least λ."""
+        k = self.around_tube * self.radius / self.around_axis
+        return k, 1.0 / (1.0 + (k / (self.major_radius - self.radius))**2)
+
+    def _thickness(self) -> float:
+        """How far the wire reaches from the middle of the torus, in the half plane."""
+        # Farthest point of the ellipse with semi-axes w, across, and w / √λ, along, from a point r from its middle.
+        w, r = self.minor_radius, self.radius
+        longer = w / math.sqrt(self._slant()[1])
+        cosine = 1.0 if longer**2 <= w * (w + r) else r * w / (longer**2 - w**2)
+        return math.sqrt((r + w * cosine)**2 + (1.0 - cosine**2) * longer**2)
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        k, least = self._slant()
+        R, r, w, inner = self.major_radius, self.radius, self.minor_radius, self.major_radius - self.radius
+        most = w + 0.5 * r
+        c = most / r * (1.0 - least)**1.5 / least
+        slope = math.sqrt(1.0 + 4.0 / math.sqrt(27.0) * math.sqrt(1.0 - least) * c + 0.25 * c * c)
+        slope += max(most * k**2 / (inner * (inner**2 + k**2)), max(w, most - w) / inner)
+
+        rho = length(p.x, p.y)
+        out = rho - slot(R)
+        from_middle = length(out, p.z)
+        step = slot(math.tau / self.around_axis)
+        angle = atan2(p.z, out) - atan2(p.y, p.x) * slot(self.around_tube / self.around_axis)
+        angle = angle - _nearest_whole(angle / step) * step
+        across, along = from_middle * cos(angle) - slot(r), from_middle * sin(angle)
+        held = maximum(rho, slot(inner))
+        slanted = along * held / length(held, slot(k))
+        wire = minimum(length(across, slanted), slot(most)) - slot(w)
+        nearness = minimum(rho * slot(1.0 / inner), 1.0)
+        return maximum(wire * nearness * slot(1.0 / slope), from_middle - slot(self._thickness()))
+
+    def relation(self) -> str:
+        if self.radius >= self.major_radius or self._thickness() >= self.major_radius:
+            return ("Torus Knot: the wire reaches the axis: make the major radius larger, or the torus radius, the minor "
+                    "radius or the turns around the tube smaller.")
+        return ""
+
+    def support(self, directions):
+        p, q = self.around_axis, self.around_tube
+        turn = np.linspace(0.0, math.tau, 1 + int(_SAMPLES * max(1.0, q / p)))
+        around, least = [], math.sqrt(self._slant()[1])
+        for strand in range(int(p)):
+            angle = (q * turn + math.tau * strand) / p
+            outwards = np.stack([np.cos(angle), np.sin(angle)])
+            onwards = np.stack([-np.sin(angle), np.cos(angle)])
+            center = self.major_radius + self.radius * outwards[0], self.radius * outwards[1]
+            around.append(_of_sections(
+                directions, turn, center, self.minor_radius * outwards, self.minor_radius / least * onwards))
+        return np.max(around, axis=0)
+
+
+@dataclass(frozen=True)
+class MobiusBand(Primitive):
+    """A band around the z axis that is twisted on its way: for one half turn, or any odd number, it has a single side.
+
+    In the half plane through the axis it is a rectangle, and the field is the distance to that, up to a constant. Where
+    that is less than the constant, the distance s from the middle of the rectangle is at most half of its diagonal
+    and the constant. When the half plane turns, the rectangle turns t/2 times as fast, for t half turns, and the distance
+    to it changes by at most s times the angle; so its slope is at most √(1 + (t s / 2ρ)²).
+    """
+
+    exactness = BOUND
+
+    radius: float = number(0.4, "Distance from the axis to the middle of the band")
+    width: float = number(0.3, "Width of the band")
+    thickness: float = number(0.05, "Thickness of the band")
+    half_turns: float = number(1.0, "Half turns of the twist; negative ones are to the other side", unit="NONE",
+                               minimum=-12.0, maximum=12.0, soft_maximum=6.0, whole=True)
+
+    def _half_diagonal(self) -> float:
+        return 0.5 * math.hypot(self.width, self.thickness)
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        reach = self._half_diagonal()
+        most = 0.25 * (self.radius - reach)
+        slope = math.hypot(1.0, 0.5 * self.half_turns * (reach + most) / (self.radius - reach - most))
+        out = length(p.x, p.y) - slot(self.radius)
+        angle = atan2(p.y, p.x) * slot(0.5 * self.half_turns)
+        cosine, sine = cos(angle), sin(angle)
+        u, v = out * cosine + p.z * sine, p.z * cosine - out * sine
+        band = corner((abs(u) - slot(0.5 * self.thickness), abs(v) - slot(0.5 * self.width)))
+        return maximum(minimum(band, slot(most)) * slot(1.0 / slope), length(out, p.z) - slot(reach))
+
+    def relation(self) -> str:
+        if self._half_diagonal() >= self.radius:
+            return (f"Mobius Band: at a radius of {self.radius:g} the band reaches the axis: make the radius larger, or "
+                    "the width smaller.")
+        return ""
+
+    def volume(self) -> float:
+        return math.tau * self.radius * self.width * self.thickness
+
+    def support(self, directions):
+        turn = np.linspace(-math.pi, math.pi, 1 + int(_SAMPLES * max(1.0, abs(self.half_turns))))
+        angle = 0.5 * self.half_turns * turn
+        edges = []
+        for u, v in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+            u, v = 0.5 * u * self.thickness, 0.5 * v * self.width
+            distance, height = u * np.cos(angle) - v * np.sin(angle), u * np.sin(angle) + v * np.cos(angle)
+            edges.append(_of_sections(directions, turn, (self.radius + distance, height)))
+        return np.max(edges, axis=0)
