@@ -1,0 +1,278 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fractals of orbits: where a point comes to when a map is applied to it again and again.
+
+Distance estimates of such sets divide how far the orbit got by the derivative of the map along it (J. C. Hart, D. J.
+Sandin, L. H. Kauffman, "Ray tracing deterministic 3-D fractals", 1989). The derivative is that at the point alone, so
+the estimate may exceed the distance and jump. Here it is one of all points around, which makes it a proven bound with
+slope 1; near the surface it is 0.2 (Mandelbox) to 0.75 times (Mandelbulb) as large as those estimates.
+
+**Reach.** Let each ball of radius ρ < 1/t around x be taken by a map f into the ball of radius E(ρ) = s ρ / (1 − t ρ)
+around f(x), with s and t that depend on x. Let d be the signed distance to some surface, or any bound of it with slope 1,
+where f(x) is. Then |d| / (s + t |d|), which solves E(ρ) = |d|, bounds the distance of x from the preimage of the
+surface. It has slope 1 too if, for h = |x − y|, (1) E_y(ρ − h) ≤ E_x(ρ) − E_x(h), because d at y is at least d − E_x(h).
+For (1) it is enough that t_y ≤ t_x / (1 − t_x h) and s_y ≤ s_x / (1 − t_x h)². In terms of derivatives:
+
+    s ≥ |Df|,   |∇ ln s| ≤ 2t,   |∇ (1/t)| ≤ 1.
+
+Two maps in sequence have slope s₁ s₂ and bend t₁ + s₁ t₂, which inherit (1). Adding x itself to f(x), as Mandelbrot's sets
+do, adds ρ to E; (1) still holds, and holds for s + 1 and t, whose E is greater: with t_y ≤ t_x / (1 − t_x h),
+(ρ − h) / (1 − t_y (ρ − h)) ≤ ρ / (1 − t_x ρ) − h / (1 − t_x h).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..formula import Formula, Vector, atan2, constant, cos, iterate, length, maximum, minimum, power, sin
+from . import support
+from .base import BOUND, NONE, Shape, Slots, number
+from .primitives import Box
+from .reflections import into_tetrahedral_chamber
+
+MOST_ROUNDS = 30
+
+
+class Reach(NamedTuple):
+    """How far a map takes points apart: s and t of the module's text."""
+
+    slope: Formula
+    bend: Formula
+
+    def then(self, slope: Formula, bend: Formula) -> "Reach":
+        """Of this map and then another one, which has its slope and bend where this one leads to."""
+        return Reach(self.slope * slope, self.bend + self.slope * bend)
+
+    def pulled_back(self, distance: Formula) -> Formula:
+        """The bound at the point, from one where the map leads to."""
+        return distance / (self.slope + self.bend * abs(distance))
+
+
+START = Reach(constant(1.0), constant(0.0))
+
+
+def rounds(default: float):
+    """Dataclass field of the length of orbits."""
+    return number(default, "Number of times the map is applied: more of them show finer detail", unit="NONE", minimum=1.0,
+                  maximum=MOST_ROUNDS, soft_maximum=12.0, whole=True)
+
+
+class Orbital(Shape, abstract=True):
+    """A shape in a ball around the origin. The maps have no scale: ``_reach()`` is the ball's radius in their space."""
+
+    exactness = BOUND
+    radius: float
+
+    def _reach(self) -> float:
+        raise NotImplementedError
+
+    def _field(self, p: Vector, slot: Slots) -> Formula:
+        """The field in the space of the map."""
+        raise NotImplementedError
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        unit = slot(self.radius / self._reach())
+        return self._field(p / unit, slot) * unit
+
+    def bounds(self, matrix=None):
+        return support.bounds(lambda directions: support.of_ball(directions, self.radius), matrix)
+
+
+@dataclass(frozen=True)
+class Mandelbulb(Orbital):
+    """The points that z → zⁿ + p never takes far away from the origin, with powers taken in spherical coordinates.
+
+    A power multiplies the angles from the z axis and around it, and raises the length (D. White and P. Nylander, 2009).
+    Whole powers have proven bounds. Others tear space along a half plane, where a bound is not to be had; rays may miss
+    light there.
+    """
+
+    radius: float = number(0.5, "Radius of the ball that the shape just fits into")
+    power: float = number(8.0, "Exponent n", unit="NONE", minimum=2.0, maximum=32.0, soft_maximum=16.0)
+    rounds: float = rounds(5.0)
+
+    @property
+    def certified(self) -> bool:
+        return self.power == math.floor(self.power)
+
+    @property
+    def exactness(self) -> str:
+        return BOUND if self.certified else NONE
+
+    def _reach(self):
+        # Beyond it, |zⁿ| − |p| is greater than both |z| and |p|.
+        return 2.0 ** (1.0 / (self.power - 1.0))
+
+    def _field(self, p, slot):
+        n, escape = self.power, slot(self._reach())
+        exponent, floor, lowest = slot(n), 0.5, slot(0.5**n)
+        # With r = |z| and a = |(z.x, z.y)|, the derivative of zⁿ is at most s = n rⁿ⁻¹ min(n, r / a): around the axis
+        # the length a = r sin θ becomes rⁿ |sin nθ|. |∇ ln s|² = n (n − 2) / r² + 1 / a² ≤ 4 max(c / (2 r), 1 / a)².
+        least_bend = slot(0.5 * max(n - 1.0, math.sqrt(4.0 / 3.0 * n * (n - 2.0))))
+
+        def step(x, y, z, r, slope, bend, field):
+            around = length(x, y)
+            raised, far = power(r, exponent), maximum(r, floor)
+            axis = maximum(around, far / exponent)
+            reach = Reach(slope, bend).then(
+                exponent * maximum(raised, lowest) / axis, maximum(least_bend / far, 1.0 / axis))
+            reach = reach._replace(slope=reach.slope + 1.0)
+            polar, azimuth = atan2(around, z) * exponent, atan2(y, x) * exponent
+            side = raised * sin(polar)
+            q = Vector(side * cos(azimuth), side * sin(azimuth), raised * cos(polar)) + p
+            far = q.length()
+            # Whatever is this far out gets no greater bound from later rounds.
+            return (*q, far, *reach, maximum(field, reach.pulled_back(far - escape))), r < escape * 2.0
+
+        r = p.length()
+        return iterate(slot(self.rounds), (*p, r, *START, r - escape), step, MOST_ROUNDS)[-1]
+
+
+_FREE = dict(unit="NONE", minimum=-2.0, maximum=2.0, soft_maximum=1.0)
+
+
+@dataclass(frozen=True)
+class JuliaQuaternion(Orbital):
+    """The points that q → q² + c never takes far away from the origin: a slice of the Julia set of quaternions.
+
+    x is the real part of q, y and z are the next two, and the last part is that of the slice.
+    """
+
+    radius: float = number(0.6, "Radius of the ball that contains the shape")
+    constant: tuple[float, float, float] = number((-0.2, 0.6, 0.2), "First three parts of c", **_FREE)
+    constant_w: float = number(0.2, "Last part of c", **_FREE)
+    slice_w: float = number(0.0, "Last part of q where the slice is taken", **_FREE)
+    rounds: float = rounds(8.0)
+
+    def _reach(self):
+        return 0.5 + math.sqrt(0.25 + math.hypot(*self.constant, self.constant_w))  # r² = r + |c|
+
+    def _field(self, p, slot):
+        escape, c, c_w = slot(self._reach()), slot(self.constant), slot(self.constant_w)
+        # The slope 2r changes by the factor 1 ± h / r over a length h. Held above a floor, it is less bent.
+        floor = 0.4
+
+        def step(x, y, z, w, r, slope, bend, field):
+            far = maximum(r, floor)
+            reach = Reach(slope, bend).then(far * 2.0, 1.0 / (far + floor))
+            double = x * 2.0
+            q = x * x - y * y - z * z - w * w + c.x, double * y + c.y, double * z + c.z, double * w + c_w
+            far = length(*q)
+            return (*q, far, *reach, maximum(field, reach.pulled_back(far - escape))), r < escape * 2.0
+
+        w = slot(self.slice_w)
+        r = length(*p, w)
+        return iterate(slot(self.rounds), (*p, w, r, *START, r - escape), step, MOST_ROUNDS)[-1]
+
+
+def _inverted(v: Vector, radius: Formula | float, floor: Formula | float) -> tuple[Formula, Formula, Formula]:
+    """Of v, from the centre of a sphere that turns its inside out: the factor of v, and the slope and bend of the map.
+
+    Nearer to the centre than ``floor`` the factor stays the same.
+    """
+    far = maximum(v.length(), floor)
+    factor = maximum(1.0, radius * radius / (far * far))
+    return factor, factor, 1.0 / far
+
+
+@dataclass(frozen=True)
+class Mandelbox(Shape):
+    """The points that stay near when space is folded like a box, turned inside out at a sphere, and enlarged, over again.
+
+    z → scale · sphere(box(z)) + p. The box mirrors whatever is more than 1 from the middle along an axis; the sphere of
+    radius 1 swaps inside and outside (T. Lowe, 2010).
+    """
+
+    exactness = BOUND
+
+    half_size: float = number(0.5, "Half of the size along x, y and z")
+    scale: float = number(-2.0, "Enlargement of each round; may be negative", unit="NONE", minimum=-10.0, maximum=10.0,
+                          soft_maximum=4.0)
+    inner_radius: float = number(
+        0.5, "Distance from the centre of the sphere below which space is only enlarged", unit="NONE", minimum=0.05,
+        maximum=1.0, soft_maximum=1.0)
+    rounds: float = rounds(8.0)
+
+    def relation(self) -> str:
+        if abs(self.scale) < 1.1:
+            return f"Mandelbox: scale is {self.scale:g}, but must be at least 1.1, or at most -1.1."
+        return ""
+
+    def _reach(self) -> float:
+        """Half of the size in the space of the map."""
+        # On an axis, scale · (2 − p) + p is not farther out than p.
+        return 2.0 * (self.scale + 1.0) / (self.scale - 1.0) if self.scale > 0.0 else 2.0
+
+    def build(self, p: Vector, slot: Slots) -> Formula:
+        unit, most = slot(self.half_size / self._reach()), abs(self.scale)
+        # No coordinate that is larger than that gets smaller again.
+        escape = slot((2.0 * most + self._reach()) / (most - 1.0))
+        scale, growth, floor, half_size = slot(self.scale), slot(most), slot(self.inner_radius), slot(self._reach())
+        # Seen from outside the box, the set is as at the nearest point of the box.
+        start = (p / unit).minimum(half_size).maximum(-half_size)
+
+        def step(x, y, z, far, slope, bend, field):
+            q = Vector(x, y, z)
+            q = q.minimum(1.0).maximum(-1.0) * 2.0 - q
+            factor, *inversion = _inverted(q, 1.0, floor)
+            reach = Reach(slope, bend).then(*inversion)
+            reach = reach._replace(slope=reach.slope * growth + 1.0)
+            q = q * (scale * factor) + start
+            further = abs(q).greatest()
+            return (*q, further, *reach, maximum(field, reach.pulled_back(further - escape))), far < escape * 3.0
+
+        first = abs(start).greatest()
+        *_, field = iterate(slot(self.rounds), (*start, first, *START, first - half_size), step, MOST_ROUNDS)
+        return maximum(field * unit, Box((self.half_size,) * 3).build(p, slot))
+
+    def bounds(self, matrix=None):
+        return Box((self.half_size,) * 3).bounds(matrix)
+
+
+# Four balls of radius 1 that touch one another, in the corners of a tetrahedron, and the sphere around them.
+_BALL = Vector(*(math.sqrt(0.5),) * 3)
+_AROUND = 1.0 + math.sqrt(1.5)
+# The sphere through the points where they touch, at right angles to them; inside out, it shows the ball in the middle.
+_MIDDLE = math.sqrt(0.5)
+_MIDDLE_BALL = _MIDDLE**2 / _AROUND
+# The sphere at right angles to three of them and to the sphere around: the distance of its centre, and its radius.
+_SIDE = (_AROUND**2 + 0.5) * math.sqrt(1.5)
+_SIDE_RADIUS = math.sqrt(_SIDE**2 - _AROUND**2)
+_SIDE_CENTER = Vector(*(_SIDE / math.sqrt(3.0) * sign for sign in (-1.0, 1.0, 1.0)))
+
+
+@dataclass(frozen=True)
+class ApollonianGasket(Orbital):
+    """Balls packed into a ball: four that touch one another, and in every gap between them the largest that fits.
+
+    Each round fills the gaps around the balls of the one before (F. Soddy, 1937). Five spheres at right angles to the
+    first ones, turned inside out, take gaps to larger ones: D. W. Boyd, "The osculatory packing of a three dimensional
+    sphere", 1973.
+    """
+
+    radius: float = number(0.5, "Radius of the ball that the others are packed into")
+    rounds: float = rounds(3.0)
+
+    def _reach(self):
+        return _AROUND
+
+    def _field(self, p, slot):
+        def balls(q: Vector) -> Formula:
+            return minimum((q - _BALL).length() - 1.0, q.length() - _MIDDLE_BALL)
+
+        def step(x, y, z, slope, bend, field):
+            q, reach = Vector(x, y, z), Reach(slope, bend)
+            factor, *inversion = _inverted(q, _MIDDLE, 0.5 * _MIDDLE_BALL)
+            q, reach = q * factor, reach.then(*inversion)
+            factor, *inversion = _inverted(q - _SIDE_CENTER, _SIDE_RADIUS, 1.0)
+            q, reach = into_tetrahedral_chamber((q - _SIDE_CENTER) * factor + _SIDE_CENTER), reach.then(*inversion)
+            return (*q, *reach, minimum(field, reach.pulled_back(balls(q)))), None
+
+        r = p.length()
+        start = into_tetrahedral_chamber(p / maximum(r * (1.0 / _AROUND), 1.0))  # the nearest point in the ball around
+        *_, field = iterate(slot(self.rounds), (*start, *START, balls(start)), step, MOST_ROUNDS)
+        return maximum(field, r - _AROUND)
