@@ -119,11 +119,39 @@ if AVAILABLE:
         known = module.globals.get(name)
         return known or ir.Function(module, ir.FunctionType(result, [o.type for o in operands]), name)
 
+    # The C library's vector functions, where this platform has them (glibc on x86-64): to 4 units in the last place.
+    _HALF = ir.VectorType(_DOUBLE, 4)
+    _VECTOR = {"power": "pow"}
+
+    @functools.lru_cache(maxsize=None)
+    def _vector_function(kind: str, arity: int) -> str | None:
+        """Symbol of a function of four doubles at a time."""
+        name = f"_ZGVdN4{'v' * arity}_{_VECTOR.get(kind, kind)}"
+        try:
+            if not llvm.get_host_cpu_features().get("avx2"):
+                return None
+            address = ctypes.cast(getattr(ctypes.CDLL("libmvec.so.1"), name), ctypes.c_void_p).value
+        except (OSError, AttributeError):
+            return None
+        llvm.add_symbol(f"sdf_lights_{kind}_4", address)
+        return f"sdf_lights_{kind}_4"
+
+    def _by_halves(builder, name: str, operands):
+        halves = []
+        for first in (0, 4):
+            lanes = ir.Constant(ir.VectorType(ir.IntType(32), 4), [first + lane for lane in range(4)])
+            parts = [builder.shuffle_vector(o, o, lanes) for o in operands]
+            halves.append(builder.call(_declared(builder.module, name, _HALF, parts), parts))
+        return builder.shuffle_vector(*halves, ir.Constant(ir.VectorType(ir.IntType(32), LANES), list(range(LANES))))
+
     def _library(kind: str):
         def emit(builder, *operands):
+            vectors = operands[0].type == _LANES
+            if vectors and (name := _vector_function(kind, len(operands))) is not None:
+                return _by_halves(builder, name, operands)
             _library_function(kind, len(operands))
             scalars = [[o] if o.type == _DOUBLE else [builder.extract_element(o, _INDEX(lane)) for lane in range(LANES)]
-                       for o in operands]
+                           for o in operands]
             function = _declared(builder.module, f"sdf_lights_{kind}", _DOUBLE, [lane[0] for lane in scalars])
             results = [builder.call(function, lane) for lane in zip(*scalars)]
             if len(results) == 1:
