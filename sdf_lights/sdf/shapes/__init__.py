@@ -8,7 +8,7 @@ from . import balls, polyhedra, solids
 from .field import Field
 from .operators import Difference, Exclusive, Intersection, Operator, SetOperation, Transformed, Union
 from . import coils, curved, minimal_surfaces, swept, tubes
-from . import fractals
+from . import fractals, orbits
 from . import blends, displacement, folds, layers, repetition, warps  # noqa: F401 (all in SHAPES)
 
 __all__ = [
