@@ -126,7 +126,9 @@ def walk(block, row, o, d, start, end, spans):
                     limit, found, stack)
                 unresolved += left
                 evaluations += more
-                value, used = (last if math.isnan(value) else value), 0
+                if math.isnan(value):  # fields of different lists agree in their signs, not in their values
+                    value = last if same else math.copysign(SIGN, last)
+                used = 0
         if index < 0:
             break
         if not boundary:

@@ -52,6 +52,7 @@ class CompiledField:
     source: tuple[Term, ...]
     terms: np.ndarray  # TERM
     parameters: np.ndarray  # float64
+    cares: np.ndarray  # how far from zero the value of each term may be before no more than its sign matters
     gains: np.ndarray  # how much each term can multiply the Lipschitz bounds of its operands; infinite for leaves
     operations: np.ndarray  # of each term, at a point
     costs: np.ndarray  # rough ns that each term takes for LANES points: the same on every machine
@@ -96,10 +97,15 @@ def compile_terms(terms: list[Term]) -> CompiledField:
             gains[index] = term.lipschitz / steepest if math.isfinite(term.lipschitz) else 1.0
         stack.append(term.lipschitz)
         depth = max(depth, len(stack))
+    cares, waiting = np.zeros(len(terms)), [0.0]
+    for index in range(len(terms) - 1, -1, -1):
+        cares[index] = waiting.pop()
+        # A map or an unusual join may bring any value to zero.
+        waiting += terms[index].arity * [cares[index] + terms[index].reach if terms[index].arity == 2 else math.inf]
     graphs = [(order(term.formula), term.parameters) for term in terms]
     operations = np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs])
     costs = np.array([10.0 + 1.5 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs])
-    return CompiledField(tuple(terms), rows, np.concatenate(parameters), gains, operations, costs, depth,
+    return CompiledField(tuple(terms), rows, np.concatenate(parameters), cares, gains, operations, costs, depth,
                          tuple(dict.fromkeys(code)))
 
 

@@ -27,7 +27,7 @@ import numpy as np
 from ..jit import kernel, stack_array, table
 from ..sdf.lipschitz import lipschitz
 from ..sdf.program import INSTRUCTION, NoClosedForm
-from ..sdf.read_interval import enclose
+from ..sdf.read_interval import Arithmetic, Boxes, run
 from ..sdf.read_native import evaluate
 from ..sdf.shapes.base import Shape
 from .fields import DEEPEST, LANES, LIST, STACK, TERM, VALUES, CompiledField, compile_terms
@@ -43,7 +43,7 @@ NODE = np.dtype([
     ("state", np.int32),
     ("row_first", np.int32),  # the list of what matters in this box; no rows where the state is certain
     ("row_count", np.int32),
-    ("lipschitz", np.float64),  # bound of the field in this box; of no meaning for programs
+    ("lipschitz", np.float64),  # bound of the field of the list in this box; of no meaning for programs
     ("gradient", np.float32, (2, 3)),  # bounds of the field's gradient in this box, see ``slopes``; as lipschitz
     ("share", np.float64),  # of the child below the split in the mass
     ("mass", np.float64),  # m³ of the boxes below that are not certainly outside
@@ -59,6 +59,7 @@ RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the bo
 ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
 MOST_LEVELS = 60  # of nodes below one another
 SLOPES = 32  # measured in a box of whose field no Lipschitz bound is found
+STEPS = 64.0  # that the greatest value in a box is away from zero, across one in which the field has no value somewhere
 CASES = 4  # that a box may be taken apart into for it
 BOUNDS_WORK = 150_000  # operations of formulas times boxes, to find Lipschitz bounds of boxes
 KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
@@ -178,12 +179,12 @@ def _eighths(box, axes, position):
 
 
 @kernel
-def grow_field(terms, parameters, gains, columns, bounds, nodes, boxes, levels, lists, used, mass, first, last,
+def grow_field(terms, parameters, cares, gains, columns, bounds, nodes, boxes, levels, lists, used, mass, first, last,
                smallest):
     """Divide the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
 
-    ``levels`` holds the depth of each node, ``used`` the numbers of nodes and of rows of lists in use. ``gains``,
-    ``columns`` and the rows of ``bounds``, one for each node, are those of ``pruning.prune_field``.
+    ``levels`` holds the depth of each node, ``used`` the numbers of nodes and of rows of lists in use. ``cares``,
+    ``gains``, ``columns`` and the rows of ``bounds``, one for each node, are those of ``pruning.prune_field``.
     """
     stack = stack_array(STACK)
     axes = np.empty(3, np.int64)
@@ -199,8 +200,8 @@ def grow_field(terms, parameters, gains, columns, bounds, nodes, boxes, levels, 
         if used[0] + 14 > len(nodes) or used[1] + LANES * node.row_count > len(lists):
             return
         radius = _eighths(boxes[index], axes, stack)
-        prune_field(terms, parameters, gains, columns, bounds[index], lists, node.row_first, node.row_count, radius,
-                    stack, out, lengths, slopes, starts, steepness)
+        prune_field(terms, parameters, cares, gains, columns, bounds[index], lists, node.row_first, node.row_count,
+                    radius, stack, out, lengths, slopes, starts, steepness)
         for lane in range(LANES):
             value = stack[VALUES + lane]
             margin = slopes[lane] * radius
@@ -453,8 +454,8 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, used, mass, 
     while first < last:
         if len(unknown) and work > 0:
             work -= _bound(field, unknown, nodes, boxes, lists, np.arange(first, last), mass, bounds, work)
-        grow_field(terms, field.parameters, field.gains, columns, bounds, nodes, boxes, levels, lists, used, mass, first,
-                   last, smallest)
+        grow_field(terms, field.parameters, field.cares, field.gains, columns, bounds, nodes, boxes, levels, lists, used,
+                   mass, first, last, smallest)
         first, last = last, int(used[0])
 
 
@@ -471,13 +472,18 @@ def _bound(field: CompiledField, unknown, nodes, boxes, lists, places, mass, bou
         done += len(chosen) * field.operations[number]
         corners = boxes[chosen]
         slopes = lipschitz(term.formula, corners[:, :3], corners[:, 3:], term.parameters, CASES)
-        bounds[chosen, column] = np.minimum(bounds[chosen, column], slopes)
+        with np.errstate(all="ignore"):
+            values = run((term.formula,), Boxes(Arithmetic(), corners[:, :3], corners[:, 3:], term.parameters))[0]
+        # A field without a value is outside, which no bound of the slope elsewhere tells.
+        undefined = np.zeros(len(chosen), bool) if values.undefined is None else values.undefined
+        slopes = np.where(undefined, np.inf, slopes)
+        bounds[chosen, column] = np.where(undefined, np.inf, np.minimum(bounds[chosen, column], slopes))
         if len(field.terms) > 1:
             continue
         nodes["lipschitz"][chosen] = bounds[chosen, 0]
-        low, high = enclose(term.formula, corners[:, :3], corners[:, 3:], term.parameters)
         volumes = np.prod(corners[:, 3:] - corners[:, :3], axis=1)
-        for certain, state in ((low > 0.0, OUTSIDE), (high < 0.0, INSIDE)):
+        for certain, state in ((values.low > 0.0, OUTSIDE), ((values.high < 0.0) & ~undefined, INSIDE)):
+            certain = np.broadcast_to(certain, len(chosen))
             nodes["state"][chosen[certain]], nodes["row_count"][chosen[certain]] = state, 0
             mass[1] -= volumes[certain].sum()
             mass[0] += volumes[certain].sum() if state == INSIDE else 0.0
@@ -499,9 +505,12 @@ def _guess(shape: Shape, center: np.ndarray, nodes, boxes) -> bool:
     ahead, behind = (evaluate(shape.formula(), points + sign * step + center, shape.parameters()) for sign in (1, -1))
     with np.errstate(invalid="ignore"):
         slopes = np.abs(ahead - behind) / (2.0 * np.linalg.norm(step, axis=2))
-    slopes[~np.isfinite(slopes)] = 0.0
     # A direction at random sees the steepest slope's projection: rarely less than half of it in one of many.
-    nodes["lipschitz"][places] = 2.0 * slopes.max(axis=1) + 1e-9
+    slopes = 2.0 * np.where(np.isfinite(slopes), slopes, 0.0).max(axis=1) + 1e-9
+    # Nothing tells where a field ends to have a value, so no value may say much about its surroundings.
+    torn = ~np.isfinite(ahead).all(axis=1)
+    values = np.where(np.isfinite(ahead), np.abs(ahead), 0.0).max(axis=1)
+    nodes["lipschitz"][places] = np.where(torn, np.maximum(slopes, STEPS * values / size.max(axis=(1, 2))), slopes)
     return True
 
 

@@ -5,7 +5,8 @@
 For fields this is the Lipschitz pruning of Barbier, Sanchez, Paris, Michel, Lambert, Boubekeur, Paulin and Thonat 2025
 ("Lipschitz pruning: hierarchical simplification of primitive-based SDFs"): where two operands differ by more than
 their operator reaches, at the centre and by so much that no point of the box can make up for it, one of them is the
-result. For closed-form programs the flags of ``membership`` tell which sets are all or nothing of the box.
+result. More can be left out where no more than the sign of the result matters, as it does in the end: a part of a
+union that does not enter the box, even if it is close. For closed-form programs the flags of ``membership`` tell which sets are all or nothing of the box.
 """
 
 from __future__ import annotations
@@ -28,21 +29,31 @@ def _negated(out, used):
 
 
 @kernel
-def _winner(family, a, b, margin):
-    """Operand that a join comes down to: 1 or 2, −1 or −2 with its sign changed, 0 if both may matter.
+def _winner(family, a, b, change_a, change_b, reach, care):
+    """Operand that a join comes down to in a box: 1 or 2, −1 or −2 with its sign changed, 0 if both may matter.
 
-    a and b are the operands' values at the centre of the box, ``margin`` the reach of the join and all that their
-    difference can change by in the box.
+    a and b are the operands' values at the centre, which change by no more than ``change_a`` and ``change_b`` in the
+    box. Values of the join that are farther than ``care`` from zero count by their sign alone: a union, for one, is
+    known by b where a is greater than ``care`` and what the join reaches.
     """
+    margin, far = reach + change_a + change_b, reach + care
+    above_a, below_a = a - change_a > far, -a - change_a > far
+    above_b, below_b = b - change_b > far, -b - change_b > far
     if family == LESSER:
-        return 1 if b - a > margin else 2 if a - b > margin else 0
+        if b - a > margin or above_b and b >= a:
+            return 1
+        return 2 if a - b > margin or above_a else 0
     if family == GREATER:
-        return 1 if a - b > margin else 2 if b - a > margin else 0
+        if a - b > margin or below_b and b <= a:
+            return 1
+        return 2 if b - a > margin or below_a else 0
     if family == WITHOUT:
-        return 1 if a + b > margin else -2 if -a - b > margin else 0
-    if abs(b) - abs(a) > margin:
+        if a + b > margin or above_b and a + b >= 0.0:
+            return 1
+        return -2 if -a - b > margin or below_a else 0
+    if abs(b) - abs(a) > margin or (above_b or below_b) and abs(b) >= abs(a):
         return 1 if b > 0.0 else -1
-    if abs(a) - abs(b) > margin:
+    if abs(a) - abs(b) > margin or above_a or below_a:
         return 2 if a > 0.0 else -2
     return 0
 
@@ -60,14 +71,15 @@ def _without(out, used, start, middle, winner):
 
 
 @kernel
-def prune_field(terms, parameters, gains, columns, bounds, lists, first, count, radius, stack, out, used, slopes,
+def prune_field(terms, parameters, cares, gains, columns, bounds, lists, first, count, radius, stack, out, used, slopes,
                 starts, steepness):
     """Evaluate a list at the centres of ``LANES`` boxes of half diagonal ``radius``, and prune it for each of them.
 
     ``stack`` holds the centres and takes the values, as in ``fields.run_terms``. Row i of ``out`` (LANES, count) takes
-    the list of box i, ``used[i]`` its length, and ``slopes[i]`` a Lipschitz bound there. ``gains`` tells of each term by
-    how much it can multiply the bounds of its operands. A term without a bound for all of space has one for these boxes
-    in the column ``columns[term]`` of ``bounds``. ``starts`` and ``steepness`` are scratch, (LANES, DEEPEST).
+    the list of box i, ``used[i]`` its length, and ``slopes[i]`` a Lipschitz bound of the field of that list there. It has
+    the sign of the whole field, and is as far from zero or farther. ``cares`` and ``gains`` are those of
+    ``fields.CompiledField``. A term without a Lipschitz bound for all of space has one for these boxes in the column
+    ``columns[term]`` of ``bounds``. ``starts`` and ``steepness`` are scratch, (LANES, DEEPEST).
     """
     points = stack.ctypes.data
     numbers = parameters.ctypes.data
@@ -92,8 +104,8 @@ def prune_field(terms, parameters, gains, columns, bounds, lists, first, count, 
             elif term.arity == 2:
                 place = VALUES + depth * LANES + lane
                 slope_a, slope_b = steepness[lane, depth], steepness[lane, depth + 1]
-                margin = term.reach + radius * (slope_a + slope_b)
-                chosen = _winner(term.family, stack[place], stack[place + LANES], margin)
+                chosen = _winner(term.family, stack[place], stack[place + LANES], radius * slope_a, radius * slope_b,
+                                 term.reach, cares[number])
                 slope = min(slope, gains[number] * max(slope_a, slope_b))
                 if chosen != 0:
                     slope = slope_a if abs(chosen) == 1 else slope_b

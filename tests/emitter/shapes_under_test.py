@@ -2,10 +2,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shapes and placements that the emitter's tests go through."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from sdf_lights.sdf.expression import Expression
 from sdf_lights.sdf.shapes import (
-    Box, BoxFrame, Capsule, Cone, Cylinder, Difference, Ellipsoid, Intersection, Sphere, Torus, Transformed, Union)
+    Box, BoxFrame, Capsule, Cone, Cylinder, Difference, Ellipsoid, Intersection, Shape, Sphere, Torus, Transformed,
+    Union)
+from sdf_lights.sdf.shapes.blends import SmoothUnion
+from sdf_lights.sdf.shapes.layers import Onion
+from sdf_lights.sdf.shapes.primitives import Frustum
+from sdf_lights.sdf.shapes.warps import Twist
+
+
+@dataclass(frozen=True)
+class FieldOf(Shape, abstract=True):
+    """A shape that hides its closed forms, so that its field is what is traced, sampled and measured."""
+
+    child: Shape
+
+    def build(self, p, slot):
+        return self.child.build(p, slot)
+
+    def terms(self, matrix, factor):
+        return self.child.terms(matrix, factor)
+
+    def bounds(self, matrix=None):
+        return self.child.bounds(matrix)
+
+    @property
+    def lipschitz(self):
+        return self.child.lipschitz
 
 
 def moved(x=0.0, y=0.0, z=0.0):
@@ -42,6 +70,7 @@ PRIMITIVES = {
     "capsule": Capsule(0.25, 0.9),
     "cylinder": Cylinder(0.4, 0.9),
     "cone": Cone(0.5, 0.9),
+    "frustum": Frustum(0.2, 0.6, 0.9),
 }
 
 COMPOSITES = {
@@ -63,6 +92,18 @@ COMPOSITES = {
 }
 
 SHAPES = {**PRIMITIVES, **COMPOSITES}
+
+FIELDS = {
+    "blob": SmoothUnion(Transformed(Sphere(0.4), moved(-0.4)), Transformed(Sphere(0.3), moved(0.3, 0.1)),
+                        Transformed(Box((0.1, 0.6, 0.2)), turned(0.5)), radius=0.3),
+    "rings": Onion(Torus(0.6, 0.25), 0.05),
+    "twisted": Twist(Box((0.3, 0.2, 0.7)), 2.0),
+    # No Lipschitz bound is known for all of space.
+    "formula": Expression("field(length(p) - 0.7 + 0.1 * sin(9 * p.x) * sin(9 * p.y) * sin(9 * p.z))").shape({}),
+    "twenty_as_field": FieldOf(COMPOSITES["twenty"]),
+}
+
+LAMPS = {**SHAPES, **FIELDS}
 
 PLACEMENTS = {
     "turned": moved(1.0, -2.0, 0.5) @ turned(0.7, 0) @ turned(0.3, 1),
