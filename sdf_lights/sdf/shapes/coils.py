@@ -18,16 +18,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, atan2, cos, floor, length, maximum, minimum, select, sin, sqrt
+from ..formula import Formula, Vector, atan2, clamp, cos, floor, length, maximum, minimum, select, sin, sqrt
 from . import support
 from .base import BOUND, Slots, number
 from .primitives import Primitive, corner
 
 _SAMPLES = 1000  # points of a curve to each turn, for its box
-
-
-def _nearest_whole(a: Formula) -> Formula:
-    return floor(a + 0.5)
+_STEEPEST = 0.99  # sine of the slope of a wire
 
 
 def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axes: tuple) -> np.ndarray:
@@ -56,11 +53,16 @@ def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axe
 class _Coil(Primitive, abstract=True):
     """A wire along a curve whose distance from the axis and height grow steadily with the angle.
 
-    With ``s``, the length by which both grow in a radian, and the mean distance from the axis R, offsets along the growth
-    are measured μ times as long as those across, with μ² = R² / (R² + s²): see the module. In the half plane that gives
-    the slope 1, and with the turning of the half plane √(x² + μ² y² (1 + s²/ρ²)) for a unit vector (x, y), which is at
-    most L = max(1, μ √(1 + s²/ρ²)). Nearer to the axis than half of the way to the wire the field is a constant, so L
-    is that for this ρ.
+    With s, what both together grow by in a radian, and the mean distance from the axis R, the wire's direction has the
+    part ν = s/N along this growth and μ = R/N around the axis, N = √(R² + s²). Offsets along the growth are measured
+    √(1 − ν²) = μ times as long as those across: see the module. In the half plane that gives the slope 1, and with its
+    turning √(x² + μ² y² (1 + s²/ρ²)) for a unit vector (x, y), at most max(1, μ √(1 + s²/ρ²)). Nearer to the axis than half
+    of the way to the wire the field is held constant, so this ρ decides.
+
+    Beyond an end, offsets d from it are measured as √(|d|² − (d·τ)² + (d·e)²), with τ the wire's direction and e that
+    around the axis. In the end's half plane, where d·e = 0, that is the same as for the wire, so the field is continuous;
+    and the end, an ellipsoid, does not bulge. The eigenvalues under the root are 1 − ν, 1 and 1 + ν, so its slope is at most
+    √(1 + ν).
     """
 
     exactness = BOUND
@@ -72,98 +74,107 @@ class _Coil(Primitive, abstract=True):
         """Distance from the axis at the lower and the upper end, and height."""
         raise NotImplementedError
 
-    def _growth(self) -> tuple[float, float, float]:
-        """Growth of the distance from the axis and of the height in a radian, and s."""
-        first, last, height = self._ends()
-        across, up = (last - first) / (math.tau * self.turns), height / (math.tau * self.turns)
-        return across, up, math.hypot(across, up)
-
     def _mean(self) -> float:
         first, last, _ = self._ends()
         return 0.5 * (first + last)
 
-    def _squeeze(self) -> float:
-        """μ"""
-        return self._mean() / math.hypot(self._mean(), self._growth()[2])
+    def _growth(self) -> tuple[float, float, float]:
+        """Growth of the distance from the axis and of the height in a radian, and s."""
+        first, last, height = self._ends()
+        away, up = (last - first) / (math.tau * self.turns), height / (math.tau * self.turns)
+        return away, up, math.hypot(away, up)
 
-    def _section(self) -> tuple[np.ndarray, np.ndarray]:
-        """Semi-axes of the cut of the wire, (distance, height) each: across the growth and along it."""
-        across, up, size = self._growth()
-        unit = np.array([across, up]) / size
-        return self.minor_radius * np.array([-unit[1], unit[0]]), self.minor_radius / self._squeeze() * unit
+    def _direction(self) -> tuple[float, float]:
+        """μ and ν."""
+        size = self._growth()[2]
+        whole = math.hypot(self._mean(), size)
+        return self._mean() / whole, size / whole
 
-    def _extent(self) -> np.ndarray:
-        """By how much the cut of the wire reaches beyond its centre: away from the axis, and up."""
-        return np.hypot(*self._section())
+    def _section(self, stretch: float) -> np.ndarray:
+        """Two vectors (away from the axis, up): across the growth as long as the wire is thick, and along it."""
+        away, up, size = self._growth()
+        return self.minor_radius / size * np.array([(-up, away), (away * stretch, up * stretch)])
+
+    def _cut(self) -> np.ndarray:
+        """Semi-axes of the wire's cut."""
+        return self._section(1.0 / self._direction()[0])
+
+    def _end_reach(self) -> np.ndarray:
+        """By how much an end reaches beyond its centre: away from the axis, and up."""
+        mu, nu = self._direction()
+        return np.hypot(*self._section(math.sqrt(1.0 + nu * nu) / mu))
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         first, last, height = self._ends()
-        across, up, size = self._growth()
-        squeeze, reach, radius = self._squeeze(), self._extent(), self.minor_radius
+        away, up, size = self._growth()
+        mu, nu = self._direction()
+        radius, reach, cut = self.minor_radius, self._end_reach(), np.hypot(*self._cut())[0]
         inner, outer = min(first, last), max(first, last)
-        unit_across, unit_up, turn = slot(across / size), slot(up / size), slot(math.tau * size)
-        mu, half_turn = slot(squeeze), slot(math.pi * self.turns)
+        unit_away, unit_up, turn = slot(away / size), slot(up / size), slot(math.tau * size)
+        mu_, nu_, half_turns = slot(mu), slot(nu), slot(math.pi * self.turns)
 
         rho, angle = length(p.x, p.y), atan2(p.y, p.x)
         # In the half plane, from the wire where it is at this angle: along its growth, and across.
-        out, above = rho - (slot(self._mean()) + angle * slot(across)), p.z - angle * slot(up)
-        along, aside = out * unit_across + above * unit_up, above * unit_across - out * unit_up
-        lowest = -floor((half_turn + angle) * (1.0 / math.tau))
-        highest = floor((half_turn - angle) * (1.0 / math.tau))
-        along = along - minimum(maximum(_nearest_whole(along / turn), lowest), highest) * turn
-        to_wire = length(aside, along * mu)
+        out, above = rho - (slot(self._mean()) + angle * slot(away)), p.z - angle * slot(up)
+        along, aside = out * unit_away + above * unit_up, above * unit_away - out * unit_up
+        lowest = -floor((half_turns + angle) * (1.0 / math.tau))
+        highest = floor((half_turns - angle) * (1.0 / math.tau))
+        along = along - clamp(floor(along / turn + 0.5), lowest, highest) * turn
+        to_wire = length(aside, along * mu_)
 
         def to_end(side: float, distance: float) -> Formula:
-            cosine, sine = (slot(side_of) for side_of in (
-                math.cos(math.pi * self.turns), side * math.sin(math.pi * self.turns)))
+            end = math.pi * self.turns
+            cosine, sine = slot(math.cos(end)), slot(side * math.sin(end))
             x, y, z = p.x - cosine * slot(distance), p.y - sine * slot(distance), p.z - slot(0.5 * side * height)
-            along = (x * cosine + y * sine) * unit_across + z * unit_up
-            return sqrt(x * x + y * y + z * z - along * along * slot((1.0 - squeeze) * (1.0 + squeeze)))
+            around = y * cosine - x * sine
+            onwards = around * mu_ + ((x * cosine + y * sine) * unit_away + z * unit_up) * nu_
+            return sqrt(maximum(x * x + y * y + z * z - onwards * onwards + around * around, 0.0))
 
-        # Where the wire ends, its cut is that of the end's ellipsoid too: going on around, the field is continuous.
         ends = minimum(to_end(-1.0, first), to_end(1.0, last))
-        steep = 0.5 * (inner - reach[0])
+        steep = 0.5 * (inner - cut)
         # Least of to_wire where the distance from the axis is ``steep``.
-        most = self.minor_radius / reach[0] * (inner - steep)
-        wire = minimum(select(lowest <= highest, to_wire, ends), ends, slot(most))
-        slope = max(1.0, squeeze * math.sqrt(1.0 + (size / steep)**2))
+        most = radius / cut * (inner - steep)
+        wire = minimum(select(lowest <= highest, to_wire, ends), ends, slot(most)) - slot(radius)
+        slope = max(math.sqrt(1.0 + nu), mu * math.sqrt(1.0 + (size / steep)**2))
         return maximum(
-            (wire - slot(radius)) * slot(1.0 / slope), slot(inner - reach[0]) - rho, rho - slot(outer + reach[0]),
-            abs(p.z) - slot(0.5 * abs(height) + reach[1]))
+            wire * slot(1.0 / slope), slot(inner - reach[0]) - rho,
+            rho - slot(outer + radius / math.sqrt(1.0 - nu)), abs(p.z) - slot(0.5 * abs(height) + reach[1]))
 
     def relation(self) -> str:
         first, last, _ = self._ends()
-        if self._extent()[0] >= min(first, last):
+        if self._direction()[1] > _STEEPEST:
+            return f"{self.label()}: the wire hardly turns around the axis: make it wider, or give it more turns."
+        if self._end_reach()[0] >= min(first, last):
             return (f"{self.label()}: minor radius {self.minor_radius:g} is too much for a wire at a distance of "
                     f"{min(first, last):g} from the axis: make it smaller.")
         return ""
 
     def volume(self) -> float | None:
         first, last, _ = self._ends()
-        _, _, size = self._growth()
+        mu, _ = self._direction()
         # Not if it runs into its neighbour, which comes nearer by what it grows in the angle that the end is long.
-        end = math.asin(self.minor_radius / min(first, last))
-        if self._squeeze() * size * (math.tau - end) < 2.0 * self.minor_radius:
+        end = self._end_reach().max() / mu / min(first, last)
+        if mu * self._growth()[2] * (math.tau - end) < 2.0 * self.minor_radius:
             return None
-        section = math.pi * self.minor_radius**2 / self._squeeze()
+        section = math.pi * self.minor_radius**2 / mu
         # Pappus: the centre of the cut moves around the axis; and two halves of an ellipsoid.
         return section * (math.tau * self.turns * self._mean() + 4.0 / 3.0 * self.minor_radius)
 
     def support(self, directions):
         first, last, height = self._ends()
+        mu, nu = self._direction()
         way = np.linspace(-1.0, 1.0, 2 + int(_SAMPLES * self.turns))
-        angles, distances, heights = math.pi * self.turns * way, self._mean() + 0.5 * (last - first) * way, 0.5 * height * way
-        wire = _of_sections(directions, angles, (distances, heights), *self._section())
-        ends = []
-        across, along = self._section()
+        center = self._mean() + 0.5 * (last - first) * way, 0.5 * height * way
+        reached = [_of_sections(directions, math.pi * self.turns * way, center, *self._cut())]
         for side, distance in ((-1.0, first), (1.0, last)):
-            angle = side * math.pi * self.turns
-            outwards = directions[:, 0] * math.cos(angle) + directions[:, 1] * math.sin(angle)
-            sideways = directions[:, 1] * math.cos(angle) - directions[:, 0] * math.sin(angle)
-            parts = [outwards * d + directions[:, 2] * h for d, h in (across, along)]
-            ends.append(outwards * distance + directions[:, 2] * 0.5 * side * height
-                        + np.sqrt(parts[0]**2 + parts[1]**2 + (self.minor_radius * sideways)**2))
-        return np.maximum.reduce([wire, *ends])
+            cosine, sine = math.cos(math.pi * self.turns), side * math.sin(math.pi * self.turns)
+            outwards = directions[:, 0] * cosine + directions[:, 1] * sine
+            around = directions[:, 1] * cosine - directions[:, 0] * sine
+            across, along = (outwards * d + directions[:, 2] * h for d, h in self._section(1.0))
+            # The inverse of the matrix under the root.
+            size = np.sqrt(across**2 + (self.minor_radius * around + nu / mu * along)**2 + (along / mu)**2)
+            reached.append(outwards * distance + directions[:, 2] * 0.5 * side * height + size)
+        return np.maximum.reduce(reached)
 
 
 _TURNS = dict(unit="NONE", minimum=0.05, maximum=100.0, soft_maximum=10.0)
@@ -259,7 +270,7 @@ class TorusKnot(Primitive):
         from_middle = length(out, p.z)
         step = slot(math.tau / self.around_axis)
         angle = atan2(p.z, out) - atan2(p.y, p.x) * slot(self.around_tube / self.around_axis)
-        angle = angle - _nearest_whole(angle / step) * step
+        angle = angle - floor(angle / step + 0.5) * step
         across, along = from_middle * cos(angle) - slot(r), from_middle * sin(angle)
         held = maximum(rho, slot(inner))
         slanted = along * held / length(held, slot(k))

@@ -163,9 +163,9 @@ class Heart(Primitive):
     exact_outside = True
 
     radius: float = number(0.28, "Radius of the drops")
-    height: float = number(0.6, "Distance from the point to the centres of the drops")
+    height: float = number(0.62, "Distance from the point to the centres of the drops")
     spread: float = number(
-        math.radians(44.0), "Angle between the axes of the drops", unit="ANGLE", minimum=0.0, maximum=math.pi,
+        math.radians(38.0), "Angle between the axes of the drops", unit="ANGLE", minimum=0.0, maximum=math.pi,
         soft_maximum=0.5 * math.pi)
 
     def _drop(self) -> RoundCone:
