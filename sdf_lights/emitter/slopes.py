@@ -25,6 +25,7 @@ from ..sdf.substitution import substitute
 from .fields import NEGATED, CompiledField
 
 WORK = 120_000  # operations on boxes, about 30 ms: deeper boxes have the bounds of the box that they are part of
+MOST_OPERATIONS = 300  # of a field whose bounds are worth it
 OVERHEAD = 10.0  # operations that a box costs without any
 SLACK = 1e-12  # relative: covers the rounding of the few operations here
 
@@ -154,6 +155,9 @@ def fill_gradients(field: CompiledField, nodes: np.ndarray, boundary: np.ndarray
     Of large boxes they are those of their parts on the boundary together, so they do not hold where the sign of the
     field is certain. Children come after their parents in ``nodes``; ``boundary`` (nodes,) tells which are on it.
     """
+    if len(field.terms) > 1 or field.operations[0] > MOST_OPERATIONS:
+        nodes["gradient"] = [[-np.inf], [np.inf]]
+        return
     total = np.append(0.0, np.cumsum(np.append(field.operations, 0.0)[lists]))  # NEGATED is the last
     work = OVERHEAD + total[nodes["row_first"] + nodes["row_count"]] - total[nodes["row_first"]]
     chosen = _selected(nodes, boundary, work)
