@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sdf_lights.emitter import crossings, fields, interior, marching
-from sdf_lights.emitter.intervals import rows_needed
+from sdf_lights.emitter.intervals import regularize, rows_needed
+from sdf_lights.emitter.lamps import SMALLEST_INTERVAL
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.sdf.program import INSTRUCTION
 from sdf_lights.sdf.shapes.base import Shape, part
@@ -65,18 +66,22 @@ class Traced:
         self.spans = np.empty((rows + scratch, 2))
 
     def segments(self, origins, directions):
-        """(n, 3) origins in tree space, (n, 3) directions, and (n, 2) where the rays are in the box; t ≥ 0."""
-        origins = np.ascontiguousarray(origins - self.tree.center)
+        """Rays (n, 3), (n, 3) in tree space, from their closest approach to its origin, and (n, 2) where they are in
+        the box, at t ≥ 0 of the ray as it was given."""
+        origins = origins - self.tree.center
+        closest = -(origins * directions).sum(axis=1) / (directions * directions).sum(axis=1)
+        origins = origins + closest[:, None] * directions
         with np.errstate(divide="ignore", invalid="ignore"):
             ends = np.sort([(self.rows[0]["low"] - origins) / directions, (self.rows[0]["high"] - origins) / directions],
                            axis=0)
         ends = np.where(np.isnan(ends), [[[-np.inf]], [[np.inf]]], ends)  # along a face: within
-        return origins, directions, np.stack([np.maximum(ends[0].max(axis=1), 0.0), ends[1].min(axis=1)], axis=1)
+        return origins, directions, np.stack([np.maximum(ends[0].max(axis=1), -closest), ends[1].min(axis=1)], axis=1)
 
     def trace(self, origins, directions):
         """(n, 4): number of intervals, their length, the length unresolved, and the evaluations of each ray."""
         out = np.zeros((len(origins), 4))
-        _trace(self.blocks, self.rows, *self.segments(origins, directions), self.spans, out)
+        smallest = SMALLEST_INTERVAL * np.linalg.norm(self.tree.half)
+        _trace(self.blocks, self.rows, *self.segments(origins, directions), smallest, self.spans, out)
         return out
 
     def march(self, rule, origins, directions, least=1e-3):
@@ -87,13 +92,14 @@ class Traced:
         return out
 
     def intervals(self, o, d):
-        """(count, 2) intervals of one ray, t ≥ 0."""
-        out = self.trace(np.array([o], float), np.array([d], float))
-        return self.spans[:int(out[0, 0])].copy()
+        """(count, 2) intervals of one ray, t ≥ 0, whose direction has unit length."""
+        o, d = np.array([o], float), np.array([d], float)
+        out = self.trace(o, d)
+        return self.spans[:int(out[0, 0])] - ((o - self.tree.center) * d).sum()
 
 
 @kernel(cache=False)
-def _trace(blocks, rows, origins, directions, segments, spans, out):
+def _trace(blocks, rows, origins, directions, segments, smallest, spans, out):
     block, row = blocks[0], rows[0]
     for ray in range(len(origins)):
         o = (origins[ray, 0], origins[ray, 1], origins[ray, 2])
@@ -101,6 +107,8 @@ def _trace(blocks, rows, origins, directions, segments, spans, out):
         if segments[ray, 0] < segments[ray, 1]:
             count, unresolved, evaluations = crossings.walk(
                 block, row, o, d, segments[ray, 0], segments[ray, 1], spans)
+            if row.instruction_count > 0:
+                count = regularize(spans, count, smallest)
             out[ray, 0], out[ray, 2], out[ray, 3] = count, unresolved, evaluations
             for k in range(count):
                 out[ray, 1] += spans[k, 1] - spans[k, 0]
