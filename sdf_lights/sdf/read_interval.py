@@ -23,17 +23,24 @@ from .read_numpy import rounds
 
 
 class Precision(NamedTuple):
-    """How far results of floating-point operations may be from exact ones, relative to them and in absolute terms."""
+    """How far results of floating-point operations may be from exact ones: relative errors, unless said."""
 
     number: type
     basic: float  # +, −, ·, /, √
-    library: float  # sine, logarithm and so on
-    sine: float  # absolute error of sine and cosine, times the greater of 1 and the operand
-    tiny: float  # absolute error of any result, from underflow
+    library: float  # other functions
+    sine: float = 0.0  # absolute error of sine and cosine, for operands up to 1; for others times the operand
+    logarithm: float = 0.0  # absolute error of the logarithm, also of that inside a power
+    exponent: float = 0.0  # of an exponential function or a power, times the logarithm of the result
+    tiny: float = 0.0  # absolute error of any result, from underflow; see ``sums_underflow``
 
     @property
     def greatest(self) -> float:
         return float(np.finfo(self.number).max)
+
+    @property
+    def sums_underflow(self) -> bool:
+        """In double precision sums that are too small for a normal number are exact."""
+        return self.number is not np.float64
 
     def holds(self, value: float) -> bool:
         """Whether the number needs no rounding."""
@@ -42,9 +49,9 @@ class Precision(NamedTuple):
 
 _ULP = 2.0**-52
 
-# Basic operations are rounded correctly; the functions of NumPy, C and LLVM's users are within 4 ulps, and two of them
-# may differ in both directions.
-DOUBLE = Precision(np.float64, _ULP, 8.0 * _ULP, 0.0, 2.0**-1022)
+# Basic operations are rounded correctly; functions of NumPy and of C libraries are within 4 ulps, and two of them may
+# differ in both directions.
+DOUBLE = Precision(np.float64, basic=_ULP, library=8.0 * _ULP, tiny=2.0**-1022)
 
 
 class Interval(NamedTuple):
@@ -131,9 +138,9 @@ class Arithmetic:
         return self._rounded(value, value, self.precision.basic, None, positive)
 
     def _rounded(self, low, high, relative: float, undefined=None, positive: bool = False,
-                 tiny: float | None = None) -> Interval:
+                 is_sum: bool = False) -> Interval:
         """Bounds moved outward. ``low`` and ``high`` are nearest results of the bounds in double precision."""
-        tiny = self.precision.tiny if tiny is None else tiny
+        tiny = self.precision.tiny if self.precision.sums_underflow or not is_sum else 0.0
         greatest = self.precision.greatest
         ordinary = high.max(initial=-np.inf) <= greatest and low.min(initial=np.inf) >= -greatest
         low = low - (np.abs(low) * relative + tiny)
@@ -218,19 +225,13 @@ class Arithmetic:
 
     def add(self, a: Interval, b: Interval) -> Interval:
         exact = self._exact(lambda u, v: u + v, a, b)
-        # A sum is exact where it is too small for a normal number.
         return exact or self._rounded(a.low + b.low, a.high + b.high, self.precision.basic,
-                                      _either(a.undefined, b.undefined), a.positive and b.positive,
-                                      self._tiny_of_sums)
+                                      _either(a.undefined, b.undefined), a.positive and b.positive, True)
 
     def subtract(self, a: Interval, b: Interval) -> Interval:
         exact = self._exact(lambda u, v: u - v, a, b)
         return exact or self._rounded(a.low - b.high, a.high - b.low, self.precision.basic,
-                                      _either(a.undefined, b.undefined), False, self._tiny_of_sums)
-
-    @property
-    def _tiny_of_sums(self) -> float:
-        return 0.0 if self.precision.number is np.float64 else self.precision.tiny
+                                      _either(a.undefined, b.undefined), False, True)
 
     def multiply(self, a: Interval, b: Interval) -> Interval:
         if a is b:
@@ -304,9 +305,6 @@ class Arithmetic:
 
     # -- functions ------------------------------------------------------------------------------------------------
 
-    def _monotone(self, function, a: Interval, positive: bool = False) -> Interval:
-        return self._rounded(function(a.low), function(a.high), self.precision.library, a.undefined, positive)
-
     def _partial(self, function, a: Interval, first: float, last: float, relative: float, positive: bool) -> Interval:
         """A monotone function (growing, or falling where ``first`` > ``last``) of a bounded domain."""
         least, greatest = min(first, last), max(first, last)
@@ -322,13 +320,24 @@ class Arithmetic:
         return self._rounded(low, high, relative, undefined, positive)
 
     def exp(self, a: Interval) -> Interval:
-        return self._monotone(np.exp, a, True)
+        low, high = np.exp(a.low), np.exp(a.high)
+        return self._rounded(low, high, self._exponential_error(low, high), a.undefined, True)
+
+    def _exponential_error(self, low, high, exponent: float = 0.0):
+        """Of a power with this exponent that is computed as exp(b log a), as in single precision it often is."""
+        precision = self.precision
+        if not precision.exponent and not precision.logarithm:
+            return precision.library
+        ends = (np.abs(np.log(np.clip(np.abs(end), precision.tiny, precision.greatest))) for end in (low, high))
+        return precision.library + precision.exponent * np.maximum(*ends) + precision.logarithm * exponent
 
     def log(self, a: Interval) -> Interval:
-        return self._partial(np.log, a, 0.0, np.inf, self.precision.library, False)
+        found = self._partial(np.log, a, 0.0, np.inf, self.precision.library, False)
+        error = self.precision.logarithm
+        return found._replace(low=found.low - error, high=found.high + error) if error else found
 
     def atan(self, a: Interval) -> Interval:
-        return self._monotone(np.arctan, a, a.positive)
+        return self._rounded(np.arctan(a.low), np.arctan(a.high), self.precision.library, a.undefined, a.positive)
 
     def asin(self, a: Interval) -> Interval:
         return self._partial(np.arcsin, a, -1.0, 1.0, self.precision.library, False)
@@ -391,7 +400,7 @@ class Arithmetic:
         if np.any(unclear):
             low, high = np.where(unclear, 0.0, low), np.where(unclear, np.inf, high)
             undefined = _either(undefined, unclear)
-        relative = self.precision.library * (1.0 + self._exponent_error(low, high))
+        relative = self._exponential_error(low, high, b.magnitude)
         positive = a.positive or bool(np.all(a.low > 0.0))
         if not positive:
             # Negative numbers have powers with whole exponents alone; they may be of either sign.
@@ -399,13 +408,6 @@ class Arithmetic:
             low, high = np.where(negative, -high, low), high
             undefined = _either(undefined, _where_any(negative))
         return self._rounded(low, high, relative, undefined, positive)
-
-    def _exponent_error(self, low, high):
-        """Digits that a power loses when it is computed as exp(b log a), as in single precision it often is."""
-        if self.precision.number is np.float64:
-            return 0.0
-        size = np.maximum(np.abs(low), np.abs(high))
-        return np.abs(np.log(np.clip(size, 1e-45, 1e45)))
 
     def _whole_power(self, a: Interval, exponent: float, undefined) -> Interval:
         even = exponent % 2.0 == 0.0
@@ -418,8 +420,7 @@ class Arithmetic:
                 low = np.where(zero, np.power(base.high, exponent) if even else -np.inf, low)
                 high = np.where(zero, np.inf, high)
                 undefined = _either(undefined, zero)
-        relative = self.precision.library * (1.0 + self._exponent_error(low, high))
-        return self._rounded(low, high, relative, undefined, base.positive)
+        return self._rounded(low, high, self._exponential_error(low, high, abs(exponent)), undefined, base.positive)
 
 
 def _extremes(least, greatest, values) -> tuple[np.ndarray, np.ndarray]:
