@@ -176,6 +176,10 @@ class Parametric:
 
     def check(self) -> str:
         """What is wrong, and how to put it right: one sentence, or an empty string. Parts are not looked at."""
+        return self._checked
+
+    @cached_property
+    def _checked(self) -> str:
         for field in self.fields():
             value = getattr(self, field.name)
             for component in value if field.size == 3 else (value,):
@@ -276,6 +280,11 @@ class Shape(Parametric):
 
         The other methods promise nothing for a shape that is not valid.
         """
+        return self._validated
+
+    @cached_property
+    def _validated(self) -> str:
+        # Kept, as shapes never change: what is made of a shape may ask again at each level.
         return self.check() or next(filter(None, (child.validate() for child in self.children)), "")
 
 
