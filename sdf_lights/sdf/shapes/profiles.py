@@ -147,8 +147,8 @@ class Ring(Profile):
         return abs(length(p.x, p.y) - slot(self.radius)) - slot(0.5 * self.thickness)
 
     def relation(self) -> str:
-        if self.thickness > 2.0 * self.radius:
-            return (f"Ring: thickness {self.thickness:g} is more than twice the radius {self.radius:g}, so there is no "
+        if self.thickness >= 2.0 * self.radius:
+            return (f"Ring: thickness {self.thickness:g} is at least twice the radius {self.radius:g}, so there is no "
                     "hole: make the thickness smaller, or use a circle.")
         return ""
 
@@ -167,16 +167,12 @@ class Ring(Profile):
 
     def extruded_program(self, matrix, height):
         outer, inner = self._circles()
-        if inner.radius <= 0.0:
-            return outer.extruded_program(matrix, height)
         # The hole is longer than the solid, so no two faces coincide.
         return combine(Op.DIFFERENCE, [
             outer.extruded_program(matrix, height), inner.extruded_program(matrix, 2.0 * height)])
 
     def revolved_program(self, matrix, offset):
         outer, inner = self._circles()
-        if inner.radius <= 0.0:
-            return outer.revolved_program(matrix, offset)
         return combine(Op.DIFFERENCE, [outer.revolved_program(matrix, offset), inner.revolved_program(matrix, offset)])
 
 
