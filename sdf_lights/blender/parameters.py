@@ -6,9 +6,9 @@ Custom properties are the one kind in Blender whose limits, default and descript
 saved, undone, animated, driven and overridden as others are. Their names begin with ``PREFIX``, to be told from the
 user's own.
 
-A property is made when an expression is set, and, if a text block has changed, when a panel is drawn next. Rendering needs
-none: where it is missing the parameter has its default. What an expression no longer declares keeps its value, so a
-line that is put back finds it again, until the user removes it.
+A property is made when an expression is set, and, if a text block has changed, when a panel is drawn next. Rendering
+needs none: where it is missing the parameter has its default. What an expression no longer declares keeps its value, so
+a line that is put back finds it again, until the user removes it.
 """
 
 from __future__ import annotations

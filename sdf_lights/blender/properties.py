@@ -142,8 +142,9 @@ def shape_items() -> list[tuple]:
     items = []
     for title, shapes in grouped(PRIMITIVES.values()).items():
         items.append(("", title, ""))
-        items += [(shape.name().upper(), shape.label(), _summary(shape), zlib.crc32(shape.name().encode()) & LARGEST_INT)
-                  for shape in shapes]
+        for shape in shapes:
+            number = zlib.crc32(shape.name().encode()) & LARGEST_INT
+            items.append((shape.name().upper(), shape.label(), _summary(shape), number))
     return items
 
 

@@ -35,7 +35,8 @@ from .functions import CONSTANTS, FUNCTIONS, as_shape
 from .shapes import Difference, Field, Intersection, Shape, ShapeError, Union
 from .shapes.base import LARGEST, Parametric
 from .syntax import DEEPEST, ExpressionError, parse
-from .values import Condition, Live, Misuse, NeedsNumber, Work, choose, compute, has_field, kind_of, lifted, live, spread
+from .values import (
+    Condition, Live, Misuse, NeedsNumber, Work, choose, compute, has_field, kind_of, lifted, live, spread)
 
 MOST_PRIMITIVES = 2_000
 DEEPEST_SHAPE = 100
@@ -192,7 +193,8 @@ class _Evaluation:
             run(self, statement)
 
     def no_effect(self, statement: ast.Expr) -> None:
-        raise self.error(statement, "this line has no effect", "give its value a name, or combine it into the last line")
+        raise self.error(statement, "this line has no effect",
+                         "give its value a name, or combine it into the last line")
 
     def misplaced_break(self, statement: ast.Break) -> None:
         raise self.error(statement, "break does not stand here",
@@ -629,7 +631,9 @@ class _Evaluation:
         if then is otherwise:
             return then
         if has_field(condition) or has_field(then) or has_field(otherwise):
-            self.operate(node, max(len(values.components(value)) for value in (then, otherwise)))
+            # Of conditions, four: they are numbers for as long as it takes to choose.
+            self.operate(node, 4 if isinstance(then, Condition) else max(
+                len(values.components(value)) for value in (then, otherwise)))
         return self.attempt(node, lambda: choose(self.slots, condition, then, otherwise))
 
     def vector(self, node: ast.Tuple):

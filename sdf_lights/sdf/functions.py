@@ -24,8 +24,8 @@ from .shapes.base import Parametric
 from .shapes.operators import SetOperation
 from .shapes.profiles import PROFILES, Polygon, Profile
 from .values import (
-    Condition, Live, Misuse, NeedsNumber, Scalar, Vector, Work, absolute, choose, compute, cos, has_field, kind_of, maximum,
-    minimum, sin, spread, sqrt)
+    Condition, Live, Misuse, NeedsNumber, Scalar, Vector, Work, absolute, choose, compute, cos, has_field, kind_of,
+    maximum, minimum, sin, spread, sqrt)
 
 REQUIRED = object()
 
@@ -55,8 +55,8 @@ class Argument(NamedTuple):
 class Function(NamedTuple):
     """A word of the language.
 
-    ``call(slots, …)`` gets the slots of the expression and one value for each argument. ``variadic``: the first argument
-    may be given any number of times. ``cost`` is about how many operations it makes of a field, or of each component.
+    ``call(slots, …)`` gets the slots of the expression and one value for each argument. ``variadic``: the first
+    argument may be given any number of times. ``cost`` is about how many operations it makes of a field, or of each component.
     ``other`` is the word for what is not a shape, where the name serves for both.
     """
 

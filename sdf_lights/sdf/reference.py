@@ -56,9 +56,8 @@ tooltip. Numbers and limits must not depend on other parameters. Moving a slider
 |---|---|
 | `size = slider(1, 0.1, 3)` | a number: default, minimum, maximum |
 | `count = integer(5, 1, 12)` | a whole number |
-| `turn = angle(45)`, `angle(45, 0, 90)` | an angle in degrees, from {_ANGLE[0]:g} to {_ANGLE[1]:g} unless limits are given |
-| `place = vector((0, 0, 1))`, `vector((0, 0, 1), -2, 2)` | three numbers, from {_VECTOR[0]:g} to {_VECTOR[1]:g} unless \
-limits are given |
+| `turn = angle(45)`, `angle(45, 0, 90)` | degrees, from {_ANGLE[0]:g} to {_ANGLE[1]:g} unless limits are given |
+| `place = vector((0, 0, 1))`, `vector((0, 0, 1), -2, 2)` | three numbers, from {_VECTOR[0]:g} to {_VECTOR[1]:g} |
 | `open = toggle(True)` | a switch: a condition, as in `select(open, a, b)` |
 
 ## The point
@@ -88,8 +87,8 @@ at each point. A field is a shape, the region in which it is negative, and a sha
             break
     field(box(1)(q) / size, bounds=1.5)
 
-- `for i in range(count):` repeats the indented lines. `count` is a number or a parameter, at most {LONGEST_LOOP}; `i` is
-  0 in the first round. Names that had a value before the loop carry theirs on, and keep it afterwards; others
+- `for i in range(count):` repeats the indented lines. `count` is a number or a parameter, at most {LONGEST_LOOP};
+  `i` is 0 in the first round. Names that had a value before the loop carry theirs on, and keep it afterwards; others
   are forgotten. Loops that carry fields are loops of the compiled formula; loops that carry shapes put shapes together.
 - `break` ends a loop, at the points where its condition holds: `if length(q) > 4: break`.
 - `if`, `elif` and `else` choose between values of a name, `a if condition else b` and `select(condition, a, b)` between

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What names stand for in an expression: numbers, fields, vectors of them, conditions and shapes.
 
-A *number* is a float, or a ``Live`` one if it follows a parameter of the expression. A *field* is a ``Formula``: a number
-at each point. Both are *scalars*; a vector is a tuple of two or three scalars.
+A *number* is a float, or a ``Live`` one if it follows a parameter of the expression. A *field* is a ``Formula``: a
+number at each point. Both are *scalars*; a vector is a tuple of two or three scalars.
 
 ``compute`` is the one way from values to values. Numbers alone are computed at once. Where they meet a field, floats
 become constants of the formula, and ``Live`` numbers its parameters, so the formula stays the same one as they change.
@@ -68,8 +68,8 @@ class Work(Slots):
 class Live(float):
     """A number that changes with the parameters of the expression.
 
-    ``greatest`` is the most it can be, infinite where that is not declared. ``slot`` is its place in the formulas of the
-    expression, once it has one.
+    ``greatest`` is the most it can be, infinite where that is not declared. ``slot`` is its place in the formulas of
+    the expression, once it has one.
     """
 
     __slots__ = ("greatest", "slot")

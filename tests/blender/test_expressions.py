@@ -73,7 +73,8 @@ def test_parameters_become_properties_with_limits_and_descriptions(written):
     data = written(TEXT)
     assert data["sdf_size"] == 1.0 and data["sdf_count"] == 5 and data["sdf_open"] is True
     assert data["sdf_turn"] == pytest.approx(math.pi / 4) and list(data["sdf_place"]) == [0.0, 1.0, 2.0]
-    about = {name: data.id_properties_ui(f"sdf_{name}").as_dict() for name in ("size", "count", "open", "turn", "place")}
+    names = ("size", "count", "open", "turn", "place")
+    about = {name: data.id_properties_ui(f"sdf_{name}").as_dict() for name in names}
     assert (about["size"]["min"], about["size"]["max"], about["size"]["default"]) == (0.5, 3.0, 1.0)
     assert about["size"]["description"] == "how large it is" and about["open"]["description"] == "whether it is open"
     assert (about["count"]["min"], about["count"]["max"]) == (1, 9)
