@@ -13,6 +13,7 @@ A wire that leaves the half plane at a slant is cut in an ellipse. So that it is
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -23,7 +24,8 @@ from . import support
 from .base import BOUND, Slots, number
 from .primitives import Primitive, corner
 
-_SAMPLES = 1000  # points of a curve to each turn, for its box
+_SAMPLES = 400  # points of a curve to each turn, for its box
+_RIM = 48  # points around a wire, for its box
 _STEEPEST = 0.99  # sine of the slope of a wire
 
 
@@ -222,16 +224,18 @@ class Spiral(_Coil):
 class TorusKnot(Primitive):
     """A closed wire on a torus around the z axis: a knot, or a chain where the two numbers of turns have a divisor.
 
-    The wire is round to first order. With R, r and w the radii and k = q r / p for p turns around the axis and q around the
-    tube, offsets along the wire's slant in the half plane are measured √λ times as long as those across (see the module),
-    λ = 1 / (1 + k²/ρ²), where ρ is at least R − r. For the value g so measured, and (x, y) the unit vector of its parts
-    across and along,
+    The wire is round to first order. With R, r and w the radii, in the half plane a point has the distance s from the
+    middle of the torus and the angle δ around it from the nearest cut of the wire. With k = q r / p for p turns around the
+    axis and q around the tube, the wire's slant is k/ρ, so along the circle offsets count √λ, λ = 1 / (1 + k²/ρ²), where ρ
+    is taken as at least R − r:
 
-        |∇g|² ≤ x² + λ y² + y² (√(1 − λ) − c x)² = 1 − 2 √(1 − λ) c x y² + c² x² y²,  c = (g/r) (1 − λ)^(3/2) / λ
+        g = √((s − r)² + λ m²),  m = min(s, r) δ
 
-    but for the change of λ, which adds at most g k² / (ρ (ρ² + k²)). Here x y² ≤ 2/√27 and x² y² ≤ 1/4. Nearer to the
-    axis than R − r the field is multiplied by ρ / (R − r), which makes up for the 1/ρ and adds the field's size over
-    R − r. Nowhere is g let grow beyond a constant.
+    For the unit vector (x, y) of the two parts, |∇g|² ≤ x² + y² where s ≥ r, for the change of m is at most 1 in the half
+    plane and k/ρ at right angles to it. Elsewhere it is at most (x + √λ δ y)² + y². Where g is less than a constant G < r,
+    √λ δ ≤ η = G / √(r² − G²), which makes that at most ((η + √(η² + 4)) / 2)². The change of λ adds no more than
+    g k² / (ρ (ρ² + k²)). Nearer to the axis than R − r the field is multiplied by ρ / (R − r), which makes up for the 1/ρ
+    and adds the field's size over R − r. Nowhere is g let grow beyond G.
     """
 
     exactness = BOUND
@@ -245,57 +249,56 @@ class TorusKnot(Primitive):
                                 soft_maximum=9.0, whole=True)
 
     def _slant(self) -> tuple[float, float]:
-        """k, and the least λ."""
+        """k, and the least √λ."""
         k = self.around_tube * self.radius / self.around_axis
-        return k, 1.0 / (1.0 + (k / (self.major_radius - self.radius))**2)
+        inner = self.major_radius - self.radius
+        return k, inner / math.hypot(inner, k)
 
-    def _thickness(self) -> float:
-        """How far the wire reaches from the middle of the torus, in the half plane."""
-        # Farthest point of the ellipse with semi-axes w, across, and w / √λ, along, from a point r from its middle.
-        w, r = self.minor_radius, self.radius
-        longer = w / math.sqrt(self._slant()[1])
-        cosine = 1.0 if longer**2 <= w * (w + r) else r * w / (longer**2 - w**2)
-        return math.sqrt((r + w * cosine)**2 + (1.0 - cosine**2) * longer**2)
+    def _steepness(self, most: float) -> float:
+        """Bound of the slope of the field where g is at most G, ``most``."""
+        k, _ = self._slant()
+        inner, w = self.major_radius - self.radius, self.minor_radius
+        shear = math.pi / self.around_axis
+        if most < self.radius:
+            shear = min(shear, most / math.sqrt((self.radius - most) * (self.radius + most)))
+        return (0.5 * (shear + math.hypot(shear, 2.0))
+                + max(most * k**2 / (inner * (inner**2 + k**2)), max(w, most - w) / inner))
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        k, least = self._slant()
-        R, r, w, inner = self.major_radius, self.radius, self.minor_radius, self.major_radius - self.radius
-        most = w + 0.5 * r
-        c = most / r * (1.0 - least)**1.5 / least
-        slope = math.sqrt(1.0 + 4.0 / math.sqrt(27.0) * math.sqrt(1.0 - least) * c + 0.25 * c * c)
-        slope += max(most * k**2 / (inner * (inner**2 + k**2)), max(w, most - w) / inner)
-
-        rho = length(p.x, p.y)
-        out = rho - slot(R)
+        r, w, inner = self.radius, self.minor_radius, self.major_radius - self.radius
+        most = w + 0.3 * r
+        rho, radius = length(p.x, p.y), slot(r)
+        out = rho - slot(self.major_radius)
         from_middle = length(out, p.z)
         step = slot(math.tau / self.around_axis)
         angle = atan2(p.z, out) - atan2(p.y, p.x) * slot(self.around_tube / self.around_axis)
         angle = angle - floor(angle / step + 0.5) * step
-        across, along = from_middle * cos(angle) - slot(r), from_middle * sin(angle)
         held = maximum(rho, slot(inner))
-        slanted = along * held / length(held, slot(k))
-        wire = minimum(length(across, slanted), slot(most)) - slot(w)
+        along = minimum(from_middle, radius) * angle * held / length(held, slot(self._slant()[0]))
+        wire = minimum(length(from_middle - radius, along), slot(most)) - slot(w)
         nearness = minimum(rho * slot(1.0 / inner), 1.0)
-        return maximum(wire * nearness * slot(1.0 / slope), from_middle - slot(self._thickness()))
+        return maximum(wire * nearness * slot(1.0 / self._steepness(most)), from_middle - slot(r + w))
 
     def relation(self) -> str:
-        if self.radius >= self.major_radius or self._thickness() >= self.major_radius:
-            return ("Torus Knot: the wire reaches the axis: make the major radius larger, or the torus radius, the minor "
-                    "radius or the turns around the tube smaller.")
+        if self.radius + self.minor_radius >= self.major_radius:
+            return ("Torus Knot: the wire reaches the axis: make the major radius larger, or the torus radius or the minor "
+                    "radius smaller.")
         return ""
 
     def support(self, directions):
-        p, q = self.around_axis, self.around_tube
+        p, q, r, w = self.around_axis, self.around_tube, self.radius, self.minor_radius
+        longest = min(w / (self._slant()[1] * r), math.pi / p)
         turn = np.linspace(0.0, math.tau, 1 + int(_SAMPLES * max(1.0, q / p)))
-        around, least = [], math.sqrt(self._slant()[1])
-        for strand in range(int(p)):
-            angle = (q * turn + math.tau * strand) / p
-            outwards = np.stack([np.cos(angle), np.sin(angle)])
-            onwards = np.stack([-np.sin(angle), np.cos(angle)])
-            center = self.major_radius + self.radius * outwards[0], self.radius * outwards[1]
-            around.append(_of_sections(
-                directions, turn, center, self.minor_radius * outwards, self.minor_radius / least * onwards))
-        return np.max(around, axis=0)
+        # Points around the cut of the wire, and how far it is from one to half of the way to the next at most.
+        rim = math.tau * np.arange(_RIM) / _RIM
+        between = math.pi / _RIM * math.hypot(w, (r + w) * longest)
+        reached = []
+        for strand, at in itertools.product(range(int(p)), rim):
+            angle = (q * turn + math.tau * strand) / p + longest * math.sin(at)
+            distance = r + w * math.cos(at)
+            center = self.major_radius + distance * np.cos(angle), distance * np.sin(angle)
+            reached.append(_of_sections(directions, turn, center))
+        return np.max(reached, axis=0) + between * np.linalg.norm(directions, axis=1)
 
 
 @dataclass(frozen=True)
