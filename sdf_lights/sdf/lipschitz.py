@@ -23,6 +23,7 @@ from .formula import CONDITIONS, ITERATE, POSITION, STATE, Formula, order
 from .read_interval import DOUBLE, Arithmetic, Boxes, Condition, Interval, run
 
 _MARGIN = 1.0 + 64.0 * DOUBLE.basic  # covers the rounding of the few operations of a norm
+_TINY = DOUBLE.tiny  # covers underflow
 
 _arithmetic = Arithmetic()
 
@@ -110,7 +111,7 @@ def _slope(formula: Formula, low, high, parameters, parts: int):
 def _length(gradient: Interval) -> np.ndarray:
     """Bound on the length of a vector of intervals."""
     x, y, z = gradient.magnitude
-    return np.sqrt(x * x + y * y + z * z) * _MARGIN
+    return np.sqrt(x * x + y * y + z * z + _TINY) * _MARGIN
 
 
 def _scaled(slope: Slope, factor: Interval) -> tuple[Interval | None, np.ndarray | float]:
@@ -122,7 +123,7 @@ def _scaled(slope: Slope, factor: Interval) -> tuple[Interval | None, np.ndarray
 
 def _product(norm, factor):
     """Product of two bounds, where 0 · ∞ is 0: of what is bounded by 0 no multiple is more."""
-    product = norm * factor * _MARGIN
+    product = norm * factor * _MARGIN + _TINY
     return np.where(np.isnan(product), 0.0, product)
 
 
@@ -169,8 +170,8 @@ def _norm(parts: list[Slope]) -> tuple[list[tuple[np.ndarray, np.ndarray]], np.n
         least, most = (sum(other[end] for other in rest) for end in (0, 1))
         # u/√(u² + rest) grows with u; it moves away from 0 as the rest becomes less. At the origin it can be anything.
         u, v = part.value.low, part.value.high
-        low = u / np.sqrt(u * u + np.where(u < 0.0, least, most)) * _MARGIN
-        high = v / np.sqrt(v * v + np.where(v > 0.0, least, most)) * _MARGIN
+        low = u / np.hypot(u, np.sqrt(np.where(u < 0.0, least, most))) * _MARGIN
+        high = v / np.hypot(v, np.sqrt(np.where(v > 0.0, least, most))) * _MARGIN
         low = np.where(np.isfinite(low) & (low > 0.0), low / _MARGIN**2, low)
         high = np.where(np.isfinite(high) & (high < 0.0), high / _MARGIN**2, high)
         low, high = np.where(low >= -1.0, low, -1.0), np.where(high <= 1.0, high, 1.0)
@@ -394,31 +395,31 @@ def _sides(formula: Formula) -> dict[Formula, list[tuple]]:
 
 
 def _taken(value, index: np.ndarray, rows: int, done: dict):
-    """A value with the rows ``index`` of its arrays; what is the same object stays the same object."""
+    """A value with the rows ``index`` of its arrays; what is the same object stays the same object.
+
+    ``done`` holds the objects that were seen, by their identities, so that these stay theirs.
+    """
     if id(value) in done:
-        return done[id(value)]
+        return done[id(value)][1]
     if isinstance(value, np.ndarray):
         found = value[..., index] if value.ndim and value.shape[-1] == rows else value
     elif isinstance(value, dict):
         found = {key: _taken(part, index, rows, done) for key, part in value.items()}
-    elif isinstance(value, list):
-        found = [_taken(part, index, rows, done) for part in value]
-    elif isinstance(value, (Slope, Interval, Condition)):
-        found = type(value)(*(_taken(part, index, rows, done) for part in value))
-    elif isinstance(value, tuple):
-        found = tuple(_taken(part, index, rows, done) for part in value)
+    elif isinstance(value, (list, tuple)):
+        parts = [_taken(part, index, rows, done) for part in value]
+        found = type(value)(*parts) if hasattr(value, "_fields") else type(value)(parts)
     else:
         found = value
-    done[id(value)] = found
+    done[id(value)] = value, found
     return found
 
 
 class _Slopes(Boxes):
     """Values with gradients, at each kind of node.
 
-    Where it is open which side of a clamp, a fold or a cell's border a box is on, it is divided into the points on either side: what
-    is computed from both sides later, as in the distance to a box, which joins one inside and one outside, or after
-    repeated reflections, would else be taken to combine in ways that do not occur.
+    Where it is open which side of a clamp, a fold or a cell's border a box is on, it is divided into the points on
+    either side: what is computed from both sides later, as in the distance to a box, which joins one inside and one
+    outside, or after repeated reflections, would else be taken to combine in ways that do not occur.
     """
 
     def __init__(self, formula: Formula, low: np.ndarray, high: np.ndarray, parameters: np.ndarray, parts: int):
@@ -529,7 +530,7 @@ class _Slopes(Boxes):
         self.rows, self.low, self.high = self.rows[index], self.low[index], self.high[index]
         done: dict = {}
         for frame in self.live:
-            frame.update(_taken(dict(frame), index, n, done))
+            frame.update(_taken(frame, index, n, done))
         sides = np.zeros(len(index), np.int8)  # −1: a ≤ b, 1: a ≥ b, 0: open
         sides[open_], sides[n:] = -1, 1
         values[a, b] = sides

@@ -61,6 +61,7 @@ class Interval(NamedTuple):
     high: np.ndarray
     undefined: np.ndarray | None = None  # where the value may be NaN; None for nowhere
     positive: bool = False  # every value is +0 or greater, by the form of the formula
+    whole: bool = False  # every value is a whole number, likewise
 
     @property
     def magnitude(self) -> np.ndarray:
@@ -134,7 +135,7 @@ class Arithmetic:
             return Interval(np.float64(-np.inf), np.float64(np.inf), np.True_)
         positive = not np.signbit(value)
         if self.precision.holds(value) and math.isfinite(value):
-            return Interval(value, value, None, positive)
+            return Interval(value, value, None, positive, bool(value == np.floor(value)))
         return self._rounded(value, value, self.precision.basic, None, positive)
 
     def _rounded(self, low, high, relative: float, undefined=None, positive: bool = False,
@@ -163,18 +164,25 @@ class Arithmetic:
             return None
         return self.number(value) if self.precision.holds(value) else None
 
+    def _whole(self, low, high, a: Interval, b: Interval) -> Interval | None:
+        """The result of whole numbers, where it is small enough to be exact: hashes rely on that."""
+        most = 2.0 / np.finfo(self.precision.number).eps
+        if not (a.whole and b.whole and high.max(initial=-np.inf) <= most and low.min(initial=np.inf) >= -most):
+            return None
+        return Interval(low, high, _either(a.undefined, b.undefined), a.positive and b.positive, True)
+
     # -- operations without rounding ------------------------------------------------------------------------------
 
     def negate(self, a: Interval) -> Interval:
-        return Interval(-a.high, -a.low, a.undefined)
+        return Interval(-a.high, -a.low, a.undefined, False, a.whole)
 
     def abs(self, a: Interval) -> Interval:
         if a.positive:
             return a
-        return Interval(np.maximum(np.maximum(a.low, -a.high), 0.0), a.magnitude, a.undefined, True)
+        return Interval(np.maximum(np.maximum(a.low, -a.high), 0.0), a.magnitude, a.undefined, True, a.whole)
 
     def floor(self, a: Interval) -> Interval:
-        return Interval(np.floor(a.low), np.floor(a.high), a.undefined, a.positive)
+        return Interval(np.floor(a.low), np.floor(a.high), a.undefined, a.positive, True)
 
     def minimum(self, a: Interval, b: Interval) -> Interval:
         return self._extreme(np.minimum, a, b)
@@ -224,13 +232,15 @@ class Arithmetic:
     # -- basic operations -----------------------------------------------------------------------------------------
 
     def add(self, a: Interval, b: Interval) -> Interval:
-        exact = self._exact(lambda u, v: u + v, a, b)
-        return exact or self._rounded(a.low + b.low, a.high + b.high, self.precision.basic,
+        low, high = a.low + b.low, a.high + b.high
+        exact = self._exact(lambda u, v: u + v, a, b) or self._whole(low, high, a, b)
+        return exact or self._rounded(low, high, self.precision.basic,
                                       _either(a.undefined, b.undefined), a.positive and b.positive, True)
 
     def subtract(self, a: Interval, b: Interval) -> Interval:
-        exact = self._exact(lambda u, v: u - v, a, b)
-        return exact or self._rounded(a.low - b.high, a.high - b.low, self.precision.basic,
+        low, high = a.low - b.high, a.high - b.low
+        exact = self._exact(lambda u, v: u - v, a, b) or self._whole(low, high, a, b)
+        return exact or self._rounded(low, high, self.precision.basic,
                                       _either(a.undefined, b.undefined), False, True)
 
     def multiply(self, a: Interval, b: Interval) -> Interval:
@@ -251,6 +261,9 @@ class Arithmetic:
         else:
             products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
         low, high = _extremes(np.minimum, np.maximum, products)
+        whole = self._whole(low, high, a, b)
+        if whole:
+            return whole
         if not math.isfinite((high - low).sum()):
             # 0 · ∞: nothing but 0, as a bound of products of numbers; a product of values it would be undefined.
             zero = np.any([np.isnan(product) for product in np.broadcast_arrays(*products)], axis=0)
@@ -279,8 +292,9 @@ class Arithmetic:
 
     def square(self, a: Interval) -> Interval:
         a = self.abs(a)
-        exact = self._exact(lambda u, v: u * v, a, a)
-        return exact or self._rounded(a.low * a.low, a.high * a.high, self.precision.basic, a.undefined, True)
+        low, high = a.low * a.low, a.high * a.high
+        exact = self._exact(lambda u, v: u * v, a, a) or self._whole(low, high, a, a)
+        return exact or self._rounded(low, high, self.precision.basic, a.undefined, True)
 
     def divide(self, a: Interval, b: Interval) -> Interval:
         exact = self._exact(lambda u, v: u / v, a, b) if b.is_number and b.low != 0.0 else None
@@ -472,8 +486,10 @@ class Boxes:
             found = self.arithmetic.subtract(*operands)
             floored = self._floored(*node.operands)
             if floored:
-                other = self.arithmetic.remainder(operands[0], *floored)
-                found = found._replace(low=np.maximum(found.low, other.low), high=np.minimum(found.high, other.high))
+                low, high = self.arithmetic.remainder(operands[0], *floored)[:2]
+                if found.whole:
+                    low, high = np.ceil(low), np.floor(high)
+                found = found._replace(low=np.maximum(found.low, low), high=np.minimum(found.high, high))
             return found
         return getattr(self.arithmetic, node.kind)(*operands)
 
