@@ -104,7 +104,7 @@ def _parameter(about):
         return bpy.props.IntProperty(**limits, **common)
     common |= {key: value for key, value in limits.items() if key == "default" or math.isfinite(value)}
     if about.unit == "ANGLE":
-        common["subtype"] = "ANGLE"
+        common["subtype"] = "ANGLE" if about.size == 1 else "EULER"
     elif about.unit != "NONE":
         common["unit"] = about.unit
     if about.size == 3:

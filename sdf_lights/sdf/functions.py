@@ -34,9 +34,17 @@ SHAPE_GROUPS = ("Shapes", "Profiles", "Solids from profiles", "Combinations", "O
 # What an argument can be, and how messages say so. Those of the first group have to be numbers, not fields.
 _WANTED = {
     "number": "a number", "angle": "a number of degrees", "numbers": "a vector of three numbers or a number",
+    "angles": "a vector of three numbers of degrees or one for all",
     "scalar": "a number or a field", "vector": "a vector", "vector3": "a vector of three components",
     "value": "a number, a field or a vector", "condition": "a condition such as a < b", "shape": "a shape",
     "profile": "a profile such as circle(0.5)", "corner": "a vector of two numbers", "any": "a value"}
+
+
+_ANGLES = ("angle", "angles")
+
+
+def _map(function: Callable, value):
+    return tuple(map(function, value)) if isinstance(value, tuple) else function(value)
 
 
 class Argument(NamedTuple):
@@ -49,7 +57,7 @@ class Argument(NamedTuple):
     def signature(self) -> str:
         if self.default is REQUIRED:
             return self.name
-        return f"{self.name}={show(math.degrees(self.default) if self.kind == 'angle' else self.default)}"
+        return f"{self.name}={show(_map(math.degrees, self.default) if self.kind in _ANGLES else self.default)}"
 
 
 class Function(NamedTuple):
@@ -113,7 +121,7 @@ class Function(NamedTuple):
             return positional
         gathered, rest = [], list(positional)
         for argument in arguments:
-            if argument.kind in ("numbers", "vector", "vector3") and len(rest) >= 3 and all(
+            if argument.kind in ("numbers", "angles", "vector", "vector3") and len(rest) >= 3 and all(
                     kind_of(v) in ("number", "field") for v in rest[:3]):
                 gathered.append(tuple(rest[:3]))
                 del rest[:3]
@@ -138,14 +146,15 @@ class Function(NamedTuple):
 
     def _converted(self, argument: Argument, value, slots: Work):
         kind, wanted = kind_of(value), argument.kind
-        if wanted in ("number", "angle", "numbers", "corner"):
+        if wanted in ("number", "angle", "numbers", "angles", "corner"):
             if has_field(value):
                 raise NeedsNumber(f"{argument.name} of {self.name} differs from point to point, but must be a number",
                                   "give it a number, or write the field of the shape with p yourself")
+            given = _map(math.radians, value) if wanted in _ANGLES else value
             if kind == "number" and wanted != "corner":
-                return math.radians(value) if wanted == "angle" else (value,) * 3 if wanted == "numbers" else value
-            if kind == "vector" and (wanted == "corner" or wanted == "numbers" and len(value) == 3):
-                return value
+                return (given,) * 3 if wanted in ("numbers", "angles") else given
+            if kind == "vector" and (wanted == "corner" or wanted in ("numbers", "angles") and len(value) == 3):
+                return given
         elif wanted == "any" or wanted == kind or wanted == "scalar" and kind in ("number", "field") or (
                 wanted == "value" and kind in ("number", "field", "vector")):
             return value
@@ -214,7 +223,7 @@ def _arguments(kind_of_shape: type[Parametric]) -> tuple[Argument, ...]:
              for field in dataclasses.fields(kind_of_shape) if "part" in field.metadata]
     numbers = []
     for about in kind_of_shape.fields():
-        kind = "numbers" if about.size == 3 else "angle" if about.unit == "ANGLE" else "number"
+        kind = ("angle" if about.unit == "ANGLE" else "number") + "s" * (about.size == 3)
         numbers.append(Argument(about.name, kind, about.default))
     return (*parts, *numbers)
 

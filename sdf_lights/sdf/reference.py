@@ -96,6 +96,7 @@ at each point. A field is a shape, the region in which it is negative, and a sha
 - Conditions: `a < b`, `<=`, `>`, `>=`, put together with `and`, `or`, `not`.
 """
 
+_GROUPED = ("Shapes", "Combinations", "Operators")  # groups that are long
 _TABLES = (MATHEMATICS, POINTS)  # groups that are a line a word
 _DISTANCE = {
     "exact": "The field is the exact distance to the surface.",
@@ -118,7 +119,7 @@ def reference_page() -> str:
             parts += [f"| `{word.signature()}` | {' '.join(word.description.split())} |" for word in of_group]
             parts.append("")
         else:
-            parts += _entries(of_group) if group == "Shapes" else map(_entry, of_group)
+            parts += _entries(of_group) if group in _GROUPED else map(_entry, of_group)
     parts.append("## Examples\n")
     parts.append("They are in the menu Load Example of a lamp.\n")
     for example in examples().values():

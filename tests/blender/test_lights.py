@@ -49,7 +49,10 @@ def test_every_primitive_has_its_own_parameters(synced, add, lamp, name):
             changed[about.name] = tuple(0.9 * value for value in about.default)
         else:
             changed[about.name] = 0.9 * about.default
-    add("Lamp", lamp(shape=name.upper(), **changed))
+    data = lamp(shape=name.upper())
+    for key, value in changed.items():
+        setattr(getattr(data.sdf_lamp, name), key, value)
+    add("Lamp", data)
     found = synced().lamps[0].shape
     assert type(found) is shape
     for key, value in changed.items():

@@ -58,7 +58,7 @@ def test_enabling_does_not_wait_for_numba():
         env=os.environ | {"PYTHONPATH": str(REPOSITORY)})
     spent, has_numba = done.stdout.split()[-2:]
     assert has_numba == "False"
-    assert float(spent) < 0.3
+    assert float(spent) < 0.6  # most of it for making the classes of the shapes; Numba alone takes longer
 
 
 def test_every_setting_has_a_property_with_its_limits(file):

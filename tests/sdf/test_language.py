@@ -359,8 +359,8 @@ def test_every_shape_and_operator_is_a_word(name):
         given = ["(0, 0)", "(1, 0)", "(0, 1)"]
     numbers = []
     for about in shape.fields():
-        value = np.degrees(about.default) if about.unit == "ANGLE" and about.size == 1 else about.default
-        numbers.append((about.name, repr(tuple(value) if about.size == 3 else float(value))))
+        value = np.degrees(about.default) if about.unit == "ANGLE" else about.default
+        numbers.append((about.name, repr(tuple(map(float, value)) if about.size == 3 else float(value))))
     text = "extrusion({})" if issubclass(shape, Profile) else "({}) & box(9)"
     plain, by_position, by_name = (evaluate(text.format(f"{name}({', '.join([*given, *more])})")) for more in (
         [], [value for _, value in numbers], [f"{key}={value}" for key, value in numbers]))
