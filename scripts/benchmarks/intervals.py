@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether rays find every entry and exit, at what cost, and how the cost grows with the number of parts.
+
+Every shape and every hard case of the tests is traced as a lamp is, and judged by the tests' oracle: a march of its own
+through the whole formula, some 100 times finer than what the eye could resolve. Where the field is traced, the
+published rule and plain sphere tracing march through the same compiled field in turn; both find their zeros by the same
+bracketing, so the evaluations that differ are those of the search.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import sys
+import time
+
+import numpy as np
+
+import host
+
+sys.path.insert(0, str(host.REPOSITORY))
+
+HELP = "crossings of rays: wrong counts, evaluations and time, against the published rule and sphere tracing"
+
+RAYS = 1_000_000  # of all certified cases together
+QUICK_RAYS = 20_000
+MARCHED = 1000  # rays of each case that the other rules march along too
+SIZES = (1, 3, 10, 30, 100, 300, 1000)
+TURNS = 5
+
+
+def _cases():
+    """Name -> (shape, how rays are drawn, whether its field is smooth)."""
+    from tests.emitter.hard_cases import HARD_CASES, around
+    from tests.sdf.samples import SHAPES_TO_TRY
+
+    cases = {name: (shape, around, False) for name, shape in SHAPES_TO_TRY.items() if shape.bounded}
+    return cases | {name: (case.shape, case.rays, case.smooth) for name, case in HARD_CASES.items()}
+
+
+def _seconds(function, turns: int):
+    """Result of a function, and the median of the processor seconds that it takes."""
+    taken = []
+    for _ in range(turns):
+        started = time.process_time()
+        result = function()
+        taken.append(time.process_time() - started)
+    return result, statistics.median(taken)
+
+
+def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict:
+    """One row: a shape traced as a lamp is, and the other rules where it is a field."""
+    from sdf_lights.emitter import marching
+    from tests.emitter import oracle
+    from tests.emitter.rays import AsField, Traced
+
+    origins, directions = rays(shape, np.random.default_rng(5), count)
+    traced = Traced(shape)
+    found = traced.trace(origins, directions)
+    verdict = oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1],
+                           oracle.find(shape, origins, directions))
+    few = slice(0, min(MARCHED, count))
+    field = traced if traced.tree.field is not None else Traced(AsField(shape))
+    _, seconds = _seconds(lambda: traced.trace(origins[few], directions[few]), turns)
+    ours, field_seconds = _seconds(lambda: field.trace(origins[few], directions[few]), turns)
+    rays_marched = len(ours)
+    row = dict(
+        case=name, certified=shape.certified and traced.tree.certified, smooth=smooth,
+        method="field" if field is traced else "closed form", rays=count, wrong=float(verdict.wrong),
+        too_fine_to_judge=float(verdict.below), length_error=verdict.length_error,
+        unresolved=float(found[:, 2].sum() / max(found[:, 1].sum(), 1e-300)), ns=1e9 * seconds / rays_marched,
+        field_ns=1e9 * field_seconds / rays_marched, evaluations=float(ours[:, 3].mean()))
+    # The two rules need a bound for all of space; the published one is given none, and takes the field for a distance.
+    lipschitz = oracle.steepness(shape)
+    truth = oracle.find(shape, origins[few], directions[few])
+    for label, rule in (("published", marching.PUBLISHED), ("spheres", marching.SPHERES)):
+        marched, marched_seconds = _seconds(
+            lambda: field.march(rule, origins[few], directions[few], lipschitz=lipschitz), turns)
+        verdict = oracle.judge(
+            shape, origins[few], directions[few], marched[:, 0].astype(int), marched[:, 1], truth)
+        row |= {f"{label}_wrong": float(verdict.wrong), f"{label}_evaluations": float(marched[:, 2].mean()),
+                f"{label}_ns": 1e9 * marched_seconds / rays_marched}
+    return row
+
+
+def growth(turns: int, count: int) -> list[dict]:
+    """Cost of a ray through n primitives spread in space, sharp and smooth: they all are traced in turn."""
+    from tests.emitter.hard_cases import scattered, towards
+    from tests.emitter.rays import Traced
+
+    rng = np.random.default_rng(7)
+    directions = rng.normal(size=(count, 3))
+    origins = 4.0 * directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    origins, directions = towards(origins, rng.uniform(-1.0, 1.0, (count, 3)))
+    built = {(smooth, n): Traced(scattered(n, smooth=smooth)) for smooth in (False, True) for n in SIZES}
+    seconds = {key: [] for key in built}
+    for _ in range(turns + 1):
+        for key, traced in built.items():
+            started = time.process_time()
+            traced.trace(origins, directions)
+            seconds[key].append(time.process_time() - started)
+    return [dict(operation="smooth union" if smooth else "union", primitives=n,
+                 ns_per_ray=1e9 * statistics.median(seconds[smooth, n][1:]) / count,
+                 rows_in_the_longest_list_of_a_leaf=_longest(traced.tree))
+            for (smooth, n), traced in built.items()]
+
+
+def _longest(tree) -> int:
+    leaves = tree.nodes[tree.nodes["first"] < 0]
+    return int(leaves["row_count"].max())
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    turns = options.repeats or (1 if options.quick else TURNS)
+    cases = _cases()
+    total = QUICK_RAYS if options.quick else RAYS
+    certified = sum(shape.certified for shape, _, _ in cases.values())
+    count = math.ceil(total / certified)
+    rows = []
+    for index, (name, (shape, rays, smooth)) in enumerate(cases.items(), 1):
+        print(f"intervals {index}/{len(cases)}: {name}", file=sys.stderr)
+        rows.append(judged(name, shape, rays, smooth, count, turns))
+    sure = [row for row in rows if row["certified"]]
+    ratios = [row["published_evaluations"] / row["evaluations"] for row in rows if row["smooth"]]
+    missed = [row["wrong"] for row in rows if row["published_wrong"] > 0.0 and row["certified"]]
+    curve = growth(turns, 1000 if options.quick else 10_000)
+    cost = {(row["operation"], row["primitives"]): row["ns_per_ray"] for row in curve}
+    summary = dict(
+        rays_certified=sum(row["rays"] for row in sure),
+        wrong_crossing_fraction_certified=sum(row["wrong"] * row["rays"] for row in sure) / sum(
+            row["rays"] for row in sure),
+        wrong_crossing_fraction_not_certified=max((row["wrong"] for row in rows if not row["certified"]), default=0.0),
+        wrong_crossing_fraction_where_published_misses=max(missed, default=0.0),
+        cases_where_published_misses=len(missed),
+        evaluations_ratio_paper_to_ours=math.exp(statistics.fmean(map(math.log, ratios))),
+        evaluations_ratio_paper_to_ours_least=min(ratios),
+        cost_ratio_1000_to_10_nodes=max(cost[kind, 1000] / cost[kind, 10] for kind in ("union", "smooth union")))
+    return summary, rows + curve
