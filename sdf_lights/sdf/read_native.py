@@ -87,6 +87,8 @@ if AVAILABLE:
     from llvmlite import ir
     from numba import types
 
+    from . import vector_math
+
     _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
     _LANES, _MASK = ir.VectorType(_DOUBLE, LANES), ir.VectorType(ir.IntType(1), LANES)
     _TRUE = ir.Constant(ir.IntType(1), 1)
@@ -119,47 +121,37 @@ if AVAILABLE:
         known = module.globals.get(name)
         return known or ir.Function(module, ir.FunctionType(result, [o.type for o in operands]), name)
 
-    # The C library's vector functions, where this platform has them (glibc on x86-64): to 4 units in the last place.
-    _HALF = ir.VectorType(_DOUBLE, 4)
-    _VECTOR = {"power": "pow"}
+    def _each_lane(kind: str, builder, operands):
+        """The library's function for one lane after the other."""
+        _library_function(kind, len(operands))
+        vector = ir.Constant(_LANES, ir.Undefined)
+        for lane in range(LANES):
+            scalars = [builder.extract_element(o, _INDEX(lane)) for o in operands]
+            function = _declared(builder.module, f"sdf_lights_{kind}", _DOUBLE, scalars)
+            vector = builder.insert_element(vector, builder.call(function, scalars), _INDEX(lane))
+        return vector
 
-    @functools.lru_cache(maxsize=None)
-    def _vector_function(kind: str, arity: int) -> str | None:
-        """Symbol of a function of four doubles at a time."""
-        name = f"_ZGVdN4{'v' * arity}_{_VECTOR.get(kind, kind)}"
-        try:
-            if not llvm.get_host_cpu_features().get("avx2"):
-                return None
-            address = ctypes.cast(getattr(ctypes.CDLL("libmvec.so.1"), name), ctypes.c_void_p).value
-        except (OSError, AttributeError):
-            return None
-        llvm.add_symbol(f"sdf_lights_{kind}_4", address)
-        return f"sdf_lights_{kind}_4"
-
-    def _by_halves(builder, name: str, operands):
-        halves = []
-        for first in (0, 4):
-            lanes = ir.Constant(ir.VectorType(ir.IntType(32), 4), [first + lane for lane in range(4)])
-            parts = [builder.shuffle_vector(o, o, lanes) for o in operands]
-            halves.append(builder.call(_declared(builder.module, name, _HALF, parts), parts))
-        return builder.shuffle_vector(*halves, ir.Constant(ir.VectorType(ir.IntType(32), LANES), list(range(LANES))))
+    def _vector_function(module: ir.Module, kind: str, arity: int) -> ir.Function:
+        """A function of ``LANES`` numbers: by ``vector_math`` where that holds for all of them, else by the library."""
+        function = ir.Function(module, ir.FunctionType(_LANES, [_LANES] * arity), f"lanes_{kind}")
+        function.linkage = "internal"
+        entry, fast, slow = (function.append_basic_block(name) for name in ("entry", "fast", "slow"))
+        builder = ir.IRBuilder(entry)
+        value, holds = vector_math.FUNCTIONS[kind](*(vector_math.Number(builder, o) for o in function.args))
+        builder.cbranch(_any(builder, builder.not_(holds.value)), slow, fast)
+        builder.position_at_end(fast)
+        builder.ret(value.value)
+        builder.position_at_end(slow)
+        builder.ret(_each_lane(kind, builder, function.args))
+        return function
 
     def _library(kind: str):
         def emit(builder, *operands):
-            vectors = operands[0].type == _LANES
-            if vectors and (name := _vector_function(kind, len(operands))) is not None:
-                return _by_halves(builder, name, operands)
-            _library_function(kind, len(operands))
-            scalars = [[o] if o.type == _DOUBLE else [builder.extract_element(o, _INDEX(lane)) for lane in range(LANES)]
-                           for o in operands]
-            function = _declared(builder.module, f"sdf_lights_{kind}", _DOUBLE, [lane[0] for lane in scalars])
-            results = [builder.call(function, lane) for lane in zip(*scalars)]
-            if len(results) == 1:
-                return results[0]
-            vector = ir.Constant(_LANES, ir.Undefined)
-            for lane, result in enumerate(results):
-                vector = builder.insert_element(vector, result, _INDEX(lane))
-            return vector
+            if operands[0].type == _DOUBLE:
+                _library_function(kind, len(operands))
+                return builder.call(_declared(builder.module, f"sdf_lights_{kind}", _DOUBLE, operands), operands)
+            known = builder.module.globals.get(f"lanes_{kind}")
+            return builder.call(known or _vector_function(builder.module, kind, len(operands)), operands)
 
         return emit
 

@@ -110,13 +110,14 @@ class Mandelbulb(Orbital):
     def _field(self, p, slot):
         n, escape = self.power, slot(self._reach())
         exponent, floor, lowest = slot(n), 0.5, slot(0.5**n)
+        beyond = escape * 2.0  # later rounds do not make the bound of what is so far out any greater
         # With r = |z| and a = |(z.x, z.y)|, the derivative of zⁿ is at most s = n rⁿ⁻¹ min(n, r / a): around the axis
         # the length a = r sin θ becomes rⁿ |sin nθ|. |∇ ln s|² = n (n − 2) / r² + 1 / a² ≤ 4 max(c / (2 r), 1 / a)².
         least_bend = slot(0.5 * max(n - 1.0, math.sqrt(4.0 / 3.0 * n * (n - 2.0))))
 
         def step(x, y, z, r, slope, bend, field):
-            around = length(x, y)
-            raised, far = power(r, exponent), maximum(r, floor)
+            around, far = length(x, y), maximum(r, floor)
+            raised = power(minimum(r, beyond), exponent)  # what is farther out is not looked at, but computed
             axis = maximum(around, far / exponent)
             reach = Reach(slope, bend).then(
                 exponent * maximum(raised, lowest) / axis, maximum(least_bend / far, 1.0 / axis))
@@ -125,8 +126,7 @@ class Mandelbulb(Orbital):
             side = raised * sin(polar)
             q = Vector(side * cos(azimuth), side * sin(azimuth), raised * cos(polar)) + p
             far = q.length()
-            # Whatever is this far out gets no greater bound from later rounds.
-            return (*q, far, *reach, maximum(field, reach.pulled_back(far - escape))), r < escape * 2.0
+            return (*q, far, *reach, maximum(field, reach.pulled_back(far - escape))), r < beyond
 
         r = p.length()
         return iterate(slot(self.rounds), (*p, r, *START, r - escape), step, MOST_ROUNDS)[-1]
