@@ -84,10 +84,10 @@ class Traced:
         _trace(self.blocks, self.rows, *self.segments(origins, directions), smallest, self.spans, out)
         return out
 
-    def march(self, rule, origins, directions, least=1e-3):
-        """(n, 3): number of intervals, their length, and the evaluations of each ray."""
+    def march(self, rule, origins, directions, least=1e-3, lipschitz=None):
+        """(n, 3): number of intervals, their length, and the evaluations of each ray; ``lipschitz`` is the shape's."""
         out = np.zeros((len(origins), 3))
-        _march(self.blocks, self.rows, len(self.tree.field.terms), rule, self.shape.lipschitz, least,
+        _march(self.blocks, self.rows, len(self.tree.field.terms), rule, lipschitz or self.shape.lipschitz, least,
                *self.segments(origins, directions), out)
         return out
 
