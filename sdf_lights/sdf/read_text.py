@@ -31,7 +31,7 @@ def text(formula: Formula) -> str:
         sqrt(s0)
     """
     writer = _Writer()
-    writer.write(order(formula))
+    writer.write(order(formula), (formula,))
     return "\n".join([*writer.lines, writer.text[formula][0]])
 
 
@@ -48,9 +48,9 @@ class _Writer:
         self._named[letter] += 1
         return f"{letter}{self._named[letter] - 1}"
 
-    def write(self, nodes: list[Formula], indent: str = "") -> None:
-        """Write ``nodes``, operands first."""
-        uses = Counter(operand for node in nodes for operand in node.operands)
+    def write(self, nodes: list[Formula], roots: tuple[Formula, ...], indent: str = "") -> None:
+        """Write ``nodes``, operands first, of which ``roots`` are what is asked for."""
+        uses = Counter(roots) + Counter(operand for node in nodes for operand in node.operands)
         for node in nodes:
             if node.kind == ITERATE:
                 self._write_loop(node, indent)
@@ -73,7 +73,7 @@ class _Writer:
         outside = self.text
         self.text = {n: outside[n] for n in node.operands[1 + len(states):]}
         self.text |= {n: (states[n.value[1]], _ATOM) for n in nodes if n.kind == STATE and n.value[0] == loop.level}
-        self.write(nodes, indent + "    ")
+        self.write(nodes, loop.roots(), indent + "    ")
         if loop.going is not None:
             self.lines.append(f"{indent}    stop unless {self.text[loop.going][0]}")
         following = ", ".join(self.text[step][0] for step in loop.steps)
