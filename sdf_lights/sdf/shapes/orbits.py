@@ -87,8 +87,8 @@ class Mandelbulb(Orbital):
     """The points that z → zⁿ + p never takes far away from the origin, with powers taken in spherical coordinates.
 
     A power multiplies the angles from the z axis and around it, and raises the length (D. White and P. Nylander, 2009).
-    Whole powers have proven bounds. Others tear space along a half plane, where a bound is not to be had; rays may miss
-    light there.
+    Whole powers have proven bounds. Others tear space along a half plane (y = 0, x < 0), where there can be none and rays
+    may miss light: of pairs of points, some with a distance of 1e-6 and some of 0.1, 1 in 20,000 are torn apart.
     """
 
     radius: float = number(0.5, "Radius of the ball that the shape just fits into")
