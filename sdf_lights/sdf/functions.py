@@ -22,7 +22,8 @@ from .noise import value_noise
 from .shapes import SHAPES, Box, Field, Shape, Transformed
 from .shapes.base import Parametric
 from .shapes.operators import SetOperation
-from .shapes.profiles import PROFILES, Polygon, Profile
+from .shapes.polygons import Polygon
+from .shapes.profiles import PROFILES, Profile
 from .values import (
     Condition, Live, Misuse, NeedsNumber, Scalar, Vector, Work, absolute, choose, compute, cos, has_field, kind_of,
     maximum, minimum, sin, spread, sqrt)

@@ -11,8 +11,9 @@ from scipy.spatial import cKDTree
 
 from sdf_lights.sdf.program import NoClosedForm
 from sdf_lights.sdf.shapes import BOUND, EXACT, SHAPES, ShapeError, Sphere
-from sdf_lights.sdf.shapes.profiles import MOST_POINTS, PROFILES, Almond, Circle, Ellipse, HeartOutline, Moon, Plus
-from sdf_lights.sdf.shapes.profiles import Polygon, Polygonal, Profile, Rectangle, RegularPolygon, Ring, RoundedRectangle, Star
+from sdf_lights.sdf.shapes.polygons import MOST_POINTS, Plus, Polygon, Polygonal, Rectangle, RegularPolygon, Star
+from sdf_lights.sdf.shapes.profiles import PROFILES, Almond, Circle, Ellipse, HeartOutline, Moon, Profile, Ring
+from sdf_lights.sdf.shapes.profiles import RoundedRectangle
 from sdf_lights.sdf.shapes.swept import Extrusion, PartialRevolution, Revolution
 from tests.sdf import test_shapes as promises
 from tests.sdf.samples import SHEAR

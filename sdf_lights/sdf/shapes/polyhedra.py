@@ -21,7 +21,7 @@ from . import support
 from .base import Slots, number
 from .cuts import half_space, placed, polyhedron
 from .primitives import Primitive, corner, rhombus_side
-from .profiles import Polygonal, Rectangle, RegularPolygon
+from .polygons import Polygonal, Rectangle, RegularPolygon
 from .reflections import GOLDEN, into_icosahedral_chamber, into_octahedral_chamber, into_tetrahedral_chamber
 from .sectors import MOST_SECTORS
 from .swept import Prismatic

@@ -15,7 +15,8 @@ from . import support
 from .base import BOUND, Shape, ShapeError, Slots, number, part
 from .cuts import sector
 from .primitives import Primitive, corner
-from .profiles import HeartOutline, Moon, Plus, Profile, Star
+from .polygons import Plus, Star
+from .profiles import HeartOutline, Moon, Profile
 from .sectors import MOST_SECTORS
 
 
