@@ -102,7 +102,7 @@ class BlendedUnion(Blend, abstract=True):
     def _operands(self):
         return self._guarded
 
-    @property
+    @cached_property
     def lipschitz(self):
         return max(shape.lipschitz for shape in self._guarded)
 
@@ -224,11 +224,11 @@ class Morph(Composite):
     def children(self):
         return self.first, self.second
 
-    @property
+    @cached_property
     def size(self):
         return self.first.size + self.second.size
 
-    @property
+    @cached_property
     def depth(self):
         return 1 + max(self.first.depth, self.second.depth)
 

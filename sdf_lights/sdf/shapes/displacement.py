@@ -43,7 +43,7 @@ class Displaced(Operator, abstract=True):
     def _slope(self) -> float:
         return self.amplitude * self._steepest()
 
-    @property
+    @cached_property
     def lipschitz(self):
         child = self._guarded.lipschitz
         return (child + self._slope) / (1.0 + self._slope) if math.isfinite(child) else child

@@ -18,10 +18,10 @@ import numpy as np
 from ..formula import Vector, apply, cos, length, minimum, sin
 from ..program import NoClosedForm
 from .base import EXACT, LARGEST, SMALLEST, Shape, number, part
-from .operators import Folded, Intersection, Transformed, Union
+from .operators import Folded, Intersection, images, images_growth, images_program
 from .solids import HalfSpace
 
-_MOST_IMAGES = 64  # in closed form: beyond, a field is traced faster
+_OVERLAP = 1e-12  # of images, in closed form, as a fraction of the shape's size
 _GOLDEN = (1.0 + math.sqrt(5.0)) / 2.0
 
 
@@ -48,48 +48,64 @@ class Fold(Folded, abstract=True):
         raise NotImplementedError
 
     @cached_property
+    def _places(self) -> np.ndarray:
+        """``_elements`` as affine matrices (n, 4, 4)."""
+        elements = self._elements()
+        places = np.tile(np.eye(4), (len(elements), 1, 1))
+        places[:, :3, :3] = elements
+        return places
+
+    @cached_property
     def _in_chamber(self) -> bool:
         """Whether the shape certainly is in the chamber, clear of its walls."""
         low, high = self.child.bounds()
-        corners = np.stack(np.meshgrid(*zip(low, high)), axis=-1).reshape(-1, 3)
-        return bool(np.isfinite(corners).all() and (corners @ self._normals().T > 0.0).all())
+        normals = self._normals()
+        if not (np.isfinite(low).all() and np.isfinite(high).all()):
+            return False
+        return bool((np.minimum(normals * low, normals * high).sum(axis=1) > 0.0).all())
 
-    @property
+    @cached_property
+    def _seen(self) -> tuple[np.ndarray, np.ndarray]:
+        """A box around what is in the chamber."""
+        low, high = map(np.copy, self.child.bounds())
+        for normal in self._normals():
+            axes = np.flatnonzero(normal)
+            if len(axes) > 1:
+                continue
+            if normal[axes] > 0.0:
+                low[axes] = np.maximum(low[axes], 0.0)
+            else:
+                high[axes] = np.minimum(high[axes], 0.0)
+        return np.minimum(low, high), np.maximum(low, high)
+
+    @cached_property
     def exact_outside(self):
         # With all of the shape in the chamber, none of its images is nearer than that in the point's own chamber.
         return self.child.exact_outside and self._in_chamber
 
-    @property
+    @cached_property
     def exactness(self):
         # The images do not touch.
         return EXACT if self.child.exactness == EXACT and self._in_chamber else super().exactness
 
-    @cached_property
-    def _images(self) -> Union:
-        walls = () if self._in_chamber else [HalfSpace(tuple(-normal)) for normal in self._normals()]
-        chamber = Intersection(self.child, *walls)
-        return Union([Transformed(chamber, _affine(element)) for element in self._elements()])
-
     def bounds(self, matrix=None):
-        return self._images.bounds(matrix)
+        return images(self._seen, self._places if matrix is None else matrix @ self._places)
 
     def growth(self, matrix=None):
-        return self._images.growth(matrix)
+        return images_growth(self.child.growth(), self._places if matrix is None else matrix @ self._places)
 
     def volume(self):
         volume = self.child.volume()
         return len(self._elements()) * volume if self._in_chamber and volume is not None else None
 
     def program(self, matrix=None):
-        if len(self._elements()) > _MOST_IMAGES:
-            raise NoClosedForm(f"{self.label()} makes more images than are traced in closed form.")
-        return self._images.program(matrix)
-
-
-def _affine(linear: np.ndarray) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, :3] = linear
-    return matrix
+        walls = ()
+        if not self._in_chamber:
+            # Walls that overlap by a hair: rounding must not leave cracks between the images.
+            size = np.abs(self.child.bounds()).max()
+            overlap = _OVERLAP * (size if math.isfinite(size) else 1.0)
+            walls = [HalfSpace(tuple(-normal), overlap) for normal in self._normals()]
+        return images_program(Intersection(self.child, *walls), self._places, matrix)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ class Layer(Operator, abstract=True):
     def _guarded(self) -> Shape:
         return guarded(self.child)
 
-    @property
+    @cached_property
     def lipschitz(self):
         return self._guarded.lipschitz
 
@@ -63,7 +63,7 @@ class Offset(Layer):
     child: Shape = part("Shape whose surface moves")
     offset: float = number(0.1, "How far outwards", minimum=-LARGEST, soft_maximum=1.0)
 
-    @property
+    @cached_property
     def exact_outside(self):
         return self.child.exact_outside and self.offset >= 0.0
 
@@ -81,7 +81,7 @@ class Round(Layer):
     child: Shape = part("Shape that is rounded")
     radius: float = number(0.05, "Radius of the rounded edges", minimum=0.0, soft_maximum=1.0)
 
-    @property
+    @cached_property
     def exact_outside(self):
         return self.child.exact_outside
 

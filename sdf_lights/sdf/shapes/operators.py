@@ -12,12 +12,13 @@ from functools import cached_property, reduce
 import numpy as np
 
 from ..formula import POINT, Formula, Vector, maximum, minimum, parameter
-from ..program import Op, combine
+from ..program import NoClosedForm, Op, combine
 from ..substitution import substitute
 from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Family, Shape, ShapeError, Slots, Term, part, undone
 from .primitives import Box
 
 _FLAT = 1e-9  # ratio of singular values below which a matrix counts as flat
+_MOST_ROWS = 1024  # of programs of copies: beyond, a field is traced faster
 _SIMILAR = 1e-12  # relative spread of singular values below which a matrix scales all directions alike
 
 
@@ -49,22 +50,49 @@ def checked(shape: Shape, child) -> Shape:
     return child
 
 
-class Composite(Shape, abstract=True):
-    """A shape made of the shapes ``children``."""
+def images(box, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The box around all images of a box (low, high) by affine matrices (n, 4, 4)."""
+    low, high = box
+    if not (np.isfinite(low).all() and np.isfinite(high).all()):
+        return np.full(3, -np.inf), np.full(3, np.inf)
+    corners = np.stack(np.meshgrid(*zip(low, high)), axis=-1).reshape(-1, 3)
+    moved = corners @ np.swapaxes(matrices[:, :3, :3], 1, 2) + matrices[:, None, :3, 3]
+    return moved.min(axis=(0, 1)), moved.max(axis=(0, 1))
 
-    @property
+
+def images_growth(growth: np.ndarray, matrices: np.ndarray) -> np.ndarray:
+    """``Shape.growth`` of all images of a shape of given ``growth``, with the box of ``images``."""
+    return (np.abs(matrices[:, :3, :3]) @ growth).max(axis=0) if np.isfinite(growth).all() else growth
+
+
+def images_program(shape: Shape, places: np.ndarray, matrix: np.ndarray | None) -> np.ndarray:
+    """Program of the union of a shape's images by affine matrices (n, 4, 4), all moved by ``matrix``."""
+    program = shape.program()
+    if len(places) * len(program) > _MOST_ROWS:
+        raise NoClosedForm(f"{shape.label()} is copied too often for a closed form.")
+    copies = []
+    for place in places if matrix is None else matrix @ places:
+        copies.append(program.copy())
+        copies[-1]["inverse"] = program["inverse"] @ np.linalg.inv(place)
+    return combine(Op.UNION, copies)
+
+
+class Composite(Shape, abstract=True):
+    """A shape made of the shapes ``children``. What others ask for again and again is kept."""
+
+    @cached_property
     def certified(self) -> bool:
         return all(child.certified for child in self.children)
 
-    @property
+    @cached_property
     def bounded(self) -> bool:
         return all(child.bounded for child in self.children)
 
-    @property
+    @cached_property
     def lipschitz(self) -> float:
         return max(child.lipschitz for child in self.children)
 
-    @property
+    @cached_property
     def exactness(self) -> str:
         # The nearest surface may be one that the operation removed or moved: even of exact shapes this is a bound.
         return BOUND if self.lipschitz <= 1.0 and all(c.exactness != NONE for c in self.children) else NONE
@@ -128,11 +156,11 @@ class SetOperation(Composite, abstract=True):
     def _joined(self, join: Callable, parts: list):
         return balanced(join, parts) if self.associative else reduce(join, parts)
 
-    @property
+    @cached_property
     def exactness(self) -> str:
         return self.children[0].exactness if len(self.children) == 1 else super().exactness
 
-    @property
+    @cached_property
     def exact_outside(self) -> bool:
         return len(self.children) == 1 and self.children[0].exact_outside
 
@@ -177,7 +205,7 @@ class Union(SetOperation):
     def _join(self, a, b):
         return minimum(a, b)
 
-    @property
+    @cached_property
     def exact_outside(self):
         return all(child.exact_outside for child in self.children)
 
@@ -198,7 +226,7 @@ class Intersection(SetOperation):
     def _join(self, a, b):
         return maximum(a, b)
 
-    @property
+    @cached_property
     def bounded(self):
         return any(child.bounded for child in self.children) or bool(np.isfinite(self.bounds()).all())
 
@@ -222,7 +250,7 @@ class Difference(SetOperation):
         first, *others = self.children
         return (first, Union(others)) if len(others) > 1 else self.children
 
-    @property
+    @cached_property
     def bounded(self):
         return self.children[0].bounded
 
@@ -263,11 +291,11 @@ class Operator(Composite, abstract=True):
     def children(self) -> tuple[Shape, ...]:
         return (self.child,)
 
-    @property
+    @cached_property
     def size(self) -> int:
         return self.child.size
 
-    @property
+    @cached_property
     def depth(self) -> int:
         return 1 + self.child.depth
 
@@ -275,7 +303,7 @@ class Operator(Composite, abstract=True):
 class Folded(Operator, abstract=True):
     """The child's field read at another point, by a map that never takes points further apart."""
 
-    @property
+    @cached_property
     def exactness(self):
         # Even where the child is exact: the surface may be nearer than the part of it that the map leads to.
         return BOUND if self.child.exactness == EXACT else self.child.exactness
@@ -346,11 +374,11 @@ class Transformed(Operator, abstract=True):
         largest, _, least = self._singular_values
         return bool(largest - least <= _SIMILAR * largest)
 
-    @property
+    @cached_property
     def exactness(self) -> str:
         return BOUND if self.child.exactness == EXACT and not self._similar else self.child.exactness
 
-    @property
+    @cached_property
     def exact_outside(self) -> bool:
         return self.child.exact_outside and self._similar
 
@@ -402,7 +430,7 @@ class Guarded(Operator, abstract=True):
         place[:3, 3] = (low + high) / 2.0
         return Transformed(Box(tuple((high - low) / 2.0)), place)
 
-    @property
+    @cached_property
     def lipschitz(self):
         return max(self.child.lipschitz, 1.0)
 

@@ -25,10 +25,12 @@ import numpy as np
 from ..formula import Formula, Vector, apply, clamp, cos, iterate, maximum, minimum, sin
 from ..program import NoClosedForm
 from .base import EXACT, LARGEST, Shape, number, part
-from .operators import Operator, Transformed, Union, guarded
+from .operators import Guarded, Operator, Transformed, Union, images, images_growth, images_program
 from .primitives import Box
 
 _MOST_COPIES = 64  # that are written out, to be pruned or traced in closed form
+_MOST_PARTS = 1024  # of all that is written out
+_MOST_COMPUTED = 50_000  # parts, at a point
 _MOST_CANDIDATES = 1000  # rounds of the loop over them
 _ENDLESS = 1e9  # copies to each side of a row without end
 
@@ -49,8 +51,8 @@ def _least(rounds: Formula, start: tuple, field: Callable, step: Callable) -> Fo
 class Repeated(Operator, abstract=True):
     """A union of copies of the child."""
 
-    def _places(self) -> list[np.ndarray] | None:
-        """Matrices (4 × 4) that take the child to its copies; None if there are too many to write out."""
+    def _places(self) -> np.ndarray:
+        """Matrices (n, 4, 4) that take the child to its copies."""
         raise NotImplementedError
 
     def _apart(self) -> bool:
@@ -62,15 +64,14 @@ class Repeated(Operator, abstract=True):
         raise NotImplementedError
 
     @cached_property
-    def _copies(self) -> Union | None:
-        places = self._places()
-        return None if places is None else Union([Transformed(self.child, place) for place in places])
+    def size(self):
+        return int(min(self._number(), _MOST_COPIES)) * self.child.size
 
-    @property
+    @cached_property
     def exact_outside(self):
         return self.child.exact_outside
 
-    @property
+    @cached_property
     def exactness(self):
         return EXACT if self.child.exactness == EXACT and self._apart() else super().exactness
 
@@ -79,12 +80,20 @@ class Repeated(Operator, abstract=True):
         return self._number() * volume if volume is not None and self._apart() else None
 
     def terms(self, matrix, factor):
-        return super().terms(matrix, factor) if self._copies is None else self._copies.terms(matrix, factor)
+        if self._number() > _MOST_COPIES or self.size > _MOST_PARTS:
+            return super().terms(matrix, factor)
+        return Union([Transformed(self.child, place) for place in self._places()]).terms(matrix, factor)
 
     def program(self, matrix=None):
-        if self._copies is None:
+        if self._number() > _MOST_COPIES:
             raise NoClosedForm(f"{self.label()} has more copies than are traced in closed form.")
-        return self._copies.program(matrix)
+        return images_program(self.child, self._places(), matrix)
+
+    def relation(self):
+        if self.size > _MOST_COMPUTED:
+            return (f"{self.label()}: copies of copies have more than {_MOST_COMPUTED} parts in all: make the counts "
+                    "smaller.")
+        return ""
 
 
 @dataclass(frozen=True)
@@ -103,7 +112,7 @@ class Repetition(Repeated):
     def _number(self):
         return math.inf if 0.0 in self.count else math.prod(self.count)
 
-    @property
+    @cached_property
     def bounded(self):
         return 0.0 not in self.count and self.child.bounded
 
@@ -114,9 +123,9 @@ class Repetition(Repeated):
 
     @cached_property
     def _part(self) -> Shape:
-        return guarded(self.child) if self._held else self.child
+        return Guarded(self.child) if self._held else self.child
 
-    @property
+    @cached_property
     def lipschitz(self):
         return self._part.lipschitz
 
@@ -176,21 +185,18 @@ class Repetition(Repeated):
         return self._part.growth(matrix)
 
     def _places(self):
-        if self._number() > _MOST_COPIES:
-            return None
-        places = []
-        for index in np.ndindex(*map(int, self.count)):
-            place = np.eye(4)
-            place[:3, 3] = index * np.array(self.spacing) - self._extent
-            places.append(place)
+        index = np.array(list(np.ndindex(*map(int, self.count))))
+        places = np.tile(np.eye(4), (len(index), 1, 1))
+        places[:, :3, 3] = index * self.spacing - self._extent
         return places
 
     def _apart(self):
         return bool(np.logical_or(np.equal(self.count, 1.0), self._widths() < self.spacing).all())
 
     def relation(self):
-        if self.child.validate():
-            return ""
+        problem = super().relation()
+        if problem or self.child.validate():
+            return problem
         endless = np.equal(self.count, 0.0)
         if not self.child.bounded and not np.isfinite(self._widths()[endless]).all():
             return "Repetition: a shape without end is repeated without end: give a count, or intersect it with a box."
@@ -245,20 +251,19 @@ class PolarRepetition(Repeated):
         return _least(slot(self._candidates), start, lambda x, y: self.child.build(Vector(x, y, p.z), slot),
                       lambda x, y: _turned(x, y, c, s))
 
-    def _all_places(self):
-        return [_turn(index * self._angle) for index in range(int(self.count))]
-
     def _places(self):
-        return self._all_places() if self.count <= _MOST_COPIES else None
+        angles = self._angle * np.arange(self.count)
+        places = np.tile(np.eye(4), (len(angles), 1, 1))
+        places[:, 0, 0] = places[:, 1, 1] = np.cos(angles)
+        places[:, 1, 0] = np.sin(angles)
+        places[:, 0, 1] = -places[:, 1, 0]
+        return places
 
     def bounds(self, matrix=None):
-        matrix = np.eye(4) if matrix is None else matrix
-        lows, highs = zip(*(self.child.bounds(matrix @ place) for place in self._all_places()))
-        return np.min(lows, axis=0), np.max(highs, axis=0)
+        return images(self.child.bounds(), self._places() if matrix is None else matrix @ self._places())
 
     def growth(self, matrix=None):
-        matrix = np.eye(4) if matrix is None else matrix
-        return np.max([self.child.growth(matrix @ place) for place in self._all_places()], axis=0)
+        return images_growth(self.child.growth(), self._places() if matrix is None else matrix @ self._places())
 
     def _number(self):
         return self.count
@@ -270,10 +275,3 @@ class PolarRepetition(Repeated):
 def _turned(x: Formula, y: Formula, c: Formula, s: Formula) -> tuple[Formula, Formula]:
     """(x, y) turned clockwise by the angle of cosine c and sine s."""
     return c * x + s * y, c * y - s * x
-
-
-def _turn(angle: float) -> np.ndarray:
-    """The matrix (4 × 4) that turns about z, counter-clockwise as seen from its tip."""
-    matrix = np.eye(4)
-    matrix[:2, :2] = (math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))
-    return matrix

@@ -64,7 +64,7 @@ class Warp(Operator, abstract=True):
         place[:3, 3] = (low + high) / 2.0
         return Transformed(Box(tuple((high - low) / 2.0)), place)
 
-    @property
+    @cached_property
     def lipschitz(self):
         return self._guarded.lipschitz
 
