@@ -164,12 +164,12 @@ class Arithmetic:
             return None
         return self.number(value) if self.precision.holds(value) else None
 
-    def _whole(self, low, high, a: Interval, b: Interval) -> Interval | None:
+    def _whole(self, low, high, a: Interval, b: Interval, positive: bool) -> Interval | None:
         """The result of whole numbers, where it is small enough to be exact: hashes rely on that."""
         most = 2.0 / np.finfo(self.precision.number).eps
         if not (a.whole and b.whole and high.max(initial=-np.inf) <= most and low.min(initial=np.inf) >= -most):
             return None
-        return Interval(low, high, _either(a.undefined, b.undefined), a.positive and b.positive, True)
+        return Interval(low, high, _either(a.undefined, b.undefined), positive, True)
 
     # -- operations without rounding ------------------------------------------------------------------------------
 
@@ -233,15 +233,16 @@ class Arithmetic:
 
     def add(self, a: Interval, b: Interval) -> Interval:
         low, high = a.low + b.low, a.high + b.high
-        exact = self._exact(lambda u, v: u + v, a, b) or self._whole(low, high, a, b)
-        return exact or self._rounded(low, high, self.precision.basic,
-                                      _either(a.undefined, b.undefined), a.positive and b.positive, True)
+        positive = a.positive and b.positive
+        exact = self._exact(lambda u, v: u + v, a, b) or self._whole(low, high, a, b, positive)
+        return exact or self._rounded(
+            low, high, self.precision.basic, _either(a.undefined, b.undefined), positive, is_sum=True)
 
     def subtract(self, a: Interval, b: Interval) -> Interval:
         low, high = a.low - b.high, a.high - b.low
-        exact = self._exact(lambda u, v: u - v, a, b) or self._whole(low, high, a, b)
-        return exact or self._rounded(low, high, self.precision.basic,
-                                      _either(a.undefined, b.undefined), False, True)
+        exact = self._exact(lambda u, v: u - v, a, b) or self._whole(low, high, a, b, False)
+        return exact or self._rounded(
+            low, high, self.precision.basic, _either(a.undefined, b.undefined), is_sum=True)
 
     def multiply(self, a: Interval, b: Interval) -> Interval:
         if a is b:
@@ -261,7 +262,7 @@ class Arithmetic:
         else:
             products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
         low, high = _extremes(np.minimum, np.maximum, products)
-        whole = self._whole(low, high, a, b)
+        whole = self._whole(low, high, a, b, positive)
         if whole:
             return whole
         if not math.isfinite((high - low).sum()):
@@ -293,7 +294,7 @@ class Arithmetic:
     def square(self, a: Interval) -> Interval:
         a = self.abs(a)
         low, high = a.low * a.low, a.high * a.high
-        exact = self._exact(lambda u, v: u * v, a, a) or self._whole(low, high, a, a)
+        exact = self._exact(lambda u, v: u * v, a, a) or self._whole(low, high, a, a, True)
         return exact or self._rounded(low, high, self.precision.basic, a.undefined, True)
 
     def divide(self, a: Interval, b: Interval) -> Interval:

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The GLSL of formulas in Blender's own shaders, as its ``gpu`` module builds them for every graphics API."""
 
+import pathlib
+
 import bpy
 import gpu
 import numpy as np
@@ -85,3 +87,22 @@ def test_gradients_in_a_shader():
     found = _evaluate(source, "field(p)", points, shape.parameters())
     np.testing.assert_allclose(found[:, 0], shape.distance(points), atol=1e-6)
     np.testing.assert_allclose(np.linalg.norm(found[:, 1:], axis=1), 1.0, atol=1e-5)
+
+
+def test_intervals_in_a_shader():
+    """A ray along x through a torus at its height, from points at all heights: two stretches where it meets the tube."""
+    shape = Torus(0.5, 0.2)
+    source = read_glsl.function(shape.formula(), "field", "lamp.k[{}].x") + (
+        pathlib.Path(__file__).resolve().parents[2] / "shaders_glsl" / "intervals.glsl").read_text() + """
+vec4 stretches(vec3 p)
+{
+    Intervals found = intervals(p, vec3(1.0, 0.0, 0.0), 0.0, 4.0, 1.0, 1e-4, 500);
+    return vec4(float(found.count), found.spans[0], found.spans[1].y);
+}
+"""
+    heights = np.linspace(-0.19, 0.19, 50)
+    points = np.stack([np.full(50, -2.0), np.zeros(50), heights], axis=-1).astype(np.float32)
+    found = _evaluate(source, "stretches(p)", points, shape.parameters())
+    half = np.sqrt(0.2**2 - heights**2)
+    np.testing.assert_array_equal(found[:, 0], 2)
+    np.testing.assert_allclose(found[:, 1:], 2.0 + np.stack([-0.5 - half, -0.5 + half, 0.5 + half], -1), atol=1e-5)

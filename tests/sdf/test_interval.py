@@ -55,6 +55,15 @@ def _floor(a):
     return f.apply("floor", a)
 
 
+def _whole_numbers():
+    """Sums, products and choices of whole numbers, of either sign."""
+    u, v = _floor(abs(x)), _floor(y)
+    yield "difference", abs(u - _floor(abs(y)))
+    yield "products", f.sqrt(u * v - u * u) + abs(v - u * 3.0)
+    yield "far", (u * 1e8) * (v * 1e8) + u - abs(1e16 - u)
+    yield "minimum", abs(f.minimum(u, v) - u) / (u + 1.0)
+
+
 REMAINDERS = {
     "fraction": (x - _floor(x), (0.0, 1.0)),
     "remainder": (x - 0.3 * _floor(x / 0.3), (0.0, 0.3)),
@@ -67,6 +76,7 @@ REMAINDERS = {
 
 FORMULAS = {f"operation {name}": (formula, ()) for name, formula in operations()}
 FORMULAS |= {f"loop, {name}": (formula, (3.0,)) for name, formula in LOOPS.items()}
+FORMULAS |= {f"whole numbers, {name}": (formula, ()) for name, formula in _whole_numbers()}
 FORMULAS |= {f"remainder, {name}": (formula, (3.0,)) for name, (formula, _) in REMAINDERS.items()}
 FORMULAS |= {name: (shape.formula(), shape.parameters()) for name, shape in samples.SHAPES_TO_TRY.items()}
 
