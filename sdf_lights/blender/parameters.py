@@ -40,7 +40,7 @@ def parsed(text: str) -> Expression | ExpressionError:
 
 def declarations(lamp) -> tuple[Declaration, ...]:
     """What the lamp's expression declares; nothing if there is something wrong with it."""
-    expression = parsed(text_of(lamp)) if lamp.use and lamp.source == "EXPRESSION" else None
+    expression = parsed(text_of(lamp)) if lamp.source == "EXPRESSION" else None
     return expression.parameters if isinstance(expression, Expression) else ()
 
 

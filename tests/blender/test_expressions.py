@@ -206,6 +206,22 @@ def test_every_example_loads(written):
         assert all(parameters.exists(data, declared) for declared in parameters.declarations(data.sdf_lamp))
 
 
+def test_loading_an_example_can_be_undone(written):
+    data = written("sphere()")
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.sdf_lights.example_load(example="METABALLS")
+    bpy.ops.ed.undo_push(message="loaded")
+    data["sdf_melt"] = 0.7
+    bpy.ops.ed.undo_push(message="moved")
+    bpy.ops.ed.undo()
+    assert bpy.data.lights["Lamp"]["sdf_melt"] == 0.4
+    bpy.ops.ed.undo()
+    kept = bpy.data.lights["Lamp"]
+    assert kept.sdf_lamp.text is None and "sdf_melt" not in kept and shape_of(kept.sdf_lamp) == Sphere()
+    bpy.ops.ed.redo()
+    assert bpy.data.lights["Lamp"].sdf_lamp.text.name == "Metaballs"
+
+
 def test_an_example_is_added_as_a_lamp(file):
     bpy.ops.sdf_lights.lamp_add(source="EXAMPLE", example="CHAIN", power=50.0)
     data = bpy.context.object.data
