@@ -4,8 +4,8 @@
 
 Interval forward differentiation (Griewank and Walther, "Evaluating Derivatives"), with two additions that distance
 fields live on. Every node also has a bound on the norm of its gradient, which rotations and nested lengths would
-inflate if it came from bounds of the components alone; and the square root of a sum of squares is taken as a norm, whose
-gradient is bounded where that of the root alone has a pole. At a crease the gradients of both sides are bounded
+inflate if it came from bounds of the components alone; and the square root of a sum of squares is taken as a norm,
+whose gradient is bounded where that of the root alone has a pole. At a crease the gradients of both sides are bounded
 (Clarke's generalised gradient).
 
 The bounds hold for formulas that are continuous. Where one jumps (at a step of ``floor``, a ``select`` whose sides

@@ -90,7 +90,7 @@ def test_gradients_in_a_shader():
 
 
 def test_intervals_in_a_shader():
-    """A ray along x through a torus at its height, from points at all heights: two stretches where it meets the tube."""
+    """Rays along x through the axis of a torus: two stretches, where they meet the tube."""
     shape = Torus(0.5, 0.2)
     source = read_glsl.function(shape.formula(), "field", "lamp.k[{}].x") + (
         pathlib.Path(__file__).resolve().parents[2] / "shaders_glsl" / "intervals.glsl").read_text() + """

@@ -188,7 +188,8 @@ def test_bounds_know_what_a_square_is():
             (x * x, (0.0, 4.0)), (f.apply("power", x, 2.0), (0.0, 4.0)), (f.apply("power", x, 3.0), (-8.0, 1.0)),
             (f.apply("power", x, -2.0), (0.25, INFINITY)), (f.length(x, y, z), (0.0, 12.0**0.5)),
             (f.apply("sin", 10.0 * x), (-1.0, 1.0)), (f.cos(x), (np.cos(2.0), 1.0)),
-            (f.apply("atan2", y, x), (-np.pi, np.pi)), (f.apply("atan2", y + 3.0, x), (np.arctan2(1, 1), np.arctan2(1, -2)))]:
+            (f.apply("atan2", y, x), (-np.pi, np.pi)),
+            (f.apply("atan2", y + 3.0, x), (np.arctan2(1, 1), np.arctan2(1, -2)))]:
         np.testing.assert_allclose(np.ravel(read_interval.enclose(formula, *box)), bounds, atol=1e-12)
 
 

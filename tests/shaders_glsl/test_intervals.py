@@ -102,7 +102,7 @@ def _rays(shape, count: int = 100):
 
 
 def _marched(formula, parameters, origins, directions, end: float):
-    """Lengths inside (n,) and numbers of stretches (n,); and the shortest stretch or gap of each ray (n,), in samples."""
+    """Length inside, number of stretches, and the shortest stretch or gap in samples, of each ray: (n,), (n,), (n,)."""
     t = np.linspace(0.0, end, SAMPLES)
     values = read_numpy.evaluate(formula, origins[:, None] + t[:, None] * directions[:, None], parameters)
     inside = values <= 0.0
