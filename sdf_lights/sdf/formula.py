@@ -190,7 +190,7 @@ _MOST_FACTORS = 16  # of a power that is written as products
 
 
 def _simplified(kind: str, operands: tuple[Formula, ...]) -> Formula | None:
-    """A smaller or faster formula of the same value, to rounding, for all finite operands; None if no rule finds one."""
+    """A smaller or faster formula of the same value, to rounding, for all finite operands; None if no rule has one."""
     rule = _RULES.get(kind)
     return rule and rule(*operands)
 

@@ -212,8 +212,8 @@ if AVAILABLE:
     class _Scope:
         """What is computed for the whole formula, or in one round of a loop.
 
-        ``values`` holds one double or ``LANES`` of them for each node (a list of such for a loop). Those of a round mean
-        nothing outside it.
+        ``values`` holds one double or ``LANES`` of them for each node (a list of such for a loop). Those of a round
+        mean nothing outside it.
         """
 
         def __init__(self, builder: ir.IRBuilder, position, parameters, values: dict, spread: dict):

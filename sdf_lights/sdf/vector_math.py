@@ -3,9 +3,9 @@
 """Elementary functions of several numbers at a time, as LLVM code: the same on every platform.
 
 Methods and coefficients are those of the Cephes library (S. L. Moshier, "Methods and Programs for Mathematical
-Functions", 1989; netlib.org/cephes), without its branches. A function of ``FUNCTIONS`` gives its values and whether they
-hold: to 5 units in the last place, or of 1 for sine and cosine; of a power to 1e-14 (2e-13 of one below e⁻²⁴). They hold
-for no NaN or infinity.
+Functions", 1989; netlib.org/cephes), without its branches. A function of ``FUNCTIONS`` gives its values and whether
+they hold: to 5 units in the last place, or of 1 for sine and cosine; of a power to 1e-14 (2e-13 of one below e⁻²⁴).
+They do not for NaN and infinities.
 """
 
 from __future__ import annotations

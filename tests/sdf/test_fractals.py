@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from sdf_lights.sdf.shapes import SHAPES
-from sdf_lights.sdf.shapes.fractals import CantorDust, DodecahedronFlake, IcosahedronFlake, Kifs, KochCurve, KochSnowflake
-from sdf_lights.sdf.shapes.fractals import MengerSponge, OctahedronFlake, SierpinskiTetrahedron
+from sdf_lights.sdf.shapes.fractals import CantorDust, DodecahedronFlake, IcosahedronFlake, Kifs, KochCurve
+from sdf_lights.sdf.shapes.fractals import KochSnowflake, MengerSponge, OctahedronFlake, SierpinskiTetrahedron
 from sdf_lights.sdf.shapes.orbits import ApollonianGasket, JuliaQuaternion, Mandelbox, Mandelbulb
 
 
@@ -43,7 +43,8 @@ CORNERS = {
     (OctahedronFlake(0.6, 3), SHAPES["octahedron"](0.6), 0.5),
     (IcosahedronFlake(0.5, 2), SHAPES["icosahedron"](0.5), (3.0 - math.sqrt(5.0)) / 2.0),
     (DodecahedronFlake(0.7, 2), SHAPES["dodecahedron"](0.7), 2.0 / (5.0 + math.sqrt(5.0))),
-    (CantorDust((0.5, 0.4, 0.8), 0.3, 2), SHAPES["box"]((0.5, 0.4, 0.8)), 0.3)], ids=lambda v: getattr(v, "label", str)())
+    (CantorDust((0.5, 0.4, 0.8), 0.3, 2), SHAPES["box"]((0.5, 0.4, 0.8)), 0.3)],
+    ids=["sierpinski", "octahedra", "icosahedra", "dodecahedra", "dust"])
 def test_a_flake_is_the_union_of_its_copies_and_the_distance_to_it(shape, solid, ratio):
     corners = np.array(CORNERS[type(shape)], float)
     corners *= solid.half_size if isinstance(shape, CantorDust) else solid.radius / np.linalg.norm(corners[0])
@@ -112,7 +113,8 @@ def turn(p, axis: int, angle: float):
 
 
 @pytest.mark.parametrize("shape", [
-    Kifs(), Kifs(0.4, 3, 1.8, (0.1, 0.3, 0.5), (0.3, -0.7, 1.1), (0.0, 0.5, -0.2)), Kifs(0.3, 8, 1.4, (0.2, -0.1, 0.5))])
+    Kifs(), Kifs(0.4, 3, 1.8, (0.1, 0.3, 0.5), (0.3, -0.7, 1.1), (0.0, 0.5, -0.2)),
+    Kifs(0.3, 8, 1.4, (0.2, -0.1, 0.5))], ids=["default", "turned", "slow"])
 def test_the_kaleidoscope_is_its_rounds(shape):
     def inside(p):
         for _ in range(int(shape.levels)):
@@ -202,8 +204,8 @@ def test_the_mandelbox_is_what_does_not_run_away(scale, inner, rounds):
 def packed_balls(least: float) -> np.ndarray:
     """Balls (n, 4) of the packing in a ball of radius 1, centre and radius, of at least this radius.
 
-    For five spheres that touch one another, k the curvature and c the centre: where one of them is replaced by the other
-    that touches the same four, k and k c become the sum of those four less the old value (Soddy).
+    With k the curvature and c the centre of five spheres that touch one another: where one of them is replaced by the
+    other sphere that touches the same four, k and k c become the sum of those four less the old value (Soddy).
     """
     corner = np.array(CORNERS[SierpinskiTetrahedron]) * math.sqrt(0.5)
     outer = 1.0 + math.sqrt(1.5)
@@ -247,7 +249,7 @@ def test_the_gasket_is_the_packing_of_soddy():
 
 @pytest.mark.parametrize("shape, least", [
     (Mandelbulb(), 0.3), (Mandelbulb(power=3), 0.2), (JuliaQuaternion(), 0.4), (Mandelbox(), 0.025),
-    (ApollonianGasket(), 0.5), (MengerSponge(), 0.6), (Kifs(), 0.7)], ids=lambda v: v if isinstance(v, float) else v.label())
+    (ApollonianGasket(), 0.5), (MengerSponge(), 0.6), (Kifs(), 0.7)])
 def test_proven_bounds_are_not_idle(shape, least):
     """Median of the field over the distance to the nearest of many points inside, which is a little farther."""
     low, high = shape.bounds()
@@ -259,7 +261,7 @@ def test_proven_bounds_are_not_idle(shape, least):
 
 
 def test_what_a_broken_power_tears_is_little():
-    """Pairs of points on both sides of the half plane y = 0, x < 0 or near the axis below 0: the others keep the bound."""
+    """Pairs of points on both sides of the half plane y = 0, x < 0, or near the axis below 0; others keep the bound."""
     shape = Mandelbulb(0.5, 5.3, 4)
     assert not shape.certified and Mandelbulb(0.5, 5.0).certified
     rng = np.random.default_rng(9)

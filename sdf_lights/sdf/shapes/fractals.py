@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fractals made of smaller copies of themselves, as many levels deep as is asked for.
 
-A solid's copies are mirror images of one another. Reflections lead a point to the side of the mirrors where one copy is,
-which for every copy to be nearest there is the nearest; enlarging that copy to the size of the whole leads to the level
-above. Reflections change no length locally and an enlargement changes all alike, so the distance to the solid that the
-point is led to, made smaller again, has slope 1: Hart, Sandin and Kauffman, "Ray tracing deterministic 3-D fractals",
-1989. It is the distance itself where the nearest copy is the one the point is led to and copies only touch.
+A solid's copies are mirror images of one another. Reflections lead a point to the side of the mirrors where one is, and
+enlarging that copy to the size of the whole leads to the level above. Reflections change no length locally and an
+enlargement changes all alike, so the distance to the solid that the point is led to, made smaller again, has slope 1
+(J. C. Hart, D. J. Sandin, L. H. Kauffman, "Ray tracing deterministic 3-D fractals", 1989). It is the distance itself if
+the copy that the point is led to is the nearest, and copies touch at most along edges.
 
 ``orbits`` has the fractals that are no copies of themselves.
 """
@@ -285,7 +285,7 @@ def _turned(angles: tuple[float, float, float]) -> np.ndarray:
     for axis, angle in enumerate(angles):
         turn = np.eye(3)
         u, v = (axis + 1) % 3, (axis + 2) % 3
-        turn[u, u], turn[u, v], turn[v, u], turn[v, v] = math.cos(angle), -math.sin(angle), math.sin(angle), math.cos(angle)
+        turn[np.ix_((u, v), (u, v))] = (math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))
         matrix = turn @ matrix
     return matrix
 

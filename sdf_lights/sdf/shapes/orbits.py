@@ -4,19 +4,22 @@
 
 Distance estimates of such sets divide how far the orbit got by the derivative of the map along it (J. C. Hart, D. J.
 Sandin, L. H. Kauffman, "Ray tracing deterministic 3-D fractals", 1989). The derivative is that at the point alone, so
-the estimate may exceed the distance and jump. Here it is one of all points around, which makes it a proven bound with
-slope 1; near the surface it is 0.2 (Mandelbox) to 0.75 times (Mandelbulb) as large as those estimates.
+the estimate may exceed the distance and jump. Here it is a bound of those at all points around, and the quotient a
+proven bound with slope 1: near the surface, 0.2 times (Mandelbox) to 0.75 times (Mandelbulb) the estimate.
 
 **Reach.** Let each ball of radius ρ < 1/t around x be taken by a map f into the ball of radius E(ρ) = s ρ / (1 − t ρ)
-around f(x), with s and t that depend on x. Let d be the signed distance to some surface, or any bound of it with slope 1,
-where f(x) is. Then |d| / (s + t |d|), which solves E(ρ) = |d|, bounds the distance of x from the preimage of the
-surface. It has slope 1 too if, for h = |x − y|, (1) E_y(ρ − h) ≤ E_x(ρ) − E_x(h), because d at y is at least d − E_x(h).
-For (1) it is enough that t_y ≤ t_x / (1 − t_x h) and s_y ≤ s_x / (1 − t_x h)². In terms of derivatives:
+around f(x), with s and t that depend on x. Let d be the signed distance of f(x) to some surface, or a bound of it with
+slope 1. Then |d| / (s + t |d|), which solves E(ρ) = |d|, bounds the distance of x from the preimage of the surface. It
+has slope 1 too if, with h = |x − y|,
 
-    s ≥ |Df|,   |∇ ln s| ≤ 2t,   |∇ (1/t)| ≤ 1.
+    E_y(ρ − h) ≤ E_x(ρ) − E_x(h),                                        (1)
 
-Two maps in sequence have slope s₁ s₂ and bend t₁ + s₁ t₂, which inherit (1). Adding x itself to f(x), as Mandelbrot's sets
-do, adds ρ to E; (1) still holds, and holds for s + 1 and t, whose E is greater: with t_y ≤ t_x / (1 − t_x h),
+because d is at least d − E_x(h) at y. For (1) it is enough that t_y ≤ t_x / (1 − t_x h) and s_y ≤ s_x / (1 − t_x h)²:
+
+    s ≥ |Df|,   |∇ ln s| ≤ 2t,   |∇ (1/t)| ≤ 1.                          (2)
+
+Two maps in sequence have slope s₁ s₂ and bend t₁ + s₁ t₂, which inherit (1). Adding x itself to f(x), as Mandelbrot's
+sets do, adds ρ to E and leaves (1) as it is. So does the greater E that has s + 1 for s: where t_y ≤ t_x / (1 − t_x h),
 (ρ − h) / (1 − t_y (ρ − h)) ≤ ρ / (1 − t_x ρ) − h / (1 − t_x h).
 """
 
@@ -25,8 +28,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
-
-import numpy as np
 
 from ..formula import Formula, Vector, atan2, constant, cos, iterate, length, maximum, minimum, power, sin
 from . import support
@@ -57,8 +58,8 @@ START = Reach(constant(1.0), constant(0.0))
 
 def rounds(default: float):
     """Dataclass field of the length of orbits."""
-    return number(default, "Number of times the map is applied: more of them show finer detail", unit="NONE", minimum=1.0,
-                  maximum=MOST_ROUNDS, soft_maximum=12.0, whole=True)
+    return number(default, "Number of times the map is applied: more of them show finer detail", unit="NONE",
+                  minimum=1.0, maximum=MOST_ROUNDS, soft_maximum=12.0, whole=True)
 
 
 class Orbital(Shape, abstract=True):
@@ -84,11 +85,11 @@ class Orbital(Shape, abstract=True):
 
 @dataclass(frozen=True)
 class Mandelbulb(Orbital):
-    """The points that z → zⁿ + p never takes far away from the origin, with powers taken in spherical coordinates.
+    """The points p that z → zⁿ + p never takes far away, with powers taken in spherical coordinates.
 
     A power multiplies the angles from the z axis and around it, and raises the length (D. White and P. Nylander, 2009).
-    Whole powers have proven bounds. Others tear space along a half plane (y = 0, x < 0), where there can be none and rays
-    may miss light: of pairs of points, some with a distance of 1e-6 and some of 0.1, 1 in 20,000 are torn apart.
+    Whole powers have proven bounds. Others tear space along a half plane (y = 0, x < 0), where there can be none and
+    rays may miss light: of pairs of points, some with a distance of 1e-6 and some of 0.1, 1 in 20,000 are torn apart.
     """
 
     radius: float = number(0.5, "Radius of the ball that the shape just fits into")
@@ -111,8 +112,9 @@ class Mandelbulb(Orbital):
         n, escape = self.power, slot(self._reach())
         exponent, floor, lowest = slot(n), 0.5, slot(0.5**n)
         beyond = escape * 2.0  # later rounds do not make the bound of what is so far out any greater
-        # With r = |z| and a = |(z.x, z.y)|, the derivative of zⁿ is at most s = n rⁿ⁻¹ min(n, r / a): around the axis
-        # the length a = r sin θ becomes rⁿ |sin nθ|. |∇ ln s|² = n (n − 2) / r² + 1 / a² ≤ 4 max(c / (2 r), 1 / a)².
+        # With r = |z| and a = |(z.x, z.y)|, the derivative of zⁿ is at most s = n rⁿ⁻¹ min(n, r / a): circles around
+        # the axis are stretched most, from a = r sin θ to rⁿ |sin nθ|. |∇ ln s|² is n (n − 2) / r² + 1 / a² at most, so
+        # less than 4 max(c / r, 1 / a)² with the c below. Near the origin r is held above a floor, for 1 / r.
         least_bend = slot(0.5 * max(n - 1.0, math.sqrt(4.0 / 3.0 * n * (n - 2.0))))
 
         def step(x, y, z, r, slope, bend, field):
@@ -125,8 +127,8 @@ class Mandelbulb(Orbital):
             polar, azimuth = atan2(around, z) * exponent, atan2(y, x) * exponent
             side = raised * sin(polar)
             q = Vector(side * cos(azimuth), side * sin(azimuth), raised * cos(polar)) + p
-            far = q.length()
-            return (*q, far, *reach, maximum(field, reach.pulled_back(far - escape))), r < beyond
+            further = q.length()
+            return (*q, further, *reach, maximum(field, reach.pulled_back(further - escape))), r < beyond
 
         r = p.length()
         return iterate(slot(self.rounds), (*p, r, *START, r - escape), step, MOST_ROUNDS)[-1]
@@ -137,7 +139,7 @@ _FREE = dict(unit="NONE", minimum=-2.0, maximum=2.0, soft_maximum=1.0)
 
 @dataclass(frozen=True)
 class JuliaQuaternion(Orbital):
-    """The points that q → q² + c never takes far away from the origin: a slice of the Julia set of quaternions.
+    """The points q that q → q² + c never takes far away: a slice of the Julia set of quaternions.
 
     x is the real part of q, y and z are the next two, and the last part is that of the slice.
     """
@@ -153,7 +155,7 @@ class JuliaQuaternion(Orbital):
 
     def _field(self, p, slot):
         escape, c, c_w = slot(self._reach()), slot(self.constant), slot(self.constant_w)
-        # The slope 2r changes by the factor 1 ± h / r over a length h. Held above a floor, it is less bent.
+        # With s = 2r, |∇ ln s| = 1 / r. Where r is held above a floor, t = 1 / (r + floor) is no less than half of it.
         floor = 0.4
 
         def step(x, y, z, w, r, slope, bend, field):
@@ -161,8 +163,8 @@ class JuliaQuaternion(Orbital):
             reach = Reach(slope, bend).then(far * 2.0, 1.0 / (far + floor))
             double = x * 2.0
             q = x * x - y * y - z * z - w * w + c.x, double * y + c.y, double * z + c.z, double * w + c_w
-            far = length(*q)
-            return (*q, far, *reach, maximum(field, reach.pulled_back(far - escape))), r < escape * 2.0
+            further = length(*q)
+            return (*q, further, *reach, maximum(field, reach.pulled_back(further - escape))), r < escape * 2.0
 
         w = slot(self.slice_w)
         r = length(*p, w)
@@ -181,10 +183,10 @@ def _inverted(v: Vector, radius: Formula | float, floor: Formula | float) -> tup
 
 @dataclass(frozen=True)
 class Mandelbox(Shape):
-    """The points that stay near when space is folded like a box, turned inside out at a sphere, and enlarged, over again.
+    """The points that stay near while space is folded at a box, turned inside out at a sphere, and enlarged.
 
-    z → scale · sphere(box(z)) + p. The box mirrors whatever is more than 1 from the middle along an axis; the sphere of
-    radius 1 swaps inside and outside (T. Lowe, 2010).
+    z → scale · sphere(box(z)) + p. The box, of half size 1, mirrors at its faces what is beyond them; the sphere, of
+    radius 1, takes what is inside it out (T. Lowe, 2010).
     """
 
     exactness = BOUND
