@@ -122,7 +122,8 @@ def test_areas_by_hand():
     # Pappus: the area times the way of its centre. Turned about its own line: a ball, a cone.
     assert Revolution(Circle(0.2), 0.7).volume() == pytest.approx(2.0 * math.pi**2 * 0.7 * 0.2**2, rel=1e-14)
     assert Revolution(Circle(0.2), 0.0).volume() == pytest.approx(4.0 / 3.0 * math.pi * 0.2**3, rel=1e-14)
-    assert Revolution(Polygon((0, 0), (0.5, 0), (0, 2))).volume() == pytest.approx(math.pi * 0.25 * 2.0 / 3.0, rel=1e-14)
+    cone = Revolution(Polygon((0, 0), (0.5, 0), (0, 2)))
+    assert cone.volume() == pytest.approx(math.pi * 0.25 * 2.0 / 3.0, rel=1e-14)
     assert PartialRevolution(Circle(0.2), 0.7, 1.0).volume() == pytest.approx(math.pi * 0.7 * 0.2**2, rel=1e-14)
     # The two formulas of the moment of an almond agree where one takes over from the other.
     assert Almond(0.01, 1.0000001).moment(0.0) == pytest.approx(Almond(0.01, 0.9999999).moment(0.0), rel=1e-6)
@@ -272,8 +273,8 @@ def test_the_least_boxes():
 def test_prisms_say_what_is_wrong_in_their_own_name(name):
     shape = SHAPES[name]
     assert len(shape.fields()) == len(dataclasses.fields(shape))  # numbers alone make it
-    if name in ("star_prism", "plus_prism"):
-        assert shape(**{"inner_radius" if name == "star_prism" else "half_width": 5.0}).validate().startswith(shape.label())
+    wrong = {"star_prism": "inner_radius", "plus_prism": "half_width", "crescent": "offset", "heart_prism": "width"}
+    assert shape(**{wrong[name]: 0.0 if name == "heart_prism" else 5.0}).validate().startswith(shape.label() + ":")
 
 
 @pytest.mark.parametrize("shape, problem", [
@@ -282,13 +283,13 @@ def test_prisms_say_what_is_wrong_in_their_own_name(name):
     (Extrusion(Star(3.5)), "Star: points is 3.5, but must be a whole number."),
     (Extrusion(Circle(), 0.2, 0.11), "Extrusion: rounding 0.11 is more than half of the height 0.2: make the rounding "
                                      "smaller."),
-    (Extrusion(Moon(0.5, 0.2, 0.1)), "Moon: at an offset of 0.1 the circles do not cross: make it more than 0.3 and less "
-                                     "than 0.7."),
+    (Extrusion(Moon(0.5, 0.2, 0.1)), "Moon: at an offset of 0.1 the circles do not cross: make it more than 0.3 and "
+                                     "less than 0.7."),
     (Extrusion(Polygon((0, 0), (1, 1))), f"Polygon: it has 2 points: give it at least 3 and at most {MOST_POINTS}."),
     (Extrusion(Polygon((0, 0), (1, 1), (2, 2))), "Polygon: all its points lie on one straight line: move one of them "
                                                  "aside."),
-    (Extrusion(Polygon((0, 0), (1, math.nan), (2, 2))), "Polygon: a point has a coordinate that is not a finite number: "
-                                                        "give it an ordinary one."),
+    (Extrusion(Polygon((0, 0), (1, math.nan), (2, 2))), "Polygon: a point has a coordinate that is not a finite "
+                                                        "number: give it an ordinary one."),
     (Revolution(Polygon((-2, 0), (-1, 0), (-1, 1)), 0.5), "Revolution: the whole profile is beyond the axis: make the "
                                                           "offset more than 0.5 larger."),
     (Revolution(Ellipse(0.0)), "Ellipse: radius x is 0, but must be at least 1e-06.")])

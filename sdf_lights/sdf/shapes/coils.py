@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wires and bands that wind around the z axis: coils, knots, twisted rings.
 
-The nearest point of such a curve has no closed form. But the half plane through the axis and a given point cuts the curve
-in a few points that are known, and in that half plane the field is made. It is a bound of the distance: its slope is
-that within the half plane and, at right angles to it, what the cut points move by as the half plane turns, over the
-distance ρ from the axis. Each class says how steep that gets, and divides by it.
+The nearest point of such a curve has no closed form. But the half plane through the axis and a given point cuts the
+curve in a few points that are known, and in that half plane the field is made. It is a bound of the distance: its
+slope is that within the half plane and, at right angles to it, what the cut points move by as the half plane turns,
+over the distance ρ from the axis. Each class says how steep that gets, and divides by it.
 
-A wire that leaves the half plane at a slant is cut in an ellipse. So that it is round across, offsets from the cut point
-(d, in the half plane) are measured without their part along the wire, of direction τ: |d|² − (d · τ)².
+A wire that leaves the half plane at a slant is cut in an ellipse. So that it is round across, offsets from the cut
+point (d, in the half plane) are measured without their part along the wire, of direction τ: |d|² − (d · τ)².
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ _STEEPEST = 0.99  # sine of the slope of a wire
 def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axes: tuple) -> np.ndarray:
     """Support of all sections of a solid by half planes through the z axis, when some of them are given.
 
-    The sections at the ``angles`` (m,) are ellipses with this center and these two semi-axes, or points without axes; of
-    each the part away from the axis and that along z are given, (m,) or numbers.
+    The sections at the ``angles`` (m,) are ellipses with this center and these two semi-axes, or points without axes;
+    of each the part away from the axis and that along z are given, (m,) or numbers.
     """
     radial = directions[:, 0, None] * np.cos(angles) + directions[:, 1, None] * np.sin(angles)
 
@@ -55,16 +55,16 @@ def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axe
 class _Coil(Primitive, abstract=True):
     """A wire along a curve whose distance from the axis and height grow steadily with the angle.
 
-    With s, what both together grow by in a radian, and the mean distance from the axis R, the wire's direction has the
-    part ν = s/N along this growth and μ = R/N around the axis, N = √(R² + s²). Offsets along the growth are measured
-    √(1 − ν²) = μ times as long as those across: see the module. In the half plane that gives the slope 1, and with its
-    turning √(x² + μ² y² (1 + s²/ρ²)) for a unit vector (x, y), at most max(1, μ √(1 + s²/ρ²)). Nearer to the axis than half
-    of the way to the wire the field is held constant, so this ρ decides.
+    With s, what both together grow by in a radian, and the mean distance from the axis R, the wire's direction has
+    the part ν = s/N along this growth and μ = R/N around the axis, N = √(R² + s²). Offsets along the growth are
+    measured √(1 − ν²) = μ times as long as those across: see the module. In the half plane that gives the slope 1,
+    and with its turning √(x² + μ² y² (1 + s²/ρ²)) for a unit vector (x, y), at most max(1, μ √(1 + s²/ρ²)). Nearer to
+    the axis than half of the way to the wire the field is held constant, so this ρ decides.
 
     Beyond an end, offsets d from it are measured as √(|d|² − (d·τ)² + (d·e)²), with τ the wire's direction and e that
-    around the axis. In the end's half plane, where d·e = 0, that is the same as for the wire, so the field is continuous;
-    and the end, an ellipsoid, does not bulge. The eigenvalues under the root are 1 − ν, 1 and 1 + ν, so its slope is at most
-    √(1 + ν).
+    around the axis. In the end's half plane, where d·e = 0, that is the same as for the wire, so the field is
+    continuous; and the end, an ellipsoid, does not bulge. The eigenvalues under the root are 1 − ν, 1 and 1 + ν, so
+    its slope is at most √(1 + ν).
     """
 
     exactness = BOUND
@@ -225,23 +225,24 @@ class TorusKnot(Primitive):
     """A closed wire on a torus around the z axis: a knot, or a chain where the two numbers of turns have a divisor.
 
     The wire is round to first order. With R, r and w the radii, in the half plane a point has the distance s from the
-    middle of the torus and the angle δ around it from the nearest cut of the wire. With k = q r / p for p turns around the
-    axis and q around the tube, the wire's slant is k/ρ, so along the circle offsets count √λ, λ = 1 / (1 + k²/ρ²), where ρ
-    is taken as at least R − r:
+    middle of the torus and the angle δ around it from the nearest cut of the wire. With k = q r / p for p turns
+    around the axis and q around the tube, the wire's slant is k/ρ, so along the circle offsets count √λ, λ = 1 / (1 +
+    k²/ρ²), where ρ is taken as at least R − r:
 
         g = √((s − r)² + λ m²),  m = min(s, r) δ
 
-    For the unit vector (x, y) of the two parts, |∇g|² ≤ x² + y² where s ≥ r, for the change of m is at most 1 in the half
-    plane and k/ρ at right angles to it. Elsewhere it is at most (x + √λ δ y)² + y². Where g is less than a constant G < r,
-    √λ δ ≤ η = G / √(r² − G²), which makes that at most ((η + √(η² + 4)) / 2)². The change of λ adds no more than
-    g k² / (ρ (ρ² + k²)). Nearer to the axis than R − r the field is multiplied by ρ / (R − r), which makes up for the 1/ρ
-    and adds the field's size over R − r. Nowhere is g let grow beyond G.
+    For the unit vector (x, y) of the two parts, |∇g|² ≤ x² + y² where s ≥ r, for the change of m is at most 1 in the
+    half plane and k/ρ at right angles to it. Elsewhere it is at most (x + √λ δ y)² + y². Where g is less than a
+    constant G < r, √λ δ ≤ η = G / √(r² − G²), which makes that at most ((η + √(η² + 4)) / 2)². The change of λ adds
+    no more than g k² / (ρ (ρ² + k²)). Nearer to the axis than R − r the field is multiplied by ρ / (R − r), which
+    makes up for the 1/ρ and adds the field's size over R − r. Nowhere is g let grow beyond G.
     """
 
     exactness = BOUND
 
     major_radius: float = number(0.4, "Distance from the axis to the middle of the torus")
-    radius: float = number(0.15, "Distance from the middle of the torus to the middle of the wire", label="Torus Radius")
+    radius: float = number(
+        0.15, "Distance from the middle of the torus to the middle of the wire", label="Torus Radius")
     minor_radius: float = number(0.05, "Radius of the wire")
     around_axis: float = number(2.0, "Turns around the axis", unit="NONE", minimum=1.0, maximum=20.0, soft_maximum=7.0,
                                 whole=True)
@@ -281,8 +282,8 @@ class TorusKnot(Primitive):
 
     def relation(self) -> str:
         if self.radius + self.minor_radius >= self.major_radius:
-            return ("Torus Knot: the wire reaches the axis: make the major radius larger, or the torus radius or the minor "
-                    "radius smaller.")
+            return ("Torus Knot: the wire reaches the axis: make the major radius larger, or the torus radius or the "
+                    "minor radius smaller.")
         return ""
 
     def support(self, directions):
@@ -305,10 +306,10 @@ class TorusKnot(Primitive):
 class MobiusBand(Primitive):
     """A band around the z axis that is twisted on its way: for one half turn, or any odd number, it has a single side.
 
-    In the half plane through the axis it is a rectangle, and the field is the distance to that, up to a constant. Where
-    that is less than the constant, the distance s from the middle of the rectangle is at most half of its diagonal
-    and the constant. When the half plane turns, the rectangle turns t/2 times as fast, for t half turns, and the distance
-    to it changes by at most s times the angle; so its slope is at most √(1 + (t s / 2ρ)²).
+    In the half plane through the axis it is a rectangle, and the field is the distance to that, up to a constant.
+    Where that is less than the constant, the distance s from the middle of the rectangle is at most half of its
+    diagonal and the constant. When the half plane turns, the rectangle turns t/2 times as fast, for t half turns, and
+    the distance to it changes by at most s times the angle; so its slope is at most √(1 + (t s / 2ρ)²).
     """
 
     exactness = BOUND
@@ -335,8 +336,8 @@ class MobiusBand(Primitive):
 
     def relation(self) -> str:
         if self._half_diagonal() >= self.radius:
-            return (f"Mobius Band: at a radius of {self.radius:g} the band reaches the axis: make the radius larger, or "
-                    "the width smaller.")
+            return (f"Mobius Band: at a radius of {self.radius:g} the band reaches the axis: make the radius larger, "
+                    "or the width smaller.")
         return ""
 
     def volume(self) -> float:

@@ -215,10 +215,10 @@ class Heart(Primitive):
 class Superellipsoid(Primitive):
     """A form between a double pyramid, an ellipsoid and a box, by two exponents.
 
-    An exponent of 1 gives straight lines with an edge, 2 an ellipse, more a box with round edges. The solid is the unit
-    ball of the norm N = ((|x/a|ʳ + |y/b|ʳ)^(t/r) + |z/c|ᵗ)^(1/t). A norm that is at most L |p| has the Lipschitz bound L,
-    for N(p) − N(q) ≤ N(p − q); the field is (N − 1) / L. As |p| is itself the norm for r = t = 2, and the r-norm of two
-    numbers at most max(1, 2^(1/r − 1/2)) times their 2-norm, L follows factor by factor.
+    An exponent of 1 gives straight lines with an edge, 2 an ellipse, more a box with round edges. The solid is the
+    unit ball of the norm N = ((|x/a|ʳ + |y/b|ʳ)^(t/r) + |z/c|ᵗ)^(1/t). A norm that is at most L |p| has the Lipschitz
+    bound L, for N(p) − N(q) ≤ N(p − q); the field is (N − 1) / L. As |p| is itself the norm for r = t = 2, and the
+    r-norm of two numbers at most max(1, 2^(1/r − 1/2)) times their 2-norm, L follows factor by factor.
     """
 
     exactness = BOUND

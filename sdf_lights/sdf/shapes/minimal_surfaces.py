@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sheets that follow triply periodic minimal surfaces, cut to a block.
 
-The surfaces are approximated, as is usual, by the zeros of short trigonometric polynomials F of the position in radians,
-a turn for each period: H. G. von Schnering and R. Nesper, "Nodal surfaces of Fourier series", 1991.
+The surfaces are approximated, as is usual, by the zeros of short trigonometric polynomials F of the position in
+radians, a turn for each period: H. G. von Schnering and R. Nesper, "Nodal surfaces of Fourier series", 1991.
 
-Each class states ``slope``, a bound of |∇F|, so |F| / slope is a bound of the distance to the surface. The bounds of the
-gyroid and of Schwarz P are least ones and are shown there. The others are proven by a grid: |∇F|² is a trigonometric
-polynomial of some degree n in each coordinate, so its maximum is at most that over N points a period and coordinate
-times 1 / cos³(πn/N) (M. Riesz; H. Ehlich and K. Zeller, "Schwankung von Polynomen zwischen Gitterpunkten", 1964). They
-are within 1 % of the least ones.
+Each class states ``slope``, a bound of |∇F|, so |F| / slope is a bound of the distance to the surface. The bounds of
+the gyroid and of Schwarz P are least ones and are shown there. The others are proven by a grid: |∇F|² is a
+trigonometric polynomial of some degree n in each coordinate, so its maximum is at most that over N points a period
+and coordinate times 1 / cos³(πn/N) (M. Riesz; H. Ehlich and K. Zeller, "Schwankung von Polynomen zwischen
+Gitterpunkten", 1964). They are within 1 % of the least ones.
 """
 
 from __future__ import annotations

@@ -108,7 +108,8 @@ def _signed_area(corners: np.ndarray) -> float:
 def _turns(corners: np.ndarray) -> np.ndarray:
     """Sine of the turn at each corner, times the lengths of its two edges; and those lengths."""
     before, after = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
-    return before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    lengths = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    return before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], lengths
 
 
 def _without_straight_corners(corners: np.ndarray) -> np.ndarray:
@@ -141,12 +142,12 @@ def _hull(corners: np.ndarray) -> list[int]:
 
 def _hull_without_pockets(around: np.ndarray, beside: Callable, corners: np.ndarray,
                           closed: bool = True) -> np.ndarray | None:
-    """Program of what a counter-clockwise outline bounds, as its convex hull without what lies between, and so on inwards.
+    """Program of what a counter-clockwise outline bounds: its convex hull without what lies between, and so on inwards.
 
-    Tor and Middleditch, "Convex Decomposition of Simple Polygons", 1984. ``around`` is a program of more than the whole;
-    ``beside(a, b)`` one of what is left of the edge from a to b, and True, or of what is right of it, and False (None
-    for nothing). Where it is not ``closed``, the edge from the last corner to the first is left out: the outline is of
-    a pocket, which is cut out of what ends there anyway.
+    Tor and Middleditch, "Convex Decomposition of Simple Polygons", 1984. ``around`` is a program of more than the
+    whole; ``beside(a, b)`` one of what is left of the edge from a to b, and True, or of what is right of it, and
+    False (None for nothing). Where it is not ``closed``, the edge from the last corner to the first is left out: the
+    outline is of a pocket, which is cut out of what ends there anyway.
     """
     hull = _hull(corners)
     inside, outside = [around], []
@@ -306,8 +307,9 @@ class Polygon(Polygonal):
         corners = [(slot(x), slot(y)) for x, y in self.points]
         # Whether the corner is at or below the point, as ±1.
         below = [select(y <= p.y, 1.0, -1.0) for _, y in corners]
+        starts = list(zip(corners, below))
         squares, signs = [], []
-        for (a, a_below), (b, b_below) in zip(zip(corners, below), zip(corners[1:] + corners[:1], below[1:] + below[:1])):
+        for (a, a_below), (b, b_below) in zip(starts, starts[1:] + starts[:1]):
             u, v = b[0] - a[0], b[1] - a[1]
             x, y = p.x - a[0], p.y - a[1]
             way = clamp((x * u + y * v) / maximum(u * u + v * v, _SHORTEST), 0.0, 1.0)

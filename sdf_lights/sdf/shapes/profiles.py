@@ -65,7 +65,7 @@ class Profile(Parametric):
         raise program.NoClosedForm(f"An extruded {self.label().lower()} has no closed form for its ray intervals.")
 
     def revolved_program(self, matrix: np.ndarray | None, offset: float) -> np.ndarray:
-        """As ``extruded_program``, of the solid of revolution: x is the distance to the axis less ``offset``, y is z."""
+        """As ``extruded_program``, of the solid of revolution: x + offset is the distance from the axis, y is z."""
         raise program.NoClosedForm(f"A revolved {self.label().lower()} has no closed form for its ray intervals.")
 
     def least_x(self) -> float:
@@ -166,7 +166,8 @@ class Ring(Profile):
 class Ellipse(Profile):
     """A disk stretched along x and y.
 
-    The field is that of the unit circle in the stretched plane times the lesser radius, which never exceeds the distance.
+    The field is that of the unit circle in the stretched plane times the lesser radius, which never exceeds the
+    distance.
     """
 
     exactness = BOUND
@@ -221,8 +222,8 @@ class Almond(Profile):
 
     def relation(self) -> str:
         if self.half_width > self.half_height:
-            return (f"Almond: half width {self.half_width:g} is more than the half height {self.half_height:g}: make it "
-                    "smaller, or exchange the two and turn the profile.")
+            return (f"Almond: half width {self.half_width:g} is more than the half height {self.half_height:g}: make "
+                    "it smaller, or exchange the two and turn the profile.")
         return ""
 
     def support(self, directions):

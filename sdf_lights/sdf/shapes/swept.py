@@ -39,7 +39,7 @@ class Swept(Shape, abstract=True):
         return self.profile.size
 
     def support(self, directions: np.ndarray) -> np.ndarray:
-        """Greatest d · x of the points x of the shape, (n,), for directions d (n, 3) of any length; or a little more."""
+        """Greatest d · x of the points x of the shape, (n,), for directions d (n, 3) of any length; or a bit more."""
         raise NotImplementedError
 
     def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -62,7 +62,8 @@ class Extrusion(Swept):
 
     @property
     def exactness(self) -> str:
-        # Where the edge of the profile turns outwards, rounded edges meet in a crease, which the field does not know of.
+        # Where the edge of the profile turns outwards, rounded edges meet in a crease, which the field does not know
+        # of.
         return self.profile.exactness if self.rounding == 0.0 else BOUND
 
     def build(self, p: Vector, slot: Slots) -> Formula:
@@ -100,8 +101,9 @@ def _beyond_axis(shape: "Revolution | PartialRevolution") -> str:
 class Revolution(Swept):
     """A profile turned about the z axis all the way round.
 
-    The profile's y is the solid's z, and its x is the distance from the axis less the offset. What is beyond the axis is
-    left out; the distance is exact if that of the profile is and nothing is left out but a mirror image of the rest.
+    The profile's y is the solid's z, and its x is the distance from the axis less the offset. What is beyond the axis
+    is left out; the distance is exact if that of the profile is and nothing is left out but a mirror image of the
+    rest.
     """
 
     profile: Profile = part("What a half plane through the axis shows", "profile")
@@ -171,7 +173,8 @@ class PartialRevolution(Swept):
         return self.profile.support(np.stack([across, along], axis=1)) + self.offset * across
 
     def program(self, matrix=None):
-        return combine(Op.INTERSECTION, [self.profile.revolved_program(matrix, self.offset), sector(matrix, self.angle)])
+        around = self.profile.revolved_program(matrix, self.offset)
+        return combine(Op.INTERSECTION, [around, sector(matrix, self.angle)])
 
 
 # -- extrusions that numbers alone make -------------------------------------------------------------------------------

@@ -70,8 +70,8 @@ class Horseshoe(Primitive):
 
     def relation(self) -> str:
         if self.minor_radius > self.radius:
-            return (f"Horseshoe: minor radius {self.minor_radius:g} is more than the radius {self.radius:g}, so the tube "
-                    "overlaps itself: make the minor radius smaller.")
+            return (f"Horseshoe: minor radius {self.minor_radius:g} is more than the radius {self.radius:g}, so the "
+                    "tube overlaps itself: make the minor radius smaller.")
         if min(end[0] for end in self._leg()) < self.minor_radius and self.angle > math.pi:
             return ("Horseshoe: its ends run into each other: make the angle, the straight parts or the minor radius "
                     "smaller.")
@@ -90,12 +90,12 @@ class Horseshoe(Primitive):
     def program(self, matrix=None):
         start, end = self._leg()
         mirror = np.array([-1.0, 1.0])
-        parts = [_rod(matrix, start, end, self.minor_radius), _rod(matrix, mirror * start, mirror * end, self.minor_radius)]
+        legs = [_rod(matrix, side * start, side * end, self.minor_radius) for side in (1.0, mirror)]
         ring = primitive(Op.TORUS, placed(matrix), (self.radius, self.minor_radius))
         if self.angle < 2.0 * math.pi:
             upwards = np.eye(4)[:, [1, 0, 2, 3]] @ np.diag([1.0, 1.0, -1.0, 1.0])  # x to y
             ring = combine(Op.INTERSECTION, [ring, sector(placed(matrix) @ upwards, self.angle)])
-        return combine(Op.UNION, [ring, *parts])
+        return combine(Op.UNION, [ring, *legs])
 
 
 @dataclass(frozen=True)
@@ -190,8 +190,8 @@ class BezierTube(Primitive):
         """The squared distance has its least value where it ceases to fall, at a root of its derivative f, a cubic.
 
         The second derivative of f changes sign at the vertex of the curve, from where f is convex; up to there it is
-        concave. So on each of the two parts there is at most one such root. It is bracketed by halving, and the method of
-        Newton then approaches it from one side.
+        concave. So on each of the two parts there is at most one such root. It is bracketed by halving, and the
+        method of Newton then approaches it from one side.
         """
         a, b, vertex = self._coefficients()
         start, a_, b_ = p - slot(self.start), slot(tuple(a.tolist())), slot(tuple(b.tolist()))
@@ -208,8 +208,8 @@ class BezierTube(Primitive):
             for _ in range(self._halvings):
                 middle = (low + high) * 0.5
                 value, slope = cubic(middle)
-                # Whether the root is before the middle. Beyond a root of this kind a convex f is positive and rises, and
-                # before one a concave f is negative and rises.
+                # Whether the root is before the middle. Beyond a root of this kind a convex f is positive and rises,
+                # and before one a concave f is negative and rises.
                 before = minimum(value, slope) > 0.0 if convex else minimum(-value, slope) <= 0.0
                 low, high = select(before, low, middle), select(before, middle, high)
             t = high if convex else low
