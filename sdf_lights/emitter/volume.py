@@ -3,7 +3,8 @@
 """Volume of a shape from its interior tree: full boxes exactly, jittered points where the surface is.
 
 The leaves on the boundary are divided further, without being kept. Parts that turn out to be empty or full count
-exactly; what is left is sampled, one point in each eighth of each part. The error falls in proportion to the number of
+exactly; what is left is sampled, one point in each eighth of each part, until all parts are of about the same size. The
+error falls in proportion to the number of
 evaluations, where that of jittered points in the whole bounding box falls with its 2/3rd power, since nothing is
 spent where the surface is not.
 
@@ -26,9 +27,12 @@ from .membership import classify, contains
 
 SAFETY = 4.0  # standard errors that the stated bound is made of
 ACCURACY = 2e-4  # relative bound on the error at which it is good enough
-BUDGET = 3e7  # rough ns that the last of the divisions may take
-PROGRAM_COST = 200.0  # rough ns for each instruction of a list, for LANES boxes
-MOST_DIVISIONS = 8  # of each leaf
+BUDGET = 3e7  # rough ns that the last of the divisions may take …
+POOR, LARGER = 2e-3, 8.0  # … or so many times more, while the relative bound is worse than this
+PROGRAM_COST = 400.0  # rough ns for each instruction of a list, for LANES boxes
+FINER = 8.0  # ratio of the volumes of parts, from one round to the next; the work on a surface grows with its 2/3rd power
+MOST_DIVISIONS = 16  # of each leaf
+SEED = 1
 
 
 @dataclass(frozen=True)
@@ -89,32 +93,30 @@ def _sample_parts(program, terms, parameters, lists, node, cell, half, state, st
 
 
 @kernel
-def sample(program, terms, parameters, nodes, lists, boxes, leaves, divisions):
-    """Divide every leaf of ``leaves`` ``divisions`` times, and sample what is then still on the boundary.
+def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, seed):
+    """Divide every leaf of ``leaves`` into parts of the volume ``coarsest`` at most, and sample what is still unsure.
 
     Returns the volume that is certainly inside, the volume of what was sampled, the estimate of its part inside, the
     variance of that, and how many times the list of each leaf was evaluated.
     """
     stack = stack_array(STACK)
-    pending = np.empty((LANES * (divisions + 1), 7))
+    pending = np.empty((LANES * MOST_DIVISIONS, 6))
     states = np.empty(LANES, np.int64)
-    random = np.uint64(1)
+    random = np.uint64(seed)
     full, unsure, inside, variance = 0.0, 0.0, 0.0, 0.0
     calls = np.zeros(len(leaves))
     for index in range(len(leaves)):
         node, box = nodes[leaves[index]], boxes[leaves[index]]
         for k in range(3):
             pending[0, k], pending[0, 3 + k] = 0.5 * (box[k] + box[3 + k]), 0.5 * (box[3 + k] - box[k])
-        pending[0, 6] = 0.0
         top = 1
         while top > 0:
             top -= 1
             cell = (pending[top, 0], pending[top, 1], pending[top, 2])
             half = (pending[top, 3], pending[top, 4], pending[top, 5])
-            level = pending[top, 6]
             volume = half[0] * half[1] * half[2]  # of an eighth
             calls[index] += 1.0
-            if level == divisions:
+            if LANES * volume <= coarsest or top + LANES > len(pending):
                 random = _sample_parts(program, terms, parameters, lists, node, cell, half, random, stack, states)
                 unsure += LANES * volume
                 for lane in range(LANES):
@@ -130,7 +132,6 @@ def sample(program, terms, parameters, nodes, lists, boxes, leaves, divisions):
                     for k in range(3):
                         pending[top, k] = cell[k] + 0.5 * _corner(lane, k) * half[k]
                         pending[top, 3 + k] = 0.5 * half[k]
-                    pending[top, 6] = level + 1.0
                     top += 1
     return full, unsure, inside, variance, calls
 
@@ -144,13 +145,15 @@ def measure(tree: Tree) -> Volume:
         return Volume(certain, 0.0, certain, certain)
     terms, parameters = tree.arrays
     costs = _costs(tree, leaves)
-    for divisions in range(MOST_DIVISIONS + 1):
+    coarsest = sizes[leaves].max()
+    while True:
         full, unsure, inside, variance, calls = sample(
-            tree.program, terms, parameters, tree.nodes, tree.lists, tree.boxes, leaves, divisions)
+            tree.program, terms, parameters, tree.nodes, tree.lists, tree.boxes, leaves, coarsest, SEED)
         value, error = certain + full + inside, SAFETY * math.sqrt(variance)
-        # A surface has four times as many parts of half the size.
-        if error <= ACCURACY * value or 4.0 * float(calls @ costs) > BUDGET:
+        budget = BUDGET if error <= POOR * value else LARGER * BUDGET
+        if error <= ACCURACY * value or FINER ** (2.0 / 3.0) * float(calls @ costs) > budget:
             break
+        coarsest /= FINER
     return Volume(value, error, certain + full, certain + full + unsure)
 
 
