@@ -248,7 +248,7 @@ def test_the_gasket_is_the_packing_of_soddy():
 
 
 @pytest.mark.parametrize("shape, least", [
-    (Mandelbulb(), 0.3), (Mandelbulb(power=3), 0.2), (JuliaQuaternion(), 0.4), (Mandelbox(), 0.025),
+    (Mandelbulb(), 0.3), (Mandelbulb(power=3), 0.2), (JuliaQuaternion(), 0.4), (Mandelbox(), 0.08),
     (ApollonianGasket(), 0.5), (MengerSponge(), 0.6), (Kifs(), 0.7)])
 def test_proven_bounds_are_not_idle(shape, least):
     """Median of the field over the distance to the nearest of many points inside, which is a little farther."""

@@ -192,12 +192,12 @@ class Mandelbox(Shape):
     exactness = BOUND
 
     half_size: float = number(0.5, "Half of the size along x, y and z")
-    scale: float = number(-2.0, "Enlargement of each round; may be negative", unit="NONE", minimum=-10.0, maximum=10.0,
+    scale: float = number(3.0, "Enlargement of each round; may be negative", unit="NONE", minimum=-10.0, maximum=10.0,
                           soft_maximum=4.0)
     inner_radius: float = number(
         0.5, "Distance from the centre of the sphere below which space is only enlarged", unit="NONE", minimum=0.05,
         maximum=1.0, soft_maximum=1.0)
-    rounds: float = rounds(8.0)
+    rounds: float = rounds(4.0)
 
     def relation(self) -> str:
         if abs(self.scale) < 1.1:
