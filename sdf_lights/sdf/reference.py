@@ -13,7 +13,8 @@ import sys
 
 from .catalogue import grouped
 from .examples import examples
-from .expression import LIMITS, MOST_PRIMITIVES
+from .declarations import LIMITS
+from .evaluation import MOST_PRIMITIVES
 from .formula import LONGEST_LOOP
 from .functions import CONSTANTS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
 from .shapes import SHAPES, Parameter

@@ -15,10 +15,8 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
-
 from . import formula
-from .formula import CONDITIONS, CONSTANT, OPERATIONS, Formula
+from .formula import CONSTANT, OPERATIONS, Formula
 from .shapes.base import Parametric, Slots
 from .shapes.profiles import Profile
 
@@ -216,7 +214,9 @@ def choose(slots: Work, condition: Condition, then, otherwise):
         return then if truth > 0.5 else otherwise
     if type(truth) is float:
         return then if truth > 0.5 else otherwise
-    if isinstance(then, Condition) and isinstance(otherwise, Condition):
+    if isinstance(then, Condition) != isinstance(otherwise, Condition):
+        raise Misuse(f"one side is a {kind_of(then)}, the other a {kind_of(otherwise)}", "make both sides of one kind")
+    if isinstance(then, Condition):
         one, other = (choose(slots, c, 1.0, 0.0) for c in (then, otherwise))
         chosen = choose(slots, condition, one, other)
         return Condition(chosen if isinstance(chosen, float) else formula.apply("less", 0.5, chosen))

@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import expression, syntax
+from sdf_lights.sdf import evaluation, syntax
 from sdf_lights.sdf.expression import Declaration, Expression, ExpressionError, evaluate
 from sdf_lights.sdf.functions import FUNCTIONS
 from sdf_lights.sdf.reference import reference_page
@@ -295,8 +295,8 @@ def test_attacks_do_not_overflow_the_small_stack_of_a_thread():
 
 
 def test_the_largest_expressions_that_are_allowed():
-    wide = "s = sphere()\nunion(" + ", ".join("s" * expression.MOST_PRIMITIVES) + ")"
-    assert evaluate(wide).size == expression.MOST_PRIMITIVES
+    wide = "s = sphere()\nunion(" + ", ".join("s" * evaluation.MOST_PRIMITIVES) + ")"
+    assert evaluate(wide).size == evaluation.MOST_PRIMITIVES
     assert evaluate("|".join(["sphere()"] * (syntax.MOST_OPERATORS + 1))).size == syntax.MOST_OPERATORS + 1
     half = syntax.DEEPEST // 2
     deep = "sphere(" + "(" * (syntax.DEEPEST - 1) + "1" + ")" * syntax.DEEPEST

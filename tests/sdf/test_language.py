@@ -10,7 +10,8 @@ import pytest
 
 from sdf_lights.sdf import formula, read_numpy
 from sdf_lights.sdf.examples import examples
-from sdf_lights.sdf.expression import DECLARATIONS, Declaration, Expression, ExpressionError, evaluate
+from sdf_lights.sdf.declarations import USAGE
+from sdf_lights.sdf.expression import Declaration, Expression, ExpressionError, evaluate
 from sdf_lights.sdf.functions import FUNCTIONS, MATHEMATICS, POINTS
 from sdf_lights.sdf.shapes import SHAPES, Box, Difference, Field, Intersection, Sphere, Torus, Union
 from sdf_lights.sdf.shapes.base import Slots
@@ -73,6 +74,10 @@ def test_words_mean_the_same_for_numbers_and_for_fields(name):
         if argument.kind == "condition":
             plain.append(less(0.2, 0.3))
             fields.append(less(formula.POINT.x, 0.3))
+            continue
+        if argument.kind == "number":
+            plain.append(3.0)
+            fields.append(3.0)
             continue
         value = np.multiply(given[argument.kind], 1.0 - 0.2 * index)
         plain.append(tuple(value.tolist()) if value.ndim else float(value))
@@ -298,6 +303,7 @@ MISTAKES = [
     ("length(p) > 1 > 0", 1, 1, "comparison is not part", "and"),
     ("p > 1", 1, 1, "a vector cannot be compared", "numbers"),
     ("p.x == 1", 1, 1, "comparison is not part", "<="), ("p.x != 1", 1, 5, "means nothing", "not"),
+    ("select(p.x > 0, p.y > 0, 1)", 1, 1, "one side is a condition, the other a number", "one kind"),
     ("select(1, 2, 3)", 1, 1, "must be a condition", "select("),
     ("if p.x:\n  a = 1\nsphere(1)", 1, 4, "not a condition", "compare"),
     ("p.xy + p", 1, 1, "vectors of two and of three", "p.xy or p"),
@@ -327,7 +333,7 @@ MISTAKES = [
     ("a = toggle(1)\nsphere(1)", 1, 5, "True or False", "toggle(True)"),
     ("a = integer(1.5, 0, 3)\nsphere(a)", 1, 5, "whole numbers", "integer("),
     ("a = vector((1, 2))\nsphere(1)", 1, 5, "takes a vector", "vector(("),
-    ("a = vector((1, 2, 30))\nsphere(1)", 1, 5, "not between -10 and 10", "vector(("),
+    ("a = vector((1, 2, 30))\nsphere(1)", 1, 5, "the default 30 is not between -10 and 10", "vector(("),
     (f"{'a' * 41} = slider(1, 0, 2)\nsphere(1)", 1, 45, "too long", "40"),
     ("prism(5.5)", 1, 1, "must be a whole number", "change"),
     ("|".join(f"(length(p) - {i + 1})" for i in range(17)), 1, 1, "too many parts that are fields", "min and max"),
@@ -396,7 +402,7 @@ def test_examples(name):
 def test_there_is_an_example_of_every_kind_of_thing():
     texts = [example.text for example in examples().values()]
     assert len(texts) >= 16
-    features = [*DECLARATIONS, "for ", "if ", "break", "field(", "p.", " & ", " | ", "noise(", "repeat(", "polar(",
+    features = [*USAGE, "for ", "if ", "break", "field(", "p.", " & ", " | ", "noise(", "repeat(", "polar(",
                 "fold(", "polygon(", "extrusion(", "smooth_union(", "polar_repetition("]
     for feature in features:
         assert any(feature in text for text in texts), feature
