@@ -43,7 +43,7 @@ RESOLUTION = 1e-7  # zeros closer to each other, relative to the lamp's size, ma
 PRECISION = 1e-12  # of a zero, relative to the lamp's size
 ENOUGH = 0.01  # of the precision that the last step in a bracket, which is not checked, may be expected to miss
 STEEP = 0.1  # part of its greatest rate at which a field between two values is taken for a straight line
-PATIENCE = 32  # rounds, and eight more for each entry at the start, before the tolerance grows …
+PATIENCE = 1024  # rounds, and sixteen more for each entry at the start, before the tolerance grows …
 GROWTH = 1.25  # … by this factor a round
 LAST = 200  # rounds after which what is left is counted as it is
 
@@ -246,7 +246,7 @@ def cover(block, row, first, count, o, d, pending, used, tolerance, precision, s
             pending[place + AT_END], pending[place + FALL], pending[place + RISE], tolerance, precision, spans, limit,
             found)
         unresolved += left
-    patience = PATIENCE + 8 * entries
+    patience = PATIENCE + 16 * entries
     rounds = 0
     while used > 0 and rounds < patience + LAST:
         rounds += 1

@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..jit import kernel
-from ..sdf.formula import CONDITIONS, CONSTANT, ITERATE, OPERATIONS, PARAMETER, POINT, RESULT, STATE, Formula, body
+from ..sdf.formula import (
+    CONDITIONS, CONSTANT, ITERATE, OPERATIONS, PARAMETER, POINT, RESULT, STATE, Formula, apply, body, sqrt)
 
 BOXES = 8  # that are bounded together
 SIZE = 8  # rows of a register: bounds of the value, and of each component of the gradient
@@ -93,9 +94,10 @@ class _Writer:
             return self._loop(node, operands, known)
         if node.kind == "select":
             return self.emit(f"select_{node.operands[0].kind}", *operands)
-        parts = _parts(node)
-        if parts:
+        if _parts(node):
             return self.emit("length", *operands, *[operands[0]] * (3 - len(operands)), len(operands))
+        if _rewritten(node) is not None:
+            return operands[0]
         return self.emit(node.kind, *operands)
 
     def _loop(self, node: Formula, operands: list[int], known: dict[Formula, int]) -> int:
@@ -126,7 +128,8 @@ def _inputs(node: Formula) -> tuple[Formula, ...]:
         return (*node.operands[0].operands, *node.operands[1:])
     if node.kind == ITERATE:
         return tuple(operand for operand in node.operands if operand.kind not in CONDITIONS)
-    return _parts(node) or node.operands
+    rewritten = _rewritten(node)
+    return _parts(node) or (node.operands if rewritten is None else (rewritten,))
 
 
 def _parts(node: Formula) -> tuple[Formula, ...]:
@@ -143,6 +146,18 @@ def _parts(node: Formula) -> tuple[Formula, ...]:
         else:
             return ()
     return tuple(parts) if 2 <= len(parts) <= 3 else ()
+
+
+def _rewritten(node: Formula) -> Formula | None:
+    """The root of a square, or of the least or greatest of several, without the pole that roots have at 0."""
+    if node.kind != "sqrt":
+        return None
+    square = node.operands[0]
+    if square.kind == "multiply" and square.operands[0] is square.operands[1]:
+        return abs(square.operands[0])
+    if square.kind in ("minimum", "maximum"):
+        return apply(square.kind, *(sqrt(operand) for operand in square.operands))
+    return None
 
 
 def tape(formula: Formula) -> Tape:
