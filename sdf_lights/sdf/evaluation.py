@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The walk over the syntax tree of an expression, by which it becomes a shape.
 
-Only a whitelist of the tree is walked: nothing is evaluated as Python. Every step of the walk counts, those of a loop as
-often as it runs, and there is a most; shapes have a greatest size. So an expression cannot ask for more than a
+Only a whitelist of the tree is walked: nothing is evaluated as Python. Every step of the walk counts, those of a loop
+as often as it runs, and there is a most; shapes have a greatest size. So an expression cannot ask for more than a
 moment's work.
 """
 

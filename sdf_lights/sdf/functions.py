@@ -54,8 +54,8 @@ class Function(NamedTuple):
     """A word of the language.
 
     ``call(slots, …)`` gets the slots of the expression and one value for each argument. ``variadic``: the first
-    argument may be given any number of times. ``cost`` is about how many operations it makes of a field, or of each component.
-    ``other`` is the word for what is not a shape, where the name serves for both.
+    argument may be given any number of times. ``cost`` is about how many operations it makes of a field, or of each
+    component. ``other`` is the word for what is not a shape, where the name serves for both.
     """
 
     name: str
@@ -218,6 +218,16 @@ def spread_word(name: str, function: Callable, description: str, *arguments: str
         variadic, cost=cost))
 
 
+def of_shape(value: Formula, slots: Work) -> Formula:
+    """A field that becomes part of a shape. Raises ``NeedsNumber`` if it is of one round of a loop alone."""
+    nodes = formula.order(value)
+    slots.operate(len(nodes))
+    if any(node.kind == formula.STATE for node in nodes):
+        raise NeedsNumber("a shape cannot differ from round to round of a loop of fields",
+                          "combine the fields with min and max")
+    return value
+
+
 def as_shape(value, slots: Work, cut: Box | None = None) -> Shape:
     """A shape, or the one that a field is negative in, cut to a box if one is given.
 
@@ -226,10 +236,5 @@ def as_shape(value, slots: Work, cut: Box | None = None) -> Shape:
     if isinstance(value, Shape):
         return value
     if isinstance(value, Formula):
-        nodes = formula.order(value)
-        slots.operate(len(nodes))
-        if any(node.kind == formula.STATE for node in nodes):
-            raise NeedsNumber("a shape cannot differ from round to round of a loop of fields",
-                              "combine the fields with min and max")
-        return Field.of(value, slots.values, cut)
+        return Field.of(of_shape(value, slots), slots.values, cut)
     raise Misuse(f"a {kind_of(value)} is not a shape", "give it a shape, or a field that is negative inside")

@@ -95,23 +95,24 @@ spread_word("degrees", lambda a: a * (180.0 / math.pi), "Radians as degrees.", "
 spread_word("sqrt", sqrt, "Square root.", "value")
 spread_word("exp", values.exp, "e to the power of the value.", "value")
 spread_word("log", values.log, "Natural logarithm.", "value")
-spread_word("pow", values.power, "Base to the power of the exponent, also written `base ** exponent`.", "base", "exponent")
+spread_word("pow", values.power, "Base to the power of the exponent, also written `base ** exponent`.", "base",
+            "exponent")
 spread_word("abs", absolute, "The value without its sign.", "value")
 spread_word("sign", _sign, "−1, 0 or 1.", "value", cost=5)
 spread_word("floor", values.floor, "The next whole number below.", "value")
 spread_word("ceil", lambda a: -values.floor(-a), "The next whole number above.", "value")
 spread_word("round", _round, "The nearest whole number.", "value")
 spread_word("fract", lambda a: a - values.floor(a), "What is left above the next whole number below.", "value")
-spread_word("mod", modulo, "Remainder with the sign of the divisor, also written `value % divisor`.", "value", "divisor",
-        cost=4)
+spread_word("mod", modulo, "Remainder with the sign of the divisor, also written `value % divisor`.", "value",
+            "divisor", cost=4)
 spread_word("min", _fold(minimum), "The least value.", "value", variadic=True)
 spread_word("max", _fold(maximum), "The greatest value.", "value", variadic=True)
 spread_word("clamp", _clamp, "The value held between two limits.", "value", "low", "high", cost=2)
-spread_word("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.", "a", "b", "t",
-        cost=3)
+spread_word("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.", "a", "b",
+            "t", cost=3)
 spread_word("step", lambda edge, a: _where(a < edge, 0.0, 1.0), "0 below the edge, 1 from there on.", "edge", "value")
 spread_word("smoothstep", _smoothstep, "From 0 below low to 1 above high, on a smooth curve between.", "low", "high",
-        "value", cost=8)
+            "value", cost=8)
 
 
 @word(MATHEMATICS)
@@ -178,8 +179,11 @@ def noise(slots: Work, point: Vector3, seed: float = 0.0):
 
     Another seed, a whole number from 0 to 288, gives other noise.
     """
-    return compute(slots, lambda point, seed: values.settled(value_noise(formula.Vector(*map(as_formula, point)), seed)),
-                   point, seed)
+
+    def at(point: Vector, seed: Scalar) -> Scalar:
+        return values.settled(value_noise(formula.Vector(*map(as_formula, point)), seed))
+
+    return compute(slots, at, point, seed)
 
 
 def as_formula(scalar: Scalar) -> Formula:

@@ -14,9 +14,10 @@ import numpy as np
 
 from . import formula, values
 from .formula import Formula
-from .functions import Argument, Function, add, as_shape, word
+from .functions import Argument, Function, add, as_shape, of_shape, word
 from .shapes import SHAPES, Box, Shape, Transformed
 from .shapes.base import Parametric
+from .shapes.field import FieldDisplacement
 from .shapes.operators import SetOperation
 from .shapes.polygons import Polygon
 from .shapes.profiles import PROFILES, Profile
@@ -71,6 +72,17 @@ def field(slots: Work, value: Scalar, bounds: Vec3 = (math.inf,) * 3):
     if not isinstance(value, Formula):
         raise Misuse("this field is the same at all points", "make it of the point p, as in field(length(p) - 1)")
     return as_shape(value, slots, None if math.inf in bounds else Box(bounds))
+
+
+@word("Fields")
+def displace(slots: Work, shape: Shape, amount: Scalar):
+    """The shape with its surface moved outwards by a field, or inwards where it is negative.
+
+    Where the field has limits, and limits of its slope, the shape keeps its bound on the distance.
+    """
+    amount = of_shape(as_formula(values.lifted(amount, slots)), slots)
+    displaced = FieldDisplacement.of(shape, amount, slots.values)
+    return displaced or as_shape(distance(slots, shape, tuple(formula.POINT)) - amount, slots)
 
 
 @word("Fields", usage="distance(shape, point) or distance(a, b)")

@@ -203,6 +203,25 @@ def test_fields_without_limits_are_refused(text):
     assert evaluate(f"({text}) & box(2)").bounded
 
 
+@pytest.mark.parametrize("amount, field, bound", [
+    ("0.1 * sin(9 * p.x)", 0.1 * np.sin(9 * X), True), ("clamp(p.z, -0.1, 0.1)", np.clip(Z, -0.1, 0.1), True),
+    ("0.1", 0.1, True), ("a", 0.1, True), ("p.z / 9", Z / 9, False), ("0.2 * noise(p)", None, False)])
+def test_displacement_by_a_field(amount, field, bound):
+    shape = evaluate(f"a = slider(0.1, 0, 1)\ndisplace(sphere(1) | box(0.9), {amount})")
+    assert (shape.exactness == "bound") == bound and shape.lipschitz == (1.0 if bound else math.inf)
+    if field is None:
+        return
+    expected = np.minimum(length(X, Y, Z) - 1, Box(0.9).distance(POINTS_NEAR)) - field
+    # The field is scaled, so that it stays a bound.
+    np.testing.assert_array_equal(shape.distance(POINTS_NEAR) < 0, expected < 0)
+    low, high = shape.bounds()
+    inside = POINTS_NEAR[expected < 0]
+    assert ((inside >= low) & (inside <= high)).all()
+    if bound:
+        differences = np.abs(np.diff(shape.distance(POINTS_NEAR)))
+        assert (differences <= length(*np.diff(POINTS_NEAR, axis=0).T) * (1 + 1e-12)).all()
+
+
 def test_fields_that_are_positive_everywhere_are_refused():
     with pytest.raises(ExpressionError, match="positive everywhere"):
         evaluate("length(p) + 1")
@@ -403,7 +422,7 @@ def test_there_is_an_example_of_every_kind_of_thing():
     texts = [example.text for example in examples().values()]
     assert len(texts) >= 16
     features = [*USAGE, "for ", "if ", "break", "field(", "p.", " & ", " | ", "noise(", "repeat(", "polar(",
-                "fold(", "polygon(", "extrusion(", "smooth_union(", "polar_repetition("]
+                "fold(", "polygon(", "extrusion(", "smooth_union(", "polar_repetition(", "displace("]
     for feature in features:
         assert any(feature in text for text in texts), feature
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes of which nothing is known but a formula."""
+"""Shapes that formulas of the point make, of which nothing else is known."""
 
 from __future__ import annotations
 
@@ -12,14 +12,17 @@ from functools import cached_property
 
 import numpy as np
 
+from .. import lipschitz, read_interval
 from ..formula import ITERATE, PARAMETER, POINT, Formula, Vector, maximum, order, parameter
 from ..limits import negative_region
 from ..substitution import substitute
-from .base import NONE, Shape, Slots
+from .base import NONE, SMALLEST, Shape, Slots, part
+from .displacement import Displaced
 from .operators import Transformed
 from .primitives import Box
 
 _OPERATIONS_OF_A_PRIMITIVE = 20
+_EVERYWHERE = np.full((1, 3), -np.inf), np.full((1, 3), np.inf)
 
 
 def _operations(formulas: tuple[Formula, ...], known: frozenset[Formula]) -> int:
@@ -27,6 +30,13 @@ def _operations(formulas: tuple[Formula, ...], known: frozenset[Formula]) -> int
     return sum(
         node.value.limit * _operations(node.value.roots(), frozenset(node.operands)) if node.kind == ITERATE else 1
         for node in order(*formulas, known=known) if node not in known)
+
+
+def _compact(formula: Formula, values: Sequence[float]) -> tuple[Formula, tuple[float, ...]]:
+    """The formula with the slots that it uses, numbered from 0, and their values."""
+    used = [node.value for node in order(formula) if node.kind == PARAMETER]
+    slots = {slot: parameter(index) for index, slot in enumerate(used)}
+    return substitute(formula, POINT, slots), tuple(float(values[slot]) for slot in used)
 
 
 @dataclass(frozen=True)
@@ -46,9 +56,7 @@ class Field(Shape, abstract=True):
     @classmethod
     def of(cls, formula: Formula, values: Sequence[float], cut: Box | None = None) -> "Field":
         """The field of a formula with parameters in slots of ``values``, of which it need not use all."""
-        used = [node.value for node in order(formula) if node.kind == PARAMETER]
-        slots = {slot: parameter(index) for index, slot in enumerate(used)}
-        return cls(substitute(formula, POINT, slots), tuple(float(values[slot]) for slot in used), cut)
+        return cls(*_compact(formula, values), cut)
 
     @cached_property
     def _operations(self) -> int:
@@ -84,3 +92,36 @@ class Field(Shape, abstract=True):
 
     def relation(self) -> str:
         return "" if self.cut is None else self.cut.check()
+
+
+@dataclass(frozen=True)
+class FieldDisplacement(Displaced, abstract=True):
+    """A shape whose surface is moved in and out by a formula of the point: outwards where it is positive.
+
+    The formula has limits, and its slope too. Not in ``SHAPES``: artists write the formula.
+    """
+
+    child: Shape = part("Shape whose surface moves")
+    value: Formula = dataclasses.field(default=POINT.x, metadata=dict(description="formula of the point"))
+    numbers: tuple[float, ...] = dataclasses.field(default=(), metadata=dict(description="values of its slots"))
+
+    @classmethod
+    def of(cls, child: Shape, formula: Formula, values: Sequence[float]) -> "FieldDisplacement | None":
+        """As ``Field.of``. None where no limits, or none of the slope, are known for all of space."""
+        made = cls(child, *_compact(formula, values))
+        return made if math.isfinite(made.amplitude) and math.isfinite(made._slope) else None
+
+    @cached_property
+    def amplitude(self) -> float:
+        low, high = read_interval.enclose(self.value, *_EVERYWHERE, self.numbers)
+        return max(float(-low[0]), float(high[0]), SMALLEST)
+
+    @cached_property
+    def _slope(self) -> float:
+        return max(float(lipschitz.lipschitz(self.value, *_EVERYWHERE, self.numbers)[0]), SMALLEST)
+
+    def _steepest(self) -> float:
+        return self._slope / self.amplitude
+
+    def _pattern(self, p: Vector, slot: Slots) -> Formula:
+        return substitute(self.value, p, [slot(number) for number in self.numbers]) * slot(-1.0 / self.amplitude)
