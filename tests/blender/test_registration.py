@@ -100,6 +100,15 @@ def test_every_shape_parameter_has_a_property(lamp, file):
     assert "union" in SHAPES and "union" not in properties.PRIMITIVES
 
 
+def test_shapes_are_offered_in_groups_and_only_those_that_have_an_end(registered):
+    listed = properties.SDFLIGHTS_LampSettings.bl_rna.properties["shape"].enum_items_static_ui
+    titles = [item.name for item in listed if not item.identifier]
+    assert titles[0] == "Basic" and len(set(titles)) == len(titles) > 5
+    assert "half_space" in SHAPES and "half_space" not in properties.PRIMITIVES
+    sides = properties.SDFLIGHTS_LampSettings.bl_rna.properties["prism"].fixed_type.properties["sides"]
+    assert sides.type == "INT" and sides.hard_min == 3
+
+
 def test_changes_from_python_tag_their_owner(file, add, lamp):
     """Without a callback on the property, Blender's viewport would not hear of a change made by a script."""
     data = lamp()
