@@ -345,6 +345,15 @@ def _angle(registers, out, box, y, x):
 
 
 @kernel
+def _is_number(registers, a, box):
+    """Whether an operand is the same number in all of a box, and around it."""
+    same = registers[a, 0, box] == registers[a, 1, box]
+    for row in range(2, SIZE):
+        same = same and registers[a, row, box] == 0.0
+    return same
+
+
+@kernel
 def _join(registers, op, out, box, a, b):
     """Operations on two operands."""
     a_low, a_high, b_low, b_high = (
@@ -370,7 +379,7 @@ def _join(registers, op, out, box, a, b):
             p = product_bounds(registers[b, row, box], registers[b, row + 1, box], low, high)
             registers[out, row, box], registers[out, row + 1, box] = _quotient(
                 registers[a, row, box] - p[1], registers[a, row + 1, box] - p[0], b_low, b_high)
-    elif b_low == b_high:  # a power of a known exponent
+    elif _is_number(registers, b, box):  # a power of a known exponent
         low, high = _power(a_low, a_high, b_low)
         slope = _power(a_low, a_high, b_low - 1.0)
         slope = product_bounds(slope[0], slope[1], b_low, b_low)
