@@ -222,15 +222,17 @@ def mirror(point: Vector3, normal: Vector3 = (1.0, 0.0, 0.0)):
     return fold(point, normal)
 
 
-@word(POINTS, cost=6)
+@word(POINTS, cost=10)
 def polar(point: Vector, count: Scalar):
     """The point turned about the z axis, by whole parts of a turn, to the part around the x axis.
 
     A shape there appears that many times around the axis: `sphere(0.2)(polar(p, 6) - (1, 0, 0))`.
     """
     part = math.tau / count
-    angle = values.atan2(point[1], point[0])
-    # Held to its limits, which changes nothing, the angle has an interval that keeps the point in its part.
-    angle = _clamp(angle - part * _round(angle / part), -0.5 * part, 0.5 * part)
-    radius = norm(point[:2])
-    return (radius * cos(angle), radius * sin(angle), *point[2:])
+    turn = part * _round(values.atan2(point[1], point[0]) / part)
+    c, s = cos(turn), sin(turn)
+    # The point is in the part as it is. That it is held to it is for the intervals, which cannot see that.
+    radius, side = norm(point[:2]), sin(minimum(0.5 * part, 0.5 * math.pi))
+    x = maximum(point[0] * c + point[1] * s, radius * cos(0.5 * part))
+    y = _clamp(point[1] * c - point[0] * s, -side * radius, side * radius)
+    return (x, y, *point[2:])

@@ -421,8 +421,8 @@ def test_examples(name):
 def test_there_is_an_example_of_every_kind_of_thing():
     texts = [example.text for example in examples().values()]
     assert len(texts) >= 16
-    features = [*USAGE, "for ", "if ", "break", "field(", "p.", " & ", " | ", "noise(", "repeat(", "polar(",
-                "fold(", "polygon(", "extrusion(", "smooth_union(", "polar_repetition(", "displace("]
+    features = [*USAGE, "for ", "if ", "field(", "p.", " & ", " | ", "noise_displacement(", "repeat(", "polar(",
+                "polygon(", "extrusion(", "smooth_union(", "polar_repetition(", "displace("]
     for feature in features:
         assert any(feature in text for text in texts), feature
 
