@@ -57,7 +57,7 @@ class Work(Slots):
 
     def operate(self, count: int) -> None:
         """Operations that are added to a formula."""
-        self.step(4 * count)
+        self.step(6 * count)
         self.operations += count * self.rounds
         if self.operations > MOST_OPERATIONS:
             raise Misuse("the field takes too many operations at each point", "use fewer rounds")
