@@ -139,7 +139,7 @@ def translate(slots: Work, shape: Shape, offset: Vec3):
     return _transformed(shape, np.eye(3), offset)
 
 
-@word("Transforms", cost=15)
+@word("Transforms", cost=6)
 def rotate(slots: Work, shape: Any, degrees: Value, axis: Vector3 = (0.0, 0.0, 1.0)):
     """The shape, or vector, turned about an axis through the origin, counter-clockwise as seen from its tip.
 
@@ -164,19 +164,19 @@ def _about(index: int) -> Callable:
     return lambda vector, degrees: _turned(vector, unit, degrees)
 
 
-@word("Transforms", cost=15)
+@word("Transforms", cost=4)
 def rotate_x(slots: Work, shape: Any, degrees: Scalar):
     """The shape, or vector, turned about the x axis."""
     return rotate(slots, shape, degrees, (1.0, 0.0, 0.0))
 
 
-@word("Transforms", cost=15)
+@word("Transforms", cost=4)
 def rotate_y(slots: Work, shape: Any, degrees: Scalar):
     """The shape, or vector, turned about the y axis."""
     return rotate(slots, shape, degrees, (0.0, 1.0, 0.0))
 
 
-@word("Transforms", cost=15)
+@word("Transforms", cost=4)
 def rotate_z(slots: Work, shape: Any, degrees: Scalar):
     """The shape, or vector, turned about the z axis."""
     return rotate(slots, shape, degrees, (0.0, 0.0, 1.0))
