@@ -18,14 +18,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import block_dtype, fill_table, kernel
 from ..vec import add, dot, frame, madd, normalize, sub, to_world, vec
-from .lamps import direction_pdf, interior_point, lamps, new_spans, sample_direction, trace
+from . import cut as cuts
+from .cut import CUT
+from .hashing import following, seeded, uniform_point
+from .lamps import (
+    SCALARS, TABLES, build_lamp, direction_pdf, interior_point, lamps, new_spans, pack_lamps, pack_scalars,
+    sample_direction, trace)
 from .points import disk_point
+from .primitives import box_span
+
+BLOCK = block_dtype({**TABLES, **cuts.TABLES}, SCALARS)
 
 DIMENSIONS = 7  # a direction by the cosine (2), a point in the lamp (3), a place in the intervals of each ray (2)
 CHUNK = 1 << 17
-
+CANDIDATES = 8  # of resampling
+RADIAL = 1.3  # see ``radial``
 
 EVEN = (1.0, 0.0, 1.0, 0.0)
 TORUS_SHELL = (3.2, 3.0 / 0.35, 1.0, 0.35)  # the published check's emission that varies
@@ -107,32 +116,147 @@ def projection(block, lamp, x, n, u, spans, shell):
 
 
 @kernel
-def cosine_and_projection(block, lamp, x, n, u, spans, shell):
-    """One cosine-weighted and one projection sample, combined by the balance heuristic."""
+def bounding_projection(block, lamp, x, n, u, spans, shell):
+    """Projection sampling of the world's bounding box of the lamp: rays may miss what is in it."""
+    row = lamps(block)[lamp]
+    h = vec(row.half)
+    offset = sub(vec(row.center), x)
+    d = normalize(add(offset, ((2.0 * u[2] - 1.0) * h[0], (2.0 * u[3] - 1.0) * h[1], (2.0 * u[4] - 1.0) * h[2])))
+    value = _ray(block, lamp, x, n, d, spans, u[5], shell)[0]
+    if value <= 0.0:
+        return 0.0
+    start, end = box_span(sub(x, vec(row.center)), d, h[0], h[1], h[2])
+    start = max(start, 0.0)
+    return value * 24.0 * h[0] * h[1] * h[2] / (end * end * end - start * start * start)
+
+
+@kernel
+def combined(block, lamp, x, n, u, spans, shell, beta):
+    """One cosine-weighted and one projection sample, by the balance heuristic with β cosine samples for one."""
     total = 0.0
     d = _cosine_direction(n, u[0], u[1])
     for technique in range(2):
         if technique == 1:
             d = sample_direction(block, lamp, x, n, u[2], u[3], u[4])
         value, pdf = _ray(block, lamp, x, n, d, spans, u[5 + technique], shell)
-        both = pdf + max(dot(n, d), 0.0) / math.pi
-        total += value / both if both > 0.0 else 0.0
+        both = pdf + beta * max(dot(n, d), 0.0) / math.pi
+        total += value * (1.0 if technique == 1 else beta) / both if both > 0.0 else 0.0
+    return total
+
+
+@kernel
+def _beside(row, x):
+    """Distance from x to the lamp's bounding box."""
+    square = 0.0
+    for k in range(3):
+        away = max(abs(x[k] - row.center[k]) - row.half[k], 0.0)
+        square += away * away
+    return math.sqrt(square)
+
+
+@kernel
+def tuned_beta(row, x):
+    """β by the distance from the lamp alone: 3 at its bounding box and within, less with the square of the distance."""
+    size = (0.75 / math.pi * row.volume) ** (1.0 / 3.0)
+    part = size / (size + 4.0 * _beside(row, x))
+    return max(3.0 * part * part, 0.02)
+
+
+@kernel
+def resampled(block, lamp, x, n, u, spans, shell):
+    """Resampled importance sampling: one of ``CANDIDATES`` uniform points, by what a lamp without variation gives.
+
+    Talbot, Cline and Egbert 2005, "Importance resampling for global illumination".
+    """
+    row = lamps(block)[lamp]
+    state = seeded(u[2], u[3], u[4])
+    total, chosen = 0.0, (0.0, 0.0, 0.0)
+    pick = u[5]
+    for candidate in range(CANDIDATES):
+        p = (u[2], u[3], u[4]) if candidate == 0 else uniform_point(state)
+        state = following(state)
+        y = add(vec(row.center), interior_point(block, lamp, p[0], p[1], p[2]))
+        offset = sub(y, x)
+        square = dot(offset, offset)
+        weight = max(dot(n, normalize(offset)), 0.0) / square if square > 0.0 else 0.0
+        total += weight
+        if weight > 0.0:
+            part = weight / total
+            if pick < part:
+                chosen, pick = y, pick / part
+            else:
+                pick = (pick - part) / (1.0 - part)
+    return row.emission[0] * row.volume * profile(chosen, shell) * total / CANDIDATES if total > 0.0 else 0.0
+
+
+@kernel
+def radial(block, lamp, x, n, u, spans, shell):
+    """MIS of cosine and projection with weights that change along the ray, r²/(r² + c²) for projection: uniform lamps.
+
+    What is close is left to the cosine, so both weights are bounded. c is ``RADIAL`` sizes of the lamp, less far away.
+    """
+    row = lamps(block)[lamp]
+    size = (0.75 / math.pi * row.volume) ** (1.0 / 3.0)
+    c = RADIAL * size * size / (size + _beside(row, x))
+    total = 0.0
+    d = _cosine_direction(n, u[0], u[1])
+    for technique in range(2):
+        if technique == 1:
+            d = sample_direction(block, lamp, x, n, u[2], u[3], u[4])
+        count = trace(block, lamp, x, d, spans)
+        near, length = 0.0, 0.0
+        for index in range(count):
+            a, b = spans[index, 0] - spans[index, 1], spans[index, 0] + spans[index, 1]
+            near += c * (math.atan(b / c) - math.atan(a / c))
+            length += b - a
+        if technique == 0:
+            total += math.pi * near
+        elif count > 0:
+            total += max(dot(n, d), 0.0) * (length - near) / direction_pdf(block, lamp, x, n, d, spans, count)
+    return total * row.emission[0]
+
+
+@kernel
+def cell_cut(block, lamp, x, n, u, spans, shell, cut, tolerance, limit):
+    """One cosine-weighted sample and one of the cut, which is made anew."""
+    cuts.build(block, lamp, x, n, cut, tolerance, limit)
+    total = 0.0
+    d = _cosine_direction(n, u[0], u[1])
+    for technique in range(2):
+        if technique == 1:
+            d = cuts.sample(block, lamp, x, cut, u[2], u[3], u[4])
+        cosine = dot(n, d)
+        if cosine <= 0.0:
+            continue
+        count = trace(block, lamp, x, d, spans)
+        if count == 0:
+            continue
+        value = _radiance(block, lamp, x, d, spans, count, u[5 + technique], shell) * cosine
+        both = cuts.density(block, lamp, d, cut, spans, count) + cut.beta * cosine / math.pi
+        total += value * (1.0 if technique == 1 else cut.beta) / both
     return total
 
 
 class Technique(enum.IntEnum):
+    """``RADIAL`` is for uniform emission."""
+
     UNIFORM = 0
     COSINE = 1
     POINT = 2
     PROJECTION = 3
     MIS = 4
+    BOUNDING = 5
+    MIS_BETA = 6
+    RIS = 7
+    RADIAL = 8
+    CUT = 9
 
 
-UNIFORM, COSINE, POINT, PROJECTION = map(int, list(Technique)[:4])
+UNIFORM, COSINE, POINT, PROJECTION, MIS, BOUNDING, MIS_BETA, RIS, RADIAL_MIS = map(int, list(Technique)[:9])
 
 
 @kernel
-def _values(technique, blocks, lamp, x, n, numbers, spans, shell, out):
+def _values(technique, blocks, lamp, x, n, numbers, spans, shell, cut_rows, tolerance, limit, out):
     block = blocks[0]
     for i in range(len(numbers)):
         u = (numbers[i, 0], numbers[i, 1], numbers[i, 2], numbers[i, 3], numbers[i, 4], numbers[i, 5], numbers[i, 6])
@@ -144,8 +268,46 @@ def _values(technique, blocks, lamp, x, n, numbers, spans, shell, out):
             out[i] = point_in_volume(block, lamp, x, n, u, spans, shell)
         elif technique == PROJECTION:
             out[i] = projection(block, lamp, x, n, u, spans, shell)
+        elif technique == MIS:
+            out[i] = combined(block, lamp, x, n, u, spans, shell, 1.0)
+        elif technique == BOUNDING:
+            out[i] = bounding_projection(block, lamp, x, n, u, spans, shell)
+        elif technique == MIS_BETA:
+            out[i] = combined(block, lamp, x, n, u, spans, shell, tuned_beta(lamps(block)[lamp], x))
+        elif technique == RIS:
+            out[i] = resampled(block, lamp, x, n, u, spans, shell)
+        elif technique == RADIAL_MIS:
+            out[i] = radial(block, lamp, x, n, u, spans, shell)
         else:
-            out[i] = cosine_and_projection(block, lamp, x, n, u, spans, shell)
+            out[i] = cell_cut(block, lamp, x, n, u, spans, shell, cut_rows[0], tolerance, limit)
+
+
+class LampBlock:
+    """A lamp of ``power`` in watts in a block of its own, with the tables that all techniques need."""
+
+    def __init__(self, shape, matrix: np.ndarray, power: float = 4.0 * math.pi):
+        self.built = build_lamp("lamp", shape, matrix, power=power)
+        self.tables = {**pack_lamps([self.built]), **cuts.pack_cuts([self.built], [shape], [matrix])}
+        self.blocks = np.zeros(1, BLOCK)
+        for name, array in self.tables.items():
+            fill_table(self.blocks, name, array)
+        for name, value in pack_scalars([self.built]).items():
+            self.blocks[name] = value
+
+
+def values(technique: Technique, blocks: np.ndarray, lamp: int, x, n, numbers: np.ndarray,
+           shell: tuple[float, float, float, float] = EVEN, tolerance: float = cuts.TOLERANCE,
+           limit: int = cuts.LIMIT) -> tuple[np.ndarray, float]:
+    """Value of an estimator for each row of ``numbers`` (count, ``DIMENSIONS``), and the seconds of processor time.
+
+    ``blocks`` is a one-element array of ``BLOCK``; x and n are a world point and the unit normal there.
+    """
+    spans = new_spans(int(blocks["lamp_rows"][0]), int(blocks["lamps_count"][0]))
+    out = np.empty(len(numbers))
+    start = time.thread_time()
+    _values(int(technique), blocks, lamp, tuple(map(float, x)), tuple(map(float, n)), numbers, spans, shell,
+            np.zeros(1, CUT), tolerance, limit, out)
+    return out, time.thread_time() - start
 
 
 @dataclass(frozen=True)
@@ -160,27 +322,21 @@ class Estimate:
 
 def run(technique: Technique, blocks: np.ndarray, lamp: int, x, n, samples: int, seed: int,
         shell: tuple[float, float, float, float] = EVEN) -> Estimate:
-    """Mean and variance of ``samples`` values of an estimator.
+    """Mean and variance of ``samples`` values of an estimator; arguments as of ``values``.
 
-    ``blocks`` is a one-element array of a block with the tables of ``lamps.TABLES``; x and n are a world point and the
-    unit normal there. Deterministic for a seed, but for the time.
+    Deterministic for a seed, but for the time.
     """
     rng = np.random.default_rng(seed)
-    x, n = tuple(map(float, x)), tuple(map(float, n))
-    spans = new_spans(int(blocks["lamp_rows"][0]), int(blocks["lamps_count"][0]))
     total = square = seconds = 0.0
     shift, done = None, 0
     while done < samples:
-        numbers = rng.random((min(CHUNK, samples - done), DIMENSIONS))
-        values = np.empty(len(numbers))
-        start = time.perf_counter()
-        _values(int(technique), blocks, lamp, x, n, numbers, spans, shell, values)
-        seconds += time.perf_counter() - start
+        found, spent = values(technique, blocks, lamp, x, n, rng.random((min(CHUNK, samples - done), DIMENSIONS)), shell)
+        seconds += spent
         if shift is None:
-            shift = values.mean()  # sums about a first guess of the mean, so that small variances do not cancel
-        total += np.sum(values - shift)
-        square += np.sum((values - shift) ** 2)
-        done += len(numbers)
+            shift = found.mean()  # sums about a first guess of the mean, so that small variances do not cancel
+        total += np.sum(found - shift)
+        square += np.sum((found - shift) ** 2)
+        done += len(found)
     mean = total / done
     variance = max(square / done - mean * mean, 0.0) * done / max(done - 1, 1)
     return Estimate(shift + mean, variance, math.sqrt(variance / done), seconds)
