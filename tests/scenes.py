@@ -341,6 +341,22 @@ def frame_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return scene
 
 
+def field_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Lamps whose intervals have no closed form: a twisted bar, a spring, a sponge."""
+    scene = room(width, height)
+    add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
+    twisted = shapes.SHAPES["twist"](shapes.Box((0.15, 0.1, 0.4)), 1.5)
+    scene.lamps += [
+        Lamp("bar", twisted, translation(-0.8, 0.3, 2.0) @ rotation("x", 40) @ scaling(1.0, 1.3, 0.8), power=30.0,
+             color=(1.0, 0.8, 0.5)),
+        Lamp("spring", shapes.SHAPES["helix"](), translation(0.8, 0.0, 1.8) @ rotation("y", 70), power=20.0,
+             color=(0.5, 0.7, 1.0)),
+        Lamp("sponge", shapes.SHAPES["menger_sponge"](0.3, 2), translation(-0.5, -0.3, 0.7) @ rotation("y", 30),
+             power=10.0),
+    ]
+    return scene
+
+
 def inside_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """The camera and the furniture stand inside a large glowing ball; a second lamp overlaps it."""
     scene = room(width, height, max_bounces=2)
@@ -403,4 +419,4 @@ def orthographic(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 SCENES = {builder.__name__: builder for builder in (
     torus_room, blender_lights, world_color, environment, emissive_mesh, glossy_metal, glass, textured, instances,
-    frame_lamp, inside_lamp, transparent, depth_of_field, panorama, orthographic)}
+    frame_lamp, field_lamps, inside_lamp, transparent, depth_of_field, panorama, orthographic)}

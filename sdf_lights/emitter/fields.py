@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fields in kernels: a shape's terms as compiled code, evaluated at ``LANES`` points at a time.
 
-A field is a list of terms in postfix order (``sdf.shapes.Term``). A *list* of it holds indices of terms, also in
-postfix order: all of them, or those that matter in one box of space (see ``interior``). Where the second operand of a
-difference is all that matters, ``NEGATED`` follows it in the list.
+A field is made of terms in postfix order (``sdf.shapes.Term``). A *list* holds the indices of terms, also in postfix
+order: of all, or of those that matter in one box of space (see ``interior``). Where an operand is all that matters of
+a join, but with its sign changed, ``NEGATED`` follows it in the list.
 """
 
 from __future__ import annotations
@@ -78,35 +78,51 @@ def _work(nodes: list[Formula], parameters: np.ndarray, library: float) -> float
     return total
 
 
-def compile_terms(terms: list[Term]) -> CompiledField:
-    """Compile what is not compiled yet; terms of the same formula share their code."""
-    rows = np.zeros(len(terms), TERM)
-    code, parameters, used, depth = [], [np.zeros(0)], 0, 0
-    gains, stack = np.full(len(terms), np.inf), []
-    for index, (row, term) in enumerate(zip(rows, terms)):
-        found = compiled(term.formula)
-        code.append(found.owner)
-        row["address"], row["parameters"] = found.address, used
-        row["arity"], row["family"], row["reach"], row["lipschitz"] = term.arity, term.family, term.reach, term.lipschitz
-        parameters.append(term.parameters)
-        used += len(term.parameters)
+def _gains(terms: list[Term]) -> tuple[np.ndarray, int]:
+    """``CompiledField.gains``, and the most values that an evaluation holds at a time."""
+    gains, stack, depth = np.full(len(terms), np.inf), [], 0
+    for index, term in enumerate(terms):
         if term.arity > 0:
             steepest = max(stack[-term.arity:])
             del stack[-term.arity:]
-            # No join or map of shapes whose bounds are not known is steeper than the steepest of them.
+            # No operator is steeper than the steepest of its operands where a bound of that is not known.
             gains[index] = term.lipschitz / steepest if math.isfinite(term.lipschitz) else 1.0
         stack.append(term.lipschitz)
         depth = max(depth, len(stack))
+    return gains, depth
+
+
+def _cares(terms: list[Term]) -> np.ndarray:
+    """``CompiledField.cares``: zero for the field as a whole."""
     cares, waiting = np.zeros(len(terms)), [0.0]
     for index in range(len(terms) - 1, -1, -1):
         cares[index] = waiting.pop()
-        # A map or an unusual join may bring any value to zero.
-        waiting += terms[index].arity * [cares[index] + terms[index].reach if terms[index].arity == 2 else math.inf]
+        # An operand that is farther from zero than the join reaches does not bring its value closer to zero than its
+        # own; a map may bring any value to zero.
+        needed = cares[index] + terms[index].reach if terms[index].arity == 2 else math.inf
+        waiting += [needed] * terms[index].arity
+    return cares
+
+
+def compile_terms(terms: list[Term]) -> CompiledField:
+    """Compile what is not compiled yet; terms of the same formula share their code."""
+    rows = np.zeros(len(terms), TERM)
+    code, parameters, used = [], [np.zeros(0)], 0
+    for row, term in zip(rows, terms):
+        found = compiled(term.formula)
+        code.append(found.owner)
+        row["address"], row["parameters"] = found.address, used
+        for name in ("arity", "family", "reach", "lipschitz"):
+            row[name] = getattr(term, name)
+        parameters.append(term.parameters)
+        used += len(term.parameters)
+    gains, depth = _gains(terms)
     graphs = [(order(term.formula), term.parameters) for term in terms]
-    operations = np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs])
-    costs = np.array([10.0 + 1.5 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs])
-    return CompiledField(tuple(terms), rows, np.concatenate(parameters), cares, gains, operations, costs, depth,
-                         tuple(dict.fromkeys(code)))
+    return CompiledField(
+        source=tuple(terms), terms=rows, parameters=np.concatenate(parameters), cares=_cares(terms), gains=gains,
+        operations=np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs]),
+        costs=np.array([10.0 + 1.5 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs]),
+        depth=depth, code=tuple(dict.fromkeys(code)))
 
 
 @kernel

@@ -59,7 +59,7 @@ RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the bo
 ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
 MOST_LEVELS = 60  # of nodes below one another
 SLOPES = 32  # measured in a box of whose field no Lipschitz bound is found
-STEPS = 64.0  # that the greatest value in a box is away from zero, across one in which the field has no value somewhere
+STEPS = 64.0  # across a box in which the field has no value somewhere, for the greatest of its values to come to zero
 CASES = 4  # that a box may be taken apart into for it
 BOUNDS_WORK = 150_000  # operations of formulas times boxes, to find Lipschitz bounds of boxes
 KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
@@ -376,7 +376,7 @@ def _warp(u, share):
 
 @kernel
 def tree_point(nodes, low, high, u1, u2, u3):
-    """Uniform point in the boxes that are not empty, and the leaf that it is in. Low and high are the root's corners."""
+    """Uniform point in the boxes that are not empty, and the leaf it is in; low and high are the root's corners."""
     x0, y0, z0 = low[0], low[1], low[2]
     x1, y1, z1 = high[0], high[1], high[2]
     index = 0
@@ -442,8 +442,11 @@ class Tree:
 
 
 def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, used, mass, smallest: float) -> None:
-    """Grow the tree of a field, from its root. Lipschitz bounds that none is known of for all of space are found for
-    boxes, largest first; the parts of a box inherit its bound when the work is spent."""
+    """Grow the tree of a field, from its root.
+
+    Lipschitz bounds that are not known for all of space are found for boxes, the largest first; parts of a box inherit
+    its bound once the work is spent.
+    """
     terms = field.terms
     nodes["lipschitz"][0] = terms["lipschitz"][-1]
     unknown = np.flatnonzero(~np.isfinite(terms["lipschitz"]) & (terms["arity"] == 0))
@@ -453,13 +456,13 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, used, mass, 
     first, last, work = 0, 1, BOUNDS_WORK
     while first < last:
         if len(unknown) and work > 0:
-            work -= _bound(field, unknown, nodes, boxes, lists, np.arange(first, last), mass, bounds, work)
-        grow_field(terms, field.parameters, field.cares, field.gains, columns, bounds, nodes, boxes, levels, lists, used,
-                   mass, first, last, smallest)
+            work -= _find_bounds(field, unknown, nodes, boxes, lists, np.arange(first, last), mass, bounds, work)
+        grow_field(terms, field.parameters, field.cares, field.gains, columns, bounds, nodes, boxes, levels, lists,
+                   used, mass, first, last, smallest)
         first, last = last, int(used[0])
 
 
-def _bound(field: CompiledField, unknown, nodes, boxes, lists, places, mass, bounds, work: int) -> int:
+def _find_bounds(field: CompiledField, unknown, nodes, boxes, lists, places, mass, bounds, work: float) -> float:
     """Write bounds of the terms ``unknown`` to ``bounds`` (nodes, unknown), for boxes that are yet to be divided among
     ``places``. Boxes where a single term matters, and has one sign, are settled. Returns the work done, about ``work``
     at most: operations times boxes."""
@@ -516,7 +519,7 @@ def _guess(shape: Shape, center: np.ndarray, nodes, boxes) -> bool:
 
 @functools.lru_cache(maxsize=KEPT)
 def tree(shape: Shape) -> Tree:
-    """The interior tree of a valid shape whose bounding box has a finite extent along each axis. Raises ``TreeError``."""
+    """The interior tree of a valid shape with a bounding box that is finite and not flat. Raises ``TreeError``."""
     low, high = shape.bounds()
     center, half = 0.5 * (low + high), 0.5 * (high - low)
     matrix = np.eye(4)

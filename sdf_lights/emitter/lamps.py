@@ -274,9 +274,9 @@ def doubts(built: list[BuiltLamp]) -> list[str]:
 
 
 def unresolved(built: list[BuiltLamp], lengths: np.ndarray) -> list[str]:
-    """A sentence for each lamp of whose intervals too much was left open; ``lengths`` (lamps, 2) as ``trace`` sums them."""
-    return [f"Lamp “{lamp.name}”: {100.0 * left / (left + inside):.2g} % of its length along rays could not be resolved, "
-            "so its light is off by as much: make its thinnest parts thicker, or simplify its shape."
+    """A sentence for each lamp of which rays left too much open; ``lengths`` (lamps, 2) as ``trace`` sums them."""
+    return [f"Lamp “{lamp.name}”: {100.0 * left / (left + inside):.2g} % of its length along rays could not be "
+            "resolved, so its light may be off by as much: make its thinnest parts thicker, or simplify its shape."
             for lamp, (left, inside) in zip(built, lengths) if left > NOTICEABLE * (left + inside)]
 
 

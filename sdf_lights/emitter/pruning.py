@@ -6,7 +6,10 @@ For fields this is the Lipschitz pruning of Barbier, Sanchez, Paris, Michel, Lam
 ("Lipschitz pruning: hierarchical simplification of primitive-based SDFs"): where two operands differ by more than
 their operator reaches, at the centre and by so much that no point of the box can make up for it, one of them is the
 result. More can be left out where no more than the sign of the result matters, as it does in the end: a part of a
-union that does not enter the box, even if it is close. For closed-form programs the flags of ``membership`` tell which sets are all or nothing of the box.
+union that does not enter the box, even if it is close. So the field of a pruned list has the sign of the whole field
+in its box, but not its value.
+
+For closed-form programs the flags of ``membership`` tell which sets are all or nothing of the box.
 """
 
 from __future__ import annotations
@@ -76,8 +79,8 @@ def prune_field(terms, parameters, cares, gains, columns, bounds, lists, first, 
     """Evaluate a list at the centres of ``LANES`` boxes of half diagonal ``radius``, and prune it for each of them.
 
     ``stack`` holds the centres and takes the values, as in ``fields.run_terms``. Row i of ``out`` (LANES, count) takes
-    the list of box i, ``used[i]`` its length, and ``slopes[i]`` a Lipschitz bound of the field of that list there. It has
-    the sign of the whole field, and is as far from zero or farther. ``cares`` and ``gains`` are those of
+    the list of box i, ``used[i]`` its length, and ``slopes[i]`` a Lipschitz bound of the field of that list there. That
+    field is as far from zero as the whole one, or farther. ``cares`` and ``gains`` are those of
     ``fields.CompiledField``. A term without a Lipschitz bound for all of space has one for these boxes in the column
     ``columns[term]`` of ``bounds``. ``starts`` and ``steepness`` are scratch, (LANES, DEEPEST).
     """
@@ -129,8 +132,7 @@ def prune_program(program, lists, first, count, c, h, out, starts):
     """Prune a list for the box with centre c and half sizes h into ``out``, which is as long as the list.
 
     Returns the length of the new list and the flags (inside, outside) of the whole box, as ``membership.classify``; the
-    list is empty where one of them is set. ``starts`` is scratch, (DEEPEST,); the flags of the sets on the stack are bits,
-    as there.
+    list is empty where one of them is set. ``starts`` is scratch, (DEEPEST,).
     """
     inside, outside = 0, 0
     used, depth = 0, 0

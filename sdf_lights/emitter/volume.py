@@ -29,8 +29,9 @@ SAFETY = 4.0  # standard errors that the stated bound is made of
 ACCURACY = 2e-4  # relative bound on the error at which it is good enough
 BUDGET = 3e7  # rough ns that the last of the divisions may take …
 POOR, LARGER = 2e-3, 8.0  # … or so many times more, while the relative bound is worse than this
+OVERHEAD = 100.0  # rough ns of an evaluation, besides the field
 PROGRAM_COST = 400.0  # rough ns for each instruction of a list, for LANES boxes
-FINER = 8.0  # ratio of the volumes of parts, from one round to the next; the work on a surface grows with its 2/3rd power
+FINER = 4.0  # ratio of the volumes of parts from one round to the next; work on a surface grows with its 2/3rd power
 MOST_DIVISIONS = 16  # of each leaf
 SEED = 1
 
@@ -163,4 +164,4 @@ def _costs(tree: Tree, leaves: np.ndarray) -> np.ndarray:
     if tree.field is None:
         return PROGRAM_COST * rows["row_count"]
     entries = np.concatenate([[0.0], np.cumsum(np.where(tree.lists < 0, 0.0, tree.field.costs[tree.lists]))])
-    return entries[rows["row_first"] + rows["row_count"]] - entries[rows["row_first"]]
+    return OVERHEAD + entries[rows["row_first"] + rows["row_count"]] - entries[rows["row_first"]]

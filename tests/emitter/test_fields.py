@@ -49,7 +49,7 @@ def test_terms_are_the_field(name):
 
 
 def test_a_negated_operand():
-    """In a difference where the second operand alone matters, the value is that of the operand with its sign changed."""
+    """Where the second operand of a difference is all that matters, its value is taken with its sign changed."""
     field = fields.compile_terms(Difference(Sphere(5.0), Torus(0.7, 0.3)).terms(np.eye(4), 1.0))
     assert len(field.terms) == 3
     ring = Torus(0.7, 0.3).distance(POINTS)

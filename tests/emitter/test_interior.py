@@ -26,7 +26,8 @@ from tests.emitter.shapes_under_test import COMPOSITES, FIELDS, LAMPS, PLACEMENT
 SIGNED = {
     # Operands that win with their sign changed, nested so that signs cancel.
     "cut": Difference(Sphere(0.9), Difference(Box((0.7, 0.7, 0.7)), Difference(Sphere(0.8), Torus(0.5, 0.2)))),
-    "xor": Exclusive(Sphere(0.6), Transformed(Box((0.5, 0.4, 0.3)), moved(0.3)), Transformed(Torus(0.6, 0.2), turned(1))),
+    "xor": Exclusive(Sphere(0.6), Transformed(Box((0.5, 0.4, 0.3)), moved(0.3)),
+                     Transformed(Torus(0.6, 0.2), turned(1))),
     "smooth_cut": SmoothDifference(Box((0.7, 0.7, 0.7)), Sphere(0.8), Transformed(Capsule(0.1, 2.0), turned(1.0, 1)),
                                    radius=0.05),
 }
@@ -199,7 +200,8 @@ def test_trees_are_kept():
     built = [lamps.build_lamp("lamp", s, matrix, power) for s, matrix, power in
              ((shape, np.eye(4), 1.0), (same, PLACEMENTS["turned"], 5.0), (shape, PLACEMENTS["sheared"], 2.0))]
     assert built[0].tree is built[1].tree is built[2].tree
-    assert lamps.build_lamp("other", Difference(Box((0.3, 0.4, 0.5)), Sphere(0.46)), np.eye(4)).tree is not built[0].tree
+    other = lamps.build_lamp("other", Difference(Box((0.3, 0.4, 0.5)), Sphere(0.46)), np.eye(4))
+    assert other.tree is not built[0].tree
     tables = lamps.pack_lamps(built)
     assert len(tables["lamp_nodes"]) == len(built[0].tree.nodes)
     assert not any(array.flags.writeable for array in (built[0].tree.nodes, built[0].tree.lists, built[0].tree.boxes))

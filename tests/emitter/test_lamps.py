@@ -205,7 +205,7 @@ def test_tables_of_several_lamps():
 
 
 def test_little_is_left_unresolved():
-    """Row ``lamp_rows`` of the spans sums what could not be resolved and what is inside; the user is told of the first."""
+    """Row ``lamp_rows`` of the spans sums what could not be resolved, of which the user is told, and what is inside."""
     rng = np.random.default_rng(6)
     for name in FIELDS:
         lamp = Lamps(lamps.build_lamp(name, FIELDS[name], np.eye(4)))

@@ -100,7 +100,7 @@ def test_error_bound_is_honest():
 
 
 BENCHMARK = {
-    # Relative errors at 2^21 evaluations that an octree with jittered points in its boundary cells has been seen to have;
+    # With the relative errors at 2^21 evaluations of an octree with jittered points in its boundary cells, as reported;
     # jittered points in the whole bounding box have 7e-5, 6e-3 and 5e-4.
     "torus": (FieldOf(Torus(1.0, 0.35)), 4.1e-5),
     "turned frame": (FieldOf(Transformed(REGISTRY["box_frame"](1.0, 0.08), turned(0.6, 0) @ turned(0.4, 1))), 1.4e-4),
@@ -110,7 +110,7 @@ BENCHMARK = {
 
 @pytest.mark.parametrize("name", BENCHMARK)
 def test_errors_at_two_million_evaluations(name):
-    """Root mean square over the seeds at a division with about as many evaluations, and in inverse proportion to them."""
+    """Root mean square over seeds, at a division with about as many evaluations, and in inverse proportion to them."""
     shape, known = BENCHMARK[name]
     exact = shape.child.volume()
     tree = interior.tree(shape)

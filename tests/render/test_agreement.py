@@ -21,8 +21,8 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 SEEDS, BLOCK, CONFIDENCE = 8, 4, 0.9999
 PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission",
           "SDF Lamps")
-TEN = ("torus_room", "blender_lights", "environment", "emissive_mesh", "glossy_metal", "glass", "textured", "instances",
-       "transparent", "inside_lamp")
+QUICK = ("torus_room", "blender_lights", "environment", "emissive_mesh", "glossy_metal", "glass", "textured", "instances",
+       "transparent", "inside_lamp", "field_lamps")
 
 
 def pictures(renderer, name: str, samples: int) -> dict[str, np.ndarray]:
@@ -70,7 +70,7 @@ def compare(name: str, samples: int) -> None:
     assert not failures, "; ".join(failures)
 
 
-@pytest.mark.parametrize("name", TEN)
+@pytest.mark.parametrize("name", QUICK)
 def test_path_tracer_agrees_with_reference(name):
     compare(name, 4)
 
