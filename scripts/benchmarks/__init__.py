@@ -9,4 +9,4 @@
 (value of ``scene.sdf_lights.device``).
 """
 
-NAMES = ("throughput", "startup", "intervals")
+NAMES = ("throughput", "startup", "intervals", "estimators")

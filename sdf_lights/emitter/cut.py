@@ -20,9 +20,10 @@ function is of second order in the size of a box, and hardly shifts the balance 
 The cut starts as the whole lamp. The box that contributes most to the variance is replaced by its two parts until the
 rest is small. Far away it stays a single box, and the density is all but that of projection sampling.
 
-A *clipped* box accepts points of the interior only, so rejected points are drawn again and Z counts the interior. A
-*solid* box, full or one leaf on the boundary, accepts all its points and Z counts all of it: exact whatever the volumes
-are known to be. Both may be in one cut.
+A *clipped* box accepts points of the interior only. One that is rejected is drawn again in the leaf that it fell into,
+so that stratified numbers stay stratified in all larger boxes; the leaves are chosen by their volume inside, as it is
+known. A *solid* box, full or one leaf on the boundary, accepts all its points: it is exact whatever the volumes are
+known to be. Boxes next to the point that is lit are solid, so errors of volumes weigh in only where many average.
 """
 
 from __future__ import annotations
@@ -83,9 +84,9 @@ CUT = np.dtype([
 TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL}
 
 TOLERANCE = 2e-3  # relative variance of a sample at which boxes are small enough
-LIMIT = 20  # boxes
-ATTEMPTS = 4096
-LEAST_FILL = 0.02
+LIMIT = MOST_CELLS  # boxes
+ATTEMPTS = 4096  # draws of a point in a box before giving up
+LEAST_FILL = 0.02  # interior that a solid box counts as having at least: sampling may have missed it
 FLAT = 0.05  # least density in a box, of that at its centroid
 SOFT = 0.8  # makes the mean over a ball round the point that is lit right
 SURROUNDED_BETA = 3.0
@@ -136,7 +137,8 @@ def _fit(cut, k, metric, normal, volume, centroid, spread, splits):
     g = transform_vector(metric, w)
     square = max(dot(w, g), 1e-300)
     extent = metric[0, 0] * spread[0] + metric[1, 1] * spread[1] + metric[2, 2] * spread[2]
-    softened = square + SOFT * extent * extent / (square + extent)
+    ratio = extent / square
+    inverse = 1.0 / (square + SOFT * extent * min(ratio, 1.0))
     rate, waste = 1.0, 0.0
     if height - half >= 0.0:
         height = dot(normal, w)
@@ -144,7 +146,6 @@ def _fit(cut, k, metric, normal, volume, centroid, spread, splits):
         rate = (height + half) / (2.0 * half)
         height = 0.5 * (height + half) * rate
         waste = 1.0 - rate
-    inverse = 1.0 / softened
     level = height * inverse * math.sqrt(inverse)
     rate, fall = rate / height, -3.0 * inverse
     a = (rate * normal[0] + fall * g[0], rate * normal[1] + fall * g[1], rate * normal[2] + fall * g[2])
@@ -153,7 +154,6 @@ def _fit(cut, k, metric, normal, volume, centroid, spread, splits):
              + min(a[2] * (low[2] - centroid[2]), a[2] * (high[2] - centroid[2])))
     if drop > 1.0 - FLAT:
         a = scale(a, (1.0 - FLAT) / drop)
-    ratio = extent / square
     cut.level[k] = level * (1.0 - dot(a, w))
     cut.slope[0, k], cut.slope[1, k], cut.slope[2, k] = scale(a, level)
     cut.weight[k] = volume * level
@@ -288,13 +288,14 @@ def build(block, lamp, x, n, cut, tolerance, limit):
     cut.origin[0], cut.origin[1], cut.origin[2] = transform_point(place.inverse, offset)
     cut.cells = cut.entries = 1
     _add(cut, 0, 0, metric, normal, cells, 0)
+    total, left = 0.0, 0.0
     while True:
-        total, left, worst = 0.0, 0.0, 0
+        total, left, worst, most = 0.0, 0.0, 0, -1.0
         for k in range(cut.cells):
             total += cut.weight[k]
             left += cut.priority[k]
-            if cut.priority[k] > cut.priority[worst]:
-                worst = k
+            if cut.priority[k] > most:
+                worst, most = k, cut.priority[k]
         if left <= tolerance * total or cut.cells >= limit:
             break
         _open(cut, worst, metric, normal, cells, limit)

@@ -35,7 +35,7 @@ CELL = np.dtype([
 
 TABLES = {"lamp_cells": CELL}
 
-FILL = 0.7
+FILL = 0.7  # interior of a box from which points are drawn without going down to its leaves
 SIDE = 6  # parts of a box on the boundary along each axis, with a sample in each
 
 lamp_cells = table("lamp_cells", CELL)
