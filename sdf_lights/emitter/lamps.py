@@ -366,8 +366,7 @@ def _trace_parts(block, row, lamp, distance, p, d, spans):
     else:
         count, unresolved = crossings(block, row, p, d, start, end, spans)
         spans[block.lamp_rows + lamp, 0] += unresolved
-    if row.kind == CLOSED:
-        count = regularize(spans, count, SMALLEST_INTERVAL * row.reach)
+    count = regularize(spans, count, SMALLEST_INTERVAL * row.reach)
     kept = 0
     for index in range(count):
         kept = _keep(spans, kept, distance, spans[index, 0], spans[index, 1])
@@ -382,8 +381,8 @@ def trace(block, lamp, o, d, spans):
 
     ``spans`` is ``new_spans``: no closed-form shape of the scene can need more rows, so nothing of them is dropped.
     Row ``block.lamp_rows + lamp`` sums two lengths along rays, of which the first counts for fields alone: what could
-    not be resolved or had no row, and what is inside the lamp. Intervals and gaps of closed-form shapes that are below
-    ``SMALLEST_INTERVAL`` × reach are rounding noise of coincident faces, and removed.
+    not be resolved or had no row, and what is inside the lamp. Intervals and gaps below ``SMALLEST_INTERVAL`` × reach are
+    rounding noise of coincident faces, and removed.
     """
     row = lamps(block)[lamp]
     distance, p = _approach(row, o, d)
