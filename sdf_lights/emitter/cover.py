@@ -29,11 +29,12 @@ from ..jit import kernel
 from .fields import LANES, VALUES, evaluate
 
 # Columns of an entry. Of an old bracket FALL and RISE are a third point and its value: rates are not needed any more.
-START, AT_START, END, AT_END, FALL, RISE, STATE, FIRST, SECOND, COLUMNS = range(10)
-OPEN, NEW, OLD = 0.0, 1.0, 2.0  # state of an entry: a stretch to be covered; a bracket of one zero, and one with a third point
+START, AT_START, END, AT_END, FALL, RISE, STATE, POINTS, COLUMNS = range(9)
+OPEN, NEW, OLD = 0.0, 1.0, 2.0  # states: a stretch to be covered; a bracket of one zero, without and with a third point
 
-PENDING = 256  # entries that ``pending`` holds
-PENDING_SIZE = (PENDING + LANES) * COLUMNS  # float64 that it must have: jit.stack_array(PENDING_SIZE)
+PENDING = 256  # entries that ``pending`` holds; behind them are those of a round, and where that evaluates the field
+ASKED = (PENDING + LANES) * COLUMNS
+PENDING_SIZE = ASKED + LANES  # float64 that it must have: jit.stack_array(PENDING_SIZE)
 
 SIGN = 1e-300  # magnitude of a value of which only the sign is known
 LARGEST = 1e300  # magnitude of the values that are kept
@@ -43,6 +44,7 @@ RESOLUTION = 1e-7  # zeros closer to each other, relative to the lamp's size, ma
 PRECISION = 1e-12  # of a zero, relative to the lamp's size
 ENOUGH = 0.01  # of the precision that the last step in a bracket, which is not checked, may be expected to miss
 STEEP = 0.1  # part of its greatest rate at which a field between two values is taken for a straight line
+PAIRS = 2  # of places in a gap that are evaluated at once, where lanes are free
 PATIENCE = 1024  # rounds, and sixteen more for each entry at the start, before the tolerance grows …
 GROWTH = 1.25  # … by this factor a round
 LAST = 200  # rounds after which what is left is counted as it is
@@ -59,15 +61,16 @@ def signed(value):
 
 
 @kernel(forceinline=True)
-def add(pending, used, start, at_start, end, at_end, fall, rise):
+def add(pending, used, start, at_start, end, at_end, fall, rise, state):
     """Append a stretch of the ray to ``pending``; returns the new number of entries, at most ``PENDING``.
 
-    ``at_end`` may be ``UNKNOWN``, and so may ``at_start`` where the entry before ends at ``start``.
+    Its ``state`` is ``OPEN`` for a start. ``at_end`` may be ``UNKNOWN``, and so may ``at_start`` where the entry before
+    ends at ``start``.
     """
     place = used * COLUMNS
     pending[place + START], pending[place + AT_START] = start, at_start
     pending[place + END], pending[place + AT_END] = end, at_end
-    pending[place + FALL], pending[place + RISE], pending[place + STATE] = fall, rise, OPEN
+    pending[place + FALL], pending[place + RISE], pending[place + STATE] = fall, rise, state
     return used + 1
 
 
@@ -96,7 +99,7 @@ def _ask(stack, lane, o, d, t):
 
 @kernel(forceinline=True)
 def _gap(start, at_start, end, at_end, fall, rise):
-    """Ends of the part of a stretch that the values at its own ends do not certify; in reverse order if there is none."""
+    """Ends of the part of a stretch that the values at its ends do not certify; in reverse order if there is none."""
     down, up = max(fall, 0.0), max(rise, 0.0)
     low = start + (at_start / down if at_start > 0.0 else -at_start / up)
     high = end - (at_end / up if at_end > 0.0 else -at_end / down)
@@ -118,13 +121,12 @@ def _settle(pending, used, start, at_start, end, at_end, fall, rise, tolerance, 
         unresolved = max(high - low, 0.0)
     full = used >= PENDING - LANES
     if unresolved > tolerance and not full:
-        return add(pending, used, start, at_start, end, at_end, fall, rise), found, 0.0
+        return add(pending, used, start, at_start, end, at_end, fall, rise, OPEN), found, 0.0
     if differ:
         if end - start <= precision or full:
             found = insert(spans, limit, found, 0.5 * (start + end))
         else:
-            used = add(pending, used, start, at_start, end, at_end, fall, rise)
-            pending[(used - 1) * COLUMNS + STATE] = NEW
+            used = add(pending, used, start, at_start, end, at_end, fall, rise, NEW)
     return used, found, unresolved
 
 
@@ -155,25 +157,41 @@ def _joints(block, row, first, count, o, d, pending, used, stack):
 
 
 @kernel(forceinline=True)
-def _points(start, at_start, end, at_end, fall, rise, low, high):
-    """One or two places in a gap that certify much of it: (first, second), the second NaN where there is one."""
+def _points(pending, lane, room, start, at_start, end, at_end, fall, rise):
+    """Write places in a gap that certify much of it to ``pending``, in order, from ``ASKED`` + ``lane`` on.
+
+    Returns their number, which is at most ``room``.
+    """
+    asked = ASKED + lane
+    low, high = _gap(start, at_start, end, at_end, fall, rise)
+    middle = 0.5 * (low + high)
+    ahead, behind = (fall, rise) if at_start > 0.0 else (rise, fall)
+    pending[asked] = middle
     if (at_start > 0.0) == (at_end > 0.0):
         # A value's ball reaches unequally far to both sides; here it would touch both ends of the gap at once.
-        ahead, behind = (fall, rise) if at_start > 0.0 else (rise, fall)
-        middle = low + (high - low) * (ahead / (ahead + behind))
-        return (middle if low < middle < high else 0.5 * (low + high)), math.nan
+        even = low + (high - low) * (ahead / (ahead + behind))
+        if low < even < high:
+            pending[asked] = even
+        return 1
     size_start, size_end = abs(at_start), abs(at_end)
-    if size_start <= SIGN or size_end <= SIGN:
-        return 0.5 * (low + high), math.nan
-    # On both sides of the zero that a straight line would have: points whose balls reach just to the ends of the gap.
-    ahead, behind = (fall, rise) if at_start > 0.0 else (rise, fall)
     slope = (size_start + size_end) / (end - start)
-    zero = start + size_start / slope
     steepness = slope / max(ahead, behind)
-    if steepness < STEEP:
-        return 0.5 * (low + high), math.nan
-    share = 1.0 / (1.0 + steepness)
-    return zero - share * (zero - low), zero + share * (high - zero)
+    if min(size_start, size_end) <= SIGN or steepness < STEEP:
+        return 1
+    # On both sides of the zero that a straight line would have: points whose balls reach just to the ends of the gap,
+    # and then to one another.
+    zero = start + size_start / slope
+    part = 1.0 / (1.0 + steepness)
+    if room == 1:
+        wider_before = zero - low > high - zero
+        pending[asked] = zero - part * (zero - low) if wider_before else zero + part * (high - zero)
+        return 1
+    pairs = min(room // 2, PAIRS)
+    for pair in range(pairs):
+        pending[asked + pair] = zero - part * (zero - low)
+        pending[asked + 2 * pairs - 1 - pair] = zero + part * (high - zero)
+        part *= (1.0 - steepness) / (1.0 + steepness)
+    return 2 * pairs
 
 
 @kernel(forceinline=True)
@@ -219,7 +237,9 @@ def narrow(start, at_start, end, at_end, third, t, value, precision):
     else:
         third, at_third = end, at_end
         end, at_end = start, at_start
-    error = abs(value * (end - t) / (at_end - value))
+    error = abs(end - t)
+    if value != SIGN:  # which is what is not a number, not what is almost zero
+        error = abs(value * (end - t) / (at_end - value))
     zero = t if error <= precision or abs(end - t) <= precision else math.nan
     if error * error <= ENOUGH * precision * farthest:
         better = estimate(t, value, end, at_end, third, at_third, 0.0)
@@ -238,88 +258,69 @@ def cover(block, row, first, count, o, d, pending, used, tolerance, precision, s
     evaluations = _joints(block, row, first, count, o, d, pending, used, stack)
     last = pending[(used - 1) * COLUMNS + AT_END]
     unresolved = 0.0
-    entries, used = used, 0
-    for entry in range(entries):
-        place = entry * COLUMNS
-        used, found, left = _settle(
-            pending, used, pending[place + START], pending[place + AT_START], pending[place + END],
-            pending[place + AT_END], pending[place + FALL], pending[place + RISE], tolerance, precision, spans, limit,
-            found)
-        unresolved += left
-    patience = PATIENCE + 16 * entries
-    rounds = 0
-    while used > 0 and rounds < patience + LAST:
+    patience = PATIENCE + 16 * used
+    # First the entries as they are, in place; then those of each round with what it evaluated.
+    base, batch, used, rounds = 0, used, 0, 0
+    for entry in range(batch):
+        pending[entry * COLUMNS + POINTS] = 0.0
+    while True:
+        lane = 0
+        for entry in range(base, base + batch):
+            place = entry * COLUMNS
+            start, at_start, end, at_end = (
+                pending[place + START], pending[place + AT_START], pending[place + END], pending[place + AT_END])
+            fall, rise, state = pending[place + FALL], pending[place + RISE], pending[place + STATE]
+            if state != OPEN:
+                t, value = pending[ASKED + lane], signed(stack[VALUES + lane])
+                lane += 1
+                zero, end, at_end, third, at_third = narrow(
+                    start, at_start, end, at_end, fall if state == OLD else math.nan, t, value, precision)
+                if not math.isnan(zero):
+                    found = insert(spans, limit, found, zero)
+                elif min(abs(at_end), abs(at_third)) > SIGN:
+                    used = add(pending, used, t, value, end, at_end, third, at_third, OLD)
+                elif t < end:
+                    used = add(pending, used, t, value, end, at_end, fall, rise, NEW)
+                else:
+                    used = add(pending, used, end, at_end, t, value, fall, rise, NEW)
+                continue
+            for point in range(int(pending[place + POINTS]), -1, -1):
+                t, value = end, at_end
+                if point > 0:
+                    t, value = pending[ASKED + lane], signed(stack[VALUES + lane])
+                    lane += 1
+                used, found, left = _settle(pending, used, start, at_start, t, value, fall, rise, tolerance, precision,
+                                            spans, limit, found)
+                unresolved += left
+                start, at_start = t, value
+        if used == 0 or rounds == patience + LAST:
+            break
         rounds += 1
         if rounds > patience:
             tolerance *= GROWTH
-        # The entries that this round takes stay above those that it leaves, in the last rows of ``pending``.
-        lanes, taken = 0, 0
-        while used > 0 and lanes < LANES:
+        base, batch, lane = PENDING, 0, 0
+        while used > 0 and lane < LANES:
+            room = max((LANES - lane) // used, 1)
             used -= 1
             place = used * COLUMNS
             start, at_start, end, at_end = (
                 pending[place + START], pending[place + AT_START], pending[place + END], pending[place + AT_END])
-            fall, rise = pending[place + FALL], pending[place + RISE]
-            state = pending[place + STATE]
+            fall, rise, state = pending[place + FALL], pending[place + RISE], pending[place + STATE]
+            points = 1
             if state == OLD:
-                t, other = estimate(start, at_start, end, at_end, fall, rise, precision), math.nan
+                pending[ASKED + lane] = estimate(start, at_start, end, at_end, fall, rise, precision)
             elif state == NEW:
-                t, other = first_estimate(start, at_start, end, at_end, fall, rise), math.nan
+                pending[ASKED + lane] = first_estimate(start, at_start, end, at_end, fall, rise)
             else:
-                low, high = _gap(start, at_start, end, at_end, fall, rise)
-                t, other = _points(start, at_start, end, at_end, fall, rise, low, high)
-                if lanes == LANES - 1:
-                    other = math.nan
-            place = (PENDING + taken) * COLUMNS
-            add(pending, PENDING + taken, start, at_start, end, at_end, fall, rise)
-            pending[place + STATE], pending[place + FIRST], pending[place + SECOND] = state, t, other
-            taken += 1
-            _ask(stack, lanes, o, d, t)
-            lanes += 1
-            if not math.isnan(other):
-                _ask(stack, lanes, o, d, other)
-                lanes += 1
-        evaluate(block, row, first, count, stack)
-        evaluations += lanes
-        lane = 0
-        for entry in range(PENDING, PENDING + taken):
-            place = entry * COLUMNS
-            t, other = pending[place + FIRST], pending[place + SECOND]
-            value = signed(stack[VALUES + lane])
-            lane += 1
-            fall, rise = pending[place + FALL], pending[place + RISE]
-            state = pending[place + STATE]
-            if state != OPEN:
-                zero, end, at_end, third, at_third = narrow(
-                    pending[place + START], pending[place + AT_START], pending[place + END], pending[place + AT_END],
-                    fall if state == OLD else math.nan, t, value, precision)
-                if not math.isnan(zero):
-                    found = insert(spans, limit, found, zero)
-                elif min(abs(at_end), abs(at_third)) > SIGN:
-                    used = add(pending, used, t, value, end, at_end, third, at_third)
-                    pending[(used - 1) * COLUMNS + STATE] = OLD
-                else:
-                    if t < end:
-                        used = add(pending, used, t, value, end, at_end, fall, rise)
-                    else:
-                        used = add(pending, used, end, at_end, t, value, fall, rise)
-                    pending[(used - 1) * COLUMNS + STATE] = NEW
-                continue
-            start, at_start = pending[place + START], pending[place + AT_START]
-            used, found, left = _settle(pending, used, start, at_start, t, value, fall, rise, tolerance, precision,
-                                        spans, limit, found)
-            unresolved += left
-            if not math.isnan(other):
-                start, at_start = t, value
-                t, value = other, signed(stack[VALUES + lane])
+                points = _points(pending, lane, room, start, at_start, end, at_end, fall, rise)
+            add(pending, base + batch, start, at_start, end, at_end, fall, rise, state)
+            pending[(base + batch) * COLUMNS + POINTS] = points
+            batch += 1
+            for _ in range(points):
+                _ask(stack, lane, o, d, pending[ASKED + lane])
                 lane += 1
-                used, found, left = _settle(pending, used, start, at_start, t, value, fall, rise, tolerance, precision,
-                                            spans, limit, found)
-                unresolved += left
-            used, found, left = _settle(
-                pending, used, t, value, pending[place + END], pending[place + AT_END], fall, rise, tolerance,
-                precision, spans, limit, found)
-            unresolved += left
+        evaluate(block, row, first, count, stack)
+        evaluations += lane
     for entry in range(used):
         place = entry * COLUMNS
         start, end = pending[place + START], pending[place + END]

@@ -17,14 +17,15 @@ from ..jit import kernel, stack_array, table
 from ..sdf.program import INSTRUCTION
 from ..vec import length
 from .cover import (
-    AT_END, COLUMNS, END, FALL, PENDING, PENDING_SIZE, PRECISION, RESOLUTION, RISE, SIGN, UNKNOWN, add, cover, insert)
+    AT_END, COLUMNS, END, FALL, OPEN, PENDING, PENDING_SIZE, PRECISION, RESOLUTION, RISE, SIGN, UNKNOWN, add, cover,
+    insert)
 from .fields import STACK, lamp_lists
 from .interior import BOUNDARY, INSIDE, lamp_nodes
 from .intervals import solve
 
 WAITING = 2 * 64  # float64 for the boxes that wait on the way down a tree, which never is deeper than 64
 SHORT_PROGRAM = 4  # rows of a list of instructions that is not worth smaller boxes
-SHORT_FIELD = 5  # rows of a list of terms that is not worth smaller boxes where the field is monotonic along the ray
+SHORT_FIELD = 13  # rows of a list of terms that is not worth smaller boxes where the field is monotonic along the ray
 TOGETHER = PENDING // 4  # boxes of a field that are taken together at most
 
 instructions = table("lamp_instructions", INSTRUCTION)
@@ -32,7 +33,8 @@ instructions = table("lamp_instructions", INSTRUCTION)
 
 @kernel
 def _clip(spans, first, count, start, end, inside, limit, found):
-    """Insert what the intervals in rows from ``first`` change from ``start``, where the state is ``inside``, to ``end``.
+    """Insert where the intervals in rows from ``first`` begin and end between ``start``, with the state ``inside``, and
+    ``end``.
 
     Returns (changes found so far, the state at ``end``).
     """
@@ -77,7 +79,7 @@ def walk(block, row, o, d, start, end, spans):
     for axis in range(3):
         ray[axis], ray[3 + axis] = o[axis], d[axis]
 
-    # ``value`` is that of the field at the end of the last box, at least its sign; unknown where ``pending`` asks for it.
+    # ``value`` is that of the field at the end of the last box, or its sign; unknown until ``pending`` is covered.
     value, found, unresolved, evaluations = SIGN, 0, 0.0, 0
     used, list_first, list_count, since = 0, -1, 0, start
     solved_first, solved_count, solved = -1, 0, 0
@@ -147,16 +149,14 @@ def walk(block, row, o, d, start, end, spans):
             if used == 0:
                 list_first, list_count = node.row_first, node.row_count
                 if first:  # nothing tells the sign at the start: a stretch without length asks for it
-                    used = add(pending, used, low, SIGN, low, UNKNOWN, fall, rise)
+                    used = add(pending, used, low, SIGN, low, UNKNOWN, fall, rise, OPEN)
                     value = UNKNOWN
             place = (used - 1) * COLUMNS
-            if math.isnan(value) and not first and (
-                    max(fall, pending[place + FALL]) <= 0.0 or max(rise, pending[place + RISE]) <= 0.0):  # monotonic together
-                pending[place + END] = high
-                pending[place + FALL] = max(fall, pending[place + FALL])
-                pending[place + RISE] = max(rise, pending[place + RISE])
+            both_fall, both_rise = max(fall, pending[place + FALL]), max(rise, pending[place + RISE])
+            if math.isnan(value) and not first and (both_fall <= 0.0 or both_rise <= 0.0):  # monotonic together
+                pending[place + END], pending[place + FALL], pending[place + RISE] = high, both_fall, both_rise
             else:
-                used = add(pending, used, low, value, high, UNKNOWN, fall, rise)
+                used = add(pending, used, low, value, high, UNKNOWN, fall, rise, OPEN)
             value = UNKNOWN
         first = False
         low = high
@@ -174,7 +174,7 @@ def walk(block, row, o, d, start, end, spans):
 
 @kernel
 def crossings(block, row, o, d, start, end, spans):
-    """All intervals of the ray o + s·d, start ≤ s ≤ end, inside the lamp ``row``: (start, end) in the rows of ``spans``.
+    """All intervals of the ray o + s·d, start ≤ s ≤ end, in the lamp ``row``: (start, end) in the rows of ``spans``.
 
     o, d and the stretch of the ray, which lies in the tree's box, are in tree space; d may have any length but zero.
     Returns (count, unresolved): the number of intervals, at most ``row.rows`` and sorted, and the length that was left

@@ -27,7 +27,8 @@ BOXES = 8  # that are bounded together
 SIZE = 8  # rows of a register: bounds of the value, and of each component of the gradient
 ROUNDING = 1e-9  # relative; covers some thousand operations
 
-_NAMES = [*OPERATIONS, "constant", "parameter", "copy", "length", "begin", "end", "select_less", "select_less_equal"]
+_NAMES = [*OPERATIONS, "constant", "parameter", "copy", "length", "scale", "begin", "end", "select_less",
+          "select_less_equal"]
 _CODES = {name: code for code, name in enumerate(_NAMES)}
 
 INSTRUCTION = np.dtype([
@@ -49,10 +50,10 @@ class Tape(NamedTuple):
 class _Writer:
     """Writes the tape of a formula, operands before what uses them.
 
-    A loop is ``begin`` (a: register of the number of rounds, b: how many states, c: the first of their registers, d: the
-    first of those that hold their values before the loop, number: most rounds; out: place of its end), the body, and
-    ``end`` (a and b: registers that are compared, c: whether "less" (1), "less equal" (2), or nothing is (0), d: first of
-    the registers of the next states; out: place of the beginning). Registers of states in turn lie side by side.
+    A loop is ``begin`` (a: register of the number of rounds; b: how many states; c: the first of their registers; d: the
+    first of those with their values before the loop; number: most rounds; out: place of its end), the body, and
+    ``end`` (a and b: registers that are compared; c: 0 for not at all, 1 for "less", 2 for "less equal"; d: the first
+    register of the next states; out: place of the beginning). Registers of states lie side by side.
     """
 
     def __init__(self):
@@ -98,6 +99,9 @@ class _Writer:
             return self.emit("length", *operands, *[operands[0]] * (3 - len(operands)), len(operands))
         if _rewritten(node) is not None:
             return operands[0]
+        if node.kind == "multiply" and any(operand.kind in (CONSTANT, PARAMETER) for operand in node.operands):
+            first = node.operands[0].kind in (CONSTANT, PARAMETER)
+            return self.emit("scale", *(operands[::-1] if first else operands))
         return self.emit(node.kind, *operands)
 
     def _loop(self, node: Formula, operands: list[int], known: dict[Formula, int]) -> int:
@@ -169,11 +173,11 @@ def tape(formula: Formula) -> Tape:
 
 # Codes of the instructions, for the kernels.
 (_NEGATE, _ABS, _SQRT, _SIN, _COS, _TAN, _ASIN, _ACOS, _ATAN, _EXP, _LOG, _FLOOR, _ADD, _SUBTRACT, _MULTIPLY, _DIVIDE,
- _POWER, _ATAN2, _MINIMUM, _MAXIMUM, _CONSTANT, _PARAMETER, _COPY, _LENGTH, _BEGIN, _END, _SELECT_LESS,
+ _POWER, _ATAN2, _MINIMUM, _MAXIMUM, _CONSTANT, _PARAMETER, _COPY, _LENGTH, _SCALE, _BEGIN, _END, _SELECT_LESS,
  _SELECT_LESS_EQUAL) = (_CODES[name] for name in (
      "negate", "abs", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "floor", "add", "subtract",
-     "multiply", "divide", "power", "atan2", "minimum", "maximum", "constant", "parameter", "copy", "length", "begin",
-     "end", "select_less", "select_less_equal"))
+     "multiply", "divide", "power", "atan2", "minimum", "maximum", "constant", "parameter", "copy", "length", "scale",
+     "begin", "end", "select_less", "select_less_equal"))
 DEEPEST_LOOP = 16
 _HALF_TURN, _TURN = math.pi, 2.0 * math.pi
 
@@ -441,6 +445,12 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
             for line in range(SIZE):
                 for box in range(BOXES):
                     registers[out, line, box] = -registers[a, line ^ 1, box]
+        elif op == _SCALE:
+            number = registers[b, 0, 0]
+            swap = 1 if number < 0.0 else 0
+            for line in range(SIZE):
+                for box in range(BOXES):
+                    registers[out, line, box] = _times(registers[a, line ^ swap, box], number)
         elif op == _ABS:
             for box in range(BOXES):
                 low, high = registers[a, 0, box], registers[a, 1, box]

@@ -118,9 +118,10 @@ def _complement(spans, first, count):
 def solve(program, o, d, spans, chosen=None):
     """Sorted, disjoint intervals (start, end) of the ray o + s·d inside the program, in rows from 0; their number.
 
-    ``chosen`` are the indices of the instructions that count, and ``NEGATED``; None for all of them. o and d are in the space the instructions' ``inverse`` starts from. d may have any length but zero; o should be
-    near the shape (``lamps.trace`` moves it there), since the ends are as precise as |o| allows. ``spans`` has at
-    least ``rows_needed(program)`` rows. Slivers of rounding size are left to ``regularize``.
+    ``chosen`` are the indices of the instructions that count, and ``NEGATED``; None for all of them. o and d are in the
+    space the instructions' ``inverse`` starts from. d may have any length but zero; o should be near the shape
+    (``lamps.trace`` moves it there), since the ends are as precise as |o| allows. ``spans`` has at least
+    ``rows_needed(program)`` rows. Slivers of rounding size are left to ``regularize``.
     """
     length = len(program)
     if chosen is not None:

@@ -110,7 +110,7 @@ def _advance(lane, value, rule, lipschitz, speed, size, least, end, out):
 
 @kernel
 def march(block, row, count, rule, lipschitz, least, origins, directions, segments, out):
-    """March rays (n, 3), (n, 3) from segments[:, 0] to segments[:, 1], in tree space, through a field of ``count`` terms.
+    """March rays (n, 3), (n, 3), from segments[:, 0] to segments[:, 1], in tree space; the field has ``count`` terms.
 
     ``least`` is the shortest step, relative to the lamp's size as ``CLAMP`` is. Rows of ``out`` (n, 3) take the number
     of intervals, their length and the number of evaluations of each ray.

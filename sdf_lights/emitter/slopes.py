@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bounds of a field's gradient in the boxes of its interior tree.
 
-They tell how fast the field can fall and rise along a ray through a box, which is less than its Lipschitz bound wherever
-the ray is not square to the surface; and in most boxes on the surface they tell that the field is monotonic along a
-ray, so that the values at both ends are all that has to be known of it (see ``cover``).
+They tell how fast the field can fall and rise along a ray through a box, which is less than its Lipschitz bound
+wherever the ray is not square to the surface; and in most boxes on the surface they tell that the field is monotonic
+along a ray, so that the values at both ends are all that has to be known of it (see ``cover``).
 
 The terms of a box's list are bounded in turn (see ``enclosures``), with a stack of operands. A join f(a, b) has the
 gradient f_a ∇a + f_b ∇b. Where the signs of f_a and f_b are certain, that is |f_a| + |f_b| times an average of ±∇a and
@@ -24,7 +24,7 @@ from ..sdf.shapes.base import Family
 from .enclosures import BOXES, DEEPEST_LOOP, INSTRUCTION, ROUNDING, SIZE, Tape, enclose, product_bounds, tape
 from .fields import DEEPEST, NEGATED, CompiledField
 
-WORK = 1_000_000  # operations on boxes, about 30 ms: deeper boxes have no bounds of their own
+WORK = 2_500_000  # operations on boxes, about 40 ms: of boxes below that there are no bounds of their own
 OVERHEAD = 10.0  # operations that a box costs without any
 TAPES = 1024  # of formulas that are kept
 
@@ -135,8 +135,8 @@ def bound(instructions, places, terms, parameters, lists, first, count, boxes, c
 
 @kernel
 def bound_all(instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out):
-    """As ``bound``, for any number of boxes with the lists from first[i] to first[i] + count[i]: in the order of ``chosen``,
-    where those of the same list follow one another."""
+    """As ``bound``, for any number of boxes i with the lists from first[i] to first[i] + count[i], in the order of
+    ``chosen``: there those of the same list follow one another."""
     start = 0
     while start < len(chosen):
         head, stop = chosen[start], start + 1
@@ -152,9 +152,11 @@ def gradients(field: CompiledField, boxes: np.ndarray, lists: np.ndarray, first:
               count: np.ndarray) -> np.ndarray:
     """Bounds (n, 2, 3), low and high, of the gradient of the lists lists[first:first + count] in boxes (n, 6)."""
     instructions, places, registers = _tapes(field)
+    first, count = first.astype(np.int64), count.astype(np.int64)
+    scratch, stack = np.empty((registers, SIZE, BOXES)), np.empty((DEEPEST, SIZE, BOXES))
     out = np.empty((len(boxes), 2, 3))
-    bound_all(instructions, places, field.terms, field.parameters, lists, first.astype(np.int64), count.astype(np.int64),
-              boxes, np.lexsort((count, first)), np.empty((registers, SIZE, BOXES)), np.empty((DEEPEST, SIZE, BOXES)), out)
+    bound_all(instructions, places, field.terms, field.parameters, lists, first, count, boxes,
+              np.lexsort((count, first)), scratch, stack, out)
     return out
 
 
@@ -172,8 +174,8 @@ def _selected(nodes: np.ndarray, boundary: np.ndarray, work: np.ndarray) -> np.n
 
 @kernel
 def _spread(nodes, boundary, known):
-    """Give the parts of boxes the bounds of the whole if they have the same list, and wholes those of all their parts on
-    the boundary."""
+    """Give the parts of boxes the bounds of the whole, if they have the same list, and wholes those of all their parts
+    on the boundary."""
     for index in range(len(nodes)):
         node = nodes[index]
         if node.first >= 0 and known[index]:

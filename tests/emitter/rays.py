@@ -72,8 +72,7 @@ class Traced:
         closest = -(origins * directions).sum(axis=1) / (directions * directions).sum(axis=1)
         origins = origins + closest[:, None] * directions
         with np.errstate(divide="ignore", invalid="ignore"):
-            ends = np.sort([(self.rows[0]["low"] - origins) / directions, (self.rows[0]["high"] - origins) / directions],
-                           axis=0)
+            ends = np.sort([(corner - origins) / directions for corner in (-self.tree.half, self.tree.half)], axis=0)
         ends = np.where(np.isnan(ends), [[[-np.inf]], [[np.inf]]], ends)  # along a face: within
         return origins, directions, np.stack([np.maximum(ends[0].max(axis=1), -closest), ends[1].min(axis=1)], axis=1)
 
@@ -98,7 +97,7 @@ class Traced:
         return self.spans[:int(out[0, 0])] - ((o - self.tree.center) * d).sum()
 
 
-@kernel(cache=False)
+@kernel
 def _trace(blocks, rows, origins, directions, segments, smallest, spans, out):
     block, row = blocks[0], rows[0]
     for ray in range(len(origins)):
@@ -107,13 +106,12 @@ def _trace(blocks, rows, origins, directions, segments, smallest, spans, out):
         if segments[ray, 0] < segments[ray, 1]:
             count, unresolved, evaluations = crossings.walk(
                 block, row, o, d, segments[ray, 0], segments[ray, 1], spans)
-            if row.instruction_count > 0:
-                count = regularize(spans, count, smallest)
+            count = regularize(spans, count, smallest)
             out[ray, 0], out[ray, 2], out[ray, 3] = count, unresolved, evaluations
             for k in range(count):
                 out[ray, 1] += spans[k, 1] - spans[k, 0]
 
 
-@kernel(cache=False)
+@kernel
 def _march(blocks, rows, count, rule, lipschitz, least, origins, directions, segments, out):
     marching.march(blocks[0], rows[0], count, rule, lipschitz, least, origins, directions, segments, out)
