@@ -21,7 +21,7 @@ def following(state):
 
 
 @kernel
-def _bits(state):
+def bits(state):
     """The 64 random bits that belong to a state."""
     z = state
     z = (z ^ (z >> np.uint64(30))) * _FIRST
@@ -32,16 +32,16 @@ def _bits(state):
 @kernel
 def uniform(state):
     """The number in [0, 1) that belongs to a state, of 53 random bits."""
-    return (_bits(state) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
+    return (bits(state) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
 
 
 @kernel
 def uniform_point(state):
     """Three numbers in [0, 1) that belong to a state, of 21 random bits each."""
-    bits = _bits(state)
+    number = bits(state)
     scale = 1.0 / 2097152.0
-    return ((bits >> np.uint64(43)) * scale, (bits >> np.uint64(22) & np.uint64(2097151)) * scale,
-            (bits & np.uint64(2097151)) * scale)
+    return ((number >> np.uint64(43)) * scale, (number >> np.uint64(22) & np.uint64(2097151)) * scale,
+            (number & np.uint64(2097151)) * scale)
 
 
 @kernel

@@ -31,21 +31,21 @@ from ..sdf.read_interval import Arithmetic, Boxes, run
 from ..sdf.read_native import evaluate
 from ..sdf.shapes.base import Shape
 from .fields import DEEPEST, LANES, LIST, STACK, TERM, VALUES, CompiledField, compile_terms
+from .hashing import bits, following
 from .intervals import rows_needed
 from .membership import BOX, CONE, CYLINDER, FRUSTUM, HALF_SPACE
 from .pruning import prune_field, prune_program
 from .slopes import fill_gradients
 
-NODE = np.dtype([
-    ("first", np.int32),  # index of the two children, below the split and above it; −1 for a leaf
-    ("axis", np.int32),  # that the children divide
-    ("split", np.float64),  # where, in tree space
-    ("state", np.int32),
+NODE = np.dtype([  # 64 bytes: a line of the cache
+    ("split", np.float64),  # where the two children meet, in tree space
+    ("first", np.int32),  # index of the children, below the split and above it; −1 for a leaf
     ("row_first", np.int32),  # the list of what matters in this box; no rows where the state is certain
     ("row_count", np.int32),
+    ("axis", np.int8),  # that the children divide
+    ("state", np.int8),
     ("lipschitz", np.float64),  # bound of the field of the list in this box; of no meaning for programs
     ("gradient", np.float32, (2, 3)),  # bounds of the field's gradient in this box, see ``slopes``; as lipschitz
-    ("share", np.float64),  # of the child below the split in the mass
     ("mass", np.float64),  # m³ of the boxes below that are not certainly outside
 ], align=True)
 
@@ -53,7 +53,8 @@ OUTSIDE, INSIDE, BOUNDARY = 0, 1, 2  # state of a node: of all points of its box
 
 TABLES = {"lamp_nodes": NODE}
 
-MOST_NODES = 1 << 15
+MOST_NODES = 1 << 15  # of a tree …
+NODES_A_PART = 128  # … or so many for each term or instruction, where that is more
 MOST_ROWS = 1 << 21  # of all lists together
 RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the boundary are not divided below it …
 ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
@@ -103,25 +104,36 @@ def _divide(nodes, boxes, levels, used, index, axis, position):
     node.first, node.axis, node.split = place, axis, position
     for side in range(2):
         child = nodes[place + side]
-        child.first, child.axis, child.split, child.share = -1, 0, 0.0, 0.5
+        child.first, child.axis, child.split = -1, 0, 0.0
         child.state, child.lipschitz = BOUNDARY, node.lipschitz
         child.row_first, child.row_count = node.row_first, node.row_count
     return place
 
 
 @kernel
-def _store(nodes, index, before, lists, used, parts, count):
-    """Give a node the list ``parts`` of ``count`` rows, or share that of the node ``before`` where it is the same."""
-    node, other = nodes[index], nodes[before]
+def _store(nodes, index, lists, known, used, parts, count):
+    """Give a node the list ``parts`` of ``count`` rows. The same list is stored once, and so known by where it is.
+
+    ``known`` is a hash table with open addressing: a power of two of places, each −1 or a node that has a list.
+    """
+    node = nodes[index]
     node.row_count = count
-    same = before != index and other.row_count == count
-    row = 0
-    while same and row < count:
-        same = lists[other.row_first + row] == parts[row]
-        row += 1
-    if same:
-        node.row_first = other.row_first
-        return
+    state = np.uint64(count)
+    for row in range(count):
+        state = following(state) ^ np.uint64(parts[row])
+    place = np.int64(bits(state) & np.uint64(len(known) - 1))
+    while known[place] >= 0:
+        other = nodes[known[place]]
+        same = other.row_count == count
+        row = 0
+        while same and row < count:
+            same = lists[other.row_first + row] == parts[row]
+            row += 1
+        if same:
+            node.row_first = other.row_first
+            return
+        place = (place + 1) & (len(known) - 1)
+    known[place] = index
     node.row_first = used[1]
     lists[used[1]:used[1] + count] = parts[:count]
     used[1] += count
@@ -179,11 +191,12 @@ def _eighths(box, axes, position):
 
 
 @kernel
-def grow_field(terms, parameters, cares, gains, columns, bounds, nodes, boxes, levels, lists, used, mass, first, last,
-               smallest):
+def grow_field(terms, parameters, cares, gains, columns, bounds, nodes, boxes, levels, lists, known, used, mass, first,
+               last, smallest):
     """Divide the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
 
-    ``levels`` holds the depth of each node, ``used`` the numbers of nodes and of rows of lists in use. ``cares``,
+    ``levels`` holds the depth of each node, ``known`` the lists (see ``_store``), ``used`` the numbers of nodes and of
+    rows of lists in use, ``mass`` the volumes of all leaves that are full and of those on the boundary. ``cares``,
     ``gains``, ``columns`` and the rows of ``bounds``, one for each node, are those of ``pruning.prune_field``.
     """
     stack = stack_array(STACK)
@@ -212,7 +225,7 @@ def grow_field(terms, parameters, cares, gains, columns, bounds, nodes, boxes, l
             node.lipschitz = max(slopes.max(), 0.0)
             _settle(nodes, boxes, index, common, mass)
             continue
-        before, begin = index, used[0]
+        begin = used[0]
         half = _divide(nodes, boxes, levels, used, index, axes[0], _middle(boxes[index], axes[0]))
         for lane in range(0, LANES, 4):
             part = half + lane // 4
@@ -233,8 +246,7 @@ def grow_field(terms, parameters, cares, gains, columns, bounds, nodes, boxes, l
                     _settle(nodes, boxes, leaf, states[pair + side], mass)
                     nodes[leaf].lipschitz = slopes[pair + side]
                     if states[pair + side] == BOUNDARY:
-                        _store(nodes, leaf, before, lists, used, out[pair + side], lengths[pair + side])
-                        before = leaf
+                        _store(nodes, leaf, lists, known, used, out[pair + side], lengths[pair + side])
         for child in range(begin, used[0]):
             bounds[child] = bounds[index]
 
@@ -303,7 +315,7 @@ def _best_axis(program, lists, nodes, boxes, index, place, out, starts):
 
 
 @kernel
-def grow_program(program, nodes, boxes, levels, lists, used, mass, smallest):
+def grow_program(program, nodes, boxes, levels, lists, known, used, mass, smallest):
     """Divide the boxes of a program's tree in two, the largest first: along a flat face where there is one, else in the
     middle of the axis that makes the most volume certain. Arguments as of ``grow_field``."""
     out, starts = np.empty(len(program), LIST), np.empty(DEEPEST, np.int64)
@@ -327,15 +339,13 @@ def grow_program(program, nodes, boxes, levels, lists, used, mass, smallest):
             count, inside, outside = _pruned(program, lists, node, boxes[child], out, starts)
             _settle(nodes, boxes, child, INSIDE if inside else OUTSIDE if outside else BOUNDARY, mass)
             if nodes[child].state == BOUNDARY:
-                _store(nodes, child, parent, lists, used, out, count)
+                _store(nodes, child, lists, known, used, out, count)
 
 
 @kernel
-def finish(nodes, boxes, count):
-    """Join children that are both empty or both full, sum the masses, and leave out nodes that nothing leads to.
-
-    Returns the number of nodes that are left, in the order they were in.
-    """
+def finish(nodes, boxes, count, kept_nodes, kept_boxes):
+    """Join children that are both empty or both full, sum the masses, and copy what the root leads to, depth first:
+    the nodes that a ray passes after one another lie close together. Returns the number of nodes."""
     for index in range(count - 1, -1, -1):
         node = nodes[index]
         if node.first < 0:
@@ -343,26 +353,24 @@ def finish(nodes, boxes, count):
             continue
         left, right = nodes[node.first], nodes[node.first + 1]
         node.mass = left.mass + right.mass
-        node.share = left.mass / node.mass if node.mass > 0.0 else 0.5
         node.lipschitz = min(node.lipschitz, max(left.lipschitz, right.lipschitz))
         if left.first < 0 and right.first < 0 and left.state == right.state and left.state != BOUNDARY:
             node.first, node.state, node.row_count = -1, left.state, 0
-    place = np.full(count, -1)
-    place[0] = 0
-    kept = 0
-    for index in range(count):
-        if place[index] < 0:
+    waiting = np.empty(MOST_LEVELS + 2, np.int64)
+    kept_nodes[0], kept_boxes[0] = nodes[0], boxes[0]
+    waiting[0] = 0
+    kept, depth = 1, 1
+    while depth > 0:
+        depth -= 1
+        node = kept_nodes[waiting[depth]]
+        if node.first < 0:
             continue
-        place[index] = kept
-        first = nodes[index].first
-        if first >= 0:
-            place[first] = place[first + 1] = 0
-        nodes[kept] = nodes[index]
-        boxes[kept] = boxes[index]
-        kept += 1
-    for index in range(kept):
-        if nodes[index].first >= 0:
-            nodes[index].first = place[nodes[index].first]
+        for side in range(2):
+            kept_nodes[kept + side], kept_boxes[kept + side] = nodes[node.first + side], boxes[node.first + side]
+            waiting[depth + side] = kept + 1 - side
+        node.first = kept
+        kept += 2
+        depth += 2
     return kept
 
 
@@ -382,14 +390,15 @@ def tree_point(nodes, low, high, u1, u2, u3):
     index = 0
     while nodes[index].first >= 0:
         node = nodes[index]
+        share = nodes[node.first].mass / node.mass
         if node.axis == 0:
-            side, u1 = _warp(u1, node.share)
+            side, u1 = _warp(u1, share)
             x0, x1 = (node.split, x1) if side else (x0, node.split)
         elif node.axis == 1:
-            side, u2 = _warp(u2, node.share)
+            side, u2 = _warp(u2, share)
             y0, y1 = (node.split, y1) if side else (y0, node.split)
         else:
-            side, u3 = _warp(u3, node.share)
+            side, u3 = _warp(u3, share)
             z0, z1 = (node.split, z1) if side else (z0, node.split)
         index = node.first + side
     return (x0 + u1 * (x1 - x0), y0 + u2 * (y1 - y0), z0 + u3 * (z1 - z0)), index
@@ -441,7 +450,7 @@ class Tree:
         return (middle - extent).min(axis=0), (middle + extent).max(axis=0)
 
 
-def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, used, mass, smallest: float) -> None:
+def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used, mass, smallest: float) -> None:
     """Grow the tree of a field, from its root.
 
     Lipschitz bounds that are not known for all of space are found for boxes, the largest first; parts of a box inherit
@@ -458,7 +467,7 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, used, mass, 
         if len(unknown) and work > 0:
             work -= _find_bounds(field, unknown, nodes, boxes, lists, np.arange(first, last), mass, bounds, work)
         grow_field(terms, field.parameters, field.cares, field.gains, columns, bounds, nodes, boxes, levels, lists,
-                   used, mass, first, last, smallest)
+                   known, used, mass, first, last, smallest)
         first, last = last, int(used[0])
 
 
@@ -531,11 +540,13 @@ def tree(shape: Shape) -> Tree:
         field = compile_terms(shape.terms(matrix, 1.0))
     if (rows_needed(program)[1] if field is None else field.depth) > DEEPEST:
         raise TreeError("its shape has too many parts inside one another: simplify it.")
-    nodes = np.zeros(MOST_NODES, NODE)
-    boxes = np.empty((MOST_NODES, 6))
-    levels = np.zeros(MOST_NODES, np.int64)
-    lists = np.empty(MOST_ROWS, LIST)
     size = len(program) or len(field.terms)
+    limit = 1 << max(MOST_NODES, NODES_A_PART * size).bit_length() - 1
+    nodes = np.zeros(limit, NODE)
+    boxes = np.empty((limit, 6))
+    levels = np.zeros(limit, np.int64)
+    lists = np.empty(MOST_ROWS, LIST)
+    known = np.full(2 * limit, -1)
     used, mass = np.array([1, size]), np.array([0.0, np.prod(2.0 * half)])
     boxes[0] = [*-half, *half]
     nodes["first"] = -1
@@ -544,16 +555,17 @@ def tree(shape: Shape) -> Tree:
     smallest = RESOLUTION * 2.0 * half.max()
     guessed = False
     if field is None:
-        grow_program(program, nodes, boxes, levels, lists, used, mass, smallest)
+        grow_program(program, nodes, boxes, levels, lists, known, used, mass, smallest)
     else:
-        _grow_levels(field, nodes, boxes, levels, lists, used, mass, smallest)
+        _grow_levels(field, nodes, boxes, levels, lists, known, used, mass, smallest)
         guessed = _guess(shape, center, nodes[:used[0]], boxes)
-    count = finish(nodes, boxes, int(used[0]))
+    kept, kept_boxes = np.empty_like(nodes), np.empty_like(boxes)
+    count = finish(nodes, boxes, int(used[0]), kept, kept_boxes)
+    nodes, boxes, lists = kept[:count].copy(), kept_boxes[:count].copy(), lists[:used[1]].copy()
     if field is not None and shape.certified and not guessed:
-        fill_gradients(field, nodes[:count], nodes["state"][:count] == BOUNDARY, boxes[:count], lists[:used[1]])
+        fill_gradients(field, nodes, nodes["state"] == BOUNDARY, boxes, lists)
     else:
         nodes["gradient"] = [[-np.inf], [np.inf]]
-    arrays = [nodes[:count].copy(), lists[:used[1]].copy(), boxes[:count].copy()]
-    for array in arrays:
+    for array in (nodes, lists, boxes):
         array.flags.writeable = False
-    return Tree(center, half, arrays[0], arrays[1], arrays[2], program, field, shape.certified and not guessed)
+    return Tree(center, half, nodes, lists, boxes, program, field, shape.certified and not guessed)

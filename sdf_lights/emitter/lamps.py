@@ -252,7 +252,15 @@ def pack_lamps(built: list[BuiltLamp]) -> dict[str, np.ndarray]:
         for field, value in zip(("first_instruction", "instruction_count", "first_term", "first_node", "node_count",
                                  "first_list"), places[key]):
             row[field] = value
-    return {**{name: np.concatenate(arrays) for name, arrays in parts.items()}, "lamps": rows}
+    return {**{name: _joined(arrays) for name, arrays in parts.items()}, "lamps": rows}
+
+
+def _joined(arrays: list[np.ndarray]) -> np.ndarray:
+    """The arrays one after the other, from the beginning of a line of the cache on: a node of a tree takes one."""
+    rows, dtype = sum(map(len, arrays)), arrays[0].dtype
+    memory = np.empty(rows * dtype.itemsize + 64, np.uint8)
+    start = -memory.ctypes.data % 64
+    return np.concatenate(arrays, out=memory[start:start + rows * dtype.itemsize].view(dtype))
 
 
 def pack_scalars(built: list[BuiltLamp]) -> dict[str, int]:
