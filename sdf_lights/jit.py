@@ -53,7 +53,8 @@ def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
         root = path.parents[len(dots) - 1] if dots.startswith(".") else pathlib.Path(__file__).parent
         base = root.joinpath(*filter(None, module.split(".")))
         candidates = [base.with_suffix(".py"), base / "__init__.py"]
-        candidates += [base / f"{name}.py" for name in re.findall(r"\w+", names)]
+        for name in re.findall(r"\w+", names):
+            candidates += [base / f"{name}.py", base / name / "__init__.py"]
         found.update(candidate for candidate in candidates if candidate.is_file())
     return frozenset(found)
 
