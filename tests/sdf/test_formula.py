@@ -198,9 +198,10 @@ def test_a_deep_formula_is_read_without_recursion():
 def test_text():
     assert read_text.text(Torus().formula()) == "a0 = sqrt(x * x + y * y) - k0\nsqrt(a0 * a0 + z * z) - k1"
     assert read_text.text(x - (y - z)) == "x - (y - z)"
-    # Factors stand in the order in which their product was first made, here or in another test.
-    assert read_text.text((x + y) * -z / (x * 3.0)) in ("-(z * (x + y) / (x * 3))", "-((x + y) * z / (x * 3))",
-                                                        "-(z * (x + y) / (3 * x))", "-((x + y) * z / (3 * x))")
+    # What commutes stands in the order in which it was first made, here or in another test.
+    sums, thirds = ("(x + y)", "(y + x)"), ("(x * 3)", "(3 * x)")
+    products = [text for total in sums for text in (f"z * {total}", f"{total} * z")]
+    assert read_text.text((x + y) * -z / (x * 3.0)) in {f"-({p} / {t})" for p in products for t in thirds}
     assert read_text.text(f.exp(-x) * y) == "exp(-x) * y"
     assert read_text.text(-(x + 1.0) - f.select(x <= 0.1, -2.0, y)) == "-(x + 1) - select(x <= 0.1, -2, y)".replace(
         "0.1", f"{0.1:.17g}")
