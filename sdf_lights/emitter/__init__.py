@@ -4,8 +4,8 @@
 
 from .lamps import (
     SCALARS, TABLES, LampError, build_lamp, crosses, direction_pdf, doubts, new_spans, pack_lamps, pack_scalars,
-    radiance, sample_direction, trace, unresolved)
+    radiance, sample_direction, trace, unresolved, varies)
 
 __all__ = [
     "SCALARS", "TABLES", "LampError", "build_lamp", "crosses", "direction_pdf", "doubts", "new_spans", "pack_lamps",
-    "pack_scalars", "radiance", "sample_direction", "trace", "unresolved"]
+    "pack_scalars", "radiance", "sample_direction", "trace", "unresolved", "varies"]

@@ -55,7 +55,8 @@ LAMP = np.dtype([
     ("reach", np.float64),  # radius of the bounding sphere around the centre
     ("volume", np.float64),  # m³, in the world
     ("volume_error", np.float64),  # bound on the relative error of the volume; 0 where it has a closed form
-    ("emission", np.float64, (3,)),  # ρ, W/(sr·m³)
+    ("emission", np.float64, (3,)),  # ρ, W/(sr·m³): its mean over the volume
+    ("glow", np.int64),  # −1: ρ is the same everywhere
     ("power", np.float64),  # W, mean of the colour channels: 4π V ρ
     ("visibility", np.int64),  # render.scene.Ray
     ("kind", np.int64),
@@ -147,6 +148,7 @@ def build_lamp(name: str, shape, matrix: np.ndarray, power: float = 10.0, densit
     row["volume"], row["volume_error"] = volume, error / local_volume
     row["emission"] = color * (power / (4.0 * math.pi * volume) if density is None else density)
     row["power"] = 4.0 * math.pi * volume * row["emission"].mean()
+    row["glow"] = -1
     row["visibility"] = int(visibility)
     relative = matrix.copy()
     relative[:3, 3] -= row["center"][0]
@@ -415,8 +417,17 @@ def direction_pdf(block, lamp, x, n, d, spans, count):
 
 
 @kernel
-def radiance(block, lamp, spans, count, t_min, t_max):
-    """Line integral of the emission over the traced intervals between the distances t_min and t_max: RGB."""
+def varies(block, lamp):
+    """Whether the emission of a lamp differs from point to point."""
+    return lamps(block)[lamp].glow >= 0
+
+
+@kernel
+def radiance(block, lamp, x, d, spans, count, t_min, t_max, u):
+    """Line integral of the emission along x + t·d over the traced intervals, between the distances t_min and t_max: RGB.
+
+    Where the emission varies it is an unbiased estimate, from one uniform number u; else u and the ray do not matter.
+    """
     total = 0.0
     for index in range(count):
         c, h = spans[index, 0], spans[index, 1]

@@ -144,7 +144,7 @@ def test_an_ellipsoid_is_a_stretched_ball():
 @kernel
 def _radiance(blocks, o, d, t_min, t_max, spans):
     count = lamps.trace(blocks[0], 0, o, d, spans)
-    return lamps.radiance(blocks[0], 0, spans, count, t_min, t_max)
+    return lamps.radiance(blocks[0], 0, o, d, spans, count, t_min, t_max, 0.5)
 
 
 @kernel

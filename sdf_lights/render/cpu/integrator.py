@@ -40,8 +40,8 @@ SCALARS = [
 ]
 
 # Sets of random numbers: two for the camera, then so many for each vertex of a path.
-CAMERA_SETS, VERTEX_SETS = 2, 3
-LIGHT_SET, SCATTER_SET, ROULETTE_SET = range(3)
+CAMERA_SETS, VERTEX_SETS = 2, 4
+LIGHT_SET, SCATTER_SET, ROULETTE_SET, EMISSION_SET = range(4)
 
 # Relative step off a surface: some tens of float32 roundings, as Embree sees the scene in float32.
 OFFSET = 2.0**-18
@@ -130,15 +130,18 @@ def _beyond(t_hit):
 
 
 @kernel
-def visible_lamp(block, workspace, lamp, spans, count, start, direction):
-    """Radiance (RGB) of a lamp along a ray, as far as no surface hides it: surfaces may stand inside a lamp."""
+def visible_lamp(block, workspace, lamp, x, direction, spans, count, start, u):
+    """Radiance (RGB) of a lamp along a ray from x, as far as no surface hides it: surfaces may stand inside a lamp.
+
+    ``start`` is x moved off its surface; u is for ``lamps.radiance``.
+    """
     t_end = spans[count - 1, 0] + spans[count - 1, 1]
     total, weight, t_from = BLACK, (1.0, 1.0, 1.0), 0.0
     for _ in range(block.transparent_bounces + 1):
         mask = SHADOW_OPAQUE | SHADOW_TRANSPARENT if block.transparent_shadows else SHADOW_OPAQUE
         found = intersect(block, workspace, start, direction, t_from, t_end, mask)
         t_to = float(ray_table(workspace)[0].t_far) if found else t_end
-        total = add(total, mul(weight, lamps.radiance(block, lamp, spans, count, t_from, t_to)))
+        total = add(total, mul(weight, lamps.radiance(block, lamp, x, direction, spans, count, t_from, t_to, u)))
         if not found or not block.transparent_shadows:
             break
         weight = mul(weight, _pass_through(block, workspace, direction))
@@ -191,7 +194,7 @@ def light_vertex(block, workspace):
         if count == 0:
             return
         pdf = chance * lamps.direction_pdf(block, emitter, x, n, wi, spans, count)
-        radiance = visible_lamp(block, workspace, emitter, spans, count, leave(x, ng, wi), wi)
+        radiance = visible_lamp(block, workspace, emitter, x, wi, spans, count, leave(x, ng, wi), u0)
         if largest(radiance) > 0.0:
             contribute(block, workspace, mul(weight, radiance), 1.0 / (pdf + scatter_pdf), True, scatters)
         return
@@ -241,7 +244,8 @@ def gather_lamps(block, workspace, t_to):
         count = lamps.trace(block, lamp, origin, direction, spans)
         if count == 0:
             continue
-        radiance = lamps.radiance(block, lamp, spans, count, path.t_min, t_to)
+        u = draw1(path.index, path.seed, path.dimension + EMISSION_SET) if lamps.varies(block, lamp) else 0.5
+        radiance = lamps.radiance(block, lamp, origin, direction, spans, count, path.t_min, t_to, u)
         if largest(radiance) <= 0.0:
             continue
         pdf = 0.0
