@@ -16,9 +16,9 @@ _CACHE = "SDF_LIGHTS_CACHE"
 
 def _modules():
     """Modules with ``CLASSES`` and ``register()``/``unregister()``, in order of registration."""
-    from . import engine, operators, panels, passes, preferences, properties
+    from . import engine, operators, panels, passes, preferences, properties, viewport
 
-    return preferences, properties, passes, engine, operators, panels
+    return preferences, properties, passes, viewport, engine, operators, panels
 
 
 def register():

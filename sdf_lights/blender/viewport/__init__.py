@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps in the viewport: see README.md."""
+
+from __future__ import annotations
+
+import atexit
+import traceback
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import properties
+
+CLASSES = properties.CLASSES
+
+_overlay = None  # made at the first redraw: there is no graphics context in the background
+_failure = ""
+_handles: list = []
+
+
+def proxy_error(light: bpy.types.Light) -> str:
+    """Why the lamp is not shown in the viewport, or only its box: a sentence, or an empty string."""
+    if _failure:
+        return _failure
+    return _overlay.errors.get(light.name_full, "") if _overlay is not None else ""
+
+
+def _guarded(draw):
+    """A draw handler that says once what went wrong, and leaves the viewport as it is."""
+
+    def handler():
+        global _failure
+        try:
+            draw()
+        except Exception as error:
+            if not _failure:
+                traceback.print_exc()
+            _failure = f"Lamps could not be drawn in the viewport ({type(error).__name__}: {error})."
+
+    return handler
+
+
+def _before_scene():
+    global _overlay
+    if _overlay is None:
+        from .overlay import Overlay
+
+        _overlay = Overlay()
+    _overlay.before_scene()
+
+
+def _after_scene():
+    _overlay.after_scene(bpy.context)
+
+
+def _labels():
+    _overlay.labels(bpy.context)
+
+
+@persistent
+def _changed(*_):
+    if _overlay is not None:
+        _overlay.changed()
+
+
+@persistent
+def _forget(*_):
+    if _overlay is not None:
+        _overlay.forget()
+
+
+_HANDLERS = [
+    *((name, _changed) for name in ("depsgraph_update_post", "frame_change_post", "undo_post", "redo_post", "load_post")),
+    ("load_pre", _forget)]
+
+
+def register():
+    properties.register()
+    draw = bpy.types.SpaceView3D.draw_handler_add
+    for function, event in ((_before_scene, "PRE_VIEW"), (_after_scene, "POST_VIEW"), (_labels, "POST_PIXEL")):
+        _handles.append(draw(_guarded(function), (), "WINDOW", event))
+    for name, function in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(function)
+    atexit.register(_forget)
+
+
+def unregister():
+    global _overlay, _failure
+    for handle in _handles:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    _handles.clear()
+    for name, function in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(function)
+    atexit.unregister(_forget)
+    _forget()
+    _overlay, _failure = None, ""
+    properties.unregister()

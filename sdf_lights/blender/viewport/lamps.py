@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lamps of a dependency graph as plain data, which nothing that Blender frees or moves can upset."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import bpy
+
+from ...render.errors import RenderError
+from ...render.scene import Lamp, Ray
+from ..sync.common import is_finite, matrix_of
+from ..sync.lights import light_of
+
+
+class Placed(NamedTuple):
+    """A lamp in its place. ``owner``: name of the object that is selected for it, which is the instancer of an instance.
+    ``light``: name of its Light. ``key`` tells it from all others, from one redraw to the next."""
+
+    lamp: Lamp
+    owner: str
+    light: str
+    key: str
+
+
+class Collected(NamedTuple):
+    """``errors``: sentences on lamps that cannot be used, by the name of their Light."""
+
+    lamps: list[Placed]
+    errors: dict[str, str]
+
+
+def is_lamp(obj: bpy.types.Object) -> bool:
+    return obj.type == "LIGHT" and obj.data.sdf_lamp.use
+
+
+def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
+    """Every lamp, also as an instance, with its transform in the world."""
+    found = Collected([], {})
+    for item in depsgraph.object_instances:
+        # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
+        obj = item.object
+        if not item.show_self or not is_lamp(obj):
+            continue
+        light = obj.data.original.name_full
+        matrix = matrix_of(item.matrix_world)
+        try:
+            if not is_finite(matrix):
+                raise RenderError(f"Lamp '{obj.name}' has a transform that is not made of finite numbers: clear it.")
+            lamp = light_of(obj, matrix, Ray.ALL, lambda warning: None)
+        except RenderError as error:
+            found.errors[light] = str(error)
+            continue
+        owner = item.parent if item.is_instance and item.parent is not None else obj
+        owner = owner.original.name_full
+        key = f"{owner}/{obj.original.name_full}/{tuple(item.persistent_id) if item.is_instance else ''}"
+        found.lamps.append(Placed(lamp, owner, light, key))
+    return found

@@ -1,0 +1,332 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps in every 3D viewport: draw handlers, and what they keep from one redraw to the next.
+
+Before the scene is drawn, Blender binds the frame buffer of the scene's colours, which are linear and not yet those of the
+display. It is kept until the scene is there, and the glow is added to it: so the view transform, exposure and look of
+the viewport apply to lamps as to all else. Outlines and boxes go into the frame buffer of the overlays.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+
+import blf
+import bpy
+import gpu
+import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix, Vector
+
+from ..naming import ENGINE
+from ...render.scene import Lamp, Ray
+from . import rendered, shaders
+from .facts import Facts, FactFinder
+from .lamps import Collected, Placed, collect
+from .painter import EDGES, Depth, Drawn, Painter, View, radiance_per_metre
+
+# Seconds that compiling may take in one redraw before the rest waits for the next; one shader is always compiled.
+COMPILE_BUDGET = 0.03
+# Seconds without a change after which the view counts as still.
+STILL = 0.25
+POLL = 0.1
+# Radiance of a lamp where it is as thick as its box is on average, in Solid shading.
+SHAPE_RADIANCE = 1.5
+OUTLINE_WIDTH = 1.5
+
+
+class _Targets:
+    """Textures that lamps are drawn into before they come to the screen, by size."""
+
+    def __init__(self):
+        self._kept: OrderedDict[tuple[int, int], tuple] = OrderedDict()
+
+    def get(self, size: tuple[int, int]):
+        if size not in self._kept:
+            glow, mask = (gpu.types.GPUTexture(size, format=kind) for kind in ("RGBA16F", "RGBA8"))
+            self._kept[size] = gpu.types.GPUFrameBuffer(color_slots=(glow, mask)), glow, mask
+            while len(self._kept) > 4:
+                self._kept.popitem(last=False)
+        self._kept.move_to_end(size)
+        return self._kept[size]
+
+
+class Overlay:
+    """All that the draw handlers keep. Nothing of it belongs to a file: ``forget`` may be called at any time."""
+
+    def __init__(self):
+        self.painter, self.finder = Painter(), FactFinder()
+        self.errors: dict[str, str] = {}
+        self._targets = _Targets()
+        self._scene_buffer = None
+        self._collected: dict[tuple, Collected] = {}
+        self._announced: set = set()
+        self._labels: dict[int, list[tuple[np.ndarray, str]]] = {}
+        self._views: dict[int, tuple] = {}  # what a region showed, and since when
+
+    # -- events --------------------------------------------------------------------------------------------------
+
+    def changed(self) -> None:
+        """Something in the file may have changed."""
+        self._collected.clear()
+
+    def forget(self) -> None:
+        self.finder.stop()
+        self._collected.clear()
+        self._labels.clear()
+        self._views.clear()
+        self.errors.clear()
+
+    # -- drawing -------------------------------------------------------------------------------------------------
+
+    def before_scene(self) -> None:
+        self._scene_buffer = gpu.state.active_framebuffer_get()
+
+    def after_scene(self, context) -> None:
+        scene_buffer, self._scene_buffer = self._scene_buffer, None
+        region, space = context.region, context.space_data
+        settings = context.scene.sdf_lights_overlay
+        self._labels.pop(region.as_pointer(), None)
+        if not settings.show_lamps or not _shows_lamps(space):
+            return
+        placed = self._visible(context)
+        if not placed:
+            return
+        overlay_buffer = gpu.state.active_framebuffer_get()
+        view = _view_of(context, overlay_buffer)
+        drawn, boxes = self._prepare(placed, context)
+        moving = self._is_moving(region, view, drawn)
+        scale = int(settings.resolution) * (2 if moving and settings.coarse_motion else 1)
+        if drawn:
+            depth = None if _sees_through(space) else _scene_depth(overlay_buffer, view, drawn, scale)
+            self._draw(drawn, view, depth, scale, scene_buffer or overlay_buffer, overlay_buffer, context)
+        if boxes and space.overlay.show_overlays:
+            _draw_boxes(boxes, view)
+            self._labels[region.as_pointer()] = [
+                (item.lamp.matrix[:3, :3] @ (0.5 * (facts.low + facts.high)) + item.lamp.matrix[:3, 3], text)
+                for item, facts, text in boxes]
+
+    def labels(self, context) -> None:
+        """Words beside the boxes of lamps that are not drawn otherwise."""
+        region = context.region
+        for place, text in self._labels.get(region.as_pointer(), ()):
+            at = location_3d_to_region_2d(region, context.region_data, Vector(place))
+            if at is not None:
+                blf.size(0, 11.0 * context.preferences.system.ui_scale)
+                blf.color(0, 1.0, 1.0, 1.0, 0.8)
+                blf.position(0, at.x, at.y, 0.0)
+                blf.draw(0, text)
+
+    def _visible(self, context) -> list[Placed]:
+        depsgraph, space = context.evaluated_depsgraph_get(), context.space_data
+        key = context.scene.name_full, context.view_layer.name
+        if key not in self._collected:
+            self._collected[key] = collect(depsgraph)
+            self.errors = dict(self._collected[key].errors)
+        found = []
+        shown: dict[str, bool] = {}
+        for item in self._collected[key].lamps:
+            if item.owner not in shown:
+                owner = context.view_layer.objects.get(item.owner)
+                shown[item.owner] = owner is None or owner.visible_in_viewport_get(space)
+            if shown[item.owner] and not rendered.draws(context, item):
+                found.append(item)
+        return found
+
+    def _prepare(self, placed: list[Placed], context):
+        """Lamps to raymarch, and those of which only the box is drawn, with a word on why."""
+        settings, shading = context.scene.sdf_lights_overlay, context.space_data.shading
+        flat = shading.type in {"SOLID", "WIREFRAME"}
+        exposure = context.scene.sdf_lights.exposure if context.scene.render.engine == ENGINE else 1.0
+        marks = _marks(context)
+        drawn, boxes, waiting = [], [], False
+        started = time.perf_counter()
+        for item in placed:
+            facts = self.finder.find(item.key, item.lamp.shape)
+            if facts is None:
+                low, high = item.lamp.shape.bounds()
+                if np.isfinite([low, high]).all():
+                    boxes.append((item, Facts(low, high), "Measuring…"))
+                continue
+            if facts.problem:
+                self.errors[item.light] = f"Lamp '{item.owner}' is not shown in the viewport: {facts.problem}"
+                if np.any(facts.high > facts.low):
+                    boxes.append((item, facts, "Cannot be drawn"))
+                continue
+            if not self.painter.is_compiled(item.lamp):
+                formula = item.lamp.shape.formula()
+                if formula not in self._announced:
+                    self._announced.add(formula)
+                    waiting = True
+                elif time.perf_counter() - started < COMPILE_BUDGET:
+                    self.painter.compile(item.lamp)
+                else:
+                    waiting = True
+            problem = self.painter.problem(item.lamp)
+            if problem:
+                self.errors[item.light] = f"Lamp '{item.owner}' is shown as a box: {problem}"
+                boxes.append((item, facts, "Cannot be drawn"))
+            elif not self.painter.is_compiled(item.lamp):
+                boxes.append((item, facts, "Compiling…"))
+            elif not item.lamp.visibility & Ray.CAMERA:
+                boxes.append((item, facts, ""))
+            else:
+                brightness = exposure
+                if flat and settings.brightness == "SHAPE":
+                    brightness = _shape_brightness(item.lamp, facts)
+                drawn.append(Drawn(item.lamp, facts, brightness, marks.get(item.owner, (0.0, 0.0))))
+        if waiting or self.finder.busy:
+            _redraw_later(0.0 if waiting else POLL)
+        return drawn, boxes
+
+    def _is_moving(self, region, view: View, drawn: list[Drawn]) -> bool:
+        shown = (view.view.tobytes(), view.projection.tobytes(),
+                 *(hash((item.lamp.matrix.tobytes(), item.lamp.shape)) for item in drawn))
+        last, since = self._views.get(region.as_pointer(), (shown, 0.0))
+        now = time.perf_counter()
+        if shown != last:
+            since = now
+        self._views[region.as_pointer()] = shown, since
+        if now - since >= STILL:
+            return False
+        _redraw_later(STILL)
+        return True
+
+    def _draw(self, drawn, view: View, depth, scale: int, scene_buffer, overlay_buffer, context) -> None:
+        size = tuple(max(-(-pixels // scale), 1) for pixels in view.size)
+        target, glow, mask = self._targets.get(size)
+        with target.bind():
+            target.viewport_set(0, 0, *size)
+            target.clear(color=(0.0, 0.0, 0.0, 0.0))
+            self.painter.draw(drawn, View(view.view, _stretched(view.projection, view.size, size, scale), size), depth)
+        with scene_buffer.bind():
+            _draw_on_screen(shaders.composite_shader(), "ADDITIVE_PREMULT", {"glow": glow}, size, view.size, scale)
+        if context.space_data.overlay.show_overlays and any(any(item.mask) for item in drawn):
+            theme = context.preferences.themes[0].view_3d
+            width = OUTLINE_WIDTH * context.preferences.system.ui_scale / (np.array(size) * scale)
+            _draw_on_screen(
+                shaders.outline_shader(), "ALPHA", {"mask": mask}, size, view.size, scale, width=tuple(width),
+                selected_color=(*theme.object_selected, 1.0), active_color=(*theme.object_active, 1.0))
+
+
+def _shows_lamps(space) -> bool:
+    """Overlays that are switched off leave what is part of the picture."""
+    if not space.show_object_viewport_light:
+        return False
+    return space.overlay.show_overlays or space.shading.type in {"MATERIAL", "RENDERED"}
+
+
+def _sees_through(space) -> bool:
+    shading = space.shading
+    return (shading.type == "SOLID" and shading.show_xray) or (
+        shading.type == "WIREFRAME" and shading.show_xray_wireframe)
+
+
+def _view_of(context, buffer) -> View:
+    data, (_, _, width, height) = context.region_data, buffer.viewport_get()
+    view, projection = (np.array([tuple(row) for row in matrix], np.float64)
+                        for matrix in (data.view_matrix, data.window_matrix))
+    return View(view, projection, (width, height))
+
+
+def _stretched(projection: np.ndarray, full: tuple[int, int], size: tuple[int, int], scale: int) -> np.ndarray:
+    """The projection for ``size`` pixels of ``scale`` × ``scale``, which may reach beyond the ``full`` picture."""
+    result = projection.copy()
+    for axis in range(2):
+        part = full[axis] / (size[axis] * scale)
+        result[axis] = part * projection[axis] + (part - 1.0) * projection[3]
+    return result
+
+
+def _scene_depth(buffer, view: View, drawn: list[Drawn], scale: int) -> Depth | None:
+    """The depth buffer where there are lamps: copied, since it cannot be read while it is drawn to."""
+    low, high = np.array(view.size), np.zeros(2, int)
+    for item in drawn:
+        corners = _corners(item.facts) @ (view.projection @ view.view @ item.lamp.matrix).T
+        if np.any(corners[:, 3] <= 0.0):
+            low, high = np.zeros(2, int), np.array(view.size)
+            break
+        pixels = (0.5 * corners[:, :2] / corners[:, 3:] + 0.5) * view.size
+        low = np.minimum(low, np.floor(pixels.min(axis=0)) - scale)
+        high = np.maximum(high, np.ceil(pixels.max(axis=0)) + scale)
+    low, high = np.clip(low, 0, view.size).astype(int), np.clip(high, 0, view.size).astype(int)
+    if np.any(high <= low):
+        return None
+    width, height = (int(extent) for extent in high - low)
+    data = buffer.read_depth(int(low[0]), int(low[1]), width, height)
+    data.dimensions = width * height
+    return Depth(gpu.types.GPUTexture((width, height), format="R32F", data=data), (int(low[0]), int(low[1])), scale)
+
+
+def _corners(facts: Facts) -> np.ndarray:
+    """Corners of the box (8, 4), homogeneous, the x axis the fastest."""
+    choice = (np.arange(8)[:, None] >> np.arange(3)) & 1
+    return np.hstack([np.where(choice, facts.high, facts.low), np.ones((8, 1))])
+
+
+def _marks(context) -> dict[str, tuple[float, float]]:
+    """What to add to the mask for selected objects and the active one."""
+    marks = {obj.name_full: (1.0, 0.0) for obj in context.selected_objects}
+    active = context.view_layer.objects.active
+    if active is not None and active.name_full in marks:
+        marks[active.name_full] = (0.0, 1.0)
+    return marks
+
+
+def _shape_brightness(lamp: Lamp, facts: Facts) -> float:
+    """Factor that makes the lamp's brightest colour ``SHAPE_RADIANCE`` where it is as thick as its box on average."""
+    extent = np.linalg.norm(lamp.matrix[:3, :3], axis=0) * (facts.high - facts.low)
+    greatest = radiance_per_metre(lamp, facts).max() * extent.mean()
+    return SHAPE_RADIANCE / greatest if greatest > 0.0 else 0.0
+
+
+def _draw_on_screen(shader, blend: str, textures: dict, size, full, scale: int, **values) -> None:
+    # The textures may reach beyond the screen on the right and at the top.
+    x, y = (2.0 * pixels * scale / whole - 1.0 for pixels, whole in zip(size, full))
+    batch = batch_for_shader(
+        shader, "TRIS", {"position": [(-1.0, -1.0), (x, -1.0), (-1.0, y), (x, y)],
+                         "texcoord": [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]}, indices=[(0, 1, 2), (1, 3, 2)])
+    gpu.state.blend_set(blend)
+    gpu.state.depth_test_set("NONE")
+    shader.bind()
+    for name, texture in textures.items():
+        shader.uniform_sampler(name, texture)
+    for name, value in values.items():
+        shader.uniform_float(name, value)
+    batch.draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def _draw_boxes(boxes, view: View) -> None:
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.bind()
+    shader.uniform_float("lineWidth", 1.0)
+    shader.uniform_float("viewportSize", view.size)
+    shader.uniform_float("color", (1.0, 0.8, 0.4, 0.7))
+    gpu.state.blend_set("ALPHA")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    for item, facts, _ in boxes:
+        batch = batch_for_shader(shader, "LINES", {"pos": _corners(facts)[:, :3].tolist()}, indices=EDGES)
+        with gpu.matrix.push_pop():
+            gpu.matrix.multiply_matrix(Matrix(item.lamp.matrix.tolist()))
+            batch.draw(shader)
+    gpu.state.depth_test_set("NONE")
+    gpu.state.blend_set("NONE")
+
+
+# -- redraws -------------------------------------------------------------------------------------------------------
+
+
+def tag_viewports() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def _redraw_later(seconds: float) -> None:
+    # Blender ignores a tag from inside a redraw.
+    if not bpy.app.timers.is_registered(tag_viewports):
+        bpy.app.timers.register(tag_viewports, first_interval=seconds)

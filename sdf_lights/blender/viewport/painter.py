@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws lamps by raymarching their formulas on the GPU: the back faces of each lamp's box, one shader a formula.
+
+Needs a graphics context: call it while Blender draws, or after ``gpu.init()``.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix
+
+from ...render.scene import Lamp
+from ...sdf.formula import Formula
+from . import shaders
+from .facts import Facts
+
+# Parts of the box: the least step along a ray, and by how much the box is larger than the shape.
+LEAST_STEP = 1e-4
+MARGIN = 1e-4
+# Shaders and buffers that are kept.
+KEPT = 256
+
+_CUBE = [(x, y, z) for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)]
+_FACES = [
+    (0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6),
+    (1, 3, 5), (3, 7, 5)]
+EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if bin(a ^ b).count("1") == 1]
+
+
+class View(NamedTuple):
+    """``view`` and ``projection`` (4 × 4) as OpenGL has them, of a picture of ``size`` pixels."""
+
+    view: np.ndarray
+    projection: np.ndarray
+    size: tuple[int, int]
+
+    @property
+    def perspective(self) -> bool:
+        return self.projection[3, 3] == 0.0
+
+    @property
+    def clip(self) -> tuple[float, float]:
+        """Least and greatest depth along the view axis."""
+        (a, b), (c, d) = self.projection[2:, 2:]
+        return tuple(-(ndc * d - b) / (a - ndc * c) if a != ndc * c else np.inf for ndc in (-1.0, 1.0))
+
+
+class Depth(NamedTuple):
+    """Depth buffer of the scene: a texture of the pixels from ``origin`` on, and how many of them a pixel spans."""
+
+    texture: gpu.types.GPUTexture
+    origin: tuple[int, int]
+    scale: float
+
+
+class Drawn(NamedTuple):
+    """A lamp to draw. ``mask``: what is added to the mask where it is seen (selected, active)."""
+
+    lamp: Lamp
+    facts: Facts
+    exposure: float = 1.0
+    mask: tuple[float, float] = (0.0, 0.0)
+
+
+class Painter:
+    """Draws lamps, and keeps the shaders of their formulas."""
+
+    def __init__(self):
+        self._shaders: OrderedDict[tuple[Formula, int], object] = OrderedDict()
+        self._no_depth: gpu.types.GPUTexture | None = None
+
+    def problem(self, lamp: Lamp) -> str:
+        """Why the lamp has no shader, as the rest of a sentence; empty where it has one or was not drawn yet."""
+        found = self._shaders.get(_key(lamp))
+        return str(found) if isinstance(found, shaders.ShaderError) else ""
+
+    def is_compiled(self, lamp: Lamp) -> bool:
+        """Whether the lamp has a shader, or was refused one."""
+        return _key(lamp) in self._shaders
+
+    def compile(self, lamp: Lamp) -> None:
+        """Compile the shader of a lamp, if it has none."""
+        key = _key(lamp)
+        if key not in self._shaders:
+            try:
+                shader = shaders.lamp_shader(*key)
+                self._shaders[key] = shader, batch_for_shader(shader, "TRIS", {"corner": _CUBE}, indices=_FACES)
+            except shaders.ShaderError as error:
+                self._shaders[key] = error
+            while len(self._shaders) > KEPT:
+                self._shaders.popitem(last=False)
+
+    def draw(self, lamps: Sequence[Drawn], view: View, depth: Depth | None = None) -> None:
+        """Add the light of the lamps to the bound frame buffer: colour and mask. Those without a shader are left out."""
+        if self._no_depth is None:
+            self._no_depth = gpu.types.GPUTexture((1, 1), format="R32F")
+        gpu.state.blend_set("ADDITIVE_PREMULT")
+        gpu.state.depth_test_set("NONE")
+        gpu.state.depth_mask_set(False)
+        try:
+            for item in lamps:
+                self._draw(item, view, depth)
+        finally:
+            gpu.state.face_culling_set("NONE")
+            gpu.state.blend_set("NONE")
+
+    def _draw(self, item: Drawn, view: View, depth: Depth | None) -> None:
+        key = _key(item.lamp)
+        found = self._shaders.get(key)
+        if found is None or isinstance(found, shaders.ShaderError):
+            return
+        self._shaders.move_to_end(key)
+        shader, batch = found
+        block = uniforms(item, view, depth)
+        buffer = gpu.types.GPUUniformBuf(gpu.types.Buffer("FLOAT", block.size, block.ravel()))
+        # Back faces, which are there also for an eye inside the box; a mirrored box shows its other side.
+        mirrored = np.linalg.det((view.view @ item.lamp.matrix)[:3, :3]) < 0.0
+        gpu.state.face_culling_set("BACK" if mirrored else "FRONT")
+        shader.bind()
+        shader.uniform_block("lamp", buffer)
+        shader.uniform_sampler("scene_depth", depth.texture if depth else self._no_depth)
+        shader.uniform_int("depth_origin", depth.origin if depth else (0, 0))
+        shader.uniform_float("projection", Matrix((view.projection @ view.view @ item.lamp.matrix).tolist()))
+        batch.draw(shader)
+
+
+def _key(lamp: Lamp) -> tuple[Formula, int]:
+    return lamp.shape.formula(), len(lamp.shape.parameters())
+
+
+def radiance_per_metre(lamp: Lamp, facts: Facts) -> np.ndarray:
+    """ρ of a lamp (RGB): see ``render.scene.Lamp``."""
+    density = lamp.density
+    if density is None:
+        density = lamp.power / (4.0 * np.pi * facts.volume * abs(np.linalg.det(lamp.matrix[:3, :3])))
+    return density * np.asarray(lamp.color)
+
+
+def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
+    """The uniform block of a lamp: (vectors, 4) float32, in the order of ``shaders``."""
+    lamp, facts = item.lamp, item.facts
+    to_view = view.view @ lamp.matrix
+    from_view = np.linalg.inv(to_view)
+    extent = facts.high - facts.low
+    numbers = lamp.shape.parameters()
+    block = np.zeros((shaders.HEADER + shaders.vectors_of(len(numbers)), 4))
+    block[0] = *(facts.low - MARGIN * extent), LEAST_STEP * np.linalg.norm(extent)
+    block[1] = *(facts.high + MARGIN * extent), facts.lipschitz
+    block[2] = (*from_view[:3, 3], 1.0) if view.perspective else (*-from_view[:3, 2], 0.0)
+    block[3] = -to_view[2]
+    block[4, :2] = view.clip
+    block[4, 2] = depth.scale if depth else 0.0
+    block[5] = view.projection[2:, 2:].ravel()
+    block[6, :3] = item.exposure * radiance_per_metre(lamp, facts)
+    block[7, :2] = item.mask
+    block[8:11, :3] = lamp.matrix[:3, :3].T
+    block[shaders.HEADER:].ravel()[:len(numbers)] = numbers
+    limit = np.finfo(np.float32).max
+    return np.clip(block, -limit, limit).astype(np.float32)

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``Scene.sdf_lights_overlay``: how lamps are shown in the viewport, and the panel for it among Blender's overlays."""
+
+import bpy
+
+
+def redraw(self, context):
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
+    show_lamps: bpy.props.BoolProperty(
+        name="SDF Lamps", description="Show the glow of SDF lamps in the viewport, whatever the render engine",
+        default=True, update=redraw)
+    brightness: bpy.props.EnumProperty(
+        name="Brightness", description="How bright lamps are in Solid and Wireframe shading, where nothing is lit",
+        default="SHAPE", update=redraw, items=[
+            ("SHAPE", "Shape", "As bright as shows the shape best, whatever the power", 0),
+            ("LIGHT", "Light", "As bright as in the render", 1)])
+    resolution: bpy.props.EnumProperty(
+        name="Resolution", description="Pixels that lamps are drawn with, as a part of those of the viewport",
+        default="1", update=redraw, items=[
+            ("1", "Full", "Every pixel", 1), ("2", "Half", "Every second pixel, in both directions", 2),
+            ("4", "Quarter", "Every fourth pixel, in both directions", 4)])
+    coarse_motion: bpy.props.BoolProperty(
+        name="Coarser in Motion", description="Draw lamps with a quarter of the pixels while the view or a lamp moves",
+        default=True, update=redraw)
+
+
+class SDFLIGHTS_PT_overlay(bpy.types.Panel):
+    bl_label = "SDF Lamps"
+    bl_space_type, bl_region_type = "VIEW_3D", "HEADER"
+    bl_parent_id = "VIEW3D_PT_overlay"
+
+    def draw(self, context):
+        settings, layout = context.scene.sdf_lights_overlay, self.layout
+        layout.prop(settings, "show_lamps")
+        column = layout.column()
+        column.active = settings.show_lamps
+        column.prop(settings, "brightness")
+        column.prop(settings, "resolution")
+        column.prop(settings, "coarse_motion")
+
+
+CLASSES = (SDFLIGHTS_OverlaySettings, SDFLIGHTS_PT_overlay)
+
+
+def register():
+    bpy.types.Scene.sdf_lights_overlay = bpy.props.PointerProperty(name="SDF Lamps", type=SDFLIGHTS_OverlaySettings)
+
+
+def unregister():
+    del bpy.types.Scene.sdf_lights_overlay

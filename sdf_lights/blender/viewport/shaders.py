@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shaders of the viewport: one for each formula, however many lamps and whatever numbers they have.
+
+They are described by ``GPUShaderCreateInfo``, which Blender translates for OpenGL, Vulkan and Metal alike.
+"""
+
+from __future__ import annotations
+
+import functools
+import pathlib
+
+import gpu
+
+from ...sdf import read_glsl
+from ...sdf.formula import Formula
+
+FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
+
+# Vectors of four before the numbers in the uniform block of a lamp; see `Lamp` below.
+HEADER = 11
+# Of 16 KiB, the size of uniform blocks that every graphics API promises.
+MOST_NUMBERS = 4 * (1024 - HEADER)
+# Evaluations of the field along a ray: README.md of shaders_glsl.
+STEPS = 200
+
+_LAMP = """
+struct Lamp {
+    vec4 low;        // corner of the box, in the space of the shape; the least step
+    vec4 high;       // the other corner; bound on the slope of the field
+    vec4 eye;        // w 1: the place of the eye; w 0: direction of view; in the space of the shape
+    vec4 axis;       // depth along the view axis is dot(axis, (p, 1))
+    vec4 clip;       // least and greatest depth; pixels of the depth texture for each pixel, 0: none
+    vec4 unproject;  // of the projection matrix: [2][2], [2][3], [3][2], [3][3]
+    vec4 emission;   // radiance per metre
+    vec4 mask;
+    vec4 along[3];   // columns of the shape's matrix: directions in metres
+    vec4 numbers[%d];
+};
+"""
+_NUMBER = "#define number(i) lamp.numbers[(i) / 4][(i) % 4]\n"
+
+
+class ShaderError(Exception):
+    """A sentence on why a lamp cannot be drawn by a shader."""
+
+
+@functools.cache
+def source(name: str) -> str:
+    return (FOLDER / name).read_text(encoding="utf-8")
+
+
+def vectors_of(count: int) -> int:
+    """Vectors of four that hold ``count`` numbers; at least one, since arrays cannot be empty."""
+    return max(-(-count // 4), 1)
+
+
+def lamp_shader(formula: Formula, numbers: int) -> gpu.types.GPUShader:
+    """Shader that adds the light of a lamp whose field is ``formula``, of that many parameters.
+
+    Compiles at once, which may take long. Raises ShaderError.
+    """
+    if numbers > MOST_NUMBERS:
+        raise ShaderError(f"its shape has {numbers:,} numbers, and shaders hold {MOST_NUMBERS:,}: simplify it.")
+    info = gpu.types.GPUShaderCreateInfo()
+    info.typedef_source(_LAMP % vectors_of(numbers))
+    info.uniform_buf(0, "Lamp", "lamp")
+    info.push_constant("MAT4", "projection")
+    info.push_constant("IVEC2", "depth_origin")
+    info.sampler(0, "FLOAT_2D", "scene_depth")
+    info.vertex_in(0, "VEC3", "corner")
+    info.vertex_out(_interface("lamp_interface", "VEC3", "point"))
+    info.fragment_out(0, "VEC4", "glow")
+    info.fragment_out(1, "VEC4", "mask")
+    info.define("STEPS", str(STEPS))
+    info.vertex_source(source("proxy_vertex.glsl"))
+    info.fragment_source(
+        _NUMBER + read_glsl.function(formula, "field", "number({})") + source("intervals.glsl")
+        + source("proxy_fragment.glsl"))
+    return _created(info)
+
+
+@functools.cache
+def composite_shader() -> gpu.types.GPUShader:
+    """Shader that adds the texture ``glow``."""
+    info = _on_screen("proxy_composite.glsl")
+    info.sampler(0, "FLOAT_2D", "glow")
+    return _created(info)
+
+
+@functools.cache
+def outline_shader() -> gpu.types.GPUShader:
+    """Shader that draws lines ``width`` wide, in parts of the screen, around what is marked in ``mask``."""
+    info = _on_screen("proxy_outline.glsl")
+    info.sampler(0, "FLOAT_2D", "mask")
+    info.push_constant("VEC2", "width")
+    info.push_constant("VEC4", "selected_color")
+    info.push_constant("VEC4", "active_color")
+    return _created(info)
+
+
+def _on_screen(name: str) -> gpu.types.GPUShaderCreateInfo:
+    info = gpu.types.GPUShaderCreateInfo()
+    info.vertex_in(0, "VEC2", "position")
+    info.vertex_in(1, "VEC2", "texcoord")
+    info.vertex_out(_interface("screen_interface", "VEC2", "uv"))
+    info.fragment_out(0, "VEC4", "color")
+    info.vertex_source("void main()\n{\n    uv = texcoord;\n    gl_Position = vec4(position, 0.0, 1.0);\n}\n")
+    info.fragment_source(source(name))
+    return info
+
+
+def _interface(name: str, kind: str, variable: str) -> gpu.types.GPUStageInterfaceInfo:
+    interface = gpu.types.GPUStageInterfaceInfo(name)
+    interface.smooth(kind, variable)
+    return interface
+
+
+def _created(info: gpu.types.GPUShaderCreateInfo) -> gpu.types.GPUShader:
+    try:
+        return gpu.shader.create_from_info(info)
+    except Exception as error:
+        raise ShaderError(
+            f"the graphics driver refused its shader ({error}): its shape may be too complex for this graphics card; "
+            "simplify it.") from error
