@@ -31,6 +31,10 @@ CELL = np.dtype([
     ("volume", np.float64),  # m³ of the interior
     ("centroid", np.float64, (3,)),  # of the interior
     ("spread", np.float64, (3,)),  # m², variance of each coordinate, of the leaves below as a whole
+    # The same, weighted by the emission: equal to those above where it is the same everywhere.
+    ("mass", np.float64),  # m³: the integral of the emission, divided by its mean over the shape
+    ("mass_centroid", np.float64, (3,)),
+    ("mass_spread", np.float64, (3,)),
 ], align=True)
 
 TABLES = {"lamp_cells": CELL}
@@ -122,21 +126,24 @@ def gather(nodes, boxes, totals, least_fill, cells):
         cell = cells[index]
         if cell.first < 0:
             box, total = boxes[source[index]], totals[source[index]]
-            cell.volume, cell.direct = total[0], 1
+            cell.volume = cell.mass = total[0]
+            cell.direct = 1
             for k in range(3):
                 size = box[3 + k] - box[k]
                 cell.low[k], cell.high[k] = box[k], box[3 + k]
                 cell.spread[k] = size * size / 12.0
                 cell.centroid[k] = total[1 + k] / total[0] if total[0] > 0.0 else 0.5 * (box[k] + box[3 + k])
+                cell.mass_spread[k], cell.mass_centroid[k] = cell.spread[k], cell.centroid[k]
             continue
         a, b = cells[cell.first], cells[cell.first + 1]
-        cell.volume = a.volume + b.volume
+        cell.volume = cell.mass = a.volume + b.volume
         share = b.volume / cell.volume if cell.volume > 0.0 else 0.5
         for k in range(3):
             cell.low[k], cell.high[k] = min(a.low[k], b.low[k]), max(a.high[k], b.high[k])
             apart = b.centroid[k] - a.centroid[k]
             cell.spread[k] = a.spread[k] + share * (b.spread[k] - a.spread[k]) + share * (1.0 - share) * apart * apart
             cell.centroid[k] = a.centroid[k] + share * apart
+            cell.mass_spread[k], cell.mass_centroid[k] = cell.spread[k], cell.centroid[k]
         size = (cell.high[0] - cell.low[0]) * (cell.high[1] - cell.low[1]) * (cell.high[2] - cell.low[2])
         if cell.volume >= least_fill * size:
             cell.direct = 1

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walk over the syntax tree of an expression, by which it becomes a shape.
+"""The walk over the syntax tree of an expression, by which it becomes a shape or, see ``emission``, a brightness.
 
 Only a whitelist of the tree is walked: nothing is evaluated as Python. Every step of the walk counts, those of a loop
 as often as it runs, and there is a most; shapes have a greatest size. So an expression cannot ask for more than a
@@ -18,7 +18,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 import numpy as np
 
-from . import declarations, formula, values, words_of_shapes  # noqa: F401 (its words are in FUNCTIONS then)
+from . import (  # noqa: F401 (the words of these modules are in FUNCTIONS then)
+    declarations, formula, values, words_of_colours, words_of_shapes)
 from .formula import LONGEST_LOOP, POINT, Formula
 from .functions import CONSTANTS, FUNCTIONS, as_shape
 from .shapes import Difference, Field, Intersection, Shape, ShapeError, Union
@@ -62,19 +63,26 @@ class Evaluation:
         return ExpressionError(message, getattr(node, "lineno", 1), getattr(node, "col_offset", 0) + 1, cure)
 
     def run(self, tree: ast.Module) -> Shape:
+        """The shape that the last line says."""
+        last, result = self.last(
+            tree, "write a shape, for instance sphere(0.5)", "what glows", "end with a line that is a shape")
+        if not isinstance(result, (Shape, Formula)):
+            raise self.error(last, f"the last line is a {kind_of(result)}",
+                             "end with a line that is a shape, or a field that is negative inside")
+        with np.errstate(all="ignore"):
+            return self.finished(last, self.attempt(last, lambda: as_shape(result, self.slots)))
+
+    def last(self, tree: ast.Module, sample: str, wanted: str, cure: str) -> tuple[ast.Expr, object]:
+        """Runs all statements; the last one, and its value. The texts are for messages where there is no such value."""
         if not tree.body:
-            raise ExpressionError("the expression is empty", 1, 1, "write a shape, for instance sphere(0.5)")
+            raise ExpressionError("the expression is empty", 1, 1, sample)
         with np.errstate(all="ignore"):  # what is not finite is found and reported where it arises
             self.block(tree.body[:-1])
             last = tree.body[-1]
             if not isinstance(last, ast.Expr):
                 self.block([last])
-                raise self.error(last, "the last line does not say what glows", "end with a line that is a shape")
-            result = self.value(last.value)
-            if not isinstance(result, (Shape, Formula)):
-                raise self.error(last, f"the last line is a {kind_of(result)}",
-                                 "end with a line that is a shape, or a field that is negative inside")
-            return self.finished(last, self.attempt(last, lambda: as_shape(result, self.slots)))
+                raise self.error(last, f"the last line does not say {wanted}", cure)
+            return last, self.value(last.value)
 
     def finished(self, node: ast.AST, shape: Shape) -> Shape:
         """Refuses what could not be rendered."""

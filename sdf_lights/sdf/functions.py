@@ -3,7 +3,7 @@
 """What a word of the expression language is: a Python function whose annotations say which values it takes.
 
 ``FUNCTIONS`` and ``CONSTANTS`` are all that an expression can reach. The words are in ``words_of_shapes`` and
-``words_of_numbers``; what the values are is said in ``values``.
+``words_of_numbers``, colours in ``words_of_colours``; what the values are is said in ``values``.
 """
 
 from __future__ import annotations
@@ -170,8 +170,8 @@ CONSTANTS = {"pi": math.pi, "tau": math.tau, "e": math.e}
 
 FUNCTIONS: dict[str, Function] = {}
 
-MATHEMATICS, POINTS = "Numbers, fields and vectors", "Points"
-GROUPS = (*SHAPE_GROUPS, "Fields", MATHEMATICS, POINTS)
+MATHEMATICS, POINTS, COLOURS = "Numbers, fields and vectors", "Points", "Colours"
+GROUPS = (*SHAPE_GROUPS, "Fields", MATHEMATICS, POINTS, COLOURS)
 """Of words, in the order in which one looks for them."""
 
 _KINDS = {"float": "number", "Vec3": "numbers", "Scalar": "scalar", "Vector": "vector", "Vector3": "vector3",
@@ -222,6 +222,8 @@ def of_shape(value: Formula, slots: Work) -> Formula:
     """A field that becomes part of a shape. Raises ``NeedsNumber`` if it is of one round of a loop alone."""
     nodes = formula.order(value)
     slots.operate(len(nodes))
+    if any(node.kind == formula.PARAMETER and node.value < slots.inputs for node in nodes):
+        raise Misuse("a shape cannot be made of the depth or the height", "make it of the point p")
     if any(node.kind == formula.STATE for node in nodes):
         raise NeedsNumber("a shape cannot differ from round to round of a loop of fields",
                           "combine the fields with min and max")

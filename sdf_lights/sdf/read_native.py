@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The native reading of a formula: machine code over n points, compiled once for each formula.
+"""The native reading of formulas: machine code over n points, compiled once for each formula, or each group of them.
 
 The graph goes node by node into LLVM vector instructions (Numba's LLVM), ``LANES`` points side by side. No source text
 is made, and LLVM's optimiser is not run: hash-consing has already done its work on a graph without branches, and it
@@ -33,32 +33,33 @@ _SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, ctypes.c_vo
 
 
 class Compiled(NamedTuple):
-    """Machine code of one formula: the C function
+    """Machine code of one or more formulas: the C function
 
         void f(int64_t n, const double *points, const double *parameters, double *values)
 
-    with all x, then all y, then all z in ``points`` (3, n), and the formula's slots in ``parameters``; n must be a
-    multiple of ``LANES`` (repeat a point to fill up). It may be called from any number of threads.
+    with all x, then all y, then all z in ``points`` (3, n), and the formulas' slots in ``parameters``; all values of the
+    first formula come first in ``values`` (formulas, n). n must be a multiple of ``LANES`` (repeat a point to fill up).
+    It may be called from any number of threads.
     """
 
     address: int  # valid as long as ``owner`` lives
     owner: object
 
 
-_compiled: OrderedDict[Formula, Compiled] = OrderedDict()
+_compiled: OrderedDict[tuple[Formula, ...], Compiled] = OrderedDict()
 _lock = threading.RLock()
 
 
-def compiled(formula: Formula) -> Compiled:
-    """Code of the formula, compiled when it is first asked for. Parameter values are not part of it."""
+def compiled(*formulas: Formula) -> Compiled:
+    """Code of the formulas, compiled when it is first asked for. Parameter values are not part of it."""
     with _lock:
-        found = _compiled.get(formula)
+        found = _compiled.get(formulas)
         if found is None:
-            found = _compiled[formula] = _compile(formula)
+            found = _compiled[formulas] = _compile(formulas)
             if len(_compiled) > KEPT:
                 _compiled.popitem(last=False)
         else:
-            _compiled.move_to_end(formula)
+            _compiled.move_to_end(formulas)
         return found
 
 
@@ -305,7 +306,7 @@ if AVAILABLE:
             builder.position_at_end(done)
             return states
 
-    def _module(formula: Formula) -> ir.Module:
+    def _module(formulas: tuple[Formula, ...]) -> ir.Module:
         module = ir.Module()
         module.triple = llvm.get_process_triple()
         function = ir.Function(module, _FUNCTION, "read")
@@ -325,8 +326,10 @@ if AVAILABLE:
             return builder.load(lanes_at(points, builder.add(builder.mul(n, _INDEX(axis)), first)), align=8)
 
         scope = _Scope(builder, position, parameters, {}, {})
-        scope.emit(order(formula))
-        builder.store(scope.lanes(formula), lanes_at(values, first), align=8)
+        scope.emit(order(*formulas))
+        for index, formula in enumerate(formulas):
+            place = builder.add(builder.mul(n, _INDEX(index)), first)
+            builder.store(scope.lanes(formula), lanes_at(values, place), align=8)
         following = builder.add(first, _INDEX(LANES))
         first.add_incoming(_INDEX(0), entry)
         first.add_incoming(following, builder.block)
@@ -342,16 +345,16 @@ if AVAILABLE:
         llvm.initialize_native_asmprinter()
         return llvm.Target.from_triple(llvm.get_process_triple())
 
-    def _compile(formula: Formula) -> Compiled:
+    def _compile(formulas: tuple[Formula, ...]) -> Compiled:
         machine = _target().create_target_machine(
             opt=2, codemodel="jitdefault", jit=True,
             cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten())
-        module = llvm.parse_assembly(str(_module(formula)))
+        module = llvm.parse_assembly(str(_module(formulas)))
         engine = llvm.create_mcjit_compiler(module, machine)
         engine.finalize_object()
         return Compiled(engine.get_function_address("read"), engine)
 
 else:
 
-    def _compile(formula: Formula) -> Compiled:
+    def _compile(formulas: tuple[Formula, ...]) -> Compiled:
         raise RuntimeError(jit.REASON)

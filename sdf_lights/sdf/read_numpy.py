@@ -11,10 +11,15 @@ from .formula import CONSTANT, ITERATE, OPERATIONS, PARAMETER, POSITION, RESULT,
 
 def evaluate(formula: Formula, points: np.ndarray, parameters: np.ndarray = ()) -> np.ndarray:
     """Values (…) of the formula at points (…, 3). Where it is undefined the value is NaN, without a warning."""
+    return evaluate_all((formula,), points, parameters)[0]
+
+
+def evaluate_all(formulas: tuple[Formula, ...], points: np.ndarray, parameters: np.ndarray = ()) -> list[np.ndarray]:
+    """As ``evaluate``, for each formula; what they share is computed once."""
     points = np.asarray(points, np.float64)
     with np.errstate(all="ignore"):
-        value = _run(order(formula), (formula,), {}, points, parameters)[formula]
-        return np.broadcast_to(value, points.shape[:-1]).astype(np.float64)
+        values = _run(order(*formulas), formulas, {}, points, parameters)
+        return [np.broadcast_to(values[formula], points.shape[:-1]).astype(np.float64) for formula in formulas]
 
 
 def _run(nodes: list[Formula], wanted: tuple[Formula, ...], known: dict, points, parameters) -> dict:

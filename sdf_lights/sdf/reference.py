@@ -12,11 +12,12 @@ import math
 import sys
 
 from .catalogue import grouped
-from .examples import examples
+from .emission_presets import presets
+from .examples import Example, examples
 from .declarations import LIMITS
 from .evaluation import MOST_PRIMITIVES
 from .formula import LONGEST_LOOP
-from .functions import CONSTANTS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
+from .functions import COLOURS, CONSTANTS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
 from .shapes import SHAPES, Parameter
 from .shapes.profiles import PROFILES
 from .syntax import DEEPEST, LONGEST
@@ -97,8 +98,22 @@ at each point. A field is a shape, the region in which it is negative, and a sha
 - Conditions: `a < b`, `<=`, `>`, `>=`, put together with `and`, `or`, `not`.
 """
 
+_EMISSION = """\
+## Emission
+
+An expression can also say how bright the inside of a lamp is from point to point. Then the last line is a number, a
+field or a colour, and there are two more names:
+
+- `depth` is how far a point is below the surface, in metres of the lamp's own space. It is the field of the shape
+  without its sign, so it is as exact as that.
+- `height` is 0 at the bottom of the lamp and 1 at its top, along its own z axis.
+
+Only relations matter: the lamp gives as much light as its power says. With a fixed density, that is multiplied. Where the
+last line is negative or undefined the lamp is dark. The presets are such expressions:
+"""
+
 _GROUPED = ("Shapes", "Combinations", "Operators")  # groups that are long
-_TABLES = (MATHEMATICS, POINTS)  # groups that are a line a word
+_TABLES = (MATHEMATICS, POINTS, COLOURS)  # groups that are a line a word
 _DISTANCE = {
     "exact": "The field is the exact distance to the surface.",
     "bound": "The field never exceeds the distance to the surface.",
@@ -123,10 +138,18 @@ def reference_page() -> str:
             parts += _entries(of_group) if group in _GROUPED else map(_entry, of_group)
     parts.append("## Examples\n")
     parts.append("They are in the menu Load Example of a lamp.\n")
-    for example in examples().values():
+    parts += _texts(examples())
+    parts += [_EMISSION, *_texts(presets())]
+    return "\n".join(parts).rstrip("\n") + "\n"
+
+
+def _texts(examples: dict[str, Example]) -> list[str]:
+    """Examples under their titles."""
+    parts = []
+    for example in examples.values():
         lines = example.text.splitlines()[1:]
         parts += [f"### {example.title}\n", *(f"    {line}".rstrip() for line in lines), ""]
-    return "\n".join(parts).rstrip("\n") + "\n"
+    return parts
 
 
 def _entries(words: list[Function]) -> list[str]:

@@ -41,13 +41,20 @@ class Work(Slots):
     """The slots of an expression, and how much work it has been: all of it is announced here before it is done.
 
     ``rounds`` is how often a loop of the formula that is being made runs, times that of the loop around it, and so on.
-    Raises ``Misuse`` where there is too much.
+    The first ``inputs`` slots are not numbers: they stand for what is known only where the formula is read. Raises
+    ``Misuse`` where there is too much.
     """
 
     def __init__(self):
         super().__init__()
         self.steps = self.operations = 0
         self.rounds = 1
+        self.inputs = 0
+
+    def input(self) -> Formula:
+        """A further input, before any number has a slot."""
+        self.inputs += 1
+        return self(0.0)
 
     def step(self, count: int = 1) -> None:
         """Steps of about five microseconds."""

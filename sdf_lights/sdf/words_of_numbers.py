@@ -57,10 +57,10 @@ def _fold(function: Callable) -> Callable:
 
 
 def _sign(a: Scalar) -> Scalar:
-    return _where(0.0 < a, 1.0, 0.0) - _where(a < 0.0, 1.0, 0.0)
+    return where(0.0 < a, 1.0, 0.0) - where(a < 0.0, 1.0, 0.0)
 
 
-def _where(truth, then: Scalar, otherwise: Scalar) -> Scalar:
+def where(truth, then: Scalar, otherwise: Scalar) -> Scalar:
     if isinstance(truth, Formula):
         return formula.select(truth, then, otherwise)
     return then if truth else otherwise
@@ -110,7 +110,7 @@ spread_word("max", _fold(maximum), "The greatest value.", "value", variadic=True
 spread_word("clamp", _clamp, "The value held between two limits.", "value", "low", "high", cost=2)
 spread_word("mix", lambda a, b, t: a + (b - a) * t, "From a (at t = 0) to b (at t = 1) on a straight line.", "a", "b",
             "t", cost=3)
-spread_word("step", lambda edge, a: _where(a < edge, 0.0, 1.0), "0 below the edge, 1 from there on.", "edge", "value")
+spread_word("step", lambda edge, a: where(a < edge, 0.0, 1.0), "0 below the edge, 1 from there on.", "edge", "value")
 spread_word("smoothstep", _smoothstep, "From 0 below low to 1 above high, on a smooth curve between.", "low", "high",
             "value", cost=8)
 

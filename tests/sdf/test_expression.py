@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.sdf import evaluation, syntax
+from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.expression import Declaration, Expression, ExpressionError, evaluate
 from sdf_lights.sdf.functions import FUNCTIONS
 from sdf_lights.sdf.reference import reference_page
@@ -318,9 +319,14 @@ def test_the_reference_page_is_current():
 
 def test_the_examples_of_the_reference_page_work():
     introduction, rest = reference_page().split("## Shapes\n")
-    blocks = re.findall(r"(?:^    .*\n(?:^\n(?=    ))?)+", introduction + rest.split("## Examples\n")[1], re.MULTILINE)
-    assert len(blocks) >= 15
-    for block in blocks:
-        shape = evaluate("\n".join(line[4:] for line in block.splitlines()))
-        low, high = shape.bounds()
+    shapes, emissions = rest.split("## Examples\n")[1].split("## Emission\n")
+    shapes, emissions = (
+        ["\n".join(line[4:] for line in block.splitlines())
+         for block in re.findall(r"(?:^    .*\n(?:^\n(?=    ))?)+", text, re.MULTILINE)]
+        for text in (introduction + shapes, emissions))
+    assert len(shapes) >= 15 and len(emissions) >= 5
+    for text in shapes:
+        low, high = evaluate(text).bounds()
         assert (low < high).all()
+    for text in emissions:
+        EmissionExpression(text)

@@ -19,8 +19,13 @@ class Example(NamedTuple):
 @functools.cache
 def examples() -> dict[str, Example]:
     """Every example by the name of its file without the suffix, in alphabetical order."""
+    return read(pathlib.Path(__file__).parent)
+
+
+def read(folder: pathlib.Path) -> dict[str, Example]:
+    """The text files of a folder."""
     found = {}
-    for path in sorted(pathlib.Path(__file__).parent.glob("*.txt")):
+    for path in sorted(folder.glob("*.txt")):
         text = path.read_text(encoding="utf-8")
         found[path.stem] = Example(text.splitlines()[0].removeprefix("#").strip(), text)
     return found

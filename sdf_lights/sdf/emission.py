@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How bright a lamp is from point to point: formulas of the position, the depth below the surface and the height.
+
+    width = slider(0.05, 0.001, 1)    # of the bright skin
+    exp(-depth / width) * ramp(height, 0, (1, 0.2, 0), 1, (1, 0.8, 0.4))
+
+The language is that of shapes (``expression``), with two more names, ``depth`` and ``height``. The last line is a number,
+a field or a colour. Brightness is relative: a lamp's power says how much light it gives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from . import read_numpy
+from .declarations import Declaration
+from .evaluation import Evaluation
+from .formula import PARAMETER, POINT, POSITION, Formula, constant, maximum, minimum, order, select
+from .shapes.base import Shape, Slots
+from .substitution import substitute
+from .syntax import ExpressionError, parse
+from .values import components, kind_of, lifted
+
+INPUTS = ("depth", "height")  # slots 0 and 1 of the formulas of an ``Emission``
+
+GREATEST = 1e30  # brightness; what is more counts as undefined
+
+_CURE = "end with a line that is a brightness or a colour, such as exp(-20 * depth) or blackbody(2000)"
+
+
+class Placed(NamedTuple):
+    """An emission in a shape: formulas of the position alone, in the shape's own space."""
+
+    colour: tuple[Formula, Formula, Formula]  # red, green, blue; where they are negative or undefined they are 0
+    written: tuple[Formula, Formula, Formula]  # the same as the artist wrote them
+    parameters: np.ndarray  # of their slots
+
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Colours (…, 3) at points (…, 3)."""
+        return np.stack(read_numpy.evaluate_all(self.colour, points, self.parameters), axis=-1)
+
+
+@dataclass(frozen=True)
+class Emission:
+    """A relative emission in three channels; its formulas have the ``INPUTS`` and then ``numbers`` in their slots."""
+
+    colour: tuple[Formula, Formula, Formula]
+    numbers: tuple[float, ...] = ()
+
+    @property
+    def varies(self) -> bool:
+        """Whether it differs from point to point."""
+        return any(node.kind == POSITION or node.kind == PARAMETER and node.value < len(INPUTS)
+                   for node in order(*self.colour))
+
+    def placed(self, shape: Shape) -> Placed:
+        """The emission inside a shape.
+
+        The depth is −φ, so it is in metres where φ is a distance. The height is 0 at the bottom of the shape's bounding
+        box and 1 at its top, along z.
+        """
+        slots = Slots()
+        used = {node.value for node in order(*self.colour) if node.kind == PARAMETER}
+        inputs = [maximum(-shape.build(POINT, slots), 0.0) if 0 in used else constant(0.0), constant(0.0)]
+        if 1 in used:
+            low, high = shape.bounds()
+            inputs[1] = minimum(maximum((POINT.z - slots(float(low[2]))) / slots(float(high[2] - low[2])), 0.0), 1.0)
+        inputs += [slots(number) for number in self.numbers]
+        written = tuple(substitute(channel, POINT, inputs) for channel in self.colour)
+        return Placed(tuple(map(_usable, written)), written, np.array(slots.values, np.float64))
+
+
+def _usable(channel: Formula) -> Formula:
+    """The formula with 0 where it is negative, not a number or beyond ``GREATEST``."""
+    return maximum(select(channel <= GREATEST, channel, 0.0), 0.0)
+
+
+class EmissionExpression:
+    """A checked expression of an emission: its ``parameters``, and the emission for any of their values."""
+
+    def __init__(self, text: str):
+        """Raises ``ExpressionError`` if the text does not say a brightness or a colour."""
+        self._tree, self._remarks = parse(text)
+        self.parameters: tuple[Declaration, ...] = tuple(self._run({})[1].values())
+
+    def emission(self, values: Mapping[str, object] | None = None) -> Emission:
+        """The emission with ``values`` of parameters by name in place of their defaults, held to their limits.
+
+        Values of other names are ignored. Raises ``ExpressionError`` where these values do not make one.
+        """
+        return self._run(values or {})[0]
+
+    def _run(self, given: Mapping[str, object]) -> tuple[Emission, dict[str, Declaration]]:
+        evaluation = Evaluation(given, self._remarks)
+        slots = evaluation.slots
+        evaluation.names |= {name: slots.input() for name in INPUTS}
+        last, value = evaluation.last(
+            self._tree, "write a brightness, for instance exp(-20 * depth)", "how bright the lamp is", _CURE)
+        channels = components(lifted(value, slots)) if kind_of(value) in ("number", "field", "vector") else ()
+        if len(channels) not in (1, 3):
+            raise evaluation.error(last, f"the last line is a {kind_of(value)}", _CURE)
+        colour = tuple(c if isinstance(c, Formula) else constant(c) for c in channels)
+        emission = Emission(colour * (3 // len(colour)), tuple(map(float, slots.values[len(INPUTS):])))
+        return emission, evaluation.declarations
+
+
+__all__ = ["INPUTS", "Emission", "EmissionExpression", "ExpressionError", "Placed"]
