@@ -21,7 +21,7 @@ import numpy as np
 from ..jit import block_dtype, fill_table, kernel
 from ..vec import add, dot, frame, madd, normalize, sub, to_world, vec
 from . import cut as cuts
-from .cut import CUT
+from .cut import BOXES, CUT, REGIONS
 from .hashing import following, seeded, uniform_point
 from .lamps import (
     SCALARS, TABLES, build_lamp, direction_pdf, interior_point, lamps, new_spans, pack_lamps, pack_scalars,
@@ -217,14 +217,14 @@ def radial(block, lamp, x, n, u, spans, shell):
 
 
 @kernel
-def cell_cut(block, lamp, x, n, u, spans, shell, cut, tolerance, limit):
-    """One cosine-weighted sample and one of the cut, which is made anew."""
-    cuts.build(block, lamp, x, n, cut, tolerance, limit)
+def cell_cut(block, lamp, x, n, u, spans, shell, store, cut, tolerance, limit):
+    """One cosine-weighted sample and one of the cut, which is fitted anew."""
+    cuts.prepare(block, lamp, x, n, 0, tolerance, limit, store, cut)
     total = 0.0
     d = _cosine_direction(n, u[0], u[1])
     for technique in range(2):
         if technique == 1:
-            d = cuts.sample(block, lamp, x, cut, u[2], u[3], u[4])
+            d = cuts.sample(block, lamp, x, store, cut, u[2], u[3], u[4])
         cosine = dot(n, d)
         if cosine <= 0.0:
             continue
@@ -232,7 +232,7 @@ def cell_cut(block, lamp, x, n, u, spans, shell, cut, tolerance, limit):
         if count == 0:
             continue
         value = _radiance(block, lamp, x, d, spans, count, u[5 + technique], shell) * cosine
-        both = cuts.density(block, lamp, d, cut, spans, count) + cut.beta * cosine / math.pi
+        both = cuts.density(block, lamp, d, store, cut, spans, count) + cut.beta * cosine / math.pi
         total += value * (1.0 if technique == 1 else cut.beta) / both
     return total
 
@@ -256,7 +256,7 @@ UNIFORM, COSINE, POINT, PROJECTION, MIS, BOUNDING, MIS_BETA, RIS, RADIAL_MIS = m
 
 
 @kernel
-def _values(technique, blocks, lamp, x, n, numbers, spans, shell, cut_rows, tolerance, limit, out):
+def _values(technique, blocks, lamp, x, n, numbers, spans, shell, store, cut, tolerance, limit, out):
     block = blocks[0]
     for i in range(len(numbers)):
         u = (numbers[i, 0], numbers[i, 1], numbers[i, 2], numbers[i, 3], numbers[i, 4], numbers[i, 5], numbers[i, 6])
@@ -279,7 +279,7 @@ def _values(technique, blocks, lamp, x, n, numbers, spans, shell, cut_rows, tole
         elif technique == RADIAL_MIS:
             out[i] = radial(block, lamp, x, n, u, spans, shell)
         else:
-            out[i] = cell_cut(block, lamp, x, n, u, spans, shell, cut_rows[0], tolerance, limit)
+            out[i] = cell_cut(block, lamp, x, n, u, spans, shell, store, cut[0], tolerance, limit)
 
 
 class LampBlock:
@@ -306,7 +306,7 @@ def values(technique: Technique, blocks: np.ndarray, lamp: int, x, n, numbers: n
     out = np.empty(len(numbers))
     start = time.thread_time()
     _values(int(technique), blocks, lamp, tuple(map(float, x)), tuple(map(float, n)), numbers, spans, shell,
-            np.zeros(1, CUT), tolerance, limit, out)
+            np.zeros(REGIONS, BOXES), np.zeros(1, CUT), tolerance, limit, out)
     return out, time.thread_time() - start
 
 

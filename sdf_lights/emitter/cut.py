@@ -4,21 +4,25 @@
 
 What a point at offset v of a uniform lamp gives a surface with normal n is t(v) = max(0, n·v)/|v|³. Projection sampling
 draws points without regard to it. Here a *cut* of the lamp's tree, the boxes that matter to the point that is lit, is
-found anew for every such point; in each box the points' density is the linear function that fits t there,
+found; in each box the points' density is the linear function that fits t there,
 
-    q(y) = Σ_k [y in box k] (α_k + b_k·y) / Z,
+    q(y) = Σ_k [y in box k] (α_k + b_k·y) / Z.
 
-uniform lamps only. Linear functions keep all in closed form. Points of a box that is full are drawn without rejection.
-The integral over what is inside a box follows from its volume and centroid, so Z does. The density of a direction is
-the integral of r² q along its ray, a polynomial in each piece of the ray's intervals inside a box:
+Linear functions keep all in closed form. Points of a box that is full are drawn without rejection. The integral over
+what is inside a box follows from its volume and centroid, so Z does. The density of a direction is the integral of r² q
+along its ray, a polynomial in each piece of the ray's intervals inside a box:
 
     p(ω) = ∫ r² q dr = Σ 2h [L c² + (L + 2cB) h²/3],      L = q at the middle c of the piece, B = its slope along the ray.
 
 t is the field of a dipole, hence harmonic: its mean over a ball is its value at the centre. So the error of the linear
 function is of second order in the size of a box, and hardly shifts the balance between boxes.
 
-The cut starts as the whole lamp. The box that contributes most to the variance is replaced by its two parts until the
-rest is small. Far away it stays a single box, and the density is all but that of projection sampling.
+*Which* boxes changes slowly, and any choice is unbiased. They are found once for all points of a region (a cube whose size
+goes with its distance from the lamp) with similar normals, starting from the whole lamp: the box that contributes most
+to the variance is replaced by its parts until the rest is small. Each thread keeps the boxes of the regions that it
+has met; they depend on nothing but the region, so the picture does not depend on who met it first. *How much* each box
+counts is fitted to the very point and normal that are lit, for all boxes at once, which the compiler turns into vector
+instructions.
 
 A *clipped* box accepts points of the interior only. One that is rejected is drawn again in the leaf that it fell into,
 so that stratified numbers stay stratified in all larger boxes; the leaves are chosen by their volume inside, as it is
@@ -37,14 +41,15 @@ from ..sdf.program import INSTRUCTION
 from ..vec import add, dot, madd, normalize, scale, sub, transform_normal, transform_point, transform_vector, vec
 from . import interior, moments
 from .fields import lamp_lists, value
-from .hashing import following, seeded, uniform_point
+from .hashing import bits, following, seeded, uniform_point
 from .interior import INSIDE
 from .lamps import CLOSED, PRIMITIVE, BuiltLamp, direction_pdf, lamps, sample_direction
 from .membership import contains
 from .moments import CELL, lamp_cells
 
-MOST_CELLS = 32  # in a cut
-MOST_ENTRIES = 2 * MOST_CELLS
+MOST_BOXES = 32  # in a cut
+MOST_ENTRIES = 2 * MOST_BOXES
+REGIONS = 512  # whose boxes a thread keeps
 
 PLACEMENT = np.dtype([
     ("first_cell", np.int64),
@@ -52,39 +57,54 @@ PLACEMENT = np.dtype([
     ("inverse", np.float64, (3, 4)),  # back
     ("metric", np.float64, (3, 3)),  # scalar product of the world, in tree space
     ("factor", np.float64),  # volume in the world of a unit of tree space
-    ("step", np.float64),  # m in the world, well below the thickness of the lamp
+    ("extent", np.float64),  # m², mean square distance of the interior from its centroid, in the world
+    ("centroid", np.float64, (3,)),  # in the world, relative to the lamp's centre
+    ("thickness", np.float64),  # m in the world: mean of the boxes' least sides
 ], align=True)
 
-CUT = np.dtype([
-    ("cells", np.int64),  # 0: projection sampling is as good
+BOXES = np.dtype([  # of a region
+    ("key", np.uint64),  # hash of lamp, region and normal; 0: nothing is here
+    ("count", np.int64),
     ("entries", np.int64),
-    ("total", np.float64),  # Z in the world
     ("variance", np.float64),  # relative, that is expected to be left
-    ("beta", np.float64),  # what the density of the BSDF counts in the balance heuristic
-    ("origin", np.float64, (3,)),  # the point that is lit, in tree space
-    # Of each box: its corners, and the density α + b·(y − origin), up to Z.
-    ("low", np.float64, (3, MOST_CELLS)),
-    ("high", np.float64, (3, MOST_CELLS)),
-    ("level", np.float64, MOST_CELLS),
-    ("slope", np.float64, (3, MOST_CELLS)),
-    ("weight", np.float64, MOST_CELLS),  # integral of the density over what is accepted
-    ("priority", np.float64, MOST_CELLS),  # contribution to the variance, times Z²
-    ("cell", np.int64, MOST_CELLS),  # index in the lamp's cells
-    ("solid", np.int64, MOST_CELLS),
-    ("entry", np.int64, MOST_CELLS),
-    ("enter", np.float64, MOST_CELLS),
-    ("leave", np.float64, MOST_CELLS),
+    # Tree space; the first axis is the coordinate.
+    ("low", np.float64, (3, MOST_BOXES)),
+    ("high", np.float64, (3, MOST_BOXES)),
+    ("centroid", np.float64, (3, MOST_BOXES)),  # of what is accepted
+    ("extent", np.float64, MOST_BOXES),  # m² in the world: mean square distance from the centroid
+    ("volume", np.float64, MOST_BOXES),  # of what is accepted
+    ("fill", np.float64, MOST_BOXES),  # light that a unit of the accepted volume gives
+    ("priority", np.float64, MOST_BOXES),  # contribution to the variance
+    ("cell", np.int64, MOST_BOXES),  # index in the lamp's cells
+    ("solid", np.int64, MOST_BOXES),
+    ("entry", np.int64, MOST_BOXES),
     # The way down to the boxes.
     ("first", np.int64, MOST_ENTRIES),  # the two entries below; −1 for a box
     ("axis", np.int64, MOST_ENTRIES),
     ("box", np.int64, MOST_ENTRIES),
+], align=True)
+
+CUT = np.dtype([
+    ("lamp", np.int64),
+    ("slot", np.int64),  # of the region's boxes; −1: projection sampling is as good
+    ("total", np.float64),  # Z in the world
+    ("beta", np.float64),  # what the density of the BSDF counts in the balance heuristic
+    ("origin", np.float64, (3,)),  # the point that is lit, in tree space
+    # The density α + b·(y − origin) in each box, up to Z.
+    ("level", np.float64, MOST_BOXES),
+    ("slope", np.float64, (3, MOST_BOXES)),
+    ("weight", np.float64, MOST_BOXES),  # integral of the density over what is accepted
+    ("enter", np.float64, MOST_BOXES),
+    ("leave", np.float64, MOST_BOXES),
     ("mass", np.float64, MOST_ENTRIES),  # integral of the density over the boxes that points are drawn from
 ], align=True)
 
 TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL}
+WORKSPACE_TABLES = {"lamp_boxes": BOXES, "lamp_cuts": CUT}
+WORKSPACE_COUNTS = {"lamp_boxes": REGIONS, "lamp_cuts": 1}
 
 TOLERANCE = 2e-3  # relative variance of a sample at which boxes are small enough
-LIMIT = MOST_CELLS  # boxes
+LIMIT = MOST_BOXES
 ATTEMPTS = 4096  # draws of a point in a box before giving up
 LEAST_FILL = 0.02  # interior that a solid box counts as having at least: sampling may have missed it
 FLAT = 0.05  # least density in a box, of that at its centroid
@@ -92,6 +112,10 @@ SOFT = 0.8  # makes the mean over a ball round the point that is lit right
 SURROUNDED_BETA = 3.0
 LEAST_BETA, BETA_RATE = 0.02, 4.0
 STEP = 0.3  # of the thickness of the lamp
+PROJECTION_RATE = 4.0  # relative variance of projection sampling, of extent over square distance, far away
+REGION = 0.25  # size of a region, of its distance from the lamp
+NEAR = 0.5  # the distance that a region counts as having at least, of the thickness of the lamp
+AMBIENT = 0.2  # added to cosines where boxes are chosen: the normals of a region differ
 
 placements = table("lamp_placements", PLACEMENT)
 instructions = table("lamp_instructions", INSTRUCTION)
@@ -104,146 +128,191 @@ def pack_cuts(built: list[BuiltLamp], shapes: list, matrices: list[np.ndarray]) 
         tree = interior.tree(shape)
         factor = abs(float(np.linalg.det(matrix[:3, :3])))
         if shape not in first:
-            first[shape] = used
+            first[shape] = used, len(parts)
             parts.append(moments.cells(tree, float(lamp.row["volume"][0]) / factor))
             used += len(parts[-1])
         to_world = np.array(matrix, np.float64)
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
-        row["first_cell"], row["factor"] = first[shape], factor
+        row["first_cell"], row["factor"] = first[shape][0], factor
         row["matrix"], row["inverse"] = to_world[:3], np.linalg.inv(to_world)[:3]
         row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]
-        own = parts[1 + list(first).index(shape)]
+        own = parts[first[shape][1]]
+        row["extent"] = row["metric"].diagonal() @ own["spread"][0]
+        row["centroid"] = to_world[:3, :3] @ own["centroid"][0] + to_world[:3, 3]
         leaves = own[own["first"] < 0]
         thickness = np.average((leaves["high"] - leaves["low"]).min(axis=1), weights=leaves["volume"] + 1e-300)
-        row["step"] = STEP * thickness * factor ** (1.0 / 3.0)
+        row["thickness"] = thickness * factor ** (1.0 / 3.0)
     return {"lamp_placements": placed, "lamp_cells": np.concatenate(parts)}
 
 
 @kernel
-def _fit(cut, k, metric, normal, volume, centroid, spread, splits):
-    """Fit the density of box k, whose corners are known, to what it gives: fills in its level, slope, weight, priority.
+def _corner(boxes, k):
+    return (boxes.low[0, k], boxes.low[1, k], boxes.low[2, k])
 
-    ``centroid`` and ``volume`` are of what is accepted; ``splits`` tells whether the box can be divided.
-    """
-    low, high = (cut.low[0, k], cut.low[1, k], cut.low[2, k]), (cut.high[0, k], cut.high[1, k], cut.high[2, k])
-    w = sub(centroid, vec(cut.origin))
+
+@kernel
+def _far_corner(boxes, k):
+    return (boxes.high[0, k], boxes.high[1, k], boxes.high[2, k])
+
+
+@kernel
+def _rank(boxes, k, metric, origin, normal, blur, splits):
+    """Estimate for box k what it gives a region, and how much of that is variance: ``weight`` and ``priority``."""
+    low, high = _corner(boxes, k), _far_corner(boxes, k)
+    w = sub((boxes.centroid[0, k], boxes.centroid[1, k], boxes.centroid[2, k]), origin)
+    square = dot(w, transform_vector(metric, w)) + blur
     half = 0.5 * (abs(normal[0]) * (high[0] - low[0]) + abs(normal[1]) * (high[1] - low[1])
                   + abs(normal[2]) * (high[2] - low[2]))
-    height = 0.5 * (dot(normal, low) + dot(normal, high)) - dot(normal, vec(cut.origin))
-    if height + half <= 0.0:
-        cut.weight[k] = cut.priority[k] = cut.level[k] = 0.0
-        cut.slope[0, k] = cut.slope[1, k] = cut.slope[2, k] = 0.0
-        return
-    g = transform_vector(metric, w)
-    square = max(dot(w, g), 1e-300)
-    extent = metric[0, 0] * spread[0] + metric[1, 1] * spread[1] + metric[2, 2] * spread[2]
-    ratio = extent / square
-    inverse = 1.0 / (square + SOFT * extent * min(ratio, 1.0))
-    rate, waste = 1.0, 0.0
-    if height - half >= 0.0:
-        height = dot(normal, w)
-    else:  # the mean of max(0, ·), and its derivative, over heights that are spread evenly
-        rate = (height + half) / (2.0 * half)
-        height = 0.5 * (height + half) * rate
-        waste = 1.0 - rate
-    level = height * inverse * math.sqrt(inverse)
-    rate, fall = rate / height, -3.0 * inverse
-    a = (rate * normal[0] + fall * g[0], rate * normal[1] + fall * g[1], rate * normal[2] + fall * g[2])
-    drop = -(min(a[0] * (low[0] - centroid[0]), a[0] * (high[0] - centroid[0]))
-             + min(a[1] * (low[1] - centroid[1]), a[1] * (high[1] - centroid[1]))
-             + min(a[2] * (low[2] - centroid[2]), a[2] * (high[2] - centroid[2])))
-    if drop > 1.0 - FLAT:
-        a = scale(a, (1.0 - FLAT) / drop)
-    cut.level[k] = level * (1.0 - dot(a, w))
-    cut.slope[0, k], cut.slope[1, k], cut.slope[2, k] = scale(a, level)
-    cut.weight[k] = volume * level
-    cut.priority[k] = volume * level * (min(1.2 * ratio * ratio, 1.5) + waste) if splits else 0.0
+    height = 0.5 * (dot(normal, low) + dot(normal, high)) - dot(normal, origin)
+    waste = 0.0
+    if height <= -half:
+        height = 0.0
+    elif height < half:
+        waste = 0.5 * (half - height) / half
+        height = 0.5 * (height + half) * (1.0 - waste)
+    ratio = boxes.extent[k] / max(square, 1e-300)
+    inverse = 1.0 / max(square + SOFT * boxes.extent[k] * min(ratio, 1.0), 1e-300)
+    weight = boxes.volume[k] * boxes.fill[k] * (height * math.sqrt(inverse) + AMBIENT) * inverse
+    boxes.priority[k] = weight * (min(1.2 * ratio * ratio, 1.5) + waste) if splits else 0.0
+    return weight
 
 
 @kernel
-def _fit_solid(cut, k, metric, normal, fill, splits):
-    """Fit box k of the cut, all of which is accepted, to what it gives when the part ``fill`` of it is interior."""
-    low, high = (cut.low[0, k], cut.low[1, k], cut.low[2, k]), (cut.high[0, k], cut.high[1, k], cut.high[2, k])
-    size = sub(high, low)
-    volume = size[0] * size[1] * size[2]
-    third = 1.0 / 12.0
-    _fit(cut, k, metric, normal, volume, scale(add(low, high), 0.5),
-         (third * size[0] * size[0], third * size[1] * size[1], third * size[2] * size[2]), splits)
-    if fill < 1.0:
-        cut.level[k] *= fill
-        cut.weight[k] *= fill
-        cut.priority[k] *= fill
-        cut.slope[0, k], cut.slope[1, k], cut.slope[2, k] = (
-            fill * cut.slope[0, k], fill * cut.slope[1, k], fill * cut.slope[2, k])
+def _solid(boxes, k, metric, fill):
+    """All of box k, whose corners are known, is accepted."""
+    boxes.solid[k], boxes.fill[k] = 1, fill
+    volume, extent = 1.0, 0.0
+    for axis in range(3):
+        size = boxes.high[axis, k] - boxes.low[axis, k]
+        volume *= size
+        extent += metric[axis, axis] * size * size / 12.0
+        boxes.centroid[axis, k] = 0.5 * (boxes.low[axis, k] + boxes.high[axis, k])
+    boxes.volume[k], boxes.extent[k] = volume, extent
 
 
 @kernel
-def _add(cut, k, entry, metric, normal, cells, index):
-    """Put a cell of the tree in box k of the cut, below ``entry``."""
+def _put(boxes, k, entry, metric, cells, index):
+    """Make a cell of the tree box k, below ``entry``. Returns whether it can be divided."""
     cell = cells[index]
-    cut.cell[k], cut.entry[k] = index, entry
-    cut.first[entry], cut.box[entry] = -1, k
-    cut.low[0, k], cut.low[1, k], cut.low[2, k] = vec(cell.low)
-    cut.high[0, k], cut.high[1, k], cut.high[2, k] = vec(cell.high)
+    boxes.cell[k], boxes.entry[k] = index, entry
+    boxes.first[entry], boxes.box[entry] = -1, k
+    size = 1.0
+    for axis in range(3):
+        boxes.low[axis, k], boxes.high[axis, k] = cell.low[axis], cell.high[axis]
+        size *= cell.high[axis] - cell.low[axis]
     if cell.first < 0:
-        size = (cell.high[0] - cell.low[0]) * (cell.high[1] - cell.low[1]) * (cell.high[2] - cell.low[2])
-        cut.solid[k] = 1
-        _fit_solid(cut, k, metric, normal, max(cell.volume / size, LEAST_FILL), cell.state == INSIDE)
-    else:
-        cut.solid[k] = 0
-        _fit(cut, k, metric, normal, cell.volume, vec(cell.centroid), vec(cell.spread), True)
+        _solid(boxes, k, metric, max(cell.volume / size, LEAST_FILL))
+        return cell.state == INSIDE
+    boxes.solid[k], boxes.fill[k], boxes.volume[k] = 0, 1.0, cell.volume
+    boxes.extent[k] = 0.0
+    for axis in range(3):
+        boxes.centroid[axis, k] = cell.centroid[axis]
+        boxes.extent[k] += metric[axis, axis] * cell.spread[axis]
+    return True
 
 
 @kernel
-def _halve(cut, k, other, entry, metric, normal):
+def _halve(boxes, k, other, entry, metric):
     """Divide box k, part of a full leaf, along its longest side."""
     axis, longest = 0, -1.0
     for m in range(3):
-        size = metric[m, m] * (cut.high[m, k] - cut.low[m, k]) ** 2
+        size = metric[m, m] * (boxes.high[m, k] - boxes.low[m, k]) ** 2
         if size > longest:
             axis, longest = m, size
     for m in range(3):
-        cut.low[m, other], cut.high[m, other] = cut.low[m, k], cut.high[m, k]
-    middle = 0.5 * (cut.low[axis, k] + cut.high[axis, k])
-    cut.high[axis, k] = cut.low[axis, other] = middle
-    cut.axis[cut.entry[k]] = axis
-    cut.solid[other], cut.cell[other] = 1, cut.cell[k]
-    cut.first[entry] = cut.first[entry + 1] = -1
-    cut.box[entry], cut.box[entry + 1] = k, other
-    cut.entry[k], cut.entry[other] = entry, entry + 1
-    _fit_solid(cut, k, metric, normal, 1.0, True)
-    _fit_solid(cut, other, metric, normal, 1.0, True)
+        boxes.low[m, other], boxes.high[m, other] = boxes.low[m, k], boxes.high[m, k]
+    middle = 0.5 * (boxes.low[axis, k] + boxes.high[axis, k])
+    boxes.high[axis, k] = boxes.low[axis, other] = middle
+    boxes.axis[boxes.entry[k]] = axis
+    boxes.cell[other] = boxes.cell[k]
+    boxes.first[entry] = boxes.first[entry + 1] = -1
+    boxes.box[entry], boxes.box[entry + 1] = k, other
+    boxes.entry[k], boxes.entry[other] = entry, entry + 1
+    _solid(boxes, k, metric, boxes.fill[k])
+    _solid(boxes, other, metric, boxes.fill[k])
 
 
 @kernel
-def _open(cut, k, metric, normal, cells, limit):
-    """Replace box k by the parts of its parts, or its parts where there is no room for more."""
-    entry, first = cut.entry[k], cut.entries
-    cell = cells[cut.cell[k]]
-    cut.first[entry] = first
-    cut.entries += 2
-    if cell.first < 0:
-        _halve(cut, k, cut.cells, first, metric, normal)
-        cut.cells += 1
-        return
-    cut.axis[entry] = cell.axis
-    place = k
-    for side in range(2):
-        index = cell.first + side
-        part = cells[index]
-        if part.first < 0 or cut.cells + 3 > limit:
-            _add(cut, place, first + side, metric, normal, cells, index)
+def _divide(block, place, origin, normal, blur, tolerance, limit, boxes):
+    """Find the boxes for a region round ``origin`` (tree space), of at most ``limit``.
+
+    Boxes are divided until the relative variance that is expected is below ``tolerance``.
+    """
+    cells = lamp_cells(block)[place.first_cell:]
+    metric = place.metric
+    weight = stack_array(MOST_BOXES)
+    boxes.count = boxes.entries = 1
+    splits = _put(boxes, 0, 0, metric, cells, 0)
+    weight[0] = _rank(boxes, 0, metric, origin, normal, blur, splits)
+    while True:
+        total, left, worst, most = 0.0, 0.0, 0, -1.0
+        for k in range(boxes.count):
+            total += weight[k]
+            left += boxes.priority[k]
+            if boxes.priority[k] > most:
+                worst, most = k, boxes.priority[k]
+        boxes.variance = left / total if total > 0.0 else 0.0
+        if left <= tolerance * total or boxes.count >= limit:
+            return
+        other, entry = boxes.count, boxes.entries
+        boxes.count += 1
+        boxes.entries += 2
+        boxes.first[boxes.entry[worst]] = entry
+        cell = cells[boxes.cell[worst]]
+        if cell.first < 0:
+            _halve(boxes, worst, other, entry, metric)
+            first = second = True
         else:
-            below = cut.entries
-            cut.first[first + side], cut.axis[first + side] = below, part.axis
-            cut.entries += 2
-            _add(cut, place, below, metric, normal, cells, part.first)
-            place = cut.cells
-            cut.cells += 1
-            _add(cut, place, below + 1, metric, normal, cells, part.first + 1)
-        if side == 0:
-            place = cut.cells
-            cut.cells += 1
+            boxes.axis[boxes.entry[worst]] = cell.axis
+            first = _put(boxes, worst, entry, metric, cells, cell.first)
+            second = _put(boxes, other, entry + 1, metric, cells, cell.first + 1)
+        weight[worst] = _rank(boxes, worst, metric, origin, normal, blur, first)
+        weight[other] = _rank(boxes, other, metric, origin, normal, blur, second)
+
+
+@kernel
+def _fit(boxes, place, origin, normal, both, cut):
+    """Fit the density of every box to what it gives. ``both``: light counts that falls on either side.
+
+    One loop without branches: the compiler runs it on several boxes at once.
+    """
+    m = place.metric
+    m00, m01, m02, m11, m12, m22 = m[0, 0], m[0, 1], m[0, 2], m[1, 1], m[1, 2], m[2, 2]
+    nx, ny, nz = normal
+    ax, ay, az = abs(nx), abs(ny), abs(nz)
+    ox, oy, oz = origin
+    level, weight, slope = cut.level, cut.weight, cut.slope
+    low, high, centroid = boxes.low, boxes.high, boxes.centroid
+    for k in range(boxes.count):
+        lx, ly, lz = low[0, k] - ox, low[1, k] - oy, low[2, k] - oz
+        hx, hy, hz = high[0, k] - ox, high[1, k] - oy, high[2, k] - oz
+        wx, wy, wz = centroid[0, k] - ox, centroid[1, k] - oy, centroid[2, k] - oz
+        half = 0.5 * (ax * (hx - lx) + ay * (hy - ly) + az * (hz - lz))
+        middle = 0.5 * (nx * (hx + lx) + ny * (hy + ly) + nz * (hz + lz))
+        gx, gy, gz = m00 * wx + m01 * wy + m02 * wz, m01 * wx + m11 * wy + m12 * wz, m02 * wx + m12 * wy + m22 * wz
+        square = max(wx * gx + wy * gy + wz * gz, 1e-300)
+        extent = boxes.extent[k]
+        inverse = 1.0 / (square + SOFT * extent * min(extent / square, 1.0))
+        side = -1.0 if both and middle < 0.0 else 1.0
+        middle *= side
+        # Where the horizon crosses the box: the mean of max(0, ·), or |·|, and its slope, over evenly spread heights.
+        above = middle >= half
+        upper = max(middle + half, 0.0)
+        lower = half - middle if both else 0.0
+        across = 0.5 / max(half, 1e-300)
+        rate = 1.0 if above else (upper - lower) * across
+        height = side * (nx * wx + ny * wy + nz * wz) if above else 0.5 * (upper * upper + lower * lower) * across
+        amount = boxes.fill[k] * height * inverse * math.sqrt(inverse)
+        share = side * rate / max(height, 1e-300)
+        fall = -3.0 * inverse
+        bx, by, bz = share * nx + fall * gx, share * ny + fall * gy, share * nz + fall * gz
+        drop = -(min(bx * (lx - wx), bx * (hx - wx)) + min(by * (ly - wy), by * (hy - wy))
+                 + min(bz * (lz - wz), bz * (hz - wz)))
+        keep = amount * ((1.0 - FLAT) / drop if drop > 1.0 - FLAT else 1.0)
+        bx, by, bz = keep * bx, keep * by, keep * bz
+        level[k] = amount - (bx * wx + by * wy + bz * wz)
+        slope[0, k], slope[1, k], slope[2, k] = bx, by, bz
+        weight[k] = boxes.volume[k] * amount
 
 
 @kernel
@@ -268,42 +337,76 @@ def _surrounded(cells, q):
 
 
 @kernel
-def build(block, lamp, x, n, cut, tolerance, limit):
-    """Find the cut for the point x with the normal n, of at most ``limit`` boxes.
+def _bits_of(value):
+    return np.uint64(np.int64(math.floor(value)))
 
-    Boxes are divided until the relative variance that is expected is below ``tolerance``.
+
+@kernel
+def _region(block, lamp, place, origin, normal, both, tolerance, limit, store):
+    """Slot of the boxes for the region of a point of tree space; ``normal`` is that of the surface, in tree space.
+
+    Regions are aligned with the tree, so they move with the lamp; their sizes are those of the world.
+    """
+    root = lamp_cells(block)[place.first_cell]
+    unit, side = stack_array(3), stack_array(3)  # tree space, for a metre of the world along each axis
+    square = 0.0
+    for k in range(3):
+        unit[k] = 1.0 / math.sqrt(place.metric[k, k])
+        away = max(root.low[k] - origin[k], origin[k] - root.high[k], 0.0)
+        square += away * away / (unit[k] * unit[k])
+    size = 2.0 ** math.floor(math.log2(REGION * max(math.sqrt(square), NEAR * place.thickness)))
+    key = bits(np.uint64(2 * lamp + both) ^ bits(_bits_of(size * 2.0**40)))
+    center = stack_array(3)
+    for k in range(3):
+        cell, turn = math.floor(origin[k] / (size * unit[k])), math.floor(2.0 * normal[k] * unit[k] + 0.5)
+        key = bits(following(key) ^ _bits_of(cell) ^ (_bits_of(turn) << np.uint64(56)))
+        center[k], side[k] = (cell + 0.5) * size * unit[k], 0.5 * turn / unit[k]
+    key |= np.uint64(1)
+    slot = np.int64(key >> np.uint64(1)) % len(store)
+    boxes = store[slot]
+    if boxes.key != key:
+        boxes.key = key
+        _divide(block, place, vec(center), vec(side), 0.25 * size * size, tolerance, limit, boxes)
+    return slot
+
+
+@kernel
+def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
+    """Fit the cut to the point x with the normal n; ``both`` (0 or 1): to light that falls on either side.
+
+    ``store`` holds boxes of regions (``BOXES``). They are at most ``limit``, or fewer where the relative variance
+    that is expected is below ``tolerance``.
 
     ``cut.beta`` is for the balance heuristic p / (p + β p_bsdf): any positive number is unbiased. Where the lamp fills
     what is close to the surface, directions of the BSDF are almost all that is needed, and no cut is made. Elsewhere
     they make up for what the boxes next to the point do not follow, and only cost variance where nothing is close.
     """
     place = placements(block)[lamp]
-    cells = lamp_cells(block)[place.first_cell:]
-    metric = place.metric
-    normal = transform_normal(place.matrix, n)
     offset = sub(x, vec(lamps(block)[lamp].center))
-    cut.cells, cut.beta = 0, SURROUNDED_BETA
-    if _surrounded(cells, transform_point(place.inverse, madd(offset, place.step, n))):
+    cut.lamp, cut.slot = lamp, -1
+    way = sub(vec(place.centroid), offset)
+    ratio = place.extent / max(dot(way, way), 1e-300)
+    if PROJECTION_RATE * ratio < tolerance:
+        cut.beta = LEAST_BETA
         return
-    cut.origin[0], cut.origin[1], cut.origin[2] = transform_point(place.inverse, offset)
-    cut.cells = cut.entries = 1
-    _add(cut, 0, 0, metric, normal, cells, 0)
-    total, left = 0.0, 0.0
-    while True:
-        total, left, worst, most = 0.0, 0.0, 0, -1.0
-        for k in range(cut.cells):
-            total += cut.weight[k]
-            left += cut.priority[k]
-            if cut.priority[k] > most:
-                worst, most = k, cut.priority[k]
-        if left <= tolerance * total or cut.cells >= limit:
-            break
-        _open(cut, worst, metric, normal, cells, limit)
-    cut.total, cut.variance = total * place.factor, left / total if total > 0.0 else 0.0
-    cut.beta = min(max(BETA_RATE * cut.variance, LEAST_BETA), 1.0)
-    for entry in range(cut.entries - 1, -1, -1):
-        first = cut.first[entry]
-        cut.mass[entry] = cut.mass[first] + cut.mass[first + 1] if first >= 0 else cut.weight[cut.box[entry]]
+    cells = lamp_cells(block)[place.first_cell:]
+    if _surrounded(cells, transform_point(place.inverse, madd(offset, STEP * place.thickness, n))):
+        cut.beta = SURROUNDED_BETA
+        return
+    origin, normal = transform_point(place.inverse, offset), transform_normal(place.matrix, n)
+    slot = _region(block, lamp, place, origin, normal, both, tolerance, limit, store)
+    boxes = store[slot]
+    cut.origin[0], cut.origin[1], cut.origin[2] = origin
+    _fit(boxes, place, origin, normal, both != 0, cut)
+    for entry in range(boxes.entries - 1, -1, -1):
+        first = boxes.first[entry]
+        cut.mass[entry] = cut.mass[first] + cut.mass[first + 1] if first >= 0 else cut.weight[boxes.box[entry]]
+    cut.total = cut.mass[0] * place.factor
+    cut.beta = min(max(BETA_RATE * boxes.variance, LEAST_BETA), 1.0)
+    if cut.total > 0.0:
+        cut.slot = slot
+    else:  # all of the lamp is behind the surface
+        cut.beta = 1.0
 
 
 @kernel
@@ -350,32 +453,34 @@ def found_inside(block, lamp, place, cell, q):
 
 
 @kernel
-def _draw(block, lamp, place, cut, cells, u):
+def _draw(block, lamp, place, boxes, cut, cells, u):
     """A point of the interior, or of a solid box, by the density of the cut."""
     part = stack_array(3)
     part[0], part[1], part[2] = u
     entry = 0
-    while cut.first[entry] >= 0:
-        first = cut.first[entry]
-        entry = first + _choose(part, cut.axis[entry], cut.mass[first], cut.mass[first + 1])
-    k = cut.box[entry]
+    while boxes.first[entry] >= 0:
+        first = boxes.first[entry]
+        entry = first + _choose(part, boxes.axis[entry], cut.mass[first], cut.mass[first + 1])
+    k = boxes.box[entry]
     slope = (cut.slope[0, k], cut.slope[1, k], cut.slope[2, k])
-    base = cut.level[k] - dot(slope, vec(cut.origin))
-    index = cut.cell[k]
-    low, high = (cut.low[0, k], cut.low[1, k], cut.low[2, k]), (cut.high[0, k], cut.high[1, k], cut.high[2, k])
+    base = cut.level[k]
+    index = boxes.cell[k]
+    origin = vec(cut.origin)
+    low, high = sub(_corner(boxes, k), origin), sub(_far_corner(boxes, k), origin)
     if cells[index].direct == 0:
         while cells[index].direct == 0:
             first = cells[index].first
             a, b = cells[first], cells[first + 1]
-            index = first + _choose(part, cells[index].axis, a.volume * (base + dot(slope, vec(a.centroid))),
-                                    b.volume * (base + dot(slope, vec(b.centroid))))
-        low, high = vec(cells[index].low), vec(cells[index].high)
+            index = first + _choose(part, cells[index].axis,
+                                    a.volume * (base + dot(slope, sub(vec(a.centroid), origin))),
+                                    b.volume * (base + dot(slope, sub(vec(b.centroid), origin))))
+        low, high = sub(vec(cells[index].low), origin), sub(vec(cells[index].high), origin)
     u1, u2, u3 = part[0], part[1], part[2]
     state = seeded(u[0], u[1], u[2])
     q = (0.0, 0.0, 0.0)
     for _ in range(ATTEMPTS):
         q = _point(low, high, base, slope, u1, u2, u3)
-        if cut.solid[k] or cells[index].state == INSIDE or found_inside(block, lamp, place, cells[index], q):
+        if boxes.solid[k] or cells[index].state == INSIDE or found_inside(block, lamp, place, cells[index], add(q, origin)):
             return q
         state = following(state)
         u1, u2, u3 = uniform_point(state)
@@ -383,14 +488,13 @@ def _draw(block, lamp, place, cut, cells, u):
 
 
 @kernel
-def sample(block, lamp, x, cut, u1, u2, u3):
+def sample(block, lamp, x, store, cut, u1, u2, u3):
     """Unit direction from x by the cut; its density is ``density``."""
-    if cut.cells == 0:
+    if cut.slot < 0:
         return sample_direction(block, lamp, x, (0.0, 0.0, 0.0), u1, u2, u3)
     place = placements(block)[lamp]
-    cells = lamp_cells(block)[place.first_cell:]
-    q = _draw(block, lamp, place, cut, cells, (u1, u2, u3))
-    return normalize(transform_vector(place.matrix, sub(q, vec(cut.origin))))
+    q = _draw(block, lamp, place, store[cut.slot], cut, lamp_cells(block)[place.first_cell:], (u1, u2, u3))
+    return normalize(transform_vector(place.matrix, q))
 
 
 @kernel
@@ -408,28 +512,29 @@ def _direction(v):
 
 
 @kernel
-def density(block, lamp, d, cut, spans, count):
+def density(block, lamp, d, store, cut, spans, count):
     """Density per solid angle of ``sample`` giving d, from the intervals that ``trace`` found."""
-    if cut.cells == 0:
+    if cut.slot < 0:
         return direction_pdf(block, lamp, vec(cut.origin), (0.0, 0.0, 0.0), d, spans, count)
-    place = placements(block)[lamp]
-    way = transform_vector(place.inverse, d)
+    way = transform_vector(placements(block)[lamp].inverse, d)
+    boxes = store[cut.slot]
+    sx, sy, sz = _direction(way[0]), _direction(way[1]), _direction(way[2])
+    ox, oy, oz = vec(cut.origin)
+    low, high, enter, leave = boxes.low, boxes.high, cut.enter, cut.leave
+    for k in range(boxes.count):
+        ax, bx = (low[0, k] - ox) * sx, (high[0, k] - ox) * sx
+        ay, by = (low[1, k] - oy) * sy, (high[1, k] - oy) * sy
+        az, bz = (low[2, k] - oz) * sz, (high[2, k] - oz) * sz
+        enter[k] = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), 0.0))
+        leave[k] = min(min(max(ax, bx), max(ay, by)), max(az, bz))
     total = 0.0
-    over = (_direction(way[0]), _direction(way[1]), _direction(way[2]))
-    o = vec(cut.origin)
-    for k in range(cut.cells):
-        ax, bx = (cut.low[0, k] - o[0]) * over[0], (cut.high[0, k] - o[0]) * over[0]
-        ay, by = (cut.low[1, k] - o[1]) * over[1], (cut.high[1, k] - o[1]) * over[1]
-        az, bz = (cut.low[2, k] - o[2]) * over[2], (cut.high[2, k] - o[2]) * over[2]
-        cut.enter[k] = max(min(ax, bx), min(ay, by), min(az, bz), 0.0)
-        cut.leave[k] = min(max(ax, bx), max(ay, by), max(az, bz))
-    for k in range(cut.cells):
-        start, end = cut.enter[k], cut.leave[k]
+    for k in range(boxes.count):
+        start, end = enter[k], leave[k]
         if start >= end:
             continue
         level = cut.level[k]
         slope = cut.slope[0, k] * way[0] + cut.slope[1, k] * way[1] + cut.slope[2, k] * way[2]
-        if cut.solid[k]:
+        if boxes.solid[k]:
             total += _piece(level, slope, start, end)
             continue
         for index in range(count):
@@ -437,4 +542,4 @@ def density(block, lamp, d, cut, spans, count):
             a, b = max(start, c - h), min(end, c + h)
             if a < b:
                 total += _piece(level, slope, a, b)
-    return total / cut.total if cut.total > 0.0 else 0.0
+    return total / cut.total
