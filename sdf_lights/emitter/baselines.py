@@ -15,6 +15,7 @@ import enum
 import math
 import time
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -287,7 +288,7 @@ class LampBlock:
 
     def __init__(self, shape, matrix: np.ndarray, power: float = 4.0 * math.pi):
         self.built = build_lamp("lamp", shape, matrix, power=power)
-        self.tables = {**pack_lamps([self.built]), **cuts.pack_cuts([self.built], [shape], [matrix])}
+        self.tables = {**pack_lamps([self.built]), **cuts.pack_cuts([self.built], [SimpleNamespace(shape=shape, matrix=matrix)])}
         self.blocks = np.zeros(1, BLOCK)
         for name, array in self.tables.items():
             fill_table(self.blocks, name, array)

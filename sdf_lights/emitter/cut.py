@@ -115,23 +115,25 @@ STEP = 0.3  # of the thickness of the lamp
 PROJECTION_RATE = 4.0  # relative variance of projection sampling, of extent over square distance, far away
 REGION = 0.25  # size of a region, of its distance from the lamp
 NEAR = 0.5  # the distance that a region counts as having at least, of the thickness of the lamp
+SHIFT = 0.381966  # of the grid of regions, in its cells
 AMBIENT = 0.2  # added to cosines where boxes are chosen: the normals of a region differ
 
 placements = table("lamp_placements", PLACEMENT)
 instructions = table("lamp_instructions", INSTRUCTION)
 
 
-def pack_cuts(built: list[BuiltLamp], shapes: list, matrices: list[np.ndarray]) -> dict[str, np.ndarray]:
-    """Tables of ``TABLES`` for lamps that were built from ``shapes``, placed by ``matrices`` (4 × 4)."""
+def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
+    """Tables of ``TABLES`` for lamps that were built from ``sources``: anything with a ``shape`` and a ``matrix``."""
     placed, parts, used, first = np.zeros(len(built), PLACEMENT), [np.zeros(0, CELL)], 0, {}
-    for row, lamp, shape, matrix in zip(placed, built, shapes, matrices):
+    for row, lamp, source in zip(placed, built, sources):
+        shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
         tree = interior.tree(shape)
         factor = abs(float(np.linalg.det(matrix[:3, :3])))
         if shape not in first:
             first[shape] = used, len(parts)
             parts.append(moments.cells(tree, float(lamp.row["volume"][0]) / factor))
             used += len(parts[-1])
-        to_world = np.array(matrix, np.float64)
+        to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
         row["first_cell"], row["factor"] = first[shape][0], factor
         row["matrix"], row["inverse"] = to_world[:3], np.linalg.inv(to_world)[:3]
@@ -358,9 +360,11 @@ def _region(block, lamp, place, origin, normal, both, tolerance, limit, store):
     key = bits(np.uint64(2 * lamp + both) ^ bits(_bits_of(size * 2.0**40)))
     center = stack_array(3)
     for k in range(3):
-        cell, turn = math.floor(origin[k] / (size * unit[k])), math.floor(2.0 * normal[k] * unit[k] + 0.5)
+        # The grid is shifted, so that neither the middle of a lamp nor round numbers lie on its borders.
+        cell = math.floor(origin[k] / (size * unit[k]) + SHIFT)
+        turn = math.floor(2.0 * normal[k] * unit[k] + 0.5)
         key = bits(following(key) ^ _bits_of(cell) ^ (_bits_of(turn) << np.uint64(56)))
-        center[k], side[k] = (cell + 0.5) * size * unit[k], 0.5 * turn / unit[k]
+        center[k], side[k] = (cell + 0.5 - SHIFT) * size * unit[k], 0.5 * turn / unit[k]
     key |= np.uint64(1)
     slot = np.int64(key >> np.uint64(1)) % len(store)
     boxes = store[slot]

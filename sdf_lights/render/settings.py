@@ -14,6 +14,15 @@ class Device(enum.Enum):
     REFERENCE = "REFERENCE"
 
 
+class LampSampling(enum.Enum):
+    """How light rays towards SDF lamps are drawn. All but ``CUT`` are there to be compared with."""
+
+    CUT = "CUT"  # in proportion to what the parts of the lamp give the point that is lit (emitter/cut.py)
+    MIS = "MIS"  # points of the interior, joined with rays of the BSDF by the balance heuristic (Huang et al. 2026)
+    PROJECTION = "PROJECTION"  # points of the interior; rays of the BSDF count only where it is glossy
+    BSDF = "BSDF"  # no light rays
+
+
 class Filter(enum.Enum):
     BOX = "BOX"
     GAUSSIAN = "GAUSSIAN"
@@ -28,6 +37,8 @@ def _setting(default, description: str, minimum=None, maximum=None, unit: str = 
 @dataclass
 class Settings:
     device: Device = _setting(Device.AUTOMATIC, "What computes the picture")
+    lamp_sampling: LampSampling = _setting(
+        LampSampling.CUT, "How light from SDF lamps is sampled. Cut is the default; the others serve to compare")
     samples: int = _setting(128, "Most samples per pixel", 1, 1 << 24)
     noise_threshold: float = _setting(
         0.01, "Relative error at which a pixel gets no more samples; 0 gives every pixel all samples", 0.0, 1.0)

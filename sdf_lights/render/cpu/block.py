@@ -7,18 +7,23 @@ from __future__ import annotations
 import numpy as np
 
 from ... import emitter as lamps
+from ...emitter import cut as cuts
 from ...jit import block_dtype, fill_table
 from ..film import Film
 from ..scene import Instance, Mesh, Scene
+from ..settings import LampSampling
 from . import accumulate, camera, geometry, integrator, lights, path, rays, shading
 from .shading.records import HAS_EMISSION, HAS_TRANSPARENCY
 
 TABLES = {
-    **lamps.TABLES, **camera.TABLES, **geometry.TABLES, **lights.TABLES, **shading.TABLES, **accumulate.TABLES,
+    **lamps.TABLES, **cuts.TABLES, **camera.TABLES, **geometry.TABLES, **lights.TABLES, **shading.TABLES, **accumulate.TABLES,
     "control": np.dtype(np.int64)}
 SCALARS = [
     *lamps.SCALARS, *camera.SCALARS, *geometry.SCALARS, *rays.SCALARS, *integrator.SCALARS, *accumulate.SCALARS]
 BLOCK = block_dtype(TABLES, SCALARS)
+
+# What the density of a BSDF counts against projection sampling, with the samplings that use that.
+LAMP_BETA = {LampSampling.MIS: 1.0, LampSampling.PROJECTION: 0.0, LampSampling.BSDF: np.inf}
 
 
 class PackedScene:
@@ -28,11 +33,12 @@ class PackedScene:
     """
 
     def __init__(self, scene: Scene, film: Film):
-        built = []
+        built, sources = [], []
         for lamp in scene.lamps:
             try:
                 built.append(lamps.build_lamp(
                     lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density, lamp.color, int(lamp.visibility)))
+                sources.append(lamp)
             except lamps.LampError as error:
                 scene.warnings.append(str(error))
         scene.warnings += lamps.doubts(built)
@@ -49,7 +55,8 @@ class PackedScene:
         self.light_hits = lights.hit_capacity(light_tables)
         self.control = np.zeros(1, np.int64)
         tables = {
-            **lamp_tables, **materials, **light_tables, **camera.pack_camera(scene), **accumulate.pack_film(film),
+            **lamp_tables, **cuts.pack_cuts(built, sources), **materials, **light_tables,
+            **camera.pack_camera(scene), **accumulate.pack_film(film),
             **geometry.pack_geometry(scene, self._accelerator.baked, layers), "control": self.control}
         # A name that no module declares, or one without its table, is a mistake of this file.
         assert tables.keys() == TABLES.keys(), tables.keys() ^ TABLES.keys()
@@ -85,7 +92,8 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
     return {
         **{name: getattr(settings, name) for name in names}, "finite_lights": finite,
         "emitters_hit": finite or world or emissive, "transparent_shadows": bool((flags & HAS_TRANSPARENCY).any()),
-        "lamp_count": len(tables["lamps"])}
+        "lamp_count": len(tables["lamps"]), "lamp_cuts": settings.lamp_sampling == LampSampling.CUT,
+        "lamp_beta": LAMP_BETA.get(settings.lamp_sampling, 1.0)}
 
 
 def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:
@@ -123,7 +131,7 @@ class Workspace:
         self._span_rows = packed.span_rows
         counts = {
             "ray": 1, "spans": 2 * (packed.span_rows + len(packed.lamps)), "light_hits": packed.light_hits,
-            **path.COUNTS, **shading.WORKSPACE_COUNTS}
+            **path.COUNTS, **shading.WORKSPACE_COUNTS, **cuts.WORKSPACE_COUNTS}
         self._tables = {
             name: rays.new_rays(1) if name == "ray" else np.zeros(count, integrator.WORKSPACE_TABLES[name])
             for name, count in counts.items()}

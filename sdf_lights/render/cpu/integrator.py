@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ... import emitter as lamps
+from ...emitter import cut as cuts
 from ...jit import block_dtype, kernel, table
 from ...vec import add, average, dot, largest, length, madd, mul, negate, scale, sub, vec
 from ..scene import Ray
@@ -23,7 +24,7 @@ from .geometry import find_shadow_surface, find_surface, instance_table, shading
 from .path import TABLES, clear_sample, contribute, path_table, put, sample_table
 from .rays import RAY, SHADOW_OPAQUE, SHADOW_TRANSPARENT, intersect, occluded, ray_table
 from .sampler import draw1, draw2, draw3, draw4, pixel_seed
-from .shading import evaluate, sample as sample_surface, shade, transparency
+from .shading import evaluate, sample as sample_surface, shade, transmits, transparency
 from .shading.records import WORKSPACE_TABLES as SHADING_TABLES
 from .shading.records import DIFFUSE, GLOSSY, HAS_TRANSPARENCY, SINGULAR, TRANSMISSION, TRANSPARENT
 
@@ -37,6 +38,8 @@ SCALARS = [
     ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
     ("transparent_shadows", np.int64), ("lamp_count", np.int64),
     ("finite_lights", np.int64),  # 1: there are Blender lights that rays can meet
+    ("lamp_cuts", np.int64),  # 1: lamps are sampled by cuts, 0: by projection
+    ("lamp_beta", np.float64),  # for projection: what the density of a BSDF counts in the balance heuristic
 ]
 
 # Sets of random numbers: two for the camera, then so many for each vertex of a path.
@@ -50,7 +53,8 @@ FIRST_ROULETTE = 2
 BLACK = (0.0, 0.0, 0.0)
 
 WORKSPACE_TABLES = {
-    "ray": RAY, "spans": np.dtype(np.float64), "light_hits": lights.HIT, **TABLES, **SHADING_TABLES}
+    "ray": RAY, "spans": np.dtype(np.float64), "light_hits": lights.HIT, **TABLES, **SHADING_TABLES,
+    **cuts.WORKSPACE_TABLES}
 # ``aside`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
 WORKSPACE = block_dtype({**WORKSPACE_TABLES, "aside": None})
 
@@ -58,6 +62,8 @@ control_table = table("control", np.int64)
 span_table = table("spans", np.float64)
 hit_table = table("light_hits", lights.HIT)
 aside_table = table("aside", WORKSPACE)
+box_table = table("lamp_boxes", cuts.BOXES)
+cut_table = table("lamp_cuts", cuts.CUT)
 
 
 @kernel
@@ -172,36 +178,68 @@ def shade_triangle(block, workspace, start, wi, distance):
 
 
 @kernel
+def prepare_lamp(block, workspace, lamp, x, n, both):
+    """Make the workspace's cut that of the lamp for the point x with normal n."""
+    cut = cut_table(workspace)[0]
+    if block.lamp_cuts:
+        cuts.prepare(block, lamp, x, n, both, cuts.TOLERANCE, cuts.LIMIT, box_table(workspace), cut)
+    else:
+        cut.lamp, cut.slot, cut.beta = lamp, -1, block.lamp_beta
+
+
+@kernel
+def _rival(cut, pdf, narrow):
+    """What the density of a BSDF counts against that of a cut.
+
+    The cut follows the cosine, so it needs little help with broad lobes. It knows nothing of those of microfacets.
+    """
+    return cut.beta * (pdf - narrow) + max(cut.beta, 1.0) * narrow
+
+
+@kernel
+def light_lamp(block, workspace, lamp, chance, u, u1, u2, u3):
+    """One ray towards a lamp that was chosen with probability ``chance``."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    x, n = vec(surface.position), vec(surface.n)
+    spans, cut, store = spans_of(workspace), cut_table(workspace)[0], box_table(workspace)
+    prepare_lamp(block, workspace, lamp, x, n, path.both)
+    if cut.beta == np.inf:
+        return
+    wi = cuts.sample(block, lamp, x, store, cut, u1, u2, u3)
+    weight, pdf, narrow = evaluate(workspace, wi)
+    if largest(weight) <= 0.0:
+        return
+    count = lamps.trace(block, lamp, x, wi, spans)
+    if count == 0:
+        return
+    rival = _rival(cut, pdf, narrow) if competes(block, lamp) else 0.0
+    both = chance * cuts.density(block, lamp, wi, store, cut, spans, count) + rival
+    radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, leave(x, vec(surface.ng), wi), u)
+    if largest(radiance) > 0.0:
+        contribute(block, workspace, mul(weight, radiance), 1.0 / both, True, path.bounce + 1)
+
+
+@kernel
 def light_vertex(block, workspace):
     """Next event estimation at ``workspace.surface``: one ray towards one emitter."""
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
+    path.both = int(transmits(workspace))
+    cut_table(workspace)[0].lamp = -1
     u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
     emitter, chance, u0 = lights.select(block, x, n, u[0])
     if chance <= 0.0:
         return
     scatters = path.bounce + 1
     if emitter < block.lamp_count:
-        spans = spans_of(workspace)
-        wi = lamps.sample_direction(block, emitter, x, n, u[1], u[2], u[3])
-        weight, scatter_pdf = evaluate(workspace, wi)
-        if largest(weight) <= 0.0:
-            return
-        if not competes(block, emitter):
-            scatter_pdf = 0.0
-        count = lamps.trace(block, emitter, x, wi, spans)
-        if count == 0:
-            return
-        pdf = chance * lamps.direction_pdf(block, emitter, x, n, wi, spans, count)
-        radiance = visible_lamp(block, workspace, emitter, x, wi, spans, count, leave(x, ng, wi), u0)
-        if largest(radiance) > 0.0:
-            contribute(block, workspace, mul(weight, radiance), 1.0 / (pdf + scatter_pdf), True, scatters)
+        light_lamp(block, workspace, emitter, chance, u0, u[1], u[2], u[3])
         return
     wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, n, u[1], u[2])
     if pdf <= 0.0 or largest(radiance) <= 0.0:
         return
-    weight, scatter_pdf = evaluate(workspace, wi)
+    weight, scatter_pdf, _ = evaluate(workspace, wi)
     if largest(weight) <= 0.0:
         return
     start = leave(x, ng, wi)
@@ -233,6 +271,26 @@ def _mis(block, path, emitter, pdf):
 
 
 @kernel
+def _lamp_mis(block, workspace, lamp, spans, count):
+    """As ``_mis``, for a lamp: against the cut where the path last scattered."""
+    path = path_table(workspace)[0]
+    if path.pdf <= 0.0:
+        return 1.0
+    if not competes(block, lamp):
+        return 0.0
+    cut = cut_table(workspace)[0]
+    origin, normal = vec(path.origin), vec(path.normal)
+    if cut.lamp != lamp:
+        prepare_lamp(block, workspace, lamp, origin, normal, path.both)
+    if cut.beta == np.inf:
+        return 1.0
+    chance = lights.selection_probability(block, origin, normal, lamp)
+    density = cuts.density(block, lamp, vec(path.direction), box_table(workspace), cut, spans, count)
+    rival = _rival(cut, path.pdf, path.narrow)
+    return rival / (rival + chance * density) if rival > 0.0 else 0.0
+
+
+@kernel
 def gather_lamps(block, workspace, t_to):
     """Add the line integral of each lamp along the path's ray up to the distance ``t_to``."""
     path = path_table(workspace)[0]
@@ -248,10 +306,7 @@ def gather_lamps(block, workspace, t_to):
         radiance = lamps.radiance(block, lamp, origin, direction, spans, count, path.t_min, t_to, u)
         if largest(radiance) <= 0.0:
             continue
-        pdf = 0.0
-        if path.pdf > 0.0:
-            pdf = lamps.direction_pdf(block, lamp, origin, vec(path.normal), direction, spans, count)
-        contribute(block, workspace, radiance, _mis(block, path, lamp, pdf), True, path.bounce)
+        contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, spans, count), True, path.bounce)
 
 
 @kernel
@@ -363,7 +418,7 @@ def scatter(block, workspace):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     u = draw3(path.index, path.seed, path.dimension + SCATTER_SET)
-    wi, weight, pdf, kind = sample_surface(workspace, u[0], u[1], u[2])
+    wi, weight, pdf, narrow, kind = sample_surface(workspace, u[0], u[1], u[2])
     if pdf <= 0.0 or largest(weight) <= 0.0:
         return False
     throughput = scale(mul(vec(path.throughput), weight), 1.0 / pdf)
@@ -391,6 +446,7 @@ def scatter(block, workspace):
     put(path.direction, wi)
     path.t_min, path.t_max = 0.0, np.inf
     path.pdf = 0.0 if kind & SINGULAR else pdf
+    path.narrow = narrow
     path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
     return True
 

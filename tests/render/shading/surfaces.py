@@ -24,7 +24,7 @@ MAX_BOUNCES = 64
 @kernel(cache=False)
 def _draw(workspace, u, wi, value, pdf, kind):
     for i in range(len(u)):
-        d, f, pdf[i], kind[i] = sample(workspace, u[i, 0], u[i, 1], u[i, 2])
+        d, f, pdf[i], _, kind[i] = sample(workspace, u[i, 0], u[i, 1], u[i, 2])
         for axis in range(3):
             wi[i, axis] = d[axis]
             value[i, axis] = f[axis]
@@ -33,7 +33,7 @@ def _draw(workspace, u, wi, value, pdf, kind):
 @kernel(cache=False)
 def _evaluate(workspace, wi, value, pdf):
     for i in range(len(wi)):
-        f, pdf[i] = evaluate(workspace, (wi[i, 0], wi[i, 1], wi[i, 2]))
+        f, pdf[i], _ = evaluate(workspace, (wi[i, 0], wi[i, 1], wi[i, 2]))
         for axis in range(3):
             value[i, axis] = f[axis]
 
@@ -53,7 +53,7 @@ def _sphere_radiance(block, workspace, x, y):
         surface.backfacing = int(inside)
         shade(block, workspace)
         radiance = add(radiance, mul(throughput, vec(surface.emission)))
-        d, value, pdf, _ = sample(workspace, np.random.random(), np.random.random(), np.random.random())
+        d, value, pdf, _, _ = sample(workspace, np.random.random(), np.random.random(), np.random.random())
         if pdf == 0.0:
             break
         throughput = mul(throughput, scale(value, 1.0 / pdf))

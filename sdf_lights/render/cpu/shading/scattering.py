@@ -61,16 +61,30 @@ def _evaluate_closure(surface, closure, wi):
 
 @kernel
 def evaluate(workspace, wi):
-    """f · |cos| (RGB) of all closures that are not singular, and the pdf with which ``sample`` draws wi."""
+    """f · |cos| (RGB) of all closures that are not singular, the pdf with which ``sample`` draws wi, and the part of
+    that pdf that microfacets have."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
-    total, density = ZERO, 0.0
+    total, density, narrow = ZERO, 0.0, 0.0
     for i in range(surface.closure_count):
         closure = closures[i]
         if closure.singular == 0:
             value, pdf = _evaluate_closure(surface, closure, wi)
             total = add(total, value)
             density += closure.pick * pdf
-    return total, density
+            if closure.kind == MICROFACET:
+                narrow += closure.pick * pdf
+    return total, density, narrow
+
+
+@kernel
+def transmits(workspace):
+    """Whether light that falls on the far side of the surface matters, other than straight through or mirrored."""
+    closures = closure_table(workspace)
+    for i in range(surface_table(workspace)[0].closure_count):
+        closure = closures[i]
+        if closure.singular == 0 and (closure.kind == TRANSLUCENT or closure.kind == MICROFACET and closure.transmits):
+            return True
+    return False
 
 
 @kernel
@@ -97,7 +111,8 @@ def _sample_closure(surface, closure, u1, u2, u3):
 
 @kernel
 def sample(workspace, u1, u2, u3):
-    """Draw a direction from all closures: wi, f · |cos| (RGB), pdf, and kind (see records.py).
+    """Draw a direction from all closures: wi, f · |cos| (RGB), pdf, the part of it of microfacets, and kind (see
+    records.py).
 
     A pdf of 0 means that nothing was drawn. For a singular kind value / pdf is the path's weight, and neither is a
     density.
@@ -105,7 +120,7 @@ def sample(workspace, u1, u2, u3):
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     count = surface.closure_count
     if count == 0:
-        return ZERO, ZERO, 0.0, 0
+        return ZERO, ZERO, 0.0, 0.0, 0
     chosen = 0
     if count > 1:
         while chosen < count - 1 and u3 >= closures[chosen].pick:
@@ -115,14 +130,15 @@ def sample(workspace, u1, u2, u3):
     closure = closures[chosen]
     wi, value, pdf, kind = _sample_closure(surface, closure, u1, u2, u3)
     if not 0.0 < pdf < math.inf:
-        return ZERO, ZERO, 0.0, 0
+        return ZERO, ZERO, 0.0, 0.0, 0
     if not kind & TRANSPARENT:
         # A direction must leave on the side that its kind says, whatever the shading normal is.
         if (dot(vec(surface.ng), wi) < 0.0) != (kind & TRANSMISSION != 0):
-            return ZERO, ZERO, 0.0, 0
+            return ZERO, ZERO, 0.0, 0.0, 0
         if closure.bumped and closure.kind == MICROFACET and not kind & SINGULAR:
             value = scale(value, _bump_shadowing(surface, closure, wi))
     pdf *= closure.pick
+    narrow = pdf if closure.kind == MICROFACET else 0.0
     if count > 1 and not kind & SINGULAR:
         for i in range(count):
             other = closures[i]
@@ -130,4 +146,6 @@ def sample(workspace, u1, u2, u3):
                 others, density = _evaluate_closure(surface, other, wi)
                 value = add(value, others)
                 pdf += other.pick * density
-    return wi, value, pdf, kind
+                if other.kind == MICROFACET:
+                    narrow += other.pick * density
+    return wi, value, pdf, narrow, kind
