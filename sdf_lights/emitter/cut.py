@@ -38,7 +38,8 @@ import numpy as np
 
 from ..jit import kernel, stack_array, table
 from ..sdf.program import INSTRUCTION
-from ..vec import add, dot, madd, normalize, scale, sub, transform_normal, transform_point, transform_vector, vec
+from ..vec import (
+    add, dot, length, madd, mul, normalize, scale, sub, transform_normal, transform_point, transform_vector, vec)
 from . import interior, moments
 from .fields import lamp_lists, value
 from .hashing import bits, following, seeded, uniform_point
@@ -49,7 +50,7 @@ from .moments import CELL, lamp_cells
 
 MOST_BOXES = 32  # in a cut
 MOST_ENTRIES = 2 * MOST_BOXES
-REGIONS = 512  # whose boxes a thread keeps
+REGIONS = 512  # whose boxes a thread keeps: a power of two
 
 PLACEMENT = np.dtype([
     ("first_cell", np.int64),
@@ -57,6 +58,7 @@ PLACEMENT = np.dtype([
     ("inverse", np.float64, (3, 4)),  # back
     ("metric", np.float64, (3, 3)),  # scalar product of the world, in tree space
     ("factor", np.float64),  # volume in the world of a unit of tree space
+    ("unit", np.float64, (3,)),  # tree space, for a metre of the world along each of its axes
     ("extent", np.float64),  # m², mean square distance of the interior from its centroid, in the world
     ("centroid", np.float64, (3,)),  # in the world, relative to the lamp's centre
     ("thickness", np.float64),  # m in the world: mean of the boxes' least sides
@@ -118,6 +120,11 @@ NEAR = 0.5  # the distance that a region counts as having at least, of the thick
 SHIFT = 0.381966  # of the grid of regions, in its cells
 AMBIENT = 0.2  # added to cosines where boxes are chosen: the normals of a region differ
 
+# Odd numbers of 64 random bits, to hash what regions are told apart by.
+_PRIMES = tuple(np.uint64(number) for number in (
+    0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0xD6E8FEB86659FD93, 0xA0761D6478BD642F,
+    0xE7037ED1A0B428DB))
+
 placements = table("lamp_placements", PLACEMENT)
 instructions = table("lamp_instructions", INSTRUCTION)
 
@@ -138,6 +145,7 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         row["first_cell"], row["factor"] = first[shape][0], factor
         row["matrix"], row["inverse"] = to_world[:3], np.linalg.inv(to_world)[:3]
         row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]
+        row["unit"] = 1.0 / np.sqrt(row["metric"].diagonal())
         own = parts[first[shape][1]]
         row["extent"] = row["metric"].diagonal() @ own["spread"][0]
         row["centroid"] = to_world[:3, :3] @ own["centroid"][0] + to_world[:3, 3]
@@ -283,17 +291,21 @@ def _fit(boxes, place, origin, normal, both, cut):
     nx, ny, nz = normal
     ax, ay, az = abs(nx), abs(ny), abs(nz)
     ox, oy, oz = origin
-    level, weight, slope = cut.level, cut.weight, cut.slope
-    low, high, centroid = boxes.low, boxes.high, boxes.centroid
-    for k in range(boxes.count):
-        lx, ly, lz = low[0, k] - ox, low[1, k] - oy, low[2, k] - oz
-        hx, hy, hz = high[0, k] - ox, high[1, k] - oy, high[2, k] - oz
-        wx, wy, wz = centroid[0, k] - ox, centroid[1, k] - oy, centroid[2, k] - oz
+    low_x, low_y, low_z = boxes.low[0], boxes.low[1], boxes.low[2]
+    high_x, high_y, high_z = boxes.high[0], boxes.high[1], boxes.high[2]
+    middle_x, middle_y, middle_z = boxes.centroid[0], boxes.centroid[1], boxes.centroid[2]
+    extents, fills, volumes = boxes.extent, boxes.fill, boxes.volume
+    level, weight = cut.level, cut.weight
+    slope_x, slope_y, slope_z = cut.slope[0], cut.slope[1], cut.slope[2]
+    for k in range(np.uint64(boxes.count)):  # unsigned: Numba would test signed indices for being negative
+        lx, ly, lz = low_x[k] - ox, low_y[k] - oy, low_z[k] - oz
+        hx, hy, hz = high_x[k] - ox, high_y[k] - oy, high_z[k] - oz
+        wx, wy, wz = middle_x[k] - ox, middle_y[k] - oy, middle_z[k] - oz
         half = 0.5 * (ax * (hx - lx) + ay * (hy - ly) + az * (hz - lz))
         middle = 0.5 * (nx * (hx + lx) + ny * (hy + ly) + nz * (hz + lz))
         gx, gy, gz = m00 * wx + m01 * wy + m02 * wz, m01 * wx + m11 * wy + m12 * wz, m02 * wx + m12 * wy + m22 * wz
         square = max(wx * gx + wy * gy + wz * gz, 1e-300)
-        extent = boxes.extent[k]
+        extent = extents[k]
         inverse = 1.0 / (square + SOFT * extent * min(extent / square, 1.0))
         side = -1.0 if both and middle < 0.0 else 1.0
         middle *= side
@@ -304,7 +316,7 @@ def _fit(boxes, place, origin, normal, both, cut):
         across = 0.5 / max(half, 1e-300)
         rate = 1.0 if above else (upper - lower) * across
         height = side * (nx * wx + ny * wy + nz * wz) if above else 0.5 * (upper * upper + lower * lower) * across
-        amount = boxes.fill[k] * height * inverse * math.sqrt(inverse)
+        amount = fills[k] * height * inverse * math.sqrt(inverse)
         share = side * rate / max(height, 1e-300)
         fall = -3.0 * inverse
         bx, by, bz = share * nx + fall * gx, share * ny + fall * gy, share * nz + fall * gz
@@ -313,8 +325,8 @@ def _fit(boxes, place, origin, normal, both, cut):
         keep = amount * ((1.0 - FLAT) / drop if drop > 1.0 - FLAT else 1.0)
         bx, by, bz = keep * bx, keep * by, keep * bz
         level[k] = amount - (bx * wx + by * wy + bz * wz)
-        slope[0, k], slope[1, k], slope[2, k] = bx, by, bz
-        weight[k] = boxes.volume[k] * amount
+        slope_x[k], slope_y[k], slope_z[k] = bx, by, bz
+        weight[k] = volumes[k] * amount
 
 
 @kernel
@@ -339,7 +351,7 @@ def _surrounded(cells, q):
 
 
 @kernel
-def _bits_of(value):
+def _whole(value):
     return np.uint64(np.int64(math.floor(value)))
 
 
@@ -349,28 +361,29 @@ def _region(block, lamp, place, origin, normal, both, tolerance, limit, store):
 
     Regions are aligned with the tree, so they move with the lamp; their sizes are those of the world.
     """
-    root = lamp_cells(block)[place.first_cell]
-    unit, side = stack_array(3), stack_array(3)  # tree space, for a metre of the world along each axis
-    square = 0.0
-    for k in range(3):
-        unit[k] = 1.0 / math.sqrt(place.metric[k, k])
-        away = max(root.low[k] - origin[k], origin[k] - root.high[k], 0.0)
-        square += away * away / (unit[k] * unit[k])
-    size = 2.0 ** math.floor(math.log2(REGION * max(math.sqrt(square), NEAR * place.thickness)))
-    key = bits(np.uint64(2 * lamp + both) ^ bits(_bits_of(size * 2.0**40)))
-    center = stack_array(3)
-    for k in range(3):
-        # The grid is shifted, so that neither the middle of a lamp nor round numbers lie on its borders.
-        cell = math.floor(origin[k] / (size * unit[k]) + SHIFT)
-        turn = math.floor(2.0 * normal[k] * unit[k] + 0.5)
-        key = bits(following(key) ^ _bits_of(cell) ^ (_bits_of(turn) << np.uint64(56)))
-        center[k], side[k] = (cell + 0.5 - SHIFT) * size * unit[k], 0.5 * turn / unit[k]
-    key |= np.uint64(1)
-    slot = np.int64(key >> np.uint64(1)) % len(store)
+    root, unit = lamp_cells(block)[place.first_cell], vec(place.unit)
+    low, high = vec(root.low), vec(root.high)
+    away = (max(low[0] - origin[0], origin[0] - high[0], 0.0) / unit[0],
+            max(low[1] - origin[1], origin[1] - high[1], 0.0) / unit[1],
+            max(low[2] - origin[2], origin[2] - high[2], 0.0) / unit[2])
+    target = REGION * max(length(away), NEAR * place.thickness)
+    size = 0.5 * target / math.frexp(target)[0]  # a power of two
+    step = scale(unit, size)
+    # The grid is shifted, so that neither the middle of a lamp nor round numbers lie on its borders.
+    at = (math.floor(origin[0] / step[0] + SHIFT), math.floor(origin[1] / step[1] + SHIFT),
+          math.floor(origin[2] / step[2] + SHIFT))
+    turn = (math.floor(2.0 * normal[0] * unit[0] + 0.5), math.floor(2.0 * normal[1] * unit[1] + 0.5),
+            math.floor(2.0 * normal[2] * unit[2] + 0.5))
+    side = np.uint64(turn[0] + 8.0 * turn[1] + 64.0 * turn[2] + 512.0) * np.uint64(2) + np.uint64(both)
+    key = bits(_whole(at[0]) * _PRIMES[0] + _whole(at[1]) * _PRIMES[1] + _whole(at[2]) * _PRIMES[2]
+               + _whole(size * 2.0**40) * _PRIMES[3] + side * _PRIMES[4] + np.uint64(lamp) * _PRIMES[5]) | np.uint64(1)
+    slot = np.int64(key >> np.uint64(1)) & (len(store) - 1)
     boxes = store[slot]
     if boxes.key != key:
         boxes.key = key
-        _divide(block, place, vec(center), vec(side), 0.25 * size * size, tolerance, limit, boxes)
+        center = mul((at[0] + 0.5 - SHIFT, at[1] + 0.5 - SHIFT, at[2] + 0.5 - SHIFT), step)
+        facing = (0.5 * turn[0] / unit[0], 0.5 * turn[1] / unit[1], 0.5 * turn[2] / unit[2])
+        _divide(block, place, center, facing, 0.25 * size * size, tolerance, limit, boxes)
     return slot
 
 
@@ -524,11 +537,13 @@ def density(block, lamp, d, store, cut, spans, count):
     boxes = store[cut.slot]
     sx, sy, sz = _direction(way[0]), _direction(way[1]), _direction(way[2])
     ox, oy, oz = vec(cut.origin)
-    low, high, enter, leave = boxes.low, boxes.high, cut.enter, cut.leave
-    for k in range(boxes.count):
-        ax, bx = (low[0, k] - ox) * sx, (high[0, k] - ox) * sx
-        ay, by = (low[1, k] - oy) * sy, (high[1, k] - oy) * sy
-        az, bz = (low[2, k] - oz) * sz, (high[2, k] - oz) * sz
+    low_x, low_y, low_z = boxes.low[0], boxes.low[1], boxes.low[2]
+    high_x, high_y, high_z = boxes.high[0], boxes.high[1], boxes.high[2]
+    enter, leave = cut.enter, cut.leave
+    for k in range(np.uint64(boxes.count)):
+        ax, bx = (low_x[k] - ox) * sx, (high_x[k] - ox) * sx
+        ay, by = (low_y[k] - oy) * sy, (high_y[k] - oy) * sy
+        az, bz = (low_z[k] - oz) * sz, (high_z[k] - oz) * sz
         enter[k] = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), 0.0))
         leave[k] = min(min(max(ax, bx), max(ay, by)), max(az, bz))
     total = 0.0
