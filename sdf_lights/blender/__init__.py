@@ -15,10 +15,14 @@ _CACHE = "SDF_LIGHTS_CACHE"
 
 
 def _modules():
-    """Modules with ``CLASSES`` and ``register()``/``unregister()``, in order of registration."""
-    from . import engine, operators, panels, passes, preferences, properties, viewport
+    """Modules with ``CLASSES`` and, where there is more to do, ``register()`` and ``unregister()``, in order."""
+    from . import engine, nodes, operators, panels, passes, preferences, properties, viewport
 
-    return preferences, properties, passes, viewport, engine, operators, panels
+    return preferences, properties, *nodes.modules(), passes, viewport, engine, operators, panels
+
+
+def _nothing() -> None:
+    pass
 
 
 def register():
@@ -31,7 +35,7 @@ def register():
     for module in _modules():
         for kind in module.CLASSES:
             bpy.utils.register_class(kind)
-        module.register()
+        getattr(module, "register", _nothing)()
 
 
 def unregister():
@@ -39,7 +43,7 @@ def unregister():
     if not hasattr(bpy.types.Scene, "sdf_lights"):
         return
     for module in reversed(_modules()):
-        module.unregister()
+        getattr(module, "unregister", _nothing)()
         for kind in reversed(module.CLASSES):
             bpy.utils.unregister_class(kind)
     if IS_EXTENSION and os.environ.get(_CACHE) == bpy.utils.extension_path_user(ROOT, path="kernels"):

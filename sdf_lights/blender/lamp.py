@@ -6,10 +6,13 @@ from __future__ import annotations
 
 import functools
 
+import numpy as np
+
 from ..render.errors import RenderError
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
 from . import parameters
+from .nodes import reading
 from .properties import PRIMITIVES
 
 
@@ -25,14 +28,18 @@ def _expression_shape(text: str, values: tuple) -> Shape:
         raise RenderError(f"In its expression: {error}") from error
 
 
-def shape_of(lamp) -> Shape:
+def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
     """Shape of a ``Light.sdf_lamp``.
+
+    ``owner`` is the matrix (4 × 4) of the lamp's object in the world, from which nodes see other objects.
 
     Raises RenderError with a sentence where there is none, or where its parameters do not go together. Its cause is an
     ``ExpressionError`` if that is where the problem lies.
     """
     if lamp.source == "EXPRESSION":
         shape = _expression_shape(parameters.text_of(lamp), tuple(parameters.values(lamp).items()))
+    elif lamp.source == "NODES":
+        shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner)
     else:
         name = lamp.shape.lower()
         values = getattr(lamp, name)

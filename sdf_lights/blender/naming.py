@@ -12,3 +12,5 @@ IS_EXTENSION = ROOT.startswith("bl_ext.")
 
 ENGINE = "SDF_LIGHTS"
 LABEL = "SDF Lights"
+
+NODE_TREE = "SDFLIGHTS_NodeTree"

@@ -10,6 +10,7 @@ from bpy_extras.object_utils import AddObjectHelper, object_data_add
 from ..sdf.catalogue import grouped
 from ..sdf.examples import examples
 from . import parameters
+from .context import light_of
 from .lamp import shape_of
 from .properties import PRIMITIVES, shape_items
 
@@ -81,14 +82,6 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
         layout.prop(self, "rotation")
 
 
-def _light(context) -> bpy.types.Light | None:
-    """The light that a panel is about: that of the Properties editor, which may be pinned, or of the active object."""
-    light = getattr(context, "light", None)
-    if light is None and context.object is not None and context.object.type == "LIGHT":
-        light = context.object.data
-    return light
-
-
 class _LampOperator:
     """An operator on the light that the panel is about."""
 
@@ -96,7 +89,7 @@ class _LampOperator:
 
     @classmethod
     def poll(cls, context):
-        light = _light(context)
+        light = light_of(context)
         return light is not None and light.is_editable
 
 
@@ -109,7 +102,7 @@ class SDFLIGHTS_OT_example_load(_LampOperator, bpy.types.Operator):
     example: bpy.props.EnumProperty(name="Example", description="Expression to start from", items=example_items())
 
     def execute(self, context):
-        load_example(_light(context), self.example)
+        load_example(light_of(context), self.example)
         return {"FINISHED"}
 
 
@@ -120,7 +113,7 @@ class SDFLIGHTS_OT_expression_to_text(_LampOperator, bpy.types.Operator):
     bl_label = "Edit as Text"
 
     def execute(self, context):
-        light = _light(context)
+        light = light_of(context)
         text = bpy.data.texts.new(light.name)
         text.write(parameters.text_of(light.sdf_lamp))
         light.sdf_lamp.text = text
@@ -134,7 +127,7 @@ class SDFLIGHTS_OT_parameters_remove(_LampOperator, bpy.types.Operator):
     bl_label = "Remove Unused Parameters"
 
     def execute(self, context):
-        parameters.remove_unused(_light(context))
+        parameters.remove_unused(light_of(context))
         return {"FINISHED"}
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parameters that an expression declares, as custom properties of its Light.
+"""Parameters that an expression or a node tree declares, as custom properties of its Light.
 
 Custom properties are the one kind in Blender whose limits, default and description can be set while it runs. They are
 saved, undone, animated, driven and overridden as others are. Their names begin with ``PREFIX``, to be told from the
@@ -20,6 +20,7 @@ import bpy
 
 from ..sdf.expression import Declaration, Expression
 from ..sdf.syntax import ExpressionError
+from .nodes.reading import declarations_of
 
 PREFIX = "sdf_"
 
@@ -39,7 +40,9 @@ def parsed(text: str) -> Expression | ExpressionError:
 
 
 def declarations(lamp) -> tuple[Declaration, ...]:
-    """What the lamp's expression declares; nothing if there is something wrong with it."""
+    """What the lamp's expression or nodes declare; nothing of an expression with a mistake in it."""
+    if lamp.source == "NODES":
+        return declarations_of(lamp.nodes)
     expression = parsed(text_of(lamp)) if lamp.source == "EXPRESSION" else None
     return expression.parameters if isinstance(expression, Expression) else ()
 

@@ -17,6 +17,7 @@ from ..render.settings import Settings
 from ..sdf.catalogue import grouped
 from ..sdf.shapes import SHAPES, Shape
 from . import parameters
+from .naming import NODE_TREE
 
 # Settings that Blender has a property for already.
 BLENDERS_OWN = {
@@ -95,7 +96,7 @@ def settings_of(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
 # -- lamps -------------------------------------------------------------------------------------------------------------
 
 
-def _parameter(about):
+def parameter_property(about):
     """The bpy property of one parameter of a shape."""
     common = dict(name=about.label, description=about.description, update=tag)
     limits = {"default": about.default, "min": about.minimum, "max": about.maximum, "soft_max": about.soft_maximum}
@@ -125,7 +126,7 @@ PRIMITIVES = {name: shape for name, shape in SHAPES.items() if _is_primitive(sha
 _SHAPE_GROUPS = {
     name: group(
         f"SDFLIGHTS_Shape_{name}", f"Parameters of the shape {shape.label()}",
-        {about.name: _parameter(about) for about in shape.fields()})
+        {about.name: parameter_property(about) for about in shape.fields()})
     for name, shape in PRIMITIVES.items()}
 
 
@@ -160,7 +161,8 @@ SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an 
     "source": bpy.props.EnumProperty(
         name="Source", description="What says the shape of the lamp", update=expression_changed, items=[
             ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
-            ("EXPRESSION", "Expression", "Shapes put together by a few lines of text", 1)]),
+            ("EXPRESSION", "Expression", "Shapes put together by a few lines of text", 1),
+            ("NODES", "Nodes", "Shapes put together by a node tree", 2)]),
     "shape": bpy.props.EnumProperty(
         name="Shape", description="Shape that glows", items=shape_items(), default="SPHERE", update=tag),
     "expression": bpy.props.StringProperty(
@@ -169,6 +171,9 @@ SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an 
     "text": bpy.props.PointerProperty(
         name="Text", description="Text block that holds the expression, for one of several lines", type=bpy.types.Text,
         update=expression_changed),
+    "nodes": bpy.props.PointerProperty(
+        name="Nodes", description="Node tree whose Lamp Output is the shape", type=bpy.types.NodeTree,
+        poll=lambda self, tree: tree.bl_idname == NODE_TREE, update=expression_changed),
     "normalize": bpy.props.BoolProperty(
         name="Normalize", description="The power is that of the whole lamp, whatever its size and shape; "
         "otherwise the radiance gained per metre stays the same", default=True, update=tag),

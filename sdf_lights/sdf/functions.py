@@ -83,27 +83,38 @@ class Function(NamedTuple):
         """The result for the given values. Raises ``Misuse``."""
         if self.other is not None and positional and not isinstance(positional[0], Parametric):
             return self.other(slots, positional, named)
-        repeated, arguments = [], self.arguments
-        if self.variadic:
-            if named and len(arguments) == 1:
-                raise Misuse(f"{self.name} takes no named arguments", f"write {self.signature()}")
-            repeated, positional, arguments = self._repeated(positional)
-        positional = self._gathered(positional, arguments)
-        given = self._bound(positional, named, arguments)
+        repeated, given = self.bound(positional, named)
         return self.call(
             slots, *(self._converted(self.arguments[0], value, slots) for value in repeated),
-            *(self._converted(a, given[a.name], slots) if a.name in given else a.default for a in arguments))
+            *(self._converted(a, given[a.name], slots) if a.name in given else a.default for a in self._single))
 
-    def _repeated(self, positional: list) -> tuple[list, list, tuple[Argument, ...]]:
-        """Values of the first argument, the values after them, and the arguments that those are for."""
-        first, rest = self.arguments[0], self.arguments[1:]
+    @property
+    def _single(self) -> tuple[Argument, ...]:
+        """Arguments that get one value each."""
+        return self.arguments[self.variadic:]
+
+    def bound(self, positional: list, named: dict[str, Any]) -> tuple[list, dict[str, Any]]:
+        """The values of an argument that may be given any number of times, and those of the others by name.
+
+        Three numbers in a row become a vector where one is wanted. Raises ``Misuse``.
+        """
+        repeated = []
+        if self.variadic:
+            if named and len(self.arguments) == 1:
+                raise Misuse(f"{self.name} takes no named arguments", f"write {self.signature()}")
+            repeated, positional = self._repeated(positional)
+        return repeated, self._bound(self._gathered(positional, self._single), named, self._single)
+
+    def _repeated(self, positional: list) -> tuple[list, list]:
+        """Values of the first argument, and the values after them."""
+        rest = self._single
         count = len(positional)
         if rest:
             numbers = [isinstance(value, float) for value in positional]
             count = numbers.index(True) if True in numbers else count
         if not count:
             raise self._wrong_count(positional)
-        return [*positional[:count]], positional[count:], rest
+        return [*positional[:count]], positional[count:]
 
     def _gathered(self, positional: list, arguments: tuple[Argument, ...]) -> list:
         """``positional`` with three numbers in a row made one vector, where there are more values than arguments."""

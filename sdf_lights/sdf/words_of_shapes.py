@@ -186,3 +186,12 @@ def rotate_z(slots: Work, shape: Any, degrees: Scalar):
 def scale(slots: Work, shape: Shape, factor: Vec3):
     """The shape stretched from the origin: one factor, or one each along x, y and z. A negative factor mirrors."""
     return _transformed(shape, np.diag(factor))
+
+
+@word("Transforms", cost=6)
+def transform(slots: Work, shape: Shape, x: Vec3, y: Vec3, z: Vec3, offset: Vec3 = (0.0, 0.0, 0.0)):
+    """The shape under an affine map, shear included: x, y and z say where the unit vectors of the axes go.
+
+    The offset says where the origin goes.
+    """
+    return _transformed(shape, np.transpose([x, y, z]), offset)

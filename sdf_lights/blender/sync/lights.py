@@ -16,8 +16,11 @@ from .common import Warnings, is_flat, rgb
 from .nodes import emission_of
 
 
-def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: Warnings) -> Lamp | Light | None:
+def light_of(obj: bpy.types.Object, matrix: np.ndarray, owner: np.ndarray, visibility: Ray,
+             warn: Warnings) -> Lamp | Light | None:
     """The lamp or light of a Light object; None where it gives no light.
+
+    ``matrix`` is that of the instance, ``owner`` that of the object itself, from which nodes of a lamp see other objects.
 
     Without ``normalize``, Blender's power is that of one square metre of the light's surface (found by renders of
     Cycles: a test repeats them). Raises RenderError, with a sentence that names the object, where it cannot be used.
@@ -29,7 +32,7 @@ def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: W
         raise RenderError(
             f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again.")
     if data.sdf_lamp.use:
-        return _lamp(name, data, matrix, power, color, visibility)
+        return _lamp(name, data, matrix, owner, power, color, visibility)
     if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
         return None  # a portal only guides sampling in Cycles
     common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow)
@@ -58,13 +61,14 @@ def _color(data: bpy.types.Light, warn: Warnings) -> RGB:
     return rgb(color)
 
 
-def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, power: float, color: RGB, visibility: Ray) -> Lamp:
+def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, owner: np.ndarray, power: float, color: RGB,
+          visibility: Ray) -> Lamp:
     if is_flat(matrix):
         raise RenderError(
             f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale.")
     lamp = data.sdf_lamp
     try:
-        shape = shape_of(lamp)
+        shape = shape_of(lamp, owner)
     except RenderError as error:
         raise RenderError(f"Lamp '{name}' is left out. {error}") from error
     visibility = visibility | Ray.CAMERA if lamp.visible_camera else visibility & ~Ray.CAMERA

@@ -30,7 +30,7 @@ def sync_objects(depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materi
 
     An object that cannot be used is left out with a warning that names it; the rest is rendered.
     """
-    reader = _Reader(depsgraph.view_layer, scene, materials, warn)
+    reader = _Reader(depsgraph, scene, materials, warn)
     for item in depsgraph.object_instances:
         # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
         if item.show_self:
@@ -47,8 +47,9 @@ class _Flags(NamedTuple):
 class _Reader:
     """Reads instances; what many instances have in common is asked of Blender once."""
 
-    def __init__(self, view_layer: bpy.types.ViewLayer, scene: Scene, materials: Materials, warn: Warnings):
-        self._view_layer = view_layer  # the original, which knows original objects
+    def __init__(self, depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials, warn: Warnings):
+        self._depsgraph = depsgraph
+        self._view_layer = depsgraph.view_layer  # the original, which knows original objects
         self._scene, self._materials, self._warn = scene, materials, warn
         self._meshes = Meshes(scene, warn)
         self._flags: dict[int, _Flags] = {}
@@ -91,7 +92,8 @@ class _Reader:
 
     def _light(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags) -> None:
         try:
-            light = light_of(obj, matrix, flags.visibility, self._warn)
+            owner = matrix_of(obj.original.evaluated_get(self._depsgraph).matrix_world)
+            light = light_of(obj, matrix, owner, flags.visibility, self._warn)
         except RenderError as error:
             self._warn(str(error))
             return

@@ -1,0 +1,11 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node trees of type SDF Lamp. ``modules`` lists what there is to register."""
+
+
+def modules() -> tuple:
+    """Modules with ``CLASSES``, in order of registration."""
+    # Not before: the properties of a lamp are read through this package too.
+    from . import editor, groups, scene, sockets, tree, values, words
+
+    return sockets, tree, words, values, scene, groups, editor

@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Add menu of the node editor, and from lamps to trees and back."""
+
+from __future__ import annotations
+
+import ast
+
+import bpy
+import numpy as np
+
+from ...render.errors import RenderError
+from ...sdf.catalogue import category
+from ...sdf.functions import MATHEMATICS, POINTS
+from ...sdf.shapes import SHAPES
+from ...sdf.syntax import ExpressionError
+from .. import parameters
+from ..context import light_of
+from ..lamp import shape_of
+from ..naming import NODE_TREE
+from ..properties import PRIMITIVES
+from . import reading, scene, values, writing
+from .groups import SDFLIGHTS_MT_group_add
+from .words import FUNCTION_NODES
+
+# -- Add menu ----------------------------------------------------------------------------------------------------------
+
+
+def _menu_of(node: type) -> str:
+    function = node.function
+    shape = SHAPES.get(function.name) if function.makes_shape else None
+    if shape is not None:
+        title = category(shape)
+        return f"{'Combine' if function.variadic else 'Operators' if function.group == 'Operators' else 'Shapes'}/{title}"
+    if function.group in ("Fields", MATHEMATICS, POINTS):
+        return {"Fields": "Fields", MATHEMATICS: "Math", POINTS: "Points"}[function.group]
+    return function.group
+
+
+def _menus() -> dict[str, list[type]]:
+    """Nodes by menu; a name with a stroke is a submenu."""
+    found: dict[str, list[type]] = {
+        "Input": [values.SDFLIGHTS_Node_parameter, values.SDFLIGHTS_Node_number, values.SDFLIGHTS_Node_vector,
+                  values.SDFLIGHTS_Node_position, scene.SDFLIGHTS_Node_expression],
+        "Output": [scene.SDFLIGHTS_Node_output]}
+    for node in FUNCTION_NODES.values():
+        found.setdefault(_menu_of(node), []).append(node)
+    found["Transforms"][:0] = [scene.SDFLIGHTS_Node_object, scene.SDFLIGHTS_Node_place]
+    found["Fields"][:0] = [values.SDFLIGHTS_Node_distance, values.SDFLIGHTS_Node_field]
+    found["Math"][:0] = [values.SDFLIGHTS_Node_math, values.SDFLIGHTS_Node_compare, values.SDFLIGHTS_Node_boolean,
+                         values.SDFLIGHTS_Node_combine, values.SDFLIGHTS_Node_separate]
+    return found
+
+
+def _menu_class(name: str, title: str, nodes: list[type], inner: list[tuple[str, str]] = ()) -> type:
+    def draw(self, context):
+        for idname, label in inner:
+            self.layout.menu(idname, text=label)
+        for node in nodes:
+            operator = self.layout.operator("node.add_node", text=node.bl_label)
+            operator.type, operator.use_transform = node.bl_idname, True
+
+    return type(name, (bpy.types.Menu,), {"bl_label": title, "bl_idname": name, "draw": draw})
+
+
+_ORDER = ("Input", "Output", "Shapes", "Solids from profiles", "Profiles", "Combine", "Operators", "Transforms",
+          "Fields", "Points", "Math")
+
+
+def _menu_classes() -> tuple[list[type], list[type]]:
+    """All menus, and those of the first level."""
+    menus, made, top = _menus(), [], []
+    for title in _ORDER:
+        inner = []
+        for name in menus:
+            if name.startswith(f"{title}/"):
+                made.append(_menu_class(f"SDFLIGHTS_MT_node_{len(made)}", name.partition("/")[2], menus[name]))
+                inner.append((made[-1].bl_idname, made[-1].bl_label))
+        made.append(_menu_class(f"SDFLIGHTS_MT_node_{len(made)}", title, menus.get(title, []), inner))
+        top.append(made[-1])
+    return made, top
+
+
+_MENUS, _TOP = _menu_classes()
+
+
+def draw_menu(self, context):
+    """Entries in Add of the node editor."""
+    if context.space_data.tree_type != NODE_TREE or not context.space_data.edit_tree:
+        return
+    layout = self.layout
+    for menu in _TOP:
+        layout.menu(menu.bl_idname)
+    layout.menu(SDFLIGHTS_MT_group_add.bl_idname)
+    layout.separator()
+    for kind, label in (("NodeFrame", "Frame"), ("NodeReroute", "Reroute")):
+        operator = layout.operator("node.add_node", text=label)
+        operator.type, operator.use_transform = kind, True
+
+
+# -- lamps and trees ---------------------------------------------------------------------------------------------------
+
+
+def expression_of(light: bpy.types.Light) -> str:
+    """The lamp's shape as an expression, whatever its source. Raises RenderError."""
+    lamp = light.sdf_lamp
+    if lamp.source == "EXPRESSION":
+        return parameters.text_of(lamp)
+    if lamp.source == "NODES":
+        return reading.text_of(lamp.nodes, parameters.values(lamp), None)
+    name = lamp.shape.lower()
+    group, named = getattr(lamp, name), {}
+    for about in PRIMITIVES[name].fields():
+        value = getattr(group, about.name)
+        shown = [reading.number(v if about.unit != "ANGLE" else np.degrees(v)) for v in (
+            value if about.size == 3 else (value,))]
+        named[about.name] = ast.Tuple(shown, ast.Load()) if about.size == 3 else shown[0]
+    return ast.unparse(ast.fix_missing_locations(ast.Expr(reading.word(name, **named))))
+
+
+def to_nodes(light: bpy.types.Light) -> bpy.types.NodeTree:
+    """Gives the lamp a node tree of the shape it has; returns that. Raises RenderError."""
+    lamp = light.sdf_lamp
+    shape_of(lamp)  # says what is wrong, if something is
+    try:
+        tree = writing.tree_of(light.name, expression_of(light))
+    except ExpressionError as error:
+        raise RenderError(f"In its expression: {error}") from error
+    lamp.nodes, lamp.source = tree, "NODES"
+    return tree
+
+
+class _LampOperator:
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        light = light_of(context)
+        return light is not None and light.is_editable
+
+
+class SDFLIGHTS_OT_nodes_new(_LampOperator, bpy.types.Operator):
+    """Make a node tree of the shape that the lamp has"""
+
+    bl_idname = "sdf_lights.nodes_new"
+    bl_label = "Convert to Nodes"
+
+    def execute(self, context):
+        light = light_of(context)
+        try:
+            if light.sdf_lamp.source == "NODES" and light.sdf_lamp.nodes is None:
+                light.sdf_lamp.source = "PRIMITIVE"
+            tree = to_nodes(light)
+        except RenderError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        light.sdf_lamp.use = True
+        show(context, tree)
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_OT_nodes_to_expression(_LampOperator, bpy.types.Operator):
+    """Write the lamp's nodes, or its primitive, as an expression in a new text block"""
+
+    bl_idname = "sdf_lights.nodes_to_expression"
+    bl_label = "Convert to Expression"
+
+    def execute(self, context):
+        light = light_of(context)
+        try:
+            written = expression_of(light)
+        except RenderError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        text = bpy.data.texts.new(light.name)
+        text.write(written)
+        light.sdf_lamp.text, light.sdf_lamp.source = text, "EXPRESSION"
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_OT_nodes_show(_LampOperator, bpy.types.Operator):
+    """Show the lamp's node tree in a node editor"""
+
+    bl_idname = "sdf_lights.nodes_show"
+    bl_label = "Edit Nodes"
+
+    def execute(self, context):
+        tree = light_of(context).sdf_lamp.nodes
+        if tree is None or not show(context, tree):
+            self.report({"INFO"}, "No node editor is open: change an area's type to SDF Lamp nodes.")
+        return {"FINISHED"}
+
+
+def show(context, tree: bpy.types.NodeTree) -> bool:
+    """Shows the tree in the first node editor that has no pin, one of this type before others."""
+    found = [area.spaces.active for window in context.window_manager.windows for area in window.screen.areas
+             if area.type == "NODE_EDITOR"]
+    found.sort(key=lambda space: space.tree_type != NODE_TREE)
+    for space in found:
+        if not space.pin:
+            space.tree_type = NODE_TREE
+            space.node_tree = tree
+            return True
+    return False
+
+
+CLASSES = (*_MENUS, SDFLIGHTS_OT_nodes_new, SDFLIGHTS_OT_nodes_to_expression, SDFLIGHTS_OT_nodes_show)
+
+
+def register():
+    bpy.types.NODE_MT_add.append(draw_menu)
+
+
+def unregister():
+    bpy.types.NODE_MT_add.remove(draw_menu)
