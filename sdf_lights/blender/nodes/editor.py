@@ -11,7 +11,7 @@ import numpy as np
 
 from ...render.errors import RenderError
 from ...sdf.catalogue import category
-from ...sdf.functions import MATHEMATICS, POINTS
+from ...sdf.functions import COLOURS, MATHEMATICS, POINTS
 from ...sdf.shapes import SHAPES
 from ...sdf.syntax import ExpressionError
 from .. import parameters
@@ -32,8 +32,8 @@ def _menu_of(node: type) -> str:
     if shape is not None:
         title = category(shape)
         return f"{'Combine' if function.variadic else 'Operators' if function.group == 'Operators' else 'Shapes'}/{title}"
-    if function.group in ("Fields", MATHEMATICS, POINTS):
-        return {"Fields": "Fields", MATHEMATICS: "Math", POINTS: "Points"}[function.group]
+    if function.group in ("Fields", MATHEMATICS, POINTS, COLOURS):
+        return {"Fields": "Fields", MATHEMATICS: "Math", POINTS: "Points", COLOURS: "Colours"}[function.group]
     return function.group
 
 
@@ -64,7 +64,7 @@ def _menu_class(name: str, title: str, nodes: list[type], inner: list[tuple[str,
 
 
 _ORDER = ("Input", "Output", "Shapes", "Solids from profiles", "Profiles", "Combine", "Operators", "Transforms",
-          "Fields", "Points", "Math")
+          "Fields", "Points", "Math", "Colours")
 
 
 def _menu_classes() -> tuple[list[type], list[type]]:

@@ -3,7 +3,8 @@
 """A node for each word of the expression language: every shape, profile, operator, fractal and function.
 
 They are made from the words: an input for each argument, with the limits, unit, default and tooltip that the shape's
-parameter has. Words of vectors and the field of a shape have nodes of another form, in ``values``.
+parameter has. Words of vectors and the field of a shape have nodes of another form, in ``values``; colour ramps have none, as shapes have
+no colours.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import ast
 import bpy
 
 from ...sdf import evaluation  # noqa: F401 (all words are in FUNCTIONS then)
-from ...sdf.functions import FUNCTIONS, POINTS, REQUIRED, Argument, Function
+from ...sdf.functions import COLOURS, FUNCTIONS, POINTS, REQUIRED, Argument, Function
 from ...sdf.shapes import SHAPES, Family
 from ...sdf.shapes.base import LARGEST, Parameter
 from ...sdf.shapes.operators import SetOperation
@@ -22,7 +23,7 @@ from ..properties import parameter_property
 from . import sockets
 from .tree import LampNode
 
-_ELSEWHERE = {"vec2", "vec3", "distance", "field"}
+_ELSEWHERE = {"vec2", "vec3", "distance", "field", "ramp", "ramp_ease", "ramp_constant"}
 
 _SOCKETS = {
     "shape": sockets.SHAPE, "profile": sockets.PROFILE, "condition": sockets.CONDITION, "any": sockets.ANY,
@@ -115,7 +116,7 @@ class _WordNode(LampNode):
             return "Shape", sockets.SHAPE
         if function.name in _NUMBERS:
             return "Value", sockets.NUMBER
-        if function.group == POINTS or function.name in _VECTORS:
+        if function.group in (POINTS, COLOURS) or function.name in _VECTORS:
             return "Vector", sockets.VECTOR
         return "Value", sockets.ANY
 
@@ -185,9 +186,9 @@ FUNCTION_NODES: dict[str, type] = {name: _node(name, function) for name, functio
 """Node of each word; of a word that also serves for numbers, ``round_value`` and the like."""
 
 
-def node_of(function: Function) -> type:
-    """The node of a word."""
-    return next(node for node in FUNCTION_NODES.values() if node.function is function)
+def node_of(function: Function) -> type | None:
+    """The node of a word, if there is one."""
+    return next((node for node in FUNCTION_NODES.values() if node.function is function), None)
 
 
 CLASSES = tuple(FUNCTION_NODES.values())

@@ -98,7 +98,9 @@ class _Builder:
             raise NoNode
         return result
 
-    def _new(self, kind: type) -> bpy.types.Node:
+    def _new(self, kind: type | None) -> bpy.types.Node:
+        if kind is None:
+            raise NoNode
         return self._tree.nodes.new(kind.bl_idname)
 
     def _parameter(self, declaration) -> bpy.types.NodeSocket:

@@ -16,11 +16,11 @@ from .common import Warnings, is_flat, rgb
 from .nodes import emission_of
 
 
-def light_of(obj: bpy.types.Object, matrix: np.ndarray, owner: np.ndarray, visibility: Ray,
-             warn: Warnings) -> Lamp | Light | None:
+def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: Warnings,
+             owner: np.ndarray | None = None) -> Lamp | Light | None:
     """The lamp or light of a Light object; None where it gives no light.
 
-    ``matrix`` is that of the instance, ``owner`` that of the object itself, from which nodes of a lamp see other objects.
+    ``owner`` is the matrix of the object itself, from which a lamp's nodes see other objects, where it is an instance.
 
     Without ``normalize``, Blender's power is that of one square metre of the light's surface (found by renders of
     Cycles: a test repeats them). Raises RenderError, with a sentence that names the object, where it cannot be used.
@@ -32,7 +32,7 @@ def light_of(obj: bpy.types.Object, matrix: np.ndarray, owner: np.ndarray, visib
         raise RenderError(
             f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again.")
     if data.sdf_lamp.use:
-        return _lamp(name, data, matrix, owner, power, color, visibility)
+        return _lamp(name, data, matrix, matrix if owner is None else owner, power, color, visibility)
     if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
         return None  # a portal only guides sampling in Cycles
     common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow)

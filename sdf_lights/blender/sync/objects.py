@@ -93,7 +93,7 @@ class _Reader:
     def _light(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags) -> None:
         try:
             owner = matrix_of(obj.original.evaluated_get(self._depsgraph).matrix_world)
-            light = light_of(obj, matrix, owner, flags.visibility, self._warn)
+            light = light_of(obj, matrix, flags.visibility, self._warn, owner)
         except RenderError as error:
             self._warn(str(error))
             return
