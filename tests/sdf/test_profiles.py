@@ -253,6 +253,17 @@ def test_every_solid_keeps_the_promises(solid):
     promises.test_native_code_agrees_with_numpy(solid)
 
 
+@pytest.mark.parametrize("points", [3.0, 4.0, 7.0])
+def test_needles_have_a_closed_form(points):
+    """Arms of a star with angles too small for the sines of their edges."""
+    star = SHAPES["star_prism"](points, 1e9, 4.5e-6)
+    at = np.random.default_rng(8).uniform(-1e-5, 1e-5, (3000, 3))
+    field = star.distance(at)
+    clear = np.abs(field) > 1e-10
+    assert clear.mean() > 0.99 and 0.1 < np.mean(field < 0.0) < 0.9
+    np.testing.assert_array_equal(promises._inside_program(star.program(), at)[clear], field[clear] < 0.0)
+
+
 def test_which_solids_are_exact():
     for profile in PROFILES_TO_TRY.values():
         assert Extrusion(profile).exactness == profile.exactness

@@ -105,17 +105,18 @@ def _signed_area(corners: np.ndarray) -> float:
     return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
-def _turns(corners: np.ndarray) -> np.ndarray:
-    """Sine of the turn at each corner, times the lengths of its two edges; and those lengths."""
+def _turns(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sine and cosine of the turn at each corner, times the lengths of its two edges; and those lengths."""
     before, after = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
     lengths = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    return before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], lengths
+    return before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1), lengths
 
 
 def _without_straight_corners(corners: np.ndarray) -> np.ndarray:
     while True:
-        turns, lengths = _turns(corners)
-        kept = np.abs(turns) > _STRAIGHT * lengths
+        sines, cosines, lengths = _turns(corners)
+        # The tip of a needle turns back: that is not straight, however thin it is.
+        kept = (np.abs(sines) > _STRAIGHT * lengths) | (cosines < 0.0)
         if kept.all():
             return corners
         # One at a time: the neighbours of a corner that goes may then be straight, or no longer.
@@ -365,8 +366,8 @@ class Polygon(Polygonal):
         n = len(a)
         steps = (np.arange(n)[:, None] - np.arange(n)) % n
         neighbours = (steps <= 1) | (steps == n - 1)
-        turns, lengths = _turns(a)
-        back = (np.abs(turns) <= _STRAIGHT * lengths) & (((b - a) * (a - np.roll(a, 1, axis=0))).sum(axis=1) < 0.0)
+        sines, cosines, lengths = _turns(a)
+        back = (np.abs(sines) <= _STRAIGHT * lengths) & (cosines < 0.0)
         return bool((apart | neighbours).all() and not back.any())
 
     def area(self):
