@@ -15,6 +15,10 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 if str(REPOSITORY) not in sys.path:
     sys.path.insert(0, str(REPOSITORY))
 
+# Inverting a 4 × 4 matrix wakes OpenBLAS's other threads in Blender's older NumPy: ten times the work, and where the
+# cores are busy a wait of milliseconds. It reads this when NumPy is first imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # Kernels compiled by the tests stay in the checkout: a run never sees, or fills, the user's own cache.
 os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
 

@@ -6,8 +6,12 @@ import numpy as np
 
 from sdf_lights.sdf.shapes import Box, BoxFrame, Cone, Cylinder, Difference, Ellipsoid, Exclusive, Intersection, Sphere
 from sdf_lights.sdf.shapes import Torus, Transformed, Union
-from sdf_lights.sdf.shapes.blends import ChamferUnion, CircularUnion, CubicIntersection, ExponentialUnion, Morph
-from sdf_lights.sdf.shapes.blends import SmoothDifference, SmoothUnion, StairsDifference
+from sdf_lights.sdf.shapes.blends import ChamferDifference, ChamferIntersection, ChamferUnion, CircularDifference
+from sdf_lights.sdf.shapes.blends import CircularIntersection, CircularUnion, CubicDifference, CubicIntersection
+from sdf_lights.sdf.shapes.blends import CubicUnion, ExponentialDifference, ExponentialIntersection, ExponentialUnion
+from sdf_lights.sdf.shapes.blends import Morph, RoundDifference, RoundIntersection, RoundUnion, SmoothDifference
+from sdf_lights.sdf.shapes.blends import SmoothIntersection, SmoothUnion, StairsDifference, StairsIntersection
+from sdf_lights.sdf.shapes.blends import StairsUnion
 from sdf_lights.sdf.shapes.displacement import NoiseDisplacement, WaveDisplacement
 from sdf_lights.sdf.shapes.folds import IcosahedralFold, Kaleidoscope, Mirror, OctahedralFold, TetrahedralFold
 from sdf_lights.sdf.shapes.layers import Elongate, Offset, Onion, Round, Shell
@@ -38,6 +42,19 @@ OPERATED = {
     "cubic intersection": CubicIntersection(Box(0.4), Sphere(0.5), Slab(0.5), radius=0.3),
     "blend of blends": SmoothDifference(SmoothUnion(CORNER, PAIR, radius=0.1), ChamferUnion(SHEARED, Sphere(0.2)),
                                         radius=0.05),
+    "cubic and smooth": CubicDifference(SmoothIntersection(Box(0.5), SHEARED, radius=0.1),
+                                        CubicUnion(Sphere(0.2), moved(Torus(0.3, 0.1), 0.3, 0.0, 0.1), radius=0.2),
+                                        radius=0.05),
+    "circular and exponential": ExponentialDifference(
+        CircularIntersection(Box(0.5), Sphere(0.6), radius=0.2),
+        ExponentialIntersection(Cylinder(0.2, 2.0), moved(Box(0.3), 0.1, 0.0, 0.2), radius=0.1), radius=0.2),
+    "circular and round": RoundDifference(RoundUnion(Box((0.5, 0.5, 0.1)), Cylinder(0.2, 1.2), radius=0.2),
+                                          CircularDifference(Sphere(0.4), CORNER, radius=0.1), radius=0.1),
+    "chamfers and stairs": ChamferDifference(
+        StairsUnion(Box((0.6, 0.4, 0.1)), Cylinder(0.15, 1.0), radius=0.3, steps=2.0),
+        ChamferIntersection(RoundIntersection(Sphere(0.3), Box(0.25), radius=0.1),
+                            StairsIntersection(Cylinder(0.3, 0.4), SHEARED, radius=0.1, steps=4.0), radius=0.05),
+        radius=0.1),
     "morph": Morph(CORNER, SHEARED, 0.3),
     "grown frame": Offset(BoxFrame(0.5, 0.1), 0.05),
     "grown, sheared": Offset(SHEARED, 0.1),

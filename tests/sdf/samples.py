@@ -7,14 +7,20 @@ import functools
 import math
 
 import numpy as np
+from scipy.optimize.elementwise import find_root
 
+from sdf_lights.sdf import read_numpy
+from sdf_lights.sdf.gradient import gradient
 from sdf_lights.sdf.shapes import SHAPES, Box, BoxFrame, Cone, Cylinder, Difference, Intersection, SetOperation, Shape
 from sdf_lights.sdf.shapes import Sphere, Torus, Transformed, Union
 from sdf_lights.sdf.shapes.balls import CutHollowSphere, CutSphere, DeathStar, Lens, SolidAngle
+from sdf_lights.sdf.shapes.polygons import Polygon
 from sdf_lights.sdf.shapes.polyhedra import Bipyramid, Prism, Pyramid, RegularPyramid, Rhombus, Wedge
 from sdf_lights.sdf.shapes.primitives import Frustum
+from sdf_lights.sdf.shapes.profiles import PROFILES
 from sdf_lights.sdf.shapes.solids import CappedTorus, CrossedBars, HalfSpace, Link, PieSlice, RoundCone, RoundedBox
 from sdf_lights.sdf.shapes.solids import RoundedCylinder, Slab
+from sdf_lights.sdf.shapes.swept import Extrusion, PartialRevolution, Revolution
 from tests.sdf.operated import OPERATED, SHEAR
 
 MIRROR = np.diag([-1.0, 0.5, 2.0, 1.0])
@@ -42,8 +48,8 @@ VARIATIONS = {
     "slice, most of the cake": PieSlice(0.6, 0.3, 5.5), "slice, half": PieSlice(0.6, 0.3, math.pi),
     "rounded box, flat core": RoundedBox((0.2, 0.5, 0.7), 0.2), "rounded box, sharp": RoundedBox((0.2, 0.5, 0.7), 0.0),
     "rounded box, a ball": RoundedBox(0.5, 0.5), "rounded disk": RoundedCylinder(0.6, 0.4, 0.2),
-    "rounded cylinder, thin core": RoundedCylinder(0.4, 1.2, 0.3), "capsule": RoundedCylinder(0.3, 1.0, 0.3),
-    "rounded cylinder, sharp": RoundedCylinder(0.3, 1.0, 0.0),
+    "rounded cylinder, thin core": RoundedCylinder(0.4, 1.2, 0.3),
+    "rounded cylinder, a capsule": RoundedCylinder(0.3, 1.0, 0.3), "rounded cylinder, sharp": RoundedCylinder(0.3, 1.0, 0.0),
     "flat frustum": Frustum(0.1, 0.8, 0.2), "cone upside down": Frustum(0.0, 0.5, 1.0),
     "round cone, a ball almost": RoundCone(0.2, 0.5, 0.31), "round cone, a capsule": RoundCone(0.3, 0.3, 0.5),
     "crossed bars, thick": CrossedBars(1.0, 0.9),
@@ -56,7 +62,10 @@ VARIATIONS = {
 
 
 def varied(shape: Shape, seed: int) -> Shape:
-    """A shape of the same class with other numbers that are valid: drawn within the limits, or near those it has."""
+    """A shape of the same class with other numbers: drawn within the limits, or near those it has.
+
+    They are valid, and there is such a shape.
+    """
     rng = np.random.default_rng(seed)
 
     def draw(about, value):
@@ -72,8 +81,13 @@ def varied(shape: Shape, seed: int) -> Shape:
             old = numbers[about.name]
             numbers[about.name] = tuple(draw(about, v) for v in old) if about.size == 3 else draw(about, old)
         found = dataclasses.replace(shape, **numbers)
-        if not found.validate():
-            return found
+        if found.validate():
+            continue
+        try:
+            surface(found)
+        except NoSurface:  # a kaleidoscope can turn everything away
+            continue
+        return found
 
 
 COMPOSITES = {
@@ -87,7 +101,17 @@ COMPOSITES = {
     "nested": Transformed(Union(Transformed(Cone(), SHEAR), Torus(), Intersection(Box(), Sphere(0.6))), MIRROR),
     "cut by what has no end": Intersection(Sphere(0.7), Slab(0.3), Transformed(HalfSpace((1.0, 1.0, 0.0), 0.1), SHEAR))}
 
-SHAPES_TO_TRY = PRIMITIVES | VARIATIONS | COMPOSITES | OPERATED
+PROFILES_TO_TRY = {
+    name: Polygon((0.5, -0.2), (0.1, 0.1), (0.3, 0.5), (-0.4, 0.2)) if profile is Polygon else profile()
+    for name, profile in PROFILES.items()}
+
+SWEEPS = (lambda profile: Extrusion(profile, 0.4), lambda profile: Revolution(profile, 0.9),
+          lambda profile: PartialRevolution(profile, 0.7, 4.0))
+
+SWEPT = {f"{name}, swept": SWEEPS[index % 3](profile) for index, (name, profile) in enumerate(PROFILES_TO_TRY.items())}
+
+SHAPES_TO_TRY = PRIMITIVES | VARIATIONS | COMPOSITES | OPERATED | SWEPT
+"""Every shape, operator and profile there is, each at least once."""
 
 
 def window(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
@@ -98,27 +122,62 @@ def window(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
 
 def crossings(shape: Shape, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """One point (n, 3) on the surface between each of the points a and b, of which one is inside the shape."""
-    a_inside = shape.distance(a) <= 0.0
-    for _ in range(48):
-        middle = (a + b) / 2
-        like_a = ((shape.distance(middle) <= 0.0) == a_inside)[:, None]
-        a, b = np.where(like_a, middle, a), np.where(like_a, b, middle)
-    return a
+    if not len(a):
+        return np.zeros((0, 3))
+
+    def between(t, rows):
+        return a[rows] + t[:, None] * (b - a)[rows]
+
+    rows = np.arange(len(a))
+    found = find_root(lambda t, rows: shape.distance(between(t, rows)), (np.zeros(len(a)), np.ones(len(a))), args=(rows,))
+    assert found.success.all()
+    return between(found.x, rows)
+
+
+def _descended(shape: Shape, at: np.ndarray) -> np.ndarray:
+    """Those points (m, 3) of the surface to which the gradient leads from points (n, 3)."""
+    slope = gradient(shape.formula())
+    low, high = window(shape)
+    for step in range(30):
+        direction = np.stack([read_numpy.evaluate(part, at, shape.parameters()) for part in slope], axis=-1)
+        steepness = np.linalg.norm(direction, axis=1, keepdims=True)
+        # Never past the surface at first; by Newton's method once it is near.
+        length = steepness if step < 15 else steepness**2
+        at = at - shape.distance(at)[:, None] * direction / np.where(length > 0.0, length, 1.0)
+    return at[np.abs(shape.distance(at)) < 1e-13 * np.linalg.norm(high - low)]
+
+
+class NoSurface(Exception):
+    """A shape of certain numbers has no surface, or one that cannot be found."""
 
 
 @functools.cache
 def surface(shape: Shape, count: int = 2000) -> np.ndarray:
-    """At least ``count`` points on the surface: where segments between random points cross it."""
+    """About ``count`` points on the surface, or more: where segments between random points cross it.
+
+    Dust and threads are hardly ever met by such segments: there the field has to lead to it.
+    """
     rng = np.random.default_rng(11)
     low, high = window(shape)
     center, extent = (low + high) / 2, high - low
+
+    def around(*size):
+        return center + 0.75 * extent * rng.uniform(-1.0, 1.0, (*size, 3))
+
     found, total = [], 0
-    while total < count:
-        a, b = center + 0.75 * extent * rng.uniform(-1.0, 1.0, (2, 4 * count, 3))
+    for rounds in range(1, 25):
+        a, b = around(2, 4 * count)
         crossing = (shape.distance(a) <= 0.0) != (shape.distance(b) <= 0.0)
-        found.append(crossings(shape, a[crossing], b[crossing]))
-        total += len(found[-1])
-    return np.concatenate(found)
+        found.append((a[crossing], b[crossing]))
+        total += len(found[-1][0])
+        if total >= count or (rounds >= 4 and total * 24 < count * rounds):
+            break
+    points = crossings(shape, *map(np.concatenate, zip(*found)))
+    if len(points) < count:
+        points = np.concatenate([points, _descended(shape, around(count // 2))])
+    if len(points) < count // 10:
+        raise NoSurface(str(shape))
+    return points
 
 
 @functools.cache

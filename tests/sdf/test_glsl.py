@@ -98,9 +98,7 @@ def test_operations_agree(name):
     _check(FORMULAS[name], _points(), [3.0, -1.0])
 
 
-# Mesa compiles a shape in a tenth of a second to two seconds: the default suite has every sixth.
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] if i % 6 else [])
-                                  for i, name in enumerate(samples.SHAPES_TO_TRY)])
+@pytest.mark.parametrize("name", samples.SHAPES_TO_TRY)
 def test_shapes_agree(name):
     shape = samples.SHAPES_TO_TRY[name]
     _check(shape.formula(), samples.points(shape, 300), shape.parameters())
