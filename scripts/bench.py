@@ -9,6 +9,7 @@ import contextlib
 import importlib
 import json
 import os
+import pathlib
 import sys
 
 import benchmarks
@@ -62,6 +63,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         command.add_argument(
             "--quick", action="store_true", help="fewer repeats and samples: only to see that it works"
         )
+        command.add_argument("--out", type=pathlib.Path, metavar="FILE", help="write that JSON object to a file, too")
         command.add_argument("--repeats", type=int, help="measurements of each figure, of which the median counts")
         command.add_argument(
             "--device",
@@ -69,6 +71,9 @@ def parse(arguments: list[str]) -> argparse.Namespace:
             default="automatic",
             help="back end (default: automatic)",
         )
+        for module in modules.values() if name == "all" else [modules[name]]:
+            if hasattr(module, "arguments"):
+                module.arguments(command)
     options = parser.parse_args(arguments)
     options.device = options.device.upper()
     if options.repeats is not None and options.repeats < 1:
@@ -87,8 +92,11 @@ def main(arguments: list[str]) -> int:
             found, more = module.run(options)
             summary |= found
             rows += [row for row in more if row not in rows]
+        result = dict(summary=summary, rows=rows, machine=before)
+        if options.out:
+            options.out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
         if options.json:
-            json.dump(dict(summary=summary, rows=rows, machine=before), stream)
+            json.dump(result, stream)
             stream.write("\n")
         else:
             stream.write(f"{', '.join(f'{name} {value}' for name, value in before.items())}\n\n{table(rows)}\n\n")

@@ -19,7 +19,7 @@ DIFFUSE = dict(  # name: colour, centre, half sizes, rotation about z in degrees
 )
 
 
-def _material(name: str, kind: str, colour, **inputs):
+def material(name: str, kind: str, colour, **inputs):
     material = bpy.data.materials.new(name)
     if not material.use_nodes:
         material.use_nodes = True
@@ -45,13 +45,13 @@ def boxes_and_sphere(size: int) -> bpy.types.Scene:
     add(
         "Floor",
         plane("Floor", (12.0, 10.0)),
-        _material("Floor", diffuse, (0.70, 0.68, 0.65)),
+        material("Floor", diffuse, (0.70, 0.68, 0.65)),
         location=(0.0, -2.0, 0.0),
     )
     add(
         "Wall",
         plane("Wall", (12.0, 7.0)),
-        _material("Wall", diffuse, (0.75, 0.75, 0.75)),
+        material("Wall", diffuse, (0.75, 0.75, 0.75)),
         location=(0.0, 3.0, 3.5),
         rotation=(90, 0, 0),
     )
@@ -59,7 +59,7 @@ def boxes_and_sphere(size: int) -> bpy.types.Scene:
         add(
             name,
             box(name, [2.0 * extent for extent in half]),
-            _material(name, diffuse, colour),
+            material(name, diffuse, colour),
             location=centre,
             rotation=(0, 0, turn),
         )
@@ -67,7 +67,7 @@ def boxes_and_sphere(size: int) -> bpy.types.Scene:
     profile = [
         (0.45 * math.sin(math.pi * step / steps), -0.45 * math.cos(math.pi * step / steps)) for step in range(steps + 1)
     ]
-    glossy = _material("Glossy", "ShaderNodeBsdfAnisotropic", (0.80, 0.75, 0.65), roughness=0.3, distribution="GGX")
+    glossy = material("Glossy", "ShaderNodeBsdfAnisotropic", (0.80, 0.75, 0.65), roughness=0.3, distribution="GGX")
     add("Sphere", turned("Sphere", profile, 128), glossy, location=(1.3, -1.4, 0.45))
 
     camera = bpy.data.cameras.new("Camera")

@@ -9,14 +9,9 @@ start-up counts; medians of all turns.
 
 from __future__ import annotations
 
-import os
 import statistics
-import time
 
-import bpy
-import numpy as np
-
-from . import scenes, startup
+from . import pictures, scenes, startup
 
 HELP = "samples a second against Cycles in the same process, and start-up"
 
@@ -31,24 +26,6 @@ def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
         scenes.plain_sdf_lights(scene, samples, bounces, device)
 
 
-def _timed(path: str) -> tuple[float, np.ndarray]:
-    """Seconds of one render, and the picture."""
-    scene = bpy.context.scene
-    scene.render.filepath = path
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    started = time.perf_counter()
-    bpy.ops.render.render()
-    seconds = time.perf_counter() - started
-    bpy.data.images["Render Result"].save_render(path, scene=scene)
-    picture = bpy.data.images.load(path)
-    pixels = np.empty(4 * picture.size[0] * picture.size[1], np.float32)
-    picture.pixels.foreach_get(pixels)
-    bpy.data.images.remove(picture)
-    os.remove(path)
-    return seconds, pixels.reshape(-1, 4)[:, :3]
-
-
 def rates(options) -> tuple[dict, list[dict]]:
     size = 128 if options.quick else 256
     few, many = (1, 9) if options.quick else (8, 136)
@@ -57,7 +34,6 @@ def rates(options) -> tuple[dict, list[dict]]:
     repeats = options.repeats or (1 if options.quick else 5)
     scene = scenes.boxes_and_sphere(size)
     scenes.add_point_light()
-    path = str(startup.work_folder() / "picture.exr")
     rows, summary = [], {}
     for bounces in BOUNCES:
         seconds = {(name, samples): [] for name in ENGINES for samples in (few, many)}
@@ -66,10 +42,10 @@ def rates(options) -> tuple[dict, list[dict]]:
             for name in ENGINES:
                 for samples in (few, many):
                     _prepare(name, scene, samples, bounces, options.device)
-                    taken, picture = _timed(path)
+                    picture = pictures.render()
                     if turn:  # the first turn compiles and fills caches
-                        seconds[name, samples].append(taken)
-                    means[name] = float(picture.mean())
+                        seconds[name, samples].append(picture.seconds)
+                    means[name] = float(picture.pixels.mean())
         rate = {}
         for name in ENGINES:
             differences = [long - short for short, long in zip(seconds[name, few], seconds[name, many])]

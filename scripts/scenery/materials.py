@@ -53,9 +53,9 @@ class Graph:
     def bump(self, height, distance: float, strength: float = 1.0):
         return self.node("ShaderNodeBump", Height=height, Distance=distance, Strength=strength)
 
-    def finish(self, closure):
+    def finish(self, closure, socket: str = "Surface"):
         output = self.nodes.new("ShaderNodeOutputMaterial")
-        self.links.new(closure, output.inputs["Surface"])
+        self.links.new(closure, output.inputs[socket])
         return self.material
 
 

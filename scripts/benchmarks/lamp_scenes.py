@@ -1,0 +1,245 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes lit by SDF lamps alone, each written once: as lamps for SDF Lights, as emission volumes in meshes for Cycles.
+
+A lamp's radiance per metre is the same number for both. Scenes named S… are a stage of boxes and a glossy sphere, with
+a lamp of 8 W/sr; the others stress one thing each, which their line says.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Euler, Matrix, Vector
+
+import host
+from scenery.materials import Graph
+from scenery.modelling import add, box, plane
+from sdf_lights.sdf.expression import Expression
+
+from . import lamp_meshes, scenes
+from .lamp_meshes import Solid
+
+INTENSITY = 8.0  # W/sr of a lamp of the S scenes
+LAMPS, VOLUMES = "SDF Lamps", "Emission Volumes"  # collections, of which an engine renders one
+
+
+@dataclass(frozen=True)
+class LampScene:
+    """``build`` makes the scene, of that many pixels to each side, in place of what is open in Blender.
+
+    ``volumes``: whether there are volumes for Cycles, too.
+    """
+
+    name: str
+    about: str
+    build: Callable[[int], None]
+    volumes: bool = True
+
+
+SCENES: dict[str, LampScene] = {}
+
+
+def _scene(name: str, about: str, volumes: bool = True):
+    def register(build):
+        SCENES[name] = LampScene(name, about, build, volumes)
+        return build
+
+    return register
+
+
+def show(volumes: bool) -> None:
+    """Render the lamps as emission volumes, or as what they are."""
+    bpy.data.collections[LAMPS].hide_render = volumes
+    bpy.data.collections[VOLUMES].hide_render = not volumes
+
+
+def _collection(name: str):
+    if name not in bpy.data.collections:
+        bpy.context.scene.collection.children.link(bpy.data.collections.new(name))
+    return bpy.data.collections[name]
+
+
+def turned(x: float = 0.0, y: float = 0.0, z: float = 0.0, at=(0.0, 0.0, 0.0), scale=(1.0, 1.0, 1.0)) -> Matrix:
+    """Rz(z) Ry(y) Rx(x) diag(scale), angles in degrees, moved to ``at``."""
+    angles = Euler([math.radians(angle) for angle in (x, y, z)], "XYZ")
+    return Matrix.Translation(at) @ angles.to_matrix().to_4x4() @ Matrix.Diagonal((*scale, 1.0))
+
+
+def add_lamp(name: str, expression: str, solid: Solid | None, matrix: Matrix, density: float,
+             color=(1.0, 1.0, 1.0)) -> None:
+    """A lamp of ``density`` W/(sr m³), and the same ``solid`` as a volume, unless there is none."""
+    light = bpy.data.lights.new(name, "POINT")
+    host.set_lamp(light, expression)
+    light.sdf_lamp.normalize, light.sdf_lamp.density, light.color = False, density, color
+    thing = add(name, light, collection=_collection(LAMPS))
+    thing.matrix_world = matrix
+    if solid is None:
+        return
+    graph = Graph(name)
+    material = graph.finish(graph.node("ShaderNodeEmission", Color=color, Strength=density), "Volume")
+    # The matrix is part of the mesh, so that a scale of the object does not come into it.
+    mesh = lamp_meshes.mesh(name, lamp_meshes.moved(solid, np.array(matrix)))
+    add(f"{name} Volume", mesh, material, collection=_collection(VOLUMES))
+
+
+@functools.cache
+def _marched(expression: str, cells: int = 96) -> Solid:
+    """The solid of an expression, which has to be smooth."""
+    shape = Expression(expression).shape()
+    return lamp_meshes.isosurface(shape.distance, *shape.bounds(), cells)
+
+
+# --- the stage --------------------------------------------------------------------------------------------------------
+
+def _stage_lamp(expression: str, solid: Solid, matrix: Matrix, volume: float) -> None:
+    add_lamp("Lamp", expression, solid, matrix, INTENSITY / volume)
+
+
+def _torus(size: int, major: float, minor: float, matrix: Matrix) -> None:
+    scenes.boxes_and_sphere(size)
+    volume = 2.0 * math.pi**2 * major * minor**2 * abs(matrix.to_3x3().determinant())
+    _stage_lamp(f"torus({major}, {minor})", lamp_meshes.torus(major, minor), matrix, volume)
+
+
+@_scene("S1", "torus above the stage")
+def _(size: int) -> None:
+    _torus(size, 1.0, 0.35, turned(x=30.0, z=20.0, at=(0.0, 0.0, 1.7)))
+
+
+@_scene("S2", "the same torus half sunk in the floor, round a box")
+def _(size: int) -> None:
+    _torus(size, 1.0, 0.35, Matrix())
+
+
+@_scene("S3", "cube without a ball: a thin frame")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    half, radius = 0.8, 1.08
+    cap = radius - half
+    ball = 4.0 / 3.0 * math.pi * radius**3 - 2.0 * math.pi * cap**2 * (3.0 * radius - cap)
+    solid = lamp_meshes.difference(lamp_meshes.box((half,) * 3), lamp_meshes.sphere(radius))
+    _stage_lamp(f"box({half}) - sphere({radius})", solid, turned(x=15.0, z=25.0, at=(0.0, 0.0, 1.9)),
+                8.0 * half**3 - ball)
+
+
+@_scene("S4", "Menger's sponge, three levels")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    _stage_lamp("menger_sponge(0.75, 3)", lamp_meshes.sponge(0.75, 3), turned(x=20.0, z=30.0, at=(0.0, 0.0, 1.9)),
+                1.5**3 * (20.0 / 27.0) ** 3)
+
+
+@_scene("S5", "stretched torus")
+def _(size: int) -> None:
+    _torus(size, 0.7, 0.245, turned(x=55.0, z=25.0, at=(0.0, 0.0, 1.7)) @ turned(y=15.0, scale=(2.0, 1.0, 0.5)))
+
+
+# --- what else lamps do -----------------------------------------------------------------------------------------------
+
+@_scene("crowd", "forty small lamps of three shapes all over the stage")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    kinds = (("torus(0.12, 0.04)", lamp_meshes.torus(0.12, 0.04, 64, 32), 2.0 * math.pi**2 * 0.12 * 0.04**2),
+             ("sphere(0.07)", lamp_meshes.sphere(0.07, 64, 32), 4.0 / 3.0 * math.pi * 0.07**3),
+             ("box(0.05, 0.05, 0.12)", lamp_meshes.box((0.05, 0.05, 0.12)), 8.0 * 0.05 * 0.05 * 0.12))
+    random = np.random.default_rng(7)
+    for index in range(40):
+        expression, solid, volume = kinds[index % len(kinds)]
+        at = random.uniform((-3.0, -2.5, 0.15), (3.0, 2.7, 3.2))
+        angles = random.uniform(0.0, 360.0, 3)
+        color = 0.3 + 0.7 * random.random(3)
+        add_lamp(f"Lamp {index}", expression, solid, turned(*angles, at=at), INTENSITY / 40 / volume, color)
+
+
+@_scene("nested", "a bright ring inside a large dim ball, which boxes and floor reach into")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    add_lamp("Ball", "sphere(1.3)", lamp_meshes.sphere(1.3), turned(at=(0.0, 0.0, 1.0)), 0.25, (0.4, 0.6, 1.0))
+    ring = turned(x=40.0, at=(0.1, 0.2, 1.5))
+    add_lamp("Ring", "torus(0.5, 0.06)", lamp_meshes.torus(0.5, 0.06), ring, 80.0, (1.0, 0.7, 0.4))
+
+
+@_scene("haze", "camera and half of the stage inside one large dim lamp")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    matrix = turned(z=10.0, at=(-0.5, -4.0, 1.5), scale=(3.0, 4.5, 2.5))
+    add_lamp("Haze", "sphere(1)", lamp_meshes.sphere(1.0), matrix, 0.12)
+
+
+@_scene("wall", "a beam of light through a wall, with a shelf inside it")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    shelf = scenes.material("Shelf", "ShaderNodeBsdfDiffuse", (0.6, 0.55, 0.5))
+    add("Shelf", box("Shelf", (1.6, 0.9, 0.04)), shelf, location=(-0.8, 2.4, 2.0))
+    matrix = turned(z=15.0, at=(-0.4, 2.7, 2.1))
+    add_lamp("Beam", "box(0.3, 1.2, 0.35)", lamp_meshes.box((0.3, 1.2, 0.35)), matrix, INTENSITY)
+
+
+@_scene("gloss", "a thin ring over a glossy floor")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    bpy.data.objects["Floor"].data.materials[0] = scenes.material(
+        "Polished", "ShaderNodeBsdfAnisotropic", (0.6, 0.6, 0.62), roughness=0.35, distribution="GGX")
+    volume = 2.0 * math.pi**2 * 0.9 * 0.015**2
+    _stage_lamp("torus(0.9, 0.015)", lamp_meshes.torus(0.9, 0.015, 512, 32), turned(x=60.0, z=20.0, at=(0.0, 0.5, 1.4)),
+                volume)
+
+
+@_scene("sheet", "a twisted bar behind a translucent sheet")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    graph = Graph("Sheet")
+    both = graph.node("ShaderNodeMixShader", _0=0.4, _1=graph.node("ShaderNodeBsdfTranslucent", Color=(0.9, 0.85, 0.7)),
+                      _2=graph.node("ShaderNodeBsdfDiffuse", Color=(0.8, 0.8, 0.8)))
+    add("Sheet", plane("Sheet", (2.6, 2.2)), graph.finish(both), location=(0.3, -0.9, 1.4), rotation=(80, 0, 10))
+    expression = "box(0.15, 0.15, 0.8)"
+    add_lamp("Bar", expression, lamp_meshes.box((0.15, 0.15, 0.8)), turned(y=50.0, z=20.0, at=(0.1, -0.3, 1.4)),
+             INTENSITY / (8.0 * 0.15 * 0.15 * 0.8))
+
+
+@_scene("room", "a closed room lit by a sponge behind a screen: light that has been scattered")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    white = scenes.material("White", "ShaderNodeBsdfDiffuse", (0.78, 0.76, 0.72))
+    for name, extent, location, rotation in (
+            ("Ceiling", (12.0, 10.5), (0.0, -2.0, 4.0), (180, 0, 0)),
+            ("Left", (10.5, 4.2), (-3.5, -2.0, 2.0), (90, 0, 90)),
+            ("Right", (10.5, 4.2), (3.5, -2.0, 2.0), (90, 0, -90)),
+            ("Back", (12.0, 4.2), (0.0, -7.0, 2.0), (-90, 0, 0))):
+        add(name, plane(name, extent), white, location=location, rotation=rotation)
+    add("Screen", box("Screen", (1.6, 0.05, 1.8)), white, location=(-1.2, 1.2, 1.9))
+    add_lamp("Sponge", "menger_sponge(0.3, 3)", lamp_meshes.sponge(0.3, 3), turned(x=20.0, z=30.0, at=(-1.4, 2.0, 2.1)),
+             2.0 * INTENSITY / (0.6**3 * (20.0 / 27.0) ** 3))
+
+
+@_scene("spark", "a lamp of a centimetre, seen from metres away")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    add_lamp("Spark", "sphere(0.005)", lamp_meshes.sphere(0.005, 64, 32), turned(at=(-0.4, -0.8, 1.6)),
+             INTENSITY / (4.0 / 3.0 * math.pi * 0.005**3))
+
+
+@_scene("moon", "a ball 120 m large, half a kilometre away")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    add_lamp("Moon", "sphere(60)", lamp_meshes.sphere(60.0), turned(at=(-250.0, -350.0, 300.0)), 0.35)
+
+
+@_scene("blob", "a smooth union of balls, which rays are marched through")
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    expression = ("smooth_union(translate(sphere(0.5), (-0.45, 0, 0)), translate(sphere(0.4), (0.4, 0.1, 0.2)), "
+                  "translate(sphere(0.3), (0.1, -0.2, -0.5)), 0.25)")
+    add_lamp("Blob", expression, _marched(expression), turned(z=20.0, at=(0.0, 0.2, 1.8)), INTENSITY / 1.0)
+
+
+@_scene("bulb", "a Mandelbulb near the floor, of which no mesh is close enough", volumes=False)
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    add_lamp("Bulb", "scale(mandelbulb(), 0.6)", None, turned(x=70.0, z=20.0, at=(-0.2, -0.9, 0.75)), INTENSITY / 0.6)

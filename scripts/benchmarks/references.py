@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Converged pictures with a known error, made of independent renders that are kept between runs.
+
+A reference is the mean of renders by one estimator with different seeds; how they differ tells its own error. Each is
+a file in the user's cache, so a run that is interrupted goes on where it was, and a later one can add to it. Files
+are named by a hash of what Blender hands over to be rendered and of the extension's version: a reference that has gone
+stale otherwise shows, because every picture that is judged is compared with it in its mean, too.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pathlib
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+
+FIRST_SEED = 1_000_000  # beyond those of pictures that are judged
+
+
+def folder() -> pathlib.Path:
+    """``$SDF_LIGHTS_REFERENCES``, or a folder in the user's cache."""
+    given = os.environ.get("SDF_LIGHTS_REFERENCES")
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or pathlib.Path.home() / ".cache"
+    path = pathlib.Path(given) if given else pathlib.Path(base) / "sdf-lights" / "references"
+    path.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+class Reference:
+    """Mean of renders of one scene; ``key`` is all that they depend on."""
+
+    def __init__(self, key: str):
+        self._path = folder() / (hashlib.sha256(key.encode()).hexdigest()[:24] + ".npz")
+        self.renders: list[np.ndarray] = []
+        if self._path.is_file():
+            with np.load(self._path) as file:
+                self.renders = list(file["renders"].astype(float))
+
+    def add(self, render: Callable[[int], np.ndarray]) -> None:
+        """One more render, by a function of the seed; kept on disk at once."""
+        self.renders.append(render(FIRST_SEED + len(self.renders)))
+        part = self._path.with_suffix(".part.npz")
+        np.savez_compressed(part, renders=np.array(self.renders, np.float32))
+        os.replace(part, self._path)
+
+    @property
+    def pixels(self) -> np.ndarray:
+        return np.mean(self.renders, axis=0)
+
+    @property
+    def variance(self) -> np.ndarray:
+        """Variance of each of the ``pixels``."""
+        count = len(self.renders)
+        return np.var(self.renders, axis=0, ddof=1) / count if count > 1 else np.full(self.renders[0].shape, np.inf)
+
+
+def fingerprint() -> str:
+    """Hash of what the open scene looks like: meshes, lamps, materials, camera and picture size."""
+    digest = hashlib.sha256()
+
+    def note(*values) -> None:
+        digest.update(repr(values).encode())
+
+    scene = bpy.context.scene
+    note(scene.render.resolution_x, scene.render.resolution_y)
+    for thing in sorted(scene.objects, key=lambda thing: thing.name):
+        note(thing.name, thing.type, [round(value, 9) for row in thing.matrix_world for value in row])
+        if thing.type == "MESH":
+            positions = np.empty(3 * len(thing.data.vertices), np.float32)
+            thing.data.vertices.foreach_get("co", positions)
+            digest.update(positions.tobytes())
+            for slot in thing.material_slots:
+                for node in slot.material.node_tree.nodes:
+                    note(node.bl_idname, getattr(node, "distribution", ""))
+                    for socket in node.inputs:
+                        value = getattr(socket, "default_value", None)
+                        note(socket.is_linked, tuple(value) if hasattr(value, "__len__") else value)
+        elif thing.type == "LIGHT":
+            lamp = thing.data.sdf_lamp
+            note(lamp.expression, lamp.density, tuple(thing.data.color))
+        elif thing.type == "CAMERA":
+            note(thing.data.angle, thing.data.clip_start, thing.data.clip_end)
+    return digest.hexdigest()

@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Results of the parts of a benchmark, kept on disk until all of them are there: an interrupted run goes on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+
+import host
+
+from . import references
+
+
+def _sources() -> bytes:
+    """Hash of the code that a result depends on."""
+    digest = hashlib.sha256()
+    for folder in ("sdf_lights", "scripts"):
+        for path in sorted((host.REPOSITORY / folder).rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.digest()
+
+
+class Parts:
+    """Results by the name of a part, of one benchmark with the same ``options`` and the same code."""
+
+    def __init__(self, options):
+        given = {name: value for name, value in vars(options).items() if name not in ("json", "out", "modules")}
+        key = hashlib.sha256(repr(sorted(given.items())).encode() + _sources()).hexdigest()
+        self._path = references.folder() / f"unfinished-{key[:16]}.json"
+        self._found = json.loads(self._path.read_text(encoding="utf-8")) if self._path.is_file() else {}
+
+    def of(self, name: str, measure):
+        """The result of a part, measured by a function without arguments unless it is known already."""
+        if name not in self._found:
+            self._found[name] = measure()
+            part = self._path.with_suffix(".part")
+            part.write_text(json.dumps(self._found), encoding="utf-8")
+            os.replace(part, self._path)
+        return self._found[name]
+
+    def finish(self) -> None:
+        """All parts are there: the next run measures anew."""
+        self._path.unlink(missing_ok=True)

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render time at equal error against the number of lamps, of parts of one lamp, and of triangles.
+
+Lamps are spread over the stage and share one power; their sizes shrink so that they fill the same volume. The error is
+the relative variance of a pixel, found from renders with different seeds, which needs no reference: what is unbiased
+has no other error. The time at equal error is read off the curve of error against time, without what a render needs
+before its second sample, which does not grow with the size of a picture.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import statistics
+
+import bpy
+import numpy as np
+
+from scenery.materials import Graph
+from scenery.modelling import add
+
+from . import errors, lamp_meshes, lamp_scenes, machine, pictures, scenes
+from .lamp_scenes import INTENSITY, add_lamp, turned
+from .progress import Progress
+from .resume import Parts
+
+HELP = "render time at equal error against the number of lamps, parts and triangles"
+
+LADDER = (4, 16, 64)
+BOUNCES = 1
+FILLED = 0.12  # m³, of all lamps together
+LOW, HIGH = (-3.0, -2.5, 0.2), (3.0, 2.7, 3.2)  # where lamps are
+
+
+def _kinds(volume: float) -> list[str]:
+    """A ball, a bar and a ring of that volume."""
+    radius = (volume * 0.75 / math.pi) ** (1.0 / 3.0)
+    half = (volume / 24.0) ** (1.0 / 3.0)
+    tube = (volume / (6.0 * math.pi**2)) ** (1.0 / 3.0)
+    return [f"sphere({radius:.6g})", f"box({half:.6g}, {half:.6g}, {3.0 * half:.6g})",
+            f"torus({3.0 * tube:.6g}, {tube:.6g})"]
+
+
+def lamps(size: int, count: int) -> None:
+    """A stage with ``count`` lamps."""
+    scenes.boxes_and_sphere(size)
+    random = np.random.default_rng(3)
+    kinds = _kinds(FILLED / count)
+    for index in range(count):
+        matrix = turned(*random.uniform(0.0, 360.0, 3), at=random.uniform(LOW, HIGH))
+        add_lamp(f"Lamp {index}", kinds[index % len(kinds)], None, matrix, INTENSITY / FILLED,
+                 0.3 + 0.7 * random.random(3))
+
+
+def balls(size: int, count: int) -> None:
+    """A stage with one lamp that is the union of ``count`` balls."""
+    scenes.boxes_and_sphere(size)
+    random = np.random.default_rng(4)
+    radius = (FILLED / count * 0.75 / math.pi) ** (1.0 / 3.0)
+    places = random.uniform(-1.0, 1.0, (count, 3))
+    balls = ", ".join(f"translate(sphere({radius:.4g}), {x:.3g}, {y:.3g}, {z:.3g})" for x, y, z in places)
+    add_lamp("Lamp", f"union({balls})" if count > 1 else balls, None, turned(at=(0.0, 0.3, 1.7)), INTENSITY / FILLED)
+
+
+def triangles(size: int, count: int) -> None:
+    """A stage with one torus, and a ball of about ``count`` triangles as one thing more on the floor."""
+    lamp_scenes.SCENES["S1"].build(size)
+    rings = max(round(math.sqrt(count / 4.0)), 3)
+    ball = lamp_meshes.mesh("Ball", lamp_meshes.sphere(0.4, 2 * rings, rings))
+    graph = Graph("Ball")
+    add("Ball", ball, graph.finish(graph.node("ShaderNodeBsdfDiffuse", Color=(0.6, 0.6, 0.6))),
+        location=(-0.9, -1.8, 0.4))
+
+
+CURVES = {  # what makes the scene, the numbers, and the two of them whose times are compared
+    "lamps": (lamps, (1, 10, 100, 1000), (1000, 10)), "parts": (balls, (1, 10, 100), (100, 10)),
+    "triangles": (triangles, (1_000, 30_000, 1_000_000), (1_000_000, 1_000))}
+
+
+def arguments(parser) -> None:
+    parser.add_argument("--curves", default=",".join(CURVES), help="lamps, parts, triangles; with commas between")
+    parser.add_argument("--sampler", default="CUT", help="of SDF Lights")
+
+
+def _variance(renders: list[pictures.Picture]) -> float:
+    """Relative squared error of a render, from several with different seeds."""
+    pixels = np.array([picture.pixels for picture in renders])
+    return errors.rel_variance(pixels.var(axis=0, ddof=1), pixels.mean(axis=0))
+
+
+def measure(build, count: int, size: int, repeats: int, options) -> tuple[float, list[tuple[float, float]]]:
+    """Of a scene: seconds of a render of one sample, and (seconds over these, error) for each number in ``LADDER``."""
+    build(size, count)
+    scene = bpy.context.scene
+    lamp_scenes.show(volumes=False)
+
+    def render(samples: int, seed: int) -> pictures.Picture:
+        scenes.plain_sdf_lights(scene, samples, BOUNCES, options.device)
+        scene.sdf_lights.seed, scene.sdf_lights.lamp_sampling = seed, options.sampler
+        return pictures.render()
+
+    def seconds(made: list[pictures.Picture]) -> float:
+        return statistics.median(picture.work for picture in made) / machine.cores()
+
+    render(1, 0)  # compiles, and fills caches
+    first = seconds([render(1, seed) for seed in range(repeats)])
+    curve = []
+    for samples in LADDER:
+        made = [render(samples, seed) for seed in range(repeats)]
+        curve.append((max(seconds(made) - first, 1e-6) * samples / (samples - 1), _variance(made)))
+    return first, curve
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    size = 48 if options.quick else 96
+    repeats = max(options.repeats or (2 if options.quick else 5), 2)
+    names = options.curves.split(",")
+    progress, parts = Progress(sum(len(CURVES[name][1]) for name in names)), Parts(options)
+    summary, rows = {}, []
+    for name in names:
+        build, counts, (most, few) = CURVES[name]
+        curves, first = {}, {}
+        for count in counts:
+            progress.show(f"{count} {name}")
+            first[count], curves[count] = parts.of(
+                f"{count} {name}", functools.partial(measure, build, count, size, repeats, options))
+            progress.step()
+        # An error that all reach without much extrapolation.
+        level = math.exp(statistics.fmean(math.log(error) for curve in curves.values() for _, error in curve[-2:]))
+        times = {}
+        for count, curve in curves.items():
+            times[count] = errors.interpolated([(error, seconds) for seconds, error in curve], level)
+            rows.append(dict(curve=name, count=count, seconds_at_equal_error=times[count], rel_mse=level,
+                             seconds_1=first[count]) | {
+                f"{what}_{samples}": value for samples, pair in zip(LADDER, curve)
+                for what, value in zip(("seconds", "error"), pair)})
+        summary[f"time_ratio_{most}_to_{few}_{name}"] = times[most] / times[few]
+    parts.finish()
+    progress.close()
+    return summary, rows

@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes of lamps are as bright in SDF Lights as in Cycles: their meshes and units are the same."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from benchmarks import lamp_scenes, pictures, scenes  # noqa: E402
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("name", [name for name, about in lamp_scenes.SCENES.items() if about.volumes])
+def test_as_bright_as_in_cycles(name):
+    size, blocks = 48, 6
+    lamp_scenes.SCENES[name].build(size)
+    scene = bpy.context.scene
+    made = {}
+    for volumes in (False, True):
+        lamp_scenes.show(volumes)
+        renders = []
+        for seed in range(4):
+            if volumes:
+                scenes.plain_cycles(scene, 256, 1)
+                scene.cycles.seed = seed
+            else:
+                scenes.plain_sdf_lights(scene, 64, 1, "CPU")
+                scene.sdf_lights.seed = seed
+            pixels = pictures.render().pixels
+            renders.append(pixels.reshape(blocks, size // blocks, blocks, size // blocks, 3).mean(axis=(1, 3)))
+        made[volumes] = np.array(renders)
+    ours, theirs = (made[volumes].mean(axis=0) for volumes in (False, True))
+    error = np.sqrt(sum(made[volumes].var(axis=0, ddof=1) / 4 for volumes in (False, True)))
+    if name != "spark":  # which Cycles hardly ever finds
+        assert ours.mean() == pytest.approx(theirs.mean(), rel=0.01)
+    # Half a per cent for the shape of the meshes.
+    assert np.mean(np.abs(ours - theirs) > 5.0 * error + 0.005 * theirs.max()) < 0.05
