@@ -16,6 +16,7 @@ from sdf_lights.render.scene import (
     AreaLight, Camera, Image, Instance, Lamp, Mesh, PointLight, Projection, Scene, SpotLight, SunLight, World)
 from sdf_lights.render.settings import Filter, Settings
 from sdf_lights.sdf import shapes
+from sdf_lights.sdf.emission import Emission, EmissionExpression
 
 WIDTH, HEIGHT = 48, 36
 
@@ -357,6 +358,32 @@ def field_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return scene
 
 
+def varying_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Emission by position, depth and height: of a primitive, a closed form, a field, and a fog with a pane in it."""
+    scene = room(width, height)
+    scene.materials.append(Material("tinted", Node("mix_closure", {
+        "factor": 0.6, "a": Node("diffuse", {"color": RED}), "b": Node("transparent", {"color": (0.5, 0.9, 0.6)})})))
+    scene.instances.append(Instance(
+        0, translation(0.9, 0.2, 0.9) @ rotation("x", 90) @ scaling(0.5, 0.6, 1), (len(scene.materials) - 1,)))
+    twisted = shapes.SHAPES["twist"](shapes.Box((0.15, 0.1, 0.4)), 1.5)
+    hollow = shapes.Difference(shapes.Box(half_size=(0.4, 0.4, 0.4)), shapes.Sphere(radius=0.5))
+    scene.lamps += [
+        torus_lamp(-0.8, 0.4, 1.9, 40.0, emission=_emission(
+            "blackbody(mix(1500, 6000, height)) * (0.2 + height ** 2) * exp(-depth / 0.04)")),
+        Lamp("hollow", hollow, translation(0.2, 0.9, 0.9) @ rotation("z", 25) @ scaling(1.0, -1.2, 0.8), power=20.0,
+             color=(1.0, 0.7, 0.4), emission=_emission("ramp(p.x, -0.4, 0, 0, (1, 0, 0), 0.4, (0, 1, 1))")),
+        Lamp("bar", twisted, translation(-0.9, -0.2, 0.7) @ rotation("x", 40), density=6.0,
+             emission=_emission("(0.5 + 0.5 * noise(9 * p)) * ramp(depth, 0, (0, 0, 1), 0.1, 1)")),
+        Lamp("fog", shapes.Sphere(radius=0.7), translation(0.9, 0.2, 1.0), density=0.6,
+             emission=_emission("max(0, p.y + 0.1) + 0.2")),
+    ]
+    return scene
+
+
+def _emission(text: str) -> Emission:
+    return EmissionExpression(text).emission()
+
+
 def inside_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """The camera and the furniture stand inside a large glowing ball; a second lamp overlaps it."""
     scene = room(width, height, max_bounces=2)
@@ -419,4 +446,4 @@ def orthographic(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 SCENES = {builder.__name__: builder for builder in (
     torus_room, blender_lights, world_color, environment, emissive_mesh, glossy_metal, glass, textured, instances,
-    frame_lamp, field_lamps, inside_lamp, transparent, depth_of_field, panorama, orthographic)}
+    frame_lamp, field_lamps, varying_lamps, inside_lamp, transparent, depth_of_field, panorama, orthographic)}

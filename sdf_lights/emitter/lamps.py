@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lamp as a light: the interior of a shape that glows uniformly.
+"""A lamp as a light: the interior of a shape that glows.
 
 Projection sampling (Huang, Zheng, Xu, Kitamura and Wang 2026, "Efficient Monte Carlo rendering of implicit-shaped
 volumetric emitters", equations 2, 4 and 6; as a solid angle technique already in Simon et al. 2017): a uniform point of
@@ -21,6 +21,10 @@ There are three kinds of lamps. A *primitive* has a closed form for everything. 
 primitives and set operations, whose intervals have closed forms. Of all others the *field* is traced and drawn from.
 The last two have an interior tree (``interior``).
 
+Emission that varies is ρ(x) = P e(x) / (4π ∫e dV), or the density times e(x), for a relative emission e (``sdf.emission``)
+whose integral is estimated with what is in the boxes of the tree (``moments``). The projection density stays that of
+uniform points.
+
 Everything the kernels store is relative to the centre of the lamp's bounding box, and rays are moved to their closest
 approach to it: the distance of the camera or of the lamp from the origin costs no digits.
 """
@@ -30,14 +34,18 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..jit import kernel, table
+from ..sdf.emission import Emission
 from ..sdf.program import INSTRUCTION, NoClosedForm
 from ..vec import dot, madd, normalize, scale, sub, transform_point, transform_vector, vec
-from . import fields, interior
+from . import emission as emissions
+from . import fields, interior, moments
 from .crossings import crossings
+from .emission import GLOW, CompiledEmission, compile_emission, line_integral
 from .fields import LIST
 from .hashing import following, seeded, uniform
 from .interior import INSIDE, NODE, Tree, tree_point
@@ -45,6 +53,7 @@ from .intervals import primitive_spans, regularize, rows_needed, solve
 from .membership import contains
 from .points import primitive_point
 from .primitives import box_span
+from .smoothness import Tried, try_rays
 from .volume import measure
 
 PRIMITIVE, CLOSED, FIELD = 0, 1, 2  # kinds of lamps
@@ -56,7 +65,8 @@ LAMP = np.dtype([
     ("volume", np.float64),  # m³, in the world
     ("volume_error", np.float64),  # bound on the relative error of the volume; 0 where it has a closed form
     ("emission", np.float64, (3,)),  # ρ, W/(sr·m³): its mean over the volume
-    ("glow", np.int64),  # −1: ρ is the same everywhere
+    ("emission_error", np.float64),  # bound on the relative error of that mean; 0 where it does not vary
+    ("glow", np.int64),  # index of the emission, where it varies; −1: ρ is the same everywhere
     ("power", np.float64),  # W, mean of the colour channels: 4π V ρ
     ("visibility", np.int64),  # render.scene.Ray
     ("kind", np.int64),
@@ -76,7 +86,8 @@ LAMP = np.dtype([
     ("first_list", np.int64),
 ], align=True)
 
-TABLES = {"lamps": LAMP, "lamp_instructions": INSTRUCTION, **interior.TABLES, **fields.TABLES}
+TABLES = {
+    "lamps": LAMP, "lamp_instructions": INSTRUCTION, **interior.TABLES, **fields.TABLES, **emissions.TABLES}
 SCALARS = [("lamp_rows", np.int64)]  # rows of ``spans`` for intervals: the most that any lamp of the scene can use
 
 MOST_ROWS = 1 << 16  # of spans that a program may need
@@ -99,25 +110,38 @@ class LampError(ValueError):
     """A lamp cannot give light. One sentence that names the lamp and says what to change."""
 
 
+class Measured(NamedTuple):
+    """An emission that varies, in a shape."""
+
+    compiled: CompiledEmission
+    weighed: moments.Weighed
+    tried: Tried
+
+
 @dataclass(frozen=True)
 class BuiltLamp:
     """A lamp ready to be packed: its name, one ``LAMP`` row, its program, and its tree unless it is a primitive.
 
-    Compiled fields live as long as the tree: keep the lamp while kernels may run on its tables.
+    Where the emission varies there are one row ``GLOW`` and what that is made from. Compiled code lives as long as the
+    tree and the emission: keep the lamp while kernels may run on its tables. ``remarks`` are sentences for the user.
     """
 
     name: str
     row: np.ndarray
     program: np.ndarray
     tree: Tree | None
+    glow: np.ndarray
+    emission: Measured | None
+    remarks: tuple[str, ...] = ()
 
 
 def build_lamp(name: str, shape, matrix: np.ndarray, power: float = 10.0, density: float | None = None,
-               color=(1.0, 1.0, 1.0), visibility: int = 31) -> BuiltLamp:
+               color=(1.0, 1.0, 1.0), visibility: int = 31, emission: Emission | None = None) -> BuiltLamp:
     """Prepare a lamp (see ``render.scene.Lamp``) for the kernels.
 
     ``matrix`` (4 × 4) takes the ``shape`` (``sdf.shapes.Shape``) to the world, in metres. ``power`` is in watts;
-    a ``density`` in W/(sr·m³) takes its place where it is given. ``visibility`` holds the bits of ``render.scene.Ray``.
+    a ``density`` in W/(sr·m³) takes its place where it is given. ``visibility`` holds the bits of ``render.scene.Ray``;
+    without an ``emission`` the lamp is uniform.
 
     Raises ``LampError`` where the lamp has no interior or emits nothing: the caller leaves it out of the scene.
     """
@@ -146,16 +170,28 @@ def build_lamp(name: str, shape, matrix: np.ndarray, power: float = 10.0, densit
     row["center"], row["half"] = 0.5 * (low + high), 0.5 * (high - low)
     row["reach"] = np.linalg.norm(row["half"])
     row["volume"], row["volume_error"] = volume, error / local_volume
-    row["emission"] = color * (power / (4.0 * math.pi * volume) if density is None else density)
-    row["power"] = 4.0 * math.pi * volume * row["emission"].mean()
-    row["glow"] = -1
     row["visibility"] = int(visibility)
     relative = matrix.copy()
     relative[:3, 3] -= row["center"][0]
+    found = measured(shape, emission) if emission is not None and emission.varies else None
+    mean = np.ones(3) if emission is None else _constant(shape, emission) if found is None else found.weighed.mean
+    if not mean.max() > 0.0:
+        raise LampError(f"Lamp “{name}”: its emission is zero or undefined everywhere inside, so it gives no light: make "
+                        "the last line of its emission positive somewhere.")
+    scale = color * (power / (4.0 * math.pi * volume * mean.mean()) if density is None else density)
+    row["emission"] = scale * mean
+    if not row["emission"].max() > 0.0:
+        raise LampError(f"Lamp “{name}”: its emission has none of the light's own color, so it gives no light: make that "
+                        "white.")
+    row["power"] = 4.0 * math.pi * volume * row["emission"].mean()
+    row["glow"] = -1 if found is None else 0
+    row["emission_error"] = 0.0 if found is None else found.weighed.error + error / local_volume
+    glow, remarks = (np.zeros(0, GLOW), ()) if found is None else (
+        _place_glow(found, relative, scale), _remarks(name, found.tried))
     program = _place_primitive(row, shape, relative) if tree is None else _place_tree(row, tree, relative)
     if row["rows"][0] > MOST_ROWS:
         raise LampError(f"Lamp “{name}”: its shape has too many parts: simplify it.")
-    return BuiltLamp(name, row, program, tree)
+    return BuiltLamp(name, row, program, tree, glow, found, remarks)
 
 
 def _is_primitive(shape) -> bool:
@@ -185,6 +221,37 @@ def _place_tree(row: np.ndarray, tree: Tree, matrix: np.ndarray) -> np.ndarray:
     row["direct"] = 0 < len(tree.program) <= DIRECT
     row["rows"] = rows_needed(tree.program)[0] if tree.field is None else FIELD_ROWS
     return tree.program
+
+
+@functools.lru_cache(maxsize=64)
+def measured(shape, emission: Emission) -> Measured:
+    """An emission that varies, in a valid shape."""
+    compiled = compile_emission(emission, shape)
+    weighed = moments.weigh(interior.tree(shape), _volume(shape)[0], compiled)
+    return Measured(compiled, weighed, try_rays(shape, compiled.placed))
+
+
+def _constant(shape, emission: Emission) -> np.ndarray:
+    """Colour of an emission that does not vary."""
+    return emission.placed(shape).evaluate(np.zeros(3))
+
+
+def _place_glow(found: Measured, matrix: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """The row of an emission; ``matrix`` takes the shape to the world, relative to the lamp's centre."""
+    glow = np.zeros(1, GLOW)
+    glow["address"], glow["rate"], glow["scale"] = found.compiled.address, found.tried.rate, scale
+    glow["inverse"] = np.linalg.inv(matrix)[:3]
+    return glow
+
+
+def _remarks(name: str, tried: Tried) -> tuple[str, ...]:
+    """Sentences about an emission that counts as zero in places."""
+    return tuple(
+        f"Lamp “{name}”: its emission is {what} in {max(100.0 * share, 0.01):.2g} % of its inside, which is dark there: "
+        f"{cure}."
+        for share, what, cure in ((tried.negative, "negative", "use max(0, …) if that is meant"),
+                                  (tried.undefined, "undefined or infinite", "look for a division by zero or a root"))
+        if share > 0.0)
 
 
 def _check_bounds(name: str, low: np.ndarray, high: np.ndarray) -> None:
@@ -248,6 +315,10 @@ def pack_lamps(built: list[BuiltLamp]) -> dict[str, np.ndarray]:
                 len(tree.nodes), append("lamp_lists", tree.lists))
 
     for row, lamp in zip(rows, built):
+        if lamp.emission is not None:
+            glow = lamp.glow.copy()
+            glow["parameters"] = append("lamp_parameters", lamp.emission.compiled.parameters)
+            row["glow"] = append("lamp_glows", glow)
         key = id(lamp.program if lamp.tree is None else lamp.tree)
         if key not in places:
             places[key] = place(lamp.tree, lamp.program)
@@ -278,9 +349,10 @@ def new_spans(rows: int, count: int) -> np.ndarray:
 
 
 def doubts(built: list[BuiltLamp]) -> list[str]:
-    """A sentence for each lamp whose intervals are not certain to be all that there are."""
-    return [f"Lamp “{lamp.name}”: nothing bounds how fast its field changes, so rays may miss thin parts of it."
-            for lamp in built if lamp.tree is not None and not lamp.tree.certified]
+    """Sentences about lamps whose intervals are not certain to be all that there are, and about odd emissions."""
+    return [remark for lamp in built for remark in lamp.remarks] + [
+        f"Lamp “{lamp.name}”: nothing bounds how fast its field changes, so rays may miss thin parts of it."
+        for lamp in built if lamp.tree is not None and not lamp.tree.certified]
 
 
 def unresolved(built: list[BuiltLamp], lengths: np.ndarray) -> list[str]:
@@ -428,9 +500,12 @@ def radiance(block, lamp, x, d, spans, count, t_min, t_max, u):
 
     Where the emission varies it is an unbiased estimate, from one uniform number u; else u and the ray do not matter.
     """
+    row = lamps(block)[lamp]
+    if row.glow >= 0:
+        return line_integral(block, row.glow, vec(row.center), x, d, spans, count, t_min, t_max, u)
     total = 0.0
     for index in range(count):
         c, h = spans[index, 0], spans[index, 1]
         # Differences to the interval's own ends, so that a whole interval gives 2h to the last digit.
         total += max(2.0 * h - max(t_min - (c - h), 0.0) - max(c + h - t_max, 0.0), 0.0)
-    return scale(vec(lamps(block)[lamp].emission), total)
+    return scale(vec(row.emission), total)

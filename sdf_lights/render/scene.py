@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..sdf.emission import Emission
 from ..sdf.shapes import Shape
 from .material import Material
 from .settings import Settings
@@ -66,11 +67,14 @@ class Instance:
 
 @dataclass
 class Lamp:
-    """An SDF lamp: the interior of ``shape`` glows, uniformly, and neither absorbs nor scatters.
+    """An SDF lamp: the interior of ``shape`` glows, and neither absorbs nor scatters.
 
     Its world volume is V = shape volume × |det matrix|. Emission per metre is ρ = power · color / (4π V), in watts
     per steradian and cubic metre, so far away the lamp lights like a Blender point light of the same power. Where
     ``density`` is given, ρ = density · color instead, whatever the volume.
+
+    With a relative ``emission`` e(x), ρ(x) = power · color · e(x) / (4π V ē), where ē is the mean of e over the volume
+    and its channels; or ρ(x) = density · color · e(x).
     """
 
     name: str
@@ -80,6 +84,7 @@ class Lamp:
     density: float | None = None
     color: RGB = (1.0, 1.0, 1.0)
     visibility: Ray = Ray.ALL
+    emission: Emission | None = None  # None: the same everywhere
 
 
 @dataclass

@@ -22,7 +22,7 @@ SEEDS, BLOCK, CONFIDENCE = 8, 4, 0.9999
 PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission",
           "SDF Lamps")
 QUICK = ("torus_room", "blender_lights", "environment", "emissive_mesh", "glossy_metal", "glass", "textured", "instances",
-       "transparent", "inside_lamp", "field_lamps")
+       "transparent", "inside_lamp", "field_lamps", "varying_lamps")
 
 
 def pictures(renderer, name: str, samples: int) -> dict[str, np.ndarray]:

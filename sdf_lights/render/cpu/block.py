@@ -37,7 +37,8 @@ class PackedScene:
         for lamp in scene.lamps:
             try:
                 built.append(lamps.build_lamp(
-                    lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density, lamp.color, int(lamp.visibility)))
+                    lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density, lamp.color, int(lamp.visibility),
+                    lamp.emission))
                 sources.append(lamp)
             except lamps.LampError as error:
                 scene.warnings.append(str(error))

@@ -9,6 +9,7 @@ only add noise.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -179,9 +180,9 @@ class Integrator:
         for lamp in self.lamps:
             spans = lamp.spans(paths.origin, paths.direction)
             visible = (paths.kind & lamp.visibility) != 0
-            length = spans.length(paths.near, end) * visible
-            weight = length * self._weight(paths.pdf, lamp.pdf(spans, count), lamp.visibility)
-            self._contribute(paths, lamp.emission * weight[:, None], paths.bounces[:, 0], samples, lamp=True)
+            weight = visible * self._weight(paths.pdf, lamp.pdf(spans, count), lamp.visibility)
+            radiance = lamp.radiance(spans, paths.origin, paths.direction, paths.near, end)
+            self._contribute(paths, radiance * weight[:, None], paths.bounces[:, 0], samples, lamp=True)
         for light in self.lights:
             distance, radiance, pdf = light.hit(paths.origin, paths.direction)
             met = (distance > paths.near) & ((distance < end) | ~np.isfinite(end) & np.isfinite(distance))
@@ -248,7 +249,7 @@ class Integrator:
             pdf = emitter.pdf(spans, count)
             last = np.zeros(count)
             np.maximum.at(last, spans.ray, spans.far)
-            light = emitter.emission * self._march(surface, wi, last, spans)
+            light = self._march(surface, wi, last, functools.partial(emitter.radiance, spans, x, wi))
         else:
             pdf, distance = pdf[rows], distance[rows]
             if hits is not None:
@@ -265,11 +266,11 @@ class Integrator:
         light = scattered * light * np.where(pdf > 0.0, 1.0 / np.where(pdf > 0.0, density, 1.0), 0.0)[:, None]
         self._contribute(paths, light, paths.bounces[:, 0] + 1, samples, lamp=spans is not None)
 
-    def _march(self, surface: Surface, wi: np.ndarray, end: np.ndarray, spans=None) -> np.ndarray:
+    def _march(self, surface: Surface, wi: np.ndarray, end: np.ndarray, radiance=None) -> np.ndarray:
         """Transmittance (N, 3) of transparent surfaces from ``surface`` to the distance ``end`` along ``wi``; with
-        ``spans``, the length within them instead, each part of it times the transmittance on the way."""
+        ``radiance(start, end)``, that along the way instead, each part of it times the transmittance up to there."""
         count = len(end)
-        transmittance, length = np.ones((count, 3)), np.zeros((count, 3))
+        transmittance, light = np.ones((count, 3)), np.zeros((count, 3))
         near, alive = np.zeros(count), np.arange(count)
         start = self.geometry.offset(surface.position, surface.ng, wi)
         for _ in range(self.settings.transparent_bounces + 1):
@@ -278,10 +279,10 @@ class Integrator:
             found = hits.found
             reached = np.copy(end)
             reached[alive] = np.where(found, near[alive] + hits.distance, end[alive])
-            if spans is not None:
+            if radiance is not None:
                 begin = np.full(count, np.inf)
                 begin[alive] = near[alive]
-                length += transmittance * spans.length(begin, reached)[:, None]
+                light += transmittance * radiance(begin, reached)
             hits, alive = Hits(*(array[found] for array in vars(hits).values())), alive[found]
             blocker = self.geometry.surface(hits, wi[alive])
             transmittance[alive] *= self.materials.transparency(blocker)
@@ -292,7 +293,7 @@ class Integrator:
             if not len(alive):
                 break
         transmittance[alive] = 0.0  # more surfaces than are allowed
-        return transmittance if spans is None else length
+        return transmittance if radiance is None else light
 
     # --- scattering ---------------------------------------------------------------------------------------------------
 

@@ -18,6 +18,10 @@ from ..scene import Lamp, Ray
 # As a share of the diagonal of the shape's box: parts of a ray shorter than this can be missed.
 RESOLUTION = 2e-4
 ROOT_ITERATIONS = 60
+# Gauss–Legendre nodes in [0, 1] for the emission along a span, where it varies; they are closest at its ends.
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(48)
+NODES, WEIGHTS = 0.5 * (1.0 + NODES), 0.5 * WEIGHTS
+CHUNK = 4096  # spans whose nodes are in memory at a time
 
 
 class Spans(NamedTuple):
@@ -58,20 +62,62 @@ class SdfLamp:
         self.volume = self._local_volume() * abs(np.linalg.det(self._linear))
         if not self.volume > 0.0:
             raise ValueError("it has no volume")
-        scale = lamp.density if lamp.density is not None else lamp.power / (4.0 * np.pi * self.volume)
-        self.emission = scale * np.asarray(lamp.color, float)
+        emission = lamp.emission.placed(lamp.shape) if lamp.emission is not None else None
+        self._varying = emission if emission is not None and lamp.emission.varies else None
+        mean = np.ones(3) if emission is None else (
+            emission.evaluate(np.zeros(3)) if self._varying is None else self._mean_emission())
+        if not mean.max() > 0.0:
+            raise ValueError("its emission is zero everywhere")
+        scale = lamp.density if lamp.density is not None else lamp.power / (4.0 * np.pi * self.volume * mean.mean())
+        self.scale = scale * np.asarray(lamp.color, float)
+        self.emission = self.scale * mean
 
     def _local_volume(self, side: int = 400) -> float:
         """The closed form, or chords of side² parallel rays on a jittered grid across the shape's box."""
         closed = self.lamp.shape.volume()
         if closed is not None:
             return closed
+        spans = self._columns(side)[0]
+        extent = self._high - self._low
+        return float(np.sum(spans.far - spans.near) / side**2 * extent[0] * extent[1])
+
+    def _columns(self, side: int) -> tuple[Spans, np.ndarray, np.ndarray]:
+        """Spans, origins and directions, in the shape's own space, of side² rays along z on a jittered grid."""
         rng = np.random.Generator(np.random.Philox(0))
         u = (np.mgrid[0:side, 0:side].reshape(2, -1).T + rng.random((side * side, 2))) / side
-        extent = self._high - self._low
-        origins = self._low + np.concatenate([u, np.full((len(u), 1), -0.5)], 1) * extent
-        spans = self._local_spans(origins, np.broadcast_to([0.0, 0.0, 1.0], origins.shape))
-        return float(np.sum(spans.far - spans.near) / len(u) * extent[0] * extent[1])
+        origins = self._low + np.concatenate([u, np.full((len(u), 1), -0.5)], 1) * (self._high - self._low)
+        directions = np.broadcast_to([0.0, 0.0, 1.0], origins.shape)
+        return self._local_spans(origins, directions), origins, directions
+
+    def _mean_emission(self, side: int = 200) -> np.ndarray:
+        """Mean (3,) of the relative emission over the volume."""
+        spans, origins, directions = self._columns(side)
+        return self._integrals(origins, directions, spans.ray, spans.near, spans.far).sum(0) / np.sum(
+            spans.far - spans.near)
+
+    # --- emission -----------------------------------------------------------------------------------------------------
+
+    def radiance(self, spans: Spans, origins: np.ndarray, directions: np.ndarray, start: np.ndarray,
+                 end: np.ndarray) -> np.ndarray:
+        """Line integral (N, 3) of the emission along each ray between the distances ``start`` and ``end``."""
+        if self._varying is None:
+            return self.emission * spans.length(start, end)[:, None]
+        near, far = np.maximum(spans.near, start[spans.ray]), np.minimum(spans.far, end[spans.ray])
+        rows = near < far
+        found = self._integrals((origins - self._origin) @ self._inverse.T, directions @ self._inverse.T,
+                                spans.ray[rows], near[rows], far[rows])
+        return self.scale * np.stack(
+            [np.bincount(spans.ray[rows], channel, len(origins)) for channel in found.T], axis=1)
+
+    def _integrals(self, origins, directions, ray, near, far) -> np.ndarray:
+        """Integral (spans, 3) of the relative emission over each span, of rays in the shape's own space."""
+        found = np.zeros((len(ray), 3))
+        for first in range(0, len(ray), CHUNK):
+            part = slice(first, first + CHUNK)
+            t = near[part, None] + (far - near)[part, None] * NODES
+            points = origins[ray[part], None] + t[..., None] * directions[ray[part], None]
+            found[part] = np.einsum("snc,n,s->sc", self._varying.evaluate(points), WEIGHTS, (far - near)[part])
+        return found
 
     # --- rays ---------------------------------------------------------------------------------------------------------
 
