@@ -16,9 +16,9 @@ _CACHE = "SDF_LIGHTS_CACHE"
 
 def _modules():
     """Modules with ``CLASSES`` and, where there is more to do, ``register()`` and ``unregister()``, in order."""
-    from . import engine, nodes, operators, panels, passes, preferences, properties, viewport
+    from . import emission_panel, engine, nodes, operators, panels, passes, preferences, properties, viewport
 
-    return preferences, properties, *nodes.modules(), passes, viewport, engine, operators, panels
+    return preferences, properties, *nodes.modules(), passes, viewport, engine, operators, panels, emission_panel
 
 
 def _nothing() -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the properties of a lamp to its shape: shared by sync and by the panels that describe a lamp."""
+"""From the properties of a lamp to its shape and emission: shared by sync and by the panels that describe a lamp."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ import functools
 import numpy as np
 
 from ..render.errors import RenderError
+from ..sdf.emission import Emission
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import parameters
+from . import emission, parameters
 from .nodes import reading
 from .properties import PRIMITIVES
 
@@ -50,3 +51,26 @@ def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
     if problem:
         raise RenderError(problem)
     return shape
+
+
+@functools.lru_cache(maxsize=64)
+def _emission(text: str, values: tuple) -> Emission:
+    expression = emission.parsed(text)
+    try:
+        if isinstance(expression, ExpressionError):
+            raise expression
+        return expression.emission(dict(values))
+    except ExpressionError as error:
+        raise RenderError(f"In its emission: {error}") from error
+
+
+def pattern_of(lamp) -> Emission | None:
+    """Emission of a ``Light.sdf_lamp``; None where it is the same everywhere.
+
+    Raises RenderError with a sentence where its text does not say one; its cause is the ``ExpressionError``.
+    """
+    declared = emission.declarations(lamp.emission)
+    values = parameters.values_of(lamp.id_data, declared)
+    found = _emission(emission.text_of(lamp.emission), tuple(
+        (name.removeprefix(emission.PREFIX), value) for name, value in values.items()))
+    return None if lamp.emission.source == "UNIFORM" else found

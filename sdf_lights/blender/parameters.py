@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parameters that an expression or a node tree declares, as custom properties of its Light.
+"""Parameters that an expression or a node tree declares, and an emission, as custom properties of the Light.
 
 Custom properties are the one kind in Blender whose limits, default and description can be set while it runs. They are
 saved, undone, animated, driven and overridden as others are. Their names begin with ``PREFIX``, to be told from the
@@ -20,6 +20,7 @@ import bpy
 
 from ..sdf.expression import Declaration, Expression
 from ..sdf.syntax import ExpressionError
+from . import emission
 from .nodes.reading import declarations_of
 
 PREFIX = "sdf_"
@@ -47,6 +48,11 @@ def declarations(lamp) -> tuple[Declaration, ...]:
     return expression.parameters if isinstance(expression, Expression) else ()
 
 
+def all_declarations(lamp) -> tuple[Declaration, ...]:
+    """Those of the shape, and those of the emission."""
+    return (*declarations(lamp), *emission.declarations(lamp.emission))
+
+
 def path(declaration: Declaration) -> str:
     """RNA path of the property, from the Light."""
     return f'["{PREFIX}{declaration.name}"]'
@@ -57,9 +63,14 @@ def exists(light: bpy.types.Light, declaration: Declaration) -> bool:
 
 
 def values(lamp) -> dict[str, float | tuple[float, ...]]:
-    """Values of the declared parameters that have a property, as ``Expression.shape`` takes them."""
-    light, found = lamp.id_data, {}
-    for declaration in declarations(lamp):
+    """Values of the shape's parameters that have a property, as ``Expression.shape`` takes them."""
+    return values_of(lamp.id_data, declarations(lamp))
+
+
+def values_of(light: bpy.types.Light, declared: tuple[Declaration, ...]) -> dict[str, float | tuple[float, ...]]:
+    """Values of the declared parameters that have a property, by name."""
+    found = {}
+    for declaration in declared:
         value = light.get(PREFIX + declaration.name)
         try:
             found[declaration.name] = declaration.held(
@@ -71,15 +82,17 @@ def values(lamp) -> dict[str, float | tuple[float, ...]]:
 
 def missing(lamp) -> bool:
     """Whether ``update`` has something to do."""
-    return lamp.id_data.is_editable and any(_differs(lamp.id_data, declared) for declared in declarations(lamp))
+    return lamp.id_data.is_editable and any(_differs(lamp.id_data, declared) for declared in all_declarations(lamp))
 
 
 def unused(light: bpy.types.Light) -> list[str]:
-    """Names of properties for what the expression does not declare, unless it cannot be read at present."""
+    """Names of properties for what is not declared, unless one of the texts cannot be read at present."""
     lamp = light.sdf_lamp
     if lamp.source == "EXPRESSION" and isinstance(parsed(text_of(lamp)), ExpressionError):
         return []
-    declared = {PREFIX + declaration.name for declaration in declarations(lamp)}
+    if isinstance(emission.parsed(emission.text_of(lamp.emission)), ExpressionError):
+        return []
+    declared = {PREFIX + declaration.name for declaration in all_declarations(lamp)}
     return [key for key in light.keys() if key.startswith(PREFIX) and key not in declared and key not in _OWN]
 
 
@@ -95,11 +108,12 @@ _OWN = frozenset({"sdf_lamp"})
 
 
 def update(light: bpy.types.Light) -> None:
-    """Makes the properties of what the lamp's expression declares, with its limits."""
+    """Makes the properties of what the lamp declares, with its limits."""
     if not light.is_editable:
         return
-    held = values(light.sdf_lamp)
-    for declaration in declarations(light.sdf_lamp):
+    declared = all_declarations(light.sdf_lamp)
+    held = values_of(light, declared)
+    for declaration in declared:
         if _differs(light, declaration):
             _make(light, declaration, held.get(declaration.name, declaration.default))
 

@@ -17,6 +17,7 @@ from ..render.settings import Settings
 from ..sdf.catalogue import grouped
 from ..sdf.shapes import SHAPES, Shape
 from . import parameters
+from .emission_properties import SDFLIGHTS_LampEmission
 from .naming import NODE_TREE
 
 # Settings that Blender has a property for already.
@@ -185,13 +186,15 @@ SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an 
         # Blender creates every light hidden from the camera, which is for lights without a shape of their own.
         name="Camera", description="The camera sees the lamp itself; the object's own switch is for the light it is to "
         "other engines", default=True, update=tag),
+    "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
 } | {name: bpy.props.PointerProperty(type=kind) for name, kind in _SHAPE_GROUPS.items()})
 
 
 # -- registration ------------------------------------------------------------------------------------------------------
 
 CLASSES = (
-    SDFLIGHTS_ViewportSettings, SDFLIGHTS_SceneSettings, *_SHAPE_GROUPS.values(), SDFLIGHTS_LampSettings)
+    SDFLIGHTS_ViewportSettings, SDFLIGHTS_SceneSettings, *_SHAPE_GROUPS.values(), SDFLIGHTS_LampEmission,
+    SDFLIGHTS_LampSettings)
 
 POINTERS = (
     (bpy.types.Scene, "sdf_lights", SDFLIGHTS_SceneSettings),

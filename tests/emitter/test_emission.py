@@ -69,18 +69,23 @@ MEANS = {
     "depth in a capsule": (  # of a cylinder ∫ 2π r (a − r) dr, and of a ball
         Capsule(0.2, 0.5), "depth", (0.5 * math.pi * 0.2**3 / 3.0 + math.pi * 0.2**4 / 3.0) / Capsule(0.2, 0.5).volume()),
     "depth in a torus": (Torus(1.0, 0.3), "depth", 0.1),
-    "one eighth": (Box(0.4), "step(0, p.x) * step(0, p.y) * step(0, p.z)", 0.125),
-    "a spot": (Union(Sphere(0.5), Box(0.2)), "step(length(p - (0.2, 0.1, 0)), 0.04)", 8.0 * 0.04**3),
-    "of a field": (FIELDS["blob"], "2", 2.0)}
+    "one eighth": (Box(0.4), "step(0, p.x) * step(0, p.y) * step(0, p.z)", 0.125)}
 
 
-@pytest.mark.parametrize("name", [name for name in MEANS if name != "of a field"])
+@pytest.mark.parametrize("name", MEANS)
 def test_mean_over_the_volume(name):
     """Within the bound that is stated, and that is small."""
     shape, text, expected = MEANS[name]
     found = lamps.measured(shape, emission(text)).weighed
     assert found.error < 5e-3
     assert found.mean == pytest.approx(expected, rel=found.error)
+
+
+def test_a_spot_is_found():
+    """A bright ball of a two-thousandth of the volume, with an edge that no sampling resolves well."""
+    found = lamps.measured(Union(Sphere(R), Box(0.2)), emission("step(length(p - (0.2, 0.1, 0)), 0.04)")).weighed
+    assert found.error < 0.02
+    assert found.mean == pytest.approx((0.04 / R) ** 3, rel=found.error)
 
 
 @pytest.mark.parametrize("shape", [Sphere(R), Torus(0.7, 0.2), BoxFrame((0.6, 0.5, 0.4), 0.08), FIELDS["blob"]], ids=str)
@@ -195,10 +200,8 @@ def test_power_is_that_of_a_point_light_far_away(shape, text):
     """∫ L dω = P/4π/d², whatever the emission. Within 4.5 standard errors and what the integral is known to."""
     lamp = Lamps(build(shape, text, turned(0.4, 0) @ scaled(1.0, 1.5, 0.7), power=40.0))
     x = np.array([0.0, 3e4, 0.0])
-    u = np.random.default_rng(2).random((40_000, 4))
-    directions = lamp.sample(x, u[:, :3])
-    light = np.concatenate([radiances(lamp, x[None].repeat(len(part), 0), part, u=[0.37])[:, 0]
-                            for part in np.array_split(directions, 4)])
+    directions = lamp.sample(x, np.random.default_rng(2).random((40_000, 3)))
+    light = radiances(lamp, np.broadcast_to(x, directions.shape).copy(), directions, u=SHIFTS[8::32]).mean(axis=1)
     weight = light.mean(axis=1) / lamp.pdf(x, directions)
     error = 4.5 * weight.std() / math.sqrt(len(weight)) / weight.mean() + float(lamp.row["emission_error"]) + 1e-4
     assert error < 0.05

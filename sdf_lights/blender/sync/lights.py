@@ -11,7 +11,7 @@ import numpy as np
 
 from ...render.errors import RenderError
 from ...render.scene import RGB, AreaLight, Lamp, Light, PointLight, Ray, SpotLight, SunLight
-from ..lamp import shape_of
+from ..lamp import pattern_of, shape_of
 from .common import Warnings, is_flat, rgb
 from .nodes import emission_of
 
@@ -68,12 +68,12 @@ def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, owner: np.ndarra
             f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale.")
     lamp = data.sdf_lamp
     try:
-        shape = shape_of(lamp, owner)
+        shape, emission = shape_of(lamp, owner), pattern_of(lamp)
     except RenderError as error:
         raise RenderError(f"Lamp '{name}' is left out. {error}") from error
     visibility = visibility | Ray.CAMERA if lamp.visible_camera else visibility & ~Ray.CAMERA
     density = None if lamp.normalize else lamp.density * 2.0**data.exposure
-    return Lamp(name, shape, matrix, power, density, color, visibility)
+    return Lamp(name, shape, matrix, power, density, color, visibility, emission)
 
 
 def _area(name: str, data: bpy.types.AreaLight, matrix: np.ndarray, power: float, common: dict) -> AreaLight:

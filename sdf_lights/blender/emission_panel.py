@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How bright a lamp is from point to point, as panels show it: in the Properties editor and in the 3D view."""
+
+import textwrap
+
+import bpy
+
+from ..render.errors import RenderError
+from . import emission, parameters
+from .context import light_of
+from .lamp import pattern_of
+from .naming import ENGINE
+
+_WIDTH = 34  # letters that fit a line of a panel
+
+
+class SDFLIGHTS_OT_emission_to_text(bpy.types.Operator):
+    """Put the lamp's emission into a new text block, to be changed there"""
+
+    bl_idname = "sdf_lights.emission_to_text"
+    bl_label = "Edit Emission as Text"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        light = light_of(context)
+        return light is not None and light.is_editable
+
+    def execute(self, context):
+        light = light_of(context)
+        settings = light.sdf_lamp.emission
+        text = bpy.data.texts.new(f"{light.name} Emission")
+        text.write(emission.text_of(settings))
+        settings.text, settings.source = text, emission.EXPRESSION
+        return {"FINISHED"}
+
+
+def draw(layout, light) -> None:
+    """The preset or text of the emission, its parameters, and what is wrong with it."""
+    lamp = light.sdf_lamp
+    settings = lamp.emission
+    layout.prop(settings, "source", text="Pattern")
+    if settings.source == emission.EXPRESSION:
+        layout.template_ID(settings, "text", new=SDFLIGHTS_OT_emission_to_text.bl_idname, open="text.open")
+        if settings.text is None:
+            layout.prop(settings, "expression")
+    if parameters.missing(lamp):
+        parameters.update_soon(light)  # nothing may be changed while drawing
+    column = layout.column()
+    for declared in emission.declarations(settings):
+        if parameters.exists(light, declared):
+            label = declared.name.removeprefix(emission.PREFIX).replace("_", " ").title()
+            column.prop(light, parameters.path(declared), text=label)
+    if settings.source not in ("UNIFORM", emission.EXPRESSION):
+        layout.operator(SDFLIGHTS_OT_emission_to_text.bl_idname, text="Edit as Text", icon="TEXT")
+    try:
+        pattern_of(lamp)
+    except RenderError as error:
+        column = layout.column(align=True)
+        for i, line in enumerate(textwrap.wrap(str(error), _WIDTH)):
+            column.label(text=line, icon="NONE" if i else "ERROR")
+
+
+class _Panel:
+    """The panel in either place."""
+
+    @classmethod
+    def poll(cls, context):
+        light = light_of(context)
+        return context.engine == ENGINE and light is not None and light.sdf_lamp.use
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        draw(self.layout, light_of(context))
+
+
+class SDFLIGHTS_PT_emission_pattern(_Panel, bpy.types.Panel):
+    bl_label = "Emission"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "data"
+    bl_parent_id = "SDFLIGHTS_PT_light"
+
+
+class SDFLIGHTS_PT_view3d_emission_pattern(_Panel, bpy.types.Panel):
+    bl_label = "Emission Pattern"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_parent_id = "SDFLIGHTS_PT_view3d"
+
+
+CLASSES = (SDFLIGHTS_OT_emission_to_text, SDFLIGHTS_PT_emission_pattern, SDFLIGHTS_PT_view3d_emission_pattern)

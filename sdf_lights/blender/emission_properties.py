@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``Light.sdf_lamp.emission``: how bright a lamp is from point to point."""
+
+import bpy
+
+from ..sdf.emission_presets import presets
+from . import parameters
+from .emission import EXPRESSION
+
+
+def source_items() -> list[tuple]:
+    """Items of an EnumProperty: every preset, and the artist's own. Files store the numbers: presets keep their order."""
+    items = []
+    for number, (name, preset) in enumerate(presets().items(), 1):
+        about = preset.text.splitlines()[1].removeprefix("#").strip().rstrip(".")
+        items.append((name.upper(), preset.title, about, number))
+    return [*items, (EXPRESSION, "Expression", "A few lines of text of your own", 0)]
+
+
+def changed(self, context):
+    """Make the properties of the parameters that the emission declares."""
+    parameters.update(self.id_data)
+
+
+class SDFLIGHTS_LampEmission(bpy.types.PropertyGroup):
+    """How bright a lamp is from point to point"""
+
+    source: bpy.props.EnumProperty(
+        name="Emission", description="How bright the inside of the lamp is from point to point", items=source_items(),
+        default="UNIFORM", update=changed)
+    expression: bpy.props.StringProperty(
+        name="Expression", description="Brightness or colour as a formula of the point p, the depth below the surface "
+        "and the height from 0 to 1, such as exp(-20 * depth) or blackbody(mix(4000, 1500, height))",
+        default="exp(-20 * depth)", update=changed)
+    text: bpy.props.PointerProperty(
+        name="Text", description="Text block that holds the expression, for one of several lines", type=bpy.types.Text,
+        update=changed)
