@@ -55,8 +55,8 @@ def _scene(name: str, about: str, volumes: bool = True):
 
 def show(volumes: bool) -> None:
     """Render the lamps as emission volumes, or as what they are."""
-    bpy.data.collections[LAMPS].hide_render = volumes
-    bpy.data.collections[VOLUMES].hide_render = not volumes
+    _collection(LAMPS).hide_render = volumes
+    _collection(VOLUMES).hide_render = not volumes
 
 
 def _collection(name: str):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes of lamps are as bright in SDF Lights as in Cycles: their meshes and units are the same."""
+"""Scenes of lamps for benchmarks: each has its lamps twice, as bright in SDF Lights as in Cycles."""
 
 import numpy as np
 import pytest
@@ -9,9 +9,20 @@ bpy = pytest.importorskip("bpy")
 
 from benchmarks import lamp_scenes, pictures, scenes  # noqa: E402
 
-pytestmark = pytest.mark.slow
+
+def test_each_lamp_has_its_volume():
+    for name, about in lamp_scenes.SCENES.items():
+        if name == "S3":
+            continue  # Blender's Boolean takes a second
+        about.build(16)
+        lamp_scenes.show(volumes=False)
+        lamps = bpy.data.collections[lamp_scenes.LAMPS].objects
+        assert lamps and all(lamp.data.sdf_lamp.use for lamp in lamps)
+        volumes = bpy.data.collections[lamp_scenes.VOLUMES].objects
+        assert len(volumes) == (len(lamps) if about.volumes else 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name, about in lamp_scenes.SCENES.items() if about.volumes])
 def test_as_bright_as_in_cycles(name):
     size, blocks = 48, 6
