@@ -33,9 +33,10 @@ from ..sdf.shapes.base import Shape
 from .fields import DEEPEST, LANES, LIST, STACK, TERM, VALUES, CompiledField, compile_terms
 from .hashing import bits, following
 from .intervals import rows_needed
-from .membership import BOX, CONE, CYLINDER, FRUSTUM, HALF_SPACE
+from .membership import BOX, CONE, CYLINDER, FRUSTUM, HALF_SPACE, SPONGE, place
 from .pruning import prune_field, prune_program
 from .slopes import fill_gradients
+from .sponge import sponge_plane
 
 NODE = np.dtype([  # 64 bytes: a line of the cache
     ("split", np.float64),  # where the two children meet, in tree space
@@ -257,6 +258,15 @@ def _middle(box, axis):
 
 
 @kernel
+def _sponge_face(row, box, axis):
+    """``sponge.sponge_plane`` for a box."""
+    c = (_middle(box, 0), _middle(box, 1), _middle(box, 2))
+    h = (0.5 * (box[3] - box[0]), 0.5 * (box[4] - box[1]), 0.5 * (box[5] - box[2]))
+    c, h = place(row, c, h)
+    return sponge_plane(c[axis], h[axis], max(h[0], h[1], h[2]), row.parameters[0], int(row.parameters[1]))
+
+
+@kernel
 def _flat_face(program, lists, node, box):
     """Axis and position of a flat face, square to an axis, of a primitive whose surface crosses the box; axis −1: none.
 
@@ -268,11 +278,14 @@ def _flat_face(program, lists, node, box):
         if lists[entry] < 0:
             continue
         row = program[lists[entry]]
-        if row.op != BOX and row.op != CYLINDER and row.op != CONE and row.op != FRUSTUM and row.op != HALF_SPACE:
+        if (row.op != BOX and row.op != CYLINDER and row.op != CONE and row.op != FRUSTUM and row.op != HALF_SPACE
+                and row.op != SPONGE):
             continue
-        for local in range(0 if row.op == BOX else 2, 3):
+        for local in range(0 if row.op == BOX or row.op == SPONGE else 2, 3):
             if row.op == BOX:
                 size = row.parameters[local]
+            elif row.op == SPONGE:
+                size = _sponge_face(row, box, local)
             elif row.op == HALF_SPACE:
                 size = 0.0
             else:

@@ -17,17 +17,18 @@ from ..sdf.program import Op
 from ..vec import transform_point, transform_vector
 from .fields import NEGATED
 from .membership import (
-    BOX, CAPSULE, CONE, CYLINDER, DIFFERENCE, EXCLUSIVE, HALF_SPACE, INTERSECTION, SPHERE, TORUS, UNION)
+    BOX, CAPSULE, CONE, CYLINDER, DIFFERENCE, EXCLUSIVE, HALF_SPACE, INTERSECTION, SPHERE, SPONGE, TORUS, UNION)
 from .primitives import (
     box_span, capsule_span, cylinder_span, frustum_span, half_space_span, sphere_span, torus_spans)
+from .sponge import most_spans, sponge_spans
 
 
 def rows_needed(program: np.ndarray) -> tuple[int, int]:
     """Rows of ``spans`` that ``solve`` can use at most for a program, and the most sets on its stack."""
     stack, rows, deepest = [], 0, 0
-    for op, arity in zip(program["op"], program["arity"]):
+    for op, arity, parameters in zip(program["op"], program["arity"], program["parameters"]):
         if arity == 0:
-            stack.append(2 if op == Op.TORUS else 1)
+            stack.append(2 if op == Op.TORUS else most_spans(int(parameters[1])) if op == Op.SPONGE else 1)
         else:
             both = stack[-2] + stack[-1]
             rows = max(rows, sum(stack) + len(stack) + both)  # the merged list is written above its operands
@@ -41,7 +42,8 @@ def rows_needed(program: np.ndarray) -> tuple[int, int]:
 
 @kernel
 def primitive_spans(row, o, d):
-    """Number of intervals inside the primitive of one instruction, and their ends; as ``torus_spans``."""
+    """Number of intervals inside the primitive of one instruction, and their ends; as ``torus_spans``. Not of a sponge,
+    which may have more than two."""
     p = transform_point(row.inverse, o)
     v = transform_vector(row.inverse, d)
     op, size = row.op, row.parameters
@@ -62,6 +64,20 @@ def primitive_spans(row, o, d):
     else:
         span = frustum_span(p, v, size[0], size[1], 0.5 * size[2])
     return (1 if span[0] < span[1] else 0), span[0], span[1], 0.0, 0.0
+
+
+@kernel
+def _write_spans(row, o, d, spans, first):
+    """Write the intervals inside the primitive of one instruction to rows from ``first``; returns their number."""
+    if row.op == SPONGE:
+        p, v = transform_point(row.inverse, o), transform_vector(row.inverse, d)
+        return sponge_spans(p, v, row.parameters[0], int(row.parameters[1]), spans, first)
+    count, a0, b0, a1, b1 = primitive_spans(row, o, d)
+    if count > 0:
+        spans[first, 0], spans[first, 1] = a0, b0
+    if count > 1:
+        spans[first + 1, 0], spans[first + 1, 1] = a1, b1
+    return count
 
 
 @kernel
@@ -148,14 +164,10 @@ def solve(program, o, d, spans, chosen=None):
             continue
         row = program[index]
         if row.arity == 0:
-            count, a0, b0, a1, b1 = primitive_spans(row, o, d)
+            count = _write_spans(row, o, d, spans, top)
             if count == 0 and step < length:
                 missed = True
                 continue
-            if count > 0:
-                spans[top, 0], spans[top, 1] = a0, b0
-            if count > 1:
-                spans[top + 1, 0], spans[top + 1, 1] = a1, b1
             top += count
             spans[top, 0] = count
             top += 1

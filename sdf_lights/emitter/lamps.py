@@ -40,7 +40,7 @@ import numpy as np
 
 from ..jit import kernel, table
 from ..sdf.emission import Emission
-from ..sdf.program import INSTRUCTION, NoClosedForm
+from ..sdf.program import INSTRUCTION, NoClosedForm, Op
 from ..vec import dot, madd, normalize, scale, sub, transform_point, transform_vector, vec
 from . import emission as emissions
 from . import fields, interior, moments
@@ -90,7 +90,7 @@ TABLES = {
     "lamps": LAMP, "lamp_instructions": INSTRUCTION, **interior.TABLES, **fields.TABLES, **emissions.TABLES}
 SCALARS = [("lamp_rows", np.int64)]  # rows of ``spans`` for intervals: the most that any lamp of the scene can use
 
-MOST_ROWS = 1 << 16  # of spans that a program may need
+MOST_ROWS = 1 << 22  # of spans that a program may need; memory of those that no ray uses is never touched
 FIELD_ROWS = 512  # intervals of a ray in a field lamp; what is more counts as unresolved
 DIRECT = 100  # instructions of a program that is traced as a whole, without its tree
 LEAST_ACCEPTANCE = 1.0 / 200.0  # part of the boxes of a lamp's tree that must be interior
@@ -196,7 +196,8 @@ def build_lamp(name: str, shape, matrix: np.ndarray, power: float = 10.0, densit
 
 def _is_primitive(shape) -> bool:
     try:
-        return len(shape.program()) == 1
+        program = shape.program()
+        return len(program) == 1 and program["op"][0] != Op.SPONGE  # which has neither two intervals at most, nor points
     except NoClosedForm:
         return False
 

@@ -11,10 +11,11 @@ import math
 from ..jit import kernel
 from ..sdf.program import Op
 from .fields import NEGATED
+from .sponge import classify_sponge
 
 SPHERE, BOX, TORUS = int(Op.SPHERE), int(Op.BOX), int(Op.TORUS)
 CAPSULE, CYLINDER, CONE = int(Op.CAPSULE), int(Op.CYLINDER), int(Op.CONE)
-HALF_SPACE, FRUSTUM = int(Op.HALF_SPACE), int(Op.FRUSTUM)
+HALF_SPACE, FRUSTUM, SPONGE = int(Op.HALF_SPACE), int(Op.FRUSTUM), int(Op.SPONGE)
 UNION, INTERSECTION = int(Op.UNION), int(Op.INTERSECTION)
 DIFFERENCE, EXCLUSIVE = int(Op.DIFFERENCE), int(Op.EXCLUSIVE)
 
@@ -61,6 +62,8 @@ def classify_primitive(row, c, h):
     op, size = row.op, row.parameters
     if op == HALF_SPACE:
         return (1 if c[2] + h[2] <= 0.0 else 0), (1 if c[2] - h[2] >= 0.0 else 0)
+    if op == SPONGE:
+        return classify_sponge(c, h, size[0], int(size[1]))
     near_x, near_y, near_z = _near(c[0], h[0]), _near(c[1], h[1]), _near(c[2], h[2])
     far_x, far_y, far_z = _far(c[0], h[0]), _far(c[1], h[1]), _far(c[2], h[2])
     if op == BOX:

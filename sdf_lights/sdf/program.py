@@ -15,6 +15,7 @@ A primitive row says ``inverse`` (3 × 4: the space of the whole shape -> the pr
     CONE      radius, height             along z, base at −height/2, apex at +height/2
     HALF_SPACE                           z ≤ 0
     FRUSTUM   radii at −height/2 and +height/2, height    along z, centred; either radius may be 0
+    SPONGE    half size, levels          Menger sponge in a cube centred at the origin; levels is a whole number
 
 ``inverse`` and ``parameters`` of operator rows are zero.
 """
@@ -38,6 +39,7 @@ class Op(enum.IntEnum):
     CONE = 5
     HALF_SPACE = 6
     FRUSTUM = 7
+    SPONGE = 8
     UNION = 16
     INTERSECTION = 17
     DIFFERENCE = 18

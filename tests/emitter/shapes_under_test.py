@@ -11,6 +11,7 @@ from sdf_lights.sdf.shapes import (
     Box, BoxFrame, Capsule, Cone, Cylinder, Difference, Ellipsoid, Intersection, Shape, Sphere, Torus, Transformed,
     Union)
 from sdf_lights.sdf.shapes.blends import SmoothUnion
+from sdf_lights.sdf.shapes.fractals import MengerSponge
 from sdf_lights.sdf.shapes.layers import Onion
 from sdf_lights.sdf.shapes.primitives import Frustum
 from sdf_lights.sdf.shapes.warps import Twist
@@ -85,6 +86,10 @@ COMPOSITES = {
         Transformed(Box((0.2, 0.5, 0.2)), moved(0.1, 0.0, 0.2)),
         Transformed(Cylinder(0.1, 0.8), moved(-0.4))),
     "thin": Difference(Sphere(0.8), Sphere(0.78)),
+    "sponge": MengerSponge(0.7, 2.0),
+    "carved_sponge": Difference(
+        Transformed(MengerSponge(0.8, 3.0), turned(0.5, 0) @ sheared(0.3)), Transformed(Sphere(0.7), moved(0.5, 0.4, 0.3)),
+        MengerSponge(0.5, 1.0)),
     "twenty": Difference(
         Union(*(Transformed(Capsule(0.08, 1.4), turned(0.6 * k, 0) @ turned(0.35 * k, 1)) for k in range(8))),
         *(Transformed(Sphere(0.17), moved(*(0.5 * np.cos([k, 1.7 * k, 2.3 * k])))) for k in range(6)),

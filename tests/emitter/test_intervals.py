@@ -192,6 +192,12 @@ def ring(p):
     return np.hypot(p[..., 0], p[..., 1])
 
 
+def in_sponge(p, half_size, levels):
+    """No two coordinates have a 1 in the same place of their digits in base 3."""
+    ones = [np.floor((p / half_size + 1.0) / 2.0 * 3.0**place) % 3 == 1 for place in range(1, int(levels) + 1)]
+    return np.all(np.abs(p) <= half_size, axis=-1) & np.all(np.sum(ones, axis=-1) < 2, axis=0)
+
+
 # What is inside, as ``sdf.program`` says it: of points in the primitive's own space, with its parameters.
 INSIDE = {
     Op.SPHERE: lambda p, k: np.linalg.norm(p, axis=-1) <= k[0],
@@ -203,11 +209,13 @@ INSIDE = {
     Op.HALF_SPACE: lambda p, k: p[..., 2] <= 0.0,
     Op.FRUSTUM: lambda p, k: (
         (ring(p) <= 0.5 * (k[0] + k[1]) + p[..., 2] * (k[1] - k[0]) / k[2]) & (np.abs(p[..., 2]) <= k[2] / 2)),
+    Op.SPONGE: lambda p, k: in_sponge(p, k[0], k[1]),
 }
 SETS = {Op.UNION: np.logical_or, Op.INTERSECTION: np.logical_and, Op.DIFFERENCE: np.greater,
         Op.EXCLUSIVE: np.logical_xor}
 PARAMETERS = {Op.SPHERE: (0.6,), Op.BOX: (0.7, 0.5, 0.3), Op.TORUS: (0.6, 0.2), Op.CAPSULE: (0.3, 0.7),
-              Op.CYLINDER: (0.5, 0.9), Op.CONE: (0.6, 1.0), Op.HALF_SPACE: (), Op.FRUSTUM: (0.6, 0.2, 0.8)}
+              Op.CYLINDER: (0.5, 0.9), Op.CONE: (0.6, 1.0), Op.HALF_SPACE: (), Op.FRUSTUM: (0.6, 0.2, 0.8),
+              Op.SPONGE: (0.7, 2.0)}
 
 
 def inside(program, points):

@@ -280,6 +280,11 @@ def _inside_primitive(op, parameters, p):
         return (np.abs(p[:, 2]) <= b / 2) & (across <= a * (0.5 - p[:, 2] / b))
     if op == Op.HALF_SPACE:
         return p[:, 2] <= 0.0
+    if op == Op.SPONGE:
+        inside = (np.abs(p) <= a).all(axis=1)
+        for place in range(1, int(b) + 1):
+            inside &= (np.floor((p / a + 1.0) / 2.0 * 3.0**place) % 3 == 1).sum(axis=1) < 2
+        return inside
     assert op == Op.FRUSTUM
     height = parameters[2]
     return (np.abs(p[:, 2]) <= height / 2) & (across <= a + (b - a) * (0.5 + p[:, 2] / height))

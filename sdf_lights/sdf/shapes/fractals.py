@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..formula import Formula, Vector, iterate, length, maximum, select
+from ..program import Op
 from . import support
 from .base import BOUND, LARGEST, Shape, Slots, number
 from .polyhedra import Dodecahedron, Icosahedron, Octahedron, Tetrahedron
@@ -193,6 +194,7 @@ class MengerSponge(Primitive):
     """A cube with a square hole from each face to the opposite one, each of its 20 parts with such holes, and so on."""
 
     exactness = BOUND
+    op = Op.SPONGE
 
     half_size: float = number(0.5, "Half of the size along x, y and z")
     levels: float = levels(3.0, "How often holes are cut, each time a third as wide")

@@ -1,0 +1,212 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The closed form of the Menger sponge, against all crossings with the planes between its cells and against a march."""
+
+import numpy as np
+import pytest
+
+from sdf_lights.emitter import interior, lamps
+from sdf_lights.emitter.intervals import regularize
+from sdf_lights.emitter.sponge import classify_sponge, most_spans, sponge_spans
+from sdf_lights.jit import kernel
+from sdf_lights.sdf.shapes import Box, Difference, Exclusive, Intersection, Sphere, Torus, Transformed, Union
+from sdf_lights.sdf.shapes.fractals import MengerSponge
+
+from tests.emitter import oracle
+from tests.emitter.hard_cases import around, grazing, inside
+from tests.emitter.shapes_under_test import PLACEMENTS, moved, scaled, sheared, turned
+from tests.emitter.support import Lamps
+
+LEVELS = range(6)
+
+
+def filled(p, levels):
+    """Whether cells of the last level are full; p (…, 3) are points of them, with coordinates from 0 to 1."""
+    full = np.all((p >= 0.0) & (p < 1.0), axis=-1)
+    for place in range(1, levels + 1):
+        full &= (np.floor(p * 3.0**place) % 3 == 1).sum(axis=-1) < 2
+    return full
+
+
+def by_planes(o, d, half_size, levels):
+    """Intervals (n, 2) of a ray: between crossings with planes that follow one another, a point tells."""
+    planes = np.linspace(-half_size, half_size, 3**levels + 1)
+    t = np.sort(np.concatenate([(planes - o[axis]) / d[axis] for axis in range(3) if d[axis] != 0.0]))
+    full = filled((o + 0.5 * (t[1:] + t[:-1])[:, None] * d) / (2.0 * half_size) + 0.5, levels)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], full, [0]])))
+    return t[edges].reshape(-1, 2)
+
+
+@kernel(cache=False)
+def _regular(spans, smallest):
+    return regularize(spans, len(spans), smallest)
+
+
+@kernel(cache=False)
+def _spans(o, d, half_size, levels, spans, smallest):
+    return regularize(spans, sponge_spans(o, d, half_size, levels, spans, 0), smallest)
+
+
+def spans_of(o, d, half_size, levels):
+    """Intervals of a ray by the kernel, and by the planes; slivers are removed from both."""
+    smallest = 1e-10 * half_size / np.linalg.norm(d)
+    spans = np.full((most_spans(levels) + 2, 2), np.nan)
+    found = spans[:_spans(tuple(map(float, o)), tuple(map(float, d)), half_size, levels, spans, smallest)]
+    assert np.isnan(spans[-1]).all()  # a row of scratch is allowed for
+    expected = by_planes(o, d, half_size, levels)
+    expected = expected[:_regular(expected, smallest)]
+    return found, expected
+
+
+def random_rays(rng, half_size, n):
+    """Near a cube: directions of any length, some with a coordinate that is zero or almost."""
+    for index in range(n):
+        d = rng.normal(size=3)
+        d[rng.integers(3)] *= (1.0, 0.0, -0.0, 1e-7, 1e-13, 1e-200)[index % 6]
+        if index % 5 == 0:
+            d[rng.integers(3)] = 0.0
+        if not d.any():
+            continue
+        d /= np.linalg.norm(d)
+        yield half_size * (rng.uniform(-1.05, 1.05, 3) - rng.uniform(-2.0, 2.0) * d), d * 10.0 ** rng.uniform(-6.0, 6.0)
+
+
+@pytest.mark.parametrize("levels", LEVELS)
+def test_intervals_are_those_between_planes(levels):
+    rng = np.random.default_rng(levels)
+    hits = 0
+    for half_size in (0.5, 1e-3, 77.7):
+        for o, d in random_rays(rng, half_size, 300):
+            found, expected = spans_of(o, d, half_size, levels)
+            assert found.shape == expected.shape
+            # A coordinate that hardly changes is known to 1e-16 of the size, so its crossings with planes are not known.
+            slow = np.abs(d[d != 0.0]).min() < 1e-3 * np.abs(d).max()
+            assert np.allclose(found, expected, rtol=0.0, atol=(1e-6 if slow else 1e-12) * half_size / np.linalg.norm(d))
+            hits += len(found) > 0
+    assert hits > 400
+
+
+@pytest.mark.parametrize("levels", [1, 2, 4])
+def test_rays_in_planes_and_along_edges(levels):
+    """They see what is on one side of the plane; the planes are at whole numbers and a half, which have no rounding."""
+    half_size, rng = 0.5 * 3.0**levels, np.random.default_rng(levels)
+    seen = 0
+    for index in range(600):
+        o = np.floor(rng.uniform(-half_size, half_size + 1.0, 3)) + 0.5
+        still = rng.permutation(3)[:1 + index % 2]
+        d = rng.normal(size=3) if index % 3 else rng.choice([-1.0, 1.0], 3)
+        d[still] = 0.0
+        found, _ = spans_of(o, d, half_size, levels)
+        assert np.isfinite(found).all()
+        beside = []
+        for side in range(4):
+            away = np.zeros(3)
+            away[still] = 1e-7 * np.array([side % 2 - 0.5, side // 2 - 0.5])[:len(still)]
+            beside.append(spans_of(o + away, d, half_size, levels)[1])
+        assert any(found.shape == other.shape and np.allclose(found, other, rtol=0.0, atol=1e-10) for other in beside)
+        seen += len(found)
+    assert seen > 200
+
+
+@pytest.mark.parametrize("levels", [1, 3])
+def test_rays_through_edges_and_corners_of_cells(levels):
+    """Crossings with two or three planes at once leave neither slivers nor NaN."""
+    half_size, rng = 0.5 * 3.0**levels, np.random.default_rng(9)
+    for _ in range(400):
+        corner = np.floor(rng.uniform(-half_size, half_size + 1.0, 3)) + 0.5
+        d = rng.integers(-2, 3, 3).astype(float)
+        if np.count_nonzero(d) < 2:
+            continue
+        o = corner + np.where(d == 0.0, 0.3, 0.0) - 4.0 * d
+        found, expected = spans_of(o, d, half_size, levels)
+        assert found.shape == expected.shape and np.allclose(found, expected, rtol=0.0, atol=1e-10)
+
+
+def test_number_of_intervals():
+    """The bound holds for many rays, and for those along a row of holes of the last level."""
+    for levels in LEVELS:
+        found, _ = spans_of((-3.0, 0.5 - 0.5 / 3**levels - 1.0 / 3**levels, 0.4999), (1.0, 0.0, 0.0), 0.5, levels)
+        assert levels == 0 or len(found) == 3 ** (levels - 1) + 1
+    rng = np.random.default_rng(3)
+    most = [max(len(spans_of(o, d, 0.5, levels)[0]) for o, d in random_rays(rng, 0.5, 3000)) for levels in (1, 2, 3)]
+    assert most[0] == 3 and all(3 ** (n - 1) < count <= most_spans(n) for n, count in zip((1, 2, 3), most))
+
+
+@kernel(cache=False)
+def _flags(c, h, half_size, levels):
+    return classify_sponge(c, h, half_size, levels)
+
+
+@pytest.mark.parametrize("levels", range(1, 4))
+def test_cells_and_parts_of_them_are_certain(levels):
+    """The cells of every level: full, empty, or neither; and boxes in cells of the last level."""
+    half_size, rng = 0.35, np.random.default_rng(2)
+    for level in range(1, levels + 1):
+        count = 3**level
+        cells = np.stack(np.meshgrid(*[np.arange(count)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+        cells = cells[rng.permutation(len(cells))[:500]]
+        full = filled((cells + 0.5) / count, level)
+        for cell, solid in zip(cells, full):
+            c, h = (2.0 * (cell + 0.5) / count - 1.0) * half_size, half_size / count
+            expected = (0, 1) if not solid else (1, 0) if level == levels else (0, 0)
+            assert _flags(tuple(c), (h, h, h), half_size, levels) == expected
+            if level == levels:
+                size = rng.uniform(0.0, 0.5, 3)
+                part = c + 2.0 * h * rng.uniform(-0.5, 0.5, 3) * (1.0 - 2.0 * size)
+                assert _flags(tuple(part), tuple(h * size), half_size, levels) == expected
+
+
+CUBE = MengerSponge(0.5, 3.0)
+LAMPS = {
+    "solid": MengerSponge(0.4, 0.0), "one level": MengerSponge(0.4, 1.0), "two levels": MengerSponge(0.7, 2.0),
+    "three levels": CUBE, "four levels": MengerSponge(0.6, 4.0),
+    "stretched": Transformed(CUBE, scaled(2.0, 1.0, 0.4)),
+    "sheared": Transformed(MengerSponge(0.5, 2.0), turned(0.6, 0) @ sheared(0.8) @ turned(0.4, 1)),
+    "without a ball": Difference(CUBE, Transformed(Sphere(0.4), moved(0.4, 0.3, 0.5))),
+    "out of a torus": Difference(Torus(0.6, 0.25), Transformed(MengerSponge(0.7, 2.0), turned(0.3, 0))),
+    "two": Exclusive(MengerSponge(0.5, 2.0), Transformed(MengerSponge(0.5, 2.0), moved(0.2) @ turned(0.5, 1))),
+    "common": Intersection(MengerSponge(0.5, 3.0), MengerSponge(0.45, 2.0)),
+    "beside a block": Union(CUBE, Transformed(Box((0.2, 0.5, 0.5)), moved(0.7))),
+}
+
+
+@pytest.mark.parametrize("rays", [around, grazing, inside])
+@pytest.mark.parametrize("name", LAMPS)
+def test_lamps_have_the_intervals_of_the_field(name, rays):
+    shape = LAMPS[name]
+    lamp = Lamps(lamps.build_lamp(name, shape, np.eye(4)))
+    assert lamp.row["kind"] == lamps.CLOSED and lamp.row["direct"]
+    origins, directions = rays(shape, np.random.default_rng(4), 200)
+    spans = [lamp.trace(o, d) for o, d in zip(origins, directions)]
+    verdict = oracle.judge(shape, origins, directions, np.array([len(rows) for rows in spans]),
+                           np.array([2.0 * rows[:, 1].sum() for rows in spans]), oracle.find(shape, origins, directions))
+    assert verdict.wrong == 0.0 and verdict.below < 0.01
+    assert verdict.length_error < 1e-6
+
+
+@pytest.mark.parametrize("placement", PLACEMENTS)
+def test_points_are_drawn_without_rejection(placement):
+    """All boxes of the tree of a sponge are full or empty, as it is divided along the planes between cells."""
+    for levels in range(1, 4):
+        shape = MengerSponge(0.45, levels)
+        tree = interior.tree(shape)
+        assert not len(tree.boundary)
+        assert tree.nodes["mass"][0] == pytest.approx(shape.volume(), rel=1e-12)
+    lamp = Lamps(lamps.build_lamp("sponge", shape, PLACEMENTS[placement]))
+    points = lamp.points(np.random.default_rng(1).random((3000, 3))) - PLACEMENTS[placement][:3, 3]
+    local = points @ np.linalg.inv(PLACEMENTS[placement][:3, :3]).T
+    assert shape.distance(local).max() < 1e-9
+
+
+@pytest.mark.parametrize("levels", [9, 12])
+def test_the_deepest_sponges(levels):
+    """As many levels as a sponge may have: lamps are built, and rays do not run out of rows."""
+    shape = MengerSponge(0.5, levels)
+    lamp = Lamps(lamps.build_lamp("sponge", shape, np.eye(4)))
+    rng = np.random.default_rng(6)
+    for origins, directions in (around(shape, rng, 20), inside(shape, rng, 5)):
+        for o, d in zip(origins, directions):
+            spans = lamp.trace(o, d)
+            assert np.all(spans[:, 1] > 0.0) and np.all(spans[1:, 0] - spans[1:, 1] > spans[:-1, 0] + spans[:-1, 1])
+            for c, h in spans[:: max(len(spans) // 10, 1)]:
+                assert shape.distance(np.array([o + c * d]))[0] <= 1e-12
