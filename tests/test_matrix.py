@@ -5,50 +5,45 @@
 import os
 import pathlib
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 NO_PYTHON = 3  # exit code of scripts/environment.sh
+BLENDERS = ("4.5", "5.0", "5.2")
+SUITE = ("-m", "not gui and not matrix", "-q", "--durations=10", "tests/blender", "tests/render/shading/test_cycles.py")
+
+
+def _run(environment: dict, *command) -> subprocess.CompletedProcess:
+    return subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True, timeout=1800)
+
+
+def _suite(blender: str) -> tuple[subprocess.CompletedProcess, subprocess.CompletedProcess | None]:
+    """How the environment of a Blender was made, and if it was, how the tests went in it."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHON"}
+    made = _run(environment, REPOSITORY / "scripts" / "environment.sh", "--blender", blender)
+    if made.returncode:
+        return made, None
+    return made, _run(environment, made.stdout.strip(), "-m", "pytest", "-c", "tests/pytest.ini", "--rootdir", ".", *SUITE)
+
+
+@pytest.fixture(scope="module")
+def suites(request):
+    """Blenders whose suites run, two side by side; the one with a Python of its own first, for which all is compiled."""
+    wanted = {item.callspec.params["blender"] for item in request.session.items if item.module is request.module}
+    with ThreadPoolExecutor(2) as pool:
+        yield {blender: pool.submit(_suite, blender) for blender in reversed(BLENDERS) if blender in wanted}
 
 
 @pytest.mark.matrix
-@pytest.mark.parametrize("blender", ["4.5", "5.0", "5.2"])
-def test_blender_suite_and_zip(blender, capfd):
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHON"}
-    made = subprocess.run(
-        [REPOSITORY / "scripts" / "environment.sh", "--blender", blender],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=environment,
-        timeout=1800,
-    )
+@pytest.mark.parametrize("blender", BLENDERS)
+def test_blender_suite_and_zip(suites, blender, capfd):
+    made, done = suites[blender].result()
     if made.returncode == NO_PYTHON:
         pytest.skip(made.stderr.strip())
     assert made.returncode == 0, made.stderr
-    done = subprocess.run(
-        [
-            made.stdout.strip(),
-            "-m",
-            "pytest",
-            "-c",
-            "tests/pytest.ini",
-            "--rootdir",
-            ".",
-            "-m",
-            "not gui and not matrix",
-            "-q",
-            "tests/blender",
-            "tests/render/shading/test_cycles.py",
-        ],
-        cwd=REPOSITORY,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=1800,
-    )
+    output = done.stdout + done.stderr
     with capfd.disabled():
         print(f"\nBlender {blender}: {done.stdout.strip().splitlines()[-1]}")
-    assert done.returncode == 0, done.stdout[-20000:]
+    assert done.returncode == 0, output[-20000:]

@@ -28,21 +28,21 @@ class Lamps:
 
     def sample(self, x, u):
         """(n, 3) directions from x for (n, 3) numbers."""
-        return _sample(self.blocks, tuple(map(float, x)), u)
+        return _sample(self.blocks, tuple(map(float, x)), np.array(u, float, order="C"))
 
     def points(self, u):
         """(n, 3) interior points in the world."""
-        return _points(self.blocks, u) + self.row["center"]
+        return _points(self.blocks, np.array(u, float, order="C")) + self.row["center"]
 
     def pdf(self, x, directions):
-        return _measure(self.blocks, _rows(x, directions), directions, self.spans)[:, 0]
+        return _measure(self.blocks, *_rows(x, directions), self.spans)[:, 0]
 
     def chord(self, x, directions):
         """Length inside the lamp along each ray."""
-        return _measure(self.blocks, _rows(x, directions), directions, self.spans)[:, 1]
+        return _measure(self.blocks, *_rows(x, directions), self.spans)[:, 1]
 
     def count(self, x, directions):
-        return _measure(self.blocks, _rows(x, directions), directions, self.spans)[:, 2].astype(int)
+        return _measure(self.blocks, *_rows(x, directions), self.spans)[:, 2].astype(int)
 
     def trace(self, o, d):
         """(count, 2) rows (c, h) of one ray."""
@@ -50,7 +50,9 @@ class Lamps:
 
 
 def _rows(x, directions):
-    return np.ascontiguousarray(np.broadcast_to(np.asarray(x, float), directions.shape))
+    # Copies: kernels are compiled once more for arrays that are read-only.
+    origins = np.broadcast_to(np.asarray(x, float), directions.shape)
+    return np.array(origins, float, order="C"), np.array(directions, float, order="C")
 
 
 @kernel

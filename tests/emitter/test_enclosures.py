@@ -37,7 +37,8 @@ def _enclosed(instructions, parameters, result, boxes, registers):
 def enclosed(formula, parameters, low, high):
     """Bounds (n, 8): low and high of the value and of each component of the gradient."""
     written = tape(formula)
-    return _enclosed(written.instructions, np.ascontiguousarray(parameters, float), written.result,
+    # A copy: the kernel is compiled once more for an array that is read-only, as those of shapes are.
+    return _enclosed(written.instructions, np.array(parameters, float), written.result,
                      np.concatenate([low, high], axis=1), np.empty((written.registers, SIZE, BOXES)))
 
 
@@ -197,7 +198,7 @@ def test_work_is_bounded(monkeypatch):
     tree = interior.tree(shape)
     nodes = tree.nodes.copy()
     monkeypatch.setattr(slopes, "WORK", 20_000)
-    slopes.fill_gradients(tree.field, nodes, nodes["state"] == interior.BOUNDARY, tree.boxes, tree.lists)
+    slopes.fill_gradients(tree.field, nodes, nodes["state"] == interior.BOUNDARY, tree.boxes.copy(), tree.lists.copy())
     found, full = nodes["gradient"][tree.boundary], tree.nodes["gradient"][tree.boundary]
     assert np.isinf(found).all(axis=(1, 2)).any() and np.isfinite(found).all(axis=(1, 2)).any()
     assert np.all((found[:, 0] <= full[:, 0]) | (found[:, 1] >= full[:, 1]))

@@ -114,10 +114,13 @@ SHAPES_TO_TRY = PRIMITIVES | VARIATIONS | COMPOSITES | OPERATED | SWEPT
 """Every shape, operator and profile there is, each at least once."""
 
 
+@functools.cache
 def window(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
     """Corners (low, high) of the shape's box, or of the part near the origin of one that has no end."""
     low, high = shape.bounds()
-    return np.where(np.isfinite(low), low, -1.5), np.where(np.isfinite(high), high, 1.5)
+    low, high = np.where(np.isfinite(low), low, -1.5), np.where(np.isfinite(high), high, 1.5)
+    low.flags.writeable = high.flags.writeable = False
+    return low, high
 
 
 def crossings(shape: Shape, a: np.ndarray, b: np.ndarray) -> np.ndarray:

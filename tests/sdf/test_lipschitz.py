@@ -121,6 +121,20 @@ def test_global_bounds_of_shapes():
     assert lipschitz.global_lipschitz(f.length(x, y, z), np.full(3, -np.inf), np.full(3, np.inf)) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", samples.SHAPES_TO_TRY)
+def test_no_slope_is_steeper_than_the_global_bound(name):
+    shape = samples.SHAPES_TO_TRY[name]
+    low, high = samples.window(shape)
+    bound = lipschitz.global_lipschitz(shape.formula(), low, high, shape.parameters())
+    rng = np.random.default_rng(5)
+    a = low + (high - low) * rng.random((20_000, 3))
+    b = np.clip(a + rng.normal(size=a.shape) * (high - low) * 10.0 ** rng.uniform(-7, 0, (len(a), 1)), low, high)
+    values = shape.distance(np.stack([a, b]))
+    rounding = 1e-14 * (1.0 + np.abs(values).max(axis=0))
+    assert (np.abs(values[0] - values[1]) <= bound * np.linalg.norm(a - b, axis=1) + rounding).all()
+
+
 def test_slopes_of_boxes_without_values():
     """Where a formula has no value nothing is known of its slope, and nothing is claimed."""
     assert _bound(f.sqrt(x), -2.0, -1.0) == np.inf
