@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render engine: F12, background and animation renders, and previews of materials.
+"""The render engine: F12, background and animation renders, previews of materials, and Rendered viewports.
 
-An instance lives for one render and keeps nothing. ``render()`` copies the scene out of Blender, and from then on
+An instance lives for one render and keeps nothing, or for as long as a viewport is in Rendered shading: see
+``viewport/rendered.py``. ``render()`` copies the scene out of Blender, and from then on
 touches Blender only to show progress, to ask whether to stop, and to hand over pixels.
 """
 
@@ -14,6 +15,7 @@ from ..render.errors import RenderError
 from .guard import guarded
 from .naming import ENGINE, LABEL
 from .passes import enabled_passes, register_passes
+from .viewport.engine import ViewportEngine
 
 # A preview is as large as a thumbnail and drawn while the user waits.
 PREVIEW = dict(samples=64, noise_threshold=0.05, min_samples=8, time_limit=2.0, max_bounces=6, denoise=False)
@@ -21,7 +23,7 @@ PREVIEW = dict(samples=64, noise_threshold=0.05, min_samples=8, time_limit=2.0, 
 MEGABYTE = 1 << 20
 
 
-class SDFLightsRenderEngine(bpy.types.RenderEngine):
+class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
     bl_idname = ENGINE
     bl_label = LABEL
     bl_use_preview = True

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import bpy
@@ -25,15 +26,23 @@ _UNSUPPORTED = {
 _THICKNESS = 1e-6
 
 
-def sync_objects(depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials, warn: Warnings) -> None:
-    """Append every mesh, instance, lamp and light of the dependency graph to ``scene``.
+ALL = frozenset({"MESH", "LIGHT", *_UNSUPPORTED})
+LIGHTS = frozenset({"LIGHT"})
+
+
+def sync_objects(
+    depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials | None, warn: Warnings,
+    kinds: frozenset[str] = ALL, shows: Callable[[bpy.types.DepsgraphObjectInstance], bool] = lambda item: True,
+) -> None:
+    """Append every mesh, instance, lamp and light of the dependency graph to ``scene``: those of the ``kinds`` that it
+    ``shows``. Lights need no ``materials``.
 
     An object that cannot be used is left out with a warning that names it; the rest is rendered.
     """
     reader = _Reader(depsgraph, scene, materials, warn)
     for item in depsgraph.object_instances:
         # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
-        if item.show_self:
+        if item.show_self and item.object.type in kinds and shows(item):
             reader.read(item)
 
 
@@ -47,7 +56,7 @@ class _Flags(NamedTuple):
 class _Reader:
     """Reads instances; what many instances have in common is asked of Blender once."""
 
-    def __init__(self, depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials, warn: Warnings):
+    def __init__(self, depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials | None, warn: Warnings):
         self._depsgraph = depsgraph
         self._view_layer = depsgraph.view_layer  # the original, which knows original objects
         self._scene, self._materials, self._warn = scene, materials, warn
@@ -61,7 +70,6 @@ class _Reader:
         if kind in _UNSUPPORTED:
             self._warn(f"Object '{obj.original.name}' is {_UNSUPPORTED[kind]}, which is not supported: it is left out; "
                        "convert it to a mesh.")
-        if kind not in {"MESH", "LIGHT"}:
             return
         matrix = matrix_of(item.matrix_world)
         if not is_finite(matrix):

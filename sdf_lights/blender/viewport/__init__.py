@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import atexit
+import sys
 import traceback
 
 import bpy
@@ -66,13 +67,28 @@ def _changed(*_):
 
 @persistent
 def _forget(*_):
+    _stop()
     if _overlay is not None:
         _overlay.forget()
 
 
+@persistent
+def _stop(*_):
+    """Before Blender replaces its data, no thread is left that may still be copying from it."""
+    rendered = sys.modules.get(f"{__name__}.rendered")
+    if rendered is not None:
+        rendered.stop_all()
+
+
+def render_warnings() -> list[str]:
+    """Sentences on what renders in viewports had to leave out or replace."""
+    rendered = sys.modules.get(f"{__name__}.rendered")
+    return rendered.warnings() if rendered is not None else []
+
+
 _HANDLERS = [
     *((name, _changed) for name in ("depsgraph_update_post", "frame_change_post", "undo_post", "redo_post", "load_post")),
-    ("load_pre", _forget)]
+    ("undo_pre", _stop), ("redo_pre", _stop), ("load_pre", _forget), ("exit_pre", _forget)]
 
 
 def register():
@@ -81,7 +97,8 @@ def register():
     for function, event in ((_before_scene, "PRE_VIEW"), (_after_scene, "POST_VIEW"), (_labels, "POST_PIXEL")):
         _handles.append(draw(_guarded(function), (), "WINDOW", event))
     for name, function in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(function)
+        if hasattr(bpy.app.handlers, name):
+            getattr(bpy.app.handlers, name).append(function)
     atexit.register(_forget)
 
 
@@ -91,7 +108,8 @@ def unregister():
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
     _handles.clear()
     for name, function in _HANDLERS:
-        getattr(bpy.app.handlers, name).remove(function)
+        if hasattr(bpy.app.handlers, name):
+            getattr(bpy.app.handlers, name).remove(function)
     atexit.unregister(_forget)
     _forget()
     _overlay, _failure = None, ""

@@ -48,7 +48,8 @@ def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
         try:
             if not is_finite(matrix):
                 raise RenderError(f"Lamp '{obj.name}' has a transform that is not made of finite numbers: clear it.")
-            lamp = light_of(obj, matrix, Ray.ALL, lambda warning: None)
+            own = matrix_of(obj.original.evaluated_get(depsgraph).matrix_world)
+            lamp = light_of(obj, matrix, Ray.ALL, lambda warning: None, own)
         except RenderError as error:
             found.errors[light] = str(error)
             continue

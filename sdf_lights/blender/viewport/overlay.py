@@ -23,6 +23,7 @@ from mathutils import Matrix, Vector
 from ..naming import ENGINE
 from ...render.scene import Lamp, Ray
 from . import rendered, shaders
+from .drawing import draw_rectangle
 from .facts import Facts, FactFinder
 from .lamps import Collected, Placed, collect
 from .painter import EDGES, Depth, Drawn, Painter, View, radiance_per_metre
@@ -201,13 +202,15 @@ class Overlay:
             target.viewport_set(0, 0, *size)
             target.clear(color=(0.0, 0.0, 0.0, 0.0))
             self.painter.draw(drawn, View(view.view, _stretched(view.projection, view.size, size, scale), size), depth)
+        # The textures may reach beyond the screen on the right and at the top.
+        place = 0.0, 0.0, size[0] * scale / view.size[0], size[1] * scale / view.size[1]
         with scene_buffer.bind():
-            _draw_on_screen(shaders.composite_shader(), "ADDITIVE_PREMULT", {"glow": glow}, size, view.size, scale)
+            draw_rectangle(shaders.composite_shader(), place, "ADDITIVE_PREMULT", {"glow": glow})
         if context.space_data.overlay.show_overlays and any(any(item.mask) for item in drawn):
             theme = context.preferences.themes[0].view_3d
             width = OUTLINE_WIDTH * context.preferences.system.ui_scale / (np.array(size) * scale)
-            _draw_on_screen(
-                shaders.outline_shader(), "ALPHA", {"mask": mask}, size, view.size, scale, width=tuple(width),
+            draw_rectangle(
+                shaders.outline_shader(), place, "ALPHA", {"mask": mask}, width=tuple(width),
                 selected_color=(*theme.object_selected, 1.0), active_color=(*theme.object_active, 1.0))
 
 
@@ -280,23 +283,6 @@ def _shape_brightness(lamp: Lamp, facts: Facts) -> float:
     extent = np.linalg.norm(lamp.matrix[:3, :3], axis=0) * (facts.high - facts.low)
     greatest = radiance_per_metre(lamp, facts).max() * extent.mean()
     return SHAPE_RADIANCE / greatest if greatest > 0.0 else 0.0
-
-
-def _draw_on_screen(shader, blend: str, textures: dict, size, full, scale: int, **values) -> None:
-    # The textures may reach beyond the screen on the right and at the top.
-    x, y = (2.0 * pixels * scale / whole - 1.0 for pixels, whole in zip(size, full))
-    batch = batch_for_shader(
-        shader, "TRIS", {"position": [(-1.0, -1.0), (x, -1.0), (-1.0, y), (x, y)],
-                         "texcoord": [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]}, indices=[(0, 1, 2), (1, 3, 2)])
-    gpu.state.blend_set(blend)
-    gpu.state.depth_test_set("NONE")
-    shader.bind()
-    for name, texture in textures.items():
-        shader.uniform_sampler(name, texture)
-    for name, value in values.items():
-        shader.uniform_float(name, value)
-    batch.draw(shader)
-    gpu.state.blend_set("NONE")
 
 
 def _draw_boxes(boxes, view: View) -> None:

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``Scene.sdf_lights_overlay``: how lamps are shown in the viewport, and the panel for it among Blender's overlays."""
+"""``Scene.sdf_lights_overlay``: how lamps are shown in the viewport, with a panel among Blender's overlays; and the pause of
+the Rendered viewport, with a button in its header."""
 
 import bpy
 
@@ -29,6 +30,8 @@ class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
     coarse_motion: bpy.props.BoolProperty(
         name="Coarser in Motion", description="Draw lamps with a quarter of the pixels while the view or a lamp moves",
         default=True, update=redraw)
+    pause: bpy.props.BoolProperty(
+        name="Pause", description="Stop the render in the viewport for a while", default=False, update=redraw)
 
 
 class SDFLIGHTS_PT_overlay(bpy.types.Panel):

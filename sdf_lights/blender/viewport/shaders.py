@@ -89,6 +89,14 @@ def composite_shader() -> gpu.types.GPUShader:
 
 
 @functools.cache
+def picture_shader() -> gpu.types.GPUShader:
+    """Shader that draws the texture ``picture``."""
+    info = _on_screen("viewport_picture.glsl")
+    info.sampler(0, "FLOAT_2D", "picture")
+    return _created(info)
+
+
+@functools.cache
 def outline_shader() -> gpu.types.GPUShader:
     """Shader that draws lines ``width`` wide, in parts of the screen, around what is marked in ``mask``."""
     info = _on_screen("proxy_outline.glsl")

@@ -33,6 +33,36 @@ class PackedScene:
     """
 
     def __init__(self, scene: Scene, film: Film):
+        self._images = scene.images  # whose pixels the tables point at
+        materials = shading.pack_materials(scene)
+        self._flags = materials["materials"]["flags"]
+        self._accelerator = rays.Accelerator(scene, self._flags & HAS_TRANSPARENCY != 0)
+        layers = shading.uv_layers(scene)
+        self._emissive = emissive_triangles(scene, materials["materials"])
+        self.control = np.zeros(1, np.int64)
+        self._tables: dict[str, np.ndarray] = {}
+        self.block = np.zeros(1, BLOCK)
+        self._fill({**materials, **geometry.pack_geometry(scene, self._accelerator.baked, layers),
+                    "control": self.control}, {"uv_layer_count": len(layers)})
+        self._accelerator.fill(self.block)
+        self.relight(scene)
+        self.aim(scene, film)
+        # A name that no module declares, or one without its table, is a mistake of this file.
+        assert self._tables.keys() == TABLES.keys(), self._tables.keys() ^ TABLES.keys()
+
+    def _fill(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
+        tables = {name: np.ascontiguousarray(array).view(TABLES[name]) for name, array in tables.items()}
+        for name, array in tables.items():
+            fill_table(self.block, name, array)
+        self._tables |= tables
+        for name, value in scalars.items():
+            self.block[name] = value
+
+    def relight(self, scene: Scene) -> None:
+        """Take the lamps and lights of ``scene``, whose meshes, materials and world are the same as before.
+
+        Workspaces made before do not fit any more.
+        """
         built, sources = [], []
         for lamp in scene.lamps:
             try:
@@ -43,37 +73,22 @@ class PackedScene:
             except lamps.LampError as error:
                 scene.warnings.append(str(error))
         scene.warnings += lamps.doubts(built)
-        materials = shading.pack_materials(scene)
-        flags = materials["materials"]["flags"]
-        self._accelerator = rays.Accelerator(scene, flags & HAS_TRANSPARENCY != 0)
-        layers = shading.uv_layers(scene)
         lamp_tables = lamps.pack_lamps(built)
         rows = lamp_tables["lamps"]
         light_tables = lights.pack_lights(
             scene, np.stack([rows["center"] - rows["half"], rows["center"] + rows["half"]], axis=1),
-            4.0 * np.pi * rows["volume"][:, None] * rows["emission"], emissive_triangles(scene, materials["materials"]))
+            4.0 * np.pi * rows["volume"][:, None] * rows["emission"], self._emissive)
         light_tables["light_emitters"]["visibility"][:len(built)] = rows["visibility"]
         self.light_hits = lights.hit_capacity(light_tables)
-        self.control = np.zeros(1, np.int64)
-        tables = {
-            **lamp_tables, **cuts.pack_cuts(built, sources), **materials, **light_tables,
-            **camera.pack_camera(scene), **accumulate.pack_film(film),
-            **geometry.pack_geometry(scene, self._accelerator.baked, layers), "control": self.control}
-        # A name that no module declares, or one without its table, is a mistake of this file.
-        assert tables.keys() == TABLES.keys(), tables.keys() ^ TABLES.keys()
-        self._images = scene.images  # whose pixels the tables point at
         self.lamps = built  # whose compiled fields the tables point at
-        self._tables = {name: np.ascontiguousarray(array).view(TABLES[name]) for name, array in tables.items()}
-        self.block = np.zeros(1, BLOCK)
-        for name, array in self._tables.items():
-            fill_table(self.block, name, array)
-        self._accelerator.fill(self.block)
-        scalars = {
-            **lamps.pack_scalars(built), **camera.camera_scalars(scene), **accumulate.film_scalars(film),
-            **integrator_scalars(scene, flags, self._tables), "uv_layer_count": len(layers)}
-        for name, value in scalars.items():
-            self.block[name] = value
+        self._fill({**lamp_tables, **cuts.pack_cuts(built, sources), **light_tables}, lamps.pack_scalars(built))
         self.span_rows = int(self.block["lamp_rows"][0])
+
+    def aim(self, scene: Scene, film: Film) -> None:
+        """Take the camera and the settings of ``scene``, and another film; all else is the same as before."""
+        self._fill({**camera.pack_camera(scene), **accumulate.pack_film(film)},
+                   {**camera.camera_scalars(scene), **accumulate.film_scalars(film)})
+        self._fill({}, integrator_scalars(scene, self._flags, self._tables))
 
     def release(self) -> None:
         """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""

@@ -29,9 +29,7 @@ class CpuRenderer:
         self._warnings = scene.warnings
         self._packed: PackedScene | None = None
         self._workspaces: list[Workspace] = []
-        x0, y0, x1, y1 = film.window
-        self._tiles = [
-            (x, y, min(x + TILE, x1), min(y + TILE, y1)) for y in range(y0, y1, TILE) for x in range(x0, x1, TILE)]
+        self._tiles = _tiles(film)
         self.ready = self._prepare(scene, cancelled, say)
 
     def _prepare(self, scene: Scene, cancelled, say) -> bool:
@@ -42,7 +40,7 @@ class CpuRenderer:
         def load() -> None:
             try:
                 packed = PackedScene(scene, self._film)
-                self._workspaces = [Workspace(packed) for _ in range(scene.settings.threads or os.cpu_count() or 1)]
+                self._workspaces = _workspaces(packed, scene)
                 self._packed = packed
                 self._render((0, 0, 0, 0), 0, 0, self._workspaces[0])
             except Exception as error:
@@ -60,6 +58,23 @@ class CpuRenderer:
             thread.join(2 * POLL_SECONDS)
         _raise_first(failures)
         return True
+
+    def relight(self, scene: Scene) -> None:
+        """Take the lamps and lights of ``scene``, which is otherwise the same as before."""
+        self._packed.relight(scene)
+        self._warnings = scene.warnings
+        self._workspaces = _workspaces(self._packed, scene)
+
+    def aim(self, scene: Scene, film: Film) -> None:
+        """Take the camera and the settings of ``scene``, and another film."""
+        self._film, self._tiles = film, _tiles(film)
+        self._packed.aim(scene, film)
+
+    def interrupt(self) -> None:
+        """Stop sampling within milliseconds, if ``stop`` then says so too. May be called by another thread."""
+        packed = self._packed
+        if packed is not None:
+            packed.control[0] = 1
 
     def _render(self, tile, first: int, count: int, workspace: Workspace) -> None:
         render_tile(self._packed.block, workspace.block, *tile, first, count)
@@ -112,6 +127,15 @@ class CpuRenderer:
             lengths = sum(workspace.lamp_lengths() for workspace in self._workspaces)
             self._warnings += lamps.unresolved(self._packed.lamps, lengths)
             self._packed.release()
+
+
+def _tiles(film: Film) -> list[tuple[int, int, int, int]]:
+    x0, y0, x1, y1 = film.window
+    return [(x, y, min(x + TILE, x1), min(y + TILE, y1)) for y in range(y0, y1, TILE) for x in range(x0, x1, TILE)]
+
+
+def _workspaces(packed: PackedScene, scene: Scene) -> list[Workspace]:
+    return [Workspace(packed) for _ in range(scene.settings.threads or os.cpu_count() or 1)]
 
 
 def _raise_first(failures: list[Exception]) -> None:

@@ -17,7 +17,7 @@ WAVE = 8192
 
 
 class ReferenceRenderer:
-    """Renders ``scene`` into ``film``; the same four methods as ``cpu.renderer.CpuRenderer``.
+    """Renders ``scene`` into ``film``; the same methods as ``cpu.renderer.CpuRenderer``.
 
     ``use_embree`` as in ``Geometry``: None takes Embree for all but small scenes.
     """
@@ -26,7 +26,21 @@ class ReferenceRenderer:
                  say: Callable[[str], None] = lambda text: None, use_embree: bool | None = None):
         say("Building the scene")
         self._film, self._seed = film, scene.settings.seed
+        self._use_embree = use_embree
         self._integrator = Integrator(scene, use_embree)
+        self.ready = True
+
+    def relight(self, scene: Scene) -> None:
+        """Take the lamps and lights of ``scene``, which is otherwise the same as before."""
+        self._integrator = Integrator(scene, self._use_embree)
+
+    def aim(self, scene: Scene, film: Film) -> None:
+        """Take the camera and the settings of ``scene``, and another film."""
+        self._film, self._seed = film, scene.settings.seed
+        self._integrator = Integrator(scene, self._use_embree)
+
+    def interrupt(self) -> None:
+        """Nothing to do: ``stop`` is asked often enough."""
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
         """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if stopped before the end.

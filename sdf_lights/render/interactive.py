@@ -1,0 +1,317 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A render that goes on in a thread and starts anew whenever the scene changes: what a viewport needs.
+
+The first picture after a change is coarse, and small enough to be there within a fraction of a second; finer ones
+follow, then samples at full resolution. What a change leaves as it was is not built again: a move of the camera keeps
+the scene, an edit of a lamp the meshes.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import math
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from .denoise import denoise_film
+from .errors import RenderError
+from .film import Film
+from .scene import Camera, Projection, Scene
+from .session import LARGEST_BATCH, choose_back_end
+
+# Seconds: how long the first coarse picture may take, how often a new one is published after that, and how long a batch
+# of samples may take, which a pause does not interrupt.
+FIRST_PICTURE, PUBLISH_INTERVAL, BATCH = 0.05, 0.15, 0.3
+# Pixels along one pixel of a coarse picture: most of all; where the speed is not known; from one to the next.
+COARSEST, UNKNOWN, REFINEMENT = 16, 8, 4
+# Samples at which a picture is denoised for the first time; then at four times as many, and so on, and in the end.
+FIRST_DENOISING = 4
+
+
+class Change(enum.IntEnum):
+    """What is different from the scene before. Each includes those before it."""
+
+    VIEW = 0  # camera, size, border, settings
+    LIGHTS = 1  # lamps and lights
+    ALL = 2
+
+
+@dataclasses.dataclass(frozen=True)
+class Picture:
+    """``pixels`` (height, width, RGBA) float32, scene-linear, premultiplied, row 0 at the bottom, of the frame's part
+    ``window`` (x0, y0, x1, y1), in pixels of a frame of ``size``; each pixel covers ``divider`` of those in both
+    directions. ``camera``: what was rendered. ``number`` grows from picture to picture."""
+
+    pixels: np.ndarray
+    window: tuple[int, int, int, int]
+    size: tuple[int, int]
+    camera: Camera
+    number: int
+    divider: int
+    samples: int
+
+
+class InteractiveRender:
+    """All methods but the thread's own return at once, and may be called by one thread only."""
+
+    def __init__(self):
+        self._condition = threading.Condition()
+        self._thread: threading.Thread | None = None
+        self._pending: tuple[Scene, Change] | None = None
+        self._stopping = self._paused = False
+        self._renderer = None
+        self._picture: Picture | None = None
+        self._pace = 0.0  # seconds a sample of a pixel takes; 0: not known yet
+        self._next_denoising = FIRST_DENOISING
+        self.status = ""
+        self.error = ""
+        self.warnings: list[str] = []
+        self.finished = False
+
+    # -- for the owner ------------------------------------------------------------------------------------------------
+
+    def update(self, scene: Scene, change: Change) -> None:
+        """Render ``scene`` from now on. It must not be changed afterwards."""
+        with self._condition:
+            if self._pending is not None:
+                change = max(change, self._pending[1])
+            self._pending = scene, change
+            self.finished, self.error = False, ""
+            if self._thread is None:
+                self._stopping = False
+                self._thread = threading.Thread(target=self._work, name="SDF Lights: viewport", daemon=True)
+                self._thread.start()
+            self._condition.notify_all()
+        self._interrupt()
+
+    @property
+    def picture(self) -> Picture | None:
+        """The latest picture."""
+        return self._picture
+
+    @property
+    def paused(self) -> bool:
+        return self._paused
+
+    @paused.setter
+    def paused(self, value: bool) -> None:
+        with self._condition:
+            self._paused = value
+            self._condition.notify_all()
+
+    @property
+    def active(self) -> bool:
+        """Whether there may be a new picture before the scene changes."""
+        return self._thread is not None and not self.finished and not self._paused
+
+    def stop(self) -> None:
+        """End the thread, and wait for it. What it has built is freed; ``update`` with ``Change.ALL`` starts again."""
+        thread = self._thread
+        if thread is None:
+            return
+        with self._condition:
+            self._stopping = True
+            self._pending = None
+            self._condition.notify_all()
+        self._interrupt()
+        thread.join()
+        self._thread = None
+
+    # -- in the thread ------------------------------------------------------------------------------------------------
+
+    def _interrupt(self) -> None:
+        renderer = self._renderer
+        if renderer is not None:
+            renderer.interrupt()
+
+    def _say(self, text: str) -> None:
+        self.status = text
+
+    def _outdated(self) -> bool:
+        return self._stopping or self._pending is not None
+
+    def _work(self) -> None:
+        while True:
+            with self._condition:
+                while self._pending is None and not self._stopping:
+                    self._condition.wait()
+                if self._stopping:
+                    break
+                (scene, change), self._pending = self._pending, None
+            try:
+                self._render(scene, change)
+            except RenderError as error:
+                self._fail(str(error))
+            except MemoryError:
+                self._fail("The viewport ran out of memory: use fewer or smaller textures and meshes.")
+            except Exception as error:
+                self._fail(f"Rendering in the viewport failed ({type(error).__name__}: {error}).")
+        self._drop()
+
+    def _fail(self, sentence: str) -> None:
+        self._drop()
+        with self._condition:
+            if self._pending is None:
+                self.error = self.status = sentence
+                self.finished = True
+            else:
+                self._pending = self._pending[0], Change.ALL
+
+    def _drop(self) -> None:
+        renderer, self._renderer = self._renderer, None
+        if renderer is not None:
+            renderer.finish()
+
+    def _render(self, scene: Scene, change: Change) -> None:
+        self._next_denoising = FIRST_DENOISING
+        divider = self._first_divider(scene)
+        part, film = _at_resolution(scene, divider)
+        if not self._prepare(part, film, change):
+            return
+        self.warnings = scene.warnings
+        self.status = f"Sample 0/{scene.settings.samples}"
+        while divider > 1:
+            if not self._sample(film, 0, 1):
+                return
+            self._publish(scene, film, divider)
+            divider //= REFINEMENT
+            part, film = _at_resolution(scene, divider)
+            self._renderer.aim(part, film)
+        self._refine(scene, film)
+
+    def _prepare(self, scene: Scene, film: Film, change: Change) -> bool:
+        """Bring the back end up to date with a scene. False if there is another one meanwhile."""
+        if self._renderer is None or change is Change.ALL:
+            self._drop()
+            renderer = choose_back_end(scene)(scene, film, self._outdated, self._say)
+            if not renderer.ready:
+                with self._condition:
+                    if self._pending is not None:  # it may say that less has changed, since the scene that is not built
+                        self._pending = self._pending[0], Change.ALL
+                return False
+            self._renderer = renderer
+        else:
+            if change is Change.LIGHTS:
+                self._renderer.relight(scene)
+            self._renderer.aim(scene, film)
+        return True
+
+    def _refine(self, scene: Scene, film: Film) -> None:
+        """All samples at full resolution."""
+        settings = scene.settings
+        deadline = time.perf_counter() + settings.time_limit if settings.time_limit > 0.0 else math.inf
+        coarse = self._picture
+        first, going_on = 0, True
+        while going_on and self._wait_while_paused():
+            self.status = f"Sample {first}/{settings.samples}"
+            count = min(self._batch(film), settings.samples - first)
+            if not self._sample(film, first, count, lambda: self._publish(scene, film, 1, coarse if not first else None)):
+                return
+            first += count
+            going_on = first < settings.samples and time.perf_counter() < deadline
+            if settings.noise_threshold > 0.0 and first >= settings.min_samples:
+                going_on = film.update_active(settings.noise_threshold) and going_on
+            if settings.denoise and (not going_on or first >= self._next_denoising):
+                self._denoise(film, first)
+            self._publish(scene, film)
+        if not going_on:
+            self.status = f"Sample {first}/{settings.samples}"
+            with self._condition:
+                self.finished = self._pending is None
+
+    def _sample(self, film: Film, first: int, count: int, show: Callable[[], None] = lambda: None) -> bool:
+        """Add samples, and show the picture from time to time. False if the scene is not the latest any more."""
+        started = published = time.perf_counter()
+
+        def report(done: float) -> None:
+            nonlocal published
+            if time.perf_counter() - published >= PUBLISH_INTERVAL:
+                show()
+                published = time.perf_counter()
+
+        if not self._renderer.sample(first, count, self._outdated, report):
+            return False
+        taken = time.perf_counter() - started
+        self._pace = taken / max(int(film.active.sum()) * count, 1)
+        return True
+
+    def _first_divider(self, scene: Scene) -> int:
+        """Pixels along one of the first coarse picture."""
+        pixels = scene.width * scene.height
+        if not self._pace:
+            return UNKNOWN
+        return min(max(math.ceil(math.sqrt(pixels * self._pace / FIRST_PICTURE)), 1), COARSEST)
+
+    def _batch(self, film: Film) -> int:
+        """Samples that take about ``BATCH`` seconds."""
+        pixels = max(int(film.active.sum()), 1)
+        return min(max(int(BATCH / (pixels * self._pace)), 1), LARGEST_BATCH) if self._pace else 1
+
+    def _wait_while_paused(self) -> bool:
+        """False if the scene is not the latest any more."""
+        with self._condition:
+            while self._paused and not self._outdated():
+                self.status = "Paused"
+                self._condition.wait()
+        return not self._outdated()
+
+    def _denoise(self, film: Film, samples: int) -> None:
+        self._next_denoising = 4 * samples
+        try:
+            denoise_film(film, self._outdated)
+        except RenderError as error:
+            if str(error) not in self.warnings:
+                self.warnings.append(str(error))
+
+    def _publish(self, scene: Scene, film: Film, divider: int = 1, below: Picture | None = None) -> None:
+        """Make the film's picture the latest one; where it has no samples yet, ``below`` shows."""
+        pixels = film.read("Combined")
+        if below is not None and below.camera is scene.camera:
+            missing = film.count.reshape(film.height, film.width) == 0
+            if missing.any():
+                pixels[missing] = _part(below, film)[missing]
+        window = tuple(divider * edge for edge in film.window)
+        number = self._picture.number + 1 if self._picture is not None else 1
+        self._picture = Picture(pixels, window, (scene.width, scene.height), scene.camera, number, divider, film.samples)
+
+
+def _at_resolution(scene: Scene, divider: int) -> tuple[Scene, Film]:
+    """The scene with pixels that are ``divider`` times as large, and a film for it. Its frame may reach beyond the
+    right and the upper edge of the scene's, to end with a whole pixel."""
+    if divider <= 1:
+        return scene, Film(scene)
+    width, height = -(-scene.width // divider), -(-scene.height // divider)
+    border = None
+    if scene.border is not None:
+        x0, y0, x1, y1 = scene.border
+        border = x0 // divider, y0 // divider, -(-x1 // divider), -(-y1 // divider)
+    grown = width * divider / scene.width, height * divider / scene.height
+    settings = dataclasses.replace(scene.settings, samples=1, denoise=False)
+    part = dataclasses.replace(
+        scene, camera=_widened(scene.camera, *grown), width=width, height=height, border=border, settings=settings)
+    return part, Film(part)
+
+
+def _widened(camera: Camera, across: float, up: float) -> Camera:
+    """The camera with a frame that is larger by these factors to the right and to the top."""
+    def grow(low: float, high: float, factor: float) -> tuple[float, float]:
+        return low, low + factor * (high - low)
+
+    if camera.projection is Projection.EQUIRECTANGULAR:
+        return dataclasses.replace(
+            camera, longitude=grow(*camera.longitude, across), latitude=grow(*camera.latitude, up))
+    left, right, bottom, top = camera.window
+    return dataclasses.replace(camera, window=(*grow(left, right, across), *grow(bottom, top, up)))
+
+
+def _part(picture: Picture, film: Film) -> np.ndarray:
+    """What a picture shows of the window of a film (height, width, 4)."""
+    x0, y0, x1, y1 = film.window
+    rows = np.clip((np.arange(y0, y1) - picture.window[1]) // picture.divider, 0, len(picture.pixels) - 1)
+    columns = np.clip((np.arange(x0, x1) - picture.window[0]) // picture.divider, 0, picture.pixels.shape[1] - 1)
+    return picture.pixels[rows[:, None], columns]
