@@ -10,4 +10,4 @@
 (value of ``scene.sdf_lights.device``).
 """
 
-NAMES = ("throughput", "startup", "intervals", "estimators", "lamps", "scaling")
+NAMES = ("throughput", "startup", "intervals", "estimators", "lamps", "scaling", "viewport")

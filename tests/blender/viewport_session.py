@@ -8,15 +8,14 @@ The report says what was seen at each step; judging it is the test's part.
 """
 
 import json
-import os
 import pathlib
 import sys
-import tempfile
 import threading
 import time
 import traceback
 
 import bpy
+import gpu
 import numpy as np
 
 REPORT = pathlib.Path(sys.argv[sys.argv.index("--") + 1])
@@ -51,20 +50,27 @@ def threads() -> list[str]:
     return sorted(thread.name for thread in threading.enumerate() if thread.name == "SDF Lights: viewport")
 
 
-def pixel_at(place) -> list[float]:
-    """RGB on the screen, mean of a few pixels, of a place in the world."""
-    path = os.path.join(tempfile.gettempdir(), f"viewport_session_{os.getpid()}.png")
-    with override():
-        bpy.ops.screen.screenshot_area(filepath=path)
-    image = bpy.data.images.load(path)
-    width, height = image.size
-    values = np.array(image.pixels[:]).reshape(height, width, -1)
-    bpy.data.images.remove(image)
-    os.remove(path)
-    at = location_3d_to_region_2d(region(), space().region_3d, place)
-    # The screenshot is of the area, which the region is a part of.
-    x, y = int(at.x) + region().x - area().x, int(at.y) + region().y - area().y
-    return values[y - 2:y + 3, x - 2:x + 3, :3].mean(axis=(0, 1)).tolist()
+class Eye:
+    """Reads colours of the viewport, scene-linear, with all that was drawn before colour management.
+
+    Blender's own screenshots are black where there is no graphics card.
+    """
+
+    def __init__(self):
+        self.buffer, self.color = None, [0.0, 0.0, 0.0]
+        add = bpy.types.SpaceView3D.draw_handler_add
+        add(self.before, (), "WINDOW", "PRE_VIEW")
+        add(self.after, (), "WINDOW", "POST_PIXEL")
+        self.place = (0.0, 0.0, 0.0)
+
+    def before(self):
+        self.buffer = gpu.state.active_framebuffer_get()
+
+    def after(self):
+        at = location_3d_to_region_2d(bpy.context.region, bpy.context.region_data, self.place)
+        values = self.buffer.read_color(int(at.x) - 2, int(at.y) - 2, 5, 5, 4, 0, "FLOAT")
+        values.dimensions = 100
+        self.color = np.array(values).reshape(25, 4)[:, :3].mean(axis=0).tolist()
 
 
 def lamp(name, shape, location, **parameters):
@@ -110,17 +116,21 @@ def session():
     place = tuple(red.location + red.matrix_world.to_3x3().col[0] * 0.3)
     scene.sdf_lights.device = "REFERENCE"  # machine code may have to be compiled first
     space().overlay.show_extras = False
+    eye = Eye()
+    eye.place = place
     bpy.ops.ed.undo_push(message="Start")
 
     # -- the proxy
     for shading in ("SOLID", "WIREFRAME", "RENDERED"):
         scene.render.engine = "BLENDER_WORKBENCH"
         space().shading.type = shading
-        for shown in (True, False):
-            scene.sdf_lights_overlay.show_lamps = shown
-            yield 1.5
-            report[f"{shading} {'with' if shown else 'without'}"] = pixel_at(place)
-    scene.sdf_lights_overlay.show_lamps = True
+        scene.sdf_lights_overlay.show_lamps = False
+        yield 1.5
+        report[f"{shading} without"] = base = eye.color
+        scene.sdf_lights_overlay.show_lamps = True
+        yield from until(lambda: abs(eye.color[0] - base[0]) > 0.05)
+        yield 0.5
+        report[f"{shading} with"] = eye.color
     from sdf_lights.blender.viewport import proxy_error
 
     report["error"] = proxy_error(red.data)
@@ -134,7 +144,7 @@ def session():
     space().shading.type = "RENDERED"
     yield from until(has_samples)
     yield 0.5
-    report["RENDERED path traced"] = pixel_at(place)
+    report["RENDERED path traced"] = eye.color
     report["threads"] = threads()
 
     before = rendered()._render.picture

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps as the viewport draws them: seconds of a frame against the number of lamps and the resolution.
+
+The lamps are of five shapes, side by side in a grid that fills the picture, so each ray meets few of them and each pixel
+some. A frame is drawn and its mask read back, which waits for the graphics card. ``edit`` frames follow a change
+of a number of every lamp.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+
+import numpy as np
+
+HELP = "lamps in the viewport: milliseconds of a frame for 1, 10 and 50 lamps at 960 × 540, and from edit to picture"
+
+SIZE = 960, 540
+COUNTS = 1, 10, 50
+SCALES = 1, 2, 4
+FRAMES = 5
+
+
+def _shapes(index: int, size: float) -> object:
+    from sdf_lights.sdf.shapes import SHAPES, Difference
+
+    torus, sphere, box, frame = (SHAPES[name] for name in ("torus", "sphere", "box", "box_frame"))
+    return (
+        torus(0.35 * size, 0.12 * size), SHAPES["menger_sponge"](), frame(0.4 * size),
+        Difference(box(0.4 * size), sphere(0.5 * size)), SHAPES["rounded_box"]())[index % 5]
+
+
+def _lamps(count: int, size: float) -> list:
+    from sdf_lights.render.scene import Lamp
+
+    columns = int(np.ceil(np.sqrt(count * SIZE[0] / SIZE[1])))
+    rows = -(-count // columns)
+    step = 2.0 / max(columns, rows * SIZE[0] / SIZE[1])
+    lamps = []
+    for index in range(count):
+        matrix = np.diag([0.8 * step] * 3 + [1.0])
+        matrix[:2, 3] = (index % columns - 0.5 * (columns - 1)) * step, (index // columns - 0.5 * (rows - 1)) * step
+        lamps.append(Lamp(f"Lamp {index}", _shapes(index, size), matrix))
+    return lamps
+
+
+class _Canvas:
+    """A frame buffer of the size of the picture, and its view."""
+
+    def __init__(self, painter, scale: int):
+        import gpu
+
+        from sdf_lights.blender.viewport.painter import View
+
+        self._painter, size = painter, tuple(side // scale for side in SIZE)
+        glow, self._mask = (gpu.types.GPUTexture(size, format=kind) for kind in ("RGBA16F", "RGBA8"))
+        self._buffer = gpu.types.GPUFrameBuffer(color_slots=(glow, self._mask))
+        view, near, far, half = np.eye(4), 0.1, 100.0, 0.3
+        view[2, 3] = -1.0 / half
+        projection = np.zeros((4, 4))
+        projection[0, 0], projection[1, 1], projection[3, 2] = 1.0 / half, SIZE[0] / SIZE[1] / half, -1.0
+        projection[2, 2:] = -(far + near) / (far - near), -2.0 * far * near / (far - near)
+        self._view = View(view, projection, size)
+
+    def draw(self, lamps, finder) -> tuple[float, float]:
+        """Milliseconds until the commands are given, and until the picture is there."""
+        from sdf_lights.blender.viewport.painter import Drawn
+
+        started = time.perf_counter()
+        with self._buffer.bind():
+            self._buffer.clear(color=(0.0, 0.0, 0.0, 0.0))
+            self._painter.draw(
+                [Drawn(lamp, finder.find(lamp.name, lamp.shape, wait=True)) for lamp in lamps], self._view)
+        given = time.perf_counter()
+        self._mask.read()
+        return 1e3 * (given - started), 1e3 * (time.perf_counter() - started)
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    import gpu
+
+    if not hasattr(gpu, "init"):
+        return {}, [dict(problem="only Blender 5.2 and later draw without a window: run this with its Python module")]
+    gpu.init()
+    from sdf_lights.blender.viewport.facts import FactFinder
+    from sdf_lights.blender.viewport.painter import Painter
+
+    frames = options.repeats or (1 if options.quick else FRAMES)
+    painter, finder, rows = Painter(), FactFinder(), []
+    for count in COUNTS:
+        lamps = _lamps(count, 1.0)
+        for lamp in lamps:
+            painter.compile(lamp)
+        for scale in SCALES:
+            canvas = _Canvas(painter, scale)
+            canvas.draw(lamps, finder)  # drivers finish compiling at the first use
+            still = [canvas.draw(lamps, finder) for _ in range(frames)]
+            edits = [canvas.draw(_lamps(count, 1.0 + 0.01 * (turn + 1)), finder) for turn in range(frames)]
+            rows.append(dict(
+                lamps=count, pixels="×".join(str(side // scale) for side in SIZE),
+                commands_ms=statistics.median(given for given, _ in still),
+                frame_ms=statistics.median(whole for _, whole in still),
+                frame_after_edit_ms=statistics.median(whole for _, whole in edits)))
+    summary = {f"viewport_frame_ms_{row['lamps']}": row["frame_ms"] for row in rows if row["pixels"] == "960×540"}
+    return summary, rows
