@@ -3,10 +3,15 @@
 
 // Where a ray is inside a shape: every stretch of it with field(p) <= 0. See README.md.
 //
-// Before this file comes `float field(vec3 p)`, and `#define INTERVALS n` for room for other than 16 stretches.
+// Before this file comes `float field(vec3 p)`, `#define INTERVALS n` for room for other than 16 stretches, and
+// `#define CROSSING_ERROR e` where crossings may be off by that much of t.
 
 #ifndef INTERVALS
 #define INTERVALS 16
+#endif
+
+#ifndef CROSSING_ERROR
+#define CROSSING_ERROR 0.0
 #endif
 
 struct Intervals {
@@ -28,7 +33,7 @@ float intervals_crossing(vec3 o, vec3 d, float a, float fa, float b, float fb, i
         if (!(c >= min(a, b) && c <= max(a, b))) {
             c = 0.5 * (a + b);
         }
-        if (abs(c - last) <= 2.4e-7 * abs(c)) {
+        if (abs(c - last) <= max(2.4e-7 * abs(c), CROSSING_ERROR)) {
             break;
         }
         float fc = field(o + c * d);

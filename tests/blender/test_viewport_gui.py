@@ -38,7 +38,7 @@ def test_lamps_glow_in_every_shading(seen, shading):
 def test_overlay_says_what_is_wrong(seen):
     assert seen["error"] == ""
     assert "Red" in seen["error in expression"] and "expression" in seen["error in expression"]
-    assert seen["failure"] == ""
+    assert seen["failures"] == {}
 
 
 def test_path_tracer_draws(seen):

@@ -190,7 +190,7 @@ def session():
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=False)
     yield 1.0
     report["threads after loading a file"] = threads()
-    report["failure"] = sys.modules["sdf_lights.blender.viewport"]._failure
+    report["failures"] = sys.modules["sdf_lights.blender.viewport"]._failures
     lamp("Last", "SPHERE", (0.0, 0.0, 3.0))
     bpy.context.scene.sdf_lights.device = "REFERENCE"
     bpy.context.scene.render.engine = "SDF_LIGHTS"

@@ -16,14 +16,14 @@ from . import properties
 CLASSES = properties.CLASSES
 
 _overlay = None  # made at the first redraw: there is no graphics context in the background
-_failure = ""
+_failures: dict[str, str] = {}  # by the draw handler
 _handles: list = []
 
 
 def proxy_error(light: bpy.types.Light) -> str:
     """Why the lamp is not shown in the viewport, or only its box: a sentence, or an empty string."""
-    if _failure:
-        return _failure
+    if _failures:
+        return next(iter(_failures.values()))
     return _overlay.errors.get(light.name_full, "") if _overlay is not None else ""
 
 
@@ -31,13 +31,13 @@ def _guarded(draw):
     """A draw handler that says once what went wrong, and leaves the viewport as it is."""
 
     def handler():
-        global _failure
         try:
             draw()
+            _failures.pop(draw.__name__, None)
         except Exception as error:
-            if not _failure:
+            if draw.__name__ not in _failures:
                 traceback.print_exc()
-            _failure = f"Lamps could not be drawn in the viewport ({type(error).__name__}: {error})."
+            _failures[draw.__name__] = f"Lamps could not be drawn in the viewport ({type(error).__name__}: {error})."
 
     return handler
 
@@ -103,7 +103,7 @@ def register():
 
 
 def unregister():
-    global _overlay, _failure
+    global _overlay
     for handle in _handles:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
     _handles.clear()
@@ -112,5 +112,6 @@ def unregister():
             getattr(bpy.app.handlers, name).remove(function)
     atexit.unregister(_forget)
     _forget()
-    _overlay, _failure = None, ""
+    _overlay = None
+    _failures.clear()
     properties.unregister()

@@ -21,8 +21,9 @@ from ...sdf.formula import Formula
 from . import shaders
 from .facts import Facts
 
-# Parts of the box: the least step along a ray, and by how much the box is larger than the shape.
-LEAST_STEP = 1e-4
+# The least step along a ray: part of the box's diagonal, or of a pixel where that is more.
+LEAST_STEP, LEAST_STEP_OF_PIXEL = 1e-4, 0.25
+# Part of the box by which it is drawn larger.
 MARGIN = 1e-4
 # Shaders and buffers that are kept.
 KEPT = 256
@@ -143,6 +144,16 @@ def radiance_per_metre(lamp: Lamp, facts: Facts) -> np.ndarray:
     return density * np.asarray(lamp.color)
 
 
+def least_step(lamp: Lamp, facts: Facts, view: View) -> float:
+    """Shortest step along a ray, in the space of the shape: what is finer cannot be seen in this view."""
+    extent, center = facts.high - facts.low, np.append(0.5 * (facts.low + facts.high), 1.0)
+    clip = view.projection @ view.view @ lamp.matrix @ center
+    scale = np.abs(np.linalg.det(lamp.matrix[:3, :3])) ** (1.0 / 3.0)
+    pixel = 2.0 * abs(clip[3]) / (view.projection[1, 1] * view.size[1] * scale)
+    diagonal = np.linalg.norm(extent)
+    return min(max(LEAST_STEP * diagonal, LEAST_STEP_OF_PIXEL * pixel), 0.02 * diagonal)
+
+
 def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
     """The uniform block of a lamp: (vectors, 4) float32, in the order of ``shaders``."""
     lamp, facts = item.lamp, item.facts
@@ -151,7 +162,7 @@ def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
     extent = facts.high - facts.low
     numbers = lamp.shape.parameters()
     block = np.zeros((shaders.HEADER + shaders.vectors_of(len(numbers)), 4))
-    block[0] = *(facts.low - MARGIN * extent), LEAST_STEP * np.linalg.norm(extent)
+    block[0] = *(facts.low - MARGIN * extent), least_step(lamp, facts, view)
     block[1] = *(facts.high + MARGIN * extent), facts.lipschitz
     block[2] = (*from_view[:3, 3], 1.0) if view.perspective else (*-from_view[:3, 2], 0.0)
     block[3] = -to_view[2]

@@ -5,6 +5,8 @@ the Rendered viewport, with a button in its header."""
 
 import bpy
 
+from ..naming import ENGINE
+
 
 def redraw(self, context):
     for window in bpy.context.window_manager.windows:
@@ -49,12 +51,21 @@ class SDFLIGHTS_PT_overlay(bpy.types.Panel):
         column.prop(settings, "coarse_motion")
 
 
+def draw_pause(self, context):
+    """The button in the header of a viewport where the path tracer renders."""
+    if context.engine == ENGINE and context.space_data.shading.type == "RENDERED":
+        settings = context.scene.sdf_lights_overlay
+        self.layout.prop(settings, "pause", icon="PLAY" if settings.pause else "PAUSE", text="")
+
+
 CLASSES = (SDFLIGHTS_OverlaySettings, SDFLIGHTS_PT_overlay)
 
 
 def register():
     bpy.types.Scene.sdf_lights_overlay = bpy.props.PointerProperty(name="SDF Lamps", type=SDFLIGHTS_OverlaySettings)
+    bpy.types.VIEW3D_HT_header.append(draw_pause)
 
 
 def unregister():
+    bpy.types.VIEW3D_HT_header.remove(draw_pause)
     del bpy.types.Scene.sdf_lights_overlay

@@ -73,6 +73,9 @@ def lamp_shader(formula: Formula, numbers: int) -> gpu.types.GPUShader:
     info.fragment_out(0, "VEC4", "glow")
     info.fragment_out(1, "VEC4", "mask")
     info.define("STEPS", str(STEPS))
+    # Only the sum of the stretches counts, and of those without room there is one too.
+    info.define("INTERVALS", "1")
+    info.define("CROSSING_ERROR", "(0.1 * lamp.low.w)")
     info.vertex_source(source("proxy_vertex.glsl"))
     info.fragment_source(
         _NUMBER + read_glsl.function(formula, "field", "number({})") + source("intervals.glsl")
