@@ -10,7 +10,6 @@ import pytest
 from sdf_lights.render import session
 from sdf_lights.render.scene import Camera, Lamp, Scene
 from sdf_lights.render.settings import Filter, Settings
-from sdf_lights.sdf import formula as f
 from sdf_lights.sdf.shapes import Box, Sphere, Torus, Union
 from tests.sdf import samples
 
@@ -95,3 +94,79 @@ BOUNDED = [name for name, shape in samples.SHAPES_TO_TRY.items() if np.isfinite(
     pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in BOUNDED])
 def test_looks_as_in_the_render(painter, name):
     assert difference(painter, samples.SHAPES_TO_TRY[name]) < 0.02
+
+
+MATRICES = {
+    "scaled": np.diag([2.0, 0.5, 1.0, 1.0]), "mirrored": np.diag([-1.0, 1.0, 1.0, 1.0]),
+    "sheared": np.array([[1.0, 0.6, 0.0, 0.3], [0.0, 1.0, 0.0, -0.2], [0.2, 0.0, 1.5, 0.1], [0.0, 0.0, 0.0, 1.0]]),
+    "far away": np.array([[1.0, 0.0, 0.0, 1e4], [0.0, 1.0, 0.0, -1e4], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])}
+
+
+def center(picture: np.ndarray) -> float:
+    return picture[SIZE // 2 - 1:SIZE // 2 + 1, SIZE // 2 - 1:SIZE // 2 + 1, 0].mean()
+
+
+def chords(painter, matrix, depth=None, distance: float = 4.0, radius: float = 0.5) -> np.ndarray:
+    """Lengths inside a ball at the origin, looked at along −z from that distance."""
+    camera = np.eye(4)
+    camera[2, 3] = distance
+    return drawn(painter, Lamp("Ball", Sphere(radius), matrix, density=1.0), camera, 0.2, depth=depth)
+
+
+@pytest.mark.parametrize("name", MATRICES)
+def test_lengths_are_those_of_the_world(painter, name):
+    """The length inside along the line of sight through the centre of an ellipsoid."""
+    matrix = MATRICES[name]
+    camera = np.eye(4)
+    camera[:3, 3] = matrix[:3, 3] + (0.0, 0.0, 5.0)
+    found = drawn(painter, Lamp("Ball", Sphere(0.5), matrix, density=1.0), camera, 0.2)
+    direction = np.linalg.inv(matrix)[:3, :3] @ (0.0, 0.0, 1.0)
+    assert center(found) == pytest.approx(1.0 / np.linalg.norm(direction), rel=5e-3)
+
+
+def test_eye_inside_a_lamp(painter):
+    assert center(chords(painter, np.eye(4), distance=0.0)) == pytest.approx(0.5 - NEAR, rel=1e-3)
+
+
+def test_objects_end_the_light(painter):
+    """A depth buffer in which a plane at the ball's centre covers the left half."""
+    from sdf_lights.blender.viewport.painter import Depth
+
+    size = SIZE * FINER
+    ndc = (FAR + NEAR) / (FAR - NEAR) - 2.0 * FAR * NEAR / (FAR - NEAR) / 4.0
+    values = np.ones((size, size), np.float32)
+    values[:, :size // 2] = 0.5 * ndc + 0.5
+    texture = gpu.types.GPUTexture(
+        (size, size), format="R32F", data=gpu.types.Buffer("FLOAT", values.size, values.ravel()))
+    found = chords(painter, np.eye(4), Depth(texture, (0, 0), 1.0))[SIZE // 2, :, 0]
+    assert found[SIZE // 2 - 2] == pytest.approx(0.5, rel=0.02)
+    assert found[SIZE // 2 + 1] == pytest.approx(1.0, rel=0.02)
+
+
+def test_numbers_compile_nothing(painter):
+    lamps = [Lamp("Ring", Torus(0.5, radius), np.eye(4)) for radius in (0.1, 0.2)]
+    painter.compile(lamps[0])
+    assert painter.is_compiled(lamps[1])
+    assert not painter.is_compiled(Lamp("Other", Union(Torus(), Box(), Sphere(0.1), Torus()), np.eye(4)))
+
+
+def test_too_many_numbers_are_told(painter):
+    shape = Union(*(Sphere(0.1) for _ in range(5000)))
+    lamp = Lamp("Many", shape, np.eye(4))
+    painter.compile(lamp)
+    assert "5,000 numbers" in painter.problem(lamp)
+
+
+def test_facts_that_take_time_are_estimated_first(painter):
+    from sdf_lights.blender.viewport.facts import FactFinder
+
+    news = []
+    finder, shape = FactFinder(lambda: news.append(True)), samples.SHAPES_TO_TRY["gyroid"]
+    estimate = finder.find("Lamp", shape)
+    assert np.all(estimate.low <= estimate.high) and estimate.volume > 0.0
+    finder._thread.join()
+    assert news and not finder.busy
+    measured = finder.find("Lamp", shape)
+    assert measured.volume == pytest.approx(finder.find("Other", shape, wait=True).volume)
+    unbounded = finder.find("Endless", samples.SHAPES_TO_TRY["half_space"], wait=True)
+    assert "no limits" in unbounded.problem

@@ -21,7 +21,6 @@ from ...render import libraries
 from ...render.errors import RenderError
 from ...render.interactive import Change, InteractiveRender, Picture
 from ...render.scene import Scene
-from ..guard import sentence
 from ..naming import LABEL
 from ..sync import frame_settings, sync_lights, sync_viewport
 from .camera import view_camera
@@ -53,6 +52,11 @@ class RenderedView:
         number = picture.number if picture is not None else 0
         return self._stale is None and (
             number != (self._texture[0] if self._texture else 0) or self._render.status != self._drawn_status)
+
+    @property
+    def busy(self) -> bool:
+        """Whether there may be news later."""
+        return self._render.active
 
     @property
     def shows_picture(self) -> bool:
@@ -228,4 +232,4 @@ def _poll() -> float | None:
                 if area.type == "VIEW_3D" and any(space.type == "VIEW_3D" and space.shading.type == "RENDERED"
                                                   for space in area.spaces):
                     area.tag_redraw()
-    return POLL if any(view._render.active or view.news for view in views) else None
+    return POLL if any(view.busy or view.news for view in views) else None
