@@ -119,7 +119,7 @@ def _sheet(cells: list[np.ndarray], columns: int) -> np.ndarray:
     return np.concatenate(rows, axis=0)
 
 
-def _write(path: pathlib.Path, image: np.ndarray) -> None:
+def write(path: pathlib.Path, image: np.ndarray) -> None:
     pixels = (np.clip(image, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
     output = OpenImageIO.ImageOutput.create(str(path))
     spec = OpenImageIO.ImageSpec(pixels.shape[1], pixels.shape[0], 3, OpenImageIO.UINT8)
@@ -147,7 +147,7 @@ def main(arguments: list[str]) -> None:
             image = picture(shape, PALETTE[index % len(PALETTE)], options.size, options.size * 7 // 8, options.samples)
             cells.append(np.concatenate([image, _caption(caption.replace("_", " "), options.size)]))
         path = options.out / f"{name}.png"
-        _write(path, _sheet(cells, options.columns))
+        write(path, _sheet(cells, options.columns))
         print(f"{path} ({len(cells)} lamps, {time.perf_counter() - started:.0f} s)")
 
 

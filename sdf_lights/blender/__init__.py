@@ -16,9 +16,12 @@ _CACHE = "SDF_LIGHTS_CACHE"
 
 def _modules():
     """Modules with ``CLASSES`` and, where there is more to do, ``register()`` and ``unregister()``, in order."""
-    from . import emission_panel, engine, nodes, operators, panels, passes, preferences, properties, viewport
+    from . import (
+        emission_panel, engine, feedback, gizmos, live_text, nodes, operators, panels, passes, preferences,
+        preset_browser, properties, readout, viewport)
 
-    return preferences, properties, *nodes.modules(), passes, viewport, engine, operators, panels, emission_panel
+    return (preferences, properties, *nodes.modules(), passes, viewport, engine, operators, readout, panels,
+            emission_panel, preset_browser, feedback, gizmos, live_text)
 
 
 def _nothing() -> None:

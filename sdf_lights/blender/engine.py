@@ -12,6 +12,7 @@ import os
 import bpy
 
 from ..render.errors import RenderError
+from . import feedback
 from .guard import guarded
 from .naming import ENGINE, LABEL
 from .passes import enabled_passes, register_passes
@@ -58,6 +59,8 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
                 scene, tuple(result.passes), cancelled=self.test_break, on_progress=self._show, on_update=result.update)
             result.write(film)
         self._report_warnings(scene.warnings, reported)
+        if not self.is_preview:
+            feedback.record(depsgraph.scene.name, scene.warnings)
 
     def _report_warnings(self, warnings: list[str], first: int) -> int:
         """Report the warnings from number ``first`` on; returns how many there are. Thumbnails keep quiet."""

@@ -5,13 +5,23 @@
 import math
 
 import bpy
+import numpy as np
 from bpy_extras.object_utils import AddObjectHelper, object_data_add
 
+from ..render.errors import RenderError
 from ..sdf.catalogue import grouped
+from ..sdf.declarations import USAGE
 from ..sdf.examples import examples
+from ..sdf.shapes import SHAPES
+from ..sdf.shapes.profiles import PROFILES
+from ..sdf.surface_nets import surface_net
+from ..sdf.syntax import ExpressionError
 from . import parameters
 from .context import light_of
 from .lamp import shape_of
+from .nodes import editor, writing
+from .nodes.tree import output_of, trees
+from .presets import presets
 from .properties import PRIMITIVES, shape_items
 
 
@@ -20,13 +30,72 @@ def example_items() -> list[tuple]:
     return [(name.upper(), example.title, "") for name, example in examples().items()]
 
 
+def preset_items() -> list[tuple]:
+    """Items of an EnumProperty with every preset."""
+    return [(name.upper(), preset.title, "") for name, preset in presets().items()]
+
+
+def _profiles() -> dict[str, type]:
+    """Profiles that numbers alone make."""
+    return {name: profile for name, profile in PROFILES.items() if profile.fields()}
+
+
+def profile_items() -> list[tuple]:
+    return [(name.upper(), profile.label(), profile.summary().rstrip(".")) for name, profile in _profiles().items()]
+
+
+def _written(value: float) -> str:
+    return f"{value:.7g}"
+
+
+def profile_expression(name: str, sweep: str) -> str:
+    """A profile extruded or revolved, with a parameter for each of its numbers."""
+    profile, solid = PROFILES[name], SHAPES[sweep]
+    lines, named = [], {}
+    for kind in (profile, solid):
+        for about in kind.fields():
+            default, maximum = about.default, about.soft_maximum
+            if kind is solid and about.name == "offset":
+                default = 0.6  # beside the axis, not across it
+            key = f"{sweep}_{about.name}" if about.name in named or about.name in USAGE else about.name
+            minimum = max(about.minimum, 0.001) if about.unit == "LENGTH" and about.minimum > 0.0 else about.minimum
+            word = "integer" if about.whole else "angle" if about.unit == "ANGLE" else "slider"
+            numbers = [default, minimum, maximum]
+            shown = ", ".join(_written(math.degrees(n) if word == "angle" else n) for n in numbers)
+            lines.append(f"{key} = {word}({shown})  # {about.description}")
+            named[key] = kind, about.name
+    inner, outer = (", ".join(f"{argument}={key}" for key, (owner, argument) in named.items() if owner is kind)
+                    for kind in (profile, solid))
+    return "\n".join([*lines, f"{sweep}({name}({inner}), {outer})", ""])
+
+
+def _set_text(light: bpy.types.Light, title: str, expression: str) -> None:
+    """Make the light a lamp of this expression: in a text block of its own if it has several lines."""
+    lamp = light.sdf_lamp
+    if "\n" in expression.strip():
+        text = bpy.data.texts.new(title)
+        text.write(expression)
+    else:
+        text, lamp.expression = None, expression.strip()
+    lamp.text, lamp.use, lamp.source = text, True, "EXPRESSION"
+
+
 def load_example(light: bpy.types.Light, name: str) -> None:
     """Make the light a lamp whose expression is an example, in a text block of its own."""
     example = examples()[name.lower()]
-    text = bpy.data.texts.new(example.title)
-    text.write(example.text)
-    lamp = light.sdf_lamp
-    lamp.use, lamp.source, lamp.text = True, "EXPRESSION", text
+    _set_text(light, example.title, example.text)
+
+
+def load_preset(light: bpy.types.Light, name: str) -> None:
+    """Give the light the shape, colour and power of a preset."""
+    preset = presets()[name.lower()]
+    _set_text(light, preset.title, preset.expression)
+    light.energy, light.exposure = preset.power, 0.0
+    light.sdf_lamp.normalize = True
+    light.use_temperature = preset.temperature > 0.0
+    if light.use_temperature:
+        light.temperature = preset.temperature
+    light.color = preset.color
 
 
 class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
@@ -40,9 +109,19 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
         name="Source", description="What says the shape of the lamp",
         items=[("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
                ("EXPRESSION", "Expression", "Shapes put together by a few lines of text", 1),
-               ("EXAMPLE", "Example", "An expression to start from", 2)])
+               ("EXAMPLE", "Example", "An expression to start from", 2),
+               ("PRESET", "Preset", "A lamp with a colour and a power", 3),
+               ("PROFILE", "Profile", "An outline that is extruded or turned about an axis", 4),
+               ("NODES", "Nodes", "Shapes put together by a node tree", 5)])
     shape: bpy.props.EnumProperty(name="Shape", description="Shape that glows", items=shape_items(), default="SPHERE")
     example: bpy.props.EnumProperty(name="Example", description="Expression to start from", items=example_items())
+    preset: bpy.props.EnumProperty(name="Preset", description="Lamp to start from", items=preset_items())
+    profile: bpy.props.EnumProperty(name="Profile", description="Outline of the solid", items=profile_items())
+    sweep: bpy.props.EnumProperty(
+        name="Solid", description="How the outline becomes a solid",
+        items=[(name.upper(), SHAPES[name].label(), SHAPES[name].summary().rstrip(".")) for name in (
+            "extrusion", "revolution", "partial_revolution")])
+    tree: bpy.props.StringProperty(name="Node Tree", description="Node tree of the lamp; without a name a new one")
     power: bpy.props.FloatProperty(
         name="Power", description="Power of the whole lamp", default=100.0, min=0.0, soft_max=1000.0, unit="POWER")
 
@@ -50,21 +129,42 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
     def poll(cls, context):
         return context.mode == "OBJECT"
 
+    def _title(self) -> str:
+        if self.source == "PRIMITIVE":
+            return f"{PRIMITIVES[self.shape.lower()].label()} Lamp"
+        if self.source == "PROFILE":
+            return f"{PROFILES[self.profile.lower()].label()} Lamp"
+        if self.source == "EXAMPLE":
+            return examples()[self.example.lower()].title
+        return presets()[self.preset.lower()].title if self.source == "PRESET" else "SDF Lamp"
+
     def execute(self, context):
-        name = {"PRIMITIVE": f"{PRIMITIVES[self.shape.lower()].label()} Lamp", "EXPRESSION": "SDF Lamp",
-                "EXAMPLE": examples()[self.example.lower()].title}[self.source]
+        name = self._title()
         light = bpy.data.lights.new(name, "POINT")
         light.energy = self.power
+        lamp = light.sdf_lamp
+        lamp.use = True
         if self.source == "EXAMPLE":
             load_example(light, self.example)
+        elif self.source == "PRESET":
+            load_preset(light, self.preset)
+        elif self.source == "PROFILE":
+            _set_text(light, name, profile_expression(self.profile.lower(), self.sweep.lower()))
+        elif self.source == "NODES":
+            lamp.nodes = bpy.data.node_groups.get(self.tree) if self.tree else writing.tree_of(name, "sphere(0.5)")
+            lamp.source = "NODES"
+            if lamp.nodes is not None:
+                editor.show(context, lamp.nodes)
         else:
-            light.sdf_lamp.use = True
-            light.sdf_lamp.source = self.source
-            light.sdf_lamp.shape = self.shape
-        # Other engines see a point light: as large as a ball of the same volume.
-        volume = shape_of(light.sdf_lamp).volume()
-        if volume:
-            light.shadow_soft_size = (0.75 * volume / math.pi) ** (1.0 / 3.0)
+            lamp.source, lamp.shape = self.source, self.shape
+        parameters.update(light)
+        try:
+            # Other engines see a point light: as large as a ball of the same volume.
+            volume = shape_of(lamp).volume()
+            if volume:
+                light.shadow_soft_size = (0.75 * volume / math.pi) ** (1.0 / 3.0)
+        except RenderError as error:  # the node tree has a mistake
+            self.report({"WARNING"}, str(error))
         object_data_add(context, light, operator=self, name=name)
         return {"FINISHED"}
 
@@ -72,11 +172,13 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "source")
-        if self.source == "PRIMITIVE":
-            layout.prop(self, "shape")
-        if self.source == "EXAMPLE":
-            layout.prop(self, "example")
-        layout.prop(self, "power")
+        for prop in {"PRIMITIVE": ("shape",), "EXAMPLE": ("example",), "PRESET": ("preset",),
+                     "PROFILE": ("profile", "sweep")}.get(self.source, ()):
+            layout.prop(self, prop)
+        if self.source == "NODES":
+            layout.prop_search(self, "tree", bpy.data, "node_groups")
+        if self.source != "PRESET":
+            layout.prop(self, "power")
         layout.prop(self, "align")
         layout.prop(self, "location")
         layout.prop(self, "rotation")
@@ -131,6 +233,127 @@ class SDFLIGHTS_OT_parameters_remove(_LampOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class SDFLIGHTS_OT_preset_load(_LampOperator, bpy.types.Operator):
+    """Give the lamp the shape, colour and power of a preset"""
+
+    bl_idname = "sdf_lights.preset_load"
+    bl_label = "Use Preset"
+
+    preset: bpy.props.EnumProperty(name="Preset", description="Lamp to start from", items=preset_items())
+
+    def execute(self, context):
+        load_preset(light_of(context), self.preset)
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_OT_expression_show(_LampOperator, bpy.types.Operator):
+    """Show the lamp's text block in a text editor, at the line with the mistake if there is one"""
+
+    bl_idname = "sdf_lights.expression_show"
+    bl_label = "Show in Text Editor"
+    bl_options = {"REGISTER"}
+
+    def execute(self, context):
+        text = light_of(context).sdf_lamp.text
+        if text is None:
+            self.report({"INFO"}, "The expression is not in a text block: make one with New.")
+            return {"CANCELLED"}
+        wrong = parameters.parsed(text.as_string())
+        if isinstance(wrong, ExpressionError):
+            line = min(wrong.line, len(text.lines)) - 1
+            text.cursor_set(line, character=min(wrong.column - 1, len(text.lines[line].body)))
+        found = [area for window in context.window_manager.windows for area in window.screen.areas
+                 if area.type == "TEXT_EDITOR"]
+        if not found:
+            self.report({"INFO"}, "No text editor is open: change an area's type to Text Editor.")
+        for area in found[:1]:
+            area.spaces.active.text = text
+            area.spaces.active.top = max(text.current_line_index - 5, 0)
+            area.tag_redraw()
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_OT_lamp_to_mesh(bpy.types.Operator):
+    """Convert the selected lamps to meshes with a glowing material"""
+
+    bl_idname = "sdf_lights.lamp_to_mesh"
+    bl_label = "SDF Lamp to Mesh"
+    bl_options = {"REGISTER", "UNDO"}
+
+    resolution: bpy.props.IntProperty(
+        name="Resolution", description="Cells along the longest side of the lamp", default=64, min=4, max=512,
+        soft_max=256)
+    keep_original: bpy.props.BoolProperty(name="Keep Original", description="Keep the lamps, too", default=False)
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT" and any(map(_is_lamp, context.selected_objects))
+
+    def execute(self, context):
+        made = 0
+        for obj in list(filter(_is_lamp, context.selected_objects)):
+            try:
+                to_mesh(obj, self.resolution, self.keep_original)
+                made += 1
+            except RenderError as error:
+                self.report({"ERROR"}, f"Lamp '{obj.name}' stays as it is. {error}")
+        return {"FINISHED"} if made else {"CANCELLED"}
+
+
+def _is_lamp(obj: bpy.types.Object) -> bool:
+    return obj.type == "LIGHT" and obj.data.sdf_lamp.use
+
+
+def to_mesh(obj: bpy.types.Object, resolution: int, keep_original: bool) -> bpy.types.Object:
+    """A mesh object in the place of a lamp, whose surface gives as much light. Raises RenderError."""
+    light = obj.data
+    vertices, faces = surface_net(shape_of(light.sdf_lamp, np.array(obj.matrix_world)), resolution)
+    if not len(faces):
+        raise RenderError("It is too thin for this resolution: choose a higher one.")
+    mesh = bpy.data.meshes.new(light.name)
+    mesh.from_pydata(vertices, [], faces.tolist())
+    mesh.shade_smooth()
+    mesh.materials.append(_glowing(light, mesh, obj.matrix_world))
+    name = obj.name
+    made = bpy.data.objects.new(name, mesh)
+    for collection in obj.users_collection:
+        collection.objects.link(made)
+    made.parent, made.parent_type, made.parent_bone = obj.parent, obj.parent_type, obj.parent_bone
+    made.matrix_parent_inverse = obj.matrix_parent_inverse
+    made.rotation_mode = obj.rotation_mode
+    made.matrix_basis = obj.matrix_basis
+    active = bpy.context.view_layer.objects.active == obj
+    obj.select_set(False)
+    made.select_set(True)
+    if active:
+        bpy.context.view_layer.objects.active = made
+    if not keep_original:
+        bpy.data.objects.remove(obj)
+        made.name = name
+    return made
+
+
+def _glowing(light: bpy.types.Light, mesh: bpy.types.Mesh, matrix) -> bpy.types.Material:
+    """A material whose emission gives the power of the lamp, spread over its surface."""
+    copy = mesh.copy()
+    copy.transform(matrix)
+    area = sum(face.area for face in copy.polygons)
+    bpy.data.meshes.remove(copy)
+    material = bpy.data.materials.new(light.name)
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    emission, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
+    output.location = (200.0, 0.0)
+    tint = light.temperature_color if light.use_temperature else (1.0, 1.0, 1.0)
+    emission.inputs["Color"].default_value = (*(a * b for a, b in zip(light.color, tint)), 1.0)
+    # A surface of radiance E gives π E A watts.
+    emission.inputs["Strength"].default_value = light.energy * 2.0**light.exposure / (math.pi * area)
+    links.new(emission.outputs[0], output.inputs["Surface"])
+    return material
+
+
 class SDFLIGHTS_MT_examples(bpy.types.Menu):
     bl_label = "Load Example"
     bl_idname = "SDFLIGHTS_MT_examples"
@@ -140,14 +363,34 @@ class SDFLIGHTS_MT_examples(bpy.types.Menu):
             self.layout.operator(SDFLIGHTS_OT_example_load.bl_idname, text=title).example = name
 
 
-class SDFLIGHTS_MT_examples_add(bpy.types.Menu):
-    bl_label = "Examples"
-    bl_idname = "SDFLIGHTS_MT_examples_add"
+def _add_menu(idname: str, title: str, source: str, prop: str, items) -> type:
+    """A menu that adds a lamp of one source, by items of an enumeration."""
 
     def draw(self, context):
-        for name, title, _ in example_items():
-            operator = self.layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text=title)
-            operator.source, operator.example = "EXAMPLE", name
+        for name, label, _ in items():
+            operator = self.layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text=label)
+            operator.source = source
+            setattr(operator, prop, name)
+
+    return type(idname, (bpy.types.Menu,), {"bl_label": title, "bl_idname": idname, "draw": draw})
+
+
+SDFLIGHTS_MT_examples_add = _add_menu("SDFLIGHTS_MT_examples_add", "Examples", "EXAMPLE", "example", example_items)
+SDFLIGHTS_MT_presets_add = _add_menu("SDFLIGHTS_MT_presets_add", "Presets", "PRESET", "preset", preset_items)
+SDFLIGHTS_MT_profiles_add = _add_menu("SDFLIGHTS_MT_profiles_add", "Profiles", "PROFILE", "profile", profile_items)
+
+
+class SDFLIGHTS_MT_nodes_add(bpy.types.Menu):
+    bl_label = "From Nodes"
+    bl_idname = "SDFLIGHTS_MT_nodes_add"
+
+    def draw(self, context):
+        operator = self.layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text="New Node Tree", icon="ADD")
+        operator.source, operator.tree = "NODES", ""
+        for tree in trees():
+            if output_of(tree) is not None:
+                operator = self.layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text=tree.name, translate=False)
+                operator.source, operator.tree = "NODES", tree.name
 
 
 def _shapes_menu(index: int, title: str, shapes: list) -> type:
@@ -175,9 +418,13 @@ class SDFLIGHTS_MT_lamp_add(bpy.types.Menu):
         layout.operator_context = "INVOKE_REGION_WIN"
         for menu in _SHAPES_MENUS:
             layout.menu(menu.bl_idname)
+        layout.menu(SDFLIGHTS_MT_profiles_add.bl_idname)
         layout.separator()
-        layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text="Expression").source = "EXPRESSION"
+        layout.menu(SDFLIGHTS_MT_presets_add.bl_idname)
         layout.menu(SDFLIGHTS_MT_examples_add.bl_idname)
+        layout.separator()
+        layout.menu(SDFLIGHTS_MT_nodes_add.bl_idname)
+        layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text="From an Expression").source = "EXPRESSION"
 
 
 def draw_menu(self, context):
@@ -185,14 +432,30 @@ def draw_menu(self, context):
     self.layout.menu(SDFLIGHTS_MT_lamp_add.bl_idname, icon="LIGHT_POINT")
 
 
+def draw_convert(self, context):
+    """Entries in Object > Convert, where lamps are selected."""
+    if SDFLIGHTS_OT_lamp_to_mesh.poll(context):
+        self.layout.separator()
+        self.layout.operator(SDFLIGHTS_OT_lamp_to_mesh.bl_idname, icon="OUTLINER_OB_MESH")
+        self.layout.operator(editor.SDFLIGHTS_OT_nodes_new.bl_idname, text="SDF Lamp to Nodes", icon="NODETREE")
+        self.layout.operator(
+            editor.SDFLIGHTS_OT_nodes_to_expression.bl_idname, text="SDF Lamp to Expression", icon="TEXT")
+
+
 CLASSES = (
-    SDFLIGHTS_OT_lamp_add, SDFLIGHTS_OT_example_load, SDFLIGHTS_OT_expression_to_text, SDFLIGHTS_OT_parameters_remove,
-    SDFLIGHTS_MT_examples, SDFLIGHTS_MT_examples_add, *_SHAPES_MENUS, SDFLIGHTS_MT_lamp_add)
+    SDFLIGHTS_OT_lamp_add, SDFLIGHTS_OT_example_load, SDFLIGHTS_OT_preset_load, SDFLIGHTS_OT_expression_to_text,
+    SDFLIGHTS_OT_expression_show, SDFLIGHTS_OT_parameters_remove, SDFLIGHTS_OT_lamp_to_mesh, SDFLIGHTS_MT_examples,
+    SDFLIGHTS_MT_examples_add, SDFLIGHTS_MT_presets_add, SDFLIGHTS_MT_profiles_add, SDFLIGHTS_MT_nodes_add,
+    *_SHAPES_MENUS, SDFLIGHTS_MT_lamp_add)
+
+_ENTRIES = ((bpy.types.VIEW3D_MT_light_add, draw_menu), (bpy.types.VIEW3D_MT_object_convert, draw_convert))
 
 
 def register():
-    bpy.types.VIEW3D_MT_light_add.append(draw_menu)
+    for menu, draw in _ENTRIES:
+        menu.append(draw)
 
 
 def unregister():
-    bpy.types.VIEW3D_MT_light_add.remove(draw_menu)
+    for menu, draw in _ENTRIES:
+        menu.remove(draw)

@@ -5,7 +5,6 @@
 Blender's own panels for other engines are reused where they fit (``stock_panels``).
 """
 
-import functools
 import math
 import textwrap
 
@@ -13,9 +12,8 @@ import bpy
 import numpy as np
 
 from ..render.errors import RenderError
-from ..sdf.shapes import BOUND, EXACT
 from ..sdf.syntax import ExpressionError
-from . import parameters
+from . import parameters, readout, viewport
 from .lamp import shape_of
 from .naming import ENGINE, LABEL
 from .passes import owner_of, switches
@@ -23,8 +21,6 @@ from .preferences import draw_back_end
 from .properties import PRIMITIVES
 
 _WIDTH = 34  # letters that fit a line of a panel
-
-_EXACTNESS = {EXACT: "exact distance", BOUND: "distance never overestimated"}
 
 # Blender's panels for every engine that say what is not so here, or that stand below in another form.
 _EXCLUDED = {
@@ -204,18 +200,39 @@ def draw_shape(layout, light) -> None:
     layout.prop(lamp, "source")
     if lamp.source == "EXPRESSION":
         _draw_expression(layout, lamp)
-        return
-    layout.prop(lamp, "shape")
-    name = lamp.shape.lower()
-    for about in PRIMITIVES[name].fields():
-        layout.prop(getattr(lamp, name), about.name)
+    elif lamp.source == "NODES":
+        _draw_nodes(layout, lamp)
+    else:
+        layout.prop(lamp, "shape")
+        name = lamp.shape.lower()
+        for about in PRIMITIVES[name].fields():
+            layout.prop(getattr(lamp, name), about.name)
+    row = layout.row(align=True)
+    if lamp.source != "NODES":
+        row.operator("sdf_lights.nodes_new", text="To Nodes", icon="NODETREE")
+    if lamp.source != "EXPRESSION":
+        row.operator("sdf_lights.nodes_to_expression", text="To Expression", icon="TEXT")
 
 
 def _draw_expression(layout, lamp) -> None:
     layout.template_ID(lamp, "text", new="sdf_lights.expression_to_text", open="text.open")
     if lamp.text is None:
         layout.prop(lamp, "expression")
+    else:
+        layout.operator("sdf_lights.expression_show", icon="TEXT")
     layout.menu("SDFLIGHTS_MT_examples", text="Load Example")
+    _draw_parameters(layout, lamp)
+
+
+def _draw_nodes(layout, lamp) -> None:
+    layout.template_ID(lamp, "nodes", new="sdf_lights.nodes_new")
+    if lamp.nodes is not None:
+        layout.operator("sdf_lights.nodes_show", icon="NODETREE")
+        _draw_parameters(layout, lamp)
+
+
+def _draw_parameters(layout, lamp) -> None:
+    """Properties that an expression or a node tree declares."""
     if parameters.missing(lamp):
         parameters.update_soon(lamp.id_data)  # nothing may be changed while drawing
     column = layout.column()
@@ -228,38 +245,30 @@ def _draw_expression(layout, lamp) -> None:
         layout.operator("sdf_lights.parameters_remove", text=f"Remove {len(unused)} Unused", icon="TRASH")
 
 
-@functools.lru_cache(maxsize=256)
-def _facts(shape, matrix: bytes) -> tuple[str, ...]:
-    """Lines about a shape under a matrix (bytes of (4, 4) float64)."""
-    matrix = np.frombuffer(matrix).reshape(4, 4)
-    volume = shape.volume()
-    low, high = shape.bounds(matrix)
-    size = " × ".join(f"{extent:.3g}" for extent in np.maximum(high - low, 0.0))
-    return (
-        "Volume: found when rendering" if volume is None
-        else f"Volume: {volume * abs(float(np.linalg.det(matrix[:3, :3]))):.4g} m³",
-        f"Bounds: {size} m",
-        f"Field: {_EXACTNESS.get(shape.exactness, 'sign only') if shape.certified else 'not certified'}")
-
-
 def draw_readout(layout, light, obj) -> None:
-    """Volume, bounds and exactness of a lamp, or what is wrong with it."""
+    """What is known of a lamp's shape, or what is wrong with it."""
     column = layout.column(align=True)
     lamp = light.sdf_lamp
     matrix = np.array([tuple(row) for row in obj.matrix_world] if obj is not None else np.eye(4), np.float64)
     try:
-        shape = shape_of(lamp)
+        shape = shape_of(lamp, matrix)
         if not np.isfinite(matrix).all() or math.isclose(np.linalg.det(matrix[:3, :3]), 0.0, abs_tol=1e-30):
             raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
-        lines = _facts(shape, matrix.tobytes())
+        lines = readout.facts(shape, matrix, light)
     except RenderError as error:
+        column.alert = True
         for i, line in enumerate(_lines(error)):
             column.label(text=line, icon="NONE" if i else "ERROR")
+        if isinstance(error.__cause__, ExpressionError) and lamp.text is not None:
+            layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
         return
     for line in lines:
         column.label(text=line)
     if not shape.certified:
         column.label(text="Thin parts may be missing", icon="INFO")
+    problem = viewport.proxy_error(light)
+    for i, line in enumerate(textwrap.wrap(problem, _WIDTH)):
+        column.label(text=line, icon="NONE" if i else "ERROR")
 
 
 def _lines(error: RenderError) -> list[str]:
@@ -348,36 +357,73 @@ class SDFLIGHTS_PT_object_visibility(_Panel, bpy.types.Panel):
 # -- 3D view -----------------------------------------------------------------------------------------------------------
 
 
-class SDFLIGHTS_PT_view3d(bpy.types.Panel):
-    bl_label = "SDF Lamp"
+class _View3D:
+    """What the panels of the lamps' tab have in common."""
+
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = LABEL
 
     @classmethod
     def poll(cls, context):
-        return context.engine == ENGINE
+        return context.engine == ENGINE and context.object is not None and context.object.type == "LIGHT" and (
+            context.object.data.sdf_lamp.use)
 
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
+        self.draw_properties(layout, context.object)
+
+
+class SDFLIGHTS_PT_view3d(_View3D, bpy.types.Panel):
+    bl_label = "SDF Lamp"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+    def draw(self, context):
         obj = context.object
         if obj is None or obj.type != "LIGHT":
-            layout.menu("SDFLIGHTS_MT_lamp_add", text="Add SDF Lamp", icon="LIGHT_POINT")
+            self.layout.menu("SDFLIGHTS_MT_lamp_add", text="Add SDF Lamp", icon="LIGHT_POINT")
             return
+        super().draw(context)
+
+    def draw_properties(self, layout, obj):
         layout.prop(obj.data.sdf_lamp, "use")
-        if obj.data.sdf_lamp.use:
-            draw_emission(layout, obj.data)
-            draw_shape(layout, obj.data)
-            layout.prop(obj.data.sdf_lamp, "visible_camera", text="Visible to Camera")
-            draw_readout(layout, obj.data, obj)
+
+
+class SDFLIGHTS_PT_view3d_shape(_View3D, bpy.types.Panel):
+    bl_label = "Shape"
+    bl_parent_id = "SDFLIGHTS_PT_view3d"
+
+    def draw_properties(self, layout, obj):
+        draw_shape(layout, obj.data)
+
+
+class SDFLIGHTS_PT_view3d_emission(_View3D, bpy.types.Panel):
+    bl_label = "Emission"
+    bl_parent_id = "SDFLIGHTS_PT_view3d"
+
+    def draw_properties(self, layout, obj):
+        draw_emission(layout, obj.data)
+        layout.prop(obj.data.sdf_lamp, "visible_camera", text="Visible to Camera")
+
+
+class SDFLIGHTS_PT_view3d_readout(_View3D, bpy.types.Panel):
+    bl_label = "Readout"
+    bl_parent_id = "SDFLIGHTS_PT_view3d"
+
+    def draw_properties(self, layout, obj):
+        draw_readout(layout, obj.data, obj)
 
 
 # -- registration ------------------------------------------------------------------------------------------------------
 
 CLASSES = (
-    *_RENDER, *_PASSES, SDFLIGHTS_PT_light, SDFLIGHTS_PT_lamp, SDFLIGHTS_PT_object_visibility, SDFLIGHTS_PT_view3d)
+    *_RENDER, *_PASSES, SDFLIGHTS_PT_light, SDFLIGHTS_PT_lamp, SDFLIGHTS_PT_object_visibility, SDFLIGHTS_PT_view3d,
+    SDFLIGHTS_PT_view3d_shape, SDFLIGHTS_PT_view3d_emission, SDFLIGHTS_PT_view3d_readout)
 
 
 def register():
@@ -388,4 +434,3 @@ def register():
 def unregister():
     for panel in bpy.types.Panel.__subclasses__():
         getattr(panel, "COMPAT_ENGINES", set()).discard(ENGINE)
-    _facts.cache_clear()

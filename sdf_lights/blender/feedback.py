@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Warnings and errors of the last render and of every lamp, in one panel, with a button that selects what each is about."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+
+import bpy
+import numpy as np
+
+from ..render.errors import RenderError
+from .lamp import shape_of
+from .naming import ENGINE, LABEL
+
+_MOST_SHOWN = 30
+
+_last: dict[str, list[str]] = {}
+
+
+def record(scene: str, sentences: list[str]) -> None:
+    """Keep what a render of this scene had to say, in place of what the render before it said."""
+    _last[scene] = list(sentences)
+
+
+def culprit(sentence: str) -> str:
+    """Name of the object that a sentence is about, or of the first with a material or light of that name; or nothing."""
+    for name in re.findall(r"'([^']+)'", sentence):
+        if name in bpy.data.objects:
+            return name
+        for obj in bpy.data.objects:
+            materials = [slot.material.name for slot in obj.material_slots if slot.material]
+            if name in materials or obj.data is not None and obj.data.name == name:
+                return obj.name
+    return ""
+
+
+def of_lamps(scene: bpy.types.Scene) -> list[tuple[str, str]]:
+    """(object, sentence) for each lamp of the scene that cannot be used, or not certainly."""
+    found = []
+    for obj in scene.objects:
+        if obj.type != "LIGHT" or not obj.data.sdf_lamp.use:
+            continue
+        try:
+            shape = shape_of(obj.data.sdf_lamp, np.array(obj.matrix_world))
+        except RenderError as error:
+            found.append((obj.name, f"Lamp '{obj.name}': {error}"))
+        else:
+            if not shape.certified:
+                found.append((obj.name, f"Lamp '{obj.name}': no bound of its field is known, so thin parts may be "
+                                        "missing from the picture."))
+    return found
+
+
+class SDFLIGHTS_OT_culprit_select(bpy.types.Operator):
+    """Select the object, and make it the active one"""
+
+    bl_idname = "sdf_lights.culprit_select"
+    bl_label = "Select"
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: bpy.props.StringProperty(name="Object", description="Object to select")
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT"
+
+    def execute(self, context):
+        obj = context.view_layer.objects.get(self.name)
+        if obj is None:
+            self.report({"WARNING"}, f"'{self.name}' is not in this view layer: choose another one, or enable its "
+                                     "collection.")
+            return {"CANCELLED"}
+        for other in context.selected_objects:
+            other.select_set(False)
+        obj.hide_set(False)
+        obj.select_set(True)
+        context.view_layer.objects.active = obj
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_OT_feedback_clear(bpy.types.Operator):
+    """Forget what the last render had to say"""
+
+    bl_idname = "sdf_lights.feedback_clear"
+    bl_label = "Clear"
+
+    def execute(self, context):
+        _last.clear()
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_PT_feedback(bpy.types.Panel):
+    bl_label = "Warnings"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = LABEL
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+    def draw(self, context):
+        scene = context.scene
+        lamps, render = of_lamps(scene), _last.get(scene.name, [])
+        width = max(20, int(context.region.width / context.preferences.system.ui_scale / 8.5))
+        if not lamps and not render:
+            self.layout.label(text="No warnings", icon="CHECKMARK")
+        if lamps:
+            self._list("Lamps", lamps, width)
+        if render:
+            self._list("Last Render", [(culprit(sentence), sentence) for sentence in render], width)
+            self.layout.operator(SDFLIGHTS_OT_feedback_clear.bl_idname)
+
+    def _list(self, title: str, rows: list[tuple[str, str]], width: int) -> None:
+        layout = self.layout
+        layout.label(text=title)
+        for name, sentence in rows[:_MOST_SHOWN]:
+            row = layout.box().row()
+            column = row.column(align=True)
+            column.scale_y = 0.8
+            for i, line in enumerate(textwrap.wrap(sentence, width)):
+                column.label(text=line, icon="NONE" if i else "ERROR")
+            if name:
+                row.operator(SDFLIGHTS_OT_culprit_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF").name = name
+        if len(rows) > _MOST_SHOWN:
+            layout.label(text=f"and {len(rows) - _MOST_SHOWN} more, in the console")
+
+
+CLASSES = (SDFLIGHTS_OT_culprit_select, SDFLIGHTS_OT_feedback_clear, SDFLIGHTS_PT_feedback)
+
+
+def unregister():
+    _last.clear()

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps follow their text blocks while these are typed: Blender tells nobody of changes of a text."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import parameters
+from .naming import NODE_TREE
+
+_INTERVAL = 0.3  # seconds between looks
+
+_seen: dict[int, int] = {}  # hash of the text by the text block's identity
+
+
+def changed_texts() -> set[int]:
+    """Identities of text blocks that lamps use, whose text is not what it was at the last call."""
+    used = {light.sdf_lamp.text for light in bpy.data.lights if light.sdf_lamp.text is not None}
+    used |= {node.text for tree in bpy.data.node_groups if tree.bl_idname == NODE_TREE
+             for node in tree.nodes if getattr(node, "text", None) is not None}
+    now = {text.session_uid: hash(text.as_string()) for text in used}
+    changed = {uid for uid, text in now.items() if _seen.get(uid, text) != text}
+    _seen.clear()
+    _seen.update(now)
+    return changed
+
+
+def look() -> float:
+    """Updates the lamps whose text has changed."""
+    changed = changed_texts()
+    if changed:
+        for light in bpy.data.lights:
+            text = light.sdf_lamp.text
+            if text is not None and text.session_uid in changed:
+                parameters.update(light)
+                light.update_tag()
+        for tree in bpy.data.node_groups:
+            for node in tree.nodes if tree.bl_idname == NODE_TREE else ():
+                text = getattr(node, "text", None)
+                if text is not None and text.session_uid in changed:
+                    node.match_interface()
+                    tree.update_tag()
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type in {"PROPERTIES", "VIEW_3D", "NODE_EDITOR"}:
+                    area.tag_redraw()
+    return _INTERVAL
+
+
+CLASSES = ()
+
+
+def register():
+    if not bpy.app.background:
+        bpy.app.timers.register(look, first_interval=_INTERVAL, persistent=True)
+
+
+def unregister():
+    if bpy.app.timers.is_registered(look):
+        bpy.app.timers.unregister(look)
+    _seen.clear()

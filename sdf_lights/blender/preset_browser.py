@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The presets as pictures, in the 3D view and in the properties of a light."""
+
+from __future__ import annotations
+
+import bpy
+import bpy.utils.previews
+
+from .context import light_of
+from .naming import ENGINE, LABEL
+from .operators import SDFLIGHTS_OT_lamp_add, SDFLIGHTS_OT_preset_load
+from .presets import presets
+
+_pictures = None
+_items: list[tuple] = []  # Blender keeps no reference to the strings that it shows
+
+
+def items(self=None, context=None) -> list[tuple]:
+    """Items of an EnumProperty with the presets' pictures."""
+    global _pictures
+    if not _items:
+        _pictures = bpy.utils.previews.new()
+        for index, (name, preset) in enumerate(presets().items()):
+            picture = _pictures.load(name, str(preset.picture), "IMAGE")
+            _items.append((name.upper(), preset.title, "", picture.icon_id, index))
+    return _items
+
+
+def draw_browser(layout, context) -> None:
+    """The picture of the chosen preset, which opens all of them, and what can be done with it."""
+    manager = context.window_manager
+    layout.template_icon_view(manager, "sdf_lights_preset", show_labels=True, scale=5.0, scale_popup=4.5)
+    chosen = manager.sdf_lights_preset
+    layout.label(text=presets()[chosen.lower()].title, translate=False)
+    row = layout.row(align=True)
+    operator = row.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text="Add Lamp", icon="ADD")
+    operator.source, operator.preset = "PRESET", chosen
+    if light_of(context) is not None:
+        row.operator(SDFLIGHTS_OT_preset_load.bl_idname, text="Use Here", icon="CHECKMARK").preset = chosen
+
+
+class SDFLIGHTS_PT_presets(bpy.types.Panel):
+    bl_label = "Presets"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = LABEL
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+    def draw(self, context):
+        draw_browser(self.layout, context)
+
+
+CLASSES = (SDFLIGHTS_PT_presets,)
+
+
+def register():
+    bpy.types.WindowManager.sdf_lights_preset = bpy.props.EnumProperty(
+        name="Preset", description="Lamp to start from", items=items)
+
+
+def unregister():
+    global _pictures
+    del bpy.types.WindowManager.sdf_lights_preset
+    _items.clear()
+    if _pictures is not None:
+        bpy.utils.previews.remove(_pictures)
+        _pictures = None

@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps to start from: expressions with a colour and a power, each with a picture. This module imports no bpy."""
+
+from __future__ import annotations
+
+import functools
+import pathlib
+import tomllib
+from typing import NamedTuple
+
+FOLDER = pathlib.Path(__file__).parent
+
+
+class Preset(NamedTuple):
+    """A lamp. ``temperature`` in kelvins, 0 where it has a ``color`` of its own; ``power`` in watts."""
+
+    name: str
+    title: str
+    expression: str
+    power: float
+    temperature: float = 0.0
+    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    @property
+    def picture(self) -> pathlib.Path:
+        return FOLDER / f"{self.name}.png"
+
+
+@functools.cache
+def presets() -> dict[str, Preset]:
+    """Every preset by name, in the order of the file."""
+    with open(FOLDER / "presets.toml", "rb") as file:
+        read = tomllib.load(file)
+    return {name: Preset(name, **about | {"expression": about["expression"].strip(),
+                                          "color": tuple(about.get("color", (1.0, 1.0, 1.0)))})
+            for name, about in read.items()}

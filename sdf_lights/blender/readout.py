@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What there is to know of a lamp's shape, for panels: volume, power, bounds, size. Nothing here may hold up drawing.
+
+What takes longer than a redraw is found once for each shape, by a timer while Blender is idle, and kept.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import time
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ..sdf import formula
+from ..sdf.program import NoClosedForm
+from ..sdf.shapes import BOUND, EXACT, Shape
+
+_POINTS = 1 << 14  # of one round of the estimate of a volume
+_ROUNDS = 8
+_BUDGET = 0.25  # seconds of one estimate
+_REST = 0.15  # seconds without a new shape before one begins: sliders are let go first
+_MOST_KEPT = 64
+
+_EXACTNESS = {EXACT: "exact distance", BOUND: "distance never overestimated"}
+
+
+class Volume(NamedTuple):
+    """Cubic metres in the shape's own space, and its standard error; 0 where it is exact."""
+
+    value: float
+    error: float
+
+
+_found: dict[Shape, Volume] = {}
+_wanted: list[tuple[float, Shape]] = []
+
+
+def volume_of(shape: Shape) -> Volume | None:
+    """The volume; None if it is not known yet: then panels are drawn again when it is."""
+    exact = shape.volume()
+    if exact is not None:
+        return Volume(exact, 0.0)
+    if shape in _found:
+        return _found[shape]
+    if not bpy.app.background:
+        if not _wanted:
+            bpy.app.timers.register(_find, first_interval=_REST)
+        _wanted[:] = [(time.monotonic(), shape)]
+    return None
+
+
+def _find() -> float | None:
+    if not _wanted:
+        return None
+    asked, shape = _wanted[-1]
+    if time.monotonic() - asked < _REST:
+        return _REST
+    _wanted.clear()
+    while len(_found) >= _MOST_KEPT:
+        del _found[next(iter(_found))]
+    _found[shape] = estimate(shape, _BUDGET)
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in {"PROPERTIES", "VIEW_3D"}:
+                area.tag_redraw()
+    return None
+
+
+def estimate(shape: Shape, budget: float) -> Volume:
+    """The share of random points of the bounding box that are inside, from as many as there is time for (seconds)."""
+    low, high = shape.bounds()
+    random, inside, tried, started = np.random.default_rng(0), 0, 0, time.perf_counter()
+    points = _POINTS // 16  # until it is known how long they take
+    for _ in range(_ROUNDS):
+        inside += int((shape.distance(random.uniform(low, high, (points, 3))) <= 0.0).sum())
+        tried += points
+        if (time.perf_counter() - started) * (1.0 + _POINTS / points) > budget:
+            break
+        points = _POINTS
+    share, box = inside / tried, float(np.prod(high - low))
+    return Volume(share * box, math.sqrt(max(share * (1.0 - share), 1.0 / tried) / tried) * box)
+
+
+@functools.lru_cache(maxsize=256)
+def _shape_facts(shape: Shape) -> tuple[str, ...]:
+    try:
+        kind = f"closed form, {len(shape.program())} instructions"
+    except NoClosedForm:
+        kind = f"field, {len(formula.order(shape.formula()))} operations"
+    field = _EXACTNESS.get(shape.exactness, "sign only") if shape.certified else "not certified"
+    parts = "1 part" if shape.size == 1 else f"{shape.size} parts, {shape.depth} deep"
+    return f"Field: {field}", f"Tree: {parts}", f"Rays: {kind}"
+
+
+def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light) -> list[str]:
+    """Lines about a lamp with this shape under a matrix (4 × 4)."""
+    scale = abs(float(np.linalg.det(matrix[:3, :3])))
+    volume = volume_of(shape)
+    lines = ["Volume: …" if volume is None else f"Volume: {volume.value * scale:.4g} m³" if not volume.error
+             else f"Volume: about {volume.value * scale:.3g} m³ ± {_percent(volume)}"]
+    lamp = light.sdf_lamp
+    if lamp.normalize:
+        power = light.energy * 2.0**light.exposure
+    else:
+        power = None if volume is None else 4.0 * math.pi * lamp.density * 2.0**light.exposure * volume.value * scale
+    lines.append("Power: …" if power is None else f"Power: {power:.4g} W")
+    low, high = _bounds(shape, matrix.tobytes())
+    lines.append("Bounds: " + " × ".join(f"{extent:.3g}" for extent in np.maximum(high - low, 0.0)) + " m")
+    return [*lines, *_shape_facts(shape)]
+
+
+@functools.lru_cache(maxsize=256)
+def _bounds(shape: Shape, matrix: bytes):
+    return shape.bounds(np.frombuffer(matrix).reshape(4, 4))
+
+
+def _percent(volume: Volume) -> str:
+    return f"{100.0 * volume.error / volume.value:.1g} %" if volume.value > 0.0 else "?"
+
+
+CLASSES = ()
+
+
+def unregister():
+    if bpy.app.timers.is_registered(_find):
+        bpy.app.timers.unregister(_find)
+    for known in (_found, _wanted):
+        known.clear()
+    _bounds.cache_clear()
+    _shape_facts.cache_clear()

@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adding lamps, presets, and converting lamps to meshes."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from sdf_lights.blender import operators
+from sdf_lights.blender.lamp import shape_of
+from sdf_lights.blender.presets import presets
+from sdf_lights.sdf.expression import evaluate
+
+
+def added():
+    return bpy.context.object
+
+
+@pytest.mark.parametrize("name", presets())
+def test_presets(file, name):
+    preset = presets()[name]
+    assert bpy.ops.sdf_lights.lamp_add(source="PRESET", preset=name.upper()) == {"FINISHED"}
+    light = added().data
+    assert added().name.startswith(preset.title) and light.energy == preset.power
+    assert shape_of(light.sdf_lamp) == evaluate(preset.expression)
+    assert light.use_temperature == (preset.temperature > 0.0)
+    assert preset.picture.is_file() and preset.picture.stat().st_size < 30_000
+    low, high = shape_of(light.sdf_lamp).bounds()
+    assert 0.1 < max(high - low) < 1.5
+
+
+def test_there_are_at_least_twenty_presets():
+    assert len(presets()) >= 20
+
+
+@pytest.mark.parametrize("sweep", ["extrusion", "revolution", "partial_revolution"])
+@pytest.mark.parametrize("name", [item[0] for item in operators.profile_items()])
+def test_profiles(file, name, sweep):
+    assert bpy.ops.sdf_lights.lamp_add(source="PROFILE", profile=name, sweep=sweep.upper()) == {"FINISHED"}
+    light = added().data
+    shape = shape_of(light.sdf_lamp)
+    assert type(shape).name() == sweep and type(shape.profile).name() == name.lower()
+    about = type(shape.profile).fields()[0]
+    assert light.id_properties_ui(f"sdf_{about.name}").as_dict()["description"] == about.description
+
+
+def test_lamps_from_nodes(file):
+    file.scene.cursor.location = (1.0, 2.0, 3.0)
+    assert bpy.ops.sdf_lights.lamp_add(source="NODES") == {"FINISHED"}
+    tree = added().data.sdf_lamp.nodes
+    assert tuple(added().location) == (1.0, 2.0, 3.0) and shape_of(added().data.sdf_lamp) == evaluate("sphere(0.5)")
+    assert bpy.ops.sdf_lights.lamp_add(source="NODES", tree=tree.name) == {"FINISHED"}
+    assert added().data.sdf_lamp.nodes == tree and len(bpy.data.node_groups) == 1
+
+
+def test_undo_and_redo_of_adding(file):
+    bpy.ops.ed.undo_push(message="Before")
+    bpy.ops.sdf_lights.lamp_add(source="PRESET", preset="LAVA")
+    bpy.ops.ed.undo_push(message="After")
+    bpy.ops.ed.undo()
+    assert not bpy.data.lights and not bpy.data.texts
+    bpy.ops.ed.redo()
+    assert len(bpy.data.lights) == 1 and shape_of(bpy.data.lights[0].sdf_lamp) == evaluate(presets()["lava"].expression)
+
+
+def test_duplicates_share_or_copy_the_lamp_as_blender_does(file):
+    bpy.ops.sdf_lights.lamp_add(shape="TORUS")
+    first = added()
+    bpy.ops.object.duplicate(linked=True)
+    assert added() != first and added().data == first.data
+    bpy.ops.object.duplicate(linked=False)
+    assert added().data != first.data
+    added().data.sdf_lamp.torus.major_radius = 2.0
+    assert first.data.sdf_lamp.torus.major_radius == 0.5
+
+
+def test_presets_on_a_lamp_that_is_there(file, add, lamp):
+    data = lamp()
+    bpy.context.view_layer.objects.active = add("Lamp", data)
+    assert bpy.ops.sdf_lights.preset_load(preset="GYROID") == {"FINISHED"}
+    assert data.energy == presets()["gyroid"].power
+    assert shape_of(data.sdf_lamp) == evaluate(presets()["gyroid"].expression)
+
+
+@pytest.mark.parametrize("text", ["sphere(0.5)", "box(0.5, 0.3, 0.2)", "torus(0.5, 0.15) - box(0.3)", "menger_sponge(0.5, 1)"])
+def test_lamps_become_meshes_of_the_same_volume(file, add, lamp, text):
+    data = lamp(power=50.0)
+    data.sdf_lamp.source, data.sdf_lamp.expression = "EXPRESSION", text
+    parent = add("Parent", None, location=(0.0, 1.0, 0.0), scale=(2.0, 2.0, 2.0))
+    obj = add("Glow", data, location=(1.0, 2.0, 3.0), rotation=(0.3, 0.0, 0.0))
+    obj.parent = parent
+    bpy.context.view_layer.update()
+    place = obj.matrix_world.copy()
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    assert bpy.ops.sdf_lights.lamp_to_mesh(resolution=48) == {"FINISHED"}
+    made = added()
+    bpy.context.view_layer.update()
+    assert made.type == "MESH" and made.name == "Glow" and made.parent == parent
+    assert np.allclose(np.array(made.matrix_world), np.array(place))
+    assert not [o for o in file.scene.objects if o.type == "LIGHT"]
+    import bmesh
+
+    solid = bmesh.new()
+    solid.from_mesh(made.data)
+    assert all(edge.is_manifold for edge in solid.edges)
+    shape = evaluate(text)
+    points = np.random.default_rng(2).uniform(*shape.bounds(), (40_000, 3))
+    volume = (shape.distance(points) < 0.0).mean() * np.prod(np.subtract(*shape.bounds()[::-1]))
+    assert solid.calc_volume(signed=True) == pytest.approx(shape.volume() or volume, rel=0.02)
+    solid.free()
+    emission = made.data.materials[0].node_tree.nodes["Emission"]
+    area = 4.0 * sum(face.area for face in made.data.polygons)  # of the parent's scale
+    assert emission.inputs["Strength"].default_value * math.pi * area == pytest.approx(50.0, rel=1e-4)
+
+
+def test_what_is_too_thin_for_a_mesh_says_so(file, add, lamp):
+    data = lamp(shape="TORUS", major_radius=1.0, minor_radius=0.001)
+    obj = add("Thin", data)
+    obj.select_set(True)
+    with pytest.raises(RuntimeError, match="too thin"):
+        bpy.ops.sdf_lights.lamp_to_mesh(resolution=4)
+    assert obj.name in file.scene.objects

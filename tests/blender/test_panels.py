@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What panels tell of lamps: readouts, warnings with their culprit, texts that change; and the arrows of primitives."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from sdf_lights.blender import feedback, gizmos, live_text, parameters, readout
+from sdf_lights.blender.lamp import shape_of
+from sdf_lights.blender.properties import PRIMITIVES
+from sdf_lights.sdf.expression import evaluate
+
+
+@pytest.mark.parametrize("text", ["rotate_x(twist(torus(0.5, 0.2), 90), 30)", "gyroid() & sphere(0.5)", "mandelbulb()"])
+def test_estimates_of_volumes_are_as_good_as_they_say(text):
+    shape = evaluate(text)
+    found = readout.estimate(shape, 0.3)
+    points = np.random.default_rng(9).uniform(*shape.bounds(), (60_000, 3))
+    share = (shape.distance(points) <= 0.0).mean()
+    box = np.prod(np.subtract(*shape.bounds()[::-1]))
+    error = math.hypot(found.error, math.sqrt(share * (1.0 - share) / len(points)) * box)
+    assert found.value == pytest.approx(share * box, abs=4.0 * error)
+
+
+def test_readout(file, lamp):
+    light = lamp(shape="SPHERE", radius=0.5, power=80.0)
+    light.exposure = 1.0
+    lines = readout.facts(shape_of(light.sdf_lamp), np.diag([2.0, 1.0, 1.0, 1.0]), light)
+    assert lines[:3] == ["Volume: 1.047 m³", "Power: 160 W", "Bounds: 2 × 1 × 1 m"]
+    assert lines[3:] == ["Field: exact distance", "Tree: 1 part", "Rays: closed form, 1 instructions"]
+    light.sdf_lamp.normalize, light.sdf_lamp.density = False, 3.0
+    lines = readout.facts(shape_of(light.sdf_lamp), np.eye(4), light)
+    assert lines[1] == f"Power: {4 * math.pi * 6.0 * math.pi / 6:.4g} W"
+
+
+def test_feedback_names_the_culprit(file, add, lamp):
+    broken = lamp("Broken Data")
+    broken.sdf_lamp.source, broken.sdf_lamp.expression = "EXPRESSION", "spere(1)"
+    add("Broken", broken)
+    add("Fine", lamp())
+    found = feedback.of_lamps(file.scene)
+    assert [name for name, _ in found] == ["Broken"] and "did you mean sphere" in found[0][1]
+    assert feedback.culprit("Lamp 'Broken' is left out.") == "Broken"
+    assert feedback.culprit("Light 'Broken Data' is odd.") == "Broken"
+    assert feedback.culprit("Nothing 'Nowhere' here") == ""
+    assert bpy.ops.sdf_lights.culprit_select(name="Broken") == {"FINISHED"}
+    assert bpy.context.object.name == "Broken" and bpy.context.selected_objects == [bpy.context.object]
+
+
+def test_feedback_keeps_what_the_last_render_said(stage, add, lamp, file):
+    broken = lamp()
+    broken.sdf_lamp.source, broken.sdf_lamp.expression = "EXPRESSION", "box("
+    add("Broken", broken)
+    bpy.ops.render.render()
+    said = feedback._last[file.scene.name]
+    assert any("'Broken'" in sentence for sentence in said)
+    assert bpy.ops.sdf_lights.feedback_clear() == {"FINISHED"} and not feedback._last
+
+
+def test_lamps_follow_their_text_while_it_is_typed(file, lamp):
+    light = lamp()
+    text = bpy.data.texts.new("Text")
+    text.write("sphere(0.5)")
+    light.sdf_lamp.source, light.sdf_lamp.text = "EXPRESSION", text
+    live_text.look()
+    text.clear()
+    text.write("size = slider(1, 0.1, 3)\nsphere(size)")
+    assert "sdf_size" not in light.keys()
+    assert live_text.look() > 0.0 and live_text.changed_texts() == set()
+    assert light["sdf_size"] == 1.0 and parameters.declarations(light.sdf_lamp)
+
+
+def test_the_line_of_a_mistake_is_found(file, add, lamp):
+    light = lamp()
+    text = bpy.data.texts.new("Text")
+    text.write("a = 1\nb = 2\nbox(a, spere)\n")
+    light.sdf_lamp.source, light.sdf_lamp.text = "EXPRESSION", text
+    bpy.context.view_layer.objects.active = add("Lamp", light)
+    assert bpy.ops.sdf_lights.expression_show() == {"FINISHED"}
+    assert (text.current_line_index, text.current_character) == (2, 7)
+
+
+@pytest.mark.parametrize("name", PRIMITIVES)
+def test_arrows_are_of_lengths_that_the_shape_has(name):
+    lengths = {about.name: about for about in PRIMITIVES[name].fields() if about.unit == "LENGTH"}
+    listed = gizmos.handles(name)
+    assert listed and {handle.name for handle in listed} <= set(lengths)
+    assert all((handle.component >= 0) == (lengths[handle.name].size == 3) for handle in listed)
+
+
+def test_arrows_of_a_box_end_on_its_faces():
+    assert [(h.component, h.axis, h.factor) for h in gizmos.handles("box")] == [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)]
+    assert [(h.name, h.axis, h.factor) for h in gizmos.handles("cylinder")] == [("radius", 0, 1.0), ("height", 2, 2.0)]
