@@ -15,7 +15,8 @@ OUTPUT = "SDFLIGHTS_Node_output"
 OBJECT = "SDFLIGHTS_Node_object"
 GROUP = "SDFLIGHTS_NodeGroup"
 
-_LINE = 5.6  # pixels of a node's width for a letter of a problem
+_LETTER = 6.6  # pixels of a node's width for a letter of a problem
+_MARGIN = 3  # letters that the icon takes
 
 
 class SDFLIGHTS_NodeTree(bpy.types.NodeTree):
@@ -50,7 +51,7 @@ class LampNode:
         if problem:
             column = layout.column(align=True)
             column.scale_y = 0.8
-            for i, line in enumerate(textwrap.wrap(problem, max(16, int(self.width / _LINE)))):
+            for i, line in enumerate(textwrap.wrap(problem, max(16, int(self.width / _LETTER) - _MARGIN))):
                 column.label(text=line, icon="NONE" if i else "ERROR")
 
     def draw_settings(self, layout):
