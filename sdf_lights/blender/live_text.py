@@ -14,9 +14,15 @@ _INTERVAL = 0.3  # seconds between looks
 _seen: dict[int, int] = {}  # hash of the text by the text block's identity
 
 
+def _texts(light: bpy.types.Light) -> list[bpy.types.Text]:
+    """Text blocks of the lamp's shape and of its emission."""
+    lamp = light.sdf_lamp
+    return [text for text in (lamp.text, lamp.emission.text) if text is not None]
+
+
 def changed_texts() -> set[int]:
     """Identities of text blocks that lamps use, whose text is not what it was at the last call."""
-    used = {light.sdf_lamp.text for light in bpy.data.lights if light.sdf_lamp.text is not None}
+    used = {text for light in bpy.data.lights for text in _texts(light)}
     used |= {node.text for tree in bpy.data.node_groups if tree.bl_idname == NODE_TREE
              for node in tree.nodes if getattr(node, "text", None) is not None}
     now = {text.session_uid: hash(text.as_string()) for text in used}
@@ -31,8 +37,7 @@ def look() -> float:
     changed = changed_texts()
     if changed:
         for light in bpy.data.lights:
-            text = light.sdf_lamp.text
-            if text is not None and text.session_uid in changed:
+            if any(text.session_uid in changed for text in _texts(light)):
                 parameters.update(light)
                 light.update_tag()
         for tree in bpy.data.node_groups:

@@ -79,6 +79,7 @@ def steps():
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     bpy.context.scene.render.engine = "SDF_LIGHTS"
+    bpy.ops.ed.undo_push(message="An empty scene")
     view = areas("VIEW_3D")[0]
     view.spaces.active.show_region_ui = True
     yield
