@@ -72,11 +72,15 @@ def turned(x: float = 0.0, y: float = 0.0, z: float = 0.0, at=(0.0, 0.0, 0.0), s
 
 
 def add_lamp(name: str, expression: str, solid: Solid | None, matrix: Matrix, density: float,
-             color=(1.0, 1.0, 1.0)) -> None:
-    """A lamp of ``density`` W/(sr m³), and the same ``solid`` as a volume, unless there is none."""
+             color=(1.0, 1.0, 1.0), emission: str = "UNIFORM") -> None:
+    """A lamp of ``density`` W/(sr m³), and the same ``solid`` as a volume, unless there is none.
+
+    ``emission`` is the name of a preset; only uniform ones have a volume.
+    """
     light = bpy.data.lights.new(name, "POINT")
     host.set_lamp(light, expression)
     light.sdf_lamp.normalize, light.sdf_lamp.density, light.color = False, density, color
+    light.sdf_lamp.emission.source = emission
     thing = add(name, light, collection=_collection(LAMPS))
     thing.matrix_world = matrix
     if solid is None:
@@ -237,6 +241,20 @@ def _(size: int) -> None:
     expression = ("smooth_union(translate(sphere(0.5), (-0.45, 0, 0)), translate(sphere(0.4), (0.4, 0.1, 0.2)), "
                   "translate(sphere(0.3), (0.1, -0.2, -0.5)), 0.25)")
     add_lamp("Blob", expression, _marched(expression), turned(z=20.0, at=(0.0, 0.2, 1.8)), INTENSITY / 1.0)
+
+
+@_scene("skin", "a torus that glows next to its surface", volumes=False)
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    add_lamp("Skin", "torus(1, 0.35)", None, turned(x=30.0, z=20.0, at=(0.0, 0.0, 1.7)), 0.6 * INTENSITY,
+             emission="SHELL")
+
+
+@_scene("fire", "a flame on the floor, brighter below", volumes=False)
+def _(size: int) -> None:
+    scenes.boxes_and_sphere(size)
+    add_lamp("Fire", "sphere(0.5)", None, turned(at=(-0.3, -0.8, 0.85), scale=(0.7, 0.7, 1.5)), INTENSITY,
+             emission="FLAME")
 
 
 @_scene("bulb", "a Mandelbulb near the floor, of which no mesh is close enough", volumes=False)

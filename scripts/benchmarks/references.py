@@ -81,7 +81,7 @@ def fingerprint() -> str:
                         note(socket.is_linked, tuple(value) if hasattr(value, "__len__") else value)
         elif thing.type == "LIGHT":
             lamp = thing.data.sdf_lamp
-            note(lamp.expression, lamp.density, tuple(thing.data.color))
+            note(lamp.expression, lamp.emission.source, lamp.density, tuple(thing.data.color))
         elif thing.type == "CAMERA":
             note(thing.data.angle, thing.data.clip_start, thing.data.clip_end)
     return digest.hexdigest()
