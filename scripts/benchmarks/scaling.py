@@ -4,8 +4,9 @@
 
 Lamps are spread over the stage and share one power; their sizes shrink so that they fill the same volume. The error is
 the relative variance of a pixel, found from renders with different seeds, which needs no reference: what is unbiased
-has no other error. The time at equal error is read off the curve of error against time, without what a render needs
-before its second sample, which does not grow with the size of a picture.
+has no other error. The time at equal error is that of a sample by the number of samples that the error takes, read off the
+curve of error against samples. What a render needs before its first sample is told by itself: it does not grow with
+the size of a picture.
 """
 
 from __future__ import annotations
@@ -89,8 +90,9 @@ def _variance(renders: list[pictures.Picture]) -> float:
     return errors.rel_variance(pixels.var(axis=0, ddof=1), pixels.mean(axis=0))
 
 
-def measure(build, count: int, size: int, repeats: int, options) -> tuple[float, list[tuple[float, float]]]:
-    """Of a scene: seconds of a render of one sample, and (seconds over these, error) for each number in ``LADDER``."""
+def measure(build, count: int, size: int, repeats: int, options) -> dict:
+    """Of a scene: ``start``, seconds before the first sample; ``each``, seconds of a sample of the whole picture;
+    ``errors`` for each number in ``LADDER``."""
     build(size, count)
     scene = bpy.context.scene
     lamp_scenes.show(volumes=False)
@@ -105,11 +107,12 @@ def measure(build, count: int, size: int, repeats: int, options) -> tuple[float,
 
     render(1, 0)  # compiles, and fills caches
     first = seconds([render(1, seed) for seed in range(repeats)])
-    curve = []
+    found = []
     for samples in LADDER:
         made = [render(samples, seed) for seed in range(repeats)]
-        curve.append((max(seconds(made) - first, 1e-6) * samples / (samples - 1), _variance(made)))
-    return first, curve
+        found.append(_variance(made))
+    each = max((seconds(made) - first) / (LADDER[-1] - 1), 1e-9)
+    return dict(start=first - each, each=each, errors=found)
 
 
 def run(options) -> tuple[dict, list[dict]]:
@@ -120,21 +123,20 @@ def run(options) -> tuple[dict, list[dict]]:
     summary, rows = {}, []
     for name in names:
         build, counts, (most, few) = CURVES[name]
-        curves, first = {}, {}
+        found = {}
         for count in counts:
             progress.show(f"{count} {name}")
-            first[count], curves[count] = parts.of(
+            found[count] = parts.of(
                 f"{count} {name}", functools.partial(measure, build, count, size, repeats, options))
             progress.step()
         # An error that all reach without much extrapolation.
-        level = math.exp(statistics.fmean(math.log(error) for curve in curves.values() for _, error in curve[-2:]))
+        level = math.exp(statistics.fmean(math.log(error) for one in found.values() for error in one["errors"][-2:]))
         times = {}
-        for count, curve in curves.items():
-            times[count] = errors.interpolated([(error, seconds) for seconds, error in curve], level)
-            rows.append(dict(curve=name, count=count, seconds_at_equal_error=times[count], rel_mse=level,
-                             seconds_1=first[count]) | {
-                f"{what}_{samples}": value for samples, pair in zip(LADDER, curve)
-                for what, value in zip(("seconds", "error"), pair)})
+        for count, one in found.items():
+            samples = errors.interpolated(list(zip(one["errors"], LADDER)), level)
+            times[count] = samples * one["each"]
+            rows.append(dict(curve=name, count=count, rel_mse=level, samples=samples, seconds=times[count],
+                             start=one["start"]) | {f"rel_mse_{n}": error for n, error in zip(LADDER, one["errors"])})
         summary[f"time_ratio_{most}_to_{few}_{name}"] = times[most] / times[few]
     parts.finish()
     progress.close()
