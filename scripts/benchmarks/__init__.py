@@ -10,4 +10,19 @@
 (value of ``scene.sdf_lights.device``).
 """
 
+import argparse
+
 NAMES = ("throughput", "startup", "intervals", "estimators", "lamps", "scaling", "viewport")
+
+
+def some_of(known):
+    """Type of an argument that is a list of ``known`` names with commas between."""
+
+    def read(text: str) -> list[str]:
+        names = text.split(",")
+        for name in names:
+            if name not in known:
+                raise argparse.ArgumentTypeError(f"there is no '{name}': choose from {', '.join(known)}")
+        return names
+
+    return read

@@ -20,8 +20,9 @@ import bpy
 import numpy as np
 
 import host
+from sdf_lights.render.settings import LampSampling
 
-from . import errors, lamp_scenes, machine, pictures, references, scenes
+from . import errors, lamp_scenes, machine, pictures, references, scenes, some_of
 from .progress import Progress
 from .resume import Parts
 
@@ -83,9 +84,14 @@ class Method:
 
 
 def arguments(parser) -> None:
-    parser.add_argument("--only", help=f"scenes, with commas between: {', '.join(lamp_scenes.SCENES)}")
-    parser.add_argument("--samplers", default=f"CUT,{PAPER}", help="of SDF Lights; the first is the one that is judged")
-    parser.add_argument("--bounces", default=",".join(map(str, BOUNCES)), help="of light, with commas between")
+    names = lamp_scenes.SCENES
+    parser.add_argument(
+        "--only", type=some_of(names), metavar="SCENES", help=f"with commas between: {', '.join(names)}")
+    samplers = [sampling.value for sampling in LampSampling]
+    parser.add_argument(
+        "--samplers", type=some_of(samplers), default=f"CUT,{PAPER}",
+        help=f"of {', '.join(samplers)}, with commas between; the first is the one that is judged")
+    parser.add_argument("--bounces", type=int, choices=BOUNCES, help="of light; default: each of them")
     parser.add_argument("--no-cycles", dest="cycles", action="store_false", help="compare our samplers alone")
     parser.add_argument("--size", type=int, help="pixels to a side")
     parser.add_argument("--reference-seconds", type=float, help="most time that is spent on one reference")
@@ -130,7 +136,7 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     """One scene, that is open: what is compared at equal time, and rows of all pictures."""
     repeats = options.repeats or (2 if options.quick else 5)
     ladder = (16, 64) if options.quick else (4, 16, 64, 256)
-    samplers = options.samplers.split(",")
+    samplers = options.samplers
     ours = [Method(name, name) for name in samplers]
     with_cycles = options.cycles and lamp_scenes.SCENES[scene].volumes
     denoised = [Method(f"{samplers[0]} denoised", samplers[0], True)] if with_cycles else []
@@ -206,8 +212,8 @@ def _summary(found: list[dict], best: str) -> dict:
 
 
 def run(options) -> tuple[dict, list[dict]]:
-    names = options.only.split(",") if options.only else THE_FIVE if options.quick else list(lamp_scenes.SCENES)
-    bounces = [int(text) for text in options.bounces.split(",")]
+    names = options.only or (THE_FIVE if options.quick else list(lamp_scenes.SCENES))
+    bounces = BOUNCES if options.bounces is None else [options.bounces]
     size = options.size or (128 if options.quick else 256)
     progress, parts = Progress(len(names) * len(bounces)), Parts(options)
     found, rows = [], []
@@ -223,4 +229,4 @@ def run(options) -> tuple[dict, list[dict]]:
         progress.step()
     parts.finish()
     progress.close()
-    return _summary(found, options.samplers.split(",")[0]), [*found, *rows]
+    return _summary(found, options.samplers[0]), [*found, *rows]

@@ -26,6 +26,7 @@ class Parts:
     """Results by the name of a part, of one benchmark with the same ``options`` and the same code."""
 
     def __init__(self, options):
+        # What is measured, not where it is written to.
         given = {name: value for name, value in vars(options).items() if name not in ("json", "out", "modules")}
         key = hashlib.sha256(repr(sorted(given.items())).encode() + _sources()).hexdigest()
         self._path = references.folder() / f"unfinished-{key[:16]}.json"

@@ -20,8 +20,9 @@ import numpy as np
 
 from scenery.materials import Graph
 from scenery.modelling import add
+from sdf_lights.render.settings import LampSampling
 
-from . import errors, lamp_meshes, lamp_scenes, machine, pictures, scenes
+from . import errors, lamp_meshes, lamp_scenes, machine, pictures, scenes, some_of
 from .lamp_scenes import INTENSITY, add_lamp, turned
 from .progress import Progress
 from .resume import Parts
@@ -80,8 +81,9 @@ CURVES = {  # what makes the scene, the numbers, and the two of them whose times
 
 
 def arguments(parser) -> None:
-    parser.add_argument("--curves", default=",".join(CURVES), help="lamps, parts, triangles; with commas between")
-    parser.add_argument("--sampler", default="CUT", help="of SDF Lights")
+    parser.add_argument(
+        "--curves", type=some_of(CURVES), default=",".join(CURVES), help=f"of {', '.join(CURVES)}, with commas between")
+    parser.add_argument("--sampler", choices=[sampling.value for sampling in LampSampling], default="CUT")
 
 
 def _variance(renders: list[pictures.Picture]) -> float:
@@ -118,7 +120,7 @@ def measure(build, count: int, size: int, repeats: int, options) -> dict:
 def run(options) -> tuple[dict, list[dict]]:
     size = 48 if options.quick else 96
     repeats = max(options.repeats or (2 if options.quick else 5), 2)
-    names = options.curves.split(",")
+    names = options.curves
     progress, parts = Progress(sum(len(CURVES[name][1]) for name in names)), Parts(options)
     summary, rows = {}, []
     for name in names:

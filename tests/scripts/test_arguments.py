@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arguments of the benchmarks: what they become, and what is said where they are wrong."""
+
+import pytest
+
+pytest.importorskip("bpy")
+
+import bench  # noqa: E402
+
+
+def test_lists_are_of_known_names():
+    options = bench.parse(["lamps", "--only", "S2,gloss", "--samplers", "MIS,BSDF", "--bounces", "4", "--no-cycles"])
+    assert options.only == ["S2", "gloss"] and options.samplers == ["MIS", "BSDF"]
+    assert options.bounces == 4 and not options.cycles
+
+
+def test_all_has_the_arguments_of_each():
+    options = bench.parse(["all", "--quick"])
+    assert options.samplers == ["CUT", "MIS"] and options.curves == ["lamps", "parts", "triangles"]
+    assert len(options.modules) > 4
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        (["lamps", "--only", "S1,S9"], "there is no 'S9': choose from S1, S2"),
+        (["lamps", "--samplers", "cut"], "there is no 'cut': choose from CUT"),
+        (["scaling", "--curves", "doors"], "there is no 'doors': choose from lamps"),
+    ],
+)
+def test_a_name_that_is_not_known_gets_the_known_ones(arguments, sentence, capsys):
+    with pytest.raises(SystemExit):
+        bench.parse(arguments)
+    assert sentence in capsys.readouterr().err
