@@ -222,11 +222,11 @@ def _(size: int) -> None:
              2.0 * INTENSITY / (0.6**3 * (20.0 / 27.0) ** 3))
 
 
-@_scene("spark", "a lamp of a centimetre, seen from metres away")
+@_scene("spark", "a lamp of a centimetre, metres away, outside the picture")
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
-    add_lamp("Spark", "sphere(0.005)", lamp_meshes.sphere(0.005, 64, 32), turned(at=(-0.4, -0.8, 1.6)),
-             INTENSITY / (4.0 / 3.0 * math.pi * 0.005**3))
+    add_lamp("Spark", "sphere(0.005)", lamp_meshes.sphere(0.005, 64, 32), turned(at=(-2.8, -4.5, 3.0)),
+             3.0 * INTENSITY / (4.0 / 3.0 * math.pi * 0.005**3))
 
 
 @_scene("moon", "a ball 120 m large, half a kilometre away")
