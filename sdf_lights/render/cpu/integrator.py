@@ -433,11 +433,6 @@ def scatter(block, workspace):
     if not block.caustics and path.diffuse > 0 and not kind & DIFFUSE:
         return False
     _count_bounce(block, path, kind)
-    if path.bounce >= FIRST_ROULETTE and not path.last:
-        survival = min(1.0, largest(throughput))
-        if draw1(path.index, path.seed, path.dimension + ROULETTE_SET) >= survival:
-            return False
-        throughput = scale(throughput, 1.0 / survival)
     position = vec(surface.position)
     put(path.throughput, throughput)
     put(path.origin, position)
@@ -448,6 +443,21 @@ def scatter(block, workspace):
     path.pdf = 0.0 if kind & SINGULAR else pdf
     path.narrow = narrow
     path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
+    return True
+
+
+@kernel
+def survives(path):
+    """Russian roulette, by what the path can still carry.
+
+    It comes after the lamps along the ray were gathered: they are half of an estimate whose other half is a light ray.
+    """
+    if path.bounce < FIRST_ROULETTE or path.last:
+        return True
+    survival = min(1.0, largest(vec(path.throughput)))
+    if draw1(path.index, path.seed, path.dimension + ROULETTE_SET) >= survival:
+        return False
+    put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
     return True
 
 
@@ -499,6 +509,8 @@ def trace_path(block, workspace, x, y):
             gather_world(block, workspace)
             return
         path.length = t_to
+        if not survives(path):
+            return
         wo = negate(vec(path.direction))
         find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle)
         if instance_table(block)[surface.instance].holdout:
