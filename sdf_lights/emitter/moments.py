@@ -46,7 +46,7 @@ CELL = np.dtype([
 
 TABLES = {"lamp_cells": CELL}
 
-FILL = 0.7  # interior of a box from which points are drawn without going down to its leaves
+FILL = 0.95  # interior of a box from which points are drawn without going down to its leaves
 # Parts, along each axis, of boxes on the boundary and of full ones, with a sample in each; even.
 SIDES = 6, 0
 GLOW_SIDES = 4, 4  # where the emission varies: there are more boxes then, and samples cost more …

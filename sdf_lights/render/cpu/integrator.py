@@ -299,7 +299,7 @@ def gather_lamps(block, workspace, t_to):
     for lamp in range(block.lamp_count):
         if not lights.visibility(block, lamp) & path.kind or not lamps.crosses(block, lamp, origin, direction, t_to):
             continue
-        count = lamps.trace(block, lamp, origin, direction, spans)
+        count = path.kept_count if path.kept == lamp else lamps.trace(block, lamp, origin, direction, spans)
         if count == 0:
             continue
         u = draw1(path.index, path.seed, path.dimension + EMISSION_SET) if lamps.varies(block, lamp) else 0.5
@@ -311,15 +311,22 @@ def gather_lamps(block, workspace, t_to):
 
 @kernel
 def lamp_reach(block, workspace, path):
-    """Distance at which the path's ray leaves the last lamp that it crosses; 0 if it crosses none."""
+    """Distance at which the path's ray leaves the last lamp that it crosses; 0 if it crosses none.
+
+    The intervals of a single lamp are kept.
+    """
     spans = spans_of(workspace)
     origin, direction = vec(path.origin), vec(path.direction)
-    reach = 0.0
+    reach, crossed = 0.0, 0
     for lamp in range(block.lamp_count):
         if lights.visibility(block, lamp) & path.kind and lamps.crosses(block, lamp, origin, direction, path.t_max):
+            crossed += 1
             count = lamps.trace(block, lamp, origin, direction, spans)
+            path.kept, path.kept_count = lamp, count
             if count > 0:
                 reach = max(reach, spans[count - 1, 0] + spans[count - 1, 1])
+    if crossed > 1:
+        path.kept = -1
     return reach
 
 
@@ -495,6 +502,7 @@ def trace_path(block, workspace, x, y):
     surface = surface_table(workspace)[0]
     start_path(block, workspace, x, y)
     while True:
+        path.kept = -1
         if path.last and not block.emitters_hit:
             path.t_max = min(path.t_max, lamp_reach(block, workspace, path))
             if path.t_max <= path.t_min:
