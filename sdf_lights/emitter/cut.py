@@ -64,6 +64,13 @@ PLACEMENT = np.dtype([
     ("thickness", np.float64),  # m in the world: mean of the boxes' least sides
 ], align=True)
 
+STEP_DOWN = np.dtype([  # what it takes of a cell to choose between it and its sibling, in little memory
+    ("first", np.int32),  # as in CELL; −1 where points are drawn from the cell itself
+    ("axis", np.int32),
+    ("volume", np.float32),
+    ("centroid", np.float32, (3,)),
+], align=True)
+
 BOXES = np.dtype([  # of a region
     ("key", np.uint64),  # hash of lamp, region and normal; 0: nothing is here
     ("count", np.int64),
@@ -101,12 +108,13 @@ CUT = np.dtype([
     ("mass", np.float64, MOST_ENTRIES),  # integral of the density over the boxes that points are drawn from
 ], align=True)
 
-TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL}
+TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL, "lamp_steps": STEP_DOWN}
 WORKSPACE_TABLES = {"lamp_boxes": BOXES, "lamp_cuts": CUT}
 WORKSPACE_COUNTS = {"lamp_boxes": REGIONS, "lamp_cuts": 1}
 
 TOLERANCE = 2e-3  # relative variance of a sample at which boxes are small enough
 LIMIT = MOST_BOXES
+COARSE_TOLERANCE, COARSE_LIMIT = 0.02, 8  # where light has been scattered before
 ATTEMPTS = 4096  # draws of a point in a box before giving up
 LEAST_FILL = 0.02  # interior that a solid box counts as having at least: sampling may have missed it
 FLAT = 0.05  # least density in a box, of that at its centroid
@@ -126,6 +134,7 @@ _PRIMES = tuple(np.uint64(number) for number in (
     0xE7037ED1A0B428DB))
 
 placements = table("lamp_placements", PLACEMENT)
+lamp_steps = table("lamp_steps", STEP_DOWN)
 instructions = table("lamp_instructions", INSTRUCTION)
 
 
@@ -152,7 +161,12 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         leaves = own[own["first"] < 0]
         thickness = np.average((leaves["high"] - leaves["low"]).min(axis=1), weights=leaves["volume"] + 1e-300)
         row["thickness"] = thickness * factor ** (1.0 / 3.0)
-    return {"lamp_placements": placed, "lamp_cells": np.concatenate(parts)}
+    cells = np.concatenate(parts)
+    steps = np.zeros(len(cells), STEP_DOWN)
+    for name in ("axis", "volume", "centroid"):
+        steps[name] = cells[name]
+    steps["first"] = np.where(cells["direct"] != 0, -1, cells["first"])
+    return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps}
 
 
 @kernel
@@ -374,7 +388,8 @@ def _region(block, lamp, place, origin, normal, both, tolerance, limit, store):
           math.floor(origin[2] / step[2] + SHIFT))
     turn = (math.floor(2.0 * normal[0] * unit[0] + 0.5), math.floor(2.0 * normal[1] * unit[1] + 0.5),
             math.floor(2.0 * normal[2] * unit[2] + 0.5))
-    side = np.uint64(turn[0] + 8.0 * turn[1] + 64.0 * turn[2] + 512.0) * np.uint64(2) + np.uint64(both)
+    side = np.uint64(turn[0] + 8.0 * turn[1] + 64.0 * turn[2] + 512.0) * np.uint64(4 * MOST_BOXES) + np.uint64(
+        2 * limit + both)
     key = bits(_whole(at[0]) * _PRIMES[0] + _whole(at[1]) * _PRIMES[1] + _whole(at[2]) * _PRIMES[2]
                + _whole(size * 2.0**40) * _PRIMES[3] + side * _PRIMES[4] + np.uint64(lamp) * _PRIMES[5]) | np.uint64(1)
     slot = np.int64(key >> np.uint64(1)) & (len(store) - 1)
@@ -484,13 +499,16 @@ def _draw(block, lamp, place, boxes, cut, cells, u):
     index = boxes.cell[k]
     origin = vec(cut.origin)
     low, high = sub(_corner(boxes, k), origin), sub(_far_corner(boxes, k), origin)
-    if cells[index].direct == 0:
-        while cells[index].direct == 0:
-            first = cells[index].first
-            a, b = cells[first], cells[first + 1]
-            index = first + _choose(part, cells[index].axis,
-                                    a.volume * (base + dot(slope, sub(vec(a.centroid), origin))),
-                                    b.volume * (base + dot(slope, sub(vec(b.centroid), origin))))
+    steps = lamp_steps(block)[place.first_cell:]
+    first = steps[index].first if boxes.solid[k] == 0 else -1
+    if first >= 0:
+        base_there = base - dot(slope, origin)
+        while first >= 0:
+            a, b = steps[first], steps[first + 1]
+            index = first + _choose(part, steps[index].axis,
+                                    a.volume * (base_there + dot(slope, vec(a.centroid))),
+                                    b.volume * (base_there + dot(slope, vec(b.centroid))))
+            first = steps[index].first
         low, high = sub(vec(cells[index].low), origin), sub(vec(cells[index].high), origin)
     u1, u2, u3 = part[0], part[1], part[2]
     state = seeded(u[0], u[1], u[2])

@@ -182,7 +182,10 @@ def prepare_lamp(block, workspace, lamp, x, n, both):
     """Make the workspace's cut that of the lamp for the point x with normal n."""
     cut = cut_table(workspace)[0]
     if block.lamp_cuts:
-        cuts.prepare(block, lamp, x, n, both, cuts.TOLERANCE, cuts.LIMIT, box_table(workspace), cut)
+        coarse = path_table(workspace)[0].scattered > 0
+        tolerance = cuts.COARSE_TOLERANCE if coarse else cuts.TOLERANCE
+        limit = cuts.COARSE_LIMIT if coarse else cuts.LIMIT
+        cuts.prepare(block, lamp, x, n, both, tolerance, limit, box_table(workspace), cut)
     else:
         cut.lamp, cut.slot, cut.beta = lamp, -1, block.lamp_beta
 
@@ -226,7 +229,7 @@ def light_vertex(block, workspace):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
-    path.both = int(transmits(workspace))
+    path.both, path.scattered = int(transmits(workspace)), path.bounce
     cut_table(workspace)[0].lamp = -1
     u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
     emitter, chance, u0 = lights.select(block, x, n, u[0])
