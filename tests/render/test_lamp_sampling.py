@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every way of sampling lamps gives the same picture, and cuts give it with the least noise."""
+
+import numpy as np
+import pytest
+
+from sdf_lights.render import session
+from sdf_lights.render.scene import Ray
+from sdf_lights.render.settings import LampSampling
+from sdf_lights.sdf import shapes
+
+from tests.scenes import SCENES, add, material, rotation, scaling, torus_lamp, translation
+
+WIDTH, HEIGHT, BLOCK = 32, 24, 8
+RENDERS = 64
+
+# Projection alone has no finite variance where a surface is next to a lamp, or in it.
+BESIDE = {"inside_lamp", "two_sided"}
+
+
+def two_sided(width, height):
+    """A translucent sheet with a lamp on either side of it, next to one of them."""
+    scene = SCENES["torus_room"](width, height)
+    add(scene, 0, translation(0.0, 0.0, 1.45) @ rotation("x", 20.0) @ scaling(0.7, 0.7, 1.0),
+        material("translucent", color=(0.8, 0.7, 0.5)))
+    scene.lamps.append(torus_lamp(z=0.9, power=20.0))
+    return scene
+
+
+def hidden(width, height):
+    """A lamp that rays scattered by glossy surfaces do not see."""
+    scene = SCENES["glossy_metal"](width, height)
+    for lamp in scene.lamps:
+        lamp.visibility = Ray.ALL & ~Ray.GLOSSY
+    return scene
+
+
+BUILDERS = {name: SCENES[name] for name in ("torus_room", "frame_lamp", "inside_lamp")}
+BUILDERS |= {"two_sided": two_sided, "hidden": hidden}
+
+
+def _render(name, sampling, samples, seed, bounces=2):
+    scene = BUILDERS[name](WIDTH, HEIGHT)
+    scene.settings.lamp_sampling, scene.settings.samples, scene.settings.seed = sampling, samples, seed
+    scene.settings.max_bounces = bounces
+    return session.render(scene, ("Combined",)).read("Combined")[:, :, :3].astype(float).mean(axis=2)
+
+
+def _blocks(picture):
+    return picture.reshape(HEIGHT // BLOCK, BLOCK, WIDTH // BLOCK, BLOCK).mean(axis=(1, 3)).ravel()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BUILDERS)
+def test_unbiased(name):
+    """64 renders of a single sample, by blocks of 8 × 8 pixels: within 4 standard errors of what many samples give.
+
+    Of the 12 blocks of 5 scenes and 3 or 4 samplings that is exceeded by chance once in 80 runs with other seeds.
+    """
+    reference = [_blocks(_render(name, LampSampling.MIS, 256, 1000 + seed)) for seed in range(4)]
+    truth, doubt = np.mean(reference, axis=0), np.std(reference, axis=0, ddof=1) / 2.0
+    for sampling in LampSampling:
+        if sampling == LampSampling.PROJECTION and name in BESIDE or sampling == LampSampling.BSDF and name == "hidden":
+            continue
+        found = [_blocks(_render(name, sampling, 1, seed)) for seed in range(RENDERS)]
+        error = np.hypot(np.std(found, axis=0, ddof=1) / np.sqrt(RENDERS), doubt)
+        deviation = (np.mean(found, axis=0) - truth) / error
+        assert np.abs(deviation).max() < 4.0, (sampling, deviation.round(1))
+
+
+@pytest.mark.parametrize("name, gain", [("torus_room", 3.0), ("frame_lamp", 3.0), ("inside_lamp", 1.2)])
+def test_cuts_are_less_noisy(name, gain):
+    """Direct light, 16 samples: the median square difference of two renders; edges of objects are as noisy for both."""
+    def noise(sampling):
+        pairs = [[_render(name, sampling, 16, 2 * pair + which, bounces=0) for which in range(2)] for pair in range(4)]
+        return np.median([(a - b) ** 2 for a, b in pairs])
+
+    assert noise(LampSampling.CUT) * gain < noise(LampSampling.MIS)
+
+
+def test_the_picture_does_not_depend_on_threads():
+    """Boxes that a thread has found before are those that it would find again."""
+    pictures = []
+    for threads in (1, 3):
+        scene = SCENES["field_lamps"](WIDTH, HEIGHT)
+        scene.settings.samples, scene.settings.threads = 4, threads
+        pictures.append(session.render(scene, ("Combined",)).read("Combined"))
+    assert np.array_equal(*pictures)
