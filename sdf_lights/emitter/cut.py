@@ -32,6 +32,7 @@ known to be. Boxes next to the point that is lit are solid, so errors of volumes
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -44,7 +45,7 @@ from . import interior, moments
 from .fields import lamp_lists, value
 from .hashing import bits, following, seeded, uniform_point
 from .interior import INSIDE
-from .lamps import CLOSED, PRIMITIVE, BuiltLamp, direction_pdf, lamps, sample_direction
+from .lamps import CLOSED, PRIMITIVE, BuiltLamp, direction_pdf, lamps, sample_direction, volume_of
 from .membership import contains
 from .moments import CELL, lamp_cells
 
@@ -69,6 +70,7 @@ STEP_DOWN = np.dtype([  # what it takes of a cell to choose between it and its s
     ("axis", np.int32),
     ("volume", np.float32),
     ("centroid", np.float32, (3,)),
+    ("rough", np.float32),  # relative variance of the emission in the cell
 ], align=True)
 
 BOXES = np.dtype([  # of a region
@@ -83,6 +85,7 @@ BOXES = np.dtype([  # of a region
     ("extent", np.float64, MOST_BOXES),  # m² in the world: mean square distance from the centroid
     ("volume", np.float64, MOST_BOXES),  # of what is accepted
     ("fill", np.float64, MOST_BOXES),  # light that a unit of the accepted volume gives
+    ("rough", np.float64, MOST_BOXES),  # relative variance of the emission in the box
     ("priority", np.float64, MOST_BOXES),  # contribution to the variance
     ("cell", np.int64, MOST_BOXES),  # index in the lamp's cells
     ("solid", np.int64, MOST_BOXES),
@@ -117,6 +120,7 @@ LIMIT = MOST_BOXES
 COARSE_TOLERANCE, COARSE_LIMIT = 0.02, 8  # where light has been scattered before
 ATTEMPTS = 4096  # draws of a point in a box before giving up
 LEAST_FILL = 0.02  # interior that a solid box counts as having at least: sampling may have missed it
+LEAST_BRIGHT = 0.02  # emission that a box counts as having at least, of the mean: it was estimated
 FLAT = 0.05  # least density in a box, of that at its centroid
 SOFT = 0.8  # makes the mean over a ball round the point that is lit right
 SURROUNDED_BETA = 3.0
@@ -138,6 +142,26 @@ lamp_steps = table("lamp_steps", STEP_DOWN)
 instructions = table("lamp_instructions", INSTRUCTION)
 
 
+@functools.lru_cache(maxsize=32)
+def uniform_cells(shape) -> np.ndarray:
+    """``moments.cells`` of a shape."""
+    return moments.cells(interior.tree(shape), volume_of(shape)[0])
+
+
+@kernel
+def roughness(cells, out):
+    """Relative variance of the emission in each cell, as far as it differs between the leaves below."""
+    second = np.zeros(len(cells))
+    for index in range(len(cells) - 1, -1, -1):
+        cell = cells[index]
+        if cell.first < 0:
+            second[index] = cell.mass * cell.mass / cell.volume if cell.volume > 0.0 else 0.0
+        else:
+            second[index] = second[cell.first] + second[cell.first + 1]
+        square = cell.mass * cell.mass
+        out[index] = max(second[index] * cell.volume / square - 1.0, 0.0) if square > 0.0 else 0.0
+
+
 def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     """Tables of ``TABLES`` for lamps that were built from ``sources``: anything with a ``shape`` and a ``matrix``."""
     placed, parts, used, first = np.zeros(len(built), PLACEMENT), [np.zeros(0, CELL)], 0, {}
@@ -145,17 +169,17 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
         tree = interior.tree(shape)
         factor = abs(float(np.linalg.det(matrix[:3, :3])))
-        if shape not in first:
-            first[shape] = used, len(parts)
-            parts.append(moments.cells(tree, float(lamp.row["volume"][0]) / factor))
-            used += len(parts[-1])
+        own = uniform_cells(shape) if lamp.emission is None else lamp.emission.weighed.cells
+        if id(own) not in first:
+            first[id(own)] = used
+            parts.append(own)
+            used += len(own)
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
-        row["first_cell"], row["factor"] = first[shape][0], factor
+        row["first_cell"], row["factor"] = first[id(own)], factor
         row["matrix"], row["inverse"] = to_world[:3], np.linalg.inv(to_world)[:3]
         row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]
         row["unit"] = 1.0 / np.sqrt(row["metric"].diagonal())
-        own = parts[first[shape][1]]
         row["extent"] = row["metric"].diagonal() @ own["spread"][0]
         row["centroid"] = to_world[:3, :3] @ own["centroid"][0] + to_world[:3, 3]
         leaves = own[own["first"] < 0]
@@ -166,6 +190,8 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     for name in ("axis", "volume", "centroid"):
         steps[name] = cells[name]
     steps["first"] = np.where(cells["direct"] != 0, -1, cells["first"])
+    for part, start in zip(parts[1:], first.values()):
+        roughness(part, steps["rough"][start:start + len(part)])
     return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps}
 
 
@@ -197,7 +223,7 @@ def _rank(boxes, k, metric, origin, normal, blur, splits):
     ratio = boxes.extent[k] / max(square, 1e-300)
     inverse = 1.0 / max(square + SOFT * boxes.extent[k] * min(ratio, 1.0), 1e-300)
     weight = boxes.volume[k] * boxes.fill[k] * (height * math.sqrt(inverse) + AMBIENT) * inverse
-    boxes.priority[k] = weight * (min(1.2 * ratio * ratio, 1.5) + waste) if splits else 0.0
+    boxes.priority[k] = weight * (min(1.2 * ratio * ratio, 1.5) + waste + boxes.rough[k]) if splits else 0.0
     return weight
 
 
@@ -215,7 +241,7 @@ def _solid(boxes, k, metric, fill):
 
 
 @kernel
-def _put(boxes, k, entry, metric, cells, index):
+def _put(boxes, k, entry, metric, cells, steps, index):
     """Make a cell of the tree box k, below ``entry``. Returns whether it can be divided."""
     cell = cells[index]
     boxes.cell[k], boxes.entry[k] = index, entry
@@ -224,10 +250,12 @@ def _put(boxes, k, entry, metric, cells, index):
     for axis in range(3):
         boxes.low[axis, k], boxes.high[axis, k] = cell.low[axis], cell.high[axis]
         size *= cell.high[axis] - cell.low[axis]
+    bright = max(cell.mass / cell.volume, LEAST_BRIGHT) if cell.volume > 0.0 else 1.0
+    boxes.rough[k] = steps[index].rough
     if cell.first < 0:
-        _solid(boxes, k, metric, max(cell.volume / size, LEAST_FILL))
+        _solid(boxes, k, metric, bright * max(cell.volume / size, LEAST_FILL))
         return cell.state == INSIDE
-    boxes.solid[k], boxes.fill[k], boxes.volume[k] = 0, 1.0, cell.volume
+    boxes.solid[k], boxes.fill[k], boxes.volume[k] = 0, bright, cell.volume
     boxes.extent[k] = 0.0
     for axis in range(3):
         boxes.centroid[axis, k] = cell.centroid[axis]
@@ -248,7 +276,7 @@ def _halve(boxes, k, other, entry, metric):
     middle = 0.5 * (boxes.low[axis, k] + boxes.high[axis, k])
     boxes.high[axis, k] = boxes.low[axis, other] = middle
     boxes.axis[boxes.entry[k]] = axis
-    boxes.cell[other] = boxes.cell[k]
+    boxes.cell[other], boxes.rough[other] = boxes.cell[k], boxes.rough[k]
     boxes.first[entry] = boxes.first[entry + 1] = -1
     boxes.box[entry], boxes.box[entry + 1] = k, other
     boxes.entry[k], boxes.entry[other] = entry, entry + 1
@@ -262,11 +290,11 @@ def _divide(block, place, origin, normal, blur, tolerance, limit, boxes):
 
     Boxes are divided until the relative variance that is expected is below ``tolerance``.
     """
-    cells = lamp_cells(block)[place.first_cell:]
+    cells, steps = lamp_cells(block)[place.first_cell:], lamp_steps(block)[place.first_cell:]
     metric = place.metric
     weight = stack_array(MOST_BOXES)
     boxes.count = boxes.entries = 1
-    splits = _put(boxes, 0, 0, metric, cells, 0)
+    splits = _put(boxes, 0, 0, metric, cells, steps, 0)
     weight[0] = _rank(boxes, 0, metric, origin, normal, blur, splits)
     while True:
         total, left, worst, most = 0.0, 0.0, 0, -1.0
@@ -288,8 +316,8 @@ def _divide(block, place, origin, normal, blur, tolerance, limit, boxes):
             first = second = True
         else:
             boxes.axis[boxes.entry[worst]] = cell.axis
-            first = _put(boxes, worst, entry, metric, cells, cell.first)
-            second = _put(boxes, other, entry + 1, metric, cells, cell.first + 1)
+            first = _put(boxes, worst, entry, metric, cells, steps, cell.first)
+            second = _put(boxes, other, entry + 1, metric, cells, steps, cell.first + 1)
         weight[worst] = _rank(boxes, worst, metric, origin, normal, blur, first)
         weight[other] = _rank(boxes, other, metric, origin, normal, blur, second)
 

@@ -159,7 +159,7 @@ def build_lamp(name: str, shape, matrix: np.ndarray, power: float = 10.0, densit
         tight_low, tight_high = tree.bounds(matrix)
         low, high = np.maximum(low, tight_low), np.minimum(high, tight_high)
         _check_bounds(name, low, high)
-    local_volume, error = _volume(shape)
+    local_volume, error = volume_of(shape)
     volume = local_volume * abs(float(np.linalg.det(matrix[:3, :3])))
     if not (volume > 0.0 and math.isfinite(volume)):
         raise LampError(f"Lamp “{name}”: {EMPTY}")
@@ -228,7 +228,7 @@ def _place_tree(row: np.ndarray, tree: Tree, matrix: np.ndarray) -> np.ndarray:
 def measured(shape, emission: Emission) -> Measured:
     """An emission that varies, in a valid shape."""
     compiled = compile_emission(emission, shape)
-    weighed = moments.weigh(interior.tree(shape), _volume(shape)[0], compiled)
+    weighed = moments.weigh(interior.tree(shape), volume_of(shape)[0], compiled)
     return Measured(compiled, weighed, try_rays(shape, compiled.placed))
 
 
@@ -284,7 +284,7 @@ def _check_emission(name: str, power: float, density: float | None, color: np.nd
 
 
 @functools.lru_cache(maxsize=256)
-def _volume(shape) -> tuple[float, float]:
+def volume_of(shape) -> tuple[float, float]:
     """Volume of a shape in its own space, and a bound on its error."""
     exact = shape.volume()
     if exact is not None:

@@ -86,7 +86,7 @@ def lamp():
 @pytest.mark.parametrize("shape", SHAPES)
 def test_cells_add_up(shape):
     """The moments of the root are those of the shape; children divide their parents."""
-    volume = lamps._volume(SHAPES[shape])[0]
+    volume = lamps.volume_of(SHAPES[shape])[0]
     cells = moments.cells(tree(SHAPES[shape]), volume)
     assert cells["volume"][0] == pytest.approx(volume, rel=1e-12)
     inner = cells[cells["first"] >= 0]

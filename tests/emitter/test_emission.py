@@ -91,7 +91,7 @@ def test_a_spot_is_found():
 @pytest.mark.parametrize("shape", [Sphere(R), Torus(0.7, 0.2), BoxFrame((0.6, 0.5, 0.4), 0.08), FIELDS["blob"]], ids=str)
 def test_cells_follow_the_emission(shape):
     """Masses are those of the emission, divide their parents', and come to the volume."""
-    volume = lamps._volume(shape)[0]
+    volume = lamps.volume_of(shape)[0]
     cells = lamps.measured(shape, emission("exp(4 * p.x) * (1 + 0.5 * sin(20 * p.y))")).weighed.cells
     assert cells["mass"][0] == pytest.approx(volume, rel=1e-9) and cells["volume"][0] == pytest.approx(volume, rel=1e-9)
     inner = cells[cells["first"] >= 0]
