@@ -177,9 +177,13 @@ def test_lamps_have_the_intervals_of_the_field(name, rays):
     lamp = Lamps(lamps.build_lamp(name, shape, np.eye(4)))
     assert lamp.row["kind"] == lamps.CLOSED and lamp.row["direct"]
     origins, directions = rays(shape, np.random.default_rng(4), 200)
+    truth = oracle.find(shape, origins, directions)
+    complete = truth.complete  # a march along a face may take too many steps
+    origins, directions, truth = origins[complete], directions[complete], oracle.Crossings(*(x[complete] for x in truth))
+    assert len(origins) > 60
     spans = [lamp.trace(o, d) for o, d in zip(origins, directions)]
     verdict = oracle.judge(shape, origins, directions, np.array([len(rows) for rows in spans]),
-                           np.array([2.0 * rows[:, 1].sum() for rows in spans]), oracle.find(shape, origins, directions))
+                           np.array([2.0 * rows[:, 1].sum() for rows in spans]), truth)
     assert verdict.wrong == 0.0 and verdict.below < 0.01
     assert verdict.length_error < 1e-6
 
