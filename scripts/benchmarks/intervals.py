@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether rays find every entry and exit, at what cost, and how the cost grows with the number of parts.
+"""Whether rays find every entry and exit, at what cost, how that grows with the number of parts, and how long trees take.
 
 Every shape and every hard case of the tests is traced as a lamp is, and judged by the tests' oracle: a march of its own
 through the whole formula, in steps 100 times finer than those of a coarse march. The published rule and plain sphere
@@ -29,7 +29,9 @@ QUICK_RAYS = 20_000
 COARSE = 1e-3  # shortest step of a march, relative to the shape's size
 MARCHED = 1000  # rays of each case that the other rules march along too
 SIZES = (1, 3, 10, 30, 100, 300, 1000)
-TURNS = 5
+SIZE_OF_10 = 0.42  # of primitives in a cube of half size 1
+SPREADS = {"as many on a ray": -1.0 / 2.0, "as dense": -1.0 / 3.0}  # exponents of the number
+TURNS = 3
 
 
 def _cases(quick: bool) -> dict:
@@ -43,13 +45,13 @@ def _cases(quick: bool) -> dict:
 
 
 def _seconds(function, turns: int):
-    """Result of a function, and the median of the processor seconds that it takes."""
+    """Result of a function, and the median of the processor seconds that it takes, after a turn that does not count."""
     taken = []
-    for _ in range(turns):
-        started = time.process_time()
+    for _ in range(turns + 1):
+        started = time.thread_time()
         result = function()
-        taken.append(time.process_time() - started)
-    return result, statistics.median(taken)
+        taken.append(time.thread_time() - started)
+    return result, statistics.median(taken[1:])
 
 
 def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict:
@@ -91,7 +93,11 @@ def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict
 
 
 def growth(turns: int, count: int) -> list[dict]:
-    """Cost of a ray through n primitives spread in space, sharp and smooth: they all are traced in turn."""
+    """Cost of a ray through n primitives spread in a cube, sharp and smooth: they all are traced in turn.
+
+    From 10 on they get smaller as n^(-1/2), so that a ray meets as many of them, or as n^(-1/3), so that they fill as
+    much of the cube, and a ray meets more and more of them.
+    """
     from tests.emitter.hard_cases import scattered, towards
     from tests.emitter.rays import Traced
 
@@ -99,22 +105,46 @@ def growth(turns: int, count: int) -> list[dict]:
     directions = rng.normal(size=(count, 3))
     origins = 4.0 * directions / np.linalg.norm(directions, axis=1, keepdims=True)
     origins, directions = towards(origins, rng.uniform(-1.0, 1.0, (count, 3)))
-    built = {(smooth, n): Traced(scattered(n, smooth=smooth)) for smooth in (False, True) for n in SIZES}
-    seconds = {key: [] for key in built}
+    keys = [(spread, smooth, n) for spread in SPREADS for smooth in (False, True) for n in SIZES]
+    built = {(spread, smooth, n): Traced(scattered(n, smooth=smooth, size=SIZE_OF_10 * (0.1 * n) ** SPREADS[spread]))
+             for spread, smooth, n in keys}
+    seconds = {key: [] for key in keys}
+    intervals, evaluations = {}, {}
     for _ in range(turns + 1):
         for key, traced in built.items():
-            started = time.process_time()
-            traced.trace(origins, directions)
-            seconds[key].append(time.process_time() - started)
-    return [dict(operation="smooth union" if smooth else "union", primitives=n,
-                 ns_per_ray=1e9 * statistics.median(seconds[smooth, n][1:]) / count,
-                 rows_in_the_longest_list_of_a_leaf=_longest(traced.tree))
-            for (smooth, n), traced in built.items()]
+            started = time.thread_time()
+            found = traced.trace(origins, directions)
+            seconds[key].append(time.thread_time() - started)
+            intervals[key], evaluations[key] = found[:, 0].mean(), found[:, 3].mean()
+    return [dict(spread=key[0], operation="smooth union" if key[1] else "union", primitives=key[2],
+                 ns_per_ray=1e9 * statistics.median(seconds[key][1:]) / count, intervals=float(intervals[key]),
+                 evaluations=float(evaluations[key]))
+            for key in keys]
 
 
-def _longest(tree) -> int:
-    leaves = tree.nodes[tree.nodes["first"] < 0]
-    return int(leaves["row_count"].max())
+def builds(turns: int) -> list[dict]:
+    """Processor seconds to make a lamp of each shape, when its formula is compiled: the tree, its bounds, the volume."""
+    from sdf_lights.emitter import interior, lamps
+    from sdf_lights.sdf.examples import examples
+    from sdf_lights.sdf.expression import Expression
+    from sdf_lights.sdf.shapes import fractals, orbits
+    from tests.emitter.hard_cases import scattered
+    from tests.sdf.samples import PRIMITIVES
+
+    fractal = {name for name, shape in PRIMITIVES.items() if type(shape).__module__ in (fractals.__name__, orbits.__name__)}
+    kinds = [("fractal" if name in fractal else "primitive", name, lambda shape=shape: shape)
+             for name, shape in PRIMITIVES.items() if shape.bounded]
+    kinds += [("20 primitives", f"{operation} of 20", lambda smooth=smooth: scattered(20, smooth=smooth))
+              for operation, smooth in (("union", False), ("smooth union", True))]
+    kinds += [("example", name, Expression(example.text).shape) for name, example in examples().items()]
+
+    def build(shape):
+        interior.tree.cache_clear()
+        lamps._volume.cache_clear()
+        return lamps.build_lamp("Lamp", shape(), np.eye(4))
+
+    return [dict(kind=kind, built=name, build_seconds=_seconds(lambda: build(shape), turns)[1])
+            for kind, name, shape in kinds]
 
 
 def run(options) -> tuple[dict, list[dict]]:
@@ -133,12 +163,21 @@ def run(options) -> tuple[dict, list[dict]]:
     def ratio(rule: str) -> float:
         return math.exp(statistics.fmean(math.log(row[f"{rule}_evaluations"] / row["evaluations"]) for row in smooth))
 
+    def slowest(kind: str) -> float:
+        return max(row["build_seconds"] for row in built if row["kind"] == kind)
+
     missed = [row["wrong"] for row in rows if row["published_wrong"] > 0.0 and row["certified"]]
-    curve = growth(turns, 1000 if options.quick else 10_000)
-    cost = {(row["operation"], row["primitives"]): row["ns_per_ray"] for row in curve}
+    curve, built = growth(turns, 1000 if options.quick else 10_000), builds(turns)
+    cost = {(row["spread"], row["operation"], row["primitives"]): row["ns_per_ray"] for row in curve}
+
+    def growth_of(spread: str) -> float:
+        return max(cost[spread, kind, 1000] / cost[spread, kind, 10] for kind in ("union", "smooth union"))
+
     summary = dict(
         rays_certified=sum(row["rays"] for row in sure),
         wrong_crossing_fraction_certified=sum(row["wrong"] * row["rays"] for row in sure) / sum(
+            row["rays"] for row in sure),
+        too_fine_to_judge_fraction_certified=sum(row["too_fine_to_judge"] * row["rays"] for row in sure) / sum(
             row["rays"] for row in sure),
         wrong_crossing_fraction_not_certified=max((row["wrong"] for row in rows if not row["certified"]), default=0.0),
         wrong_crossing_fraction_where_published_misses=max(missed, default=0.0),
@@ -146,5 +185,8 @@ def run(options) -> tuple[dict, list[dict]]:
         evaluations_ratio_paper_to_ours=ratio("published"),
         evaluations_ratio_coarse_paper_to_ours=ratio("published_coarse"),
         evaluations_ratio_spheres_to_ours=ratio("spheres"),
-        cost_ratio_1000_to_10_nodes=max(cost[kind, 1000] / cost[kind, 10] for kind in ("union", "smooth union")))
-    return summary, rows + curve
+        cost_ratio_1000_to_10_nodes=growth_of("as many on a ray"),
+        cost_ratio_1000_to_10_nodes_as_dense=growth_of("as dense"),
+        build_seconds_primitive=slowest("primitive"), build_seconds_20_primitives=slowest("20 primitives"),
+        build_seconds_fractal=slowest("fractal"), build_seconds_example=slowest("example"))
+    return summary, rows + curve + built

@@ -45,7 +45,7 @@ PRECISION = 1e-12  # of a zero, relative to the lamp's size
 ENOUGH = 0.01  # of the precision that the last step in a bracket, which is not checked, may be expected to miss
 STEEP = 0.1  # part of its greatest rate at which a field between two values is taken for a straight line
 PAIRS = 2  # of places in a gap that are evaluated at once, where lanes are free
-PATIENCE = 1024  # rounds, and sixteen more for each entry at the start, before the tolerance grows …
+PATIENCE = 16384  # rounds, and sixteen more for each entry at the start, before the tolerance grows …
 GROWTH = 1.25  # … by this factor a round
 LAST = 200  # rounds after which what is left is counted as it is
 

@@ -20,11 +20,10 @@ from .cover import (
     AT_END, COLUMNS, END, FALL, OPEN, PENDING, PENDING_SIZE, PRECISION, RESOLUTION, RISE, SIGN, UNKNOWN, add, cover,
     insert)
 from .fields import STACK, lamp_lists
-from .interior import BOUNDARY, INSIDE, lamp_nodes
+from .interior import BOUNDARY, INSIDE, SHORT_PROGRAM, lamp_nodes
 from .intervals import solve
 
 WAITING = 2 * 64  # float64 for the boxes that wait on the way down a tree, which never is deeper than 64
-SHORT_PROGRAM = 4  # rows of a list of instructions that is not worth smaller boxes
 SHORT_FIELD = 13  # rows of a list of terms that is not worth smaller boxes where the field is monotonic along the ray
 TOGETHER = PENDING // 4  # boxes of a field that are taken together at most
 
@@ -74,10 +73,10 @@ def walk(block, row, o, d, start, end, spans):
     closed, limit = row.instruction_count > 0, row.rows
     speed = length(d)
     size = length((row.high[0], row.high[1], row.high[2])) / speed
-    ray, waiting = stack_array(6), stack_array(WAITING)
+    ray, waiting = stack_array(9), stack_array(WAITING)
     pending, stack = stack_array(PENDING_SIZE), stack_array(STACK)
     for axis in range(3):
-        ray[axis], ray[3 + axis] = o[axis], d[axis]
+        ray[axis], ray[3 + axis], ray[6 + axis] = o[axis], d[axis], 1.0 / d[axis]
 
     # ``value`` is that of the field at the end of the last box, or its sign; unknown until ``pending`` is covered.
     value, found, unresolved, evaluations = SIGN, 0, 0.0, 0
@@ -103,7 +102,7 @@ def walk(block, row, o, d, start, end, spans):
             if rate == 0.0:
                 index = node.first + (0 if position < node.split else 1)
                 continue
-            crossing = (node.split - position) / rate
+            crossing = (node.split - position) * ray[6 + axis]
             near = 0 if rate > 0.0 else 1
             if crossing >= high:
                 index = node.first + near

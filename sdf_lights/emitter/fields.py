@@ -121,7 +121,7 @@ def compile_terms(terms: list[Term]) -> CompiledField:
     return CompiledField(
         source=tuple(terms), terms=rows, parameters=np.concatenate(parameters), cares=_cares(terms), gains=gains,
         operations=np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs]),
-        costs=np.array([10.0 + 1.5 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs]),
+        costs=np.array([10.0 + 0.7 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs]),
         depth=depth, code=tuple(dict.fromkeys(code)))
 
 

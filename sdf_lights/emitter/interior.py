@@ -62,6 +62,9 @@ ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
 MOST_LEVELS = 60  # of nodes below one another
 SLOPES = 32  # measured in a box of whose field no Lipschitz bound is found
 STEPS = 64.0  # across a box in which the field has no value somewhere, for the greatest of its values to come to zero
+SHORT_PROGRAM = 4  # rows of a list of instructions that rays have no smaller boxes for
+PLANES = 7  # along each axis that a box with more than that may be cut along
+FACE = 0.7  # of what a cut along a flat face leaves to do counts, as the face is then done with
 CASES = 4  # that a box may be taken apart into for it
 BOUNDS_WORK = 150_000  # operations of formulas times boxes, to find Lipschitz bounds of boxes
 KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
@@ -72,6 +75,13 @@ lamp_nodes = table("lamp_nodes", NODE)
 @kernel
 def _volume(box):
     return (box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2])
+
+
+@kernel
+def _area(box):
+    """Half of the surface of a box."""
+    x, y, z = box[3] - box[0], box[4] - box[1], box[5] - box[2]
+    return x * y + y * z + z * x
 
 
 @kernel
@@ -312,6 +322,41 @@ def _pruned(program, lists, node, box, out, starts):
 
 
 @kernel
+def _work(program, lists, nodes, boxes, index, axis, position, place, out, starts):
+    """What a cut leaves to do for a ray that meets the box: the sum of the areas of both parts times what matters
+    there. Rows of ``boxes`` from ``place`` are scratch."""
+    _halve(boxes, index, axis, position, place)
+    work = 0.0
+    for side in range(2):
+        count, _, _ = _pruned(program, lists, nodes[index], boxes[place + side], out, starts)
+        work += count * _area(boxes[place + side])
+    return work
+
+
+@kernel
+def _best_plane(program, lists, nodes, boxes, index, place, shortest, axis, position, out, starts):
+    """Axis and position of the plane that a box is cut along where much matters in it. Sides below ``shortest`` are not
+    cut, and −1 is the axis if all are; ``axis`` and ``position`` are those of a flat face, if there is one.
+
+    A ray that meets a box meets a part of it with a chance in proportion to its area, and there has to do with what
+    matters in it (J. D. MacDonald and K. S. Booth, "Heuristics for ray tracing using space subdivision", 1990).
+    """
+    best, best_axis, best_position = math.inf, axis, position
+    if axis >= 0:
+        best = FACE * _work(program, lists, nodes, boxes, index, axis, position, place, out, starts)
+    for k in range(3):
+        low, size = boxes[index, k], boxes[index, 3 + k] - boxes[index, k]
+        if size < shortest:
+            continue
+        for step in range(1, PLANES + 1):
+            cut = low + size * step / (PLANES + 1)
+            work = _work(program, lists, nodes, boxes, index, k, cut, place, out, starts)
+            if work < best:
+                best, best_axis, best_position = work, k, cut
+    return best_axis, best_position
+
+
+@kernel
 def _best_axis(program, lists, nodes, boxes, index, place, out, starts):
     """Axis whose halves are certain, or else the longest one. Rows of ``boxes`` from ``place`` are scratch."""
     longest = _longest(boxes[index])[0]
@@ -329,8 +374,9 @@ def _best_axis(program, lists, nodes, boxes, index, place, out, starts):
 
 @kernel
 def grow_program(program, nodes, boxes, levels, lists, known, used, mass, smallest):
-    """Divide the boxes of a program's tree in two, the largest first: along a flat face where there is one, else in the
-    middle of the axis that makes the most volume certain. Arguments as of ``grow_field``."""
+    """Divide the boxes of a program's tree in two, in turn: where that leaves rays little to do if much matters in a
+    box, else along a flat face where there is one, else in the middle of the axis that makes the most volume certain.
+    Arguments as of ``grow_field``."""
     out, starts = np.empty(len(program), LIST), np.empty(DEEPEST, np.int64)
     index = 0
     while index < used[0] and used[0] + 2 <= len(nodes):
@@ -342,6 +388,9 @@ def grow_program(program, nodes, boxes, levels, lists, known, used, mass, smalle
         if used[1] + 2 * node.row_count > len(lists):
             return
         axis, position = _flat_face(program, lists, node, box)
+        if node.row_count > SHORT_PROGRAM:
+            axis, position = _best_plane(
+                program, lists, nodes, boxes, parent, used[0], smallest / PLANES, axis, position, out, starts)
         if axis < 0:
             axis = _best_axis(program, lists, nodes, boxes, parent, used[0], out, starts)
             position = _middle(box, axis)

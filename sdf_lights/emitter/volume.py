@@ -3,10 +3,9 @@
 """Volume of a shape from its interior tree: full boxes exactly, jittered points where the surface is.
 
 The leaves on the boundary are divided further, without being kept. Parts that turn out to be empty or full count
-exactly; what is left is sampled, one point in each eighth of each part, until all parts are of about the same size. The
-error falls in proportion to the number of
-evaluations, where that of jittered points in the whole bounding box falls with its 2/3rd power, since nothing is
-spent where the surface is not.
+exactly; what is left is sampled, one point in each eighth of each part, where all parts are of about the same size. The
+error falls in proportion to the number of evaluations, where that of jittered points in the whole bounding box falls
+with its 2/3rd power, since nothing is spent where the surface is not. So a trial tells how much work an error needs.
 
 The estimate is unbiased. Its variance is made of the differences of neighbouring points, which also hold what their
 surroundings differ by, so it errs on the large side.
@@ -27,11 +26,11 @@ from .membership import classify, contains
 
 SAFETY = 4.0  # standard errors that the stated bound is made of
 ACCURACY = 2e-4  # relative bound on the error at which it is good enough
-BUDGET = 3e7  # rough ns that the last of the divisions may take …
-POOR, LARGER = 2e-3, 8.0  # … or so many times more, while the relative bound is worse than this
+BUDGET = 2.5e7  # rough ns that the estimate may take …
+POOR, LARGER = 3e-3, 4.0  # … or so many times more, where the relative bound would be worse than this
+TRIAL = 0.1  # of the budget, for a trial
 OVERHEAD = 100.0  # rough ns of an evaluation, besides the field
-PROGRAM_COST = 400.0  # rough ns for each instruction of a list, for LANES boxes
-FINER = 4.0  # ratio of the volumes of parts from one round to the next; work on a surface grows with its 2/3rd power
+PROGRAM_COST = 800.0  # rough ns for each instruction of a list, for LANES boxes
 MOST_DIVISIONS = 16  # of each leaf
 SEED = 1
 
@@ -144,18 +143,40 @@ def measure(tree: Tree) -> Volume:
     certain = float(sizes[tree.inside].sum())
     if not len(leaves):
         return Volume(certain, 0.0, certain, certain)
-    terms, parameters = tree.arrays
     costs = _costs(tree, leaves)
-    coarsest = sizes[leaves].max()
-    while True:
+
+    def estimate(work: float) -> tuple[Volume, float]:
+        """The volume, and the work that it took: about as much as is asked for, but no leaf is left out."""
         full, unsure, inside, variance, calls = sample(
-            tree.program, terms, parameters, tree.nodes, tree.lists, tree.boxes, leaves, coarsest, SEED)
-        value, error = certain + full + inside, SAFETY * math.sqrt(variance)
-        budget = BUDGET if error <= POOR * value else LARGER * BUDGET
-        if error <= ACCURACY * value or FINER ** (2.0 / 3.0) * float(calls @ costs) > budget:
-            break
-        coarsest /= FINER
-    return Volume(value, error, certain + full, certain + full + unsure)
+            tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, leaves, _coarsest(sizes[leaves], costs, work),
+            SEED)
+        found = Volume(certain + full + inside, SAFETY * math.sqrt(variance), certain + full, certain + full + unsure)
+        return found, float(calls @ costs)
+
+    found, work = estimate(TRIAL * BUDGET)
+    if found.error <= ACCURACY * found.value:
+        return found
+
+    def needed(accuracy: float) -> float:
+        return work * found.error / (accuracy * found.value) if found.value > 0.0 else math.inf
+
+    return estimate(min(needed(ACCURACY), max(BUDGET, min(needed(POOR), LARGER * BUDGET))))[0]
+
+
+def _coarsest(sizes: np.ndarray, costs: np.ndarray, work: float) -> float:
+    """Volume of parts of leaves of ``sizes`` at which at most ``work`` is done, if that is possible.
+
+    Of the eight parts that a division makes of a box, the surface enters about four.
+    """
+    low, high = sizes.max() * float(LANES) ** -MOST_DIVISIONS, sizes.max()
+    for _ in range(40):
+        middle = math.sqrt(low * high)
+        divisions = np.maximum(np.ceil(np.log(sizes / middle) / math.log(LANES)), 0.0)
+        if costs @ 4.0**divisions > work:
+            low = middle
+        else:
+            high = middle
+    return high
 
 
 def _costs(tree: Tree, leaves: np.ndarray) -> np.ndarray:

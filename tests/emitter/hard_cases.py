@@ -117,11 +117,11 @@ class Case:
 SLABS = Union(*(Transformed(Box((half, 2.0, 2.0)), moved(x)) for x, half in ((-1.0, 0.03), (-0.45, 0.4), (0.45, 0.4))))
 
 
-def scattered(n: int, seed: int = 0, smooth: bool = True, space: float = 1.0) -> Shape:
-    """n primitives in a cube of half size ``space``, as large as leaves them some room."""
+def scattered(n: int, seed: int = 0, smooth: bool = True, space: float = 1.0, size: float | None = None) -> Shape:
+    """n primitives, about as large as ``size``, in a cube of half size ``space``; by default that leaves them some room."""
     rng = np.random.default_rng(seed)
     kinds = (Sphere(0.5), Torus(0.5, 0.2), Box((0.4, 0.3, 0.2)), Capsule(0.2, 0.6), Cylinder(0.4, 0.5), Cone(0.5, 0.8))
-    size = 0.9 * space * n ** (-1.0 / 3.0)
+    size = 0.9 * space * n ** (-1.0 / 3.0) if size is None else size
     parts = []
     for index in range(n):
         place = moved(*rng.uniform(-space, space, 3)) @ turned(rng.uniform(0, 7), rng.integers(3)) @ turned(

@@ -94,7 +94,7 @@ class Mandelbulb(Orbital):
 
     radius: float = number(0.5, "Radius of the ball that the shape just fits into")
     power: float = number(8.0, "Exponent n", unit="NONE", minimum=2.0, maximum=32.0, soft_maximum=16.0)
-    rounds: float = rounds(5.0)
+    rounds: float = rounds(4.0)
 
     @property
     def certified(self) -> bool:
