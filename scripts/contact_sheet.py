@@ -108,12 +108,21 @@ def picture(shape: Shape, color, width: int, height: int, samples: int) -> np.nd
 def _caption(text: str, width: int) -> np.ndarray:
     buffer = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(width, CAPTION, 3, OpenImageIO.FLOAT))
     OpenImageIO.ImageBufAlgo.fill(buffer, (0.09, 0.09, 0.10))
+    size = next((size for size in range(12, 7, -1) if _width(text, size) < width), 7)
     OpenImageIO.ImageBufAlgo.render_text(
-        buffer, width // 2, CAPTION // 2, text, 12, "", (0.85, 0.85, 0.85), alignx="center", aligny="center")
+        buffer, width // 2, CAPTION - 6, text, size, "", (0.85, 0.85, 0.85), alignx="center", aligny="baseline")
     return buffer.get_pixels(OpenImageIO.FLOAT)
 
 
+def _width(text: str, size: int) -> int:
+    """Pixels that a line of text takes."""
+    region = OpenImageIO.ImageBufAlgo.text_size(text, size)
+    return region.xend - region.xbegin
+
+
 def _sheet(cells: list[np.ndarray], columns: int) -> np.ndarray:
+    """One picture of all cells, in rows of at most ``columns``, as even as they can be."""
+    columns = -(-len(cells) // -(-len(cells) // columns))
     cells = cells + [np.full_like(cells[0], 0.09)] * (-len(cells) % columns)
     rows = [np.concatenate(cells[i:i + columns], axis=1) for i in range(0, len(cells), columns)]
     return np.concatenate(rows, axis=0)
@@ -133,7 +142,7 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("names", nargs="*", metavar="SHEET", help="shapes, fractals or examples; default: all three")
     parser.add_argument("--samples", type=int, default=12, help="samples per pixel (12)")
     parser.add_argument("--size", type=int, default=112, help="width of one picture in pixels (112)")
-    parser.add_argument("--columns", type=int, default=10, help="pictures side by side (10)")
+    parser.add_argument("--columns", type=int, default=10, help="most pictures side by side (10)")
     parser.add_argument("--out", type=pathlib.Path, default=REPOSITORY / "docs" / "images", help="folder (docs/images)")
     options = parser.parse_args(arguments)
     known = sheets()

@@ -34,6 +34,13 @@ def _mixed(a: Formula, b: Formula, share: Formula) -> Formula:
     return a + (b - a) * share
 
 
+def _fade(u: Formula) -> Formula:
+    """u³ (6 u² − 15 u + 10), which has no slope and no bend at 0 and 1; from the middle, where bounds of it are tighter."""
+    v = u - 0.5
+    square = v * v
+    return v * (15.0 / 8.0 - square * (5.0 - square * 6.0)) + 0.5
+
+
 def value_noise(p: Vector, seed: Formula | float = 0.0) -> Formula:
     """Noise between −1 and 1 on a lattice of spacing 1, with a continuous second derivative.
 
@@ -42,7 +49,7 @@ def value_noise(p: Vector, seed: Formula | float = 0.0) -> Formula:
     pairs, triples = (tuple(itertools.product((0, 1), repeat=count)) for count in (2, 3))
     cell = Vector(*(apply("floor", x) for x in p))
     inside = p - cell
-    fade = Vector(*(u * u * u * (u * (u * 6.0 - 15.0) + 10.0) for u in inside))
+    fade = Vector(*map(_fade, inside))
     start = [_remainder(x) for x in cell]
     # Next to the last point of the period is the first one.
     after = [_remainder(x + 1.0) for x in start]
