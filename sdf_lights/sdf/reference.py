@@ -138,7 +138,6 @@ def reference_page() -> str:
             parts += _entries(of_group) if group in _GROUPED else map(_entry, of_group)
     parts.append("## Examples\n")
     parts.append("They are in the menu Load Example of a lamp.\n")
-    parts.append("![Worked examples as lamps](images/examples.png)\n")
     parts += _texts(examples())
     parts += [_EMISSION, *_texts(presets())]
     return "\n".join(parts).rstrip("\n") + "\n"
