@@ -543,7 +543,9 @@ def _draw(block, lamp, place, boxes, cut, cells, u):
     q = (0.0, 0.0, 0.0)
     for _ in range(ATTEMPTS):
         q = _point(low, high, base, slope, u1, u2, u3)
-        if boxes.solid[k] or cells[index].state == INSIDE or found_inside(block, lamp, place, cells[index], add(q, origin)):
+        if boxes.solid[k] or cells[index].state == INSIDE:
+            return q
+        if found_inside(block, lamp, place, cells[index], add(q, origin)):
             return q
         state = following(state)
         u1, u2, u3 = uniform_point(state)

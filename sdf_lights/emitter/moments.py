@@ -49,6 +49,8 @@ TABLES = {"lamp_cells": CELL}
 FILL = 0.95  # interior of a box from which points are drawn without going down to its leaves
 # Parts, along each axis, of boxes on the boundary and of full ones, with a sample in each; even.
 SIDES = 6, 0
+COARSE_SIDES = 4, 0  # where the leaves are not …
+FEW = 2000
 GLOW_SIDES = 4, 4  # where the emission varies: there are more boxes then, and samples cost more …
 TRIAL_SIDES = 2, 4  # … and to find out where it does
 COARSEST = 1.0 / 8.0  # greatest leaf, of the longest side of the whole box, where the emission varies
@@ -322,7 +324,8 @@ def weigh(tree: Tree, volume: float, emission: CompiledEmission | None) -> Weigh
     totals = np.zeros((used + room, SUMS))
     offset, state = tuple(tree.center.tolist()), np.uint64(1)
     if emission is None:
-        sample_leaves(*arrays, (0, 0), offset, SIDES, nodes, boxes, totals, 0, used, state)
+        leaves = np.count_nonzero((tree.nodes["first"] < 0) & (tree.nodes["state"] == BOUNDARY))
+        sample_leaves(*arrays, (0, 0), offset, SIDES if leaves < FEW else COARSE_SIDES, nodes, boxes, totals, 0, used, state)
     else:
         glow = emission.address, emission.parameters.ctypes.data
         used, state = divide(*arrays, glow, offset, TRIAL_SIDES, nodes, boxes, totals, used, state)
