@@ -30,8 +30,8 @@ def _menu_of(node: type) -> str:
     function = node.function
     shape = SHAPES.get(function.name) if function.makes_shape else None
     if shape is not None:
-        title = category(shape)
-        return f"{'Combine' if function.variadic else 'Operators' if function.group == 'Operators' else 'Shapes'}/{title}"
+        kind = "Combine" if function.variadic else "Operators" if function.group == "Operators" else "Shapes"
+        return f"{kind}/{category(shape)}"
     if function.group in ("Fields", MATHEMATICS, POINTS, COLOURS):
         return {"Fields": "Fields", MATHEMATICS: "Math", POINTS: "Points", COLOURS: "Colours"}[function.group]
     return function.group

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a node tree to its shape: nodes are written as lines of the expression language, and the language evaluates them.
+"""From a node tree to its shape: nodes are written as lines of the expression language, which evaluates them.
 
 So a node means what its word means, with the same checks and limits, and a tree can be read as text. A line is a syntax
 tree; it is never printed and parsed on the way to a shape. Groups are written as often as they are used, reroutes and
@@ -510,7 +510,8 @@ def _renamed(line: Line, names: Mapping[str, ast.expr]) -> list[ast.stmt]:
               if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
     clash = min(stored & called & set(FUNCTIONS), default="")
     if clash:  # which of the two is meant depends on the value
-        raise RenderError(f"In its nodes, an expression gives {clash} a value, which is a word too: choose another name.")
+        raise RenderError(
+            f"In its nodes, an expression gives {clash} a value, which is a word too: choose another name.")
 
     class Rename(ast.NodeTransformer):
         def visit_Name(self, node):

@@ -161,7 +161,8 @@ class SDFLIGHTS_Node_expression(ValueNode, bpy.types.Node):
         for declaration in expression.parameters:
             socket = there.get(declaration.name)
             if socket is None:  # the text has changed since
-                value = writer.literal(declaration.default > 0.5 if declaration.kind == "toggle" else declaration.default)
+                value = writer.literal(
+                    declaration.default > 0.5 if declaration.kind == "toggle" else declaration.default)
             else:
                 value = writer.needed(socket)
                 value = writer.degrees(value) if declaration.kind == "angle" else value

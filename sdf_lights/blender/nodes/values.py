@@ -333,8 +333,8 @@ class SDFLIGHTS_Node_field(ValueNode, bpy.types.Node):
     value_bounds: bpy.props.FloatVectorProperty(
         name="Bounds", description="Half of the size of the box along x, y and z", size=3, subtype="XYZ",
         default=(1.0, 1.0, 1.0), min=0.0, precision=3, update=tag)
-    use_bounds: bpy.props.BoolProperty(name="Bounds", description="Cut the shape to a box", update=lambda self, context: (
-        self.bounds_changed()))
+    use_bounds: bpy.props.BoolProperty(
+        name="Bounds", description="Cut the shape to a box", update=lambda self, context: self.bounds_changed())
 
     def init(self, context):
         super().init(context)

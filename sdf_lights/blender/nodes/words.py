@@ -3,8 +3,8 @@
 """A node for each word of the expression language: every shape, profile, operator, fractal and function.
 
 They are made from the words: an input for each argument, with the limits, unit, default and tooltip that the shape's
-parameter has. Words of vectors and the field of a shape have nodes of another form, in ``values``; colour ramps have none, as shapes have
-no colours.
+parameter has. Words of vectors and the field of a shape have nodes of another form, in ``values``; colour ramps have
+none, as shapes have no colours.
 """
 
 from __future__ import annotations
@@ -67,8 +67,9 @@ def _described(argument: Argument) -> Parameter:
         default = (default,) * 3 if vector else 0.0
     label = argument.name.replace("_", " ").title()
     unit = "LENGTH" if argument.name == "offset" else "ANGLE" if argument.kind in ("angle", "angles") else "NONE"
-    return Parameter(argument.name, label, f"{label} where nothing is connected", unit, default, -LARGEST, LARGEST, 10.0,
-                     3 if vector else 1, False)
+    description = f"{label} where nothing is connected"
+    return Parameter(
+        argument.name, label, description, unit, default, -LARGEST, LARGEST, 10.0, 3 if vector else 1, False)
 
 
 class _WordNode(LampNode):

@@ -47,7 +47,7 @@ def new_tree(name: str) -> tuple[bpy.types.NodeTree, bpy.types.Node]:
 
 
 def tree_of(name: str, text: str) -> bpy.types.NodeTree:
-    """A new node tree that says the same shape as an expression. Raises ``ExpressionError`` if that does not say one."""
+    """A new node tree that says the same shape as an expression. Raises ``ExpressionError`` if that says none."""
     syntax = parse(text)
     recorder = _Recorder()
     recorder.remarks = syntax.remarks
