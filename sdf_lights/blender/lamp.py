@@ -23,7 +23,7 @@ def _expression_shape(text: str, values: tuple) -> Shape:
     expression = parameters.parsed(text)
     try:
         if isinstance(expression, ExpressionError):
-            raise expression
+            raise expression.with_traceback(None)  # or it would remember every call
         return expression.shape(dict(values))
     except ExpressionError as error:
         raise RenderError(f"In its expression: {error}") from error
@@ -58,7 +58,7 @@ def _emission(text: str, values: tuple) -> Emission:
     expression = emission.parsed(text)
     try:
         if isinstance(expression, ExpressionError):
-            raise expression
+            raise expression.with_traceback(None)  # or it would remember every call
         return expression.emission(dict(values))
     except ExpressionError as error:
         raise RenderError(f"In its emission: {error}") from error

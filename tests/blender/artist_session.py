@@ -123,7 +123,7 @@ def steps():
     text = bpy.data.texts.new("Expression")
     text.write("size = slider(0.5, 0.1, 2)  # half of the size\nbox(size) - spere(1.3 * size)\n")
     lamp().source, lamp().text = "EXPRESSION", text
-    areas("DOPESHEET_EDITOR")[0].type = "TEXT_EDITOR"
+    areas("PROPERTIES")[0].type = "TEXT_EDITOR"
     yield
     with override(view):
         bpy.ops.sdf_lights.expression_show()
