@@ -140,7 +140,7 @@ def builds(turns: int) -> list[dict]:
 
     def build(shape):
         interior.tree.cache_clear()
-        lamps._volume.cache_clear()
+        lamps.volume_of.cache_clear()
         return lamps.build_lamp("Lamp", shape(), np.eye(4))
 
     return [dict(kind=kind, built=name, build_seconds=_seconds(lambda: build(shape), turns)[1])
