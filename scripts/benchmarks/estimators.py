@@ -15,7 +15,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from sdf_lights.emitter import baselines
-from sdf_lights.emitter.baselines import DIMENSIONS, EVEN, TORUS_SHELL, LampBlock, Technique
+from sdf_lights.emitter.baselines import DIMENSIONS, EVEN, SHELL_EMISSION, LampBlock, Technique
 from sdf_lights.sdf.shapes import Box, BoxFrame, Difference, Sphere, Torus, Transformed
 from sdf_lights.sdf.shapes.blends import SmoothUnion
 from sdf_lights.sdf.shapes.fractals import MengerSponge
@@ -40,26 +40,28 @@ BLOB = SmoothUnion(Transformed(Sphere(0.4), _moved(-0.4, 0.0, 0.0)), Transformed
                    radius=0.3)
 MENGER = MengerSponge(0.5, 3.0)
 
+AT_POINTS = (Technique.POINT, Technique.RIS, Technique.RADIAL)  # for emission that is the same everywhere
+
 CASES = (  # name, group, shape, point, normal, emission
-    ("torus, above", "far", TORUS, (0.4, 0.2, 1.6), DOWN, EVEN),
-    ("torus, inside", "inside", TORUS, (1.0, 0.0, 0.1), DOWN, EVEN),
-    ("torus, above, shell", "varying", TORUS, (0.4, 0.2, 1.6), DOWN, TORUS_SHELL),
-    ("torus, inside, shell", "varying", TORUS, (1.0, 0.0, 0.1), DOWN, TORUS_SHELL),
-    ("torus, on the surface", "inside", TORUS, (1.0, 0.0, 0.3501), DOWN, EVEN),
-    ("torus, 0.25 above", "near", TORUS, (1.0, 0.0, 0.6), DOWN, EVEN),
-    ("torus, z = 10", "far", TORUS, (0.4, 0.2, 10.0), DOWN, EVEN),
-    ("torus, 0.01 below its top", "inside", TORUS, (1.0, 0.0, 0.34), DOWN, EVEN),
-    ("frame, above", "thin", FRAME, (0.3, 0.2, 1.2), DOWN, EVEN),
-    ("frame, 0.1 from a bar", "near", FRAME, (0.6, 0.1, 0.5), DOWN, EVEN),
-    ("frame, centre", "thin", FRAME, (0.0, 0.0, 0.0), (0.0, 0.287, 0.958), EVEN),
-    ("notched torus, above", "far", CSG, (0.4, 0.2, 1.6), DOWN, EVEN),
-    ("notched torus, near", "near", CSG, (0.0, 1.0, 0.6), DOWN, EVEN),
-    ("shell, above", "thin", SHELL, (0.2, 0.1, 1.5), DOWN, EVEN),
-    ("shell, near", "thin", SHELL, (0.0, 0.0, 0.9), DOWN, EVEN),
-    ("blob, above", "far", BLOB, (0.1, 0.2, 1.2), DOWN, EVEN),
-    ("blob, near", "near", BLOB, (-0.4, 0.0, 0.5), DOWN, EVEN),
-    ("Menger sponge, above", "far", MENGER, (0.1, 0.2, 1.3), DOWN, EVEN),
-    ("Menger sponge, near", "near", MENGER, (0.1, 0.2, 0.6), DOWN, EVEN),
+    ("torus, above", "far", TORUS, (0.4, 0.2, 1.6), DOWN, None),
+    ("torus, inside", "inside", TORUS, (1.0, 0.0, 0.1), DOWN, None),
+    ("torus, above, shell", "varying", TORUS, (0.4, 0.2, 1.6), DOWN, SHELL_EMISSION),
+    ("torus, inside, shell", "varying", TORUS, (1.0, 0.0, 0.1), DOWN, SHELL_EMISSION),
+    ("torus, on the surface", "inside", TORUS, (1.0, 0.0, 0.3501), DOWN, None),
+    ("torus, 0.25 above", "near", TORUS, (1.0, 0.0, 0.6), DOWN, None),
+    ("torus, z = 10", "far", TORUS, (0.4, 0.2, 10.0), DOWN, None),
+    ("torus, 0.01 below its top", "inside", TORUS, (1.0, 0.0, 0.34), DOWN, None),
+    ("frame, above", "thin", FRAME, (0.3, 0.2, 1.2), DOWN, None),
+    ("frame, 0.1 from a bar", "near", FRAME, (0.6, 0.1, 0.5), DOWN, None),
+    ("frame, centre", "thin", FRAME, (0.0, 0.0, 0.0), (0.0, 0.287, 0.958), None),
+    ("notched torus, above", "far", CSG, (0.4, 0.2, 1.6), DOWN, None),
+    ("notched torus, near", "near", CSG, (0.0, 1.0, 0.6), DOWN, None),
+    ("shell, above", "thin", SHELL, (0.2, 0.1, 1.5), DOWN, None),
+    ("shell, near", "thin", SHELL, (0.0, 0.0, 0.9), DOWN, None),
+    ("blob, above", "far", BLOB, (0.1, 0.2, 1.2), DOWN, None),
+    ("blob, near", "near", BLOB, (-0.4, 0.0, 0.5), DOWN, None),
+    ("Menger sponge, above", "far", MENGER, (0.1, 0.2, 1.3), DOWN, None),
+    ("Menger sponge, near", "near", MENGER, (0.1, 0.2, 0.6), DOWN, None),
 )
 
 
@@ -87,12 +89,14 @@ def run(options) -> tuple[dict, list[dict]]:
     count, repeats = (1000, 2) if options.quick else (4000, options.repeats or 5)
     plain = np.random.default_rng(2).random((len(numbers), DIMENSIONS))
     rows, gains, blocks = [], {}, {}
-    for name, group, shape, x, n, shell in CASES:
-        block = blocks.setdefault(shape, LampBlock(shape, np.eye(4)))
+    for name, group, shape, x, n, emission in CASES:
+        if (shape, emission) not in blocks:
+            blocks[shape, emission] = LampBlock(shape, np.eye(4), emission=emission)
+        block, shell = blocks[shape, emission], EVEN
         n = np.asarray(n) / np.linalg.norm(n)
         found, spent = {}, {}
         for technique in Technique:
-            if technique == Technique.RADIAL and shell != EVEN:
+            if technique in AT_POINTS and emission is not None:
                 continue
             found[technique] = baselines.values(technique, block.blocks, 0, x, n, numbers, shell)[0]
             spent[technique] = _time(technique, block, x, n, shell, repeats, count)

@@ -20,13 +20,14 @@ from types import SimpleNamespace
 import numpy as np
 
 from ..jit import block_dtype, fill_table, kernel
+from ..sdf.emission import Emission, EmissionExpression
 from ..vec import add, dot, frame, madd, normalize, sub, to_world, vec
 from . import cut as cuts
 from .cut import BOXES, CUT, REGIONS
 from .hashing import following, seeded, uniform_point
 from .lamps import (
-    SCALARS, TABLES, build_lamp, direction_pdf, interior_point, lamps, new_spans, pack_lamps, pack_scalars,
-    sample_direction, trace)
+    SCALARS, TABLES, build_lamp, direction_pdf, interior_point, lamps, new_spans, pack_lamps, pack_scalars, radiance,
+    sample_direction, trace, varies)
 from .points import disk_point
 from .primitives import box_span
 
@@ -39,6 +40,7 @@ RADIAL = 1.3  # see ``radial``
 
 EVEN = (1.0, 0.0, 1.0, 0.0)
 TORUS_SHELL = (3.2, 3.0 / 0.35, 1.0, 0.35)  # the published check's emission that varies
+SHELL_EMISSION = EmissionExpression("3.2 * exp(-3 / 0.35 * depth)").emission()  # the same, inside that torus
 
 
 @kernel
@@ -53,7 +55,9 @@ def profile(x, shell):
 
 @kernel
 def _radiance(block, lamp, x, d, spans, count, u, shell):
-    """Unbiased estimate of L from one point in each interval."""
+    """Unbiased estimate of L, for a ``shell`` from one point in each interval."""
+    if varies(block, lamp):
+        return radiance(block, lamp, x, d, spans, count, 0.0, np.inf, u)[0]
     total = 0.0
     for index in range(count):
         c, h = spans[index, 0], spans[index, 1]
@@ -284,11 +288,17 @@ def _values(technique, blocks, lamp, x, n, numbers, spans, shell, store, cut, to
 
 
 class LampBlock:
-    """A lamp of ``power`` in watts in a block of its own, with the tables that all techniques need."""
+    """A lamp of ``power`` in watts in a block of its own, with the tables that all techniques need.
 
-    def __init__(self, shape, matrix: np.ndarray, power: float = 4.0 * math.pi):
-        self.built = build_lamp("lamp", shape, matrix, power=power)
-        self.tables = {**pack_lamps([self.built]), **cuts.pack_cuts([self.built], [SimpleNamespace(shape=shape, matrix=matrix)])}
+    Of one whose ``emission`` varies, the line integral is that of the renderer. The ``shell`` that estimators are given
+    must be ``EVEN`` then, and those that ask for the emission at a point cannot be used.
+    """
+
+    def __init__(self, shape, matrix: np.ndarray, power: float = 4.0 * math.pi, emission: Emission | None = None):
+        self.built = build_lamp("lamp", shape, matrix, power=power, emission=emission)
+        self.tables = {
+            **pack_lamps([self.built]),
+            **cuts.pack_cuts([self.built], [SimpleNamespace(shape=shape, matrix=matrix)])}
         self.blocks = np.zeros(1, BLOCK)
         for name, array in self.tables.items():
             fill_table(self.blocks, name, array)
