@@ -150,24 +150,6 @@ def combined(block, lamp, x, n, u, spans, shell, beta):
 
 
 @kernel
-def _beside(row, x):
-    """Distance from x to the lamp's bounding box."""
-    square = 0.0
-    for k in range(3):
-        away = max(abs(x[k] - row.center[k]) - row.half[k], 0.0)
-        square += away * away
-    return math.sqrt(square)
-
-
-@kernel
-def tuned_beta(row, x):
-    """β by the distance from the lamp alone: 3 at its bounding box and within, less with the square of the distance."""
-    size = (0.75 / math.pi * row.volume) ** (1.0 / 3.0)
-    part = size / (size + 4.0 * _beside(row, x))
-    return max(3.0 * part * part, 0.02)
-
-
-@kernel
 def resampled(block, lamp, x, n, u, spans, shell):
     """Resampled importance sampling: one of ``CANDIDATES`` uniform points, by what a lamp without variation gives.
 
@@ -202,7 +184,7 @@ def radial(block, lamp, x, n, u, spans, shell):
     """
     row = lamps(block)[lamp]
     size = (0.75 / math.pi * row.volume) ** (1.0 / 3.0)
-    c = RADIAL * size * size / (size + _beside(row, x))
+    c = RADIAL * size * size / (size + cuts.beside(row, x))
     total = 0.0
     d = _cosine_direction(n, u[0], u[1])
     for technique in range(2):
@@ -278,7 +260,7 @@ def _values(technique, blocks, lamp, x, n, numbers, spans, shell, store, cut, to
         elif technique == BOUNDING:
             out[i] = bounding_projection(block, lamp, x, n, u, spans, shell)
         elif technique == MIS_BETA:
-            out[i] = combined(block, lamp, x, n, u, spans, shell, tuned_beta(lamps(block)[lamp], x))
+            out[i] = combined(block, lamp, x, n, u, spans, shell, cuts.tuned_beta(lamps(block)[lamp], x))
         elif technique == RIS:
             out[i] = resampled(block, lamp, x, n, u, spans, shell)
         elif technique == RADIAL_MIS:

@@ -117,7 +117,6 @@ WORKSPACE_COUNTS = {"lamp_boxes": REGIONS, "lamp_cuts": 1}
 
 TOLERANCE = 2e-3  # relative variance of a sample at which boxes are small enough
 LIMIT = MOST_BOXES
-COARSE_TOLERANCE, COARSE_LIMIT = 0.02, 8  # where light has been scattered before
 ATTEMPTS = 4096  # draws of a point in a box before giving up
 LEAST_FILL = 0.02  # interior that a solid box counts as having at least: sampling may have missed it
 LEAST_BRIGHT = 0.02  # emission that a box counts as having at least, of the mean: it was estimated
@@ -467,6 +466,33 @@ def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
         cut.slot = slot
     else:  # all of the lamp is behind the surface
         cut.beta = 1.0
+
+
+@kernel
+def beside(row, x):
+    """Distance from x to the lamp's bounding box."""
+    square = 0.0
+    for k in range(3):
+        away = max(abs(x[k] - row.center[k]) - row.half[k], 0.0)
+        square += away * away
+    return math.sqrt(square)
+
+
+@kernel
+def tuned_beta(row, x):
+    """β by the distance from the lamp alone: 3 at its bounding box and within, less with the square of the distance."""
+    size = (0.75 / math.pi * row.volume) ** (1.0 / 3.0)
+    part = size / (size + 4.0 * beside(row, x))
+    return max(SURROUNDED_BETA * part * part, LEAST_BETA)
+
+
+@kernel
+def project(block, lamp, x, cut):
+    """As ``prepare``, without boxes: projection sampling, and β by the distance.
+
+    Light that is scattered again before it reaches the camera is noisy for other reasons; there boxes do not pay.
+    """
+    cut.lamp, cut.slot, cut.beta = lamp, -1, tuned_beta(lamps(block)[lamp], x)
 
 
 @kernel

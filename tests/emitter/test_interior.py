@@ -295,7 +295,7 @@ def test_building_is_quick(name):
     seconds = []
     for _ in range(3):
         interior.tree.cache_clear()
-        lamps._volume.cache_clear()
+        lamps.volume_of.cache_clear()
         start = time.thread_time()
         lamps.build_lamp(name, LARGE[name], np.eye(4))
         seconds.append(time.thread_time() - start)

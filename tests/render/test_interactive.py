@@ -70,8 +70,9 @@ def test_ends_as_the_final_render(render, scene):
 
 
 def test_a_coarse_picture_of_the_same_frame_comes_first(render, scene):
-    """Also where its pixels do not fit into the frame."""
-    scene = dataclasses.replace(scene, width=45, height=22)
+    """Also where its pixels do not fit into the frame. The ball is so large that one sample a pixel cannot miss it."""
+    ball = dataclasses.replace(scene.lamps[0], shape=Sphere(2.5))
+    scene = dataclasses.replace(scene, width=45, height=22, lamps=[ball])
     seen = []
     publish = render._publish
     render._publish = lambda *args: (publish(*args), seen.append(render.picture))

@@ -181,11 +181,10 @@ def shade_triangle(block, workspace, start, wi, distance):
 def prepare_lamp(block, workspace, lamp, x, n, both):
     """Make the workspace's cut that of the lamp for the point x with normal n."""
     cut = cut_table(workspace)[0]
-    if block.lamp_cuts:
-        coarse = path_table(workspace)[0].scattered > 0
-        tolerance = cuts.COARSE_TOLERANCE if coarse else cuts.TOLERANCE
-        limit = cuts.COARSE_LIMIT if coarse else cuts.LIMIT
-        cuts.prepare(block, lamp, x, n, both, tolerance, limit, box_table(workspace), cut)
+    if block.lamp_cuts and path_table(workspace)[0].scattered > 0:
+        cuts.project(block, lamp, x, cut)
+    elif block.lamp_cuts:
+        cuts.prepare(block, lamp, x, n, both, cuts.TOLERANCE, cuts.LIMIT, box_table(workspace), cut)
     else:
         cut.lamp, cut.slot, cut.beta = lamp, -1, block.lamp_beta
 
