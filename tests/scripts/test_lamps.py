@@ -23,7 +23,8 @@ def test_each_lamp_has_its_volume():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name, about in lamp_scenes.SCENES.items() if about.volumes])
+@pytest.mark.parametrize("name", [  # the spark is one that Cycles hardly ever finds
+    name for name, about in lamp_scenes.SCENES.items() if about.volumes and name != "spark"])
 def test_as_bright_as_in_cycles(name):
     size, blocks = 48, 6
     lamp_scenes.SCENES[name].build(size)
@@ -44,7 +45,8 @@ def test_as_bright_as_in_cycles(name):
         made[volumes] = np.array(renders)
     ours, theirs = (made[volumes].mean(axis=0) for volumes in (False, True))
     error = np.sqrt(sum(made[volumes].var(axis=0, ddof=1) / 4 for volumes in (False, True)))
-    if name != "spark":  # which Cycles hardly ever finds
-        assert ours.mean() == pytest.approx(theirs.mean(), rel=0.01)
+    means = [made[volumes].mean(axis=(1, 2, 3)) for volumes in (False, True)]
+    doubt = np.sqrt(sum(found.var(ddof=1) / 4 for found in means))
+    assert abs(ours.mean() - theirs.mean()) < 0.01 * theirs.mean() + 5.0 * doubt
     # Half a per cent for the shape of the meshes.
     assert np.mean(np.abs(ours - theirs) > 5.0 * error + 0.005 * theirs.max()) < 0.05
