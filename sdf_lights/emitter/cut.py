@@ -131,6 +131,8 @@ NEAR = 0.5  # the distance that a region counts as having at least, of the thick
 SHIFT = 0.381966  # of the grid of regions, in its cells
 AMBIENT = 0.2  # added to cosines where boxes are chosen: the normals of a region differ
 
+BELOW_ONE = 1.0 - 2.0**-53
+
 # Odd numbers of 64 random bits, to hash what regions are told apart by.
 _PRIMES = tuple(np.uint64(number) for number in (
     0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0xD6E8FEB86659FD93, 0xA0761D6478BD642F,
@@ -506,10 +508,9 @@ def _place_in(low, high, level, slope, u):
 @kernel
 def _choose(part, axis, first, second):
     """The side, of two of the masses given, that the number ``part[axis]`` chooses; it is stretched back to [0, 1)."""
-    share = first / (first + second)
-    u = part[axis]
-    side = 1 if u >= share else 0
-    part[axis] = (u - share) / (1.0 - share) if side else u / share
+    place = part[axis] * (first + second)
+    side = 1 if place >= first and second > 0.0 else 0
+    part[axis] = min((place - first) / second if side else place / first, BELOW_ONE)
     return side
 
 
