@@ -138,6 +138,7 @@ def reference_page() -> str:
             parts += _entries(of_group) if group in _GROUPED else map(_entry, of_group)
     parts.append("## Examples\n")
     parts.append("They are in the menu Load Example of a lamp.\n")
+    parts.append("![Every example as a lamp](images/examples.png)\n")
     parts += _texts(examples())
     parts += [_EMISSION, *_texts(presets())]
     return "\n".join(parts).rstrip("\n") + "\n"
