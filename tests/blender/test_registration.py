@@ -51,14 +51,16 @@ def test_enabling_does_not_wait_for_numba():
     code = (
         "import sys, time; import bpy, numpy; started = time.process_time(); "
         "import sdf_lights.blender as b; b.register(); "
-        "spent = time.process_time() - started; print(spent, 'numba' in sys.modules, flush=True); "
+        "spent = time.process_time() - started; found = 'numba' in sys.modules; started = time.process_time(); "
+        "import numba; print(spent, time.process_time() - started, found, flush=True); "
         "import os; os._exit(0)")  # Blender's own way out is slow
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=REPOSITORY,
         env=os.environ | {"PYTHONPATH": str(REPOSITORY)})
-    spent, has_numba = done.stdout.split()[-2:]
+    spent, numba, has_numba = done.stdout.split()[-3:]
     assert has_numba == "False"
-    assert float(spent) < 0.6  # most of it for making the classes of the shapes; Numba alone takes longer
+    # Most of it is for making the classes of the shapes and nodes. Measured: 1.7 to 2.3 times what Numba alone takes.
+    assert float(spent) < 3.0 * float(numba)
 
 
 def test_every_setting_has_a_property_with_its_limits(file):

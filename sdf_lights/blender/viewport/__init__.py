@@ -67,6 +67,8 @@ def _changed(*_):
 
 @persistent
 def _forget(*_):
+    if _stop is None:  # bpy as a module says that it exits when Python has been taken down
+        return
     _stop()
     if _overlay is not None:
         _overlay.forget()
