@@ -11,3 +11,14 @@ def light_of(context) -> bpy.types.Light | None:
     if light is None and context.object is not None and context.object.type == "LIGHT":
         light = context.object.data
     return light
+
+
+class LampOperator:
+    """An operator on the light that the panel is about."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        light = light_of(context)
+        return light is not None and light.is_editable

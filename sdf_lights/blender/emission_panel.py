@@ -8,24 +8,18 @@ import bpy
 
 from ..render.errors import RenderError
 from . import emission, parameters
-from .context import light_of
+from .context import LampOperator, light_of
 from .lamp import pattern_of
 from .naming import ENGINE
 
 _WIDTH = 34  # letters that fit a line of a panel
 
 
-class SDFLIGHTS_OT_emission_to_text(bpy.types.Operator):
+class SDFLIGHTS_OT_emission_to_text(LampOperator, bpy.types.Operator):
     """Put the lamp's emission into a new text block, to be changed there"""
 
     bl_idname = "sdf_lights.emission_to_text"
     bl_label = "Edit Emission as Text"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        light = light_of(context)
-        return light is not None and light.is_editable
 
     def execute(self, context):
         light = light_of(context)

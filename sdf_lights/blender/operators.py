@@ -17,7 +17,7 @@ from ..sdf.shapes.profiles import PROFILES
 from ..sdf.surface_nets import surface_net
 from ..sdf.syntax import ExpressionError
 from . import parameters
-from .context import light_of
+from .context import LampOperator, light_of
 from .lamp import shape_of
 from .nodes import editor, writing
 from .nodes.tree import output_of, trees
@@ -184,18 +184,7 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
         layout.prop(self, "rotation")
 
 
-class _LampOperator:
-    """An operator on the light that the panel is about."""
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        light = light_of(context)
-        return light is not None and light.is_editable
-
-
-class SDFLIGHTS_OT_example_load(_LampOperator, bpy.types.Operator):
+class SDFLIGHTS_OT_example_load(LampOperator, bpy.types.Operator):
     """Load a worked example into a new text block, as the lamp's expression"""
 
     bl_idname = "sdf_lights.example_load"
@@ -208,7 +197,7 @@ class SDFLIGHTS_OT_example_load(_LampOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SDFLIGHTS_OT_expression_to_text(_LampOperator, bpy.types.Operator):
+class SDFLIGHTS_OT_expression_to_text(LampOperator, bpy.types.Operator):
     """Put the lamp's expression into a new text block, where it can have several lines"""
 
     bl_idname = "sdf_lights.expression_to_text"
@@ -222,7 +211,7 @@ class SDFLIGHTS_OT_expression_to_text(_LampOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SDFLIGHTS_OT_parameters_remove(_LampOperator, bpy.types.Operator):
+class SDFLIGHTS_OT_parameters_remove(LampOperator, bpy.types.Operator):
     """Remove parameters of expressions that the lamp had before"""
 
     bl_idname = "sdf_lights.parameters_remove"
@@ -233,7 +222,7 @@ class SDFLIGHTS_OT_parameters_remove(_LampOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SDFLIGHTS_OT_preset_load(_LampOperator, bpy.types.Operator):
+class SDFLIGHTS_OT_preset_load(LampOperator, bpy.types.Operator):
     """Give the lamp the shape, colour and power of a preset"""
 
     bl_idname = "sdf_lights.preset_load"
@@ -246,7 +235,7 @@ class SDFLIGHTS_OT_preset_load(_LampOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SDFLIGHTS_OT_expression_show(_LampOperator, bpy.types.Operator):
+class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
     """Show the lamp's text block in a text editor, at the line with the mistake if there is one"""
 
     bl_idname = "sdf_lights.expression_show"

@@ -15,7 +15,7 @@ from ...sdf.functions import COLOURS, MATHEMATICS, POINTS
 from ...sdf.shapes import SHAPES
 from ...sdf.syntax import ExpressionError
 from .. import parameters
-from ..context import light_of
+from ..context import LampOperator, light_of
 from ..lamp import shape_of
 from ..naming import NODE_TREE
 from ..properties import PRIMITIVES
@@ -130,16 +130,7 @@ def to_nodes(light: bpy.types.Light) -> bpy.types.NodeTree:
     return tree
 
 
-class _LampOperator:
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        light = light_of(context)
-        return light is not None and light.is_editable
-
-
-class SDFLIGHTS_OT_nodes_new(_LampOperator, bpy.types.Operator):
+class SDFLIGHTS_OT_nodes_new(LampOperator, bpy.types.Operator):
     """Make a node tree of the shape that the lamp has"""
 
     bl_idname = "sdf_lights.nodes_new"
@@ -159,7 +150,7 @@ class SDFLIGHTS_OT_nodes_new(_LampOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SDFLIGHTS_OT_nodes_to_expression(_LampOperator, bpy.types.Operator):
+class SDFLIGHTS_OT_nodes_to_expression(LampOperator, bpy.types.Operator):
     """Write the lamp's nodes, or its primitive, as an expression in a new text block"""
 
     bl_idname = "sdf_lights.nodes_to_expression"
@@ -178,7 +169,7 @@ class SDFLIGHTS_OT_nodes_to_expression(_LampOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SDFLIGHTS_OT_nodes_show(_LampOperator, bpy.types.Operator):
+class SDFLIGHTS_OT_nodes_show(LampOperator, bpy.types.Operator):
     """Show the lamp's node tree in a node editor"""
 
     bl_idname = "sdf_lights.nodes_show"
