@@ -24,7 +24,7 @@ from .formula import PARAMETER, POINT, POSITION, Formula, constant, maximum, min
 from .shapes.base import Shape, Slots
 from .substitution import substitute
 from .syntax import ExpressionError, parse
-from .values import components, kind_of, lifted
+from .values import Misuse, Work, components, kind_of, lifted
 
 INPUTS = ("depth", "height")  # slots 0 and 1 of the formulas of an ``Emission``
 
@@ -97,16 +97,26 @@ class EmissionExpression:
 
     def _run(self, given: Mapping[str, object]) -> tuple[Emission, dict[str, Declaration]]:
         evaluation = Evaluation(given, self._remarks)
-        slots = evaluation.slots
-        evaluation.names |= {name: slots.input() for name in INPUTS}
+        name_inputs(evaluation)
         last, value = evaluation.last(
             self._tree, "write a brightness, for instance exp(-20 * depth)", "how bright the lamp is", _CURE)
-        channels = components(lifted(value, slots)) if kind_of(value) in ("number", "field", "vector") else ()
-        if len(channels) not in (1, 3):
-            raise evaluation.error(last, f"the last line is a {kind_of(value)}", _CURE)
-        colour = tuple(c if isinstance(c, Formula) else constant(c) for c in channels)
-        emission = Emission(colour * (3 // len(colour)), tuple(map(float, slots.values[len(INPUTS):])))
+        emission = evaluation.attempt(last, lambda: as_emission(value, evaluation.slots))
         return emission, evaluation.declarations
 
 
-__all__ = ["INPUTS", "Emission", "EmissionExpression", "ExpressionError", "Placed"]
+def name_inputs(evaluation: Evaluation) -> None:
+    """Gives a new evaluation the names ``INPUTS``."""
+    evaluation.names |= {name: evaluation.slots.input() for name in INPUTS}
+
+
+def as_emission(value, slots: Work) -> Emission:
+    """The emission that a value of such an evaluation says. Raises ``Misuse`` where it is no brightness or colour."""
+    channels = components(lifted(value, slots)) if kind_of(value) in ("number", "field", "vector") else ()
+    if len(channels) not in (1, 3):
+        raise Misuse(f"the result is a {kind_of(value)}", _CURE)
+    colour = tuple(c if isinstance(c, Formula) else constant(c) for c in channels)
+    return Emission(colour * (3 // len(colour)), tuple(map(float, slots.values[len(INPUTS):])))
+
+
+__all__ = [
+    "INPUTS", "Emission", "EmissionExpression", "ExpressionError", "Placed", "as_emission", "name_inputs"]
