@@ -21,6 +21,7 @@ from sdf_lights.render import session  # noqa: E402
 from sdf_lights.render.material import Material, Node  # noqa: E402
 from sdf_lights.render.scene import Camera, Instance, Lamp, Mesh, Scene  # noqa: E402
 from sdf_lights.render.settings import Settings  # noqa: E402
+from sdf_lights.sdf.emission import Emission  # noqa: E402
 from sdf_lights.sdf.expression import Expression  # noqa: E402
 from sdf_lights.sdf.examples import examples  # noqa: E402
 from sdf_lights.sdf.shapes import SHAPES, Shape  # noqa: E402
@@ -86,13 +87,13 @@ def _placed(shape: Shape) -> np.ndarray:
     return matrix
 
 
-def picture(shape: Shape, color, width: int, height: int, samples: int) -> np.ndarray:
+def picture(shape: Shape, color, width: int, height: int, samples: int, emission: Emission | None = None) -> np.ndarray:
     """(height, width, 3) display values, row 0 at the top."""
     matrix = _placed(shape)
     ground = Material("Ground", Node("diffuse", {"color": (0.42, 0.42, 0.44)}))
     scene = Scene(
         _camera(width / height), width, height, meshes=[_ground()], instances=[Instance(0, np.eye(4), (0,))],
-        materials=[ground], lamps=[Lamp("Lamp", shape, matrix, density=1.0, color=color)],
+        materials=[ground], lamps=[Lamp("Lamp", shape, matrix, density=1.0, color=color, emission=emission)],
         settings=Settings(samples=samples, noise_threshold=0.0, max_bounces=2, denoise=True))
     film = session.render(scene, ("Combined",))
     for warning in scene.warnings:

@@ -2,17 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How bright a lamp is from point to point, as panels show it: in the Properties editor and in the 3D view."""
 
-import textwrap
-
 import bpy
 
 from ..render.errors import RenderError
-from . import emission, parameters
+from ..sdf.syntax import ExpressionError
+from . import emission, labels, parameters
 from .context import LampOperator, light_of
 from .lamp import pattern_of
 from .naming import ENGINE
-
-_WIDTH = 34  # letters that fit a line of a panel
 
 
 class SDFLIGHTS_OT_emission_to_text(LampOperator, bpy.types.Operator):
@@ -30,8 +27,22 @@ class SDFLIGHTS_OT_emission_to_text(LampOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def draw(layout, light) -> None:
-    """The preset or text of the emission, its parameters, and what is wrong with it."""
+def draw(layout, light, width: int) -> None:
+    """The preset or text of the emission, its parameters, and what is wrong with it in lines of ``width`` letters."""
+    lamp = light.sdf_lamp
+    if parameters.emission_is_in_nodes(lamp):
+        layout.label(text="The node tree says it", icon="NODETREE")
+    else:
+        _draw_pattern(layout, light)
+    try:
+        pattern_of(lamp)
+    except RenderError as error:
+        labels.draw_problem(layout, error, width)
+        if isinstance(error.__cause__, ExpressionError) and lamp.emission.text is not None:
+            layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT").emission = True
+
+
+def _draw_pattern(layout, light) -> None:
     lamp = light.sdf_lamp
     settings = lamp.emission
     layout.prop(settings, "source", text="Pattern")
@@ -39,6 +50,8 @@ def draw(layout, light) -> None:
         layout.template_ID(settings, "text", new=SDFLIGHTS_OT_emission_to_text.bl_idname, open="text.open")
         if settings.text is None:
             layout.prop(settings, "expression")
+        else:
+            layout.operator("sdf_lights.expression_show", icon="TEXT").emission = True
     if parameters.missing(lamp):
         parameters.update_soon(light)  # nothing may be changed while drawing
     column = layout.column()
@@ -48,12 +61,6 @@ def draw(layout, light) -> None:
             column.prop(light, parameters.path(declared), text=label)
     if settings.source not in ("UNIFORM", emission.EXPRESSION):
         layout.operator(SDFLIGHTS_OT_emission_to_text.bl_idname, text="Edit as Text", icon="TEXT")
-    try:
-        pattern_of(lamp)
-    except RenderError as error:
-        column = layout.column(align=True)
-        for i, line in enumerate(textwrap.wrap(str(error), _WIDTH)):
-            column.label(text=line, icon="NONE" if i else "ERROR")
 
 
 class _Panel:
@@ -67,7 +74,7 @@ class _Panel:
     def draw(self, context):
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
-        draw(self.layout, light_of(context))
+        draw(self.layout, light_of(context), labels.letters(context))
 
 
 class SDFLIGHTS_PT_emission_pattern(_Panel, bpy.types.Panel):

@@ -1,20 +1,21 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Warnings and errors of the last render and of every lamp, in one panel, with a button that selects what each is about."""
+"""Warnings and errors of every lamp and of renders, in one panel, with a button that selects what each is about."""
 
 from __future__ import annotations
 
 import re
-import textwrap
 
 import bpy
 import numpy as np
 
 from ..render.errors import RenderError
-from .lamp import shape_of
+from . import labels, viewport
+from .lamp import pattern_of, shape_of
 from .naming import ENGINE, LABEL
 
 _MOST_SHOWN = 30
+_BUTTON = 6  # letters that the button beside a sentence takes
 
 _last: dict[str, list[str]] = {}
 
@@ -42,14 +43,19 @@ def of_lamps(scene: bpy.types.Scene) -> list[tuple[str, str]]:
     for obj in scene.objects:
         if obj.type != "LIGHT" or not obj.data.sdf_lamp.use:
             continue
+        matrix = np.array(obj.matrix_world)
         try:
-            shape = shape_of(obj.data.sdf_lamp, np.array(obj.matrix_world))
+            shape = shape_of(obj.data.sdf_lamp, matrix)
+            pattern_of(obj.data.sdf_lamp, matrix)
         except RenderError as error:
             found.append((obj.name, f"Lamp '{obj.name}': {error}"))
-        else:
-            if not shape.certified:
-                found.append((obj.name, f"Lamp '{obj.name}': no bound of its field is known, so thin parts may be "
-                                        "missing from the picture."))
+            continue
+        if not shape.certified:
+            found.append((obj.name, f"Lamp '{obj.name}': no bound of its field is known, so thin parts may be "
+                                    "missing from the picture."))
+        problem = viewport.proxy_error(obj.data)
+        if problem:
+            found.append((obj.name, f"Lamp '{obj.name}' in the viewport: {problem}"))
     return found
 
 
@@ -104,12 +110,14 @@ class SDFLIGHTS_PT_feedback(bpy.types.Panel):
 
     def draw(self, context):
         scene = context.scene
-        lamps, render = of_lamps(scene), _last.get(scene.name, [])
-        width = max(20, int(context.region.width / context.preferences.system.ui_scale / 8.5))
-        if not lamps and not render:
+        lamps, shown, render = of_lamps(scene), viewport.render_warnings(), _last.get(scene.name, [])
+        width = labels.letters(context) - _BUTTON
+        if not lamps and not shown and not render:
             self.layout.label(text="No warnings", icon="CHECKMARK")
         if lamps:
             self._list("Lamps", lamps, width)
+        if shown:
+            self._list("Rendered Viewport", [(culprit(sentence), sentence) for sentence in shown], width)
         if render:
             self._list("Last Render", [(culprit(sentence), sentence) for sentence in render], width)
             self.layout.operator(SDFLIGHTS_OT_feedback_clear.bl_idname)
@@ -119,10 +127,7 @@ class SDFLIGHTS_PT_feedback(bpy.types.Panel):
         layout.label(text=title)
         for name, sentence in rows[:_MOST_SHOWN]:
             row = layout.box().row()
-            column = row.column(align=True)
-            column.scale_y = 0.8
-            for i, line in enumerate(textwrap.wrap(sentence, width)):
-                column.label(text=line, icon="NONE" if i else "ERROR")
+            labels.draw_sentence(row.column(), sentence, width)
             if name:
                 row.operator(SDFLIGHTS_OT_culprit_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF").name = name
         if len(rows) > _MOST_SHOWN:

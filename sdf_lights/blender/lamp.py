@@ -64,11 +64,14 @@ def _emission(text: str, values: tuple) -> Emission:
         raise RenderError(f"In its emission: {error}") from error
 
 
-def pattern_of(lamp) -> Emission | None:
-    """Emission of a ``Light.sdf_lamp``; None where it is the same everywhere.
+def pattern_of(lamp, owner: np.ndarray | None = None) -> Emission | None:
+    """Emission of a ``Light.sdf_lamp``; None where it is the same everywhere. ``owner`` is as for ``shape_of``.
 
-    Raises RenderError with a sentence where its text does not say one; its cause is the ``ExpressionError``.
+    Raises RenderError with a sentence where its text or nodes do not say one; its cause is the ``ExpressionError`` of a
+    text.
     """
+    if parameters.emission_is_in_nodes(lamp):
+        return reading.emission_of(lamp.nodes, parameters.values(lamp), owner)
     declared = emission.declarations(lamp.emission)
     values = parameters.values_of(lamp.id_data, declared)
     found = _emission(emission.text_of(lamp.emission), tuple(

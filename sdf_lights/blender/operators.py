@@ -9,6 +9,7 @@ import numpy as np
 from bpy_extras.object_utils import AddObjectHelper, object_data_add
 
 from ..render.errors import RenderError
+from ..sdf import emission_presets
 from ..sdf.catalogue import grouped
 from ..sdf.declarations import USAGE
 from ..sdf.examples import examples
@@ -16,7 +17,7 @@ from ..sdf.shapes import SHAPES
 from ..sdf.shapes.profiles import PROFILES
 from ..sdf.surface_nets import surface_net
 from ..sdf.syntax import ExpressionError
-from . import parameters
+from . import emission, parameters
 from .context import LampOperator, light_of
 from .lamp import shape_of
 from .nodes import editor, writing
@@ -87,7 +88,7 @@ def load_example(light: bpy.types.Light, name: str) -> None:
 
 
 def load_preset(light: bpy.types.Light, name: str) -> None:
-    """Give the light the shape, colour and power of a preset."""
+    """Give the light the shape, colour, emission and power of a preset."""
     preset = presets()[name.lower()]
     _set_text(light, preset.title, preset.expression)
     light.energy, light.exposure = preset.power, 0.0
@@ -96,6 +97,16 @@ def load_preset(light: bpy.types.Light, name: str) -> None:
     if light.use_temperature:
         light.temperature = preset.temperature
     light.color = preset.color
+    settings = light.sdf_lamp.emission
+    if preset.emission in emission_presets.presets():
+        settings.source = preset.emission.upper()
+    else:
+        settings.text = bpy.data.texts.new(f"{preset.title} Emission")
+        settings.text.write(preset.emission)
+        settings.source = emission.EXPRESSION
+    parameters.update(light)
+    for parameter, value in preset.emission_values.items():
+        light[parameters.PREFIX + emission.PREFIX + parameter] = value
 
 
 class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
@@ -223,7 +234,7 @@ class SDFLIGHTS_OT_parameters_remove(LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_preset_load(LampOperator, bpy.types.Operator):
-    """Give the lamp the shape, colour and power of a preset"""
+    """Give the lamp the shape, colour, emission and power of a preset"""
 
     bl_idname = "sdf_lights.preset_load"
     bl_label = "Use Preset"
@@ -236,18 +247,22 @@ class SDFLIGHTS_OT_preset_load(LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
-    """Show the lamp's text block in a text editor, at the line with the mistake if there is one"""
+    """Show the text block of the lamp in a text editor, at the line with the mistake if there is one"""
 
     bl_idname = "sdf_lights.expression_show"
     bl_label = "Show in Text Editor"
     bl_options = {"REGISTER"}
 
+    emission: bpy.props.BoolProperty(
+        name="Emission", description="The text of the emission, not that of the shape", options={"SKIP_SAVE"})
+
     def execute(self, context):
-        text = light_of(context).sdf_lamp.text
+        lamp = light_of(context).sdf_lamp
+        text = lamp.emission.text if self.emission else lamp.text
         if text is None:
             self.report({"INFO"}, "The expression is not in a text block: make one with New.")
             return {"CANCELLED"}
-        wrong = parameters.parsed(text.as_string())
+        wrong = (emission if self.emission else parameters).parsed(text.as_string())
         if isinstance(wrong, ExpressionError):
             line = min(wrong.line, len(text.lines)) - 1
             text.cursor_set(line, character=min(wrong.column - 1, len(text.lines[line].body)))
@@ -333,13 +348,13 @@ def _glowing(light: bpy.types.Light, mesh: bpy.types.Mesh, matrix) -> bpy.types.
         material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
-    emission, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
+    shader, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
     output.location = (200.0, 0.0)
     tint = light.temperature_color if light.use_temperature else (1.0, 1.0, 1.0)
-    emission.inputs["Color"].default_value = (*(a * b for a, b in zip(light.color, tint)), 1.0)
+    shader.inputs["Color"].default_value = (*(a * b for a, b in zip(light.color, tint)), 1.0)
     # A surface of radiance E gives π E A watts.
-    emission.inputs["Strength"].default_value = light.energy * 2.0**light.exposure / (math.pi * area)
-    links.new(emission.outputs[0], output.inputs["Surface"])
+    shader.inputs["Strength"].default_value = light.energy * 2.0**light.exposure / (math.pi * area)
+    links.new(shader.outputs[0], output.inputs["Surface"])
     return material
 
 

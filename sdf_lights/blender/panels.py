@@ -6,21 +6,18 @@ Blender's own panels for other engines are reused where they fit (``stock_panels
 """
 
 import math
-import textwrap
 
 import bpy
 import numpy as np
 
 from ..render.errors import RenderError
 from ..sdf.syntax import ExpressionError
-from . import parameters, readout, viewport
-from .lamp import shape_of
+from . import labels, parameters, readout, viewport
+from .lamp import pattern_of, shape_of
 from .naming import ENGINE, LABEL
 from .passes import owner_of, switches
 from .preferences import draw_back_end
 from .properties import PRIMITIVES
-
-_WIDTH = 34  # letters that fit a line of a panel
 
 # Blender's panels for every engine that say what is not so here, or that stand below in another form.
 _EXCLUDED = {
@@ -245,39 +242,33 @@ def _draw_parameters(layout, lamp) -> None:
         layout.operator("sdf_lights.parameters_remove", text=f"Remove {len(unused)} Unused", icon="TRASH")
 
 
-def draw_readout(layout, light, obj) -> None:
-    """What is known of a lamp's shape, or what is wrong with it."""
-    column = layout.column(align=True)
+def draw_readout(layout, light, obj, width: int) -> None:
+    """What is known of a lamp's shape, or what is wrong with it, in lines of ``width`` letters."""
     lamp = light.sdf_lamp
     matrix = np.array([tuple(row) for row in obj.matrix_world] if obj is not None else np.eye(4), np.float64)
     try:
         shape = shape_of(lamp, matrix)
         if not np.isfinite(matrix).all() or math.isclose(np.linalg.det(matrix[:3, :3]), 0.0, abs_tol=1e-30):
             raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
-        lines = readout.facts(shape, matrix, light)
     except RenderError as error:
+        column = layout.column()
         column.alert = True
-        for i, line in enumerate(_lines(error)):
-            column.label(text=line, icon="NONE" if i else "ERROR")
-        if isinstance(error.__cause__, ExpressionError) and lamp.text is not None:
+        labels.draw_problem(column, error, width)
+        if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
             layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
         return
-    for line in lines:
+    try:
+        pattern = pattern_of(lamp, matrix)
+    except RenderError:  # which the panel of the emission says
+        pattern = None
+    column = layout.column(align=True)
+    for line in readout.facts(shape, matrix, light, pattern):
         column.label(text=line)
     if not shape.certified:
-        column.label(text="Thin parts may be missing", icon="INFO")
+        labels.draw_sentence(layout, "Thin parts may be missing", width, "INFO")
     problem = viewport.proxy_error(light)
-    for i, line in enumerate(textwrap.wrap(problem, _WIDTH)):
-        column.label(text=line, icon="NONE" if i else "ERROR")
-
-
-def _lines(error: RenderError) -> list[str]:
-    """A problem in lines that fit a panel: of an expression where, what, and the cure."""
-    wrong = error.__cause__
-    if not isinstance(wrong, ExpressionError):
-        return textwrap.wrap(str(error), _WIDTH)
-    sentences = f"Line {wrong.line}, column {wrong.column}:", wrong.message, f"{wrong.cure[0].upper()}{wrong.cure[1:]}"
-    return [line for sentence in sentences for line in textwrap.wrap(sentence, _WIDTH)]
+    if problem:
+        labels.draw_sentence(layout, f"In the viewport: {problem}", width)
 
 
 class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
@@ -333,7 +324,7 @@ class SDFLIGHTS_PT_lamp(_Panel, bpy.types.Panel):
     def draw_properties(self, layout, context):
         draw_shape(layout, context.light)
         layout.prop(context.light.sdf_lamp, "visible_camera", text="Visible to Camera")
-        draw_readout(layout, context.light, context.object)
+        draw_readout(layout, context.light, context.object, labels.letters(context))
 
 
 # -- object ------------------------------------------------------------------------------------------------------------
@@ -373,7 +364,10 @@ class _View3D:
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        self.draw_properties(layout, context.object)
+        self.draw_properties(layout, context)
+
+    def draw_properties(self, layout, context):
+        raise NotImplementedError
 
 
 class SDFLIGHTS_PT_view3d(_View3D, bpy.types.Panel):
@@ -390,33 +384,33 @@ class SDFLIGHTS_PT_view3d(_View3D, bpy.types.Panel):
             return
         super().draw(context)
 
-    def draw_properties(self, layout, obj):
-        layout.prop(obj.data.sdf_lamp, "use")
+    def draw_properties(self, layout, context):
+        layout.prop(context.object.data.sdf_lamp, "use")
 
 
 class SDFLIGHTS_PT_view3d_shape(_View3D, bpy.types.Panel):
     bl_label = "Shape"
     bl_parent_id = "SDFLIGHTS_PT_view3d"
 
-    def draw_properties(self, layout, obj):
-        draw_shape(layout, obj.data)
+    def draw_properties(self, layout, context):
+        draw_shape(layout, context.object.data)
 
 
 class SDFLIGHTS_PT_view3d_emission(_View3D, bpy.types.Panel):
     bl_label = "Emission"
     bl_parent_id = "SDFLIGHTS_PT_view3d"
 
-    def draw_properties(self, layout, obj):
-        draw_emission(layout, obj.data)
-        layout.prop(obj.data.sdf_lamp, "visible_camera", text="Visible to Camera")
+    def draw_properties(self, layout, context):
+        draw_emission(layout, context.object.data)
+        layout.prop(context.object.data.sdf_lamp, "visible_camera", text="Visible to Camera")
 
 
 class SDFLIGHTS_PT_view3d_readout(_View3D, bpy.types.Panel):
     bl_label = "Readout"
     bl_parent_id = "SDFLIGHTS_PT_view3d"
 
-    def draw_properties(self, layout, obj):
-        draw_readout(layout, obj.data, obj)
+    def draw_properties(self, layout, context):
+        draw_readout(layout, context.object.data, context.object, labels.letters(context))
 
 
 # -- registration ------------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ import bpy
 from ..sdf.expression import Declaration, Expression
 from ..sdf.syntax import ExpressionError
 from . import emission
-from .nodes.reading import declarations_of
+from .nodes.reading import declarations_of, has_emission
 
 PREFIX = "sdf_"
 
@@ -48,8 +48,15 @@ def declarations(lamp) -> tuple[Declaration, ...]:
     return expression.parameters if isinstance(expression, Expression) else ()
 
 
+def emission_is_in_nodes(lamp) -> bool:
+    """Whether the lamp's node tree says its emission too: then the pattern of the panel does not count."""
+    return lamp.source == "NODES" and has_emission(lamp.nodes)
+
+
 def all_declarations(lamp) -> tuple[Declaration, ...]:
-    """Those of the shape, and those of the emission."""
+    """Those of the shape, and those of the emission where it has declarations of its own."""
+    if emission_is_in_nodes(lamp):
+        return declarations(lamp)
     return (*declarations(lamp), *emission.declarations(lamp.emission))
 
 

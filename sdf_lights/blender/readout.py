@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 
 from ..sdf import formula
+from ..sdf.emission import Emission
 from ..sdf.program import NoClosedForm
 from ..sdf.shapes import BOUND, EXACT, Shape
 
@@ -29,40 +30,47 @@ _EXACTNESS = {EXACT: "exact distance", BOUND: "distance never overestimated"}
 
 
 class Volume(NamedTuple):
-    """Cubic metres in the shape's own space, and its standard error; 0 where it is exact."""
+    """Cubic metres in the shape's own space, and its standard error; 0 where it is exact.
+
+    ``glow`` is the mean of the relative emission over it; 1 where it is even.
+    """
 
     value: float
     error: float
+    glow: float = 1.0
 
 
-_found: dict[Shape, Volume] = {}
-_wanted: list[tuple[float, Shape]] = []
+_found: dict[tuple[Shape, Emission | None], Volume] = {}
+_wanted: list[tuple[float, Shape, Emission | None]] = []
 
 
-def volume_of(shape: Shape) -> Volume | None:
-    """The volume; None if it is not known yet: then panels are drawn again when it is."""
-    exact = shape.volume()
+def volume_of(shape: Shape, pattern: Emission | None = None) -> Volume | None:
+    """The volume; None if it is not known yet: then panels are drawn again when it is.
+
+    With a ``pattern``, its mean is found too.
+    """
+    exact = shape.volume() if pattern is None else None
     if exact is not None:
         return Volume(exact, 0.0)
-    if shape in _found:
-        return _found[shape]
+    if (shape, pattern) in _found:
+        return _found[shape, pattern]
     if not bpy.app.background:
         if not _wanted:
             bpy.app.timers.register(_find, first_interval=_REST)
-        _wanted[:] = [(time.monotonic(), shape)]
+        _wanted[:] = [(time.monotonic(), shape, pattern)]
     return None
 
 
 def _find() -> float | None:
     if not _wanted:
         return None
-    asked, shape = _wanted[-1]
+    asked, *wanted = _wanted[-1]
     if time.monotonic() - asked < _REST:
         return _REST
     _wanted.clear()
     while len(_found) >= _MOST_KEPT:
         del _found[next(iter(_found))]
-    _found[shape] = estimate(shape, _BUDGET)
+    _found[tuple(wanted)] = estimate(*wanted, _BUDGET)
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type in {"PROPERTIES", "VIEW_3D"}:
@@ -70,19 +78,25 @@ def _find() -> float | None:
     return None
 
 
-def estimate(shape: Shape, budget: float) -> Volume:
+def estimate(shape: Shape, pattern: Emission | None, budget: float) -> Volume:
     """The share of random points of the bounding box that are inside, from as many as there is time for (seconds)."""
     low, high = shape.bounds()
-    random, inside, tried, started = np.random.default_rng(0), 0, 0, time.perf_counter()
+    placed = pattern.placed(shape) if pattern is not None else None
+    random, inside, tried, glow, started = np.random.default_rng(0), 0, 0, 0.0, time.perf_counter()
     points = _POINTS // 16  # until it is known how long they take
     for _ in range(_ROUNDS):
-        inside += int((shape.distance(random.uniform(low, high, (points, 3))) <= 0.0).sum())
+        found = random.uniform(low, high, (points, 3))
+        found = found[shape.distance(found) <= 0.0]
+        inside += len(found)
+        if placed is not None and len(found):
+            glow += float(placed.evaluate(found).mean(axis=-1).sum())
         tried += points
         if (time.perf_counter() - started) * (1.0 + _POINTS / points) > budget:
             break
         points = _POINTS
     share, box = inside / tried, float(np.prod(high - low))
-    return Volume(share * box, math.sqrt(max(share * (1.0 - share), 1.0 / tried) / tried) * box)
+    error = math.sqrt(max(share * (1.0 - share), 1.0 / tried) / tried) * box
+    return Volume(share * box, error, 1.0 if placed is None else glow / max(inside, 1))
 
 
 @functools.lru_cache(maxsize=256)
@@ -96,8 +110,8 @@ def _shape_facts(shape: Shape) -> tuple[str, ...]:
     return f"Field: {field}", f"Tree: {parts}", f"Rays: {kind}"
 
 
-def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light) -> list[str]:
-    """Lines about a lamp with this shape under a matrix (4 × 4)."""
+def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emission | None = None) -> list[str]:
+    """Lines about a lamp with this shape and emission under a matrix (4 × 4)."""
     scale = abs(float(np.linalg.det(matrix[:3, :3])))
     volume = volume_of(shape)
     lines = ["Volume: …" if volume is None else f"Volume: {volume.value * scale:.4g} m³" if not volume.error
@@ -106,8 +120,11 @@ def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light) -> list[str]
     if lamp.normalize:
         power = light.energy * 2.0**light.exposure
     else:
-        power = None if volume is None else 4.0 * math.pi * lamp.density * 2.0**light.exposure * volume.value * scale
-    lines.append("Power: …" if power is None else f"Power: {power:.4g} W")
+        glowing = volume_of(shape, pattern)
+        power = None if glowing is None else (
+            4.0 * math.pi * lamp.density * 2.0**light.exposure * glowing.value * glowing.glow * scale)
+    about = "about " if not lamp.normalize and pattern is not None else ""
+    lines.append("Power: …" if power is None else f"Power: {about}{power:.4g} W")
     low, high = _bounds(shape, matrix.tobytes())
     lines.append("Bounds: " + " × ".join(f"{extent:.3g}" for extent in np.maximum(high - low, 0.0)) + " m")
     return [*lines, *_shape_facts(shape)]

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Emission that varies, from Blender's properties to the scene and the picture."""
 
+import types
+
 import bpy
 import numpy as np
 import pytest
@@ -34,12 +36,16 @@ class _Layout:
             return lambda owner, path, **options: self.drawn.append(("prop", path, options.get("text")))
         if name == "label":
             return lambda text="", icon="NONE": self.drawn.append(("label", text, icon))
-        return lambda *arguments, **_: self.drawn.append((name, *arguments))
+        def take(*arguments, **_):
+            self.drawn.append((name, *arguments))
+            return types.SimpleNamespace()
+
+        return take
 
 
 def drawn(data) -> list:
     found: list = []
-    emission_panel.draw(_Layout(found), data)
+    emission_panel.draw(_Layout(found), data, 40)
     return found
 
 

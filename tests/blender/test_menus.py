@@ -8,9 +8,10 @@ import bpy
 import numpy as np
 import pytest
 
-from sdf_lights.blender import operators
-from sdf_lights.blender.lamp import shape_of
+from sdf_lights.blender import operators, parameters
+from sdf_lights.blender.lamp import pattern_of, shape_of
 from sdf_lights.blender.presets import presets
+from sdf_lights.sdf import emission_presets
 from sdf_lights.sdf.expression import evaluate
 
 
@@ -26,13 +27,30 @@ def test_presets(file, name):
     assert added().name.startswith(preset.title) and light.energy == preset.power
     assert shape_of(light.sdf_lamp) == evaluate(preset.expression)
     assert light.use_temperature == (preset.temperature > 0.0)
+    shape, found = shape_of(light.sdf_lamp), pattern_of(light.sdf_lamp)
+    assert (found is None) == (preset.emission == "uniform")
+    assert found is None or found.placed(shape).evaluate(np.random.default_rng(4).uniform(-0.1, 0.1, (20, 3))).max() > 0.0
+    for parameter, value in preset.emission_values.items():
+        held = light[f"sdf_emission.{parameter}"]
+        assert (list(held) if isinstance(value, list) else held) == value
+    assert not parameters.unused(light) and not parameters.missing(light.sdf_lamp)
     assert preset.picture.is_file() and preset.picture.stat().st_size < 30_000
     low, high = shape_of(light.sdf_lamp).bounds()
     assert 0.1 < max(high - low) < 1.5
 
 
-def test_there_are_at_least_twenty_presets():
+def test_there_are_at_least_twenty_presets_and_every_emission_is_in_one():
     assert len(presets()) >= 20
+    assert {preset.emission for preset in presets().values()} >= set(emission_presets.presets())
+
+
+def test_a_preset_on_a_lamp_of_another_emission(file, add, lamp):
+    data = lamp()
+    bpy.context.view_layer.objects.active = add("Lamp", data)
+    bpy.ops.sdf_lights.preset_load(preset="NEBULA")
+    assert data.sdf_lamp.emission.source == "EXPRESSION" and pattern_of(data.sdf_lamp) is not None
+    bpy.ops.sdf_lights.preset_load(preset="PEARL")
+    assert data.sdf_lamp.emission.source == "UNIFORM" and pattern_of(data.sdf_lamp) is None
 
 
 @pytest.mark.parametrize("sweep", ["extrusion", "revolution", "partial_revolution"])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.blender import feedback, gizmos, live_text, parameters, readout
-from sdf_lights.blender.lamp import shape_of
+from sdf_lights.blender.lamp import pattern_of, shape_of
 from sdf_lights.blender.properties import PRIMITIVES
 from sdf_lights.sdf.expression import evaluate
 
@@ -17,7 +17,7 @@ from sdf_lights.sdf.expression import evaluate
 @pytest.mark.parametrize("text", ["rotate_x(twist(torus(0.5, 0.2), 90), 30)", "gyroid() & sphere(0.5)", "mandelbulb()"])
 def test_estimates_of_volumes_are_as_good_as_they_say(text):
     shape = evaluate(text)
-    found = readout.estimate(shape, 0.3)
+    found = readout.estimate(shape, None, 0.3)
     points = np.random.default_rng(9).uniform(*shape.bounds(), (60_000, 3))
     share = (shape.distance(points) <= 0.0).mean()
     box = np.prod(np.subtract(*shape.bounds()[::-1]))
@@ -34,6 +34,26 @@ def test_readout(file, lamp):
     light.sdf_lamp.normalize, light.sdf_lamp.density = False, 3.0
     lines = readout.facts(shape_of(light.sdf_lamp), np.eye(4), light)
     assert lines[1] == f"Power: {4 * math.pi * 6.0 * math.pi / 6:.4g} W"
+
+
+def test_readout_of_an_emission_that_varies(file, lamp):
+    """Of a ball of radius 0.5, the mean height is a half."""
+    light = lamp(shape="SPHERE", radius=0.5)
+    light.sdf_lamp.normalize, light.sdf_lamp.density = False, 3.0
+    light.sdf_lamp.emission.source, light.sdf_lamp.emission.expression = "EXPRESSION", "height"
+    shape, pattern = shape_of(light.sdf_lamp), pattern_of(light.sdf_lamp)
+    readout._found[shape, pattern] = found = readout.estimate(shape, pattern, 0.3)
+    assert found.glow == pytest.approx(0.5, abs=4.0 * 0.23 / math.sqrt(1000))
+    assert readout.facts(shape, np.eye(4), light, pattern)[1] == (
+        f"Power: about {4 * math.pi * 3.0 * found.value * found.glow:.4g} W")
+
+
+def test_feedback_tells_of_emissions(file, add, lamp):
+    data = lamp()
+    data.sdf_lamp.emission.source, data.sdf_lamp.emission.expression = "EXPRESSION", "exp(-dept)"
+    add("Dim", data)
+    ((name, sentence),) = feedback.of_lamps(file.scene)
+    assert name == "Dim" and sentence.startswith("Lamp 'Dim': In its emission: Line 1, column 6")
 
 
 def test_feedback_names_the_culprit(file, add, lamp):

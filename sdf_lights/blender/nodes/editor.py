@@ -14,12 +14,13 @@ from ...sdf.catalogue import category
 from ...sdf.functions import COLOURS, MATHEMATICS, POINTS
 from ...sdf.shapes import SHAPES
 from ...sdf.syntax import ExpressionError
+from .. import emission as lamp_emission
 from .. import parameters
 from ..context import LampOperator, light_of
-from ..lamp import shape_of
+from ..lamp import pattern_of, shape_of
 from ..naming import NODE_TREE
 from ..properties import PRIMITIVES
-from . import reading, scene, values, writing
+from . import emission, reading, scene, values, writing
 from .groups import SDFLIGHTS_MT_group_add
 from .words import FUNCTION_NODES
 
@@ -33,7 +34,7 @@ def _menu_of(node: type) -> str:
         kind = "Combine" if function.variadic else "Operators" if function.group == "Operators" else "Shapes"
         return f"{kind}/{category(shape)}"
     if function.group in ("Fields", MATHEMATICS, POINTS, COLOURS):
-        return {"Fields": "Fields", MATHEMATICS: "Math", POINTS: "Points", COLOURS: "Colours"}[function.group]
+        return {"Fields": "Fields", MATHEMATICS: "Math", POINTS: "Points", COLOURS: "Emission"}[function.group]
     return function.group
 
 
@@ -46,6 +47,7 @@ def _menus() -> dict[str, list[type]]:
     for node in FUNCTION_NODES.values():
         found.setdefault(_menu_of(node), []).append(node)
     found["Transforms"][:0] = [scene.SDFLIGHTS_Node_object, scene.SDFLIGHTS_Node_place]
+    found["Emission"][:0] = emission.CLASSES
     found["Fields"][:0] = [values.SDFLIGHTS_Node_distance, values.SDFLIGHTS_Node_field]
     found["Math"][:0] = [values.SDFLIGHTS_Node_math, values.SDFLIGHTS_Node_compare, values.SDFLIGHTS_Node_boolean,
                          values.SDFLIGHTS_Node_combine, values.SDFLIGHTS_Node_separate]
@@ -64,7 +66,7 @@ def _menu_class(name: str, title: str, nodes: list[type], inner: list[tuple[str,
 
 
 _ORDER = ("Input", "Output", "Shapes", "Solids from profiles", "Profiles", "Combine", "Operators", "Transforms",
-          "Fields", "Points", "Math", "Colours")
+          "Fields", "Points", "Math", "Emission")
 
 
 def _menu_classes() -> tuple[list[type], list[type]]:
@@ -118,15 +120,31 @@ def expression_of(light: bpy.types.Light) -> str:
     return ast.unparse(ast.fix_missing_locations(ast.Expr(reading.word(name, **named))))
 
 
+def emission_text_of(light: bpy.types.Light) -> str:
+    """The lamp's emission as text; empty where it is even. Raises RenderError."""
+    lamp = light.sdf_lamp
+    if pattern_of(lamp) is None:
+        return ""
+    if parameters.emission_is_in_nodes(lamp):
+        return reading.emission_text_of(lamp.nodes, parameters.values(lamp), None)
+    return lamp_emission.text_of(lamp.emission)
+
+
 def to_nodes(light: bpy.types.Light) -> bpy.types.NodeTree:
-    """Gives the lamp a node tree of the shape it has; returns that. Raises RenderError."""
+    """Gives the lamp a node tree of the shape and emission it has; returns that. Raises RenderError."""
     lamp = light.sdf_lamp
     shape_of(lamp)  # says what is wrong, if something is
+    emission_text = emission_text_of(light)
     try:
         tree = writing.tree_of(light.name, expression_of(light))
+        renamed = writing.add_emission(tree, emission_text) if emission_text else {}
     except ExpressionError as error:
         raise RenderError(f"In its expression: {error}") from error
-    lamp.nodes, lamp.source = tree, "NODES"
+    values = {new: light.get(f"{parameters.PREFIX}{lamp_emission.PREFIX}{old}") for old, new in renamed.items()}
+    lamp.nodes, lamp.source, lamp.emission.source = tree, "NODES", "UNIFORM"
+    for name, value in values.items():
+        if value is not None:
+            light[parameters.PREFIX + name] = value
     return tree
 
 
@@ -151,7 +169,7 @@ class SDFLIGHTS_OT_nodes_new(LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_nodes_to_expression(LampOperator, bpy.types.Operator):
-    """Write the lamp's nodes, or its primitive, as an expression in a new text block"""
+    """Write the lamp's nodes, or its primitive, as an expression in a new text block, and its emission in another"""
 
     bl_idname = "sdf_lights.nodes_to_expression"
     bl_label = "Convert to Expression"
@@ -159,13 +177,19 @@ class SDFLIGHTS_OT_nodes_to_expression(LampOperator, bpy.types.Operator):
     def execute(self, context):
         light = light_of(context)
         try:
-            written = expression_of(light)
+            written, glow = expression_of(light), emission_text_of(light)
+            in_nodes = parameters.emission_is_in_nodes(light.sdf_lamp)
         except RenderError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         text = bpy.data.texts.new(light.name)
         text.write(written)
         light.sdf_lamp.text, light.sdf_lamp.source = text, "EXPRESSION"
+        if glow and in_nodes:
+            settings = light.sdf_lamp.emission
+            settings.text = bpy.data.texts.new(f"{light.name} Emission")
+            settings.text.write(glow)
+            settings.source = lamp_emission.EXPRESSION
         return {"FINISHED"}
 
 

@@ -267,6 +267,8 @@ def ungroup(node: bpy.types.Node) -> None:
 
 def _keep_value(socket, value) -> None:
     if sockets.held_by_node(socket):
+        if socket.bl_idname == sockets.COLOR:
+            value = value[:3]  # Blender's own have alpha
         setattr(socket.node, sockets.property_of(socket.identifier), value)
     elif hasattr(socket, "default_value"):
         socket.default_value = value

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a node tree to its shape: nodes are written as lines of the expression language, which evaluates them.
+"""From a node tree to its shape and emission: nodes are written as lines of the expression language.
 
-So a node means what its word means, with the same checks and limits, and a tree can be read as text. A line is a syntax
-tree; it is never printed and parsed on the way to a shape. Groups are written as often as they are used, reroutes and
-muted nodes not at all.
+The language evaluates them, so a node means what its word means, with the same checks and limits, and a tree can be
+read as text. A line is a syntax tree; it is never printed and parsed on the way to a shape. Groups are written as often as they are used, reroutes and
+muted nodes not at all. The shape and the emission are read one after the other, each from its input of the Lamp Output.
 
 Numbers of sockets stay out of the lines: there they are names, ``#0``, ``#1`` and so on, of values that may change. So
 a slider changes no formula, and compiles nothing.
@@ -25,6 +25,7 @@ import numpy as np
 from ...render.errors import RenderError
 from ...sdf import declarations as declared
 from ...sdf.declarations import LONGEST_NAME, Declaration
+from ...sdf.emission import INPUTS, Emission, as_emission, name_inputs
 from ...sdf.evaluation import Evaluation
 from ...sdf.functions import CONSTANTS, FUNCTIONS, as_shape
 from ...sdf.shapes import Shape
@@ -32,7 +33,10 @@ from ...sdf.syntax import KEYWORDS, ExpressionError, parse
 from ...sdf.values import Condition, Live
 from ..naming import NODE_TREE
 from . import sockets
-from .tree import GROUP, LampNode, output_of
+from .tree import GROUP, OUTPUT, LampNode, output_of
+
+SHAPE, EMISSION = "shape", "emission"
+"""Inputs of the Lamp Output."""
 
 DEEPEST_GROUP = 20
 MOST_LINES = 4_000
@@ -45,13 +49,17 @@ class Broken(Exception):
 
 
 class Line(NamedTuple):
-    """``target = value``; or what an expression of several lines (``text``) says for ``given`` parameters."""
+    """``target = value``; or what an expression of several lines (``text``) says for ``given`` parameters.
+
+    ``makes`` is ``SHAPE`` or ``EMISSION``: what such an expression has to say.
+    """
 
     owner: int  # index of the place that it belongs to
     target: str
     value: ast.expr | None
     text: str = ""
     given: tuple[tuple[Declaration, ast.expr], ...] = ()
+    makes: str = SHAPE
 
     def parts(self) -> list[ast.expr]:
         """The values that the line is made of."""
@@ -69,12 +77,16 @@ def is_word(value: ast.expr, name: str) -> bool:
 
 
 class Writer:
-    """Writes the nodes that a tree's output depends on.
+    """Writes the nodes that one input of a tree's output depends on: ``makes`` is ``SHAPE`` or ``EMISSION``.
 
-    ``owner`` is the matrix of the lamp, for nodes that take a transform from another object.
+    ``owner`` is the matrix of the lamp, for nodes that take a transform from another object. ``declarations`` are those
+    of the rest of the tree, which these have to agree with.
     """
 
-    def __init__(self, tree: bpy.types.NodeTree, owner: np.ndarray | None):
+    def __init__(self, tree: bpy.types.NodeTree, owner: np.ndarray | None, makes: str = SHAPE,
+                 declarations: Mapping[str, Declaration] | None = None):
+        self.makes = makes
+        self._declared = dict(declarations or {})
         self.owner = np.eye(4) if owner is None else owner
         self.lines: list[Line] = []
         self.values: list[object] = []
@@ -93,7 +105,7 @@ class Writer:
             return
         self.missing = ""
         self._visit(((), output))
-        self.result = (self._results[_key(((), output))] or {}).get("shape")
+        self.result = (self._results[_key(((), output))] or {}).get(makes)
         self.output = len(self.places) - 1
 
     # -- the order of nodes -------------------------------------------------------------------------------------------
@@ -118,6 +130,8 @@ class Writer:
 
     def _sources(self, place: Place) -> Iterator[Place]:
         for socket in place[1].inputs:
+            if place[1].bl_idname == OUTPUT and socket.identifier != self.makes:
+                continue
             for link in _links(socket):
                 end = _end(place[0], link)
                 if end is not None and end[2].is_output:
@@ -201,17 +215,20 @@ class Writer:
         self.lines.append(Line(self._owner, target, value))
         return ast.Name(target, ast.Load())
 
-    def include(self, hint: str, text: str, given: Mapping[Declaration, ast.expr]) -> ast.Name:
-        """The lines of an expression as one: the shape they say gets a name."""
+    def include(self, hint: str, text: str, given: Mapping[Declaration, ast.expr], makes: str) -> ast.Name:
+        """The lines of an expression as one: the shape or emission they say gets a name."""
         target = self._name(hint)
-        self.lines.append(Line(self._owner, target, None, text, tuple(given.items())))
+        self.lines.append(Line(self._owner, target, None, text, tuple(given.items()), makes))
         return ast.Name(target, ast.Load())
 
     def declare(self, declaration: Declaration) -> ast.expr:
         """A parameter, which lamps have values for."""
-        known = self.declarations.setdefault(declaration.name, declaration)
+        known = (self._declared | self.declarations).get(declaration.name, declaration)
         if known != declaration:
             raise Broken(f"Another node declares {declaration.name} otherwise: choose another name")
+        if self.makes == EMISSION and declaration.name in INPUTS:
+            raise Broken(f"{declaration.name} has a meaning of its own in an emission: choose another name")
+        self.declarations[declaration.name] = declaration
         self._names.add(declaration.name)
         return ast.Name(declaration.name, ast.Load())
 
@@ -289,6 +306,8 @@ def held(socket: bpy.types.NodeSocket):
     """The value that an input has by itself: a number or a tuple of numbers."""
     value = getattr(socket.node, sockets.property_of(socket.identifier)) if sockets.held_by_node(
         socket) else socket.default_value
+    if socket.type == "RGBA":
+        return tuple(value)[:3]
     return value if isinstance(value, (bool, int, float)) else tuple(value)
 
 
@@ -297,18 +316,18 @@ def _degrees(radians: float) -> float:
     return float(f"{math.degrees(radians):.7g}")
 
 
-# -- shapes ------------------------------------------------------------------------------------------------------------
+# -- shapes and emissions ----------------------------------------------------------------------------------------------
 
 
 class _Script:
-    """Lines and values that are equal to others if they say the same shape."""
+    """Lines and values that are equal to others if they say the same shape or emission."""
 
     def __init__(self, writer: Writer):
         self.lines, self.values, self.result = tuple(writer.lines), tuple(writer.values), writer.result
-        self.output = writer.output
+        self.output, self.makes = writer.output, writer.makes
         self.declarations = tuple(writer.declarations.values())
-        parts = [(line.owner, line.target, line.text, *map(ast.dump, line.parts())) for line in self.lines]
-        self._key = (self.output, tuple(parts), tuple(map(repr, self.values)), self.declarations,
+        parts = [(line.owner, line.target, line.text, line.makes, *map(ast.dump, line.parts())) for line in self.lines]
+        self._key = (self.makes, self.output, tuple(parts), tuple(map(repr, self.values)), self.declarations,
                      self.result and ast.dump(self.result))
 
     def __hash__(self):
@@ -319,9 +338,11 @@ class _Script:
 
 
 @functools.lru_cache(maxsize=64)
-def _evaluated(script: _Script, given: tuple) -> tuple[Shape | None, dict[int, str]]:
-    """The shape, if there is one, and what is wrong by the index of the place."""
+def _evaluated(script: _Script, given: tuple) -> tuple[Shape | Emission | None, dict[int, str]]:
+    """The shape or emission, if there is one, and what is wrong by the index of the place."""
     evaluation = Evaluation({}, {})
+    if script.makes == EMISSION:
+        name_inputs(evaluation)
     for index, value in enumerate(script.values):
         evaluation.names[f"#{index}"] = _bound(value)
     given = dict(given)
@@ -344,6 +365,9 @@ def _evaluated(script: _Script, given: tuple) -> tuple[Shape | None, dict[int, s
             isinstance(n, ast.Name) and n.id in failed for n in ast.walk(script.result)):
         return None, problems
     try:
+        if script.makes == EMISSION:
+            value = evaluation.value(script.result)
+            return evaluation.attempt(script.result, lambda: as_emission(value, evaluation.slots)), problems
         return evaluation.run(ast.Module([ast.Expr(script.result)], [])), problems
     except ExpressionError as error:
         return None, {script.output: _sentence(error, None)}
@@ -362,8 +386,8 @@ def _bound(value):
     return Live(value) if value else 0.0
 
 
-def _included(evaluation: Evaluation, line: Line) -> Shape:
-    """The shape that an expression says, whose names are its own."""
+def _included(evaluation: Evaluation, line: Line):
+    """The shape or emission that an expression says, whose names are its own."""
     tree, _ = parse(line.text)
     given = {}
     for declaration, value in line.given:
@@ -372,13 +396,17 @@ def _included(evaluation: Evaluation, line: Line) -> Shape:
         except (TypeError, ValueError, OverflowError):
             raise ExpressionError(f"{declaration.name} differs from point to point", 1, 1, "give it a number") from None
     outer = evaluation.names
-    evaluation.names = CONSTANTS | {"p": outer["p"]} | given
+    evaluation.names = CONSTANTS | {name: outer[name] for name in ("p", *INPUTS) if name in outer} | given
     try:
         body = [part for part in tree.body if not is_declaration(part)]
         if not body or not isinstance(body[-1], ast.Expr):
-            raise ExpressionError("the last line does not say what glows", 1, 1, "end with a line that is a shape")
+            raise ExpressionError("the last line does not say what glows", 1, 1, (
+                "end with a line that is a shape" if line.makes == SHAPE else "end with a line that is a brightness"))
         evaluation.block(body[:-1])
         result = evaluation.value(body[-1].value)
+        if line.makes == EMISSION:
+            evaluation.attempt(body[-1], lambda: as_emission(result, evaluation.slots))
+            return result
         return evaluation.attempt(body[-1], lambda: as_shape(result, evaluation.slots))
     finally:
         evaluation.names = outer
@@ -403,15 +431,27 @@ def _addressed(writer: Writer, problems: Mapping[int, str]) -> list[tuple[tuple[
     return list(found.items())
 
 
+def _writers(tree: bpy.types.NodeTree, owner: np.ndarray | None) -> tuple[Writer, Writer]:
+    """Of the shape and of the emission."""
+    shape = Writer(tree, owner)
+    return shape, Writer(tree, owner, EMISSION, shape.declarations)
+
+
 def problems_of(tree: bpy.types.NodeTree) -> list[tuple[tuple[int, str], str]]:
     """What is wrong with nodes, by tree and node: all that can be said at once."""
-    writer = Writer(tree, None)
-    return _addressed(writer, _evaluated(_Script(writer), ())[1])
+    found = {}
+    for writer in _writers(tree, None):
+        for place, problem in _addressed(writer, _evaluated(_Script(writer), ())[1]):
+            found.setdefault(place, problem)
+    return list(found.items())
 
 
 def declarations_of(tree: bpy.types.NodeTree | None) -> tuple[Declaration, ...]:
     """Parameters that a tree declares."""
-    return tuple(Writer(tree, None).declarations.values()) if tree is not None else ()
+    if tree is None:
+        return ()
+    shape, emission = _writers(tree, None)
+    return tuple((shape.declarations | emission.declarations).values())
 
 
 def shape_of(tree: bpy.types.NodeTree | None, given: Mapping[str, object], owner: np.ndarray | None) -> Shape:
@@ -426,23 +466,48 @@ def shape_of(tree: bpy.types.NodeTree | None, given: Mapping[str, object], owner
     writer = Writer(tree, owner)
     if writer.missing:
         raise RenderError(writer.missing)
-    shape, problems = _evaluated(_Script(writer), tuple(given.items()))
+    return _read(writer, given)
+
+
+def has_emission(tree: bpy.types.NodeTree | None) -> bool:
+    """Whether a tree says the emission too: a link leads to that input of its output."""
+    output = output_of(tree) if tree is not None and tree.bl_idname == NODE_TREE else None
+    return output is not None and any(
+        socket.identifier == EMISSION and _links(socket) for socket in output.inputs)
+
+
+def emission_of(tree: bpy.types.NodeTree, given: Mapping[str, object], owner: np.ndarray | None) -> Emission | None:
+    """As ``shape_of``, the emission of a tree that has one; None where its link comes from nowhere."""
+    writer = _writers(tree, owner)[1]
+    return _read(writer, given) if writer.result is not None or writer.problems else None
+
+
+def _read(writer: Writer, given: Mapping[str, object]) -> Shape | Emission:
+    read, problems = _evaluated(_Script(writer), tuple(given.items()))
     problems = writer.problems | problems
-    if problems or shape is None:
+    if problems or read is None:
         index = min(problems, default=None)
         if index is None:
-            raise RenderError("Its nodes do not say a shape: look for a node with an error.")
+            raise RenderError(f"Its nodes do not say its {writer.makes}: look for a node with an error.")
         raise RenderError(f"In its nodes, {writer.places[index][-1][1]}: {problems[index]}")
-    return shape
+    return read
 
 
 # -- text --------------------------------------------------------------------------------------------------------------
 
 
 def text_of(tree: bpy.types.NodeTree, values: Mapping[str, object], owner: np.ndarray | None) -> str:
-    """The tree as an expression. ``values`` of parameters become their defaults. Raises RenderError."""
+    """The shape of a tree as an expression. ``values`` of parameters become their defaults. Raises RenderError."""
     shape_of(tree, values, owner)  # what has no shape has no text
-    writer = Writer(tree, owner)
+    return _text(Writer(tree, owner), values)
+
+
+def emission_text_of(tree: bpy.types.NodeTree, values: Mapping[str, object], owner: np.ndarray | None) -> str:
+    """As ``text_of``, the emission of a tree that has one; empty where its link comes from nowhere."""
+    return _text(_writers(tree, owner)[1], values) if emission_of(tree, values, owner) is not None else ""
+
+
+def _text(writer: Writer, values: Mapping[str, object]) -> str:
     constants = _Constants(writer.values)
     head, body = [], []
     for declaration in writer.declarations.values():
@@ -517,12 +582,10 @@ def _renamed(line: Line, names: Mapping[str, ast.expr]) -> list[ast.stmt]:
         def visit_Name(self, node):
             return ast.Name(f"{line.target}_{node.id}", node.ctx) if node.id in stored else node
 
-    start = [ast.Assign([ast.Name(name, ast.Store())], value) for name, value in names.items()]
-    if "p" in stored:
-        start.append(ast.Assign([ast.Name("p_start", ast.Store())], ast.Name("p", ast.Load())))
+    known = ("p",) if line.makes == SHAPE else ("p", *INPUTS)
+    start = dict(names) | {name: ast.Name(name, ast.Load()) for name in known if name in stored and name not in names}
     renamed = [Rename().visit(part) for part in body]
-    made = [ast.Assign([ast.Name(f"{line.target}_{part.targets[0].id.removesuffix('_start')}", ast.Store())],
-                       part.value) for part in start]
+    made = [ast.Assign([ast.Name(f"{line.target}_{name}", ast.Store())], value) for name, value in start.items()]
     result = renamed.pop()
     return [*made, *renamed, ast.Assign([ast.Name(line.target, ast.Store())], result.value)]
 

@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes with a part outside the tree: the lamp, objects of the scene, expressions, and transforms."""
+"""Nodes with a part outside the tree: the lamp, objects of the scene, expressions of shapes, and transforms."""
 
 from __future__ import annotations
 
 import bpy
 import numpy as np
 
+from ...sdf.emission import EmissionExpression
 from ...sdf.expression import Expression
 from ...sdf.syntax import ExpressionError
 from ..properties import tag
 from . import sockets
-from .reading import Broken, held, word
+from .reading import EMISSION, SHAPE, Broken, held, word
 from .tree import OBJECT, OUTPUT
 from .values import ValueNode
 
@@ -19,15 +20,19 @@ _SHAPE = (("shape", "Shape", sockets.SHAPE),)
 
 
 class SDFLIGHTS_Node_output(ValueNode, bpy.types.Node):
-    """The shape that glows"""
+    """The shape that glows, and its colour and relative brightness from point to point; without, it is even"""
 
     bl_idname = OUTPUT
     bl_label = "Lamp Output"
-    takes = _SHAPE
+    takes = ((SHAPE, "Shape", sockets.SHAPE), (EMISSION, "Emission", sockets.COLOR))
     gives = ()
 
     def written(self, writer):
-        return {"shape": writer.needed(self.socket("shape"))}
+        socket = self.socket(writer.makes)
+        if writer.makes == SHAPE:
+            return {SHAPE: writer.needed(socket)}
+        value = writer.input(socket)
+        return {} if value is None else {EMISSION: value}
 
 
 class SDFLIGHTS_Node_object(ValueNode, bpy.types.Node):
@@ -99,44 +104,27 @@ _OF_KIND = {"slider": "NodeSocketFloat", "integer": "NodeSocketInt", "angle": "N
             "toggle": "NodeSocketBool", "vector": "NodeSocketVector"}
 
 
-def _text_changed(self, context):
-    self.match_interface()
+class ExpressionNode(ValueNode):
+    """A node with a text of the expression language, of which it makes what ``makes`` says.
 
+    Parameters that the text declares are inputs.
+    """
 
-class SDFLIGHTS_Node_expression(ValueNode, bpy.types.Node):
-    """A shape in the expression language. Parameters that it declares are inputs"""
-
-    bl_idname = "SDFLIGHTS_Node_expression"
-    bl_label = "Expression"
-    bl_width_default = 220.0
-    gives = (("result", "Shape", sockets.SHAPE),)
-
-    expression: bpy.props.StringProperty(
-        name="Expression", description="A shape, such as union(torus(1, 0.3), sphere(0.5))",
-        default="union(torus(0.5, 0.1), sphere(0.2))", update=_text_changed)
-    text: bpy.props.PointerProperty(
-        name="Text", description="Text block that holds the expression, for one of several lines",
-        type=bpy.types.Text, update=_text_changed)
-
-    def draw_settings(self, layout):
-        layout.prop_search(self, "text", bpy.data, "texts", text="", icon="TEXT")
-        if self.text is None:
-            layout.prop(self, "expression", text="")
+    makes = SHAPE
 
     def source(self) -> str:
-        return self.text.as_string() if self.text is not None else self.expression
+        raise NotImplementedError
 
-    def parsed(self) -> Expression | None:
-        try:
-            return Expression(self.source())
-        except ExpressionError:
-            return None
+    def parsed(self) -> Expression | EmissionExpression:
+        """Raises ``ExpressionError``."""
+        return (Expression if self.makes == SHAPE else EmissionExpression)(self.source())
 
     def match_interface(self):
-        """Inputs are what the expression declares, for as long as it can be read."""
+        """Inputs are what the text declares, for as long as it can be read."""
         super().match_interface()
-        expression = self.parsed()
-        if expression is None:
+        try:
+            expression = self.parsed()
+        except ExpressionError:
             return
         wanted = {declaration.name: declaration for declaration in expression.parameters}
         for socket in list(self.inputs):
@@ -151,9 +139,8 @@ class SDFLIGHTS_Node_expression(ValueNode, bpy.types.Node):
                 socket.default_value = stored(declaration, declaration.default)
 
     def written(self, writer):
-        text = self.source()
         try:
-            expression = Expression(text)
+            expression = self.parsed()
         except ExpressionError as error:
             raise Broken(str(error).rstrip(".")) from None
         there = {socket.identifier: socket for socket in self.inputs}
@@ -167,7 +154,44 @@ class SDFLIGHTS_Node_expression(ValueNode, bpy.types.Node):
                 value = writer.needed(socket)
                 value = writer.degrees(value) if declaration.kind == "angle" else value
             given[declaration] = value
-        return {"result": writer.include(self.label or "expression", text, given)}
+        return {"result": writer.include(self.label or self.bl_label, self.source(), given, self.makes)}
+
+
+def text_property(makes: str):
+    return bpy.props.PointerProperty(
+        name="Text", description=f"Text block that holds the {makes}, for one of several lines", type=bpy.types.Text,
+        update=text_changed)
+
+
+def text_changed(self, context):
+    self.match_interface()
+
+
+def draw_text(layout, node) -> None:
+    """The node's text block, or its line."""
+    layout.prop_search(node, "text", bpy.data, "texts", text="", icon="TEXT")
+    if node.text is None:
+        layout.prop(node, "expression", text="")
+
+
+class SDFLIGHTS_Node_expression(ExpressionNode, bpy.types.Node):
+    """A shape in the expression language. Parameters that it declares are inputs"""
+
+    bl_idname = "SDFLIGHTS_Node_expression"
+    bl_label = "Expression"
+    bl_width_default = 220.0
+    gives = (("result", "Shape", sockets.SHAPE),)
+
+    expression: bpy.props.StringProperty(
+        name="Expression", description="A shape, such as union(torus(1, 0.3), sphere(0.5))",
+        default="union(torus(0.5, 0.1), sphere(0.2))", update=text_changed)
+    text: text_property("expression")
+
+    def draw_settings(self, layout):
+        draw_text(layout, self)
+
+    def source(self) -> str:
+        return self.text.as_string() if self.text is not None else self.expression
 
 
 def stored(declaration, value):

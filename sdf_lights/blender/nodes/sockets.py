@@ -8,28 +8,30 @@ the parameter, and can be animated. Interfaces of groups offer Blender's own soc
 
 import bpy
 
-SHAPE, PROFILE, NUMBER, VECTOR, CONDITION, ANY = (
-    f"SDFLIGHTS_NodeSocket{name}" for name in ("Shape", "Profile", "Number", "Vector", "Condition", "Any"))
+SHAPE, PROFILE, NUMBER, VECTOR, COLOR, CONDITION, ANY = (
+    f"SDFLIGHTS_NodeSocket{name}" for name in ("Shape", "Profile", "Number", "Vector", "Color", "Condition", "Any"))
 
 _KINDS = {  # label, colour as Blender has it for the same kind of data, what links bring
     SHAPE: ("Shape", (0.0, 0.84, 0.64, 1.0), "a shape"),
     PROFILE: ("Profile", (0.92, 0.46, 0.51, 1.0), "a profile"),
     NUMBER: ("Number", (0.63, 0.63, 0.63, 1.0), "a number"),
     VECTOR: ("Vector", (0.39, 0.39, 0.78, 1.0), "a vector"),
+    COLOR: ("Color", (0.78, 0.78, 0.16, 1.0), "a colour"),
     CONDITION: ("Condition", (0.8, 0.65, 0.84, 1.0), "a condition"),
     ANY: ("Value", (0.63, 0.63, 0.63, 1.0), "a value")}
 
-BLENDERS = {"VALUE": "a number", "INT": "a number", "BOOLEAN": "a condition", "VECTOR": "a vector"}
+BLENDERS = {"VALUE": "a number", "INT": "a number", "BOOLEAN": "a condition", "VECTOR": "a vector", "RGBA": "a colour"}
 """Blender's own sockets by type, which interfaces of groups and text nodes use, and what they carry."""
 
 _IN_GROUPS = {NUMBER: "NodeSocketFloat", ANY: "NodeSocketFloat", VECTOR: "NodeSocketVector",
-              CONDITION: "NodeSocketBool"}
+              COLOR: "NodeSocketColor", CONDITION: "NodeSocketBool"}
 
 # What each kind of socket takes. Blender's are numbers, vectors and conditions of the language.
 _TAKES = {
     SHAPE: {"a shape", "a number", "a value"},  # of a field, the region where it is negative
     PROFILE: {"a profile"}, NUMBER: {"a number", "a value"},
-    VECTOR: {"a vector", "a number", "a value"}, CONDITION: {"a condition"}}
+    VECTOR: {"a vector", "a number", "a value", "a colour"}, COLOR: {"a colour", "a vector", "a number", "a value"},
+    CONDITION: {"a condition"}}
 
 
 def carried(socket: bpy.types.NodeSocket) -> str:
@@ -39,7 +41,12 @@ def carried(socket: bpy.types.NodeSocket) -> str:
 
 def takes(socket: bpy.types.NodeSocket, value: str) -> bool:
     """Whether an input takes what an output carries, as far as that can be told from the sockets."""
-    return value in _TAKES.get(socket.bl_idname, {value})
+    return kind_takes(socket.bl_idname, value)
+
+
+def kind_takes(kind: str, value: str) -> bool:
+    """As ``takes``, for the type of an input."""
+    return value in _TAKES.get(kind, {value})
 
 
 def in_group(socket: bpy.types.NodeSocket) -> str:
@@ -82,7 +89,7 @@ def _interface(name: str) -> type:
         "draw": lambda self, context, layout: None})
 
 
-OFFERED = (SHAPE, PROFILE, "NodeSocketFloat", "NodeSocketInt", "NodeSocketBool", "NodeSocketVector")
+OFFERED = (SHAPE, PROFILE, "NodeSocketFloat", "NodeSocketInt", "NodeSocketBool", "NodeSocketVector", "NodeSocketColor")
 """Types that the interface of a group may have."""
 
 CLASSES = (*map(_socket, _KINDS), *map(_interface, (SHAPE, PROFILE)))

@@ -3,8 +3,8 @@
 """A node for each word of the expression language: every shape, profile, operator, fractal and function.
 
 They are made from the words: an input for each argument, with the limits, unit, default and tooltip that the shape's
-parameter has. Words of vectors and the field of a shape have nodes of another form, in ``values``; colour ramps have
-none, as shapes have no colours.
+parameter has. Words of vectors and the field of a shape have nodes of another form, in ``values``, and colour ramps in
+``emission``.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ...sdf.shapes import SHAPES, Family
 from ...sdf.shapes.base import LARGEST, Parameter
 from ...sdf.shapes.operators import SetOperation
 from ...sdf.shapes.profiles import PROFILES
+from ...sdf.words_of_colours import COLDEST, HOTTEST
 from ..properties import parameter_property
 from . import sockets
 from .tree import LampNode
@@ -35,7 +36,7 @@ _NUMBERS = {"dot", "length", "noise"}  # of a vector
 _VECTORS = {"cross", "normalize"}
 
 # Where a zero would make no sense. Arguments of the language that have to be given have no default there.
-_DEFAULTS = {"factor": (1.0, 1.0, 1.0), "divisor": 1.0, "high": 1.0, "exponent": 1.0, "count": 6.0,
+_DEFAULTS = {"temperature": 3000.0, "factor": (1.0, 1.0, 1.0), "divisor": 1.0, "high": 1.0, "exponent": 1.0, "count": 6.0,
              "period": 1.0, "normal": (0.0, 0.0, 1.0), "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -67,9 +68,10 @@ def _described(argument: Argument) -> Parameter:
         default = (default,) * 3 if vector else 0.0
     label = argument.name.replace("_", " ").title()
     unit = "LENGTH" if argument.name == "offset" else "ANGLE" if argument.kind in ("angle", "angles") else "NONE"
+    low, high, soft = (COLDEST, HOTTEST, HOTTEST) if argument.name == "temperature" else (-LARGEST, LARGEST, 10.0)
     description = f"{label} where nothing is connected"
     return Parameter(
-        argument.name, label, description, unit, default, -LARGEST, LARGEST, 10.0, 3 if vector else 1, False)
+        argument.name, label, description, unit, default, low, high, soft, 3 if vector else 1, False)
 
 
 class _WordNode(LampNode):
@@ -117,7 +119,9 @@ class _WordNode(LampNode):
             return "Shape", sockets.SHAPE
         if function.name in _NUMBERS:
             return "Value", sockets.NUMBER
-        if function.group in (POINTS, COLOURS) or function.name in _VECTORS:
+        if function.group == COLOURS:
+            return "Color", sockets.COLOR
+        if function.group == POINTS or function.name in _VECTORS:
             return "Vector", sockets.VECTOR
         return "Value", sockets.ANY
 

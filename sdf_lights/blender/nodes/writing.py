@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an expression to nodes: the way back of ``reading``.
+"""From expressions of shapes and emissions to nodes: the way back of ``reading``.
 
 The expression is evaluated while it is walked, so it is known of every part what it is. What has no node (a loop, a
 block of conditions) makes the whole expression one node.
@@ -13,15 +13,16 @@ import math
 
 import bpy
 
+from ...sdf.emission import INPUTS, name_inputs
 from ...sdf.evaluation import Evaluation
 from ...sdf.functions import CONSTANTS, FUNCTIONS
 from ...sdf.syntax import parse
 from ...sdf.values import kind_of
 from ..naming import NODE_TREE
-from . import scene, sockets, values, words
+from . import emission, scene, sockets, values, words
 from .layout import arrange
-from .reading import is_declaration
-from .tree import OUTPUT
+from .reading import EMISSION, SHAPE, is_declaration
+from .tree import OUTPUT, output_of
 
 
 class NoNode(Exception):
@@ -53,20 +54,48 @@ def tree_of(name: str, text: str) -> bpy.types.NodeTree:
     recorder.remarks = syntax.remarks
     recorder.run(syntax.tree)
     tree, end = new_tree(name)
-    builder = _Builder(tree, recorder)
     try:
-        result = builder.run(syntax.tree)
+        result = _Builder(tree, recorder).run(syntax.tree)
     except NoNode:
         tree.nodes.clear()
         end = tree.nodes.new(OUTPUT)
-        result = _as_one_node(tree, name, text)
-    tree.links.new(result, end.inputs[0])
+        node = tree.nodes.new(scene.SDFLIGHTS_Node_expression.bl_idname)
+        result = _with_text(node, name, text)
+    tree.links.new(result, _input(end, SHAPE))
     arrange(tree)
     return tree
 
 
-def _as_one_node(tree: bpy.types.NodeTree, name: str, text: str) -> bpy.types.NodeSocket:
-    node = tree.nodes.new(scene.SDFLIGHTS_Node_expression.bl_idname)
+def add_emission(tree: bpy.types.NodeTree, text: str) -> dict[str, str]:
+    """Adds an emission to a tree with an output.
+
+    Returns the names that its parameters have in the tree, where they must differ from those that are there, by their
+    names in the text. Raises ``ExpressionError`` if the text says no emission.
+    """
+    syntax = parse(text)
+    recorder = _Recorder()
+    recorder.remarks = syntax.remarks
+    name_inputs(recorder)
+    recorder.last(syntax.tree, "", "", "")
+    taken = {node.parameter for node in tree.nodes if node.bl_idname == values.SDFLIGHTS_Node_parameter.bl_idname}
+    taken |= set(INPUTS)
+    renamed = {name: f"{EMISSION}_{name}" if name in taken else name for name in recorder.declarations}
+    before = set(tree.nodes)
+    try:
+        result = _Builder(tree, recorder, renamed).run(syntax.tree)
+    except NoNode:
+        for node in set(tree.nodes) - before:
+            tree.nodes.remove(node)
+        node = tree.nodes.new(emission.SDFLIGHTS_Node_pattern.bl_idname)
+        node.pattern, renamed = emission.EXPRESSION, {}
+        result = _with_text(node, f"{tree.name} Emission", text)
+    tree.links.new(result, _input(output_of(tree), EMISSION))
+    arrange(tree)
+    return renamed
+
+
+def _with_text(node: bpy.types.Node, name: str, text: str) -> bpy.types.NodeSocket:
+    """Gives a node a text, in a block of its own if it has several lines; returns its output."""
     if "\n" in text.strip():
         block = bpy.data.texts.new(name)
         block.write(text)
@@ -77,9 +106,15 @@ def _as_one_node(tree: bpy.types.NodeTree, name: str, text: str) -> bpy.types.No
     return node.outputs[0]
 
 
+def _input(node: bpy.types.Node, identifier: str) -> bpy.types.NodeSocket:
+    return next(socket for socket in node.inputs if socket.identifier == identifier)
+
+
 class _Builder:
-    def __init__(self, tree: bpy.types.NodeTree, recorder: _Recorder):
-        self._tree, self._recorder = tree, recorder
+    """Makes nodes of the parts of an expression. ``renamed``: names of parameters in the tree by those in the text."""
+
+    def __init__(self, tree: bpy.types.NodeTree, recorder: _Recorder, renamed: dict[str, str] | None = None):
+        self._tree, self._recorder, self._renamed = tree, recorder, renamed or {}
         self._names: dict[str, object] = {}
 
     def run(self, module: ast.Module) -> bpy.types.NodeSocket:
@@ -94,9 +129,7 @@ class _Builder:
             if isinstance(part, bpy.types.NodeSocket) and not part.node.label and name != "p":
                 part.node.label = name.replace("_", " ").title()
         result = self.part(module.body[-1].value)
-        if not isinstance(result, bpy.types.NodeSocket):
-            raise NoNode
-        return result
+        return result if isinstance(result, bpy.types.NodeSocket) else self._value(result)
 
     def _new(self, kind: type | None) -> bpy.types.Node:
         if kind is None:
@@ -105,7 +138,8 @@ class _Builder:
 
     def _parameter(self, declaration) -> bpy.types.NodeSocket:
         node = self._new(values.SDFLIGHTS_Node_parameter)
-        node.parameter, node.tooltip = declaration.name, declaration.description
+        node.parameter = self._renamed.get(declaration.name, declaration.name)
+        node.tooltip = declaration.description
         angle = declaration.kind == "angle"
         for name in ("minimum", "maximum"):
             limit = getattr(declaration, name)
@@ -141,6 +175,10 @@ class _Builder:
         if node.id == "p":
             self._names["p"] = self._new(values.SDFLIGHTS_Node_position).outputs[0]
             return self._names["p"]
+        if node.id in INPUTS:
+            interior = self._new(emission.SDFLIGHTS_Node_interior)
+            self._names |= {socket.identifier: socket for socket in interior.outputs}
+            return self._names[node.id]
         raise NoNode
 
     def _vector(self, node):
@@ -246,6 +284,8 @@ class _Builder:
             return self._field(self.part(node.func), self.part(node.args[0]))
         if any(keyword.arg is None for keyword in node.keywords):
             raise NoNode
+        if name in emission.RAMPS.values():
+            return self._ramp(name, [self.part(argument) for argument in node.args])
         function = FUNCTIONS[name]
         nodes = [*node.args, *(keyword.value for keyword in node.keywords)]
         found = [self._recorder.found[part] for part in nodes]
@@ -270,6 +310,14 @@ class _Builder:
         if name == "field":
             return self._shape_of_field(arguments)
         return self._call_of(function, [made(value) for value in repeated], arguments)
+
+    def _ramp(self, name: str, parts: list):
+        node = self._new(emission.SDFLIGHTS_Node_ramp)
+        node.interpolation = next(key for key, found in emission.RAMPS.items() if found == name)
+        node.stops = (len(parts) - 1) // 2
+        for identifier, part in zip((identifier for identifier, _, _ in node.takes), parts):
+            self._put(node, identifier, part)
+        return node.outputs[0]
 
     def _vector_of(self, size: int, parts: list, found: list):
         flat = []

@@ -7,13 +7,19 @@ from __future__ import annotations
 import functools
 import pathlib
 import tomllib
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 FOLDER = pathlib.Path(__file__).parent
 
 
 class Preset(NamedTuple):
-    """A lamp. ``temperature`` in kelvins, 0 where it has a ``color`` of its own; ``power`` in watts."""
+    """A lamp. ``temperature`` in kelvins, 0 where it has a ``color`` of its own; ``power`` in watts.
+
+    ``emission`` is the name of a preset of ``sdf.emission_presets``, whose parameters have ``emission_values``, or a text in
+    the language of emissions.
+    """
 
     name: str
     title: str
@@ -21,6 +27,8 @@ class Preset(NamedTuple):
     power: float
     temperature: float = 0.0
     color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    emission: str = "uniform"
+    emission_values: Mapping[str, float | list[float]] = MappingProxyType({})
 
     @property
     def picture(self) -> pathlib.Path:

@@ -68,7 +68,7 @@ def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, owner: np.ndarra
             f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale.")
     lamp = data.sdf_lamp
     try:
-        shape, emission = shape_of(lamp, owner), pattern_of(lamp)
+        shape, emission = shape_of(lamp, owner), pattern_of(lamp, owner)
     except RenderError as error:
         raise RenderError(f"Lamp '{name}' is left out. {error}") from error
     visibility = visibility | Ray.CAMERA if lamp.visible_camera else visibility & ~Ray.CAMERA
