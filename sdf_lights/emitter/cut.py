@@ -165,14 +165,14 @@ def roughness(cells, out):
 
 def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     """Tables of ``TABLES`` for lamps that were built from ``sources``: anything with a ``shape`` and a ``matrix``."""
-    placed, parts, used, first = np.zeros(len(built), PLACEMENT), [np.zeros(0, CELL)], 0, {}
+    placed, parts, used, first, thickness = np.zeros(len(built), PLACEMENT), [np.zeros(0, CELL)], 0, {}, {}
     for row, lamp, source in zip(placed, built, sources):
         shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
         tree = interior.tree(shape)
         factor = abs(float(np.linalg.det(matrix[:3, :3])))
         own = uniform_cells(shape) if lamp.emission is None else lamp.emission.weighed.cells
         if id(own) not in first:
-            first[id(own)] = used
+            first[id(own)], thickness[id(own)] = used, _thickness(own)
             parts.append(own)
             used += len(own)
         to_world = matrix.copy()
@@ -183,9 +183,7 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         row["unit"] = 1.0 / np.sqrt(row["metric"].diagonal())
         row["extent"] = row["metric"].diagonal() @ own["spread"][0]
         row["centroid"] = to_world[:3, :3] @ own["centroid"][0] + to_world[:3, 3]
-        leaves = own[own["first"] < 0]
-        thickness = np.average((leaves["high"] - leaves["low"]).min(axis=1), weights=leaves["volume"] + 1e-300)
-        row["thickness"] = thickness * factor ** (1.0 / 3.0)
+        row["thickness"] = thickness[id(own)] * factor ** (1.0 / 3.0)
     cells = np.concatenate(parts)
     steps = np.zeros(len(cells), STEP_DOWN)
     for name in ("axis", "volume", "centroid"):
@@ -194,6 +192,12 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     for part, start in zip(parts[1:], first.values()):
         roughness(part, steps["rough"][start:start + len(part)])
     return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps}
+
+
+def _thickness(cells: np.ndarray) -> float:
+    """Mean over the volume of the least side of the box that a point is in, in tree space."""
+    leaves = cells[cells["first"] < 0]
+    return np.average((leaves["high"] - leaves["low"]).min(axis=1), weights=leaves["volume"] + 1e-300)
 
 
 @kernel

@@ -415,17 +415,6 @@ def _approach(row, o, d):
 
 
 @kernel
-def crosses(block, lamp, o, d, t_max):
-    """False if the ray certainly has no interval of the lamp in 0 < t < t_max: a test of its bounding box."""
-    row = lamps(block)[lamp]
-    distance, p = _approach(row, o, d)
-    if dot(p, p) >= row.reach * row.reach:
-        return False
-    start, end = box_span(p, d, row.half[0], row.half[1], row.half[2])
-    return start <= end and distance + end > 0.0 and distance + start < t_max
-
-
-@kernel
 def _keep(spans, count, distance, start, end):
     """Append what is left at t ≥ 0 of an interval whose ends are relative to ``distance``; returns the new count."""
     if distance + end <= 0.0:

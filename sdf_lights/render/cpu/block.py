@@ -12,12 +12,12 @@ from ...jit import block_dtype, fill_table
 from ..film import Film
 from ..scene import Instance, Mesh, Scene
 from ..settings import LampSampling
-from . import accumulate, camera, geometry, integrator, lights, path, rays, shading
+from . import accumulate, camera, geometry, integrator, lamp_tree, lights, path, rays, shading
 from .shading.records import HAS_EMISSION, HAS_TRANSPARENCY
 
 TABLES = {
-    **lamps.TABLES, **cuts.TABLES, **camera.TABLES, **geometry.TABLES, **lights.TABLES, **shading.TABLES, **accumulate.TABLES,
-    "control": np.dtype(np.int64)}
+    **lamps.TABLES, **cuts.TABLES, **lamp_tree.TABLES, **camera.TABLES, **geometry.TABLES, **lights.TABLES,
+    **shading.TABLES, **accumulate.TABLES, "control": np.dtype(np.int64)}
 SCALARS = [
     *lamps.SCALARS, *camera.SCALARS, *geometry.SCALARS, *rays.SCALARS, *integrator.SCALARS, *accumulate.SCALARS]
 BLOCK = block_dtype(TABLES, SCALARS)
@@ -75,13 +75,15 @@ class PackedScene:
         scene.warnings += lamps.doubts(built)
         lamp_tables = lamps.pack_lamps(built)
         rows = lamp_tables["lamps"]
+        low, high = rows["center"] - rows["half"], rows["center"] + rows["half"]
         light_tables = lights.pack_lights(
-            scene, np.stack([rows["center"] - rows["half"], rows["center"] + rows["half"]], axis=1),
+            scene, np.stack([low, high], axis=1),
             4.0 * np.pi * rows["volume"][:, None] * rows["emission"], self._emissive)
         light_tables["light_emitters"]["visibility"][:len(built)] = rows["visibility"]
         self.light_hits = lights.hit_capacity(light_tables)
         self.lamps = built  # whose compiled fields the tables point at
-        self._fill({**lamp_tables, **cuts.pack_cuts(built, sources), **light_tables}, lamps.pack_scalars(built))
+        self._fill({**lamp_tables, **cuts.pack_cuts(built, sources),
+                    **lamp_tree.pack_lamp_tree(low, high, rows["visibility"]), **light_tables}, lamps.pack_scalars(built))
         self.span_rows = int(self.block["lamp_rows"][0])
 
     def aim(self, scene: Scene, film: Film) -> None:
@@ -147,7 +149,8 @@ class Workspace:
         self._span_rows = packed.span_rows
         counts = {
             "ray": 1, "spans": 2 * (packed.span_rows + len(packed.lamps)), "light_hits": packed.light_hits,
-            **path.COUNTS, **shading.WORKSPACE_COUNTS, **cuts.WORKSPACE_COUNTS}
+            **path.COUNTS, **shading.WORKSPACE_COUNTS, **cuts.WORKSPACE_COUNTS,
+            **lamp_tree.workspace_counts(len(packed.lamps))}
         self._tables = {
             name: rays.new_rays(1) if name == "ray" else np.zeros(count, integrator.WORKSPACE_TABLES[name])
             for name, count in counts.items()}

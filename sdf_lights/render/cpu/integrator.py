@@ -21,6 +21,8 @@ from . import lights
 from .accumulate import add_sample, is_active, pixel_index
 from .camera import camera_ray, filter_offset, view_depth
 from .geometry import find_shadow_surface, find_surface, instance_table, shading_material_table, surface_table
+from .lamp_tree import WORKSPACE_TABLES as LAMP_TREE_TABLES
+from .lamp_tree import found_table, lamps_along
 from .path import TABLES, clear_sample, contribute, path_table, put, sample_table
 from .rays import RAY, SHADOW_OPAQUE, SHADOW_TRANSPARENT, intersect, occluded, ray_table
 from .sampler import draw1, draw2, draw3, draw4, pixel_seed
@@ -54,7 +56,7 @@ BLACK = (0.0, 0.0, 0.0)
 
 WORKSPACE_TABLES = {
     "ray": RAY, "spans": np.dtype(np.float64), "light_hits": lights.HIT, **TABLES, **SHADING_TABLES,
-    **cuts.WORKSPACE_TABLES}
+    **cuts.WORKSPACE_TABLES, **LAMP_TREE_TABLES}
 # ``aside`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
 WORKSPACE = block_dtype({**WORKSPACE_TABLES, "aside": None})
 
@@ -296,11 +298,12 @@ def _lamp_mis(block, workspace, lamp, spans, count):
 def gather_lamps(block, workspace, t_to):
     """Add the line integral of each lamp along the path's ray up to the distance ``t_to``."""
     path = path_table(workspace)[0]
-    spans = spans_of(workspace)
+    spans, found = spans_of(workspace), found_table(workspace)
     origin, direction = vec(path.origin), vec(path.direction)
-    for lamp in range(block.lamp_count):
-        if not lights.visibility(block, lamp) & path.kind or not lamps.crosses(block, lamp, origin, direction, t_to):
-            continue
+    if path.found < 0:
+        path.found = lamps_along(block, workspace, origin, direction, t_to, path.kind)
+    for index in range(path.found):
+        lamp = found[index]
         count = path.kept_count if path.kept == lamp else lamps.trace(block, lamp, origin, direction, spans)
         if count == 0:
             continue
@@ -315,19 +318,22 @@ def gather_lamps(block, workspace, t_to):
 def lamp_reach(block, workspace, path):
     """Distance at which the path's ray leaves the last lamp that it crosses; 0 if it crosses none.
 
-    The intervals of a single lamp are kept.
+    The lamps are kept for ``gather_lamps``, and the intervals of a single one.
     """
-    spans = spans_of(workspace)
+    spans, found = spans_of(workspace), found_table(workspace)
     origin, direction = vec(path.origin), vec(path.direction)
-    reach, crossed = 0.0, 0
-    for lamp in range(block.lamp_count):
-        if lights.visibility(block, lamp) & path.kind and lamps.crosses(block, lamp, origin, direction, path.t_max):
-            crossed += 1
-            count = lamps.trace(block, lamp, origin, direction, spans)
-            path.kept, path.kept_count = lamp, count
-            if count > 0:
-                reach = max(reach, spans[count - 1, 0] + spans[count - 1, 1])
-    if crossed > 1:
+    reach = 0.0
+    path.found = 0
+    candidates = lamps_along(block, workspace, origin, direction, path.t_max, path.kind)
+    for index in range(candidates):
+        lamp = found[index]
+        count = lamps.trace(block, lamp, origin, direction, spans)
+        path.kept, path.kept_count = lamp, count
+        if count > 0:
+            reach = max(reach, spans[count - 1, 0] + spans[count - 1, 1])
+            found[path.found] = lamp
+            path.found += 1
+    if candidates > 1:
         path.kept = -1
     return reach
 
@@ -504,7 +510,7 @@ def trace_path(block, workspace, x, y):
     surface = surface_table(workspace)[0]
     start_path(block, workspace, x, y)
     while True:
-        path.kept = -1
+        path.kept = path.found = -1
         if path.last and not block.emitters_hit:
             path.t_max = min(path.t_max, lamp_reach(block, workspace, path))
             if path.t_max <= path.t_min:

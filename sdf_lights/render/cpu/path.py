@@ -17,13 +17,14 @@ SAMPLE = np.dtype([
 # there competes with the ray, so MIS asks for its pdf there. ``start`` is ``origin`` moved off the surface. ``narrow``
 # is the part of ``pdf`` that microfacets have; ``both`` is 1 where light on either side of that surface counted,
 # and ``scattered`` how often the light was scattered after it.
+# ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype([
     ("origin", "f8", 3), ("normal", "f8", 3), ("start", "f8", 3), ("direction", "f8", 3), ("t_min", "f8"),
     ("t_max", "f8"), ("throughput", "f8", 3), ("pdf", "f8"), ("narrow", "f8"),
     ("both", "i8"), ("scattered", "i8"), ("kind", "i8"), ("length", "f8"), ("spread", "f8"),
     ("bounce", "i8"), ("diffuse", "i8"), ("glossy", "i8"), ("transmission", "i8"), ("transparent", "i8"),
-    ("last", "i8"), ("kept", "i8"), ("kept_count", "i8"), ("index", "i8"), ("seed", "u4"), ("dimension", "i8"),
+    ("last", "i8"), ("found", "i8"), ("kept", "i8"), ("kept_count", "i8"), ("index", "i8"), ("seed", "u4"), ("dimension", "i8"),
 ], align=True)
 
 TABLES = {"path": PATH, "sample": SAMPLE}
