@@ -149,7 +149,7 @@ class Workspace:
         self._span_rows = packed.span_rows
         counts = {
             "ray": 1, "spans": 2 * (packed.span_rows + len(packed.lamps)), "light_hits": packed.light_hits,
-            **path.COUNTS, **shading.WORKSPACE_COUNTS, **cuts.WORKSPACE_COUNTS,
+            **path.COUNTS, **shading.WORKSPACE_COUNTS, **cuts.WORKSPACE_COUNTS, **lights.WORKSPACE_COUNTS,
             **lamp_tree.workspace_counts(len(packed.lamps))}
         self._tables = {
             name: rays.new_rays(1) if name == "ray" else np.zeros(count, integrator.WORKSPACE_TABLES[name])

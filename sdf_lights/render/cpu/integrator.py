@@ -55,8 +55,8 @@ FIRST_ROULETTE = 2
 BLACK = (0.0, 0.0, 0.0)
 
 WORKSPACE_TABLES = {
-    "ray": RAY, "spans": np.dtype(np.float64), "light_hits": lights.HIT, **TABLES, **SHADING_TABLES,
-    **cuts.WORKSPACE_TABLES, **LAMP_TREE_TABLES}
+    "ray": RAY, "spans": np.dtype(np.float64), "light_hits": lights.HIT, **lights.WORKSPACE_TABLES, **TABLES,
+    **SHADING_TABLES, **cuts.WORKSPACE_TABLES, **LAMP_TREE_TABLES}
 # ``aside`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
 WORKSPACE = block_dtype({**WORKSPACE_TABLES, "aside": None})
 
@@ -233,7 +233,7 @@ def light_vertex(block, workspace):
     path.both, path.scattered = int(transmits(workspace)), path.bounce
     cut_table(workspace)[0].lamp = -1
     u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
-    emitter, chance, u0 = lights.select(block, x, n, u[0])
+    emitter, chance, u0 = lights.select(block, x, n, u[0], lights.light_cut_table(workspace)[0])
     if chance <= 0.0:
         return
     scatters = path.bounce + 1
@@ -261,16 +261,18 @@ def light_vertex(block, workspace):
 
 
 @kernel
-def _mis(block, path, emitter, pdf):
+def _mis(block, workspace, emitter, pdf):
     """Weight of emission met by a ray: balance heuristic against light sampling where the path last scattered.
 
     Paths from the camera and from singular scattering have pdf 0: nothing else can find that emission.
     """
+    path = path_table(workspace)[0]
     if path.pdf <= 0.0:
         return 1.0
     if not competes(block, emitter):
         return 0.0
-    chance = lights.selection_probability(block, vec(path.origin), vec(path.normal), emitter)
+    chance = lights.selection_probability(
+        block, vec(path.origin), vec(path.normal), emitter, lights.light_cut_table(workspace)[0])
     return path.pdf / (path.pdf + chance * pdf)
 
 
@@ -288,7 +290,7 @@ def _lamp_mis(block, workspace, lamp, spans, count):
         prepare_lamp(block, workspace, lamp, origin, normal, path.both)
     if cut.beta == np.inf:
         return 1.0
-    chance = lights.selection_probability(block, origin, normal, lamp)
+    chance = lights.selection_probability(block, origin, normal, lamp, lights.light_cut_table(workspace)[0])
     density = cuts.density(block, lamp, vec(path.direction), box_table(workspace), cut, spans, count)
     rival = _rival(cut, path.pdf, path.narrow)
     return rival / (rival + chance * density) if rival > 0.0 else 0.0
@@ -349,7 +351,7 @@ def gather_lights(block, workspace, t_to):
         hit = hits[index]
         if hit.distance <= path.t_min:
             continue
-        weight = _mis(block, path, hit.emitter, hit.pdf)
+        weight = _mis(block, workspace, hit.emitter, hit.pdf)
         contribute(block, workspace, vec(hit.radiance), weight, False, path.bounce)
 
 
@@ -376,7 +378,7 @@ def gather_world(block, workspace):
     if largest(radiance) <= 0.0:
         return
     pdf = lights.world_pdf(block, vec(path.normal), direction) if path.pdf > 0.0 else 0.0
-    contribute(block, workspace, radiance, _mis(block, path, world, pdf), False, path.bounce)
+    contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), False, path.bounce)
 
 
 @kernel
@@ -392,7 +394,7 @@ def gather_surface(block, workspace):
         emitter = lights.triangle_emitter(block, surface.instance, surface.primitive)
         if emitter >= 0:
             pdf = lights.triangle_pdf(block, vec(path.origin), emitter, vec(path.direction), path.length)
-            weight = _mis(block, path, emitter, pdf)
+            weight = _mis(block, workspace, emitter, pdf)
     contribute(block, workspace, radiance, weight, False, path.bounce)
 
 

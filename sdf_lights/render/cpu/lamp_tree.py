@@ -45,25 +45,28 @@ def pack_lamp_tree(low: np.ndarray, high: np.ndarray, visibility: np.ndarray) ->
     count = len(low)
     if not count:
         return {"lamp_tree": np.zeros(0, NODE)}
-    binary, leaves = build_tree(Bounds(
+    binary = build_tree(Bounds(
         np.arange(count), low, high, np.zeros((count, 3)), np.full(count, -1.0), np.zeros(count), np.ones(count),
         np.zeros(count, bool)))
-    seen = np.zeros(len(binary), np.int32)
-    seen[leaves] = visibility
-    for node in range(len(binary) - 1, 0, -1):
-        seen[binary["parent"][node]] |= seen[node]
+    child = binary.nodes["child"]
+    seen = np.zeros(len(child), np.int32)
+    seen[binary.leaf] = visibility
+    for node in np.flatnonzero(child >= 0)[::-1]:
+        seen[node] = seen[child[node]] | seen[child[node] + 1]
+    outer_low = np.nextafter(binary.lo.astype(np.float32), np.float32(-np.inf))
+    outer_high = np.nextafter(binary.hi.astype(np.float32), np.float32(np.inf))
 
     levels, first, frontier = [], 0, np.zeros(1, np.int64)
     while len(frontier):
-        slots = _descendants(binary["child"], frontier)
+        slots = _descendants(child, frontier)
         used = slots != NOTHING
         rows = np.zeros(len(frontier), NODE)
-        for corner, name in (("lo", "low"), ("hi", "high")):
-            rows[name] = np.where(used[:, None, :], binary[corner][slots].transpose(0, 2, 1), 0.0)
+        rows["low"] = np.where(used[:, None, :], outer_low[slots].transpose(0, 2, 1), 0.0)
+        rows["high"] = np.where(used[:, None, :], outer_high[slots].transpose(0, 2, 1), 0.0)
         rows["visibility"] = np.where(used, seen[slots], 0)
-        inner = used & (binary["child"][slots] >= 0)
+        inner = used & (child[slots] >= 0)
         first += len(frontier)
-        rows["child"] = binary["child"][slots]
+        rows["child"] = child[slots]
         rows["child"][inner] = first + np.arange(inner.sum())
         levels.append(rows)
         frontier = slots[inner]

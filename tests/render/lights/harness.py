@@ -41,6 +41,7 @@ class Packed:
     def __init__(self, scene, **arguments):
         self.tables = lights.pack_lights(scene, **arguments)
         self.blocks = np.zeros(1, block_dtype(lights.TABLES))
+        self._cuts = np.zeros(1, lights.WORKSPACE_TABLES["light_cut"])
         for name, array in self.tables.items():
             fill_table(self.blocks, name, array)
 
@@ -63,12 +64,12 @@ class Packed:
     def select(self, x, n, u):
         """(emitter, probability, remapped u) as arrays."""
         out = np.empty((len(u), 3))
-        _select(self.blocks, tuple(map(float, x)), n, u, out)
+        _select(self.blocks, tuple(map(float, x)), n, u, self._cuts, out)
         return out[:, 0].astype(int), out[:, 1], out[:, 2]
 
     def probabilities(self, x, n, count=None):
         out = np.empty(len(self.tables["light_emitters"]) if count is None else count)
-        _probabilities(self.blocks, tuple(map(float, x)), n, out)
+        _probabilities(self.blocks, tuple(map(float, x)), n, self._cuts, out)
         return out
 
     def world(self, d, n=NONE):
@@ -111,15 +112,15 @@ def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
 
 
 @kernel(cache=False)
-def _select(blocks, x, n, u, out):
+def _select(blocks, x, n, u, cuts, out):
     for i in range(len(u)):
-        out[i, 0], out[i, 1], out[i, 2] = lights.select(blocks[0], x, n, u[i])
+        out[i, 0], out[i, 1], out[i, 2] = lights.select(blocks[0], x, n, u[i], cuts[0])
 
 
 @kernel(cache=False)
-def _probabilities(blocks, x, n, out):
+def _probabilities(blocks, x, n, cuts, out):
     for i in range(len(out)):
-        out[i] = lights.selection_probability(blocks[0], x, n, i)
+        out[i] = lights.selection_probability(blocks[0], x, n, i, cuts[0])
 
 
 @kernel(cache=False)

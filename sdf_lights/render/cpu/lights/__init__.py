@@ -16,16 +16,19 @@ from .emitters import (
 )
 from .environment import world_pdf, world_radiance
 from .pack import Triangles, hit_capacity, pack_lights
-from .records import HIT, TABLES
+from .records import HIT, TABLES, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
 from .tree import select, selection_probability
 
 __all__ = [
     "HIT",
     "TABLES",
+    "WORKSPACE_COUNTS",
+    "WORKSPACE_TABLES",
     "Triangles",
     "casts_shadow",
     "hit_capacity",
     "is_lamp",
+    "light_cut_table",
     "light_hits",
     "pack_lights",
     "sample_light",

@@ -62,8 +62,9 @@ def pack_lights(
         shining = np.isfinite(bounds.intensity) & (bounds.intensity > 0.0)
         shining &= np.isfinite(bounds.lo).all(axis=1) & np.isfinite(bounds.hi).all(axis=1)
         bounds = Bounds(**{name: value[shining] for name, value in vars(bounds).items()})
-        tables["light_nodes"], leaf = build_tree(bounds)
-        emitters["leaf"][bounds.emitter] = leaf
+        tree = build_tree(bounds)
+        tables["light_nodes"] = tree.nodes
+        emitters["leaf"][bounds.emitter] = tree.nodes["order"][tree.leaf]
     tables["light_infinite"] = np.array(infinite, TABLES["light_infinite"])
     emitters["infinite"][tables["light_infinite"]["emitter"]] = np.arange(len(infinite))
     return tables

@@ -16,7 +16,7 @@ EMITTER = np.dtype(
     [("kind", np.int32), ("index", np.int32),  # row in the table of that kind
      ("visibility", np.int32),  # bits of scene.Ray
      ("cast_shadow", np.int32),
-     ("leaf", np.int32),  # node of the light tree; −1: not in it
+     ("leaf", np.int32),  # place among the leaves of the light tree, in their order; −1: not in it
      ("infinite", np.int32)],  # row in light_infinite; −1: not in it
     align=True)
 
@@ -52,10 +52,25 @@ TRIANGLE_LIGHT = np.dtype(
 
 # Children are neighbours. Single precision makes a node one cache line; probabilities are exact in what is stored.
 NODE = np.dtype(
-    [("lo", np.float32, 3), ("hi", np.float32, 3), ("axis", np.float32, 3), ("cos_o", np.float32),
-     ("sin_o", np.float32), ("cos_e", np.float32), ("intensity", np.float32),
+    [("centroid", np.float32, 3),  # of the intensity
+     ("spread", np.float32, 3),  # m², its mean square distance from there along each axis
+     ("radius", np.float32),  # of a ball around the centroid that holds all emitters
+     ("axis", np.float32, 3), ("cos_o", np.float32),  # cone that holds all normals
+     ("cos_e", np.float32), ("intensity", np.float32),
      ("child", np.int32),  # first child, or ~emitter of a leaf
-     ("parent", np.int32), ("two_sided", np.int32)],
+     ("order", np.int32),  # of the first leaf below
+     ("two_sided", np.int32)],
+    align=True)
+
+# The nodes of the light tree that a point chooses among at first, in the order of their leaves.
+MOST_NODES = 32
+LIGHT_CUT = np.dtype(
+    [("x", np.float64, 3), ("n", np.float64, 3),  # the point, and the normal there, that the cut is for
+     ("count", np.int64),  # of nodes; 0: it is not for any point yet
+     ("total", np.float64),  # of the weights
+     ("node", np.int64, MOST_NODES), ("order", np.int64, MOST_NODES),
+     ("weight", np.float64, MOST_NODES),  # estimate of the irradiance
+     ("doubt", np.float64, MOST_NODES)],  # variance that the choice below is expected to add; 0 for a leaf
     align=True)
 
 INFINITE = np.dtype(
@@ -84,6 +99,9 @@ TABLES = {
     "light_image_columns": np.dtype(np.float64),  # the same within each row, rows × (columns + 1)
 }
 
+WORKSPACE_TABLES = {"light_cut": LIGHT_CUT}
+WORKSPACE_COUNTS = {"light_cut": 1}
+
 HIT = np.dtype(
     [("emitter", np.int64), ("distance", np.float64), ("pdf", np.float64), ("radiance", np.float64, 3)], align=True)
 
@@ -94,6 +112,7 @@ area_table = table("light_areas", AREA_LIGHT)
 sun_table = table("light_suns", SUN_LIGHT)
 triangle_table = table("light_triangles", TRIANGLE_LIGHT)
 node_table = table("light_nodes", NODE)
+light_cut_table = table("light_cut", LIGHT_CUT)
 infinite_table = table("light_infinite", INFINITE)
 triangle_offset_table = table("light_triangle_offset", np.int64)
 triangle_map_table = table("light_triangle_map", np.int32)

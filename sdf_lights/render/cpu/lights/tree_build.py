@@ -3,8 +3,8 @@
 """The light tree: built here in NumPy, one level at a time.
 
 Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting", PACMCGIT 1(2): a binary
-tree over all emitters of finite extent; a node bounds their positions by a box, their directions of emission by
-a cone and knows the sum of their intensities. Clusters are split where the metric of Walter et al. 2005,
+tree over all emitters of finite extent; a node knows the sum of their intensities, its mean position and the variance of
+that, and bounds their directions of emission by a cone. Clusters are split where the metric of Walter et al. 2005,
 "Lightcuts" (intensity × squared extent of positions and axes), becomes least.
 """
 
@@ -19,6 +19,9 @@ from .records import NODE
 # An axis of emission spans up to 2; this makes opposite axes half as far apart as the ends of the cluster's box.
 AXIS_SCALE = 0.25
 CANDIDATES = 8
+# Variance along an axis of what an emitter sends out, of the square of half its box: that of a shell a little thicker
+# than a ball.
+SPREAD = 0.25
 
 
 @dataclass
@@ -35,12 +38,22 @@ class Bounds:
     two_sided: np.ndarray  # (m,) bool
 
 
-def build_tree(bounds: Bounds) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (root first, children adjacent) and the leaf of each emitter in ``bounds``."""
+@dataclass
+class Tree:
+    """A binary tree over m emitters."""
+
+    nodes: np.ndarray  # (2m − 1,) NODE: root first, children adjacent and after their parent
+    leaf: np.ndarray  # (m,) node of each emitter, in the order of the bounds
+    lo: np.ndarray  # (2m − 1, 3) corners of the box of each node
+    hi: np.ndarray
+
+
+def build_tree(bounds: Bounds) -> Tree:
+    """The tree over all emitters in ``bounds``."""
     count = len(bounds.emitter)
-    nodes = np.zeros(max(2 * count - 1, 0), NODE)
-    leaf = np.zeros(count, np.int32)
-    nodes["parent"] = -1
+    size = max(2 * count - 1, 0)
+    nodes, leaf = np.zeros(size, NODE), np.zeros(count, np.int32)
+    tree = Tree(nodes, leaf, np.zeros((size, 3)), np.zeros((size, 3)))
     low = np.concatenate((bounds.lo, np.where(bounds.cos_o[:, None] > -1.0, bounds.axis, 0.0)), axis=1)
     high = np.concatenate((bounds.hi, low[:, 3:]), axis=1)
     middle = 0.5 * (low + high)
@@ -64,14 +77,23 @@ def build_tree(bounds: Bounds) -> tuple[np.ndarray, np.ndarray]:
         items, left = _split(items, inner_sizes, low, high, middle, bounds.intensity)
         children = first + 2 * np.arange(len(inner))
         nodes["child"][inner] = children
-        nodes["parent"][children] = nodes["parent"][children + 1] = inner
         sizes = np.stack((left, inner_sizes - left), axis=1).ravel()
 
+    below = np.ones(size, np.int64)  # leaves
+    place = np.zeros((size, 6))  # centroid and spread
     for leaves, members, inner in reversed(levels):
-        _fill_leaves(nodes, leaves, members, bounds)
-        _fill_inner(nodes, inner)
-    nodes["sin_o"] = np.sqrt(np.maximum(1.0 - nodes["cos_o"] ** 2, 0.0))
-    return nodes, leaf
+        _fill_leaves(tree, place, leaves, members, bounds)
+        _fill_inner(tree, place, inner)
+        first = nodes["child"][inner]
+        below[inner] = below[first] + below[first + 1]
+    for _, _, inner in levels:
+        first = nodes["child"][inner]
+        nodes["order"][first] = nodes["order"][inner]
+        nodes["order"][first + 1] = nodes["order"][inner] + below[first]
+    nodes["centroid"], nodes["spread"] = place[:, :3], place[:, 3:]
+    reach = np.maximum(tree.hi - nodes["centroid"], nodes["centroid"] - tree.lo)
+    nodes["radius"] = np.nextafter(np.linalg.norm(reach, axis=1).astype(np.float32), np.float32(np.inf))
+    return tree
 
 
 def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.ndarray]:
@@ -116,18 +138,24 @@ def _cost(lo, hi, power) -> np.ndarray:
     return np.cumsum(power, axis=1) * space * (1.0 + axes)
 
 
-def _fill_leaves(nodes, leaves, members, bounds) -> None:
-    for name in ("lo", "hi", "axis", "cos_o", "cos_e", "intensity", "two_sided"):
-        nodes[name][leaves] = getattr(bounds, name)[members]
-    # Rounding to single precision must not let a bound shrink.
-    nodes["lo"][leaves] = np.nextafter(nodes["lo"][leaves], np.float32(-np.inf))
-    nodes["hi"][leaves] = np.nextafter(nodes["hi"][leaves], np.float32(np.inf))
+def _fill_leaves(tree, place, leaves, members, bounds) -> None:
+    for name in ("axis", "cos_o", "cos_e", "intensity", "two_sided"):
+        tree.nodes[name][leaves] = getattr(bounds, name)[members]
+    tree.lo[leaves], tree.hi[leaves] = bounds.lo[members], bounds.hi[members]
+    place[leaves, :3] = 0.5 * (bounds.lo[members] + bounds.hi[members])
+    place[leaves, 3:] = SPREAD * (0.5 * (bounds.hi[members] - bounds.lo[members])) ** 2
 
 
-def _fill_inner(nodes, inner) -> None:
-    a, b = nodes[nodes["child"][inner]], nodes[nodes["child"][inner] + 1]
-    nodes["lo"][inner] = np.minimum(a["lo"], b["lo"])
-    nodes["hi"][inner] = np.maximum(a["hi"], b["hi"])
+def _fill_inner(tree, place, inner) -> None:
+    nodes, first = tree.nodes, tree.nodes["child"][inner]
+    a, b = nodes[first], nodes[first + 1]
+    tree.lo[inner] = np.minimum(tree.lo[first], tree.lo[first + 1])
+    tree.hi[inner] = np.maximum(tree.hi[first], tree.hi[first + 1])
+    total = a["intensity"].astype(float) + b["intensity"]
+    share = (b["intensity"] / np.where(total > 0.0, total, 1.0))[:, None]
+    apart = place[first + 1, :3] - place[first, :3]
+    place[inner] = (1.0 - share) * place[first] + share * place[first + 1]
+    place[inner, 3:] += share * (1.0 - share) * apart**2
     nodes["cos_e"][inner] = np.minimum(a["cos_e"], b["cos_e"])
     nodes["intensity"][inner] = a["intensity"] + b["intensity"]
     nodes["two_sided"][inner] = a["two_sided"] | b["two_sided"]
