@@ -12,7 +12,7 @@
 
 import argparse
 
-NAMES = ("throughput", "startup", "intervals", "estimators", "lamps", "scaling", "viewport")
+NAMES = ("throughput", "startup", "intervals", "builds", "estimators", "lamps", "scaling", "viewport")
 
 
 def some_of(known):

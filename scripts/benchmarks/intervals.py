@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether rays find every entry and exit, at what cost, how that grows with the number of parts, and how long trees take.
+"""Whether rays find every entry and exit, at what cost, and how that grows with the number of parts.
 
 Every shape and every hard case of the tests is traced as a lamp is, and judged by the tests' oracle: a march of its own
 through the whole formula, in steps 100 times finer than those of a coarse march. The published rule and plain sphere
@@ -122,31 +122,6 @@ def growth(turns: int, count: int) -> list[dict]:
             for key in keys]
 
 
-def builds(turns: int) -> list[dict]:
-    """Processor seconds to make a lamp of each shape, when its formula is compiled: the tree, its bounds, the volume."""
-    from sdf_lights.emitter import interior, lamps
-    from sdf_lights.sdf.examples import examples
-    from sdf_lights.sdf.expression import Expression
-    from sdf_lights.sdf.shapes import fractals, orbits
-    from tests.emitter.hard_cases import scattered
-    from tests.sdf.samples import PRIMITIVES
-
-    fractal = {name for name, shape in PRIMITIVES.items() if type(shape).__module__ in (fractals.__name__, orbits.__name__)}
-    kinds = [("fractal" if name in fractal else "primitive", name, lambda shape=shape: shape)
-             for name, shape in PRIMITIVES.items() if shape.bounded]
-    kinds += [("20 primitives", f"{operation} of 20", lambda smooth=smooth: scattered(20, smooth=smooth))
-              for operation, smooth in (("union", False), ("smooth union", True))]
-    kinds += [("example", name, Expression(example.text).shape) for name, example in examples().items()]
-
-    def build(shape):
-        interior.tree.cache_clear()
-        lamps.volume_of.cache_clear()
-        return lamps.build_lamp("Lamp", shape(), np.eye(4))
-
-    return [dict(kind=kind, built=name, build_seconds=_seconds(lambda: build(shape), turns)[1])
-            for kind, name, shape in kinds]
-
-
 def run(options) -> tuple[dict, list[dict]]:
     turns = options.repeats or (1 if options.quick else TURNS)
     cases = _cases(options.quick)
@@ -163,11 +138,8 @@ def run(options) -> tuple[dict, list[dict]]:
     def ratio(rule: str) -> float:
         return math.exp(statistics.fmean(math.log(row[f"{rule}_evaluations"] / row["evaluations"]) for row in smooth))
 
-    def slowest(kind: str) -> float:
-        return max(row["build_seconds"] for row in built if row["kind"] == kind)
-
     missed = [row["wrong"] for row in rows if row["published_wrong"] > 0.0 and row["certified"]]
-    curve, built = growth(turns, 1000 if options.quick else 10_000), builds(turns)
+    curve = growth(turns, 1000 if options.quick else 10_000)
     cost = {(row["spread"], row["operation"], row["primitives"]): row["ns_per_ray"] for row in curve}
 
     def growth_of(spread: str) -> float:
@@ -186,7 +158,5 @@ def run(options) -> tuple[dict, list[dict]]:
         evaluations_ratio_coarse_paper_to_ours=ratio("published_coarse"),
         evaluations_ratio_spheres_to_ours=ratio("spheres"),
         cost_ratio_1000_to_10_nodes=growth_of("as many on a ray"),
-        cost_ratio_1000_to_10_nodes_as_dense=growth_of("as dense"),
-        build_seconds_primitive=slowest("primitive"), build_seconds_20_primitives=slowest("20 primitives"),
-        build_seconds_fractal=slowest("fractal"), build_seconds_example=slowest("example"))
-    return summary, rows + curve + built
+        cost_ratio_1000_to_10_nodes_as_dense=growth_of("as dense"))
+    return summary, rows + curve

@@ -313,7 +313,7 @@ def _flat_face(program, lists, node, box):
     return best_axis, best_position
 
 
-@kernel
+@kernel(forceinline=True)
 def _pruned(program, lists, node, box, out, starts):
     """``pruning.prune_program`` for a box."""
     c = (0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]))

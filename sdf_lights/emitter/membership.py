@@ -21,6 +21,9 @@ DIFFERENCE, EXCLUSIVE = int(Op.DIFFERENCE), int(Op.EXCLUSIVE)
 
 DEEPEST = 62  # bits of an int64 that hold one flag for each set on the stack
 
+# What is called for every point or box with whole arrays is inlined: each array that is passed on costs an atomic
+# reference count, which took four times as long as the rest.
+
 
 @kernel
 def _near(centre, half):
@@ -34,8 +37,8 @@ def _far(centre, half):
 
 @kernel
 def _beside(low, high, radius):
-    """Flags of a region whose distances to a skeleton are all within [low, high]."""
-    return (1 if high <= radius else 0), (1 if low >= radius else 0)
+    """Flags of a region whose squared distances to a skeleton are all within [low, high]."""
+    return (1 if high <= radius * radius else 0), (1 if low >= radius * radius else 0)
 
 
 @kernel
@@ -70,18 +73,19 @@ def classify_primitive(row, c, h):
         inside = far_x <= size[0] and far_y <= size[1] and far_z <= size[2]
         outside = near_x >= size[0] or near_y >= size[1] or near_z >= size[2]
         return (1 if inside else 0), (1 if outside else 0)
-    near_ring = math.sqrt(near_x * near_x + near_y * near_y)
-    far_ring = math.sqrt(far_x * far_x + far_y * far_y)
+    near_square = near_x * near_x + near_y * near_y
+    far_square = far_x * far_x + far_y * far_y
     if op == SPHERE:
-        return _beside(math.hypot(near_ring, near_z), math.hypot(far_ring, far_z), size[0])
+        return _beside(near_square + near_z * near_z, far_square + far_z * far_z, size[0])
     if op == TORUS:
+        near_ring, far_ring = math.sqrt(near_square), math.sqrt(far_square)
         near_tube = max(near_ring - size[0], size[0] - far_ring, 0.0)
         far_tube = max(far_ring - size[0], size[0] - near_ring)
-        return _beside(math.hypot(near_tube, near_z), math.hypot(far_tube, far_z), size[1])
+        return _beside(near_tube * near_tube + near_z * near_z, far_tube * far_tube + far_z * far_z, size[1])
     half_height = 0.5 * (size[2] if op == FRUSTUM else size[1])
     if op == CAPSULE:
         above, top = max(near_z - half_height, 0.0), max(far_z - half_height, 0.0)
-        return _beside(math.hypot(near_ring, above), math.hypot(far_ring, top), size[0])
+        return _beside(near_square + above * above, far_square + top * top, size[0])
     narrow, wide = size[0], size[0]
     if op != CYLINDER:
         # The radius is linear in z: of the part of the box between the ends, it is least and greatest at two heights.
@@ -90,12 +94,12 @@ def classify_primitive(row, c, h):
         high = min(max(0.5 + (c[2] + h[2]) / (2.0 * half_height), 0.0), 1.0)
         at_low, at_high = (1.0 - low) * size[0] + low * end, (1.0 - high) * size[0] + high * end
         narrow, wide = min(at_low, at_high), max(at_low, at_high)
-    inside = far_z <= half_height and far_ring <= narrow
-    outside = near_z >= half_height or near_ring >= wide
+    inside = far_z <= half_height and far_square <= narrow * narrow
+    outside = near_z >= half_height or near_square >= wide * wide
     return (1 if inside else 0), (1 if outside else 0)
 
 
-@kernel
+@kernel(forceinline=True)
 def combined(op, first_in, first_out, second_in, second_out):
     """Flags (inside, outside) of the combination of two sets by their flags."""
     if op == UNION:
@@ -107,7 +111,7 @@ def combined(op, first_in, first_out, second_in, second_out):
     return first_in & second_out | first_out & second_in, first_in & second_in | first_out & second_out
 
 
-@kernel
+@kernel(forceinline=True)
 def classify(program, c, h, chosen=None):
     """Flags (inside, outside) of a program for the box with centre c and half sizes h.
 
@@ -137,7 +141,7 @@ def classify(program, c, h, chosen=None):
     return inside, outside
 
 
-@kernel
+@kernel(forceinline=True)
 def contains(program, p, chosen=None):
     """Whether the point p of the shape's space is inside."""
     return classify(program, p, (0.0, 0.0, 0.0), chosen)[0] == 1

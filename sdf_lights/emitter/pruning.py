@@ -127,7 +127,7 @@ def prune_field(terms, parameters, cares, gains, columns, bounds, lists, first, 
         slopes[lane] = steepness[lane, 0]
 
 
-@kernel
+@kernel(forceinline=True)
 def prune_program(program, lists, first, count, c, h, out, starts):
     """Prune a list for the box with centre c and half sizes h into ``out``, which is as long as the list.
 

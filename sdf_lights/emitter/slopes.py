@@ -23,6 +23,7 @@ from ..jit import kernel
 from ..sdf.shapes.base import Family
 from .enclosures import BOXES, DEEPEST_LOOP, INSTRUCTION, ROUNDING, SIZE, Tape, enclose, product_bounds, tape
 from .fields import DEEPEST, NEGATED, CompiledField
+from .shares import SHARES, in_shares
 
 WORK = 2_500_000  # operations on boxes, about 40 ms: of boxes below that there are no bounds of their own
 OVERHEAD = 10.0  # operations that a box costs without any
@@ -153,10 +154,16 @@ def gradients(field: CompiledField, boxes: np.ndarray, lists: np.ndarray, first:
     """Bounds (n, 2, 3), low and high, of the gradient of the lists lists[first:first + count] in boxes (n, 6)."""
     instructions, places, registers = _tapes(field)
     first, count = first.astype(np.int64), count.astype(np.int64)
-    scratch, stack = np.empty((registers, SIZE, BOXES)), np.empty((DEEPEST, SIZE, BOXES))
     out = np.empty((len(boxes), 2, 3))
-    bound_all(instructions, places, field.terms, field.parameters, lists, first, count, boxes,
-              np.lexsort((count, first)), scratch, stack, out)
+    order = np.lexsort((count, first))
+
+    def find(chosen: np.ndarray) -> None:
+        scratch, stack = np.empty((registers, SIZE, BOXES)), np.empty((DEEPEST, SIZE, BOXES))
+        bound_all(instructions, places, field.terms, field.parameters, lists, first, count, boxes, chosen, scratch, stack,
+                  out)
+
+    find(order[:BOXES])  # compiles
+    in_shares(lambda share: find(np.array_split(order, SHARES)[share]))
     return out
 
 

@@ -120,7 +120,8 @@ def test_errors_at_two_million_evaluations(name):
         errors = []
         for seed in range(1, 17):
             full, _, inside, _, calls = volume.sample(
-                tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, tree.boundary, coarsest, seed)
+                tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, tree.boundary,
+                np.full(len(tree.boundary), coarsest), seed)
             evaluations = 8.0 * calls.sum()
             errors.append((certain + full + inside) / exact - 1.0)
             if evaluations > 2**22:

@@ -13,7 +13,6 @@ point (d, in the half plane) are measured without their part along the wire, of 
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 
@@ -33,23 +32,22 @@ def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axe
     """Support of all sections of a solid by half planes through the z axis, when some of them are given.
 
     The sections at the ``angles`` (m,) are ellipses with this center and these two semi-axes, or points without axes;
-    of each the part away from the axis and that along z are given, (m,) or numbers.
+    of each the part away from the axis and that along z are given, (…, m) or numbers, for any number of ellipses in
+    each section.
     """
-    radial = directions[:, 0, None] * np.cos(angles) + directions[:, 1, None] * np.sin(angles)
+    def turned(vector):
+        away, up = np.broadcast_arrays(*vector, angles)[:2]
+        return np.stack([away * np.cos(angles), away * np.sin(angles), up])
 
-    def product(vector):
-        return radial * vector[0] + directions[:, 2, None] * vector[1]
-
-    def most_moved(vector):
-        away, up = np.broadcast_to(vector[0], angles.shape), np.broadcast_to(vector[1], angles.shape)
-        points = np.stack([away * np.cos(angles), away * np.sin(angles), up])
-        return np.linalg.norm(np.diff(points), axis=0).max()
-
-    reached = product(center) + np.sqrt(sum(product(axis)**2 for axis in axes))
+    center, *axes = map(turned, (center, *axes))
+    reached = np.tensordot(directions, center, 1)
+    if axes:
+        reached += np.sqrt(sum(np.tensordot(directions, axis, 1)**2 for axis in axes))
     # Every other section is moved from one of these by half of the way to the next at most, along an arc that is not
     # quite straight.
-    between = 0.501 * sum(most_moved(vector) for vector in (center, *axes))
-    return reached.max(axis=1) + between * np.linalg.norm(directions, axis=1)
+    between = 0.501 * sum(np.sqrt((np.diff(vector)**2).sum(axis=0).max(axis=-1)) for vector in (center, *axes))
+    reached = reached.max(axis=-1) + np.multiply.outer(np.linalg.norm(directions, axis=1), between)
+    return reached.reshape(len(directions), -1).max(axis=1)
 
 
 class _Coil(Primitive, abstract=True):
@@ -290,16 +288,14 @@ class TorusKnot(Primitive):
         p, q, r, w = self.around_axis, self.around_tube, self.radius, self.minor_radius
         longest = min(w / (self._slant()[1] * r), math.pi / p)
         turn = np.linspace(0.0, math.tau, 1 + int(_SAMPLES * max(1.0, q / p)))
+        strand = math.tau * np.arange(p)[:, None, None]
         # Points around the cut of the wire, and how far it is from one to half of the way to the next at most.
-        rim = math.tau * np.arange(_RIM) / _RIM
+        rim = math.tau * np.arange(_RIM)[:, None] / _RIM
         between = math.pi / _RIM * math.hypot(w, (r + w) * longest)
-        reached = []
-        for strand, at in itertools.product(range(int(p)), rim):
-            angle = (q * turn + math.tau * strand) / p + longest * math.sin(at)
-            distance = r + w * math.cos(at)
-            center = self.major_radius + distance * np.cos(angle), distance * np.sin(angle)
-            reached.append(_of_sections(directions, turn, center))
-        return np.max(reached, axis=0) + between * np.linalg.norm(directions, axis=1)
+        angle = (q * turn + strand) / p
+        vectors = np.exp(1j * angle) * ((r + w * np.cos(rim)) * np.exp(1j * longest * np.sin(rim)))
+        center = self.major_radius + vectors.real, vectors.imag
+        return _of_sections(directions, turn, center) + between * np.linalg.norm(directions, axis=1)
 
 
 @dataclass(frozen=True)
@@ -346,9 +342,7 @@ class MobiusBand(Primitive):
     def support(self, directions):
         turn = np.linspace(-math.pi, math.pi, 1 + int(_SAMPLES * max(1.0, abs(self.half_turns))))
         angle = 0.5 * self.half_turns * turn
-        edges = []
-        for u, v in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
-            u, v = 0.5 * u * self.thickness, 0.5 * v * self.width
-            distance, height = u * np.cos(angle) - v * np.sin(angle), u * np.sin(angle) + v * np.cos(angle)
-            edges.append(_of_sections(directions, turn, (self.radius + distance, height)))
-        return np.max(edges, axis=0)
+        u, v = (0.5 * size * np.array(side)[:, None] for size, side in (
+            (self.thickness, (1.0, 1.0, -1.0, -1.0)), (self.width, (1.0, -1.0, 1.0, -1.0))))
+        distance, height = u * np.cos(angle) - v * np.sin(angle), u * np.sin(angle) + v * np.cos(angle)
+        return _of_sections(directions, turn, (self.radius + distance, height))

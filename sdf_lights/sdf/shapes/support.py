@@ -20,7 +20,8 @@ def bounds(support: Callable[[np.ndarray], np.ndarray], matrix: np.ndarray | Non
     matrix = np.eye(4) if matrix is None else np.asarray(matrix, np.float64)
     linear, center = matrix[:3, :3], matrix[:3, 3]
     # The greatest eᵢ · Mx is that of (Mᵀeᵢ) · x, and Mᵀeᵢ is row i of M.
-    return center - support(-linear), center + support(linear)
+    low, high = np.split(support(np.concatenate([-linear, linear])), 2)
+    return center - low, center + high
 
 
 def of_points(directions: np.ndarray, points) -> np.ndarray:
