@@ -180,6 +180,12 @@ def shade_triangle(block, workspace, start, wi, distance):
 
 
 @kernel
+def facing(path, n):
+    """The normal by which emitters are chosen: none where light counts that falls on either side."""
+    return BLACK if path.both else n
+
+
+@kernel
 def prepare_lamp(block, workspace, lamp, x, n, both):
     """Make the workspace's cut that of the lamp for the point x with normal n."""
     cut = cut_table(workspace)[0]
@@ -233,7 +239,7 @@ def light_vertex(block, workspace):
     path.both, path.scattered = int(transmits(workspace)), path.bounce
     cut_table(workspace)[0].lamp = -1
     u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
-    emitter, chance, u0 = lights.select(block, x, n, u[0], lights.light_cut_table(workspace)[0])
+    emitter, chance, u0 = lights.select(block, x, facing(path, n), u[0], lights.light_cut_table(workspace)[0])
     if chance <= 0.0:
         return
     scatters = path.bounce + 1
@@ -272,7 +278,7 @@ def _mis(block, workspace, emitter, pdf):
     if not competes(block, emitter):
         return 0.0
     chance = lights.selection_probability(
-        block, vec(path.origin), vec(path.normal), emitter, lights.light_cut_table(workspace)[0])
+        block, vec(path.origin), facing(path, vec(path.normal)), emitter, lights.light_cut_table(workspace)[0])
     return path.pdf / (path.pdf + chance * pdf)
 
 
@@ -290,7 +296,8 @@ def _lamp_mis(block, workspace, lamp, spans, count):
         prepare_lamp(block, workspace, lamp, origin, normal, path.both)
     if cut.beta == np.inf:
         return 1.0
-    chance = lights.selection_probability(block, origin, normal, lamp, lights.light_cut_table(workspace)[0])
+    chance = lights.selection_probability(
+        block, origin, facing(path, normal), lamp, lights.light_cut_table(workspace)[0])
     density = cuts.density(block, lamp, vec(path.direction), box_table(workspace), cut, spans, count)
     rival = _rival(cut, path.pdf, path.narrow)
     return rival / (rival + chance * density) if rival > 0.0 else 0.0

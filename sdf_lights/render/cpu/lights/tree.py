@@ -22,7 +22,7 @@ from .records import MOST_NODES, emitter_table, infinite_table, node_table
 # Added to the cosine: shading normals and transmitted light make light from behind the normal matter.
 BELOW = 0.02
 # Relative variance that a cut may leave: that of the shadows and of the emitters themselves is larger.
-TOLERANCE = 0.02
+TOLERANCE = 0.05
 # Least factor for light to outside the cone of emission: rounding of the cone.
 OUTSIDE = 1e-4
 # Bounds of a probability between two choices.
