@@ -289,6 +289,7 @@ def table(name: str, dtype):
 
         return array_type(block), codegen
 
+    view.table_name, view.table_dtype = name, np.dtype(dtype) if dtype is not None else None
     return view
 
 

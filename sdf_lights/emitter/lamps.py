@@ -425,6 +425,12 @@ def _keep(spans, count, distance, start, end):
 
 
 @kernel
+def note_length(block, lamp, column, length, spans):
+    """Add to one of the two lengths that ``trace`` sums for a lamp."""
+    spans[block.lamp_rows + lamp, column] += length
+
+
+@kernel
 def _trace_parts(block, row, lamp, distance, p, d, spans):
     """As ``trace``, for a lamp with a tree. p and d are the ray in tree space; its origin is at −``distance``."""
     half = row.high
@@ -437,13 +443,13 @@ def _trace_parts(block, row, lamp, distance, p, d, spans):
         count = solve(program, p, d, spans)
     else:
         count, unresolved = crossings(block, row, p, d, start, end, spans)
-        spans[block.lamp_rows + lamp, 0] += unresolved
+        note_length(block, lamp, 0, unresolved, spans)
     count = regularize(spans, count, SMALLEST_INTERVAL * row.reach)
     kept = 0
     for index in range(count):
         kept = _keep(spans, kept, distance, spans[index, 0], spans[index, 1])
     for index in range(kept):
-        spans[block.lamp_rows + lamp, 1] += 2.0 * spans[index, 1]
+        note_length(block, lamp, 1, 2.0 * spans[index, 1], spans)
     return kept
 
 

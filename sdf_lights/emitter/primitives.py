@@ -14,6 +14,8 @@ from ..jit import kernel
 from ..vec import dot, length, madd
 
 MISS = (math.inf, -math.inf)
+QUARTIC_ROUNDING = 1e-15  # of the value of a torus's quartic, relative to the fourth power of its outer radius
+POLISH = 1e-5  # longest step that improves a root of it, relative to the minor radius
 
 
 @kernel
@@ -196,7 +198,7 @@ def _polish(t, o, u, major, minor):
     slope = 2.0 * (across * (x * u[0] + y * u[1]) / ring + z * u[2])
     step = value / slope
     # Near a tangent the slope vanishes and the root from the bracket is the better one; a NaN fails the test as well.
-    return t - step if abs(step) < 1e-5 * minor else t
+    return t - step if abs(step) < POLISH * minor else t
 
 
 @kernel
@@ -239,7 +241,7 @@ def torus_spans(o, d, major, minor):
     q = -2.0 * scale * (p0[0] * u[0] + p0[1] * u[1])
     s = g * g - scale * (p0[0] * p0[0] + p0[1] * p0[1])
     first, second, third = _stationary(p, q)
-    tolerance = 1e-15 * outer * outer * outer * outer
+    tolerance = QUARTIC_ROUNDING * outer * outer * outer * outer
     middle /= size
     count, a0, b0, a1, b1 = 0, 0.0, 0.0, 0.0, 0.0
 

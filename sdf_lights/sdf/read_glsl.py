@@ -106,9 +106,13 @@ def function(formula: Formula | Sequence[Formula], name: str, parameters: str = 
     kind = _TYPES[len(formulas)]
     result = values[0] if len(values) == 1 else f"{kind}({', '.join(values)})"
     used = writer.used | ({"atan2"} if writer.used & _NEEDS_ATAN2 else set())
-    helpers = [text.format(name=name, greatest=literal(np.inf)) for kind, text in _HELPERS.items() if kind in used]
     lines = [f"{kind} {name}(vec3 p)", "{", *writer.lines, f"    return {result};", "}", ""]
-    return "\n".join([*helpers, "\n".join(lines)])
+    return "\n".join([*helpers(name, used), "\n".join(lines)])
+
+
+def helpers(name: str, used: set[str] = _NEEDS_ATAN2 | {"atan2"}) -> list[str]:
+    """Sources of functions ``name_atan2``, … for what GLSL lacks or does badly: those in ``used``."""
+    return [text.format(name=name, greatest=literal(np.inf)) for kind, text in _HELPERS.items() if kind in used]
 
 
 def literal(value: float) -> str:

@@ -10,7 +10,7 @@ from ... import emitter as lamps
 from ...emitter import cut as cuts
 from ...jit import block_dtype, fill_table
 from ..film import Film
-from ..scene import Instance, Mesh, Scene
+from ..scene import Instance, Lamp, Mesh, Scene
 from ..settings import LampSampling
 from . import accumulate, camera, geometry, integrator, lamp_tree, lights, path, rays, shading
 from .shading.records import HAS_EMISSION, HAS_TRANSPARENCY
@@ -63,27 +63,11 @@ class PackedScene:
 
         Workspaces made before do not fit any more.
         """
-        built, sources = [], []
-        for lamp in scene.lamps:
-            try:
-                built.append(lamps.build_lamp(
-                    lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density, lamp.color, int(lamp.visibility),
-                    lamp.emission))
-                sources.append(lamp)
-            except lamps.LampError as error:
-                scene.warnings.append(str(error))
-        scene.warnings += lamps.doubts(built)
-        lamp_tables = lamps.pack_lamps(built)
-        rows = lamp_tables["lamps"]
-        low, high = rows["center"] - rows["half"], rows["center"] + rows["half"]
-        light_tables = lights.pack_lights(
-            scene, np.stack([low, high], axis=1),
-            4.0 * np.pi * rows["volume"][:, None] * rows["emission"], self._emissive)
-        light_tables["light_emitters"]["visibility"][:len(built)] = rows["visibility"]
-        self.light_hits = lights.hit_capacity(light_tables)
+        built, sources = build_lamps(scene)
+        tables = emitter_tables(scene, built, self._emissive)
+        self.light_hits = lights.hit_capacity(tables)
         self.lamps = built  # whose compiled fields the tables point at
-        self._fill({**lamp_tables, **cuts.pack_cuts(built, sources),
-                    **lamp_tree.pack_lamp_tree(low, high, rows["visibility"]), **light_tables}, lamps.pack_scalars(built))
+        self._fill({**tables, **cuts.pack_cuts(built, sources)}, lamps.pack_scalars(built))
         self.span_rows = int(self.block["lamp_rows"][0])
 
     def aim(self, scene: Scene, film: Film) -> None:
@@ -97,6 +81,32 @@ class PackedScene:
         self._accelerator = None
         self._tables, self._images, self.lamps = {}, [], []
         self.block[:] = 0
+
+
+def build_lamps(scene: Scene) -> tuple[list[lamps.BuiltLamp], list[Lamp]]:
+    """The lamps of ``scene`` that can give light, built, and what they were built from; of others it gets warnings."""
+    built, sources = [], []
+    for lamp in scene.lamps:
+        try:
+            built.append(lamps.build_lamp(
+                lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density, lamp.color, int(lamp.visibility),
+                lamp.emission))
+            sources.append(lamp)
+        except lamps.LampError as error:
+            scene.warnings.append(str(error))
+    scene.warnings += lamps.doubts(built)
+    return built, sources
+
+
+def emitter_tables(scene: Scene, built: list[lamps.BuiltLamp], emissive: lights.Triangles) -> dict[str, np.ndarray]:
+    """Tables of the lamps, of the tree that rays find them by, and of all other lights."""
+    lamp_tables = lamps.pack_lamps(built)
+    rows = lamp_tables["lamps"]
+    low, high = rows["center"] - rows["half"], rows["center"] + rows["half"]
+    light_tables = lights.pack_lights(
+        scene, np.stack([low, high], axis=1), 4.0 * np.pi * rows["volume"][:, None] * rows["emission"], emissive)
+    light_tables["light_emitters"]["visibility"][:len(built)] = rows["visibility"]
+    return {**lamp_tables, **lamp_tree.pack_lamp_tree(low, high, rows["visibility"]), **light_tables}
 
 
 def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.ndarray]) -> dict[str, float]:

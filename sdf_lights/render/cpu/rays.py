@@ -100,7 +100,7 @@ class Accelerator:
                 matrix = np.ascontiguousarray(instance.matrix[:3], np.float32)
                 api.rtcSetGeometryInstancedScene(geometry, shared[instance.mesh])
                 api.rtcSetGeometryTransform(geometry, 0, _FLOAT3X4_ROW_MAJOR, matrix.ctypes.data)
-            self._attach(self.scene, geometry, index, _mask(instance, transparent))
+            self._attach(self.scene, geometry, index, mask_of(instance, transparent))
         api.rtcCommitScene(self.scene)
         error = api.rtcGetDeviceError(self._device)
         if error:
@@ -153,7 +153,8 @@ def world_positions(positions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     return (positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 
 
-def _mask(instance, transparent: np.ndarray) -> int:
+def mask_of(instance, transparent: np.ndarray) -> int:
+    """Kinds of rays that an instance takes part in; ``transparent`` as of ``Accelerator``."""
     mask = int(instance.visibility)
     if instance.visibility & Ray.SHADOW and any(transparent[material] for material in instance.materials):
         mask = mask & ~SHADOW_OPAQUE | SHADOW_TRANSPARENT

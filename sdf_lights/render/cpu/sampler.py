@@ -56,6 +56,11 @@ _THIRD = _sobol_bytes(2, 1, (1, 3))
 _FOURTH = _sobol_bytes(3, 1, (1, 3, 1))
 
 
+def tables() -> np.ndarray:
+    """The bit-reversed points of the third and of the fourth dimension for each value of each byte of the index."""
+    return np.concatenate([_THIRD.ravel(), _FOURTH.ravel()])
+
+
 @kernel
 def _mix(z):
     """Finalizer of SplitMix64 (Steele, Lea and Flood 2014), variant 13 of Stafford: a bijection of 64-bit words."""

@@ -34,10 +34,10 @@ def number(block, workspace, operand):
 @kernel
 def vector(block, workspace, operand):
     if operand >= 0:
-        values, i = _registers(workspace), operand
-    else:
-        values, i = _constants(block), ~operand
-    return (values[i], values[i + 1], values[i + 2])
+        registers = _registers(workspace)
+        return (registers[operand], registers[operand + 1], registers[operand + 2])
+    constants, i = _constants(block), ~operand
+    return (constants[i], constants[i + 1], constants[i + 2])
 
 
 @kernel
