@@ -34,7 +34,7 @@ LIBRARIES = {
     "base": {"numpy", "numba", "llvmlite"},
     "sdf": {"numpy", "numba", "llvmlite"},
     "emitter": {"numpy", "numba"},
-    "render": {"numpy", "numba", "OpenImageIO"},
+    "render": {"numpy", "numba", "moderngl", "OpenImageIO"},
     "blender": {"numpy", "OpenImageIO"} | BLENDER_MODULES,
 }
 

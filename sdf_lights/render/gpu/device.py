@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An OpenGL context of this process's own, in a thread of its own.
+
+No other thread ever has it current, so Blender's contexts stay as they are, whichever thread a render runs in.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from concurrent.futures import Future, ThreadPoolExecutor
+
+KEPT = 8  # programs that are kept, the most recently used ones
+VERSION = 430
+
+# Renderers that run on the processor: it has a better back end.
+SOFTWARE = ("llvmpipe", "softpipe", "swr", "software", "gdi generic", "basic render")
+
+
+class DeviceError(Exception):
+    """The GPU cannot be used: the rest of a sentence that begins with what takes over."""
+
+
+class Device:
+    """A context. ``submit`` runs functions in its thread, one after the other; they get the moderngl context."""
+
+    def __init__(self):
+        self._pool = ThreadPoolExecutor(1, "SDF Lights GPU")
+        self._programs: OrderedDict[str, object] = OrderedDict()
+        try:
+            self.context, facts = self._pool.submit(_create).result()
+        except DeviceError:
+            self._pool.shutdown()
+            raise
+        self.name = str(facts["GL_RENDERER"])
+        self.largest_buffer = int(facts["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])
+
+    @property
+    def hardware(self) -> bool:
+        return not any(word in self.name.lower() for word in SOFTWARE)
+
+    def submit(self, function, *arguments) -> Future:
+        return self._pool.submit(function, self.context, *arguments)
+
+    def program(self, context, source: str):
+        """A compute shader, compiled unless it is known. To be called in the context's thread."""
+        if source in self._programs:
+            self._programs.move_to_end(source)
+            return self._programs[source]
+        try:
+            program = context.compute_shader(source)
+        except Exception as error:
+            raise DeviceError(f"its driver could not compile the scene's program ({_first_error(str(error))})") from error
+        self._programs[source] = program
+        while len(self._programs) > KEPT:
+            self._programs.popitem(last=False)[1].release()
+        return program
+
+
+def _first_error(text: str) -> str:
+    lines = [line.strip() for line in text.splitlines() if "error" in line.lower()]
+    return (lines or text.strip().splitlines() or ["it gives no reason"])[0][:200]
+
+
+def _create() -> tuple:
+    """A context and what it says of itself: questions have to be asked in its own thread."""
+    try:
+        import moderngl
+    except Exception as error:
+        raise DeviceError(f"moderngl could not be imported ({error})") from error
+    reasons = []
+    for options in ({"backend": "egl"}, {}):
+        try:
+            context = moderngl.create_context(standalone=True, require=VERSION, **options)
+            return context, dict(context.info)
+        except Exception as error:  # each platform's driver has errors of its own
+            reasons.append(str(error))
+    raise DeviceError(f"there is no OpenGL 4.3 here ({reasons[-1]})")
+
+
+_lock = threading.Lock()
+_found: list = []
+
+
+def device() -> Device:
+    """The device of this process. Raises ``DeviceError``, the same one every time."""
+    with _lock:
+        if not _found:
+            try:
+                _found.append(Device())
+            except DeviceError as error:
+                _found.append(error)
+        if isinstance(_found[0], DeviceError):
+            raise _found[0]
+        return _found[0]

@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the GPU does otherwise than the CPU with SDF lamps, as kernels in the place of others.
+
+Fields are read as GLSL, whole, not term by term; rays are marched through them by ``shaders_glsl/intervals.glsl``, whose
+steps the Lipschitz bound makes safe. Light rays are drawn by projection, with the weights that go with it: a cut needs
+boxes that are kept for many rays, which threads of a GPU have no room for.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...emitter import cut as cuts
+from ...emitter.emission import GOLDEN, lamp_glows, place_point, point_count
+from ...emitter.lamps import direction_pdf, lamps, sample_direction
+from ...emitter.primitives import box_span
+from ...jit import kernel
+from ...sdf.formula import Formula, order
+from ...sdf.lipschitz import global_lipschitz
+from ...vec import ZERO, length, madd, mul, scale, sub, transform_point, transform_vector, vec
+from ..cpu import lights
+from ..cpu.integrator import cut_table
+from ..cpu.lamp_tree import found_table, tree_table
+from ..cpu.lights.records import LIGHT_CUT
+from ..cpu.lights.records import MOST_NODES as MOST_NODES_IN_CUT
+from ..cpu.lights.tree import _estimate
+from .device import DeviceError
+
+# A ``LIGHT_CUT`` of one node.
+SMALL_LIGHT_CUT = np.dtype([(name, LIGHT_CUT[name].base, 2 if LIGHT_CUT[name].shape == (MOST_NODES_IN_CUT,) else LIGHT_CUT[
+    name].shape) for name in LIGHT_CUT.names])
+
+# How to read a lamp's field: a formula, its first parameter, the origin of tree space in the formula's, a bound of the
+# slope, and the least step of a ray.
+FIELD = np.dtype([
+    ("formula", np.int64), ("parameters", np.int64), ("center", np.float64, (3,)), ("lipschitz", np.float64),
+    ("least", np.float64)])
+
+FEW = 8  # lamps that a ray tries in turn
+ROUNDING = 1.0 + 2.0**-21  # of the distances to the sides of a box in float32, twice over
+LEAST_STEP = 1e-4  # of a ray in a field, relative to the size of the lamp
+MOST_NODES = 20_000  # of all formulas together that compilers are given
+
+
+@kernel
+def prepare_lamp(block, workspace, lamp, x, n, both):
+    """In the place of ``integrator.prepare_lamp``, where cuts are asked for."""
+    cuts.project(block, lamp, x, cut_table(workspace)[0])
+
+
+@kernel
+def sample(block, lamp, x, store, cut, u1, u2, u3):
+    """In the place of ``cut.sample``."""
+    return sample_direction(block, lamp, x, ZERO, u1, u2, u3)
+
+
+@kernel
+def density(block, lamp, d, store, cut, spans, count):
+    """In the place of ``cut.density``."""
+    return direction_pdf(block, lamp, ZERO, ZERO, d, spans, count)
+
+
+@kernel
+def select_only(block, x, n, u, cut):
+    """In the place of ``tree.select``, where one emitter gives all the light: programs are half as large then."""
+    return block.only_emitter, 1.0, u
+
+
+@kernel
+def only_probability(block, x, n, emitter, cut):
+    """In the place of ``tree.selection_probability``, likewise."""
+    return 1.0 if emitter == block.only_emitter else 0.0
+
+
+@kernel
+def prepare_light_cut(nodes, x, n, cut):
+    """In the place of ``tree._prepare``: the root alone, from which ``select`` goes down."""
+    value, _ = _estimate(nodes[0], x, n)
+    if not 0.0 < value < math.inf:
+        value = 1.0
+    cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, 0, 0, value, value
+
+
+@kernel
+def lamps_along(block, workspace, o, d, t_max, kind):
+    """In the place of ``lamp_tree.lamps_along``: a few lamps are tried in turn, and the boxes of a node, too. Compilers
+    would unroll a loop over eight boxes that is written with their number, which takes them seconds."""
+    found = found_table(workspace)
+    count = 0
+    if block.few_lamps:
+        for lamp in range(block.lamp_count):
+            if lights.visibility(block, lamp) & kind and _crosses(lamps(block)[lamp], o, d, t_max):
+                found[count] = lamp
+                count += 1
+        return count
+    nodes = tree_table(block)
+    waiting = len(found) - 1
+    found[waiting] = 0
+    while waiting < len(found):
+        node = nodes[found[waiting]]
+        waiting += 1
+        for k in range(block.tree_width):
+            if node.visibility[k] & kind and _meets(node, k, o, d, t_max):
+                child = node.child[k]
+                if child < 0:
+                    found[count] = ~child
+                    count += 1
+                else:
+                    waiting -= 1
+                    found[waiting] = child
+    return count
+
+
+@kernel
+def _crosses(row, o, d, t_max):
+    start, end = box_span(sub(o, vec(row.center)), d, row.half[0], row.half[1], row.half[2])
+    return start <= end * ROUNDING and end > 0.0 and start < t_max
+
+
+@kernel
+def _slab(low, high, o, d):
+    """Where o + t·d is between low and high, for scalars."""
+    inverse = 1.0 / d if abs(d) > 1e-30 else 1e30
+    a, b = (low - o) * inverse, (high - o) * inverse
+    return min(a, b), max(a, b)
+
+
+@kernel
+def _meets(node, k, o, d, t_max):
+    x0, x1 = _slab(node.low[0, k], node.high[0, k], o[0], d[0])
+    y0, y1 = _slab(node.low[1, k], node.high[1, k], o[1], d[1])
+    z0, z1 = _slab(node.low[2, k], node.high[2, k], o[2], d[2])
+    enter = max(max(x0, y0), max(z0, 0.0))
+    return enter <= min(min(x1, y1), z1) * ROUNDING and enter < t_max
+
+
+@kernel
+def colour(block, formula, first, p):
+    """Colour of an emission at a point of the shape's own space; written as GLSL for each scene."""
+
+
+@kernel
+def line_integral(block, index, center, x, d, spans, count, t_min, t_max, u):
+    """In the place of ``emission.line_integral``: one point at a time."""
+    glow = lamp_glows(block)[index]
+    p, way = transform_point(glow.inverse, sub(x, center)), transform_vector(glow.inverse, d)
+    rate = glow.rate * length(way)
+    formula, first = glow.address, glow.parameters
+    total = (0.0, 0.0, 0.0)
+    for span in range(count):
+        c, h = spans[span, 0], spans[span, 1]
+        start, end = max(c - h, t_min), min(c + h, t_max)
+        size = end - start
+        if size > 0.0:
+            points = point_count(rate * size)
+            shift = (u + span * GOLDEN) % 1.0
+            for point in range(points):
+                t, weight = place_point((point + shift) / points)
+                value = colour(block, formula, first, madd(p, start + size * t, way))
+                total = madd(total, size * weight / points, value)
+    return mul(total, vec(glow.scale))
+
+
+class Formulas:
+    """The different formulas of a scene's lamps, each written once: ``fields`` give a value, ``colours`` three."""
+
+    def __init__(self):
+        self.fields: list[tuple[Formula, ...]] = []
+        self.colours: list[tuple[Formula, ...]] = []
+
+    def add(self, formulas: list, formula: tuple[Formula, ...]) -> int:
+        """Index of a formula in one of the two lists."""
+        if formula not in formulas:
+            formulas.append(formula)
+        return formulas.index(formula)
+
+    @property
+    def nodes(self) -> int:
+        return sum(len(order(*formula)) for formula in self.fields + self.colours)
+
+
+def bound_of(name: str, shape) -> float:
+    """Lipschitz bound of the field of a lamp's shape in its box."""
+    bound = shape.lipschitz if shape.certified else math.inf
+    if not math.isfinite(bound):
+        bound = global_lipschitz(shape.formula(), *shape.bounds(), shape.parameters())
+    if not (math.isfinite(bound) and bound > 0.0):
+        raise DeviceError(f"nothing bounds how fast the field of lamp “{name}” changes")
+    return bound

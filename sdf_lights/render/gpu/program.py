@@ -1,0 +1,260 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene as a GPU reads it: the words of its tables, its triangles, and the source of its path tracer."""
+
+from __future__ import annotations
+
+import inspect
+import pathlib
+
+import numpy as np
+
+from ...emitter import crossings, cut, emission, fields, hashing, interior
+from ...emitter import lamps as emitter_lamps
+from ...emitter.intervals import rows_needed
+from ...jit import stack_array
+from ...sdf import read_glsl
+from ..cpu import camera, geometry, integrator, lamp_tree, lights, path, rays, sampler, shading
+from ..cpu.block import build_lamps, emissive_triangles, emitter_tables, integrator_scalars
+from ..cpu.shading.program import LOBE_PRINCIPLED
+from ..cpu.shading.records import HAS_TRANSPARENCY
+from ..film import CHANNELS, HALF_BIT, Film
+from ..scene import Ray, Scene
+from ..settings import LampSampling
+from . import lamps
+from .bvh import MOST_IN_LEAF, Hierarchy
+from .layout import Array, Record, Tables, words_of
+from .translate import ASIDE, BLOCK, BOOL, FLOAT, INT, UINT, VECTOR, WORKSPACE, Native, Ref, Translator, Tuple, Value, known
+
+FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
+
+FIELD_INTERVALS = 16  # of a ray in a lamp whose field is a formula
+FIELD_STEPS = 400
+MOST_ROWS = 256  # of intervals that a thread has room for
+PRINCIPLED_CLOSURES = 7
+
+# Numbers of the CPU's kernels that stand for the rounding of float64, in float32.
+ROUNDING = {
+    ("primitives", "QUARTIC_ROUNDING"): 4e-7, ("primitives", "POLISH"): 3e-2, ("sponge", "_ROUNDING"): 1e-6,
+    ("lamps", "SMALLEST_INTERVAL"): 2e-6, ("rectangle", "SMALL"): 3e-3, ("triangle", "SMALL"): 3e-2}
+
+# Scalars of the block that a program is made for.
+SETTLED = frozenset({
+    "caustics", "transparent_film", "emitters_hit", "transparent_shadows", "finite_lights", "lamp_cuts", "uv_layer_count",
+    "few_lamps"})
+
+
+def _spans(function, arguments):
+    rows = Array(Array("float", 2, packed=True), packed=True)
+    return Value(Ref(rows, "spans_rows[{}]"), "0")
+
+
+def _ray(name: str, any_hit: str):
+    def call(function, arguments):
+        block, workspace, *rest = arguments
+        texts = [*function._passed(rest[:2]), *(function._converted(value, FLOAT).text for value in rest[2:4]),
+                 function._converted(rest[4], INT).text]
+        return Value(BOOL, f"hit_scene({workspace.constant.prefix}ray_row, {', '.join(texts)}, {any_hit})")
+
+    return Native(call)
+
+
+def _crossings(function, arguments):
+    _, row, o, d, start, end, _ = arguments
+    text = function._temporary(Tuple((FLOAT, FLOAT)), f"field_crossings({', '.join(function._passed([row, o, d, start, end]))})")
+    return Value(None, items=(Value(INT, f"int({text}.x)"), Value(FLOAT, f"{text}.y")))
+
+
+def _field_value(function, arguments):
+    _, row, _, _, p = arguments
+    return Value(FLOAT, f"field_value({', '.join(function._passed([row, p]))})")
+
+
+def _stack(function, arguments):
+    return function.translator.local_array(int(arguments[0].constant))
+
+
+def _note(function, arguments):
+    return Value(None, f"note_length({', '.join(function._passed(arguments[1:4]))})")
+
+
+def _plain(kernel):
+    return inspect.unwrap(kernel)
+
+
+def natives(cuts: bool, one_emitter: bool = False) -> dict:
+    """Kernels that have GLSL of their own, or other kernels in their place."""
+    found = {
+        sampler.pixel_seed: Native("pixel_seed", UINT), sampler.draw1: Native("draw1", FLOAT),
+        sampler.draw2: Native("draw2", Tuple((FLOAT,) * 2)), sampler.draw3: Native("draw3", VECTOR),
+        sampler.draw4: Native("draw4", Tuple((FLOAT,) * 4)),
+        hashing.seeded: Native("counted_seeded", UINT), hashing.following: Native("counted_following", UINT),
+        hashing.uniform: Native("counted_uniform", FLOAT), hashing.uniform_point: Native("counted_point", VECTOR),
+        rays.intersect: _ray("nearest", "false"), rays.occluded: _ray("any", "true"),
+        stack_array: Native(_stack), integrator.spans_of: Native(_spans), crossings.crossings: Native(_crossings), fields.value: Native(_field_value),
+        emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
+        emission.line_integral: lamps.line_integral, cut.sample: lamps.sample, cut.density: lamps.density,
+        lamp_tree.lamps_along: lamps.lamps_along, lights.tree._prepare: lamps.prepare_light_cut}
+    if one_emitter:
+        found |= {lights.tree.select: lamps.select_only, lights.tree.selection_probability: lamps.only_probability}
+    if cuts:
+        found[integrator.prepare_lamp] = lamps.prepare_lamp
+    return {_plain(kernel): value for kernel, value in found.items()}
+
+
+class GpuScene:
+    """Tables and source for one scene and one film."""
+
+    def __init__(self, scene: Scene, film: Film):
+        self.formulas = lamps.Formulas()
+        materials = shading.pack_materials(scene)
+        flags = materials["materials"]["flags"]
+        transparent = flags & HAS_TRANSPARENCY != 0
+        self.hierarchy = Hierarchy(scene, [rays.mask_of(instance, transparent) for instance in scene.instances])
+        layers = shading.uv_layers(scene)
+        built, sources = build_lamps(scene)
+        self.lamps = built
+        emitters = emitter_tables(scene, built, emissive_triangles(scene, materials["materials"]))
+        self._place_fields(emitters, sources)
+        self.images = materials.pop("images")
+        tables = {
+            **materials, **geometry.pack_geometry(scene, self.hierarchy.baked, layers), **emitters,
+            **camera.pack_camera(scene), "sobol": sampler.tables()}
+        self._place_images(scene, tables)
+        scalars = {
+            **camera.camera_scalars(scene), "uv_layer_count": len(layers),
+            **integrator_scalars(scene, flags, tables), "hierarchy_root": self.hierarchy.root, "tree_width": lamp_tree.WIDTH,
+            "few_lamps": int(len(built) <= lamps.FEW)}
+        shining = np.flatnonzero((tables["light_emitters"]["leaf"] >= 0) | (tables["light_emitters"]["infinite"] >= 0))
+        self.one_emitter = len(shining) == 1
+        scalars["only_emitter"] = int(shining[0]) if len(shining) else -1
+        settled = set(SETTLED)
+        if len(built) < 2:  # with more, compilers would unroll loops over lamps
+            settled.add("lamp_count")
+        if scalars["camera_aperture"] == 0.0:
+            settled.add("camera_aperture")
+        self.tables = Tables(tables, scalars, frozenset(settled), self._workspace(tables))
+        self.film = film
+        self.textured = bool(tables["light_triangles"]["textured"].any())
+        self.cuts = scene.settings.lamp_sampling is LampSampling.CUT
+        self.scalars = scalars
+
+    def _place_fields(self, tables, sources) -> None:
+        """A table of how lamps' fields are read; the rows of lamps point at it where the CPU has compiled terms."""
+        rows = tables["lamps"]
+        found = np.zeros(len(rows), lamps.FIELD)
+        numbers, used = [tables["lamp_parameters"]], len(tables["lamp_parameters"])
+        for index, (row, field, source) in enumerate(zip(rows, found, sources)):
+            row["direct"] = row["instruction_count"] > 0
+            row["first_term"] = index
+            if row["kind"] == emitter_lamps.FIELD:
+                shape, tree = source.shape, interior.tree(source.shape)
+                field["formula"] = self.formulas.add(self.formulas.fields, (shape.formula(),))
+                field["parameters"], field["center"] = used, tree.center
+                field["lipschitz"] = lamps.bound_of(source.name, shape)
+                field["least"] = lamps.LEAST_STEP * 2.0 * np.linalg.norm(tree.half)
+                numbers.append(np.asarray(shape.parameters(), np.float64))
+                used += len(numbers[-1])
+        for glow, lamp in zip(tables["lamp_glows"], [lamp for lamp in self.lamps if lamp.emission is not None]):
+            glow["address"] = self.formulas.add(
+                self.formulas.colours, tuple(lamp.emission.compiled.placed.colour))
+        tables["lamp_parameters"] = np.concatenate(numbers)
+        tables["lamp_fields"] = found
+
+    def _place_images(self, scene, tables) -> None:
+        records, parts, used = self.images.copy(), [], 0
+        for record, image in zip(records, scene.images):
+            if record["width"] > 0:
+                record["texels_address"] = used
+                parts.append(np.asarray(image.pixels, np.float32).ravel())
+                used += parts[-1].size
+        texels = np.concatenate([np.zeros(0, np.float32), *parts])
+        tables["images"], tables["texels"] = records, texels
+
+    def _workspace(self, tables) -> dict:
+        lobes = tables["lobes"]
+        each = np.where(lobes["kind"] == LOBE_PRINCIPLED, PRINCIPLED_CLOSURES, 1)
+        materials = tables["materials"]["lobes"]
+        closures = max((int(each[first:last].sum()) for first, last in materials), default=1)
+        registers = int(tables["instructions"]["out"].max()) + 4
+        rows = [FIELD_INTERVALS + 1]
+        for lamp in self.lamps:
+            if lamp.row["kind"][0] != emitter_lamps.FIELD:
+                rows.append(rows_needed(lamp.program)[0])
+        counts = {
+            "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS,
+            "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, **lights.WORKSPACE_COUNTS,
+            **lamp_tree.workspace_counts(len(self.lamps))}
+        dtypes = {**integrator.WORKSPACE_TABLES, "lamp_cuts": np.dtype([("lamp", "i8"), ("slot", "i8"), ("beta", "f8")]),
+                  "light_cut": lamps.SMALL_LIGHT_CUT}
+        return {name: (dtypes[name], count) for name, count in counts.items()}
+
+    def source(self) -> str:
+        """GLSL of the path tracer."""
+        translator = Translator(self.tables, natives(self.cuts, self.one_emitter), ROUNDING)
+        translator.function(path.clear_sample, [known(WORKSPACE)])
+        translator.function(integrator.trace_path, [known(BLOCK), known(WORKSPACE), Value(INT, "x"), Value(INT, "y")])
+        kernels = "\n\n".join(translator.functions)
+        self.tables.used_scalars |= dict.fromkeys(
+            ("hierarchy_root", "instances_start", "sobol_start", "lamp_fields_start", "lamp_parameters_start"), "int")
+        workspace = self.tables.workspace_source(aside=self.textured)
+        return "\n".join([
+            "#version 430 core", self._uniforms(), *self._defines(), glsl("maths.glsl"),
+            *read_glsl.helpers("angle"), workspace, glsl("random.glsl"), glsl("rays.glsl"), self._lamp_source(),
+            translator.structure_source(), *translator.globals, "", kernels, "", glsl("film.glsl")])
+
+    def _uniforms(self) -> str:
+        members = " ".join(f"{kind} {name};" for name, kind in sorted(self.tables.used_scalars.items()))
+        return f"layout(std140, binding = 0) uniform Scene {{ {members} }} scene;"
+
+    def _defines(self) -> list[str]:
+        instance = Record("instances", geometry.INSTANCE)
+        lamp, field = Record("lamps", emitter_lamps.LAMP), Record("lamp_fields", lamps.FIELD)
+        numbers = {
+            "STACK": -(-self.hierarchy.depth // 16) * 16, "ITEMS_IN_LEAF": MOST_IN_LEAF, "INSTANCE_SIZE": instance.size,
+            "INSTANCE_INVERSE": instance.fields["inverse"][0], "LAMP_FIRST_TERM": lamp.fields["first_term"][0],
+            "FIELD_SIZE": field.size, **{f"FIELD_{name.upper()}": offset for name, (offset, _) in field.fields.items()},
+            "FIELD_STEPS": FIELD_STEPS, "INTERVALS": FIELD_INTERVALS, "HALF_BIT": HALF_BIT}
+        places, used = film_places(self.film)
+        numbers |= {f"FILM_{name.upper()}": place for name, place in places.items()}
+        numbers["PIXEL_SIZE"] = used
+        return [f"#define {name} {value}" for name, value in numbers.items()]
+
+    def _lamp_source(self) -> str:
+        parts = [glsl("lengths.glsl") if self.formulas.fields else "void note_length(int lamp, int column, float amount) {}",
+                 "int lamp_numbers;",
+                 "float field_number(int slot) { return float_at(lamp_numbers + slot); }"]
+        for formulas, name, kind in ((self.formulas.fields, "field", "float"), (self.formulas.colours, "colour", "vec3")):
+            if not formulas:
+                continue
+            for index, formula in enumerate(formulas):
+                parts.append(read_glsl.function(formula if name == "colour" else formula[0], f"{name}_{index}",
+                                                "field_number({})"))
+            cases = [f"    case {index}: return {name}_{index}(p);" for index in range(len(formulas) - 1)]
+            parts.append("\n".join([
+                f"{kind} lamp_{name}_of(int formula, vec3 p)", "{", "    switch (formula) {", *cases,
+                f"    default: return {name}_{len(formulas) - 1}(p);", "    }", "}"]))
+        if self.formulas.colours:
+            parts.append("vec3 lamp_colour(int formula, int first, vec3 p)\n{\n"
+                         "    lamp_numbers = scene.lamp_parameters_start + first;\n    return lamp_colour_of(formula, p);\n}")
+        if self.formulas.fields:
+            parts += [glsl("lamps.glsl").replace("lamp_field(", "lamp_field_of("), glsl("intervals.glsl"), glsl("crossings.glsl")]
+        return "\n".join(parts)
+
+
+def film_places(film: Film) -> tuple[dict[str, int], int]:
+    """Place of each sum among the floats of a pixel, and how many there are."""
+    places, used = {}, 0
+    for name, count in CHANNELS.items():
+        if len(film.sums[name]):
+            places[name] = used
+            used += count
+    for name in ("count", "surfaces", "nan", "infinite"):
+        places[name] = used
+        used += 1
+    return places, used
+
+
+def glsl(name: str) -> str:
+    """Text of a file of ``shaders_glsl/``."""
+    return (FOLDER / name).read_text(encoding="utf-8")

@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The GPU back end as ``session`` sees it: a packed scene, one program, and dispatches of pixels."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, wait
+
+import numpy as np
+
+from ...emitter.lamps import unresolved
+from ..errors import RenderError
+from ..film import Film
+from ..scene import Scene
+from .device import Device, DeviceError, device
+from .program import GpuScene, film_places
+
+POLL_SECONDS = 0.05
+GROUP = 64  # threads of a work group, as film.glsl has it
+SLAB = 1 << 18  # pixels whose sums are on the GPU at a time
+TARGET_SECONDS = 0.06  # of a dispatch
+FIRST_WORK = 2048  # samples of the first dispatch, of which nothing is known yet
+
+
+class GpuRenderer:
+    """Renders ``scene`` into ``film``. ``cancelled`` and ``say`` serve the set-up, which compiles for some seconds.
+
+    Raises ``DeviceError`` where the CPU has to take over, ``sample`` too.
+    """
+
+    def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
+        self._film, self._say, self._warnings = film, say, scene.warnings
+        self._device = device()
+        self._buffers: list = []
+        self._places, self._size = film_places(film)
+        self._work = FIRST_WORK
+        self._seed = scene.settings.seed
+        say("Building the scene")
+        self.ready = self._wait(self._device.submit(self._prepare, scene), cancelled)
+
+    @property
+    def name(self) -> str:
+        return f"GPU ({self._device.name})"
+
+    def _wait(self, future: Future, cancelled: Callable[[], bool]) -> bool:
+        """Wait for something that cannot be stopped half-way; False if cancelled meanwhile."""
+        while not future.done():
+            if cancelled():
+                return False
+            wait([future], POLL_SECONDS)
+        self._result(future)
+        return True
+
+    def _call(self, function, *arguments):
+        return self._result(self._device.submit(function, *arguments))
+
+    @staticmethod
+    def _result(future: Future):
+        """The result of a function of the device's thread. Whatever fails there is a reason for the CPU to take over."""
+        try:
+            return future.result()
+        except (DeviceError, RenderError):
+            raise
+        except Exception as error:
+            raise DeviceError(f"it failed ({type(error).__name__}: {error})") from error
+
+    def _prepare(self, context, scene: Scene) -> None:
+        packed = GpuScene(scene, self._film)
+        self._packed = packed
+        source = packed.source()
+        self._say("Compiling the scene's program for the GPU")
+        self._program = self._device.program(context, source)
+        words, numbers = packed.tables.pack()
+        numbers |= packed.scalars
+        scene_words = []
+        for name, kind in sorted(packed.tables.used_scalars.items()):
+            scene_words.append(np.array(numbers[name], np.float32 if kind == "float" else np.int32).view(np.uint32))
+        uniforms = np.zeros(-(-max(len(scene_words), 1) // 4) * 4, np.uint32)
+        uniforms[:len(scene_words)] = scene_words
+        hierarchy = packed.hierarchy
+        for array in (words, hierarchy.nodes, hierarchy.items):
+            if array.nbytes > self._device.largest_buffer:
+                raise DeviceError(f"the scene needs {array.nbytes >> 20} MB in one buffer, and it allows "
+                                  f"{self._device.largest_buffer >> 20} MB")
+        self._uniforms = self._buffer(context, uniforms)
+        self._words = self._buffer(context, words)
+        self._nodes = self._buffer(context, hierarchy.nodes)
+        self._items = self._buffer(context, hierarchy.items)
+        slab = min(SLAB, len(self._film.active))
+        self._sums = self._buffer(context, np.zeros(slab * self._size, np.float32))
+        self._pixels = self._buffer(context, np.zeros(slab, np.uint32))
+        self._lengths = self._buffer(context, np.zeros((max(len(packed.lamps), 1), 2), np.float32))
+
+    def _buffer(self, context, array: np.ndarray):
+        try:
+            buffer = context.buffer(np.ascontiguousarray(array).view(np.uint8).reshape(-1))
+        except Exception as error:
+            raise DeviceError(f"it has no room for {array.nbytes >> 20} MB more: {error}") from error
+        self._buffers.append(buffer)
+        return buffer
+
+    def _bind(self) -> None:
+        self._uniforms.bind_to_uniform_block(0)
+        for binding, buffer in enumerate((self._words, self._nodes, self._items, self._sums, self._pixels, self._lengths)):
+            buffer.bind_to_storage_buffer(binding)
+        x, y, _, _ = self._film.window
+        self._program["film_place"] = x, y, self._film.width
+        self._program["film_seed"] = self._seed
+
+    def _begin(self, context, pixels: np.ndarray) -> None:
+        self._bind()
+        self._pixels.write(pixels.astype(np.uint32))
+        self._sums.clear()
+
+    def _run(self, context, place: int, count: int, first: int, samples: int) -> float:
+        """One dispatch; its seconds."""
+        started = time.perf_counter()
+        self._program["work"] = place, count, first, samples
+        self._program.run(-(-count // GROUP))
+        context.finish()
+        return time.perf_counter() - started
+
+    def _collect(self, context, pixels: np.ndarray) -> None:
+        """Add what is on the GPU to the film."""
+        film = self._film
+        sums = np.frombuffer(self._sums.read(len(pixels) * self._size * 4), np.float32).reshape(len(pixels), self._size)
+        sums = sums.astype(np.float64)
+        seen = sums[:, self._places["surfaces"]].astype(np.int32)
+        fresh = (seen > 0) & (film.surfaces[pixels] == 0)
+        for name, array in film.sums.items():
+            if len(array):
+                rows = array.reshape(len(film.active), -1)
+                part = sums[:, self._places[name]:self._places[name] + rows.shape[1]]
+                if name in ("position", "depth"):  # of the first sample that met a surface
+                    rows[pixels[fresh]] = part[fresh]
+                else:
+                    rows[pixels] += part
+        discarded = film.discarded.reshape(len(film.active), -1)
+        for column, name in enumerate(("nan", "infinite")):
+            discarded[pixels, column] += sums[:, self._places[name]].astype(np.int32)
+        film.count[pixels] += sums[:, self._places["count"]].astype(np.int32)
+        film.surfaces[pixels] += seen
+
+    def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if stopped before the end."""
+        if not self.ready:
+            return False
+        active = np.flatnonzero(self._film.active)
+        total, done = len(active) * count, 0
+        for start in range(0, len(active), SLAB):
+            pixels = active[start:start + SLAB]
+            self._call(self._begin, pixels)
+            place, stopped = 0, False
+            while place < len(pixels) and not stopped:
+                threads = min(max(self._work // count // GROUP, 1) * GROUP, len(pixels) - place)
+                each = min(max(self._work // threads, 1), count)
+                for sample in range(first, first + count, each):
+                    samples = min(each, first + count - sample)
+                    seconds = self._call(self._run, place, threads, sample, samples)
+                    self._adapt(threads * samples, seconds)
+                    done += threads * samples
+                    stopped = stop()
+                    if stopped:
+                        break
+                    report(done / total)
+                place += threads
+            self._call(self._collect, pixels)
+            if stopped:
+                return False
+        self._film.samples = first + count
+        return True
+
+    def _adapt(self, samples: int, seconds: float) -> None:
+        """Choose the size of dispatches by what the last one took."""
+        aim = samples * TARGET_SECONDS / max(seconds, 1e-4)
+        self._work = int(min(max(aim, GROUP), 4 * self._work, 1 << 26))
+
+    def finish(self) -> None:
+        """Warn of lamps that rays could not resolve, and free what the render needed; the film stays."""
+        def release(context) -> np.ndarray:
+            lengths = np.frombuffer(self._lengths.read(), np.float32).reshape(-1, 2) if self.ready else np.zeros((0, 2))
+            for buffer in self._buffers:
+                buffer.release()
+            self._buffers = []
+            return lengths
+
+        lengths = self._call(release)
+        if self.ready:
+            self._warnings += unresolved(self._packed.lamps, lengths.astype(np.float64))

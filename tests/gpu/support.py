@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Kernels by their GLSL reading, for many arguments at a time."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+
+import numpy as np
+import pytest
+
+from sdf_lights.render.gpu import program
+from sdf_lights.render.gpu.device import Device, DeviceError, device
+from sdf_lights.render.gpu.layout import Tables
+from sdf_lights.render.gpu.translate import FLOAT, INT, Translator, Tuple, Value
+from sdf_lights.sdf import read_glsl
+
+GROUP = 64
+
+
+@functools.cache
+def device_or_skip() -> Device:
+    try:
+        return device()
+    except DeviceError as error:
+        pytest.skip(f"no GPU back end: {error}")
+
+
+def _parts(kind, text: str) -> list[str]:
+    """GLSL of each number in a value."""
+    if not isinstance(kind, Tuple):
+        return [text]
+    if kind.vector:
+        return [f"{text}.{'xyzw'[index]}" for index in range(len(kind.items))]
+    return [part for index, item in enumerate(kind.items) for part in _parts(item, f"{text}.v{index}")]
+
+
+def _flat(value) -> list[float]:
+    return [number for item in value for number in _flat(item)] if isinstance(value, tuple) else [float(value)]
+
+
+def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
+    """(n, numbers of a result) of a kernel without block or workspace; columns are (n,) numbers or (n, k) tuples."""
+    found = device_or_skip()
+    tables = Tables({"sobol": program.sampler.tables()}, {}, frozenset(), {})
+    translator = Translator(tables, program.natives(True), program.ROUNDING)
+    arguments, inputs, loads = [], [], []
+    for index, column in enumerate(columns):
+        column = np.asarray(column)
+        flat = column.reshape(len(column), -1)
+        whole = column.dtype.kind in "iu"
+        kind = INT if whole else FLOAT
+        reads = [f"{'int_at' if whole else 'float_at'}(thread * INPUTS + {len(inputs) + part})" for part in range(flat.shape[1])]
+        inputs += [flat[:, part].astype(np.int32).view(np.uint32) if whole else flat[:, part].astype(np.float32).view(np.uint32)
+                   for part in range(flat.shape[1])]
+        if column.ndim > 1:
+            kind = Tuple((kind,) * flat.shape[1])
+        glsl = translator.glsl_type(kind)
+        loads.append(f"    {glsl} a{index} = {glsl}({', '.join(reads)});")
+        arguments.append(Value(kind, f"a{index}"))
+    native = translator.natives.get(inspect.unwrap(kernel))
+    if native is not None:
+        name, kind = native.name, native.result
+    else:
+        name, value = translator.function(kernel, arguments)
+        kind = value.type
+    outputs = _parts(kind, "found")
+    rows = len(columns[0])
+    source = "\n".join([
+        "#version 430 core", "layout(local_size_x = 64) in;", f"#define INPUTS {len(inputs)}",
+        "layout(std140, binding = 0) uniform Scene { int sobol_start; int rows; } scene;", program.glsl("maths.glsl"),
+        *read_glsl.helpers("angle"), program.glsl("random.glsl"), translator.structure_source(), *translator.globals,
+        *translator.functions, "layout(std430, binding = 1) writeonly buffer Found { float found_numbers[]; };",
+        "void main()", "{", "    int thread = int(gl_GlobalInvocationID.x);", "    if (thread >= scene.rows) {", "        return;",
+        "    }", *loads,
+        f"    {translator.glsl_type(kind)} found = {name}({', '.join(argument.text for argument in arguments)});",
+        *(f"    found_numbers[thread * {len(outputs)} + {index}] = float({part});" for index, part in enumerate(outputs)),
+        "}", ""])
+    words = np.stack(inputs, axis=1).ravel()
+    uniforms = np.array([len(words), rows, 0, 0], np.int32)
+    words = np.concatenate([words, program.sampler.tables()])
+
+    def run(context):
+        shader = found.program(context, source)
+        buffers = context.buffer(uniforms), context.buffer(words), context.buffer(reserve=4 * rows * len(outputs))
+        buffers[0].bind_to_uniform_block(0)
+        for binding, buffer in enumerate(buffers[1:]):
+            buffer.bind_to_storage_buffer(binding)
+        shader.run(-(-rows // GROUP))
+        values = np.frombuffer(buffers[2].read(), np.float32).reshape(rows, len(outputs)).astype(np.float64)
+        for buffer in buffers:
+            buffer.release()
+        return values
+
+    return found.submit(run).result()
+
+
+def on_cpu(kernel, *columns: np.ndarray) -> np.ndarray:
+    """The same by the CPU's kernel, in float64 from arguments that are rounded to float32."""
+    rows = []
+    for row in zip(*columns):
+        rows.append(_flat(kernel(*(tuple(map(_rounded, item)) if np.ndim(item) else _rounded(item) for item in row))))
+    return np.array(rows)
+
+
+def _rounded(number):
+    return int(number) if isinstance(number, (int, np.integer)) else float(np.float32(number))

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The GPU's pictures against the CPU's, pass by pass.
+
+Both draw the same numbers for the same seed, so most samples are the same but for rounding, and the difference of two
+pictures is far less than their noise. Light from SDF lamps is sampled by projection on the GPU: with that setting for both,
+the mean difference of each block of pixels and of the picture has to be zero within what float32 and the rare sample that
+takes another way explain, by a t test over seeds.
+"""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from sdf_lights import jit
+from sdf_lights.render.film import NO_DEPTH, Film
+from sdf_lights.render.settings import LampSampling
+from tests import scenes
+from tests.gpu.support import device_or_skip
+from tests.render.test_agreement import PASSES, means
+
+pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
+
+SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
+
+
+def pictures(renderer, name: str, sampling: LampSampling) -> dict[str, np.ndarray]:
+    """Every pass: (seeds, height, width, channels)."""
+    found = {item: [] for item in PASSES}
+    for seed in range(SEEDS):
+        scene = scenes.SCENES[name](32, 24)
+        scene.settings.seed, scene.settings.lamp_sampling = 100 + seed, sampling
+        film = Film(scene, PASSES)
+        back_end = renderer(scene, film, lambda: False, lambda text: None)
+        assert back_end.sample(0, SAMPLES, lambda: False, lambda part: None)
+        back_end.finish()
+        assert not film.discarded.any() and not scene.warnings
+        for item in PASSES:
+            value = film.read(item).astype(float)
+            found[item].append(np.where(value == NO_DEPTH, 0.0, value))
+    return {item: np.array(values) for item, values in found.items()}
+
+
+def compare(name: str) -> None:
+    from sdf_lights.render.cpu.renderer import CpuRenderer
+    from sdf_lights.render.gpu.renderer import GpuRenderer
+
+    device_or_skip()
+    cpu, gpu = (pictures(renderer, name, LampSampling.MIS) for renderer in (CpuRenderer, GpuRenderer))
+    failures = []
+    for item in PASSES:
+        rounding = 2e-5 * max(np.abs(cpu[item]).max(), 1e-3)
+        for a, b in zip(means(cpu[item]), means(gpu[item])):
+            difference = b - a
+            error = np.sqrt(difference.var(0, ddof=1) / SEEDS + rounding**2)
+            t = difference.mean(0) / error
+            p = 2.0 * stats.t.sf(np.abs(t), SEEDS - 1)
+            if p.min() < (1.0 - CONFIDENCE) / (2 * len(PASSES) * t.size):
+                worst = int(p.argmin())
+                failures.append(f"{item}: {b.mean(0)[worst]:.6g} against {a.mean(0)[worst]:.6g} (t = {t[worst]:.1f})")
+        # A sample in a hundred may take another way, not more.
+        far = np.abs(gpu[item] - cpu[item]).max(-1) > 1e-3 * np.abs(cpu[item]).max()
+        if far.mean() > 0.01 * SAMPLES:
+            failures.append(f"{item}: {100.0 * far.mean():.1f} % of the pixels differ")
+    assert not failures, "; ".join(failures)
+
+
+def test_lamp_in_a_room():
+    compare("torus_room")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in scenes.SCENES if name != "torus_room"])
+def test_scene(name):
+    compare(name)
