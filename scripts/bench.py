@@ -67,7 +67,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         command.add_argument("--repeats", type=int, help="measurements of each figure, of which the median counts")
         command.add_argument(
             "--device",
-            choices=["automatic", "cpu", "reference"],
+            choices=["automatic", "cpu", "gpu", "reference"],
             default="automatic",
             help="back end (default: automatic)",
         )

@@ -12,6 +12,7 @@ import os
 import bpy
 
 from ..render.errors import RenderError
+from ..render.settings import Device
 from . import feedback
 from .guard import guarded
 from .naming import ENGINE, LABEL
@@ -19,7 +20,7 @@ from .passes import enabled_passes, register_passes
 from .viewport.engine import ViewportEngine
 
 # A preview is as large as a thumbnail and drawn while the user waits.
-PREVIEW = dict(samples=64, noise_threshold=0.05, min_samples=8, time_limit=2.0, max_bounces=6, denoise=False)
+PREVIEW = dict(device=Device.CPU, samples=64, noise_threshold=0.05, min_samples=8, time_limit=2.0, max_bounces=6, denoise=False)
 
 MEGABYTE = 1 << 20
 
@@ -60,7 +61,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
             result.write(film)
         self._report_warnings(scene.warnings, reported)
         if not self.is_preview:
-            feedback.record(depsgraph.scene.name, scene.warnings)
+            feedback.record(depsgraph.scene.name, scene.warnings, film.made_by)
 
     def _report_warnings(self, warnings: list[str], first: int) -> int:
         """Report the warnings from number ``first`` on; returns how many there are. Thumbnails keep quiet."""

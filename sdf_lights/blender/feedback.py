@@ -18,11 +18,17 @@ _MOST_SHOWN = 30
 _BUTTON = 6  # letters that the button beside a sentence takes
 
 _last: dict[str, list[str]] = {}
+_made_by: dict[str, str] = {}
 
 
-def record(scene: str, sentences: list[str]) -> None:
-    """Keep what a render of this scene had to say, in place of what the render before it said."""
-    _last[scene] = list(sentences)
+def record(scene: str, sentences: list[str], made_by: str) -> None:
+    """Keep what a render of this scene had to say, and what computed it, in place of what the render before it said."""
+    _last[scene], _made_by[scene] = list(sentences), made_by
+
+
+def made_by(scene: str) -> str:
+    """What computed the last render of a scene; empty if there is none."""
+    return _made_by.get(scene, "")
 
 
 def culprit(sentence: str) -> str:

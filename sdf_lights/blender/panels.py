@@ -12,7 +12,7 @@ import numpy as np
 
 from ..render.errors import RenderError
 from ..sdf.syntax import ExpressionError
-from . import labels, parameters, readout, viewport
+from . import feedback, labels, parameters, readout, viewport
 from .lamp import pattern_of, shape_of
 from .naming import ENGINE, LABEL
 from .passes import owner_of, switches
@@ -109,6 +109,9 @@ class SDFLIGHTS_PT_performance(_Panel, bpy.types.Panel):
     def draw_properties(self, layout, context):
         render = context.scene.render
         layout.prop(context.scene.sdf_lights, "device")
+        made_by = feedback.made_by(context.scene.name)
+        if made_by:
+            layout.label(text=f"Last render: {made_by}")
         column = layout.column()
         column.prop(render, "threads_mode", text="Threads Mode")
         column = column.column()

@@ -29,6 +29,8 @@ BLENDERS_OWN = {
 # Settings that the viewport has values of its own for, with their defaults there.
 VIEWPORT = {"samples": 1024, "noise_threshold": 0.1, "min_samples": 1, "time_limit": 0.0, "denoise": False}
 
+_ABBREVIATIONS = {"CPU", "GPU", "MIS", "BSDF"}
+
 LARGEST_INT = (1 << 31) - 1
 
 
@@ -42,7 +44,7 @@ def _items(kind: type[enum.Enum]) -> list[tuple]:
 
 
 def _label(name: str) -> str:
-    return name.replace("_", " ").title()
+    return name if name in _ABBREVIATIONS else name.replace("_", " ").title()
 
 
 def _setting(field: dataclasses.Field, default):

@@ -44,6 +44,7 @@ class Film:
     - ``active``: 1 where the pixel takes more samples.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
     - ``samples``: how many samples every active pixel has received.
+    - ``made_by``: what computed them, in words for the user.
     """
 
     def __init__(self, scene: Scene, passes: tuple[str, ...] = ()):
@@ -51,6 +52,7 @@ class Film:
         self.width, self.height = self.window[2] - self.window[0], self.window[3] - self.window[1]
         self.exposure = scene.settings.exposure
         self.samples = 0
+        self.made_by = ""
         names = {"Combined", *passes}
         if scene.settings.denoise:
             names |= {"Denoising Albedo", "Denoising Normal"}

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from .. import jit
 from .errors import RenderError
 from .film import Film
+from .gpu.device import DeviceError, device
 from .scene import Scene
-from .settings import Device
+from .settings import Device, Settings
 
 LARGEST_BATCH = 32
 # Seconds until the first picture is shown, and from one to the next.
@@ -61,8 +62,8 @@ def process_memory() -> int:
 
 
 def choose_back_end(scene: Scene):
-    """The renderer class for ``scene.settings.device``; falls back to the NumPy reference, with a warning, where
-    Numba cannot be imported."""
+    """The renderer class for ``scene.settings.device`` among those that run on the processor; falls back to the NumPy
+    reference, with a warning, where Numba cannot be imported."""
     if scene.settings.device is not Device.REFERENCE:
         if jit.AVAILABLE:
             from .cpu.renderer import CpuRenderer
@@ -74,6 +75,18 @@ def choose_back_end(scene: Scene):
     from .reference.renderer import ReferenceRenderer
 
     return ReferenceRenderer
+
+
+def wants_gpu(settings: Settings) -> bool:
+    """Whether to try the GPU. An OpenGL that runs on the processor has to be asked for."""
+    if not jit.AVAILABLE or settings.device not in (Device.GPU, Device.AUTOMATIC):
+        return False
+    if settings.device is Device.GPU:
+        return True
+    try:
+        return device().hardware
+    except DeviceError:
+        return False
 
 
 def render(
@@ -89,12 +102,26 @@ def render(
     second) are called in this thread too. ``passes`` are names in ``passes.PASSES``; Combined is always there.
     Raises RenderError with one sentence for the user.
     """
+    on_progress(Progress("Preparing", memory=process_memory()))
+    if wants_gpu(scene.settings):
+        from .gpu.renderer import GpuRenderer
+
+        told = list(scene.warnings)
+        try:
+            return _render(GpuRenderer, scene, passes, cancelled, on_progress, on_update)
+        except DeviceError as error:
+            scene.warnings[:] = [*told, f"The GPU cannot render this: {error}. The CPU has rendered it."]
+    return _render(choose_back_end(scene), scene, passes, cancelled, on_progress, on_update)
+
+
+def _render(back_end, scene: Scene, passes: tuple[str, ...], cancelled, on_progress, on_update) -> Film:
+    """``render`` by one back end."""
     settings = scene.settings
     started = time.perf_counter()
-    on_progress(Progress("Preparing", memory=process_memory()))
     film = Film(scene, passes)
-    renderer = choose_back_end(scene)(
+    renderer = back_end(
         scene, film, cancelled, lambda text: on_progress(Progress(text, memory=process_memory())))
+    film.made_by = renderer.name
     sampling_started = time.perf_counter()
     next_update = sampling_started + FIRST_UPDATE
     deadline = sampling_started + settings.time_limit if settings.time_limit > 0.0 else math.inf

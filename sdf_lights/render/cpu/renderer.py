@@ -24,6 +24,8 @@ POLL_SECONDS = 0.05
 class CpuRenderer:
     """Renders ``scene`` into ``film``. ``cancelled`` and ``say`` serve the set-up, which may compile for a while."""
 
+    name = "CPU"
+
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
         self._film = film
         self._warnings = scene.warnings

@@ -22,6 +22,8 @@ class ReferenceRenderer:
     ``use_embree`` as in ``Geometry``: None takes Embree for all but small scenes.
     """
 
+    name = "NumPy reference"
+
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool] = lambda: False,
                  say: Callable[[str], None] = lambda text: None, use_embree: bool | None = None):
         say("Building the scene")
