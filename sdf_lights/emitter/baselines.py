@@ -140,7 +140,7 @@ def combined(block, lamp, x, n, u, spans, shell, beta):
     """One cosine-weighted and one projection sample, by the balance heuristic with β cosine samples for one."""
     total = 0.0
     d = _cosine_direction(n, u[0], u[1])
-    for technique in range(2):
+    for technique in range(1 if beta == 0.0 else 0, 2):
         if technique == 1:
             d = sample_direction(block, lamp, x, n, u[2], u[3], u[4])
         value, pdf = _ray(block, lamp, x, n, d, spans, u[5 + technique], shell)
@@ -205,11 +205,11 @@ def radial(block, lamp, x, n, u, spans, shell):
 
 @kernel
 def cell_cut(block, lamp, x, n, u, spans, shell, store, cut, tolerance, limit):
-    """One cosine-weighted sample and one of the cut, which is fitted anew."""
+    """One sample of the cut, which is fitted anew, and a cosine-weighted one where that counts."""
     cuts.prepare(block, lamp, x, n, 0, tolerance, limit, store, cut)
     total = 0.0
     d = _cosine_direction(n, u[0], u[1])
-    for technique in range(2):
+    for technique in range(1 if cut.beta == 0.0 else 0, 2):
         if technique == 1:
             d = cuts.sample(block, lamp, x, store, cut, u[2], u[3], u[4])
         cosine = dot(n, d)

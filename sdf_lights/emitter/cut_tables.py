@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What cuts need of a lamp: where its tree lies in the world, and the tree in as little memory as choosing takes."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from ..jit import kernel, table
+from . import interior, moments
+from .lamps import BuiltLamp, volume_of
+from .moments import CELL
+
+PLACEMENT = np.dtype([
+    ("first_cell", np.int64),
+    ("matrix", np.float64, (3, 4)),  # tree space -> world, relative to the lamp's centre
+    ("inverse", np.float64, (3, 4)),  # back
+    ("metric", np.float64, (3, 3)),  # scalar product of the world, in tree space
+    ("factor", np.float64),  # volume in the world of a unit of tree space
+    ("unit", np.float64, (3,)),  # tree space, for a metre of the world along each of its axes
+    ("extent", np.float64),  # m², mean square distance of the interior from its centroid, in the world
+    ("centroid", np.float64, (3,)),  # in the world, relative to the lamp's centre
+    ("thickness", np.float64),  # m in the world: mean of the boxes' least sides
+], align=True)
+
+STEP_DOWN = np.dtype([  # what it takes of a cell to choose between it and its sibling, in little memory
+    ("first", np.int32),  # as in CELL; −1 where points are drawn from the cell itself
+    ("axis", np.int32),
+    ("volume", np.float32),
+    ("centroid", np.float32, (3,)),
+    ("rough", np.float32),  # relative variance of the emission in the cell
+], align=True)
+
+TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL, "lamp_steps": STEP_DOWN}
+
+placements = table("lamp_placements", PLACEMENT)
+lamp_steps = table("lamp_steps", STEP_DOWN)
+
+
+@functools.lru_cache(maxsize=32)
+def uniform_cells(shape) -> np.ndarray:
+    """``moments.cells`` of a shape."""
+    return moments.cells(interior.tree(shape), volume_of(shape)[0])
+
+
+@kernel
+def roughness(cells, out):
+    """Relative variance of the emission in each cell, as far as it differs between the leaves below."""
+    second = np.zeros(len(cells))
+    for index in range(len(cells) - 1, -1, -1):
+        cell = cells[index]
+        if cell.first < 0:
+            second[index] = cell.mass * cell.mass / cell.volume if cell.volume > 0.0 else 0.0
+        else:
+            second[index] = second[cell.first] + second[cell.first + 1]
+        square = cell.mass * cell.mass
+        out[index] = max(second[index] * cell.volume / square - 1.0, 0.0) if square > 0.0 else 0.0
+
+
+def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
+    """Tables of ``TABLES`` for lamps that were built from ``sources``: anything with a ``shape`` and a ``matrix``."""
+    placed, parts, used, first, thickness = np.zeros(len(built), PLACEMENT), [np.zeros(0, CELL)], 0, {}, {}
+    for row, lamp, source in zip(placed, built, sources):
+        shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
+        tree = interior.tree(shape)
+        factor = abs(float(np.linalg.det(matrix[:3, :3])))
+        own = uniform_cells(shape) if lamp.emission is None else lamp.emission.weighed.cells
+        if id(own) not in first:
+            first[id(own)], thickness[id(own)] = used, _thickness(own)
+            parts.append(own)
+            used += len(own)
+        to_world = matrix.copy()
+        to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
+        row["first_cell"], row["factor"] = first[id(own)], factor
+        row["matrix"], row["inverse"] = to_world[:3], np.linalg.inv(to_world)[:3]
+        row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]
+        row["unit"] = 1.0 / np.sqrt(row["metric"].diagonal())
+        row["extent"] = row["metric"].diagonal() @ own["spread"][0]
+        row["centroid"] = to_world[:3, :3] @ own["centroid"][0] + to_world[:3, 3]
+        row["thickness"] = thickness[id(own)] * factor ** (1.0 / 3.0)
+    cells = np.concatenate(parts)
+    steps = np.zeros(len(cells), STEP_DOWN)
+    for name in ("axis", "volume", "centroid"):
+        steps[name] = cells[name]
+    steps["first"] = np.where(cells["direct"] != 0, -1, cells["first"])
+    for part, start in zip(parts[1:], first.values()):
+        roughness(part, steps["rough"][start:start + len(part)])
+    return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps}
+
+
+def _thickness(cells: np.ndarray) -> float:
+    """Mean over the volume of the least side of the box that a point is in, in tree space."""
+    leaves = cells[cells["first"] < 0]
+    return np.average((leaves["high"] - leaves["low"]).min(axis=1), weights=leaves["volume"] + 1e-300)
