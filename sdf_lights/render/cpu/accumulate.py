@@ -8,12 +8,12 @@ import numpy as np
 
 from ...jit import kernel, table
 from ..film import CHANNELS, DISCARDED, HALF_BIT, Film
-from .path import sample_table
+from .path import MOST_BRANCHES, sample_table
 
 TABLES = {
     **{f"film_{name}": np.dtype(np.float64) for name in CHANNELS},
     "film_count": np.dtype(np.int32), "film_surfaces": np.dtype(np.int32), "film_active": np.dtype(np.uint8),
-    "film_discarded": np.dtype(np.int32)}
+    "film_discarded": np.dtype(np.int32), "film_direct": np.dtype(np.float64), "film_indirect": np.dtype(np.float64)}
 SCALARS = [("film_x", np.int64), ("film_y", np.int64), ("film_width", np.int64)]
 
 _combined = table("film_combined", np.float64)
@@ -29,16 +29,24 @@ _count = table("film_count", np.int32)
 _surfaces = table("film_surfaces", np.int32)
 _active = table("film_active", np.uint8)
 _discarded = table("film_discarded", np.int32)
+_direct = table("film_direct", np.float64)
+_indirect = table("film_indirect", np.float64)
 
 _KINDS = len(DISCARDED)
 _NAN, _INFINITE = range(_KINDS)
+
+START, LEAST_KNOWN = 4, 4  # branches, until there are so many samples of a pixel
+# Time that a sample takes before its path divides, of what a branch takes, times what stratification leaves of the variance
+# after, of what it leaves before: less, since it is in few dimensions there.
+COST = 32.0
 
 
 def pack_film(film: Film) -> dict[str, np.ndarray]:
     """The film's own arrays: kernels write into them."""
     return {
         **{f"film_{name}": array for name, array in film.sums.items()}, "film_count": film.count,
-        "film_surfaces": film.surfaces, "film_active": film.active, "film_discarded": film.discarded}
+        "film_surfaces": film.surfaces, "film_active": film.active, "film_discarded": film.discarded,
+        "film_direct": film.direct.ravel(), "film_indirect": film.indirect.ravel()}
 
 
 def film_scalars(film: Film) -> dict[str, int]:
@@ -90,6 +98,15 @@ def add_sample(block, workspace, pixel, index):
     sums[at + 1] += combined[1]
     sums[at + 2] += combined[2]
     sums[at + 3] += sample.alpha
+    direct, indirect = _direct(block), _indirect(block)
+    whole = combined[0] + combined[1] + combined[2]
+    before = sample.direct if sample.direct >= 0.0 else whole
+    direct[2 * pixel] += before
+    direct[2 * pixel + 1] += before * before
+    after = sample.branches * (whole - before)
+    indirect[3 * pixel] += sample.branches
+    indirect[3 * pixel + 1] += after
+    indirect[3 * pixel + 2] += after * (whole - before)
     if index & HALF_BIT:
         _add(_half(block), pixel, combined)
     _add(_lamps(block), pixel, sample.lamps)
@@ -105,3 +122,36 @@ def add_sample(block, workspace, pixel, index):
             if len(depth) > 0:
                 depth[pixel] = sample.depth
         surfaces[pixel] += 1
+
+
+@kernel
+def branches_before(block, pixel):
+    """How many branches the paths of a pixel had."""
+    return np.int64(_indirect(block)[3 * pixel])
+
+
+@kernel
+def best_branches(block, x0, y0, x1, y1):
+    """Into how many branches paths of a tile should divide, by how noisy its samples were until now.
+
+    With k branches a sample has the variance D + I/k and takes the time COST + k: their product is least for
+    k = √(COST · I/D). Variances of pixels are weighed by 1/brightness, as ``Film.update_active`` does. The number depends
+    on past samples only, and the mean of a sample on none of it, so nothing is biased.
+    """
+    direct, indirect, count = _direct(block), _indirect(block), _count(block)
+    first, second, known = 0.0, 0.0, False
+    for y in range(y0, y1):
+        for x in range(x0, x1):
+            pixel = pixel_index(block, x, y)
+            n = count[pixel]
+            if n < LEAST_KNOWN or not is_active(block, pixel):
+                continue
+            known = True
+            a, a2 = direct[2 * pixel], direct[2 * pixel + 1]
+            k, b, b2 = indirect[3 * pixel], indirect[3 * pixel + 1], indirect[3 * pixel + 2]
+            weight = 1.0 / ((n - 1) * max(a / n + b / k, 1e-8))
+            first += weight * max(a2 - a * a / n, 0.0)
+            second += weight * max(b2 - b * b / k, 0.0)
+    if second <= 0.0:
+        return 1 if known else START
+    return int(min(max(math.sqrt(COST * second / max(first, 1e-12 * second)) + 0.5, 1.0), float(MOST_BRANCHES)))

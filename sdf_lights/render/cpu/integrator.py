@@ -18,12 +18,12 @@ from ...jit import block_dtype, kernel, table
 from ...vec import add, average, dot, largest, length, madd, mul, negate, scale, sub, vec
 from ..scene import Ray
 from . import lights
-from .accumulate import add_sample, is_active, pixel_index
+from .accumulate import add_sample, best_branches, branches_before, is_active, pixel_index
 from .camera import camera_ray, filter_offset, view_depth
 from .geometry import find_shadow_surface, find_surface, instance_table, shading_material_table, surface_table
 from .lamp_tree import WORKSPACE_TABLES as LAMP_TREE_TABLES
 from .lamp_tree import found_table, lamps_along
-from .path import TABLES, clear_sample, contribute, path_table, put, sample_table
+from .path import FIRST_BRANCH, TABLES, WAITING, clear_sample, contribute, path_table, put, sample_table
 from .rays import RAY, SHADOW_OPAQUE, SHADOW_TRANSPARENT, intersect, occluded, ray_table
 from .sampler import draw1, draw2, draw3, draw4, pixel_seed
 from .shading import evaluate, sample as sample_surface, shade, transmits, transparency
@@ -40,6 +40,7 @@ SCALARS = [
     ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
     ("transparent_shadows", np.int64), ("lamp_count", np.int64),
     ("finite_lights", np.int64),  # 1: there are Blender lights that rays can meet
+    ("branches", np.int64),  # that paths divide into; 0: as many as pay
     ("lamp_cuts", np.int64),  # 1: lamps are sampled by cuts, 0: by projection
     ("lamp_beta", np.float64),  # for projection: what the density of a BSDF counts in the balance heuristic
 ]
@@ -186,9 +187,21 @@ def facing(path, n):
 
 
 @kernel
+def cut_of(workspace):
+    """The cut of the surface where the path scattered last; that of the first one is kept, for all branches."""
+    return cut_table(workspace)[1 if path_table(workspace)[0].scattered > 0 else 0]
+
+
+@kernel
+def light_cut_of(workspace):
+    """As ``cut_of``: the cut of the light tree."""
+    return lights.light_cut_table(workspace)[1 if path_table(workspace)[0].scattered > 0 else 0]
+
+
+@kernel
 def prepare_lamp(block, workspace, lamp, x, n, both):
     """Make the workspace's cut that of the lamp for the point x with normal n."""
-    cut = cut_table(workspace)[0]
+    cut = cut_of(workspace)
     if block.lamp_cuts and path_table(workspace)[0].scattered > 0:
         cuts.project(block, lamp, x, cut)
     elif block.lamp_cuts:
@@ -212,7 +225,7 @@ def light_lamp(block, workspace, lamp, chance, u, u1, u2, u3):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     x, n = vec(surface.position), vec(surface.n)
-    spans, cut, store = spans_of(workspace), cut_table(workspace)[0], box_table(workspace)
+    spans, cut, store = spans_of(workspace), cut_of(workspace), box_table(workspace)
     prepare_lamp(block, workspace, lamp, x, n, path.both)
     if cut.beta == np.inf:
         return
@@ -237,9 +250,9 @@ def light_vertex(block, workspace):
     surface = surface_table(workspace)[0]
     x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
     path.both, path.scattered = int(transmits(workspace)), path.bounce
-    cut_table(workspace)[0].lamp = -1
+    cut_of(workspace).lamp = -1
     u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
-    emitter, chance, u0 = lights.select(block, x, facing(path, n), u[0], lights.light_cut_table(workspace)[0])
+    emitter, chance, u0 = lights.select(block, x, facing(path, n), u[0], light_cut_of(workspace))
     if chance <= 0.0:
         return
     scatters = path.bounce + 1
@@ -278,7 +291,7 @@ def _mis(block, workspace, emitter, pdf):
     if not competes(block, emitter):
         return 0.0
     chance = lights.selection_probability(
-        block, vec(path.origin), facing(path, vec(path.normal)), emitter, lights.light_cut_table(workspace)[0])
+        block, vec(path.origin), facing(path, vec(path.normal)), emitter, light_cut_of(workspace))
     return path.pdf / (path.pdf + chance * pdf)
 
 
@@ -290,17 +303,29 @@ def _lamp_mis(block, workspace, lamp, spans, count):
         return 1.0
     if not competes(block, lamp):
         return 0.0
-    cut = cut_table(workspace)[0]
+    cut = cut_of(workspace)
     origin, normal = vec(path.origin), vec(path.normal)
     if cut.lamp != lamp:
         prepare_lamp(block, workspace, lamp, origin, normal, path.both)
     if cut.beta == np.inf:
         return 1.0
     chance = lights.selection_probability(
-        block, origin, facing(path, normal), lamp, lights.light_cut_table(workspace)[0])
+        block, origin, facing(path, normal), lamp, light_cut_of(workspace))
     density = cuts.density(block, lamp, vec(path.direction), box_table(workspace), cut, spans, count)
     rival = _rival(cut, path.pdf, path.narrow)
     return rival / (rival + chance * density) if rival > 0.0 else 0.0
+
+
+@kernel
+def counts(block, workspace, lamp):
+    """Whether a lamp that the path's ray may cross counts there: at broad lobes the cut may be all that is needed."""
+    path = path_table(workspace)[0]
+    if path.pdf <= 0.0 or path.narrow > 0.0:
+        return True
+    cut = cut_of(workspace)
+    if cut.lamp != lamp:
+        prepare_lamp(block, workspace, lamp, vec(path.origin), vec(path.normal), path.both)
+    return cut.beta > 0.0 and competes(block, lamp)
 
 
 @kernel
@@ -313,6 +338,8 @@ def gather_lamps(block, workspace, t_to):
         path.found = lamps_along(block, workspace, origin, direction, t_to, path.kind)
     for index in range(path.found):
         lamp = found[index]
+        if not counts(block, workspace, lamp):
+            continue
         count = path.kept_count if path.kept == lamp else lamps.trace(block, lamp, origin, direction, spans)
         if count == 0:
             continue
@@ -336,6 +363,8 @@ def lamp_reach(block, workspace, path):
     candidates = lamps_along(block, workspace, origin, direction, path.t_max, path.kind)
     for index in range(candidates):
         lamp = found[index]
+        if not counts(block, workspace, lamp):
+            continue
         count = lamps.trace(block, lamp, origin, direction, spans)
         path.kept, path.kept_count = lamp, count
         if count > 0:
@@ -509,21 +538,54 @@ def start_path(block, workspace, x, y):
     path.kind = CAMERA
     path.bounce = path.diffuse = path.glossy = path.transmission = path.transparent = path.last = 0
     path.dimension = CAMERA_SETS
+    path.share, path.scattered = 1.0, 0
 
 
 @kernel
-def trace_path(block, workspace, x, y):
-    """One sample of the pixel (x, y): fills ``sample``."""
+def trace_path(block, workspace, x, y, branches, first_branch):
+    """One sample of the pixel (x, y): fills ``sample``. The path divides into ``branches`` at the first surface.
+
+    What comes before is sampled once, and the branches, numbered from ``first_branch`` on, as evenly as all of a pixel.
+    """
+    paths, sample = path_table(workspace), sample_table(workspace)[0]
+    start_path(block, workspace, x, y)
+    if not follow(block, workspace, True):
+        return
+    sample.direct, sample.branches = sample.combined[0] + sample.combined[1] + sample.combined[2], branches
+    paths[WAITING] = paths[0]
+    for branch in range(branches):
+        paths[0] = paths[WAITING]
+        paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
+        paths[0].alive = int(scatter(block, workspace))
+        paths[FIRST_BRANCH + branch] = paths[0]
+    for branch in range(branches):
+        if paths[FIRST_BRANCH + branch].alive:
+            paths[0] = paths[FIRST_BRANCH + branch]
+            paths[0].dimension += VERTEX_SETS
+            cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
+            follow(block, workspace, False)
+
+
+@kernel
+def divides(block, workspace):
+    """Whether a path should go on in several directions here: light is scattered, and more than once."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    return surface.evaluable > 0 and path.bounce < block.max_bounces and largest(vec(surface.transparency)) <= 0.0
+
+
+@kernel
+def follow(block, workspace, whole):
+    """Follow the workspace's path to its end, or where it should divide if it is ``whole``: True there."""
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
     surface = surface_table(workspace)[0]
-    start_path(block, workspace, x, y)
     while True:
         path.kept = path.found = -1
         if path.last and not block.emitters_hit:
             path.t_max = min(path.t_max, lamp_reach(block, workspace, path))
             if path.t_max <= path.t_min:
-                return
+                return False
         found = intersect(block, workspace, vec(path.start), vec(path.direction), path.t_min, path.t_max, path.kind)
         t_to = float(ray_table(workspace)[0].t_far) if found else path.t_max
         if block.lamp_count > 0:
@@ -532,16 +594,16 @@ def trace_path(block, workspace, x, y):
             gather_lights(block, workspace, t_to)
         if not found:
             gather_world(block, workspace)
-            return
+            return False
         path.length = t_to
         if not survives(path):
-            return
+            return False
         wo = negate(vec(path.direction))
         find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle)
         if instance_table(block)[surface.instance].holdout:
             if path.kind == CAMERA:
                 uncover(workspace, 1.0)
-            return
+            return False
         shade(block, workspace)
         gather_surface(block, workspace)
         if path.kind == CAMERA:
@@ -552,7 +614,7 @@ def trace_path(block, workspace, x, y):
             # A transparent surface does not end a ray that gathers emission: light sampling sees through it too.
             transparent = vec(surface.transparency)
             if largest(transparent) <= 0.0 or path.transparent >= block.transparent_bounces:
-                return
+                return False
             path.transparent += 1
             path.t_min = _beyond(t_to)
             put(path.throughput, mul(vec(path.throughput), transparent))
@@ -560,9 +622,11 @@ def trace_path(block, workspace, x, y):
         if surface.evaluable > 0:
             light_vertex(block, workspace)
         if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):
-            return
+            return False
+        if whole and divides(block, workspace):
+            return True
         if not scatter(block, workspace):
-            return
+            return False
         path.dimension += VERTEX_SETS
 
 
@@ -571,6 +635,7 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, first, count):
     """Add ``count`` samples, from index ``first`` on, to the active pixels of the tile [x0, x1) × [y0, y1)."""
     block, workspace = blocks[0], workspaces[0]
     path = path_table(workspace)[0]
+    branches = block.branches if block.branches > 0 else best_branches(block, x0, y0, x1, y1)
     for y in range(y0, y1):
         if control_table(block)[0] != 0:
             return
@@ -582,5 +647,5 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, first, count):
             for index in range(first, first + count):
                 path.index = index
                 clear_sample(workspace)
-                trace_path(block, workspace, x, y)
+                trace_path(block, workspace, x, y, branches, branches_before(block, pixel))
                 add_sample(block, workspace, pixel, index)

@@ -7,10 +7,12 @@ import numpy as np
 from ...jit import kernel, table
 from ...vec import mul, scale, vec
 
-# What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out.
+# What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out; ``direct`` is the sum
+# of RGB of what came before the path divided into ``branches``.
 SAMPLE = np.dtype([
     ("combined", "f8", 3), ("lamps", "f8", 3), ("emission", "f8", 3), ("alpha", "f8"), ("depth", "f8"),
     ("position", "f8", 3), ("normal", "f8", 3), ("albedo", "f8", 3), ("diffuse_albedo", "f8", 3), ("found", "i8"),
+    ("direct", "f8"), ("branches", "i8"),
 ], align=True)
 
 # ``origin`` is where the path last scattered (the camera at first), with shading normal ``normal``: light sampling
@@ -18,17 +20,23 @@ SAMPLE = np.dtype([
 # is the part of ``pdf`` that microfacets have; ``both`` is 1 where light on either side of that surface counted,
 # and ``scattered`` how often the light was scattered after it.
 # ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
+# ``share`` is the part of the sample that the path is, 1 until it divides, and ``index`` its place in the sampling pattern.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype([
     ("origin", "f8", 3), ("normal", "f8", 3), ("start", "f8", 3), ("direction", "f8", 3), ("t_min", "f8"),
     ("t_max", "f8"), ("throughput", "f8", 3), ("pdf", "f8"), ("narrow", "f8"),
     ("both", "i8"), ("scattered", "i8"), ("kind", "i8"), ("length", "f8"), ("spread", "f8"),
     ("bounce", "i8"), ("diffuse", "i8"), ("glossy", "i8"), ("transmission", "i8"), ("transparent", "i8"),
-    ("last", "i8"), ("found", "i8"), ("kept", "i8"), ("kept_count", "i8"), ("index", "i8"), ("seed", "u4"), ("dimension", "i8"),
+    ("last", "i8"), ("found", "i8"), ("kept", "i8"), ("kept_count", "i8"), ("index", "i8"), ("seed", "u4"),
+    ("dimension", "i8"),
+    ("share", "f8"), ("alive", "i8"),
 ], align=True)
 
 TABLES = {"path": PATH, "sample": SAMPLE}
-COUNTS = {"path": 1, "sample": 1}
+MOST_BRANCHES = 8  # that a path divides into
+# The path itself, its state where it divides, and the branches.
+WAITING, FIRST_BRANCH = 1, 2
+COUNTS = {"path": FIRST_BRANCH + MOST_BRANCHES, "sample": 1}
 
 path_table = table("path", PATH)
 sample_table = table("sample", SAMPLE)
@@ -63,6 +71,7 @@ def contribute(block, workspace, radiance, factor, from_lamp, scatters):
         brightness = value[0] + value[1] + value[2]
         if brightness > limit:
             value = scale(value, limit / brightness)
+    value = scale(value, path.share)
     put_sum(sample.combined, value)
     if from_lamp:
         put_sum(sample.lamps, value)
@@ -84,3 +93,5 @@ def clear_sample(workspace):
     sample.alpha = 1.0
     sample.depth = 0.0
     sample.found = 0
+    sample.direct = -1.0
+    sample.branches = 1

@@ -100,7 +100,7 @@ TABLES = {
 }
 
 WORKSPACE_TABLES = {"light_cut": LIGHT_CUT}
-WORKSPACE_COUNTS = {"light_cut": 1}
+WORKSPACE_COUNTS = {"light_cut": 2}  # of the first surface of a path, and of the one where it is
 
 HIT = np.dtype(
     [("emitter", np.int64), ("distance", np.float64), ("pdf", np.float64), ("radiance", np.float64, 3)], align=True)
