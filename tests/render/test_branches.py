@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paths that divide: the picture's mean is the same, its noise less, and the number of branches follows the noise."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from sdf_lights.render import session
+from sdf_lights.sdf.shapes import Torus
+from tests.scenes import (
+    Instance, Lamp, Scene, camera, diffuse, material, quad, rotation, scaling, settings, sphere, translation)
+
+SIZE = 24
+
+
+def room(**changes) -> Scene:
+    """A floor, a wall, a glossy ball and a mirror under a torus: light takes every kind of first bounce."""
+    scene = Scene(camera((0.0, -6.5, 2.6), (0.0, 0.2, 1.0), SIZE, SIZE, half_width=0.38), SIZE, SIZE)
+    scene.world.strength = 0.1
+    scene.meshes = [quad(), sphere("ball", 64, 32)]
+    scene.materials = [
+        diffuse((0.7, 0.7, 0.6), "floor"), material("glossy", "gloss", color=(0.8, 0.7, 0.6), roughness=0.3),
+        material("glossy", "mirror", color=(0.9, 0.9, 0.9), roughness=0.0)]
+    scene.instances = [
+        Instance(0, scaling(4.0, 4.0, 1.0), (0,)),
+        Instance(0, translation(0.0, 2.5, 2.0) @ rotation("x", 90) @ scaling(4.0, 2.5, 1.0), (0,)),
+        Instance(1, translation(1.2, -1.2, 0.45) @ scaling(0.45, 0.45, 0.45), (1,)),
+        Instance(1, translation(-1.3, -1.0, 0.5) @ scaling(0.5, 0.5, 0.5), (2,))]
+    scene.lamps = [Lamp("torus", Torus(0.8, 0.25), translation(0.0, 0.0, 1.4), power=50.0)]
+    scene.settings = settings(max_bounces=3, diffuse_bounces=3, glossy_bounces=3, threads=2, **changes)
+    return scene
+
+
+def pictures(branches: int, seeds: int, samples: int, **changes) -> np.ndarray:
+    return np.array([
+        session.render(room(samples=samples, indirect_paths=branches, seed=seed, **changes), ()).read("Combined")[..., :3]
+        for seed in range(seeds)], np.float64)
+
+
+def test_branches_change_the_noise_alone():
+    """Block means of 24 renders each agree within 4 standard errors; pictures of 1 and 8 branches differ in noise."""
+    one, eight, chosen = (pictures(branches, 24, 8) for branches in (1, 8, 0))
+    blocks = [each.reshape(24, 4, SIZE // 4, 4, SIZE // 4, 3).mean(axis=(2, 4, 5)) for each in (one, eight, chosen)]
+    for other in blocks[1:]:
+        error = np.sqrt((blocks[0].var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / 24)
+        assert np.all(np.abs(other.mean(axis=0) - blocks[0].mean(axis=0)) < 4.0 * error)
+    # The median: edges are as noisy as ever.
+    noise = [np.median(each.var(axis=0, ddof=1)) for each in (one, eight, chosen)]
+    assert noise[1] < 0.5 * noise[0] and noise[2] < 0.7 * noise[0], noise
+
+
+def test_the_picture_does_not_depend_on_threads():
+    one, many = (session.render(dataclasses.replace(scene, settings=dataclasses.replace(scene.settings, threads=threads)), ())
+                 for scene, threads in ((room(samples=16), 1), (room(samples=16), 3)))
+    assert np.array_equal(one.sums["combined"], many.sums["combined"])
+
+
+@pytest.mark.parametrize("bounces, least, most", [(0, 1.0, 1.0), (3, 2.0, 8.0)])
+def test_branches_are_chosen_by_what_is_noisy(bounces, least, most):
+    """Nothing divides where no light is scattered again."""
+    scene = room(samples=32)
+    scene.settings.max_bounces = bounces
+    film = session.render(scene, ())
+    seen = film.surfaces > 0
+    mean = film.indirect[seen, 0].sum() / film.count[seen].sum()
+    assert least <= mean <= most
