@@ -43,6 +43,7 @@ class Method:
     name: str
     sampler: str = ""  # of SDF Lights; "" is Cycles
     denoise: bool = False
+    paths: int = 0  # ``indirect_paths``
     pictures: dict[int, list[pictures.Picture]] = field(default_factory=dict)
 
     def render(self, samples: int, bounces: int, seed: int, device: str) -> pictures.Picture:
@@ -51,7 +52,7 @@ class Method:
         if self.sampler:
             scenes.plain_sdf_lights(scene, samples, bounces, device)
             scene.sdf_lights.seed, scene.sdf_lights.denoise = seed, self.denoise
-            scene.sdf_lights.lamp_sampling = self.sampler
+            scene.sdf_lights.lamp_sampling, scene.sdf_lights.indirect_paths = self.sampler, self.paths
         else:
             scenes.plain_cycles(scene, samples, bounces)
             scene.cycles.seed, scene.cycles.use_denoising = seed, self.denoise
@@ -116,7 +117,7 @@ def _rows(name: str, bounces: int, methods: list[Method], reference) -> list[dic
 
 def _complete(reference, methods: list[Method], bounces: int, seconds: float, device: str) -> None:
     """Add renders to a reference until it is clear of what it judges, or the time is spent."""
-    truth, spent = Method(PAPER, PAPER), 0.0
+    truth, spent = Method(PAPER, PAPER, paths=1), 0.0
     while len(reference.renders) < 2 or spent < seconds:
         if len(reference.renders) >= 2:
             least = min(method.error(samples, reference) for method in methods for samples in method.pictures)
@@ -137,7 +138,10 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     repeats = options.repeats or (2 if options.quick else 5)
     ladder = (16, 64) if options.quick else (4, 16, 64, 256)
     samplers = options.samplers
-    ours = [Method(name, name) for name in samplers]
+    # The paper's paths do not divide; what dividing alone does for it is told apart.
+    ours = [Method(name, name, paths=min(place, 1)) for place, name in enumerate(samplers)]
+    if bounces and PAPER in samplers[1:]:
+        ours.append(Method(f"{PAPER} divided", PAPER))
     with_cycles = options.cycles and lamp_scenes.SCENES[scene].volumes
     denoised = [Method(f"{samplers[0]} denoised", samplers[0], True)] if with_cycles else []
     cycles = [Method("Cycles"), Method("Cycles denoised", denoise=True)] if with_cycles else []

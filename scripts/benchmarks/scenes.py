@@ -106,6 +106,6 @@ def plain_sdf_lights(scene, samples: int, bounces: int, device: str) -> None:
     scene.render.engine = host.ENGINE
     settings = scene.sdf_lights
     settings.device, settings.samples, settings.noise_threshold, settings.denoise = device, samples, 0.0, False
-    settings.filter, settings.filter_width = "BOX", 1.0
+    settings.filter, settings.filter_width, settings.indirect_paths = "BOX", 1.0, 1
     settings.max_bounces = bounces
     settings.diffuse_bounces = settings.glossy_bounces = settings.transmission_bounces = bounces
