@@ -55,7 +55,7 @@ class Settings:
     transmission_bounces: int = _setting(12, "Most bounces through glass", 0, 1024)
     transparent_bounces: int = _setting(8, "Most transparent surfaces a path goes straight through", 0, 1024)
     indirect_paths: int = _setting(
-        0, "Paths that go on from the first surface of each sample; 0 finds out, tile by tile, how many pay", 0, 8)
+        0, "Paths that go on from the first surface of each sample, on the CPU; 0 finds out, tile by tile, how many pay", 0, 8)
     clamp_direct: float = _setting(
         0.0, "Largest value one sample of direct light may add; 0 means no clamp, and no bias", 0.0, None)
     clamp_indirect: float = _setting(

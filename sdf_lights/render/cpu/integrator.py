@@ -542,8 +542,15 @@ def start_path(block, workspace, x, y):
 
 
 @kernel
-def trace_path(block, workspace, x, y, branches, first_branch):
-    """One sample of the pixel (x, y): fills ``sample``. The path divides into ``branches`` at the first surface.
+def trace_path(block, workspace, x, y):
+    """One sample of the pixel (x, y): fills ``sample``."""
+    start_path(block, workspace, x, y)
+    follow(block, workspace, False)
+
+
+@kernel
+def trace_branches(block, workspace, x, y, branches, first_branch):
+    """As ``trace_path``: the path divides into ``branches`` at the first surface that scatters light.
 
     What comes before is sampled once, and the branches, numbered from ``first_branch`` on, as evenly as all of a pixel.
     """
@@ -647,5 +654,5 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, first, count):
             for index in range(first, first + count):
                 path.index = index
                 clear_sample(workspace)
-                trace_path(block, workspace, x, y, branches, branches_before(block, pixel))
+                trace_branches(block, workspace, x, y, branches, branches_before(block, pixel))
                 add_sample(block, workspace, pixel, index)

@@ -182,8 +182,8 @@ class GpuScene:
             if lamp.row["kind"][0] != emitter_lamps.FIELD:
                 rows.append(rows_needed(lamp.program)[0])
         counts = {
-            "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS,
-            "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, **lights.WORKSPACE_COUNTS,
+            "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1,
+            "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 2, **lights.WORKSPACE_COUNTS,
             **lamp_tree.workspace_counts(len(self.lamps))}
         dtypes = {**integrator.WORKSPACE_TABLES, "lamp_cuts": np.dtype([("lamp", "i8"), ("slot", "i8"), ("beta", "f8")]),
                   "light_cut": lamps.SMALL_LIGHT_CUT}
