@@ -117,7 +117,8 @@ def compile_terms(terms: list[Term]) -> CompiledField:
         parameters.append(term.parameters)
         used += len(term.parameters)
     gains, depth = _gains(terms)
-    graphs = [(order(term.formula), term.parameters) for term in terms]
+    orders = {formula: order(formula) for formula in {term.formula for term in terms}}
+    graphs = [(orders[term.formula], term.parameters) for term in terms]
     return CompiledField(
         source=tuple(terms), terms=rows, parameters=np.concatenate(parameters), cares=_cares(terms), gains=gains,
         operations=np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs]),

@@ -74,6 +74,9 @@ def field(slots: Work, value: Scalar, bounds: Vec3 = (math.inf,) * 3):
     return as_shape(value, slots, None if math.inf in bounds else Box(bounds))
 
 
+_DISPLACEMENT_STEPS = 120  # that finding the limits of a field and of its slope counts for, besides its operations
+
+
 @word("Fields")
 def displace(slots: Work, shape: Shape, amount: Scalar):
     """The shape with its surface moved outwards by a field, or inwards where it is negative.
@@ -81,6 +84,7 @@ def displace(slots: Work, shape: Shape, amount: Scalar):
     Where the field has limits, and limits of its slope, the shape keeps its bound on the distance.
     """
     amount = of_shape(as_formula(values.lifted(amount, slots)), slots)
+    slots.step(_DISPLACEMENT_STEPS + 3 * len(formula.order(amount)))
     displaced = FieldDisplacement.of(shape, amount, slots.values)
     return displaced or as_shape(distance(slots, shape, tuple(formula.POINT)) - amount, slots)
 

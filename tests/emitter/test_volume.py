@@ -118,7 +118,7 @@ def test_errors_at_two_million_evaluations(name):
     certain, coarsest, found = sizes[tree.inside].sum(), sizes[tree.boundary].max(), []
     while True:
         errors = []
-        for seed in range(1, 17):
+        for seed in range(1, 49):
             full, _, inside, _, calls = volume.sample(
                 tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, tree.boundary,
                 np.full(len(tree.boundary), coarsest), seed)
