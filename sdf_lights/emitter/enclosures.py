@@ -283,7 +283,11 @@ def _function(op, low, high):
     return value[0], value[1], slope[0], slope[1]
 
 
-@kernel
+# What takes the registers, and is called for every box, is inlined: an array that is passed on costs an atomic reference
+# count.
+
+
+@kernel(forceinline=True)
 def _chain(registers, out, box, a, low, high, factor_low, factor_high):
     """A result with the gradient of an operand times a factor."""
     registers[out, 0, box], registers[out, 1, box] = low, high
@@ -292,7 +296,7 @@ def _chain(registers, out, box, a, low, high, factor_low, factor_high):
             registers[a, row, box], registers[a, row + 1, box], factor_low, factor_high)
 
 
-@kernel
+@kernel(forceinline=True)
 def _choose(registers, out, box, a, b, first, second):
     """A result that may be a where ``first``, and b where ``second``; its value is not touched."""
     for row in range(2, SIZE, 2):
@@ -304,7 +308,7 @@ def _choose(registers, out, box, a, b, first, second):
         registers[out, row, box], registers[out, row + 1, box] = low, high
 
 
-@kernel
+@kernel(forceinline=True)
 def _length(registers, out, box, a, b, c, count):
     """Root of the sum of the squares of two or three operands."""
     parts = (a, b, c)
@@ -327,7 +331,7 @@ def _length(registers, out, box, a, b, c, count):
     registers[out, 0, box], registers[out, 1, box] = math.sqrt(low), math.sqrt(high)
 
 
-@kernel
+@kernel(forceinline=True)
 def _angle(registers, out, box, y, x):
     """atan2(y, x)."""
     y_low, y_high, x_low, x_high = (
@@ -348,7 +352,7 @@ def _angle(registers, out, box, y, x):
         registers[out, row, box], registers[out, row + 1, box] = p[0] + q[0], p[1] + q[1]
 
 
-@kernel
+@kernel(forceinline=True)
 def _is_number(registers, a, box):
     """Whether an operand is the same number in all of a box, and around it."""
     same = registers[a, 0, box] == registers[a, 1, box]
@@ -357,7 +361,7 @@ def _is_number(registers, a, box):
     return same
 
 
-@kernel
+@kernel(forceinline=True)
 def _join(registers, op, out, box, a, b):
     """Operations on two operands."""
     a_low, a_high, b_low, b_high = (
@@ -404,7 +408,7 @@ def _join(registers, op, out, box, a, b):
     registers[out, 0, box], registers[out, 1, box] = low, high
 
 
-@kernel
+@kernel(forceinline=True)
 def _less(registers, a, b, box, equal):
     """Whether a < b, or a ≤ b, holds (everywhere, anywhere) in a box; where bounds are unknown it may."""
     a_low, a_high, b_low, b_high = (
