@@ -36,7 +36,7 @@ BOXES = np.dtype([  # of a region
     ("recent", np.int64),  # 1: of the pair of regions that share a place, this was used last
     ("count", np.int64),
     ("entries", np.int64),
-    ("variance", np.float64),  # relative, that is expected to be left
+    ("variance", np.float64),  # relative, that is expected to be left, were the emission even
     ("center", np.float64, (3,)),  # of the region, in tree space
     ("unit", np.float64),  # sizes of the region in a metre
     ("metric", np.float64, (3, 3)),  # scalar product of the world in tree space, in square sizes of the region
@@ -84,8 +84,8 @@ def far_corner(boxes, k):
 
 
 @kernel
-def _rank(boxes, k, normal, rough, splits):
-    """Estimate what box k gives the region's centre, and how much of that is variance: (weight, priority)."""
+def _rank(boxes, k, normal):
+    """Estimate what box k gives the region's centre, and the relative variance of that, were its emission even."""
     low, high, metric = corner(boxes, k), far_corner(boxes, k), boxes.metric
     w = (np.float64(boxes.centroid[0, k]), np.float64(boxes.centroid[1, k]), np.float64(boxes.centroid[2, k]))
     square = dot(w, transform_vector(metric, w)) + BLUR
@@ -101,7 +101,7 @@ def _rank(boxes, k, normal, rough, splits):
     ratio = boxes.extent[k] / square
     inverse = 1.0 / (square + SOFT * boxes.extent[k] * min(ratio, 1.0))
     weight = boxes.volume[k] * boxes.fill[k] * (height * math.sqrt(inverse) + AMBIENT) * inverse
-    return weight, weight * (min(1.2 * ratio * ratio, 1.5) + waste + rough) if splits else 0.0
+    return weight, min(1.2 * ratio * ratio, 1.5) + waste
 
 
 @kernel
@@ -163,25 +163,33 @@ def _halve(boxes, k, other, entry, whole):
 
 
 @kernel
+def _set(boxes, k, normal, steps, splits, weight, even, uneven):
+    """Note what box k gives, and how much dividing it can take of the variance: by geometry, and by its emission."""
+    weight[k], variance = _rank(boxes, k, normal)
+    even[k] = weight[k] * variance if splits else 0.0
+    uneven[k] = weight[k] * steps[boxes.cell[k]].rough if splits else 0.0
+
+
+@kernel
 def _divide(block, place, normal, tolerance, limit, boxes):
     """Find the boxes for the region, of at most ``limit``; ``normal`` is in tree space, for sizes of the region.
 
     Boxes are divided until the relative variance that is expected is below ``tolerance``.
     """
     cells, steps = lamp_cells(block)[place.first_cell:], lamp_steps(block)[place.first_cell:]
-    weight, priority = stack_array(MOST_BOXES), stack_array(MOST_BOXES)
+    weight, even, uneven = stack_array(MOST_BOXES), stack_array(MOST_BOXES), stack_array(MOST_BOXES)
     boxes.count = boxes.entries = 1
-    splits = _put(boxes, 0, 0, cells, 0)
-    weight[0], priority[0] = _rank(boxes, 0, normal, steps[0].rough, splits)
+    _set(boxes, 0, normal, steps, _put(boxes, 0, 0, cells, 0), weight, even, uneven)
     while True:
-        total, left, worst, most = 0.0, 0.0, 0, -1.0
+        total, left, rough, worst, most = 0.0, 0.0, 0.0, 0, -1.0
         for k in range(boxes.count):
             total += weight[k]
-            left += priority[k]
-            if priority[k] > most:
-                worst, most = k, priority[k]
+            left += even[k]
+            rough += uneven[k]
+            if even[k] + uneven[k] > most:
+                worst, most = k, even[k] + uneven[k]
         boxes.variance = left / total if total > 0.0 else 0.0
-        if left <= tolerance * total or boxes.count >= limit:
+        if left + rough <= tolerance * total or boxes.count >= limit:
             return
         other, entry = boxes.count, boxes.entries
         boxes.count += 1
@@ -195,8 +203,8 @@ def _divide(block, place, normal, tolerance, limit, boxes):
             boxes.axis[boxes.entry[worst]] = cell.axis
             first = _put(boxes, worst, entry, cells, cell.first)
             second = _put(boxes, other, entry + 1, cells, cell.first + 1)
-        weight[worst], priority[worst] = _rank(boxes, worst, normal, steps[boxes.cell[worst]].rough, first)
-        weight[other], priority[other] = _rank(boxes, other, normal, steps[boxes.cell[other]].rough, second)
+        _set(boxes, worst, normal, steps, first, weight, even, uneven)
+        _set(boxes, other, normal, steps, second, weight, even, uneven)
 
 
 @kernel
