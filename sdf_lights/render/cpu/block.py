@@ -66,15 +66,27 @@ class PackedScene:
         built, sources = build_lamps(scene)
         tables = emitter_tables(scene, built, self._emissive)
         self.light_hits = lights.hit_capacity(tables)
+        chosen = set(map(id, sources))
+        self._built = [index for index, lamp in enumerate(scene.lamps) if id(lamp) in chosen]
         self.lamps = built  # whose compiled fields the tables point at
         self._fill({**tables, **cuts.pack_cuts(built, sources)}, lamps.pack_scalars(built))
         self.span_rows = int(self.block["lamp_rows"][0])
 
     def aim(self, scene: Scene, film: Film) -> None:
-        """Take the camera and the settings of ``scene``, and another film; all else is the same as before."""
+        """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film; all else
+        is the same as before."""
+        self._show(np.array([int(scene.lamps[index].visibility) for index in self._built], np.int64))
         self._fill({**camera.pack_camera(scene), **accumulate.pack_film(film)},
                    {**camera.camera_scalars(scene), **accumulate.film_scalars(film)})
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
+
+    def _show(self, visibility: np.ndarray) -> None:
+        """Make the lamps visible to these rays (lamps,), if they are not yet."""
+        rows = self._tables["lamps"]
+        if np.array_equal(rows["visibility"], visibility):
+            return
+        rows["visibility"] = self._tables["light_emitters"]["visibility"][:len(rows)] = visibility
+        self._fill(lamp_tree.pack_lamp_tree(rows["center"] - rows["half"], rows["center"] + rows["half"], visibility), {})
 
     def release(self) -> None:
         """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""

@@ -68,7 +68,7 @@ class CpuRenderer:
         self._workspaces = _workspaces(self._packed, scene)
 
     def aim(self, scene: Scene, film: Film) -> None:
-        """Take the camera and the settings of ``scene``, and another film."""
+        """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
         self._film, self._tiles = film, _tiles(film)
         self._packed.aim(scene, film)
 

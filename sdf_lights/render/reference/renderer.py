@@ -37,7 +37,7 @@ class ReferenceRenderer:
         self._integrator = Integrator(scene, self._use_embree)
 
     def aim(self, scene: Scene, film: Film) -> None:
-        """Take the camera and the settings of ``scene``, and another film."""
+        """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
         self._film, self._seed = film, scene.settings.seed
         self._integrator = Integrator(scene, self._use_embree)
 
