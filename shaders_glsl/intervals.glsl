@@ -4,7 +4,8 @@
 // Where a ray is inside a shape: every stretch of it with field(p) <= 0. See README.md.
 //
 // Before this file comes `float field(vec3 p)`, `#define INTERVALS n` for room for other than 16 stretches, and
-// `#define CROSSING_ERROR e` where crossings may be off by that much of t.
+// `#define CROSSING_ERROR e` where crossings may be off by that much of t, and `#define INTERVALS_SUM f` for a sum over all
+// stretches of `vec3 f(vec3 o, vec3 d, float start, float end)`.
 
 #ifndef INTERVALS
 #define INTERVALS 16
@@ -20,6 +21,9 @@ struct Intervals {
     float unresolved;       // total length in which crossings may have been missed
     float dropped;          // total length of the stretches that there was no room for
     int evaluations;
+#ifdef INTERVALS_SUM
+    vec3 sum;
+#endif
 };
 
 // Point between a and b where the field changes its sign, from its values there: regula falsi, Illinois variant (Dowell
@@ -51,8 +55,11 @@ float intervals_crossing(vec3 o, vec3 d, float a, float fa, float b, float fb, i
     return c;
 }
 
-void intervals_add(inout Intervals found, float start, float end)
+void intervals_add(inout Intervals found, vec3 o, vec3 d, float start, float end)
 {
+#ifdef INTERVALS_SUM
+    found.sum += INTERVALS_SUM(o, d, start, end);
+#endif
     if (found.count < INTERVALS) {
         found.spans[found.count] = vec2(start, end);
         found.count++;
@@ -73,6 +80,9 @@ Intervals intervals(vec3 o, vec3 d, float start, float end, float lipschitz, flo
     found.unresolved = 0.0;
     found.dropped = 0.0;
     found.evaluations = 1;
+#ifdef INTERVALS_SUM
+    found.sum = vec3(0.0);
+#endif
     float t = start;
     float f = field(o + t * d);
     bool inside = f <= 0.0;
@@ -103,7 +113,7 @@ Intervals intervals(vec3 o, vec3 d, float start, float end, float lipschitz, flo
         if ((g <= 0.0) != inside) {
             float crossing = intervals_crossing(o, d, t, f, next, g, found.evaluations);
             if (inside) {
-                intervals_add(found, entry, crossing);
+                intervals_add(found, o, d, entry, crossing);
             }
             entry = crossing;
             inside = !inside;
@@ -119,7 +129,7 @@ Intervals intervals(vec3 o, vec3 d, float start, float end, float lipschitz, flo
         found.unresolved += end - t;
     }
     if (inside) {
-        intervals_add(found, entry, end);
+        intervals_add(found, o, d, entry, end);
     }
     return found;
 }

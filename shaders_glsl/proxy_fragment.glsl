@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Light of one lamp along the ray through a pixel: length inside × radiance per metre. See README.md.
+// Light of one lamp along the ray through a pixel. See README.md.
 //
-// Before this file come `float field(vec3 p)` and intervals.glsl. `point` is where the ray leaves the lamp's box.
+// Before this file come `float field(vec3 p)`, proxy_emission.glsl and intervals.glsl. `point` is where the ray leaves the
+// lamp's box.
 
 // Depth along the view axis, from the depth buffer's value.
 float depth_of(float stored)
@@ -43,15 +44,11 @@ void main()
     }
 
     Intervals found = intervals(o, d, start, end, lamp.high.w, lamp.low.w, STEPS);
-    float inside = found.dropped;
-    for (int i = 0; i < found.count; i++) {
-        inside += found.spans[i].y - found.spans[i].x;
-    }
-    if (inside <= 0.0) {
+    if (found.count == 0) {
         discard;
     }
     float metres = length(lamp.along[0].xyz * d.x + lamp.along[1].xyz * d.y + lamp.along[2].xyz * d.z);
     // Below the largest half float, so that a few lamps in line add up to a number.
-    glow = vec4(min(lamp.emission.rgb * (inside * metres), vec3(3e4)), 0.0);
+    glow = vec4(min(lamp.emission.rgb * found.sum * metres, vec3(3e4)), 0.0);
     mask = lamp.mask;
 }

@@ -21,7 +21,7 @@ import numpy as np
 from .denoise import denoise_film
 from .errors import RenderError
 from .film import Film
-from .scene import Camera, Projection, Scene
+from .scene import Camera, Projection, Ray, Scene
 from .session import LARGEST_BATCH, choose_back_end
 
 # Seconds: how long the first coarse picture may take, how often a new one is published after that, and how long a batch
@@ -45,7 +45,8 @@ class Change(enum.IntEnum):
 class Picture:
     """``pixels`` (height, width, RGBA) float32, scene-linear, premultiplied, row 0 at the bottom, of the frame's part
     ``window`` (x0, y0, x1, y1), in pixels of a frame of ``size``; each pixel covers ``divider`` of those in both
-    directions. ``camera``: what was rendered. ``number`` grows from picture to picture."""
+    directions. ``camera``: what was rendered. ``lamps``: whether SDF lamps that the camera sees are in it. ``number`` grows
+    from picture to picture."""
 
     pixels: np.ndarray
     window: tuple[int, int, int, int]
@@ -54,16 +55,21 @@ class Picture:
     number: int
     divider: int
     samples: int
+    lamps: bool
 
 
 class InteractiveRender:
-    """All methods but the thread's own return at once, and may be called by one thread only."""
+    """All methods but the thread's own return at once, and may be called by one thread only.
+
+    ``coarse_lamps``: whether the camera sees SDF lamps in coarse pictures; False where the owner draws them itself.
+    """
 
     def __init__(self):
+        self.coarse_lamps = True
         self._condition = threading.Condition()
         self._thread: threading.Thread | None = None
         self._pending: tuple[Scene, Change] | None = None
-        self._stopping = self._paused = False
+        self._stopping = self._paused = self._without_lamps = False
         self._renderer = None
         self._picture: Picture | None = None
         self._pace = 0.0  # seconds a sample of a pixel takes; 0: not known yet
@@ -169,8 +175,9 @@ class InteractiveRender:
 
     def _render(self, scene: Scene, change: Change) -> None:
         self._next_denoising = FIRST_DENOISING
+        self._without_lamps = not self.coarse_lamps  # the owner may change that meanwhile
         divider = self._first_divider(scene)
-        part, film = _at_resolution(scene, divider)
+        part, film = self._at_resolution(scene, divider)
         if not self._prepare(part, film, change):
             return
         self.warnings = scene.warnings
@@ -180,7 +187,7 @@ class InteractiveRender:
                 return
             self._publish(scene, film, divider)
             divider //= REFINEMENT
-            part, film = _at_resolution(scene, divider)
+            part, film = self._at_resolution(scene, divider)
             self._renderer.aim(part, film)
         self._refine(scene, film)
 
@@ -205,12 +212,12 @@ class InteractiveRender:
         """All samples at full resolution."""
         settings = scene.settings
         deadline = time.perf_counter() + settings.time_limit if settings.time_limit > 0.0 else math.inf
-        coarse = self._picture
         first, going_on = 0, True
         while going_on and self._wait_while_paused():
             self.status = f"Sample {first}/{settings.samples}"
             count = min(self._batch(film), settings.samples - first)
-            if not self._sample(film, first, count, lambda: self._publish(scene, film, 1, coarse if not first else None)):
+            # Until every pixel has a sample, the coarse picture is the better one.
+            if not self._sample(film, first, count, (lambda: self._publish(scene, film)) if first else lambda: None):
                 return
             first += count
             going_on = first < settings.samples and time.perf_counter() < deadline
@@ -268,33 +275,33 @@ class InteractiveRender:
             if str(error) not in self.warnings:
                 self.warnings.append(str(error))
 
-    def _publish(self, scene: Scene, film: Film, divider: int = 1, below: Picture | None = None) -> None:
-        """Make the film's picture the latest one; where it has no samples yet, ``below`` shows."""
-        pixels = film.read("Combined")
-        if below is not None and below.camera is scene.camera:
-            missing = film.count.reshape(film.height, film.width) == 0
-            if missing.any():
-                pixels[missing] = _part(below, film)[missing]
+    def _publish(self, scene: Scene, film: Film, divider: int = 1) -> None:
+        """Make the film's picture the latest one."""
         window = tuple(divider * edge for edge in film.window)
         number = self._picture.number + 1 if self._picture is not None else 1
-        self._picture = Picture(pixels, window, (scene.width, scene.height), scene.camera, number, divider, film.samples)
+        self._picture = Picture(
+            film.read("Combined"), window, (scene.width, scene.height), scene.camera, number, divider, film.samples,
+            divider <= 1 or not self._without_lamps)
 
-
-def _at_resolution(scene: Scene, divider: int) -> tuple[Scene, Film]:
-    """The scene with pixels that are ``divider`` times as large, and a film for it. Its frame may reach beyond the
-    right and the upper edge of the scene's, to end with a whole pixel."""
-    if divider <= 1:
-        return scene, Film(scene)
-    width, height = -(-scene.width // divider), -(-scene.height // divider)
-    border = None
-    if scene.border is not None:
-        x0, y0, x1, y1 = scene.border
-        border = x0 // divider, y0 // divider, -(-x1 // divider), -(-y1 // divider)
-    grown = width * divider / scene.width, height * divider / scene.height
-    settings = dataclasses.replace(scene.settings, samples=1, denoise=False)
-    part = dataclasses.replace(
-        scene, camera=_widened(scene.camera, *grown), width=width, height=height, border=border, settings=settings)
-    return part, Film(part)
+    def _at_resolution(self, scene: Scene, divider: int) -> tuple[Scene, Film]:
+        """The scene with pixels that are ``divider`` times as large, and a film for it. Its frame may reach beyond the
+        right and the upper edge of the scene's, to end with a whole pixel."""
+        if divider <= 1:
+            return scene, Film(scene)
+        width, height = -(-scene.width // divider), -(-scene.height // divider)
+        border = None
+        if scene.border is not None:
+            x0, y0, x1, y1 = scene.border
+            border = x0 // divider, y0 // divider, -(-x1 // divider), -(-y1 // divider)
+        grown = width * divider / scene.width, height * divider / scene.height
+        settings = dataclasses.replace(scene.settings, samples=1, denoise=False)
+        lamps = scene.lamps
+        if self._without_lamps:
+            lamps = [dataclasses.replace(lamp, visibility=lamp.visibility & ~Ray.CAMERA) for lamp in lamps]
+        part = dataclasses.replace(
+            scene, camera=_widened(scene.camera, *grown), width=width, height=height, border=border, settings=settings,
+            lamps=lamps)
+        return part, Film(part)
 
 
 def _widened(camera: Camera, across: float, up: float) -> Camera:
@@ -307,11 +314,3 @@ def _widened(camera: Camera, across: float, up: float) -> Camera:
             camera, longitude=grow(*camera.longitude, across), latitude=grow(*camera.latitude, up))
     left, right, bottom, top = camera.window
     return dataclasses.replace(camera, window=(*grow(left, right, across), *grow(bottom, top, up)))
-
-
-def _part(picture: Picture, film: Film) -> np.ndarray:
-    """What a picture shows of the window of a film (height, width, 4)."""
-    x0, y0, x1, y1 = film.window
-    rows = np.clip((np.arange(y0, y1) - picture.window[1]) // picture.divider, 0, len(picture.pixels) - 1)
-    columns = np.clip((np.arange(x0, x1) - picture.window[0]) // picture.divider, 0, picture.pixels.shape[1] - 1)
-    return picture.pixels[rows[:, None], columns]

@@ -7,9 +7,12 @@ import gpu
 import numpy as np
 import pytest
 
+from sdf_lights.blender.viewport.facts import FactFinder
 from sdf_lights.render import session
 from sdf_lights.render.scene import Camera, Lamp, Scene
 from sdf_lights.render.settings import Filter, Settings
+from sdf_lights.sdf.emission import EmissionExpression
+from sdf_lights.sdf.emission_presets import presets
 from sdf_lights.sdf.shapes import SHAPES, Box, Sphere, Torus, Union
 from tests.sdf import samples
 
@@ -53,9 +56,8 @@ def traced(lamp: Lamp, camera: np.ndarray, half: float) -> np.ndarray:
 def drawn(painter, lamp: Lamp, camera: np.ndarray, half: float, size: int = SIZE * FINER, depth=None) -> np.ndarray:
     """The proxy, with ``FINER``² points in a pixel, (SIZE, SIZE, 3)."""
     from sdf_lights.blender.viewport import painter as painting
-    from sdf_lights.blender.viewport.facts import FactFinder
 
-    facts = FactFinder().find("", lamp.shape, wait=True)
+    facts = FactFinder().find("", lamp.shape, lamp.emission, wait=True)
     assert not facts.problem
     painter.compile(lamp)
     assert not painter.problem(lamp)
@@ -75,10 +77,10 @@ def drawn(painter, lamp: Lamp, camera: np.ndarray, half: float, size: int = SIZE
     return picture.reshape(SIZE, finer, SIZE, finer, 3).mean(axis=(1, 3))
 
 
-def difference(painter, shape, matrix=None) -> float:
+def difference(painter, shape, emission=None) -> float:
     """Mean absolute difference of proxy and path tracer, as a part of the mean."""
-    matrix = np.eye(4) if matrix is None else matrix
-    lamp = Lamp("Lamp", shape, matrix, power=100.0, color=(1.0, 0.6, 0.3))
+    matrix = np.eye(4)
+    lamp = Lamp("Lamp", shape, matrix, power=100.0, color=(1.0, 0.6, 0.3), emission=emission)
     camera, half = looking_at(*shape.bounds(matrix))
     expected = traced(lamp, camera, half)
     found = drawn(painter, lamp, camera, half)
@@ -99,6 +101,26 @@ FINE = {"sierpinski_tetrahedron", "kifs", "mandelbox"}
     for name in BOUNDED])
 def test_looks_as_in_the_render(painter, name):
     assert difference(painter, samples.SHAPES_TO_TRY[name]) < 0.02
+
+
+EMISSIONS = {
+    "even": "(2, 1, 0.5)", "height": "height", "skin": "exp(-12 * depth)", "waves": "1 + sin(25 * p.x)",
+    "ramp": "exp(-4 * depth) * ramp(height, 0, (1, 0.2, 0), 0.4, (1, 0.8, 0.4), 1, (0.1, 0.2, 1))",
+    "negative": "p.x"} | {name: preset.text for name, preset in presets().items()}
+
+
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=[pytest.mark.slow] * (name not in ("even", "ramp", "waves"))) for name in EMISSIONS])
+@pytest.mark.parametrize("shape", [Torus(0.6, 0.25), samples.SHAPES_TO_TRY["smooth union"]], ids=["torus", "union"])
+def test_emission_glows_as_in_the_render(painter, shape, name):
+    emission = EmissionExpression(EMISSIONS[name]).emission()
+    assert difference(painter, shape, emission) < 0.02
+
+
+def test_a_dark_emission_is_told(painter):
+    for text in ("0", "-1 - depth"):
+        facts = FactFinder().find("", Sphere(1.0), EmissionExpression(text).emission(), wait=True)
+        assert "emission is zero" in facts.problem
 
 
 MATRICES = {
@@ -163,8 +185,6 @@ def test_too_many_numbers_are_told(painter):
 
 
 def test_facts_that_take_time_are_estimated_first(painter):
-    from sdf_lights.blender.viewport.facts import FactFinder
-
     news = []
     finder, shape = FactFinder(lambda: news.append(True)), samples.SHAPES_TO_TRY["gyroid"]
     estimate = finder.find("Lamp", shape)

@@ -11,7 +11,8 @@ import pytest
 
 from sdf_lights.render import session
 from sdf_lights.render.interactive import Change, InteractiveRender
-from sdf_lights.render.scene import Camera, Lamp, Scene
+from sdf_lights.render.material import Material, Node
+from sdf_lights.render.scene import Camera, Instance, Lamp, Mesh, Ray, Scene
 from sdf_lights.render.settings import Device, Settings
 from sdf_lights.sdf.shapes import Box, Sphere
 
@@ -82,6 +83,23 @@ def test_a_coarse_picture_of_the_same_frame_comes_first(render, scene):
     assert coarse.divider == 8 and coarse.pixels.shape == (3, 6, 4)
     assert coarse.window == (0, 0, 48, 24) and coarse.size == (45, 22)
     assert 8 * center_of(coarse.pixels) + 3.5 == pytest.approx(center_of(fine.pixels), abs=4.0)
+
+
+def test_coarse_pictures_may_leave_lamps_to_their_owner(render, scene):
+    """What the lamps light is in them nevertheless."""
+    floor = Mesh("Floor", np.array([[-4, -4, -10], [4, -4, -10], [4, 4, -10], [-4, 4, -10]], np.float32),
+                 np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    scene = dataclasses.replace(
+        scene, meshes=[floor], instances=[Instance(0, np.eye(4), (0,))], materials=[Material("White", Node("diffuse"))])
+    seen = []
+    publish = render._publish
+    render._publish = lambda *args: (publish(*args), seen.append(render.picture))
+    render.coarse_lamps = False
+    render.update(scene, Change.ALL)
+    finished(render)
+    assert not seen[0].lamps and seen[-1].lamps
+    assert 0.0 < seen[0].pixels[..., :3].max() < 1.0 < seen[-1].pixels[..., :3].max()
+    assert scene.lamps[0].visibility == Ray.ALL
 
 
 def test_moves_of_the_camera_keep_the_scene(render, scene):

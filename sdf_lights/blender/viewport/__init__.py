@@ -11,9 +11,9 @@ import traceback
 import bpy
 from bpy.app.handlers import persistent
 
-from . import properties
+from . import picking, properties
 
-CLASSES = properties.CLASSES
+CLASSES = (*properties.CLASSES, *picking.CLASSES)
 
 _overlay = None  # made at the first redraw: there is no graphics context in the background
 _failures: dict[str, str] = {}  # by the draw handler
@@ -82,6 +82,11 @@ def _stop(*_):
         rendered.stop_all()
 
 
+def shown_lamps(context) -> list:
+    """The lamps (``lamps.Placed``) in a viewport, drawn by the overlay or by the path tracer."""
+    return _overlay.shown(context) if _overlay is not None else []
+
+
 def render_warnings() -> list[str]:
     """Sentences on what renders in viewports had to leave out or replace."""
     rendered = sys.modules.get(f"{__name__}.rendered")
@@ -95,6 +100,7 @@ _HANDLERS = [
 
 def register():
     properties.register()
+    picking.register()
     draw = bpy.types.SpaceView3D.draw_handler_add
     for function, event in ((_before_scene, "PRE_VIEW"), (_after_scene, "POST_VIEW"), (_labels, "POST_PIXEL")):
         _handles.append(draw(_guarded(function), (), "WINDOW", event))
@@ -116,4 +122,5 @@ def unregister():
     _forget()
     _overlay = None
     _failures.clear()
+    picking.unregister()
     properties.unregister()

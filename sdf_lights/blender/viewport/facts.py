@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What drawing a lamp needs to know of its shape and its formula does not say: box, slope, volume.
+"""What drawing a lamp needs to know of its shape and emission and their formulas do not say: box, slope, volume, and where
+the emission varies its mean and how finely it has to be sampled.
 
 Where these have closed forms they are there at once. Otherwise a thread finds them as the path tracer does; meanwhile the
-volume is estimated from the box, and from what the lamp's shape filled of its box before.
+volume is estimated from the box, and from what the lamp's shape filled of its box before, and the emission is taken to
+have the mean that it had.
 """
 
 from __future__ import annotations
@@ -17,85 +19,108 @@ from typing import NamedTuple
 import numpy as np
 
 from ... import jit
+from ...sdf.emission import Emission
 from ...sdf.lipschitz import global_lipschitz
 from ...sdf.shapes import Shape
 
 KEPT = 512  # shapes whose facts are remembered
 TYPICAL = 0.3  # part of its box that a shape fills, before it is measured
+TYPICAL_POINTS = 32.0  # of a ray through the diagonal of its box in which an emission is sampled, before it is measured
 
 
 class Facts(NamedTuple):
     """``low``, ``high``: corners of a box (3,) around the shape, in its own space. ``lipschitz``: bound on the slope of
-    its field there. ``volume`` in m³ of its own space. ``problem``: a sentence on why it cannot be drawn, or empty."""
+    its field there. ``volume`` in m³ of its own space. ``mean`` (3,) of the relative emission over the volume; ``rate``:
+    points to sample it in, in each metre of a ray in the shape's own space; 0 where it is the same everywhere.
+    ``problem``: a sentence on why it cannot be drawn, or empty."""
 
     low: np.ndarray
     high: np.ndarray
     lipschitz: float = 1.0
     volume: float = 1.0
+    mean: np.ndarray = np.ones(3)
+    rate: float = 0.0
     problem: str = ""
 
 
+Lit = tuple[Shape, Emission | None]  # what facts are found of
+
 NO_FACTS = Facts(np.zeros(3), np.zeros(3))
+EMPTY = "its shape has no interior, so it gives no light: make its parts overlap."
+DARK = "its emission is zero everywhere inside, so it gives no light: make its last line positive somewhere."
 
 
-def at_once(shape: Shape) -> Facts | None:
-    """The facts of a shape that has closed forms for them, else None. Takes microseconds."""
+def varies(emission: Emission | None) -> bool:
+    return emission is not None and emission.varies
+
+
+def at_once(shape: Shape, emission: Emission | None = None) -> Facts | None:
+    """The facts of a shape and an emission that have closed forms for them, else None. Takes microseconds."""
     volume = shape.volume()
-    if volume is None or not math.isfinite(shape.lipschitz):
+    if volume is None or not math.isfinite(shape.lipschitz) or varies(emission):
         return None
     low, high = shape.bounds()
+    mean = np.ones(3) if emission is None else emission.placed(shape).evaluate(np.zeros(3))
     problem = _problem(low, high)
     if not problem and not volume > 0.0:
-        problem = "its shape has no interior, so it gives no light: make its parts overlap."
-    return Facts(low, high, shape.lipschitz, volume, problem)
+        problem = EMPTY
+    if not problem and not mean.max() > 0.0:
+        problem = DARK
+    return Facts(low, high, shape.lipschitz, volume, mean, problem=problem)
 
 
-def measured(shape: Shape) -> Facts:
-    """The facts of any shape. Takes up to a second, and longer where kernels have to be compiled."""
+def measured(shape: Shape, emission: Emission | None = None) -> Facts:
+    """The facts of any shape and emission. Takes up to a second, and longer where kernels have to be compiled."""
     low, high = shape.bounds()
     problem = _problem(low, high)
     if problem:
         return NO_FACTS._replace(problem=problem)
-    volume, low, high, problem = _inside(shape, low, high)
-    if problem:
-        return Facts(low, high, problem=problem)
+    found = _inside(shape, emission, low, high)
+    if found.problem:
+        return found
     lipschitz = shape.lipschitz
     if not math.isfinite(lipschitz):
-        lipschitz = global_lipschitz(shape.formula(), low, high, shape.parameters())
+        lipschitz = global_lipschitz(shape.formula(), found.low, found.high, shape.parameters())
     if not math.isfinite(lipschitz):
-        return Facts(low, high, problem="nothing bounds how fast its field changes, so it cannot be drawn.")
-    return Facts(low, high, lipschitz, volume)
+        return found._replace(problem="nothing bounds how fast its field changes, so it cannot be drawn.")
+    return found._replace(lipschitz=lipschitz)
 
 
 def _problem(low: np.ndarray, high: np.ndarray) -> str:
     if not np.isfinite([low, high]).all():
         return "its shape has no limits: intersect it with a box or another shape."
     if not np.all(high > low):
-        return "its shape has no interior, so it gives no light: make its parts overlap."
+        return EMPTY
     return ""
 
 
-def _inside(shape: Shape, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, str]:
-    """Volume, a tighter box, and a problem."""
+def _inside(shape: Shape, emission: Emission | None, low: np.ndarray, high: np.ndarray) -> Facts:
+    """All but the slope, and perhaps a tighter box, from the lamp of these as the path tracer builds it."""
     identity = np.eye(4)
     if not jit.AVAILABLE:
         from ...render.reference.lamps import SdfLamp
         from ...render.scene import Lamp
 
         try:
-            return SdfLamp(Lamp("", shape, identity)).volume, low, high, ""
+            lamp = SdfLamp(Lamp("", shape, identity, density=1.0, emission=emission))
         except ValueError as error:
-            return 0.0, low, high, f"{error}."
+            return Facts(low, high, problem=f"{error}.")
+        return Facts(low, high, volume=lamp.volume, mean=lamp.emission, rate=_typical_rate(emission, low, high))
     from ...emitter.lamps import LampError, build_lamp
 
     try:
-        built = build_lamp("", shape, identity)
+        lamp = build_lamp("", shape, identity, density=1.0, emission=emission)
     except LampError as error:
-        return 0.0, low, high, str(error).partition(": ")[2]
-    if built.tree is not None:
-        tight_low, tight_high = built.tree.bounds(identity)
+        return Facts(low, high, problem=str(error).partition(": ")[2])
+    if lamp.tree is not None:
+        tight_low, tight_high = lamp.tree.bounds(identity)
         low, high = np.maximum(low, tight_low), np.minimum(high, tight_high)
-    return float(built.row["volume"][0]), low, high, ""
+    rate = float(lamp.glow["rate"][0]) if len(lamp.glow) else 0.0
+    return Facts(low, high, volume=float(lamp.row["volume"][0]), mean=lamp.row["emission"][0], rate=rate)
+
+
+def _typical_rate(emission: Emission | None, low: np.ndarray, high: np.ndarray) -> float:
+    return TYPICAL_POINTS / float(np.linalg.norm(high - low)) if varies(emission) else 0.0
 
 
 class FactFinder:
@@ -104,25 +129,27 @@ class FactFinder:
     def __init__(self, on_news: Callable[[], None] = lambda: None):
         self._on_news = on_news
         self._lock = threading.Lock()
-        self._known: OrderedDict[Shape, Facts] = OrderedDict()
-        self._wanted: OrderedDict[str, Shape] = OrderedDict()  # by lamp: of a slider that moves only the last place counts
+        self._known: OrderedDict[Lit, Facts] = OrderedDict()
+        self._wanted: OrderedDict[str, Lit] = OrderedDict()  # by lamp: of a slider that moves only the last place counts
         self._last: dict[str, Facts] = {}
         self._thread: threading.Thread | None = None
 
-    def find(self, lamp: str, shape: Shape, wait: bool = False) -> Facts | None:
-        """Facts of the shape of that lamp, or for a while an estimate; None where there is nothing to go by yet.
+    def find(self, lamp: str, shape: Shape, emission: Emission | None = None, wait: bool = False) -> Facts | None:
+        """Facts of the shape and the emission of that lamp, or for a while an estimate; None where there is nothing to
+        go by yet.
 
         ``wait``: no estimate.
         """
-        facts = at_once(shape)
+        lit = shape, emission
+        facts = at_once(*lit)
         if facts is None:
             with self._lock:
-                facts = self._known.get(shape)
+                facts = self._known.get(lit)
             if facts is None and wait:
-                facts = self._keep(shape, measured(shape))
+                facts = self._keep(lit, measured(*lit))
         if facts is None:
-            self._want(lamp, shape)
-            return self._estimate(lamp, shape)
+            self._want(lamp, lit)
+            return self._estimate(lamp, *lit)
         self._last[lamp] = facts
         return facts
 
@@ -139,18 +166,21 @@ class FactFinder:
         if thread is not None:
             thread.join()
 
-    def _estimate(self, lamp: str, shape: Shape) -> Facts | None:
-        low, high = shape.bounds()
-        if not math.isfinite(shape.lipschitz) or _problem(low, high):
-            return None
-        last, filled = self._last.get(lamp), TYPICAL
+    def _estimate(self, lamp: str, shape: Shape, emission: Emission | None) -> Facts | None:
+        last, filled, mean = self._last.get(lamp), TYPICAL, np.ones(3)
         if last is not None and not last.problem:
-            filled = last.volume / np.prod(last.high - last.low)
-        return Facts(low, high, shape.lipschitz, float(filled * np.prod(high - low)))
+            filled, mean = last.volume / np.prod(last.high - last.low), last.mean
+        facts = at_once(shape)
+        if facts is None:
+            low, high = shape.bounds()
+            if not math.isfinite(shape.lipschitz) or _problem(low, high):
+                return None
+            facts = Facts(low, high, shape.lipschitz, float(filled * np.prod(high - low)))
+        return facts._replace(mean=mean, rate=_typical_rate(emission, facts.low, facts.high))
 
-    def _want(self, lamp: str, shape: Shape) -> None:
+    def _want(self, lamp: str, lit: Lit) -> None:
         with self._lock:
-            self._wanted[lamp] = shape
+            self._wanted[lamp] = lit
             if self._thread is None:
                 self._thread = threading.Thread(target=self._work, name="SDF Lights: shapes", daemon=True)
                 self._thread.start()
@@ -161,20 +191,20 @@ class FactFinder:
                 if not self._wanted:
                     self._thread = None
                     break
-                _, shape = self._wanted.popitem(last=False)
-                known = shape in self._known
+                _, lit = self._wanted.popitem(last=False)
+                known = lit in self._known
             if not known:
                 try:
-                    facts = measured(shape)
+                    facts = measured(*lit)
                 except Exception as error:
                     facts = NO_FACTS._replace(
                         problem=f"measuring its shape failed ({type(error).__name__}: {error}): simplify it.")
-                self._keep(shape, facts)
+                self._keep(lit, facts)
             self._on_news()
 
-    def _keep(self, shape: Shape, facts: Facts) -> Facts:
+    def _keep(self, lit: Lit, facts: Facts) -> Facts:
         with self._lock:
-            self._known[shape] = facts
+            self._known[lit] = facts
             while len(self._known) > KEPT:
                 self._known.popitem(last=False)
         return facts

@@ -26,7 +26,7 @@ from . import rendered, shaders
 from .drawing import draw_rectangle
 from .facts import Facts, FactFinder
 from .lamps import Collected, Placed, collect
-from .painter import EDGES, Depth, Drawn, Painter, View, radiance_per_metre
+from .painter import EDGES, Depth, Drawn, Painter, View, code_of, radiance_per_metre
 
 # Seconds that compiling may take in one redraw before the rest waits for the next; one shader is always compiled.
 COMPILE_BUDGET = 0.03
@@ -80,6 +80,12 @@ class Overlay:
         self._views.clear()
         self.errors.clear()
 
+    def shown(self, context) -> list[Placed]:
+        """Lamps that a viewport shows, as they were at its last redraw, by the proxy or by the path tracer."""
+        traced = rendered.shows_lamps(context)
+        drawn = context.scene.sdf_lights_overlay.show_lamps and _shows_lamps(context.space_data)
+        return self._visible(context) if traced or drawn else []
+
     # -- drawing -------------------------------------------------------------------------------------------------
 
     def before_scene(self) -> None:
@@ -92,7 +98,10 @@ class Overlay:
         self._labels.pop(region.as_pointer(), None)
         if not settings.show_lamps or not _shows_lamps(space):
             return
-        placed = self._visible(context)
+        placed, traced = self._visible(context), rendered.shows_lamps(context)
+        if traced:  # what is left to draw are outlines
+            marks = _marks(context) if space.overlay.show_overlays else {}
+            placed = [item for item in placed if item.owner in marks]
         if not placed:
             return
         overlay_buffer = gpu.state.active_framebuffer_get()
@@ -102,7 +111,8 @@ class Overlay:
         scale = int(settings.resolution) * (2 if moving and settings.coarse_motion else 1)
         if drawn:
             depth = None if _sees_through(space) else _scene_depth(overlay_buffer, view, drawn, scale)
-            self._draw(drawn, view, depth, scale, scene_buffer or overlay_buffer, overlay_buffer, context)
+            glow_buffer = None if traced else scene_buffer or overlay_buffer
+            self._draw(drawn, view, depth, scale, glow_buffer, context)
         if boxes and space.overlay.show_overlays:
             _draw_boxes(boxes, view)
             self._labels[region.as_pointer()] = [
@@ -132,7 +142,7 @@ class Overlay:
             if item.owner not in shown:
                 owner = context.view_layer.objects.get(item.owner)
                 shown[item.owner] = owner is None or owner.visible_in_viewport_get(space)
-            if shown[item.owner] and not rendered.draws(context, item):
+            if shown[item.owner]:
                 found.append(item)
         return found
 
@@ -145,7 +155,7 @@ class Overlay:
         drawn, boxes, waiting = [], [], False
         started = time.perf_counter()
         for item in placed:
-            facts = self.finder.find(item.key, item.lamp.shape)
+            facts = self.finder.find(item.key, item.lamp.shape, item.lamp.emission)
             if facts is None:
                 low, high = item.lamp.shape.bounds()
                 if np.isfinite([low, high]).all():
@@ -157,9 +167,9 @@ class Overlay:
                     boxes.append((item, facts, "Cannot be drawn"))
                 continue
             if not self.painter.is_compiled(item.lamp):
-                formula = item.lamp.shape.formula()
-                if formula not in self._announced:
-                    self._announced.add(formula)
+                code = code_of(item.lamp)
+                if code not in self._announced:
+                    self._announced.add(code)
                     waiting = True
                 elif time.perf_counter() - started < COMPILE_BUDGET:
                     self.painter.compile(item.lamp)
@@ -184,7 +194,7 @@ class Overlay:
 
     def _is_moving(self, region, view: View, drawn: list[Drawn]) -> bool:
         shown = (view.view.tobytes(), view.projection.tobytes(),
-                 *(hash((item.lamp.matrix.tobytes(), item.lamp.shape)) for item in drawn))
+                 *(hash((item.lamp.matrix.tobytes(), item.lamp.shape, item.lamp.emission)) for item in drawn))
         last, since = self._views.get(region.as_pointer(), (shown, 0.0))
         now = time.perf_counter()
         if shown != last:
@@ -195,7 +205,8 @@ class Overlay:
         _redraw_later(STILL)
         return True
 
-    def _draw(self, drawn, view: View, depth, scale: int, scene_buffer, overlay_buffer, context) -> None:
+    def _draw(self, drawn, view: View, depth, scale: int, glow_buffer, context) -> None:
+        """Draw lamps: their glow into ``glow_buffer``, if there is one, and outlines."""
         size = tuple(max(-(-pixels // scale), 1) for pixels in view.size)
         target, glow, mask = self._targets.get(size)
         with target.bind():
@@ -204,8 +215,9 @@ class Overlay:
             self.painter.draw(drawn, View(view.view, _stretched(view.projection, view.size, size, scale), size), depth)
         # The textures may reach beyond the screen on the right and at the top.
         place = 0.0, 0.0, size[0] * scale / view.size[0], size[1] * scale / view.size[1]
-        with scene_buffer.bind():
-            draw_rectangle(shaders.composite_shader(), place, "ADDITIVE_PREMULT", {"glow": glow})
+        if glow_buffer is not None:
+            with glow_buffer.bind():
+                draw_rectangle(shaders.composite_shader(), place, "ADDITIVE_PREMULT", {"glow": glow})
         if context.space_data.overlay.show_overlays and any(any(item.mask) for item in drawn):
             theme = context.preferences.themes[0].view_3d
             width = OUTLINE_WIDTH * context.preferences.system.ui_scale / (np.array(size) * scale)

@@ -7,6 +7,7 @@ Needs a graphics context: call it while Blender draws, or after ``gpu.init()``.
 
 from __future__ import annotations
 
+import functools
 from collections import OrderedDict
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -17,9 +18,10 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ...render.scene import Lamp
-from ...sdf.formula import Formula
+from ...sdf.emission import Emission, Placed
+from ...sdf.shapes import Shape
 from . import shaders
-from .facts import Facts
+from .facts import Facts, varies
 
 # The least step along a ray: part of the box's diagonal, or of a pixel where that is more.
 LEAST_STEP, LEAST_STEP_OF_PIXEL = 1e-4, 0.25
@@ -74,27 +76,27 @@ class Painter:
     """Draws lamps, and keeps the shaders of their formulas."""
 
     def __init__(self):
-        self._shaders: OrderedDict[tuple[Formula, int], object] = OrderedDict()
+        self._shaders: OrderedDict[shaders.LampCode, object] = OrderedDict()
         self._no_depth: gpu.types.GPUTexture | None = None
 
     def problem(self, lamp: Lamp) -> str:
         """Why the lamp has no shader, as the rest of a sentence; empty where it has one or was not drawn yet."""
-        found = self._shaders.get(_key(lamp))
+        found = self._shaders.get(code_of(lamp))
         return str(found) if isinstance(found, shaders.ShaderError) else ""
 
     def is_compiled(self, lamp: Lamp) -> bool:
         """Whether the lamp has a shader, or was refused one."""
-        return _key(lamp) in self._shaders
+        return code_of(lamp) in self._shaders
 
     def compile(self, lamp: Lamp) -> None:
         """Compile the shader of a lamp, if it has none."""
-        key = _key(lamp)
-        if key not in self._shaders:
+        code = code_of(lamp)
+        if code not in self._shaders:
             try:
-                shader = shaders.lamp_shader(*key)
-                self._shaders[key] = shader, batch_for_shader(shader, "TRIS", {"corner": _CUBE}, indices=_FACES)
+                shader = shaders.lamp_shader(code)
+                self._shaders[code] = shader, batch_for_shader(shader, "TRIS", {"corner": _CUBE}, indices=_FACES)
             except shaders.ShaderError as error:
-                self._shaders[key] = error
+                self._shaders[code] = error
             while len(self._shaders) > KEPT:
                 self._shaders.popitem(last=False)
 
@@ -113,11 +115,11 @@ class Painter:
             gpu.state.blend_set("NONE")
 
     def _draw(self, item: Drawn, view: View, depth: Depth | None) -> None:
-        key = _key(item.lamp)
-        found = self._shaders.get(key)
+        code = code_of(item.lamp)
+        found = self._shaders.get(code)
         if found is None or isinstance(found, shaders.ShaderError):
             return
-        self._shaders.move_to_end(key)
+        self._shaders.move_to_end(code)
         shader, batch = found
         block = uniforms(item, view, depth)
         buffer = gpu.types.GPUUniformBuf(gpu.types.Buffer("FLOAT", block.size, block.ravel()))
@@ -132,16 +134,41 @@ class Painter:
         batch.draw(shader)
 
 
-def _key(lamp: Lamp) -> tuple[Formula, int]:
-    return lamp.shape.formula(), len(lamp.shape.parameters())
+@functools.lru_cache(maxsize=KEPT)
+def _placed(emission: Emission, shape: Shape) -> Placed:
+    return emission.placed(shape)
+
+
+def _varying(lamp: Lamp) -> Placed | None:
+    """The emission of a lamp, where it varies."""
+    return _placed(lamp.emission, lamp.shape) if varies(lamp.emission) else None
+
+
+def _numbers(lamp: Lamp) -> np.ndarray:
+    """Parameters of the shape, then those of the emission."""
+    placed = _varying(lamp)
+    return np.concatenate([lamp.shape.parameters(), placed.parameters if placed is not None else []])
+
+
+def code_of(lamp: Lamp) -> shaders.LampCode:
+    """What the shader of a lamp is made from: the same for all numbers."""
+    placed = _varying(lamp)
+    return shaders.LampCode(
+        lamp.shape.formula(), len(lamp.shape.parameters()), len(_numbers(lamp)), placed and placed.colour)
+
+
+def emission_scale(lamp: Lamp, facts: Facts) -> np.ndarray:
+    """ρ of a lamp (RGB) where its relative emission is 1: see ``render.scene.Lamp``."""
+    density = lamp.density
+    if density is None:
+        volume = facts.volume * abs(np.linalg.det(lamp.matrix[:3, :3]))
+        density = lamp.power / (4.0 * np.pi * volume * facts.mean.mean())
+    return density * np.asarray(lamp.color)
 
 
 def radiance_per_metre(lamp: Lamp, facts: Facts) -> np.ndarray:
-    """ρ of a lamp (RGB): see ``render.scene.Lamp``."""
-    density = lamp.density
-    if density is None:
-        density = lamp.power / (4.0 * np.pi * facts.volume * abs(np.linalg.det(lamp.matrix[:3, :3])))
-    return density * np.asarray(lamp.color)
+    """Mean of ρ over the volume of a lamp (RGB)."""
+    return emission_scale(lamp, facts) * facts.mean
 
 
 def least_step(lamp: Lamp, facts: Facts, view: View) -> float:
@@ -160,7 +187,8 @@ def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
     to_view = view.view @ lamp.matrix
     from_view = np.linalg.inv(to_view)
     extent = facts.high - facts.low
-    numbers = lamp.shape.parameters()
+    numbers = _numbers(lamp)
+    scale = emission_scale(lamp, facts) if varies(lamp.emission) else radiance_per_metre(lamp, facts)
     block = np.zeros((shaders.HEADER + shaders.vectors_of(len(numbers)), 4))
     block[0] = *(facts.low - MARGIN * extent), least_step(lamp, facts, view)
     block[1] = *(facts.high + MARGIN * extent), facts.lipschitz
@@ -169,7 +197,7 @@ def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
     block[4, :2] = view.clip
     block[4, 2] = depth.scale if depth else 0.0
     block[5] = view.projection[2:, 2:].ravel()
-    block[6, :3] = item.exposure * radiance_per_metre(lamp, facts)
+    block[6] = *(item.exposure * scale), facts.rate
     block[7, :2] = item.mask
     block[8:11, :3] = lamp.matrix[:3, :3].T
     block[shaders.HEADER:].ravel()[:len(numbers)] = numbers

@@ -21,7 +21,7 @@ from ...render import libraries
 from ...render.errors import RenderError
 from ...render.interactive import Change, InteractiveRender, Picture
 from ...render.scene import Scene
-from ..naming import LABEL
+from ..naming import LABEL, NODE_TREE
 from ..sync import frame_settings, sync_lights, sync_viewport
 from .camera import view_camera
 from .drawing import draw_texture
@@ -40,7 +40,7 @@ class RenderedView:
         self._scene: Scene | None = None
         self._shown: tuple = ()  # what the scene was synced for, besides the data
         self._stale: Change | None = Change.ALL
-        self._texture: tuple[int, gpu.types.GPUTexture] | None = None
+        self._texture: tuple[Picture, gpu.types.GPUTexture] | None = None  # what was drawn last
         self._drawn_status = ""
         self._region = 0
         _running.add(self)
@@ -48,10 +48,8 @@ class RenderedView:
     @property
     def news(self) -> bool:
         """Whether there is something to redraw for."""
-        picture = self._render.picture
-        number = picture.number if picture is not None else 0
         return self._stale is None and (
-            number != (self._texture[0] if self._texture else 0) or self._render.status != self._drawn_status)
+            self._render.picture is not self.drawn or self._render.status != self._drawn_status)
 
     @property
     def busy(self) -> bool:
@@ -59,8 +57,9 @@ class RenderedView:
         return self._render.active
 
     @property
-    def shows_picture(self) -> bool:
-        return self._texture is not None
+    def drawn(self) -> Picture | None:
+        """The picture in the viewport."""
+        return self._texture[0] if self._texture is not None else None
 
     @property
     def warnings(self) -> list[str]:
@@ -107,6 +106,7 @@ class RenderedView:
         else:
             scene = self._scene
         self._render.paused = depsgraph.scene.sdf_lights_overlay.pause
+        self._render.coarse_lamps = not depsgraph.scene.sdf_lights_overlay.show_lamps
         camera, border = view_camera(context, depsgraph, region.width, region.height)
         view = replace(
             scene, camera=camera, width=region.width, height=region.height, border=border, settings=settings)
@@ -123,11 +123,11 @@ class RenderedView:
             libraries.add_search_folder(os.path.dirname(bpy.app.binary_path))
 
     def _show(self, engine, picture: Picture, context, scene) -> None:
-        if self._texture is None or self._texture[0] != picture.number:
+        if picture is not self.drawn:
             pixels = np.ascontiguousarray(np.clip(picture.pixels, -65000.0, 65000.0), np.float32)
             height, width = pixels.shape[:2]
             data = gpu.types.Buffer("FLOAT", pixels.size, pixels.ravel())
-            self._texture = picture.number, gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)
+            self._texture = picture, gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)
         width, height = picture.size
         x0, y0, x1, y1 = picture.window
         place = x0 / width, y0 / height, x1 / width, y1 / height
@@ -183,7 +183,9 @@ def change_of(depsgraph: bpy.types.Depsgraph) -> Change | None:
 def _change_of(block: bpy.types.ID) -> Change | None:
     if isinstance(block, (bpy.types.Camera, bpy.types.Screen, bpy.types.WindowManager)):
         return Change.VIEW
-    if isinstance(block, bpy.types.Light):
+    if isinstance(block, bpy.types.NodeTree) and block.is_embedded_data:
+        return None  # what it belongs to is among the updates too
+    if isinstance(block, bpy.types.Light) or getattr(block, "bl_idname", "") == NODE_TREE:
         return Change.LIGHTS
     if isinstance(block, bpy.types.Object):
         if block.type == "EMPTY" and block.instance_type == "NONE":
@@ -192,13 +194,13 @@ def _change_of(block: bpy.types.ID) -> Change | None:
     return Change.ALL
 
 
-def draws(context, item) -> bool:
-    """Whether the path tracer shows the lamps of this region."""
+def shows_lamps(context) -> bool:
+    """Whether the lamps of this region are in the path tracer's picture."""
     if context.space_data.shading.type != "RENDERED":
         return False
     found = _by_region.get(context.region.as_pointer())
     view = found() if found is not None else None
-    return view is not None and view.shows_picture
+    return view is not None and view.drawn is not None and view.drawn.lamps
 
 
 def warnings() -> list[str]:

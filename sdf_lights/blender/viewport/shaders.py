@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import pathlib
+from typing import NamedTuple
 
 import gpu
 
@@ -32,7 +33,7 @@ struct Lamp {
     vec4 axis;       // depth along the view axis is dot(axis, (p, 1))
     vec4 clip;       // least and greatest depth; pixels of the depth texture for each pixel, 0: none
     vec4 unproject;  // of the projection matrix: [2][2], [2][3], [3][2], [3][3]
-    vec4 emission;   // radiance per metre
+    vec4 emission;   // radiance per metre where the relative emission is 1; points of a ray in each unit of length
     vec4 mask;
     vec4 along[3];   // columns of the shape's matrix: directions in metres
     vec4 numbers[%d];
@@ -55,11 +56,19 @@ def vectors_of(count: int) -> int:
     return max(-(-count // 4), 1)
 
 
-def lamp_shader(formula: Formula, numbers: int) -> gpu.types.GPUShader:
-    """Shader that adds the light of a lamp whose field is ``formula``, of that many parameters.
+class LampCode(NamedTuple):
+    """What a shader is made from: the ``field``, whose parameters are the first ``parameters`` of ``numbers``, and the
+    relative emission, whose are the rest; None where it is the same everywhere."""
 
-    Compiles at once, which may take long. Raises ShaderError.
-    """
+    field: Formula
+    parameters: int
+    numbers: int
+    colour: tuple[Formula, Formula, Formula] | None
+
+
+def lamp_shader(code: LampCode) -> gpu.types.GPUShader:
+    """Shader that adds the light of a lamp. Compiles at once, which may take long. Raises ShaderError."""
+    numbers = code.numbers
     if numbers > MOST_NUMBERS:
         raise ShaderError(f"its shape has {numbers:,} numbers, and shaders hold {MOST_NUMBERS:,}: simplify it.")
     info = gpu.types.GPUShaderCreateInfo()
@@ -73,13 +82,17 @@ def lamp_shader(formula: Formula, numbers: int) -> gpu.types.GPUShader:
     info.fragment_out(0, "VEC4", "glow")
     info.fragment_out(1, "VEC4", "mask")
     info.define("STEPS", str(STEPS))
-    # Only the sum of the stretches counts, and of those without room there is one too.
+    # Only the sum over the stretches counts, which needs no room for them.
     info.define("INTERVALS", "1")
+    info.define("INTERVALS_SUM", "emitted")
     info.define("CROSSING_ERROR", "(0.1 * lamp.low.w)")
     info.vertex_source(source("proxy_vertex.glsl"))
-    info.fragment_source(
-        _NUMBER + read_glsl.function(formula, "field", "number({})") + source("intervals.glsl")
-        + source("proxy_fragment.glsl"))
+    functions = _NUMBER + read_glsl.function(code.field, "field", "number({})")
+    if code.colour is not None:
+        info.define("VARIES", "1")
+        functions += read_glsl.function(code.colour, "colour", f"number({{}} + {code.parameters})")
+    info.fragment_source("".join(
+        [functions, *map(source, ("proxy_emission.glsl", "intervals.glsl", "proxy_fragment.glsl"))]))
     return _created(info)
 
 
