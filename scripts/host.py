@@ -7,11 +7,30 @@ from __future__ import annotations
 import importlib.util
 import os
 import pathlib
+import shlex
+import shutil
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 PACKAGE = "sdf_lights_checkout"
 ENGINE = "SDF_LIGHTS"
+
+
+NO_WINDOW = "no Blender with a window: put blender on the path, or set SDF_LIGHTS_BLENDER to its command"
+
+
+def windowed_blender() -> list[str] | None:
+    """Command that opens a Blender with a window; arguments follow it. None where there is no such Blender.
+
+    ``SDF_LIGHTS_BLENDER`` is that command, with what has to stand before it (``"xvfb-run -a blender"``); without it,
+    the ``blender`` on the path.
+    """
+    command = shlex.split(os.environ.get("SDF_LIGHTS_BLENDER", ""))
+    if command or not shutil.which("blender"):
+        return command or None
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return ["xvfb-run", "-a", "blender"]
+    return ["blender"]
 
 
 def register_extension():

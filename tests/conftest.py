@@ -4,16 +4,17 @@
 
 import os
 import pathlib
-import shlex
-import shutil
 import sys
 
 import pytest
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 
-if str(REPOSITORY) not in sys.path:
-    sys.path.insert(0, str(REPOSITORY))
+for folder in (str(REPOSITORY / "scripts"), str(REPOSITORY)):
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+
+import host  # noqa: E402  (found on the path set above)
 
 # Inverting a 4 × 4 matrix wakes OpenBLAS's other threads in Blender's older NumPy: ten times the work, and where the
 # cores are busy a wait of milliseconds. It reads this when NumPy is first imported.
@@ -25,18 +26,10 @@ os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
 
 @pytest.fixture(scope="session")
 def blender_command() -> list[str]:
-    """Command that opens a Blender with a window; arguments follow it.
-
-    ``SDF_LIGHTS_BLENDER`` is that command, with what has to stand before it (``"xvfb-run -a blender"``); without it,
-    the ``blender`` on the path. The test is skipped where there is none.
-    """
-    command = shlex.split(os.environ.get("SDF_LIGHTS_BLENDER", ""))
-    if not command:
-        if not shutil.which("blender"):
-            pytest.skip("no Blender with a window: put blender on the path, or set SDF_LIGHTS_BLENDER to its command")
-        command = ["blender"]
-        if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-            command = ["xvfb-run", "-a", *command]
+    """Command that opens a Blender with a window; arguments follow it. The test is skipped where there is none."""
+    command = host.windowed_blender()
+    if command is None:
+        pytest.skip(host.NO_WINDOW)
     return command
 
 

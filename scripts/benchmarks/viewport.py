@@ -1,25 +1,36 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps as the viewport draws them: seconds of a frame against the number of lamps and the resolution.
+"""The viewport: milliseconds of a frame of lamps, and from an edit until it is seen.
 
-The lamps are of five shapes, side by side in a grid that fills the picture, so each ray meets few of them and each pixel
+Frames are drawn without a window, by number of lamps and resolution. The lamps are of five shapes, side by side in a grid that fills the picture, so each ray meets few of them and each pixel
 some. A frame is drawn and its mask read back, which waits for the graphics card. ``edit`` frames follow a change
 of a number of every lamp.
+
+Edits are made in a Blender with a window, where there is one: see viewport_session.py.
 """
 
 from __future__ import annotations
 
+import json
+import pathlib
 import statistics
+import subprocess
+import tempfile
 import time
 
+import host
 import numpy as np
 
-HELP = "lamps in the viewport: milliseconds of a frame for 1, 10 and 50 lamps at 960 × 540, and from edit to picture"
+HELP = "the viewport: milliseconds of a frame of 1, 10 and 50 lamps at 960 × 540, and from edits until they are seen"
 
 SIZE = 960, 540
 COUNTS = 1, 10, 50
 SCALES = 1, 2, 4
 FRAMES = 5
+EDITS = 15
+SESSION = pathlib.Path(__file__).with_name("viewport_session.py")
+WINDOW = "0", "0", "1180", "760"  # in which the viewport has about 960 × 540 pixels
+PATIENCE = 900.0  # seconds: kernels may have to be compiled
 
 
 def _shapes(index: int, size: float) -> object:
@@ -77,16 +88,15 @@ class _Canvas:
         return 1e3 * (given - started), 1e3 * (time.perf_counter() - started)
 
 
-def run(options) -> tuple[dict, list[dict]]:
+def _frames(repeats: int) -> list[dict]:
     import gpu
 
     if not hasattr(gpu, "init"):
-        return {}, [dict(problem="only Blender 5.2 and later draw without a window: run this with its Python module")]
+        return [dict(problem="only Blender 5.2 and later draw without a window: run this with its Python module")]
     gpu.init()
     from sdf_lights.blender.viewport.facts import FactFinder
     from sdf_lights.blender.viewport.painter import Painter
 
-    frames = options.repeats or (1 if options.quick else FRAMES)
     painter, finder, rows = Painter(), FactFinder(), []
     for count in COUNTS:
         lamps = _lamps(count, 1.0)
@@ -95,12 +105,43 @@ def run(options) -> tuple[dict, list[dict]]:
         for scale in SCALES:
             canvas = _Canvas(painter, scale)
             canvas.draw(lamps, finder)  # drivers finish compiling at the first use
-            still = [canvas.draw(lamps, finder) for _ in range(frames)]
-            edits = [canvas.draw(_lamps(count, 1.0 + 0.01 * (turn + 1)), finder) for turn in range(frames)]
+            still = [canvas.draw(lamps, finder) for _ in range(repeats)]
+            edits = [canvas.draw(_lamps(count, 1.0 + 0.01 * (turn + 1)), finder) for turn in range(repeats)]
             rows.append(dict(
                 lamps=count, pixels="×".join(str(side // scale) for side in SIZE),
                 commands_ms=statistics.median(given for given, _ in still),
                 frame_ms=statistics.median(whole for _, whole in still),
                 frame_after_edit_ms=statistics.median(whole for _, whole in edits)))
-    summary = {f"viewport_frame_ms_{row['lamps']}": row["frame_ms"] for row in rows if row["pixels"] == "960×540"}
-    return summary, rows
+    return rows
+
+
+def _edits(repeats: int) -> list[dict]:
+    command = host.windowed_blender()
+    if command is None:
+        return [dict(problem=host.NO_WINDOW)]
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "report.json"
+        done = subprocess.run(
+            [*command, "--factory-startup", "--window-geometry", *WINDOW, "--python", str(SESSION), "--", str(path),
+             str(repeats)], cwd=host.REPOSITORY, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE)
+        if not path.is_file():
+            return [dict(problem=f"Blender ended with code {done.returncode}: {done.stdout[-500:]}")]
+        report = json.loads(path.read_text(encoding="utf-8"))
+    if "traceback" in report:
+        return [dict(problem=report["traceback"])]
+    return [
+        {key: row[key] for key in ("shading", "edit")}
+        | {f"{key}_ms": statistics.median(row[key]) for key in ("restart", "picture", "seen")}
+        | {f"{key}_ms": max(row[key]) for key in ("blocked", "worked")} for row in report["rows"]]
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    frames = _frames(options.repeats or (1 if options.quick else FRAMES))
+    edits = _edits(options.repeats or (2 if options.quick else EDITS))
+    summary = {
+        f"viewport_{what}_{row['lamps']}": row[what] for row in frames if row.get("pixels") == "960×540"
+        for what in ("frame_ms", "frame_after_edit_ms")}
+    traced = [row for row in edits if row.get("shading") == "RENDERED"]
+    if traced:
+        summary |= {f"viewport_{what}": max(row[what] for row in traced) for what in ("restart_ms", "picture_ms", "worked_ms")}
+    return summary, frames + edits

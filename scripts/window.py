@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A session in a Blender with a window: what is done step by step, between which Blender works on its events.
+
+    blender --factory-startup --enable-event-simulate --python SESSION.py -- REPORT.json
+
+The session is a generator that yields how many seconds Blender is left to itself before the next step. What it writes
+into ``report`` goes into the file, also if it fails: then with ``report["traceback"]``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pathlib
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterator
+
+import bpy
+import gpu
+import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+PATIENCE = 400.0  # seconds until a session gives up to wait: kernels may have to be compiled
+BETWEEN = 0.05  # seconds from one look at a condition to the next
+KEYS = {" ": "SPACE", "\n": "RET", "\b": "BACK_SPACE"}
+
+ARGUMENTS = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+report: dict = {}
+
+
+def run(steps: Iterator[float], finish: Callable[[], None] | None = None) -> None:
+    """Go through a session, starting when the window is there; then write the report, and ``finish``, or leave."""
+
+    def tick():
+        known = len(report)
+        try:
+            wait = next(steps)
+            if len(report) != known:
+                print(list(report.items())[known:], flush=True)
+            return wait
+        except StopIteration:
+            pass
+        except Exception:
+            report["traceback"] = traceback.format_exc()
+        pathlib.Path(ARGUMENTS[0]).write_text(json.dumps(report), encoding="utf-8")
+        sys.stdout.flush()
+        if finish is None or "traceback" in report:
+            os._exit(0)  # quitting asks about unsaved work
+        finish()
+
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(tick, first_interval=1.0, persistent=True)
+
+
+def until(condition: Callable[[], object], patience: float = PATIENCE) -> Iterator[float]:
+    """Steps that wait for something. Raises TimeoutError if it does not come."""
+    deadline = time.monotonic() + patience
+    while not condition():
+        if time.monotonic() > deadline:
+            code = condition.__code__
+            raise TimeoutError(f"waited in vain: {code.co_filename}, line {code.co_firstlineno}")
+        yield BETWEEN
+
+
+# -- places ---------------------------------------------------------------------------------------------------------
+
+
+def window() -> bpy.types.Window:
+    return bpy.context.window_manager.windows[0]
+
+
+def areas(kind: str = "VIEW_3D") -> list[bpy.types.Area]:
+    """Areas of a kind, the largest first."""
+    found = [area for area in window().screen.areas if area.type == kind]
+    return sorted(found, key=lambda area: -area.width * area.height)
+
+
+def region_of(area: bpy.types.Area, kind: str = "WINDOW") -> bpy.types.Region:
+    return next(region for region in area.regions if region.type == kind)
+
+
+def override(area: bpy.types.Area | None = None):
+    """The context of an area; of the largest 3D viewport where none is given."""
+    area = area or areas()[0]
+    return bpy.context.temp_override(window=window(), area=area, region=region_of(area))
+
+
+def threads() -> list[str]:
+    """Threads of the path tracer in viewports."""
+    return sorted(thread.name for thread in threading.enumerate() if thread.name == "SDF Lights: viewport")
+
+
+# -- hands ----------------------------------------------------------------------------------------------------------
+
+
+def move_to(area: bpy.types.Area, across: float = 0.5, up: float = 0.5) -> dict[str, int]:
+    """Move the mouse to a place in an area, given as parts of its width and height; the place on the screen."""
+    place = dict(x=int(area.x + across * area.width), y=int(area.y + up * area.height))
+    window().event_simulate(type="MOUSEMOVE", value="NOTHING", **place)
+    return place
+
+
+def press(place: dict[str, int], key: str, **modifiers: bool) -> None:
+    window().event_simulate(type=key, value="PRESS", **place, **modifiers)
+    window().event_simulate(type=key, value="RELEASE", **place, **modifiers)
+
+
+def typed(place: dict[str, int], text: str) -> None:
+    for letter in text:
+        key = KEYS.get(letter, letter.upper())
+        unicode = {} if letter in "\n\b" else dict(unicode=letter)
+        window().event_simulate(type=key, value="PRESS", **place, **unicode)
+        window().event_simulate(type=key, value="RELEASE", **place)
+
+
+# -- eyes -----------------------------------------------------------------------------------------------------------
+
+
+class Eye:
+    """Colours of 3D viewports at places in the world: scene-linear, all that is drawn before colour management.
+
+    Blender's own screenshots are black where there is no graphics card. ``colors[area index, place]`` is the mean of
+    5 × 5 pixels at the last redraw; areas count from the largest.
+    """
+
+    def __init__(self, *places: tuple[float, float, float]):
+        self.places = list(places)
+        self.colors: dict[tuple[int, int], np.ndarray] = {}
+        self.redraws = 0
+        self._buffer = None
+        add = bpy.types.SpaceView3D.draw_handler_add
+        self._handles = [add(self._before, (), "WINDOW", "PRE_VIEW"), add(self._after, (), "WINDOW", "POST_PIXEL")]
+
+    def close(self) -> None:
+        for handle in self._handles:
+            bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+
+    def color(self, place: int = 0, area: int = 0) -> list[float]:
+        return self.colors[area, place].tolist()
+
+    def _before(self):
+        self._buffer = gpu.state.active_framebuffer_get()
+
+    def _after(self):
+        context = bpy.context
+        with contextlib.suppress(ValueError):  # of an area that is not in the main window
+            area = areas().index(context.area)
+            for index, place in enumerate(self.places):
+                at = location_3d_to_region_2d(context.region, context.region_data, place)
+                if at is not None and 2 <= at.x < context.region.width - 3 and 2 <= at.y < context.region.height - 3:
+                    values = self._buffer.read_color(int(at.x) - 2, int(at.y) - 2, 5, 5, 4, 0, "FLOAT")
+                    values.dimensions = 100
+                    self.colors[area, index] = np.array(values).reshape(25, 4)[:, :3].mean(axis=0)
+        self.redraws += 1
