@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The viewport: milliseconds of a frame of lamps, and from an edit until it is seen.
 
-Frames are drawn without a window, by number of lamps and resolution. The lamps are of five shapes, side by side in a grid that fills the picture, so each ray meets few of them and each pixel
+Frames are drawn without a window, by number of lamps and resolution. The lamps are of five shapes, side by side in a
+grid that fills the picture, so each ray meets few of them and each pixel
 some. A frame is drawn and its mask read back, which waits for the graphics card. ``edit`` frames follow a change
 of a number of every lamp.
 
@@ -123,7 +124,8 @@ def _edits(repeats: int) -> list[dict]:
         path = pathlib.Path(folder) / "report.json"
         done = subprocess.run(
             [*command, "--factory-startup", "--window-geometry", *WINDOW, "--python", str(SESSION), "--", str(path),
-             str(repeats)], cwd=host.REPOSITORY, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE)
+             str(repeats)], cwd=host.REPOSITORY, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            timeout=PATIENCE)
         if not path.is_file():
             return [dict(problem=f"Blender ended with code {done.returncode}: {done.stdout[-500:]}")]
         report = json.loads(path.read_text(encoding="utf-8"))
@@ -143,5 +145,6 @@ def run(options) -> tuple[dict, list[dict]]:
         for what in ("frame_ms", "frame_after_edit_ms")}
     traced = [row for row in edits if row.get("shading") == "RENDERED"]
     if traced:
-        summary |= {f"viewport_{what}": max(row[what] for row in traced) for what in ("restart_ms", "picture_ms", "worked_ms")}
+        summary |= {
+            f"viewport_{what}": max(row[what] for row in traced) for what in ("restart_ms", "picture_ms", "worked_ms")}
     return summary, frames + edits

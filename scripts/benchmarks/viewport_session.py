@@ -5,9 +5,9 @@
     blender --factory-startup --python viewport_session.py -- REPORT.json REPEATS
 
 For each kind of edit the report has, in milliseconds: ``restart``, until the render of the new scene has begun; ``picture``,
-until its first picture is there; ``seen``, until a redraw shows it. ``blocked`` is the longest that one of our functions kept
-Blender's main thread, ``worked`` the longest that it computed: the rest is waiting, mostly for the depth of the scene, which a
-software renderer has yet to draw. Lists, a value for each edit.
+until its first picture is there; ``seen``, until a redraw shows it. ``blocked`` is the longest that one of our functions
+kept Blender's main thread, ``worked`` the longest that it computed: the rest is waiting, mostly for the depth of the
+scene, which a software renderer has yet to draw. Lists, a value for each edit.
 """
 
 import pathlib
@@ -46,7 +46,7 @@ class Clock:
         self.started = time.perf_counter()
 
     def after(self, shading: str, owner, name: str, stage: str) -> None:
-        """A stage is reached when the function ``name`` of ``owner`` returns, in that shading, and those before it were."""
+        """In that shading, a stage is reached when ``owner.name`` returns, and the stages before it were."""
         function, before = getattr(owner, name), self.STAGES[:self.STAGES.index(stage)]
 
         def wrapper(*arguments, **keywords):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What test_rendered_gui runs in a Blender with a window: a final render that is cancelled by Esc, while a viewport renders.
+"""What test_rendered_gui runs in a Blender with a window: a final render that Esc cancels, while a viewport renders.
 
     blender --factory-startup --python escape_session.py -- REPORT.json
 
@@ -46,7 +46,8 @@ def session():
     yield 5.0
     report["renders"] = is_rendering()
     started = time.monotonic()
-    subprocess.run(["xdotool", "search", "--class", "blender", "windowfocus", "key", "Escape"], check=True, timeout=PATIENCE)
+    subprocess.run(
+        ["xdotool", "search", "--class", "blender", "windowfocus", "key", "Escape"], check=True, timeout=PATIENCE)
     yield from until(lambda: not is_rendering(), PATIENCE)
     report["seconds"] = time.monotonic() - started
     path = str(pathlib.Path(ARGUMENTS[0]).with_suffix(".exr"))

@@ -134,7 +134,8 @@ def orbited(eye):
     yield from until(is_sampled)
     yield 0.5
     after = np.array(area.spaces.active.region_3d.view_matrix)
-    report["orbit turned by"] = float(np.degrees(np.arccos(np.clip((np.trace(before[:3, :3] @ after[:3, :3].T) - 1) / 2, -1, 1))))
+    cosine = 0.5 * (np.trace(before[:3, :3] @ after[:3, :3].T) - 1.0)
+    report["orbit turned by"] = float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
     report["pictures while orbiting"] = numbers[-1] - numbers[0]
     report["picture after the orbit is of the view"] = bool(
         np.allclose(picture().camera.matrix[:3, :3], after[:3, :3].T, atol=1e-5))

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What drawing a lamp needs to know of its shape and emission and their formulas do not say: box, slope, volume, and where
-the emission varies its mean and how finely it has to be sampled.
+"""What drawing a lamp needs to know of its shape and emission and their formulas do not say: box, slope, volume, and
+where the emission varies its mean and how finely it has to be sampled.
 
 Where these have closed forms they are there at once. Otherwise a thread finds them as the path tracer does; meanwhile the
 volume is estimated from the box, and from what the lamp's shape filled of its box before, and the emission is taken to

@@ -73,8 +73,10 @@ class PackedScene:
         self.span_rows = int(self.block["lamp_rows"][0])
 
     def aim(self, scene: Scene, film: Film) -> None:
-        """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film; all else
-        is the same as before."""
+        """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film.
+
+        All else is the same as before.
+        """
         self._show(np.array([int(scene.lamps[index].visibility) for index in self._built], np.int64))
         self._fill({**camera.pack_camera(scene), **accumulate.pack_film(film)},
                    {**camera.camera_scalars(scene), **accumulate.film_scalars(film)})
@@ -86,7 +88,8 @@ class PackedScene:
         if np.array_equal(rows["visibility"], visibility):
             return
         rows["visibility"] = self._tables["light_emitters"]["visibility"][:len(rows)] = visibility
-        self._fill(lamp_tree.pack_lamp_tree(rows["center"] - rows["half"], rows["center"] + rows["half"], visibility), {})
+        low, high = rows["center"] - rows["half"], rows["center"] + rows["half"]
+        self._fill(lamp_tree.pack_lamp_tree(low, high, visibility), {})
 
     def release(self) -> None:
         """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""
