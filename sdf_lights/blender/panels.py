@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ..render.errors import RenderError
+from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
 from . import feedback, labels, parameters, readout, viewport
 from .lamp import pattern_of, shape_of
@@ -195,8 +196,8 @@ def draw_emission(layout, light) -> None:
     column.prop(lamp if lamp.use else light, "normalize")
 
 
-def draw_shape(layout, light) -> None:
-    """What says the shape of an SDF lamp."""
+def draw_shape(layout, light, obj, width: int) -> None:
+    """What says the shape of an SDF lamp, and what is wrong with it in lines of ``width`` letters."""
     lamp = light.sdf_lamp
     layout.prop(lamp, "source")
     if lamp.source == "EXPRESSION":
@@ -208,6 +209,14 @@ def draw_shape(layout, light) -> None:
         name = lamp.shape.lower()
         for about in PRIMITIVES[name].fields():
             layout.prop(getattr(lamp, name), about.name)
+    try:
+        _placed_shape(lamp, obj)
+    except RenderError as error:
+        column = layout.column()
+        column.alert = True
+        labels.draw_problem(column, error, width)
+        if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
+            layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
     row = layout.row(align=True)
     if lamp.source != "NODES":
         row.operator("sdf_lights.nodes_new", text="To Nodes", icon="NODETREE")
@@ -246,20 +255,22 @@ def _draw_parameters(layout, lamp) -> None:
         layout.operator("sdf_lights.parameters_remove", text=f"Remove {len(unused)} Unused", icon="TRASH")
 
 
-def draw_readout(layout, light, obj, width: int) -> None:
-    """What is known of a lamp's shape, or what is wrong with it, in lines of ``width`` letters."""
-    lamp = light.sdf_lamp
+def _placed_shape(lamp, obj) -> tuple[Shape, np.ndarray]:
+    """The shape of a lamp, and the matrix of its object. Raises RenderError where there is nothing that could glow."""
     matrix = np.array([tuple(row) for row in obj.matrix_world] if obj is not None else np.eye(4), np.float64)
+    shape = shape_of(lamp, matrix)
+    if not np.isfinite(matrix).all() or math.isclose(np.linalg.det(matrix[:3, :3]), 0.0, abs_tol=1e-30):
+        raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
+    return shape, matrix
+
+
+def draw_readout(layout, light, obj, width: int) -> None:
+    """What is known of a lamp's shape, in lines of ``width`` letters."""
+    lamp = light.sdf_lamp
     try:
-        shape = shape_of(lamp, matrix)
-        if not np.isfinite(matrix).all() or math.isclose(np.linalg.det(matrix[:3, :3]), 0.0, abs_tol=1e-30):
-            raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
-    except RenderError as error:
-        column = layout.column()
-        column.alert = True
-        labels.draw_problem(column, error, width)
-        if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
-            layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
+        shape, matrix = _placed_shape(lamp, obj)
+    except RenderError:  # which the panel of the shape says
+        layout.label(text="There is no shape")
         return
     try:
         pattern = pattern_of(lamp, matrix)
@@ -326,7 +337,7 @@ class SDFLIGHTS_PT_lamp(_Panel, bpy.types.Panel):
         return super().poll(context) and context.light is not None and context.light.sdf_lamp.use
 
     def draw_properties(self, layout, context):
-        draw_shape(layout, context.light)
+        draw_shape(layout, context.light, context.object, labels.letters(context))
         layout.prop(context.light.sdf_lamp, "visible_camera", text="Visible to Camera")
         draw_readout(layout, context.light, context.object, labels.letters(context))
 
@@ -397,7 +408,7 @@ class SDFLIGHTS_PT_view3d_shape(_View3D, bpy.types.Panel):
     bl_parent_id = "SDFLIGHTS_PT_view3d"
 
     def draw_properties(self, layout, context):
-        draw_shape(layout, context.object.data)
+        draw_shape(layout, context.object.data, context.object, labels.letters(context))
 
 
 class SDFLIGHTS_PT_view3d_emission(_View3D, bpy.types.Panel):

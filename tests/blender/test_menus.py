@@ -28,8 +28,9 @@ def test_presets(file, name):
     assert shape_of(light.sdf_lamp) == evaluate(preset.expression)
     assert light.use_temperature == (preset.temperature > 0.0)
     shape, found = shape_of(light.sdf_lamp), pattern_of(light.sdf_lamp)
+    points = np.random.default_rng(4).uniform(-0.1, 0.1, (20, 3))
     assert (found is None) == (preset.emission == "uniform")
-    assert found is None or found.placed(shape).evaluate(np.random.default_rng(4).uniform(-0.1, 0.1, (20, 3))).max() > 0.0
+    assert found is None or found.placed(shape).evaluate(points).max() > 0.0
     for parameter, value in preset.emission_values.items():
         held = light[f"sdf_emission.{parameter}"]
         assert (list(held) if isinstance(value, list) else held) == value

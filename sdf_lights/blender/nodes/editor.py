@@ -22,6 +22,7 @@ from ..naming import NODE_TREE
 from ..properties import PRIMITIVES
 from . import emission, reading, scene, values, writing
 from .groups import SDFLIGHTS_MT_group_add
+from .link_search import SDFLIGHTS_OT_link_search
 from .words import FUNCTION_NODES
 
 # -- Add menu ----------------------------------------------------------------------------------------------------------
@@ -52,6 +53,11 @@ def _menus() -> dict[str, list[type]]:
     found["Math"][:0] = [values.SDFLIGHTS_Node_math, values.SDFLIGHTS_Node_compare, values.SDFLIGHTS_Node_boolean,
                          values.SDFLIGHTS_Node_combine, values.SDFLIGHTS_Node_separate]
     return found
+
+
+def node_classes() -> list[type]:
+    """All nodes of the Add menu, but groups."""
+    return [node for nodes in _menus().values() for node in nodes]
 
 
 def _menu_class(name: str, title: str, nodes: list[type], inner: list[tuple[str, str]] = ()) -> type:
@@ -94,6 +100,9 @@ def draw_menu(self, context):
     for menu in _TOP:
         layout.menu(menu.bl_idname)
     layout.menu(SDFLIGHTS_MT_group_add.bl_idname)
+    layout.separator()
+    layout.operator_context = "INVOKE_REGION_WIN"
+    layout.operator(SDFLIGHTS_OT_link_search.bl_idname, text="Linked to Active…")
     layout.separator()
     for kind, label in (("NodeFrame", "Frame"), ("NodeReroute", "Reroute")):
         operator = layout.operator("node.add_node", text=label)

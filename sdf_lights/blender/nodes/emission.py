@@ -23,8 +23,7 @@ _COLOR = (("result", "Color", sockets.COLOR),)
 
 
 class SDFLIGHTS_Node_interior(ValueNode, bpy.types.Node):
-    """Where a point is in the lamp: its depth below the surface, in metres where the field is a distance, and its height,
-    from 0 at the bottom of the lamp to 1 at its top"""
+    """Where a point is in the lamp: its depth below the surface in metres, and its height from 0 at the bottom to 1"""
 
     bl_idname = "SDFLIGHTS_Node_interior"
     bl_label = "Interior"
@@ -60,6 +59,12 @@ RAMPS = {"LINEAR": "ramp", "EASE": "ramp_ease", "CONSTANT": "ramp_constant"}
 """Words by the interpolation of the node."""
 
 
+def _ramp_inputs(stops: int) -> tuple[tuple[str, str, str], ...]:
+    pairs = ((("position", "Position", sockets.NUMBER), ("color", "Color", sockets.COLOR)) for _ in range(stops))
+    return (("value", "Value", sockets.NUMBER), *(
+        (f"{name}_{i}", label, kind) for i, pair in enumerate(pairs, 1) for name, label, kind in pair))
+
+
 def _stops_changed(self, context):
     self.match_interface()
 
@@ -70,6 +75,7 @@ class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
     bl_idname = "SDFLIGHTS_Node_ramp"
     bl_label = "Color Ramp"
     bl_width_default = 180.0
+    takes = _ramp_inputs(2)
     gives = _COLOR
 
     __annotations__ = {
@@ -92,15 +98,12 @@ class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
             name="Color", description="Colour at the position above", size=3, subtype="COLOR",
             default=(float(i > 1),) * 3, min=0.0, soft_max=1.0, update=tag) for i in range(1, MOST_STOPS + 1)}
 
-    @property
-    def takes(self):
-        stops = [(f"position_{i}", "Position", sockets.NUMBER, f"color_{i}", "Color", sockets.COLOR)
-                 for i in range(1, self.stops + 1)]
-        return (("value", "Value", sockets.NUMBER), *(part for stop in stops for part in (stop[:3], stop[3:])))
+    def wanted_inputs(self):
+        return _ramp_inputs(self.stops)
 
     def match_interface(self):
         super().match_interface()
-        wanted = {identifier for identifier, _, _ in self.takes}
+        wanted = {identifier for identifier, _, _ in self.wanted_inputs()}
         for socket in list(self.inputs):
             if socket.identifier not in wanted:
                 self.inputs.remove(socket)

@@ -67,7 +67,8 @@ class SDFLIGHTS_NodeGroup(LampNode, bpy.types.NodeCustomGroup):
 # -- operators ---------------------------------------------------------------------------------------------------------
 
 
-def _editor(context):
+def editor_of(context) -> bpy.types.SpaceNodeEditor | None:
+    """The node editor of the context, if it shows a tree of this kind."""
     space = context.space_data
     if space is not None and space.type == "NODE_EDITOR" and space.tree_type == NODE_TREE and space.edit_tree:
         return space
@@ -79,11 +80,11 @@ class _GroupOperator:
 
     @classmethod
     def poll(cls, context):
-        return _editor(context) is not None and _editor(context).edit_tree.is_editable
+        return editor_of(context) is not None and editor_of(context).edit_tree.is_editable
 
 
 def _active_group(context):
-    node = _editor(context).edit_tree.nodes.active
+    node = editor_of(context).edit_tree.nodes.active
     return node if node is not None and node.bl_idname == GROUP and node.select else None
 
 
@@ -96,7 +97,7 @@ class SDFLIGHTS_OT_group_new(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _editor(context) is not None
+        return editor_of(context) is not None
 
     def execute(self, context):
         node = getattr(context, "node", None) or _active_group(context)
@@ -163,7 +164,7 @@ class SDFLIGHTS_OT_group_make(_GroupOperator, bpy.types.Operator):
     bl_label = "Make Group"
 
     def execute(self, context):
-        tree = _editor(context).edit_tree
+        tree = editor_of(context).edit_tree
         chosen = [node for node in tree.nodes if node.select and node.bl_idname not in (
             OUTPUT, "NodeGroupInput", "NodeGroupOutput")]
         if not chosen:
@@ -282,10 +283,10 @@ class SDFLIGHTS_OT_group_edit(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _editor(context) is not None
+        return editor_of(context) is not None
 
     def execute(self, context):
-        space, node = _editor(context), _active_group(context)
+        space, node = editor_of(context), _active_group(context)
         if node is not None and node.node_tree is not None:
             space.path.append(node.node_tree, node=node)
         elif len(space.path) > 1:
@@ -300,7 +301,7 @@ class SDFLIGHTS_MT_group_add(bpy.types.Menu):
     bl_idname = "SDFLIGHTS_MT_group_add"
 
     def draw(self, context):
-        layout, space = self.layout, _editor(context)
+        layout, space = self.layout, editor_of(context)
         layout.operator(SDFLIGHTS_OT_group_make.bl_idname)
         layout.operator(SDFLIGHTS_OT_group_ungroup.bl_idname)
         if len(space.path) > 1:

@@ -23,6 +23,8 @@ _KINDS = {  # label, colour as Blender has it for the same kind of data, what li
 BLENDERS = {"VALUE": "a number", "INT": "a number", "BOOLEAN": "a condition", "VECTOR": "a vector", "RGBA": "a colour"}
 """Blender's own sockets by type, which interfaces of groups and text nodes use, and what they carry."""
 
+_SAME = {"VALUE": NUMBER, "INT": NUMBER, "BOOLEAN": CONDITION, "VECTOR": VECTOR, "RGBA": COLOR}
+
 _IN_GROUPS = {NUMBER: "NodeSocketFloat", ANY: "NodeSocketFloat", VECTOR: "NodeSocketVector",
               COLOR: "NodeSocketColor", CONDITION: "NodeSocketBool"}
 
@@ -39,6 +41,16 @@ def carried(socket: bpy.types.NodeSocket) -> str:
     return _KINDS[socket.bl_idname][2] if socket.bl_idname in _KINDS else BLENDERS.get(socket.type, "")
 
 
+def kind_of(socket: bpy.types.NodeSocket) -> str:
+    """Type of socket of this kind of tree that carries the same; empty for those of other trees."""
+    return socket.bl_idname if socket.bl_idname in _KINDS else _SAME.get(socket.type, "")
+
+
+def carried_by(kind: str) -> str:
+    """As ``carried``, for a type of this kind of tree."""
+    return _KINDS[kind][2]
+
+
 def takes(socket: bpy.types.NodeSocket, value: str) -> bool:
     """Whether an input takes what an output carries, as far as that can be told from the sockets."""
     return kind_takes(socket.bl_idname, value)
@@ -52,6 +64,11 @@ def kind_takes(kind: str, value: str) -> bool:
 def in_group(socket: bpy.types.NodeSocket) -> str:
     """Type of socket that stands for this one in the interface of a group."""
     return _IN_GROUPS.get(socket.bl_idname, socket.bl_idname)
+
+
+def kind_in_group(name: str) -> str:
+    """The way back of ``in_group``."""
+    return next((kind for kind, own in _IN_GROUPS.items() if own == name), NUMBER if name == "NodeSocketInt" else name)
 
 
 def is_value(socket: bpy.types.NodeSocket) -> bool:

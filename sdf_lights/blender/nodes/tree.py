@@ -39,7 +39,13 @@ class SDFLIGHTS_NodeTree(bpy.types.NodeTree):
 
 
 class LampNode:
-    """What all nodes have in common: they say in words what is wrong with them."""
+    """What all nodes have in common: they say in words what is wrong with them.
+
+    ``takes`` and ``gives`` list (identifier, label, type) of the inputs and outputs of a new node.
+    """
+
+    takes: tuple[tuple[str, str, str], ...] = ()
+    gives: tuple[tuple[str, str, str], ...] = ()
 
     @classmethod
     def poll(cls, tree):

@@ -17,18 +17,22 @@ from . import sockets
 from .reading import RESERVED, Broken, word
 from .tree import LampNode
 
-class ValueNode(LampNode):
-    """A node with fixed inputs and outputs: ``takes`` and ``gives`` list (identifier, label, type of socket)."""
 
-    takes: tuple[tuple[str, str, str], ...] = ()
-    gives: tuple[tuple[str, str, str], ...] = (("result", "Value", sockets.ANY),)
+class ValueNode(LampNode):
+    """A node whose inputs and outputs are all listed."""
+
+    gives = (("result", "Value", sockets.ANY),)
 
     def init(self, context):
         self.match_interface()
 
+    def wanted_inputs(self) -> tuple[tuple[str, str, str], ...]:
+        """``takes``, where the properties of the node do not change it."""
+        return self.takes
+
     def match_interface(self):
         """Adds the sockets that a file of an older version lacks."""
-        for found, listed in ((self.inputs, self.takes), (self.outputs, self.gives)):
+        for found, listed in ((self.inputs, self.wanted_inputs()), (self.outputs, self.gives)):
             known = {socket.identifier for socket in found}
             for identifier, label, kind in listed:
                 if identifier not in known:

@@ -36,8 +36,8 @@ _NUMBERS = {"dot", "length", "noise"}  # of a vector
 _VECTORS = {"cross", "normalize"}
 
 # Where a zero would make no sense. Arguments of the language that have to be given have no default there.
-_DEFAULTS = {"temperature": 3000.0, "factor": (1.0, 1.0, 1.0), "divisor": 1.0, "high": 1.0, "exponent": 1.0, "count": 6.0,
-             "period": 1.0, "normal": (0.0, 0.0, 1.0), "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_DEFAULTS = {"temperature": 3000.0, "factor": (1.0, 1.0, 1.0), "divisor": 1.0, "high": 1.0, "exponent": 1.0,
+             "count": 6.0, "period": 1.0, "normal": (0.0, 0.0, 1.0), "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def label_of(function: Function) -> str:
@@ -88,42 +88,14 @@ class _WordNode(LampNode):
 
     def _add_sockets(self):
         function = self.function
-        repeated = function.arguments[0] if function.variadic else None
+        repeated = function.arguments[0].name if function.variadic else ""
         known = {socket.identifier for socket in self.inputs}
-        for index, argument in enumerate(function.arguments):
-            label = argument.name.replace("_", " ").title()
-            many = argument is repeated
-            if many and _is_difference(function):
-                if "first" not in known:
-                    self.inputs.new(sockets.SHAPE, "Shape", identifier="first")
-                label = "Without"
-            elif many:
-                label = f"{label}s"
-            elif argument.name in _parameters(function):
-                label = _parameters(function)[argument.name].label
-            if argument.name not in known:
-                self.inputs.new(_SOCKETS[argument.kind], label, identifier=argument.name, use_multi_input=many)
+        for identifier, label, kind in self.takes:
+            if identifier not in known:
+                self.inputs.new(kind, label, identifier=identifier, use_multi_input=identifier == repeated)
         if not self.outputs:
-            name, kind = self.result()
-            self.outputs.new(kind, name, identifier="result")
-
-    @classmethod
-    def result(cls) -> tuple[str, str]:
-        """Label and type of the output."""
-        function = cls.function
-        if function.group == "Profiles":
-            return "Profile", sockets.PROFILE
-        if function.name.startswith("rotate"):
-            return "Result", sockets.ANY
-        if function.makes_shape or function.name in ("displace",):
-            return "Shape", sockets.SHAPE
-        if function.name in _NUMBERS:
-            return "Value", sockets.NUMBER
-        if function.group == COLOURS:
-            return "Color", sockets.COLOR
-        if function.group == POINTS or function.name in _VECTORS:
-            return "Vector", sockets.VECTOR
-        return "Value", sockets.ANY
+            ((identifier, label, kind),) = self.gives
+            self.outputs.new(kind, label, identifier=identifier)
 
     def draw_label(self):
         return self.bl_label
@@ -168,11 +140,43 @@ def _is_difference(function: Function) -> bool:
         shape.family == Family.DIFFERENCE)
 
 
+def _inputs(function: Function) -> list[tuple[str, str, str]]:
+    found, parameters = [], _parameters(function)
+    for index, argument in enumerate(function.arguments):
+        label = argument.name.replace("_", " ").title()
+        if function.variadic and index == 0:
+            if _is_difference(function):
+                found.append(("first", "Shape", sockets.SHAPE))
+            label = "Without" if found else f"{label}s"
+        elif argument.name in parameters:
+            label = parameters[argument.name].label
+        found.append((argument.name, label, _SOCKETS[argument.kind]))
+    return found
+
+
+def _result(function: Function) -> tuple[str, str]:
+    """Label and type of the output."""
+    if function.group == "Profiles":
+        return "Profile", sockets.PROFILE
+    if function.name.startswith("rotate"):
+        return "Result", sockets.ANY
+    if function.makes_shape or function.name == "displace":
+        return "Shape", sockets.SHAPE
+    if function.name in _NUMBERS:
+        return "Value", sockets.NUMBER
+    if function.group == COLOURS:
+        return "Color", sockets.COLOR
+    if function.group == POINTS or function.name in _VECTORS:
+        return "Vector", sockets.VECTOR
+    return "Value", sockets.ANY
+
+
 def _node(name: str, function: Function) -> type:
     description = function.description.split("\n\n")[0].replace("\n", " ").replace("`", "").rstrip(".")
     annotations = {sockets.property_of(key): parameter_property(about) for key, about in _parameters(function).items()}
     return type(f"SDFLIGHTS_Node_{name}", (_WordNode, bpy.types.Node), {
         "__doc__": description, "__annotations__": annotations, "function": function,
+        "takes": tuple(_inputs(function)), "gives": (("result", *_result(function)),),
         "bl_idname": f"SDFLIGHTS_Node_{name}", "bl_label": label_of(function), "bl_description": description,
         "bl_width_default": 160.0})
 

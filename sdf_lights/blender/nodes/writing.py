@@ -315,7 +315,7 @@ class _Builder:
         node = self._new(emission.SDFLIGHTS_Node_ramp)
         node.interpolation = next(key for key, found in emission.RAMPS.items() if found == name)
         node.stops = (len(parts) - 1) // 2
-        for identifier, part in zip((identifier for identifier, _, _ in node.takes), parts):
+        for identifier, part in zip((identifier for identifier, _, _ in node.wanted_inputs()), parts):
             self._put(node, identifier, part)
         return node.outputs[0]
 
