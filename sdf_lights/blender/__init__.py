@@ -30,6 +30,8 @@ def _nothing() -> None:
 
 def register():
     """Register everything. Once is enough; again is harmless."""
+    from .nodes.tree import set_registered
+
     if hasattr(bpy.types.Scene, "sdf_lights"):
         return
     if IS_EXTENSION:
@@ -39,12 +41,16 @@ def register():
         for kind in module.CLASSES:
             bpy.utils.register_class(kind)
         getattr(module, "register", _nothing)()
+    set_registered(True)
 
 
 def unregister():
     """Undo ``register()``, in the opposite order."""
+    from .nodes.tree import set_registered
+
     if not hasattr(bpy.types.Scene, "sdf_lights"):
         return
+    set_registered(False)
     for module in reversed(_modules()):
         getattr(module, "unregister", _nothing)()
         for kind in reversed(module.CLASSES):

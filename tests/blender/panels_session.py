@@ -65,7 +65,7 @@ def steps():
     yield 1.0
 
     # The wheel over a number changes it; I makes a key of it. Simulated events have no Alt while a value is changed, but
-    # what Alt does is what this operator does: to find the property of everything that is selected.
+    # what Alt does this operator does too: it finds the property of all that is selected.
     active = bpy.context.object
     path = f'bpy.data.lights["{active.data.name}"].sdf_lamp.box_frame.thickness'
     report["before"] = thicknesses()

@@ -483,6 +483,17 @@ def test_trees_are_kept_in_files_and_appended_with_lamps(file, add, lamp, tmp_pa
     alike(shape_of(bpy.data.lights["Kept"].sdf_lamp), wanted)
 
 
+def test_trees_outlive_disabling_and_enabling_the_add_on(registered, file):
+    made = writing.tree_of("Tree", "box(1) - sphere(1.2)")
+    groups.make_group(made, [made.nodes["Sphere"]])
+    for _ in range(2):
+        registered.unregister()
+        registered.register()
+    made = bpy.data.node_groups["Tree"]
+    assert problems(made) == {}
+    alike(said(made), evaluate("box(1) - sphere(1.2)"))
+
+
 def test_sockets_of_other_versions_do_no_harm(made):
     ball = node(made, "torus")
     link(made, ball, end(made))

@@ -3,8 +3,9 @@
 """From a node tree to its shape and emission: nodes are written as lines of the expression language.
 
 The language evaluates them, so a node means what its word means, with the same checks and limits, and a tree can be
-read as text. A line is a syntax tree; it is never printed and parsed on the way to a shape. Groups are written as often as they are used, reroutes and
-muted nodes not at all. The shape and the emission are read one after the other, each from its input of the Lamp Output.
+read as text. A line is a syntax tree; it is never printed and parsed on the way to a shape. Groups are written as often
+as they are used, reroutes and muted nodes not at all. The shape and the emission are read one after the other, each
+from its input of the Lamp Output.
 
 Numbers of sockets stay out of the lines: there they are names, ``#0``, ``#1`` and so on, of values that may change. So
 a slider changes no formula, and compiles nothing.

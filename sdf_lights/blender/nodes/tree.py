@@ -32,10 +32,22 @@ class SDFLIGHTS_NodeTree(bpy.types.NodeTree):
 
     def update(self):
         """Blender calls this after a change of nodes, links or interfaces."""
+        if not _registered:
+            return
         forget()
         for node in self.nodes:
             if node.bl_idname == GROUP:
                 node.match_interface()
+
+
+# Whether all classes of the add-on are registered. While they come and go, Blender updates the trees that there are; to look
+# at their nodes then would bring it down.
+_registered = False
+
+
+def set_registered(registered: bool) -> None:
+    global _registered
+    _registered = registered
 
 
 class LampNode:

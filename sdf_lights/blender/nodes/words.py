@@ -37,7 +37,8 @@ _VECTORS = {"cross", "normalize"}
 
 # Where a zero would make no sense. Arguments of the language that have to be given have no default there.
 _DEFAULTS = {"temperature": 3000.0, "factor": (1.0, 1.0, 1.0), "divisor": 1.0, "high": 1.0, "exponent": 1.0,
-             "count": 6.0, "period": 1.0, "normal": (0.0, 0.0, 1.0), "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+             "count": 6.0, "period": 1.0, "normal": (0.0, 0.0, 1.0), "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0),
+             "z": (0.0, 0.0, 1.0)}
 
 
 def label_of(function: Function) -> str:
