@@ -4,19 +4,22 @@
 
 Boxes and a glossy sphere lit by one point light, direct light only and with four bounces. The engines take turns; a
 rate is the number of further samples over the further time of a long render against a short one, so that no engine's
-start-up counts; medians of all turns.
+start-up counts; medians of all turns. With ``--device gpu`` the GPU is compared with the CPU on the lamp scenes, too.
 """
 
 from __future__ import annotations
 
 import statistics
 
-from . import pictures, scenes, startup
+import bpy
+
+from . import lamp_scenes, pictures, scenes, startup
 
 HELP = "samples a second against Cycles in the same process, and start-up"
 
 ENGINES = ("SDF Lights", "Cycles")
 BOUNCES = (0, 4)
+LAMP_SCENES = ("S1", "S2", "S3", "S4", "S5")
 
 
 def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
@@ -73,7 +76,38 @@ def rates(options) -> tuple[dict, list[dict]]:
     return summary, rows
 
 
+def against_cpu(options) -> tuple[dict, list[dict]]:
+    """Samples a second of the GPU and of the CPU on the lamp scenes, direct light, each by its own default sampling."""
+    size = 128 if options.quick else 256
+    few, many = (1, 5) if options.quick else (4, 36)
+    repeats = options.repeats or (1 if options.quick else 3)
+    rows, ratios = [], []
+    for name in LAMP_SCENES[:1] if options.quick else LAMP_SCENES:
+        lamp_scenes.SCENES[name].build(size)
+        lamp_scenes.show(volumes=False)
+        scene = bpy.context.scene
+        seconds = {(device, samples): [] for device in ("CPU", "GPU") for samples in (few, many)}
+        for turn in range(repeats + 1):
+            for device, samples in seconds:
+                scenes.plain_sdf_lights(scene, samples, 0, device)
+                picture = pictures.render()
+                if turn:  # the first turn compiles
+                    seconds[device, samples].append(picture.seconds)
+        rate = {}
+        for device in ("CPU", "GPU"):
+            differences = [long - short for short, long in zip(seconds[device, few], seconds[device, many])]
+            rate[device] = size * size * (many - few) / max(statistics.median(differences), 1e-9)
+        ratios.append(rate["GPU"] / rate["CPU"])
+        rows.append(dict(scene=name, samples=many - few, pixels=size * size, repeats=repeats,
+                         cpu_samples_per_second=rate["CPU"], gpu_samples_per_second=rate["GPU"], ratio=ratios[-1]))
+    return {"gpu_to_cpu_samples_ratio": statistics.geometric_mean(ratios), "gpu_to_cpu_samples_ratio_min": min(ratios)}, rows
+
+
 def run(options) -> tuple[dict, list[dict]]:
     summary, rows = rates(options)
+    if options.device == "GPU":
+        found, added = against_cpu(options)
+        summary |= found
+        rows += added
     more, further = startup.run(options)
     return summary | more, rows + further

@@ -64,6 +64,17 @@ def density(block, lamp, d, store, cut, spans, count):
 
 
 @kernel
+def no_light(block, workspace, lamp, chance, u, u1, u2, u3):
+    """In the place of ``integrator.light_lamp``, where there is no lamp."""
+
+
+@kernel
+def no_reach(block, workspace, path):
+    """In the place of ``integrator.lamp_reach``, where there is no lamp."""
+    return 0.0
+
+
+@kernel
 def select_only(block, x, n, u, cut):
     """In the place of ``tree.select``, where one emitter gives all the light: programs are half as large then."""
     return block.only_emitter, 1.0, u

@@ -191,7 +191,11 @@ class GpuScene:
 
     def source(self) -> str:
         """GLSL of the path tracer."""
-        translator = Translator(self.tables, natives(self.cuts, self.one_emitter), ROUNDING)
+        chosen = natives(self.cuts, self.one_emitter)
+        if not self.lamps:
+            chosen |= {inspect.unwrap(integrator.light_lamp): lamps.no_light,
+                       inspect.unwrap(integrator.lamp_reach): lamps.no_reach}
+        translator = Translator(self.tables, chosen, ROUNDING)
         translator.function(path.clear_sample, [known(WORKSPACE)])
         translator.function(integrator.trace_path, [known(BLOCK), known(WORKSPACE), Value(INT, "x"), Value(INT, "y")])
         kernels = "\n\n".join(translator.functions)
@@ -237,7 +241,12 @@ class GpuScene:
         if self.formulas.colours:
             parts.append("vec3 lamp_colour(int formula, int first, vec3 p)\n{\n"
                          "    lamp_numbers = scene.lamp_parameters_start + first;\n    return lamp_colour_of(formula, p);\n}")
-        if self.formulas.fields:
+        else:
+            parts.append("vec3 lamp_colour(int formula, int first, vec3 p) { return vec3(0.0); }")
+        if not self.formulas.fields:
+            parts += ["vec2 field_crossings(int row, vec3 o, vec3 d, float start, float end) { return vec2(0.0); }",
+                      "float field_value(int row, vec3 p) { return 1.0; }"]
+        else:
             parts += [glsl("lamps.glsl").replace("lamp_field(", "lamp_field_of("), glsl("intervals.glsl"), glsl("crossings.glsl")]
         return "\n".join(parts)
 
