@@ -22,16 +22,19 @@ from ...sdf.formula import Formula, order
 from ...sdf.lipschitz import global_lipschitz
 from ...vec import ZERO, length, madd, mul, scale, sub, transform_point, transform_vector, vec
 from ..cpu import lights
-from ..cpu.integrator import cut_table
+from ..cpu.integrator import cut_of
 from ..cpu.lamp_tree import found_table, tree_table
 from ..cpu.lights.records import LIGHT_CUT
 from ..cpu.lights.records import MOST_NODES as MOST_NODES_IN_CUT
 from ..cpu.lights.tree import _estimate
 from .device import DeviceError
 
-# A ``LIGHT_CUT`` of one node.
-SMALL_LIGHT_CUT = np.dtype([(name, LIGHT_CUT[name].base, 2 if LIGHT_CUT[name].shape == (MOST_NODES_IN_CUT,) else LIGHT_CUT[
-    name].shape) for name in LIGHT_CUT.names])
+# A cut without boxes, and a ``LIGHT_CUT`` of one node, in the place of the CPU's tables of the workspace.
+ROWS = {
+    "lamp_cuts": np.dtype([("lamp", "i8"), ("slot", "i8"), ("beta", "f8")]),
+    "light_cut": np.dtype([
+        (name, LIGHT_CUT[name].base, 2 if LIGHT_CUT[name].shape == (MOST_NODES_IN_CUT,) else LIGHT_CUT[name].shape)
+        for name in LIGHT_CUT.names])}
 
 # How to read a lamp's field: a formula, its first parameter, the origin of tree space in the formula's, a bound of the
 # slope, and the least step of a ray.
@@ -48,7 +51,7 @@ MOST_NODES = 20_000  # of all formulas together that compilers are given
 @kernel
 def prepare_lamp(block, workspace, lamp, x, n, both):
     """In the place of ``integrator.prepare_lamp``, where cuts are asked for."""
-    cuts.project(block, lamp, x, cut_table(workspace)[0])
+    cuts.project(block, lamp, x, cut_of(workspace))
 
 
 @kernel

@@ -78,6 +78,15 @@ def _note(function, arguments):
     return Value(None, f"note_length({', '.join(function._passed(arguments[1:4]))})")
 
 
+def _only_row(name: str) -> Native:
+    """The one row of a table of the workspace, of which a thread needs no more: its path does not divide."""
+    def call(function, arguments):
+        table = function.translator.tables.table(name, lamps.ROWS[name], arguments[0])
+        return Value(Ref(table.type.layout.inner, table.type.lvalue))
+
+    return Native(call)
+
+
 def _plain(kernel):
     return inspect.unwrap(kernel)
 
@@ -94,6 +103,7 @@ def natives(cuts: bool, one_emitter: bool = False) -> dict:
         stack_array: Native(_stack), integrator.spans_of: Native(_spans), crossings.crossings: Native(_crossings), fields.value: Native(_field_value),
         emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
         emission.line_integral: lamps.line_integral, cut.sample: lamps.sample, cut.density: lamps.density,
+        integrator.cut_of: _only_row("lamp_cuts"), integrator.light_cut_of: _only_row("light_cut"),
         lamp_tree.lamps_along: lamps.lamps_along, lights.tree._prepare: lamps.prepare_light_cut}
     if one_emitter:
         found |= {lights.tree.select: lamps.select_only, lights.tree.selection_probability: lamps.only_probability}
@@ -183,10 +193,9 @@ class GpuScene:
                 rows.append(rows_needed(lamp.program)[0])
         counts = {
             "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1,
-            "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 2, **lights.WORKSPACE_COUNTS,
+            "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, "light_cut": 1,
             **lamp_tree.workspace_counts(len(self.lamps))}
-        dtypes = {**integrator.WORKSPACE_TABLES, "lamp_cuts": np.dtype([("lamp", "i8"), ("slot", "i8"), ("beta", "f8")]),
-                  "light_cut": lamps.SMALL_LIGHT_CUT}
+        dtypes = {**integrator.WORKSPACE_TABLES, **lamps.ROWS}
         return {name: (dtypes[name], count) for name, count in counts.items()}
 
     def source(self) -> str:
