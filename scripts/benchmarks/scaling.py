@@ -2,11 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render time at equal error against the number of lamps, of parts of one lamp, and of triangles.
 
-Lamps are spread over the stage and share one power; their sizes shrink so that they fill the same volume. The error is
-the relative variance of a pixel, found from renders with different seeds, which needs no reference: what is unbiased
-has no other error. The time at equal error is that of a sample by the number of samples that the error takes, read off the
-curve of error against samples. What a render needs before its first sample is told by itself: it does not grow with
-the size of a picture.
+Lamps are balls, bars and rings in equal parts, at random in the same box over the stage and at any angle, some of them
+inside the boxes that stand there. However many there are, they have the same density and fill the same volume, so they
+give the same power, and what they light is as bright; only their size and number differ. All are visible to the camera,
+so the error includes that of pixels that a small lamp fills in part.
+
+The error is the relative variance of a pixel, found from renders with different seeds, which needs no reference: what is
+unbiased has no other error. The time at equal error is that of a sample by the number of samples that the error takes,
+read off the curve of error against samples. What a render needs before its first sample is told by itself: it does not
+grow with the size of a picture.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ from ..jit import kernel, table
 from . import interior, moments
 from .lamps import BuiltLamp, volume_of
 from .moments import CELL
+from .similar import similar
 
 PLACEMENT = np.dtype([
     ("first_cell", np.int64),
@@ -64,6 +65,8 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     placed, parts, used, first, thickness = np.zeros(len(built), PLACEMENT), [np.zeros(0, CELL)], 0, {}, {}
     for row, lamp, source in zip(placed, built, sources):
         shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
+        if lamp.tree is None and lamp.emission is None:
+            shape, matrix = similar(shape, matrix)
         tree = interior.tree(shape)
         factor = abs(float(np.linalg.det(matrix[:3, :3])))
         own = uniform_cells(shape) if lamp.emission is None else lamp.emission.weighed.cells
