@@ -4,8 +4,8 @@
 // Lamps whose field is a formula: which one, with which numbers, and every stretch of a ray inside.
 //
 // Before this file come `float field_number(int slot)` over `lamp_numbers`, the functions field_0, field_1, … that are
-// generated from the formulas with `float lamp_field(int formula, vec3 p)` that chooses among them, and offsets of the record
-// FIELD of sdf_lights/render/gpu/lamps.py.
+// generated from the formulas with `float lamp_field_of(int formula, vec3 p)` that chooses among them, and offsets of the
+// record FIELD of sdf_lights/render/gpu/lamps.py.
 
 int lamp_formula;
 vec3 lamp_center;
@@ -20,7 +20,7 @@ int choose_field(int row)
     return at;
 }
 
-float field(vec3 p) { return lamp_field(lamp_formula, p + lamp_center); }
+float field(vec3 p) { return lamp_field_of(lamp_formula, p + lamp_center); }
 
 float field_value(int row, vec3 p)
 {

@@ -100,7 +100,8 @@ def against_cpu(options) -> tuple[dict, list[dict]]:
         ratios.append(rate["GPU"] / rate["CPU"])
         rows.append(dict(scene=name, samples=many - few, pixels=size * size, repeats=repeats,
                          cpu_samples_per_second=rate["CPU"], gpu_samples_per_second=rate["GPU"], ratio=ratios[-1]))
-    return {"gpu_to_cpu_samples_ratio": statistics.geometric_mean(ratios), "gpu_to_cpu_samples_ratio_min": min(ratios)}, rows
+    return dict(gpu_to_cpu_samples_ratio=statistics.geometric_mean(ratios),
+                gpu_to_cpu_samples_ratio_min=min(ratios)), rows
 
 
 def run(options) -> tuple[dict, list[dict]]:

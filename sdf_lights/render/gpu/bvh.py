@@ -28,8 +28,8 @@ NODE = np.dtype([
     ("left_low", np.float32, 3), ("left", np.int32), ("left_high", np.float32, 3), ("right", np.int32),
     ("right_low", np.float32, 3), ("unused", np.int32), ("right_high", np.float32, 3), ("unused_too", np.int32)])
 
-# A triangle, or an instance of a mesh with a tree of its own: its primitive is −1, and the first number of ``b`` is, bit by bit, its
-# tree's first node.
+# A triangle, or an instance of a mesh with a tree of its own: its primitive is −1, and the first number of ``b`` is, bit
+# by bit, its tree's first node.
 ITEM = np.dtype([
     ("a", np.float32, 3), ("instance", np.int32), ("b", np.float32, 3), ("primitive", np.int32),
     ("c", np.float32, 3), ("mask", np.int32)])
@@ -114,8 +114,9 @@ def _partition(boxes, order, first, last, axis, where, box):
 
 @kernel
 def grow(boxes, order, nodes, offset, base):
-    """Build a tree over ``boxes`` (n, 6: low and high corner), n ≥ 1, into ``nodes``. Returns how many there are, and the most of them that
-    lie below one another.
+    """Build a tree over ``boxes`` (n, 6: low and high corner), n ≥ 1, into ``nodes``.
+
+    Returns how many there are, and the most of them that lie below one another.
 
     ``order`` (n,), at first 0 … n − 1, becomes the order of the items. ``offset`` is the index of the first node,
     ``base`` that of the first item, among those of all trees.

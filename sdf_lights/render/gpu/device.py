@@ -51,7 +51,8 @@ class Device:
         try:
             program = context.compute_shader(source)
         except Exception as error:
-            raise DeviceError(f"its driver could not compile the scene's program ({_first_error(str(error))})") from error
+            reason = _first_error(str(error))
+            raise DeviceError(f"its driver could not compile the scene's program ({reason})") from error
         self._programs[source] = program
         while len(self._programs) > KEPT:
             self._programs.popitem(last=False)[1].release()

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of a block as 32-bit words of one buffer, and what the translator has to know of them.
 
-A record lies in the buffer field by field, each number in a word: floats as float32, integers as int32. A shader finds a
-table by where it starts and how many rows it has, which are in the uniform block ``scene``.
+A record lies in the buffer field by field, each number in a word: floats as float32, integers as int32. A shader finds
+a table by where it starts and how many rows it has, which are in the uniform block ``scene``.
 """
 
 from __future__ import annotations

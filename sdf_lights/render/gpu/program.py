@@ -24,7 +24,7 @@ from ..settings import LampSampling
 from . import lamps
 from .bvh import MOST_IN_LEAF, Hierarchy
 from .layout import Array, Record, Tables, words_of
-from .translate import ASIDE, BLOCK, BOOL, FLOAT, INT, UINT, VECTOR, WORKSPACE, Native, Ref, Translator, Tuple, Value, known
+from .translate import BLOCK, BOOL, FLOAT, INT, UINT, VECTOR, WORKSPACE, Native, Ref, Translator, Tuple, Value, known
 
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
 
@@ -40,8 +40,8 @@ ROUNDING = {
 
 # Scalars of the block that a program is made for.
 SETTLED = frozenset({
-    "caustics", "transparent_film", "emitters_hit", "transparent_shadows", "finite_lights", "lamp_cuts", "uv_layer_count",
-    "few_lamps"})
+    "caustics", "transparent_film", "emitters_hit", "transparent_shadows", "finite_lights", "lamp_cuts",
+    "uv_layer_count", "few_lamps"})
 
 
 def _spans(function, arguments):
@@ -61,7 +61,8 @@ def _ray(name: str, any_hit: str):
 
 def _crossings(function, arguments):
     _, row, o, d, start, end, _ = arguments
-    text = function._temporary(Tuple((FLOAT, FLOAT)), f"field_crossings({', '.join(function._passed([row, o, d, start, end]))})")
+    passed = ", ".join(function._passed([row, o, d, start, end]))
+    text = function._temporary(Tuple((FLOAT, FLOAT)), f"field_crossings({passed})")
     return Value(None, items=(Value(INT, f"int({text}.x)"), Value(FLOAT, f"{text}.y")))
 
 
@@ -100,7 +101,8 @@ def natives(cuts: bool, one_emitter: bool = False) -> dict:
         hashing.seeded: Native("counted_seeded", UINT), hashing.following: Native("counted_following", UINT),
         hashing.uniform: Native("counted_uniform", FLOAT), hashing.uniform_point: Native("counted_point", VECTOR),
         rays.intersect: _ray("nearest", "false"), rays.occluded: _ray("any", "true"),
-        stack_array: Native(_stack), integrator.spans_of: Native(_spans), crossings.crossings: Native(_crossings), fields.value: Native(_field_value),
+        stack_array: Native(_stack), integrator.spans_of: Native(_spans),
+        crossings.crossings: Native(_crossings), fields.value: Native(_field_value),
         emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
         emission.line_integral: lamps.line_integral, cut.sample: lamps.sample, cut.density: lamps.density,
         integrator.cut_of: _only_row("lamp_cuts"), integrator.light_cut_of: _only_row("light_cut"),
@@ -133,8 +135,8 @@ class GpuScene:
         self._place_images(scene, tables)
         scalars = {
             **camera.camera_scalars(scene), "uv_layer_count": len(layers),
-            **integrator_scalars(scene, flags, tables), "hierarchy_root": self.hierarchy.root, "tree_width": lamp_tree.WIDTH,
-            "few_lamps": int(len(built) <= lamps.FEW)}
+            **integrator_scalars(scene, flags, tables), "hierarchy_root": self.hierarchy.root,
+            "tree_width": lamp_tree.WIDTH, "few_lamps": int(len(built) <= lamps.FEW)}
         shining = np.flatnonzero((tables["light_emitters"]["leaf"] >= 0) | (tables["light_emitters"]["infinite"] >= 0))
         self.one_emitter = len(shining) == 1
         scalars["only_emitter"] = int(shining[0]) if len(shining) else -1
@@ -234,10 +236,11 @@ class GpuScene:
         return [f"#define {name} {value}" for name, value in numbers.items()]
 
     def _lamp_source(self) -> str:
-        parts = [glsl("lengths.glsl") if self.formulas.fields else "void note_length(int lamp, int column, float amount) {}",
-                 "int lamp_numbers;",
+        no_lengths = "void note_length(int lamp, int column, float amount) {}"
+        parts = [glsl("lengths.glsl") if self.formulas.fields else no_lengths, "int lamp_numbers;",
                  "float field_number(int slot) { return float_at(lamp_numbers + slot); }"]
-        for formulas, name, kind in ((self.formulas.fields, "field", "float"), (self.formulas.colours, "colour", "vec3")):
+        kinds = (self.formulas.fields, "field", "float"), (self.formulas.colours, "colour", "vec3")
+        for formulas, name, kind in kinds:
             if not formulas:
                 continue
             for index, formula in enumerate(formulas):
@@ -249,14 +252,15 @@ class GpuScene:
                 f"    default: return {name}_{len(formulas) - 1}(p);", "    }", "}"]))
         if self.formulas.colours:
             parts.append("vec3 lamp_colour(int formula, int first, vec3 p)\n{\n"
-                         "    lamp_numbers = scene.lamp_parameters_start + first;\n    return lamp_colour_of(formula, p);\n}")
+                         "    lamp_numbers = scene.lamp_parameters_start + first;\n"
+                         "    return lamp_colour_of(formula, p);\n}")
         else:
             parts.append("vec3 lamp_colour(int formula, int first, vec3 p) { return vec3(0.0); }")
         if not self.formulas.fields:
             parts += ["vec2 field_crossings(int row, vec3 o, vec3 d, float start, float end) { return vec2(0.0); }",
                       "float field_value(int row, vec3 p) { return 1.0; }"]
         else:
-            parts += [glsl("lamps.glsl").replace("lamp_field(", "lamp_field_of("), glsl("intervals.glsl"), glsl("crossings.glsl")]
+            parts += [glsl(name) for name in ("lamps.glsl", "intervals.glsl", "crossings.glsl")]
         return "\n".join(parts)
 
 

@@ -58,7 +58,7 @@ class GpuRenderer:
 
     @staticmethod
     def _result(future: Future):
-        """The result of a function of the device's thread. Whatever fails there is a reason for the CPU to take over."""
+        """The result of a function of the device's thread. Whatever fails there lets the CPU take over."""
         try:
             return future.result()
         except (DeviceError, RenderError):
@@ -103,7 +103,8 @@ class GpuRenderer:
 
     def _bind(self) -> None:
         self._uniforms.bind_to_uniform_block(0)
-        for binding, buffer in enumerate((self._words, self._nodes, self._items, self._sums, self._pixels, self._lengths)):
+        stores = self._words, self._nodes, self._items, self._sums, self._pixels, self._lengths
+        for binding, buffer in enumerate(stores):
             buffer.bind_to_storage_buffer(binding)
         x, y, _, _ = self._film.window
         self._program["film_place"] = x, y, self._film.width
