@@ -43,8 +43,8 @@ class Film:
     - ``count``: samples; ``surfaces``: samples that met a surface.
     - ``active``: 1 where the pixel takes more samples.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
-    - ``direct``, ``indirect``: of each pixel, what tells how noisy its samples are before and after their paths divide,
-      in sums of RGB: (Σ value, Σ value²), and (Σ branches, Σ branches · value, Σ branches · value²).
+    - ``direct``, ``indirect``: of each pixel, what its samples had before and after their paths divided, as sums of RGB:
+      all, and those of "half"; ``indirect`` also has how many branches there were, and how many surfaces these met.
     - ``samples``: how many samples every active pixel has received.
     - ``made_by``: what computed them, in words for the user.
     """
@@ -65,7 +65,7 @@ class Film:
         self.count = np.zeros(pixels, np.int32)
         self.surfaces = np.zeros(pixels, np.int32)
         self.active = np.ones(pixels, np.uint8)
-        self.direct, self.indirect = np.zeros((pixels, 2)), np.zeros((pixels, 3))
+        self.direct, self.indirect = np.zeros((pixels, 2)), np.zeros((pixels, 4))
         self.discarded = np.zeros(pixels * len(DISCARDED), np.int32)
         self._denoised: np.ndarray | None = None
 

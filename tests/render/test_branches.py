@@ -48,7 +48,8 @@ def test_branches_change_the_noise_alone():
         assert np.all(np.abs(other.mean(axis=0) - blocks[0].mean(axis=0)) < 4.0 * error)
     # The median: edges are as noisy as ever.
     noise = [np.median(each.var(axis=0, ddof=1)) for each in (one, eight, chosen)]
-    assert noise[1] < 0.5 * noise[0] and noise[2] < 0.7 * noise[0], noise
+    # Of few samples nothing is known: they have two branches.
+    assert noise[1] < 0.5 * noise[0] and noise[2] < 0.9 * noise[0], noise
 
 
 def test_the_picture_does_not_depend_on_threads():
@@ -64,5 +65,5 @@ def test_branches_are_chosen_by_what_is_noisy(bounces, least, most):
     scene.settings.max_bounces = bounces
     film = session.render(scene, ())
     seen = film.surfaces > 0
-    mean = film.indirect[seen, 0].sum() / film.count[seen].sum()
+    mean = film.indirect[seen, 2].sum() / film.count[seen].sum()
     assert least <= mean <= most

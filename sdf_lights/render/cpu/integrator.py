@@ -612,6 +612,7 @@ def follow(block, workspace, whole):
                 uncover(workspace, 1.0)
             return False
         shade(block, workspace)
+        sample.met += sample.direct >= 0.0  # the path has divided
         gather_surface(block, workspace)
         if path.kind == CAMERA:
             uncover(workspace, surface.holdout)
