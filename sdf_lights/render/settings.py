@@ -38,7 +38,7 @@ def _setting(default, description: str, minimum=None, maximum=None, unit: str = 
 @dataclass
 class Settings:
     device: Device = _setting(
-        Device.AUTOMATIC, "What computes the picture: Automatic takes the GPU if there is one, and else the CPU")
+        Device.AUTOMATIC, "What computes the picture: Automatic takes the CPU, which has the better sampling of lamps")
     lamp_sampling: LampSampling = _setting(
         LampSampling.CUT, "How light from SDF lamps is sampled. Cut is the default; the others serve to compare")
     samples: int = _setting(128, "Most samples per pixel", 1, 1 << 24)

@@ -14,9 +14,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 KEPT = 8  # programs that are kept, the most recently used ones
 VERSION = 430
 
-# Renderers that run on the processor: it has a better back end.
-SOFTWARE = ("llvmpipe", "softpipe", "swr", "software", "gdi generic", "basic render")
-
 
 class DeviceError(Exception):
     """The GPU cannot be used: the rest of a sentence that begins with what takes over."""
@@ -35,10 +32,6 @@ class Device:
             raise
         self.name = str(facts["GL_RENDERER"])
         self.largest_buffer = int(facts["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])
-
-    @property
-    def hardware(self) -> bool:
-        return not any(word in self.name.lower() for word in SOFTWARE)
 
     def submit(self, function, *arguments) -> Future:
         return self._pool.submit(function, self.context, *arguments)
