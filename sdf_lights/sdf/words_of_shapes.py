@@ -74,7 +74,7 @@ def field(slots: Work, value: Scalar, bounds: Vec3 = (math.inf,) * 3):
     return as_shape(value, slots, None if math.inf in bounds else Box(bounds))
 
 
-_DISPLACEMENT_STEPS = 120  # that finding the limits of a field and of its slope counts for, besides its operations
+_DISPLACEMENT_STEPS = 240  # that finding the limits of a field and of its slope counts for, besides its operations
 
 
 @word("Fields")

@@ -64,8 +64,8 @@ class _Layout:
 
 def drawn(data) -> list:
     found: list = []
-    panels.draw_shape(_Layout(found), data)
-    panels.draw_readout(_Layout(found), data, None)
+    panels.draw_shape(_Layout(found), data, None, 40)
+    panels.draw_readout(_Layout(found), data, None, 40)
     return found
 
 
@@ -180,8 +180,8 @@ def test_panel_shows_parameters_and_what_is_known_of_the_shape(written):
 def test_panel_shows_where_a_mistake_is_and_its_cure(written):
     data = written("size = slider(1, 0.5, 3)\nsphere(siez)")
     labels = [entry[1:] for entry in drawn(data) if entry[0] == "label"]
-    assert labels == [("Line 2, column 8:", "ERROR"), ("siez is not a known name", "NONE"),
-                      ("Did you mean size", "NONE")]
+    assert labels == [("Line 2, column 8:", "ERROR"), ("siez is not a known name", "BLANK1"),
+                      ("Did you mean size", "BLANK1"), ("There is no shape", "NONE")]
     with pytest.raises(RenderError, match="In its expression: Line 2, column 8"):
         shape_of(data.sdf_lamp)
 

@@ -23,7 +23,7 @@ class Device:
     """A context. ``submit`` runs functions in its thread, one after the other; they get the moderngl context."""
 
     def __init__(self):
-        self._pool = ThreadPoolExecutor(1, "SDF Lights GPU")
+        self._pool = ThreadPoolExecutor(1, "GPU of SDF Lights")
         self._programs: OrderedDict[str, object] = OrderedDict()
         try:
             self.context, facts = self._pool.submit(_create).result()
