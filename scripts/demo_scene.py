@@ -393,7 +393,7 @@ def build() -> None:
     world.color = (0.0, 0.0, 0.0)
     scene.world = world
     scene.render.resolution_x, scene.render.resolution_y = 960, 540
-    scene.sdf_lights.samples, scene.sdf_lights.denoise = 64, True
+    scene.sdf_lights.samples, scene.sdf_lights.denoise = 48, True
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
 
