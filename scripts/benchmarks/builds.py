@@ -47,7 +47,7 @@ def _cases() -> list[tuple[str, str, object]]:
     """Kind, name, and a function from the factor of a turn to a shape."""
     from sdf_lights.sdf.examples import examples
     from sdf_lights.sdf.expression import Expression
-    from sdf_lights.sdf.shapes import Exclusive, Difference, Intersection, Transformed, Union
+    from sdf_lights.sdf.shapes import Exclusive, Difference, Transformed, Union
     from sdf_lights.sdf.shapes import fractals, orbits
     from sdf_lights.sdf.shapes.blends import SmoothDifference, SmoothUnion
     from tests.emitter.hard_cases import scattered

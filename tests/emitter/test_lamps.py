@@ -14,7 +14,7 @@ from sdf_lights.sdf.shapes import SHAPES as REGISTRY
 from sdf_lights.sdf.shapes import Box, Cylinder, Difference, Ellipsoid, Intersection, Sphere, Torus, Transformed, Union
 
 from tests.chi2 import chi2_sphere, sphere_integral
-from tests.emitter.shapes_under_test import FIELDS, LAMPS, PLACEMENTS, SHAPES, FieldOf, moved, scaled, turned
+from tests.emitter.shapes_under_test import FIELDS, LAMPS, PLACEMENTS, FieldOf, moved, scaled, turned
 from tests.emitter.support import Lamps
 
 PLACES = ("outside", "inside", "surface")

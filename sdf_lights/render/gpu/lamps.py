@@ -20,7 +20,7 @@ from ...emitter.primitives import box_span
 from ...jit import kernel
 from ...sdf.formula import Formula, order
 from ...sdf.lipschitz import global_lipschitz
-from ...vec import ZERO, length, madd, mul, scale, sub, transform_point, transform_vector, vec
+from ...vec import ZERO, length, madd, mul, sub, transform_point, transform_vector, vec
 from ..cpu import lights
 from ..cpu.integrator import cut_of
 from ..cpu.lamp_tree import found_table, tree_table

@@ -19,11 +19,11 @@ from ..cpu.block import build_lamps, emissive_triangles, emitter_tables, integra
 from ..cpu.shading.program import LOBE_PRINCIPLED
 from ..cpu.shading.records import HAS_TRANSPARENCY
 from ..film import CHANNELS, HALF_BIT, Film
-from ..scene import Ray, Scene
+from ..scene import Scene
 from ..settings import LampSampling
 from . import lamps
 from .bvh import MOST_IN_LEAF, Hierarchy
-from .layout import Array, Record, Tables, words_of
+from .layout import Array, Record, Tables
 from .translate import BLOCK, BOOL, FLOAT, INT, UINT, VECTOR, WORKSPACE, Native, Ref, Translator, Tuple, Value, known
 
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"

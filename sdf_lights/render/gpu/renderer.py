@@ -14,7 +14,7 @@ from ...emitter.lamps import unresolved
 from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
-from .device import Device, DeviceError, device
+from .device import DeviceError, device
 from .program import GpuScene, film_places
 
 POLL_SECONDS = 0.05
