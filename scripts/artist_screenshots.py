@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Takes the screenshots of docs/lamps.md again: runs the tests' sessions in a Blender with a window.
+"""Takes screenshots of the documents again: runs the tests' sessions in a Blender with a window.
 
     SDF_LIGHTS_BLENDER="xvfb-run -a blender" scripts/artist_screenshots [SESSION …]
 
@@ -10,33 +10,32 @@ Needs ImageMagick's `import`.
 from __future__ import annotations
 
 import argparse
-import os
 import pathlib
-import shlex
 import shutil
 import sys
 import tempfile
 
-REPOSITORY = pathlib.Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(REPOSITORY))
-
-from tests.blender.gui import seen_by  # noqa: E402  (found on the path set above)
+from host import REPOSITORY, NO_WINDOW, windowed_blender
+from sessions import seen_by
 
 PICTURES = {  # of a session: files in docs/images by the picture's name
     "nodes": {"node_emission": "lamp_nodes_emission"},
-    "panels": {"preset_browser": "lamp_presets", "expression_error": "lamp_error"}}
+    "panels": {"preset_browser": "lamp_presets", "expression_error": "lamp_error", "rendered": "viewport_rendered"}}
 
 
 def main(arguments: list[str]) -> None:
     parser = argparse.ArgumentParser(prog="artist_screenshots", description=__doc__.splitlines()[0])
     parser.add_argument("sessions", nargs="*", metavar="SESSION", help=f"of {', '.join(PICTURES)}; default: all")
     options = parser.parse_args(arguments)
-    command = shlex.split(os.environ.get("SDF_LIGHTS_BLENDER", "blender"))
+    command = windowed_blender()
+    if command is None:
+        parser.error(NO_WINDOW)
     for name in options.sessions or PICTURES:
         if name not in PICTURES:
             parser.error(f"there is no session {name!r}: choose from {', '.join(PICTURES)}")
         with tempfile.TemporaryDirectory() as folder:
-            seen_by(command, REPOSITORY / "tests" / "blender" / f"{name}_session.py", pathlib.Path(folder), pictures=True)
+            session = REPOSITORY / "tests" / "blender" / f"{name}_session.py"
+            seen_by(command, session, pathlib.Path(folder), folder)
             for picture, file in PICTURES[name].items():
                 shutil.copyfile(pathlib.Path(folder) / f"{picture}.png", REPOSITORY / "docs" / "images" / f"{file}.png")
 

@@ -10,11 +10,13 @@ import importlib
 import json
 import os
 import pathlib
+import shlex
 import sys
 
 import benchmarks
 import host
 from benchmarks import machine
+from benchmarks.resume import Parts
 
 
 @contextlib.contextmanager
@@ -58,8 +60,9 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     subcommands = parser.add_subparsers(dest="name", required=True, metavar="NAME")
     modules = {name: importlib.import_module(f"benchmarks.{name}") for name in benchmarks.NAMES}
     for name, text in [*((name, module.HELP) for name, module in modules.items()), ("all", "all of them")]:
-        command = subcommands.add_parser(name, help=text, description=text)
-        command.add_argument("--json", action="store_true", help="print one JSON object: summary, rows, machine")
+        # For ``all``: benchmarks that share an option get it from the same function.
+        command = subcommands.add_parser(name, help=text, description=text, conflict_handler="resolve")
+        command.add_argument("--json", action="store_true", help="print one JSON object: command, summary, rows, machine")
         command.add_argument(
             "--quick", action="store_true", help="fewer repeats and samples: only to see that it works"
         )
@@ -78,7 +81,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     options.device = options.device.upper()
     if options.repeats is not None and options.repeats < 1:
         parser.error("--repeats must be at least 1")
-    options.modules = list(modules.values()) if options.name == "all" else [modules[options.name]]
+    options.modules = modules if options.name == "all" else {options.name: modules[options.name]}
     return options
 
 
@@ -88,11 +91,15 @@ def main(arguments: list[str]) -> int:
         before = machine.describe()
         host.register_extension()
         summary, rows = {}, []
-        for module in options.modules:
-            found, more = module.run(options)
+        parts = Parts(options)
+        for name, module in options.modules.items():
+            # The name tells its parts from those of others that have the same options.
+            found, more = parts.of(name, lambda: module.run(argparse.Namespace(**vars(options), benchmark=name)))
             summary |= found
             rows += [row for row in more if row not in rows]
-        result = dict(summary=summary, rows=rows, machine=before)
+        parts.finish()
+        command = shlex.join(["./scripts/bench", *arguments])
+        result = dict(command=command, summary=summary, rows=rows, machine=before)
         if options.out:
             options.out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
         if options.json:
@@ -102,7 +109,11 @@ def main(arguments: list[str]) -> int:
             stream.write(f"{', '.join(f'{name} {value}' for name, value in before.items())}\n\n{table(rows)}\n\n")
             for name, value in summary.items():
                 stream.write(f"{name}: {cell(value)}\n")
-    return 0
+    said = [sentence for module in options.modules.values() if hasattr(module, "complaints")
+            for sentence in module.complaints(rows)]
+    for sentence in said:
+        print(sentence, file=sys.stderr)
+    return 1 if said else 0
 
 
 if __name__ == "__main__":

@@ -4,8 +4,11 @@
 
     blender --factory-startup --enable-event-simulate --python SESSION.py -- REPORT.json
 
-The session is a generator that yields how many seconds Blender is left to itself before the next step. What it writes
-into ``report`` goes into the file, also if it fails: then with ``report["traceback"]``.
+The session is a generator that yields how many seconds Blender is left to itself before the next step; ``yield`` alone
+is long enough for it to work on a few events. What it writes into ``report`` goes into the file, also if it fails: then
+with ``report["traceback"]``. Judging the report is the part of a test.
+
+Places in the window are (x, y) in pixels from its lower left corner.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ import contextlib
 import json
 import os
 import pathlib
+import subprocess
 import sys
 import threading
 import time
@@ -27,13 +31,17 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 PATIENCE = 400.0  # seconds until a session gives up to wait: kernels may have to be compiled
 BETWEEN = 0.05  # seconds from one look at a condition to the next
-KEYS = {" ": "SPACE", "\n": "RET", "\b": "BACK_SPACE"}
+STEP = 0.4  # seconds of a step that does not say
+KEYS = {" ": "SPACE", "\n": "RET", "\b": "BACK_SPACE", ".": "PERIOD", "-": "MINUS"}
+KEYS |= dict(zip("0123456789", "ZERO ONE TWO THREE FOUR FIVE SIX SEVEN EIGHT NINE".split()))
+
+Place = tuple[float, float]
 
 ARGUMENTS = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
 report: dict = {}
 
 
-def run(steps: Iterator[float], finish: Callable[[], None] | None = None) -> None:
+def run(steps: Iterator[float | None], finish: Callable[[], None] | None = None) -> None:
     """Go through a session, starting when the window is there; then write the report, and ``finish``, or leave."""
 
     def tick():
@@ -42,7 +50,7 @@ def run(steps: Iterator[float], finish: Callable[[], None] | None = None) -> Non
             wait = next(steps)
             if len(report) != known:
                 print(list(report.items())[known:], flush=True)
-            return wait
+            return STEP if wait is None else wait
         except StopIteration:
             pass
         except Exception:
@@ -84,10 +92,23 @@ def region_of(area: bpy.types.Area, kind: str = "WINDOW") -> bpy.types.Region:
     return next(region for region in area.regions if region.type == kind)
 
 
-def override(area: bpy.types.Area | None = None):
-    """The context of an area; of the largest 3D viewport where none is given."""
+def override(area: bpy.types.Area | None = None, kind: str = "WINDOW"):
+    """The context of a region of an area; of the largest 3D viewport where none is given."""
     area = area or areas()[0]
-    return bpy.context.temp_override(window=window(), area=area, region=region_of(area))
+    return bpy.context.temp_override(window=window(), area=area, region=region_of(area, kind))
+
+
+def inside(area: bpy.types.Area, across: float = 0.5, up: float = 0.5, kind: str = "WINDOW") -> Place:
+    """A place in a region of an area, given as parts of its width and height."""
+    region = region_of(area, kind)
+    return region.x + across * region.width, region.y + up * region.height
+
+
+def on_screen(area: bpy.types.Area, point: tuple[float, float, float]) -> Place:
+    """Where a 3D viewport shows a point of the scene."""
+    region = region_of(area)
+    x, y = location_3d_to_region_2d(region, area.spaces.active.region_3d, point)
+    return region.x + x, region.y + y
 
 
 def threads() -> list[str]:
@@ -98,24 +119,57 @@ def threads() -> list[str]:
 # -- hands ----------------------------------------------------------------------------------------------------------
 
 
-def move_to(area: bpy.types.Area, across: float = 0.5, up: float = 0.5) -> dict[str, int]:
-    """Move the mouse to a place in an area, given as parts of its width and height; the place on the screen."""
-    place = dict(x=int(area.x + across * area.width), y=int(area.y + up * area.height))
-    window().event_simulate(type="MOUSEMOVE", value="NOTHING", **place)
+def event(kind: str, value: str, place: Place, **options) -> None:
+    window().event_simulate(type=kind, value=value, x=int(place[0]), y=int(place[1]), **options)
+
+
+def move(place: Place, **modifiers: bool) -> Place:
+    """Move the mouse there."""
+    event("MOUSEMOVE", "NOTHING", place, **modifiers)
     return place
 
 
-def press(place: dict[str, int], key: str, **modifiers: bool) -> None:
-    window().event_simulate(type=key, value="PRESS", **place, **modifiers)
-    window().event_simulate(type=key, value="RELEASE", **place, **modifiers)
+def press(place: Place, key: str, **modifiers: bool) -> None:
+    """Press and release a key or a button of the mouse."""
+    event(key, "PRESS", place, **modifiers)
+    event(key, "RELEASE", place, **modifiers)
 
 
-def typed(place: dict[str, int], text: str) -> None:
+def typed(place: Place, text: str) -> None:
     for letter in text:
         key = KEYS.get(letter, letter.upper())
-        unicode = {} if letter in "\n\b" else dict(unicode=letter)
-        window().event_simulate(type=key, value="PRESS", **place, **unicode)
-        window().event_simulate(type=key, value="RELEASE", **place)
+        event(key, "PRESS", place, **({} if letter in "\n\b" else dict(unicode=letter)))
+        event(key, "RELEASE", place)
+
+
+def drag(start: Place, end: Place, button: str = "LEFTMOUSE", steps: int = 6,
+         after: Callable[[], object] = lambda: None):
+    """Steps: a button of the mouse down at ``start``, moved, ``after()`` each move, and let go at ``end``."""
+    move(start)
+    yield
+    event(button, "PRESS", start)
+    for step in range(1, steps + 1):
+        yield BETWEEN
+        move(tuple(a + (b - a) * step / steps for a, b in zip(start, end)))
+        after()
+    yield BETWEEN
+    event(button, "RELEASE", end)
+    yield
+
+
+def button_of(area: bpy.types.Area, path: str, kind: str = "UI"):
+    """Steps that find the place of a property's button by its data path; None if the region does not show it."""
+    region = region_of(area, kind)
+    x = region.x + 0.75 * region.width
+    for y in range(region.y + region.height - 4, region.y + 4, -10):
+        move((x, y))
+        yield BETWEEN
+        with override(area, kind):
+            if bpy.ops.ui.copy_data_path_button.poll():
+                bpy.ops.ui.copy_data_path_button(full_path=True)
+                if bpy.context.window_manager.clipboard == path:
+                    return x, y
+    return None
 
 
 # -- eyes -----------------------------------------------------------------------------------------------------------
@@ -157,3 +211,16 @@ class Eye:
                     values.dimensions = 100
                     self.colors[area, index] = np.array(values).reshape(25, 4)[:, :3].mean(axis=0)
         self.redraws += 1
+
+
+def picture(folder: str | None, name: str, crop: bpy.types.Area | None = None) -> None:
+    """A screenshot of the window, or of an area, into a folder, if there is one. Needs ImageMagick's `import`."""
+    if folder is None:
+        return
+    bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
+    whole = window()
+    part, x, y = (crop, crop.x, crop.y) if crop is not None else (whole, 0, 0)
+    subprocess.run(
+        ["import", "-window", "root", "-gravity", "SouthWest", "-crop",
+         f"{part.width}x{part.height}+{whole.x + x}+{whole.y + y}", "+repage", "-strip", "-define",
+         "png:compression-level=9", str(pathlib.Path(folder) / f"{name}.png")], check=True)

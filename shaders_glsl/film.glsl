@@ -8,8 +8,8 @@
 
 layout(local_size_x = 64) in;
 
-layout(std430, binding = 3) buffer Film { float film[]; };
-layout(std430, binding = 4) readonly buffer Pixels { uint pixels[]; };
+layout(std430, binding = 1) buffer Film { float film[]; };
+layout(std430, binding = 2) readonly buffer Pixels { uint pixels[]; };
 
 // Of this dispatch: first place in `pixels` and number of them, first sample and number of them; corner and width of the film.
 uniform ivec4 work;

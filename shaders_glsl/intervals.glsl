@@ -72,7 +72,7 @@ void intervals_add(inout Intervals found, vec3 o, vec3 d, float start, float end
 // Stretches of the ray o + t d inside the shape, for t from `start` to `end`.
 //
 // `lipschitz` bounds the slope of the field along the ray: that of the field in space times the length of d. Steps are
-// at least `least` long; there are at most `steps` of them.
+// at least `least` long; there are at most `steps` of them, the last quarter as long as it takes to reach the end.
 Intervals intervals(vec3 o, vec3 d, float start, float end, float lipschitz, float least, int steps)
 {
     Intervals found;
@@ -89,6 +89,9 @@ Intervals intervals(vec3 o, vec3 d, float start, float end, float lipschitz, flo
     float entry = start;
     float slope = -lipschitz;  // of |field|: an estimate, from the last step
     for (int i = 0; i < steps && t < end; i++) {
+        if (4 * i >= 3 * steps) {
+            least = max(least, (end - t) / float(steps - i));
+        }
         float distance = abs(f);
         float safe = distance / lipschitz;
         // The ball around the next point touches the one around this, if |field| goes on as it did.

@@ -4,8 +4,8 @@
 // Lamps whose field is a formula: which one, with which numbers, and every stretch of a ray inside.
 //
 // Before this file come `float field_number(int slot)` over `lamp_numbers`, the functions field_0, field_1, … that are
-// generated from the formulas with `float lamp_field_of(int formula, vec3 p)` that chooses among them, and offsets of the
-// record FIELD of sdf_lights/render/gpu/lamps.py.
+// generated from the formulas with `float lamp_field_of(int formula, vec3 p)` that chooses among them, `int first_term(int
+// row)` of the record of a lamp, and offsets of the record FIELD of sdf_lights/render/gpu/lamps.py.
 
 int lamp_formula;
 vec3 lamp_center;
@@ -13,7 +13,7 @@ vec3 lamp_center;
 // Make `field` that of the lamp whose record in `lamps` begins at `row`; returns the place of its FIELD.
 int choose_field(int row)
 {
-    int at = scene.lamp_fields_start + int_at(row + LAMP_FIRST_TERM) * FIELD_SIZE;
+    int at = scene.lamp_fields_start + first_term(row) * FIELD_SIZE;
     lamp_formula = int_at(at + FIELD_FORMULA);
     lamp_numbers = scene.lamp_parameters_start + int_at(at + FIELD_PARAMETERS);
     lamp_center = vector_at(at + FIELD_CENTER);

@@ -3,7 +3,7 @@
 
 // Two lengths along rays, summed for each lamp: what could not be resolved, and what is inside. Only their ratio counts, so one
 // thread in 64 is enough.
-layout(std430, binding = 5) buffer Lengths { uint lengths[]; };
+layout(std430, binding = 3) buffer Lengths { uint lengths[]; };
 
 void note_length(int lamp, int column, float amount)
 {

@@ -3,11 +3,18 @@
 
 // Rays against triangles: the trees that sdf_lights/render/gpu/bvh.py builds.
 //
-// Before this file come `#define`s of STACK, ITEMS_IN_LEAF, INSTANCE_SIZE and INSTANCE_INVERSE, the workspace's Record_ray,
-// `scene.hierarchy_root` and `scene.instances_start`, and maths.glsl.
+// Before this file come `#define`s of STACK, ITEMS_IN_LEAF, TEXTURE_BITS, INSTANCE_SIZE and INSTANCE_INVERSE, the workspace's
+// Record_ray, `scene.hierarchy_root` and `scene.instances_start`, and maths.glsl.
 
-layout(std430, binding = 1) readonly buffer Nodes { vec4 nodes[]; };
-layout(std430, binding = 2) readonly buffer Items { vec4 items[]; };
+// Rows of 2^TEXTURE_BITS words of four numbers: what threads read here is nowhere the same for all of them, and textures
+// are made for that. They may also be larger than buffers.
+uniform usampler2D nodes;
+uniform usampler2D items;
+
+ivec2 texel(int place) { return ivec2(place & ((1 << TEXTURE_BITS) - 1), place >> TEXTURE_BITS); }
+uvec4 node_at(int place) { return texelFetch(nodes, texel(place), 0); }
+uvec4 item_at(int place) { return texelFetch(items, texel(place), 0); }
+vec3 point_of(uvec4 words) { return uintBitsToFloat(words.xyz); }
 
 const int LEAVE_INSTANCE = -2147483647 - 1;
 
@@ -77,13 +84,13 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
     ray.t_far = t_max;
     while (true) {
         if (node >= 0) {
-            vec4 left_low = nodes[4 * node];
-            vec4 left_high = nodes[4 * node + 1];
-            float left = enter_box(line, left_low.xyz, left_high.xyz, t_min, ray.t_far);
-            float right = enter_box(line, nodes[4 * node + 2].xyz, nodes[4 * node + 3].xyz, t_min, ray.t_far);
-            int near = floatBitsToInt(left <= right ? left_low.w : left_high.w);
+            uvec4 left_low = node_at(4 * node);
+            uvec4 left_high = node_at(4 * node + 1);
+            float left = enter_box(line, point_of(left_low), point_of(left_high), t_min, ray.t_far);
+            float right = enter_box(line, point_of(node_at(4 * node + 2)), point_of(node_at(4 * node + 3)), t_min, ray.t_far);
+            int near = int(left <= right ? left_low.w : left_high.w);
             if (left < INFINITE && right < INFINITE) {
-                waiting[depth] = floatBitsToInt(left <= right ? left_high.w : left_low.w);
+                waiting[depth] = int(left <= right ? left_high.w : left_low.w);
                 depth++;
             }
             if (left < INFINITE || right < INFINITE) {
@@ -99,11 +106,11 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
             int first = ~node / ITEMS_IN_LEAF;
             int last = first + ~node % ITEMS_IN_LEAF;
             for (int item = first; item <= last; item++) {
-                vec4 a = items[3 * item];
-                vec4 b = items[3 * item + 1];
-                vec4 c = items[3 * item + 2];
-                int primitive = floatBitsToInt(b.w);
-                if (inside < 0 && (floatBitsToInt(c.w) & mask) == 0) {
+                uvec4 first_corner = item_at(3 * item);
+                uvec4 second_corner = item_at(3 * item + 1);
+                uvec4 third_corner = item_at(3 * item + 2);
+                int primitive = int(second_corner.w);
+                if (inside < 0 && (int(third_corner.w) & mask) == 0) {
                     continue;
                 }
                 if (primitive < 0) {
@@ -113,9 +120,9 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
                         depth++;
                     }
                     waiting[depth] = LEAVE_INSTANCE;
-                    waiting[depth + 1] = floatBitsToInt(b.x);
+                    waiting[depth + 1] = int(second_corner.x);
                     depth += 2;
-                    inside = floatBitsToInt(a.w);
+                    inside = int(first_corner.w);
                     int at = scene.instances_start + inside * INSTANCE_SIZE + INSTANCE_INVERSE;
                     vec3 x = vector_at(at);
                     vec3 y = vector_at(at + 4);
@@ -125,16 +132,19 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
                         vec3(dot(x, d), dot(y, d), dot(z, d)));
                     break;
                 }
+                vec3 a = point_of(first_corner);
+                vec3 b = point_of(second_corner);
+                vec3 c = point_of(third_corner);
                 vec2 uv;
-                float t = hit_triangle(line, a.xyz, b.xyz, c.xyz, uv);
+                float t = hit_triangle(line, a, b, c, uv);
                 if (t > t_min && t < ray.t_far) {
                     found = true;
                     ray.t_far = t;
                     ray.u = uv.x;
                     ray.v = uv.y;
                     ray.primitive = uint(primitive);
-                    ray.instance = uint(inside >= 0 ? inside : floatBitsToInt(a.w));
-                    ray.normal = cross(b.xyz - a.xyz, c.xyz - a.xyz);
+                    ray.instance = inside >= 0 ? uint(inside) : first_corner.w;
+                    ray.normal = cross(b - a, c - a);
                     if (any) {
                         return true;
                     }

@@ -7,6 +7,15 @@ import functools
 import numpy as np
 import pytest
 
+from sdf_lights.sdf import read_interval
+
+# The OpenGL Shading Language 4.60, section 4.7.1: + − · are rounded correctly, / is within 2.5 ulps, √ within 4.5, log
+# within 3 or 2^-21, exp within 3 + 2 |x|. It says nothing of sin and cos; drivers reduce large angles as well as
+# float32 can, and are within 2^-20 (NVIDIA: 2^-21). Helpers of ``read_glsl`` are within 4 ulps.
+ULP = 2.0**-23
+PRECISION = read_interval.Precision(np.float32, basic=4.5 * ULP, library=4.0 * ULP, sine=2.0**-20, logarithm=2.0**-21,
+                                    exponent=2.0 * ULP, tiny=2.0**-126)
+
 VERSION = "#version 430 core\n"
 
 _EVALUATE = VERSION + """

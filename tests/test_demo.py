@@ -65,7 +65,7 @@ def test_demo_scene_renders_to_both_files_and_tells_about_it(tmp_path):
     )
     assert said, done.stdout
     assert int(said[1]) == 96 * 54
-    assert float(said[2]) == 16.0
+    assert float(said[2]) == pytest.approx(16.0, rel=0.05)  # guided samples keep to their number on average
     assert float(said[4]) > 0.0 and float(said[5]) > 0.0
     assert re.search(r"\[█*·*\] +\d+ %  Sample \d+/16", done.stdout)
 

@@ -4,15 +4,23 @@
 
 - ``HELP``: one line;
 - ``run(options) -> (summary, rows)``: ``summary`` maps names to numbers, ``rows`` is a list of flat dictionaries;
-- ``arguments(parser)``, where it has options of its own; their names differ between benchmarks.
+- ``arguments(parser)``, where it has options of its own; their names differ between benchmarks;
+- ``complaints(rows) -> sentences``, where it judges what it has found: one for each failure, and the exit code is 1.
 
 ``options`` has ``quick`` (few repeats, small pictures), ``repeats`` (None: the benchmark's own number) and ``device``
 (value of ``scene.sdf_lights.device``).
 """
 
 import argparse
+import sys
 
-NAMES = ("throughput", "startup", "intervals", "builds", "estimators", "lamps", "scaling", "viewport")
+import host
+
+# The layers below the add-on, and the cases that tests share, by their own names.
+sys.path.insert(0, str(host.REPOSITORY))
+
+NAMES = ("throughput", "startup", "intervals", "builds", "estimators", "lamps", "cycles", "paper", "scaling",
+         "viewport", "hard", "check")
 
 
 def some_of(known):

@@ -12,16 +12,11 @@ from __future__ import annotations
 
 import dataclasses
 import statistics
-import sys
 import time
 
 import numpy as np
 
-import host
-
 from .progress import Progress
-
-sys.path.insert(0, str(host.REPOSITORY))
 
 HELP = "milliseconds to build a lamp of every primitive and fractal, of 20 parts, and of the worked examples"
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 import numpy as np
 
@@ -38,13 +39,15 @@ def pixel_errors(picture: np.ndarray, reference: np.ndarray) -> tuple[float, flo
 
 def flip(picture: np.ndarray, reference: np.ndarray) -> float | None:
     """LDR-FLIP of both as sRGB, clipped to [0, 1]; None where the package flip-evaluator is not installed."""
+    # Threads of OpenMP that wait must not spin: the next render is timed.
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     try:
         import flip_evaluator
     except ImportError:
         return None
     shown = [np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055).astype(np.float32)
              for x in (np.clip(picture, 0.0, 1.0), np.clip(reference, 0.0, 1.0))]
-    return float(flip_evaluator.evaluate(shown[1], shown[0], "LDR", inputsRGB=True)[1])
+    return float(flip_evaluator.evaluate(shown[1], shown[0], "LDR", inputsRGB=True, applyMagma=False)[1])
 
 
 def interpolated(curve: list[tuple[float, float]], at: float) -> float:

@@ -9,6 +9,7 @@ BSDF samples by the balance heuristic.
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -19,6 +20,9 @@ from sdf_lights.emitter.baselines import DIMENSIONS, EVEN, SHELL_EMISSION, LampB
 from sdf_lights.sdf.shapes import Box, BoxFrame, Difference, Sphere, Torus, Transformed
 from sdf_lights.sdf.shapes.blends import SmoothUnion
 from sdf_lights.sdf.shapes.fractals import MengerSponge
+
+from .progress import Progress
+from .resume import Parts
 
 HELP = "error times time of samplers of directions to a lamp, at points"
 
@@ -65,6 +69,11 @@ CASES = (  # name, group, shape, point, normal, emission
 )
 
 
+@functools.cache
+def _block(shape, emission) -> LampBlock:
+    return LampBlock(shape, np.eye(4), emission=emission)
+
+
 def _numbers(spp: int, repeats: int) -> np.ndarray:
     """(repeats · spp, DIMENSIONS): independently scrambled sets of a Sobol sequence."""
     return np.concatenate([qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(seed)).random(spp)
@@ -84,35 +93,43 @@ def _time(technique, block, x, n, shell, repeats: int, count: int) -> float:
     return 1e9 * min(runs) / count
 
 
-def run(options) -> tuple[dict, list[dict]]:
+def measure(name: str, group: str, shape, x, n, emission, options) -> list[dict]:
+    """Rows of one case, for each technique."""
     numbers = _numbers(SPP[-1], 8 if options.quick else 64)
     count, repeats = (1000, 2) if options.quick else (4000, options.repeats or 5)
     plain = np.random.default_rng(2).random((len(numbers), DIMENSIONS))
-    rows, gains, blocks = [], {}, {}
-    for name, group, shape, x, n, emission in CASES:
-        if (shape, emission) not in blocks:
-            blocks[shape, emission] = LampBlock(shape, np.eye(4), emission=emission)
-        block, shell = blocks[shape, emission], EVEN
-        n = np.asarray(n) / np.linalg.norm(n)
-        found, spent = {}, {}
-        for technique in Technique:
-            if technique in AT_POINTS and emission is not None:
-                continue
-            found[technique] = baselines.values(technique, block.blocks, 0, x, n, numbers, shell)[0]
-            spent[technique] = _time(technique, block, x, n, shell, repeats, count)
-        truth = min((found[t] for t in (Technique.MIS, Technique.CUT)),
-                    key=lambda values: values.reshape(-1, SPP[-1]).mean(axis=1).var()).mean()
-        reference = _errors(found[Technique.MIS], truth)
-        for technique, values in found.items():
-            errors = _errors(values, truth)
-            variance = float(np.var(baselines.values(technique, block.blocks, 0, x, n, plain, shell)[0]))
-            gain = [(before / max(after, 1e-7)) ** 2 * spent[Technique.MIS] / spent[technique]
-                    for before, after in zip(reference, errors)]
-            if technique == Technique.CUT:
-                gains[name] = (group, math.sqrt(gain[0] * gain[1]))
-            rows.append(dict(case=name, group=group, technique=technique.name.lower(), variance=variance,
-                             ns=spent[technique], error_64=errors[0], error_256=errors[1], gain_64=gain[0],
-                             gain_256=gain[1]))
+    block, shell = _block(shape, emission), EVEN
+    n = np.asarray(n) / np.linalg.norm(n)
+    found, spent, rows = {}, {}, []
+    for technique in Technique:
+        if technique in AT_POINTS and emission is not None:
+            continue
+        found[technique] = baselines.values(technique, block.blocks, 0, x, n, numbers, shell)[0]
+        spent[technique] = _time(technique, block, x, n, shell, repeats, count)
+    truth = min((found[t] for t in (Technique.MIS, Technique.CUT)),
+                key=lambda values: values.reshape(-1, SPP[-1]).mean(axis=1).var()).mean()
+    reference = _errors(found[Technique.MIS], truth)
+    for technique, values in found.items():
+        errors = _errors(values, truth)
+        variance = float(np.var(baselines.values(technique, block.blocks, 0, x, n, plain, shell)[0]))
+        gain = [(before / max(after, 1e-7)) ** 2 * spent[Technique.MIS] / spent[technique]
+                for before, after in zip(reference, errors)]
+        rows.append(dict(case=name, group=group, technique=technique.name.lower(), variance=variance,
+                         ns=spent[technique], error_64=errors[0], error_256=errors[1], gain_64=gain[0],
+                         gain_256=gain[1]))
+    return rows
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    progress, parts, rows = Progress(len(CASES)), Parts(options), []
+    for case in CASES:
+        progress.show(case[0])
+        rows += parts.of(case[0], functools.partial(measure, *case, options))
+        progress.step()
+    parts.finish()
+    progress.close()
+    gains = {row["case"]: (row["group"], math.sqrt(row["gain_64"] * row["gain_256"]))
+             for row in rows if row["technique"] == Technique.CUT.name.lower()}
     logs = {name: math.log(gain) for name, (group, gain) in gains.items()}
     hard = [logs[name] for name, (group, _) in gains.items() if group in ("near", "thin", "varying")]
     summary = dict(efficiency_gain_geomean=math.exp(np.mean(list(logs.values()))),

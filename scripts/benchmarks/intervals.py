@@ -11,16 +11,15 @@ the search.
 
 from __future__ import annotations
 
+import functools
 import math
 import statistics
-import sys
 import time
 
 import numpy as np
 
-import host
-
-sys.path.insert(0, str(host.REPOSITORY))
+from .progress import Progress
+from .resume import Parts
 
 HELP = "crossings of rays: wrong counts, evaluations and time, against the published rule and sphere tracing"
 
@@ -128,10 +127,12 @@ def run(options) -> tuple[dict, list[dict]]:
     total = QUICK_RAYS if options.quick else RAYS
     certified = sum(shape.certified for shape, _, _ in cases.values())
     count = math.ceil(total / certified)
-    rows = []
-    for index, (name, (shape, rays, smooth)) in enumerate(cases.items(), 1):
-        print(f"intervals {index}/{len(cases)}: {name}", file=sys.stderr)
-        rows.append(judged(name, shape, rays, smooth, count, turns))
+    # The growth takes as long as a tenth of the cases.
+    progress, parts, rows = Progress(math.ceil(1.1 * len(cases))), Parts(options), []
+    for name, (shape, rays, smooth) in cases.items():
+        progress.show(name)
+        rows.append(parts.of(name, functools.partial(judged, name, shape, rays, smooth, count, turns)))
+        progress.step()
     sure = [row for row in rows if row["certified"]]
     smooth = [row for row in rows if row["smooth"]]
 
@@ -139,7 +140,10 @@ def run(options) -> tuple[dict, list[dict]]:
         return math.exp(statistics.fmean(math.log(row[f"{rule}_evaluations"] / row["evaluations"]) for row in smooth))
 
     missed = [row["wrong"] for row in rows if row["published_wrong"] > 0.0 and row["certified"]]
-    curve = growth(turns, 1000 if options.quick else 10_000)
+    progress.show("growth with the number of primitives")
+    curve = parts.of("growth", functools.partial(growth, turns, 1000 if options.quick else 10_000))
+    parts.finish()
+    progress.close()
     cost = {(row["spread"], row["operation"], row["primitives"]): row["ns_per_ray"] for row in curve}
 
     def growth_of(spread: str) -> float:

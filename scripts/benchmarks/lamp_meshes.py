@@ -11,6 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 
+import bmesh
 import bpy
 import numpy as np
 
@@ -168,6 +169,15 @@ def volume(solid: Solid) -> float:
     vertices, faces = solid
     a, b, c = vertices[triangles(faces)].transpose(1, 0, 2)
     return float((np.cross(a, b) * c).sum() / 6.0)
+
+
+def measures(mesh: bpy.types.Mesh) -> tuple[float, float]:
+    """Volume inside a closed mesh, in m³, and its area, in m²."""
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    found = work.calc_volume(), sum(face.calc_area() for face in work.faces)
+    work.free()
+    return found
 
 
 def moved(solid: Solid, matrix: np.ndarray) -> Solid:

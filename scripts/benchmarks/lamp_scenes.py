@@ -26,7 +26,8 @@ from . import lamp_meshes, scenes
 from .lamp_meshes import Solid
 
 INTENSITY = 8.0  # W/sr of a lamp of the S scenes
-LAMPS, VOLUMES = "SDF Lamps", "Emission Volumes"  # collections, of which an engine renders one
+LAMPS, VOLUMES, SURFACES = "SDF Lamps", "Emission Volumes", "Mesh Lights"  # collections; an engine renders one
+THE_FIVE = ("S1", "S2", "S3", "S4", "S5")
 
 
 @dataclass(frozen=True)
@@ -53,10 +54,29 @@ def _scene(name: str, about: str, volumes: bool = True):
     return register
 
 
-def show(volumes: bool) -> None:
-    """Render the lamps as emission volumes, or as what they are."""
-    _collection(LAMPS).hide_render = volumes
+def show(volumes: bool = False, surfaces: bool = False) -> None:
+    """Render the lamps as emission volumes, or as meshes whose surface emits, or as what they are."""
+    if surfaces and not _collection(SURFACES).objects:
+        _add_surfaces()
+    _collection(LAMPS).hide_render = volumes or surfaces
     _collection(VOLUMES).hide_render = not volumes
+    _collection(SURFACES).hide_render = not surfaces
+
+
+def _add_surfaces() -> None:
+    """For each volume, a mesh light of the same power, 4π ρ V = π L A; its inner sides are not sampled."""
+    scenes.enable_cycles()
+    for volume in _collection(VOLUMES).objects:
+        node = volume.data.materials[0].node_tree.nodes["Emission"]
+        color, density = (node.inputs[name].default_value for name in ("Color", "Strength"))
+        mesh = volume.data.copy()
+        inside, area = lamp_meshes.measures(mesh)
+        graph = Graph(mesh.name)
+        emission = graph.node("ShaderNodeEmission", Color=color, Strength=4.0 * density * inside / area)
+        material = graph.finish(emission)
+        material.cycles.emission_sampling = "FRONT"
+        mesh.materials[0] = material
+        add(f"{volume.name} Surface", mesh, collection=_collection(SURFACES))
 
 
 def _collection(name: str):
@@ -93,7 +113,7 @@ def add_lamp(name: str, expression: str, solid: Solid | None, matrix: Matrix, de
 
 
 @functools.cache
-def _marched(expression: str, cells: int = 96) -> Solid:
+def marched(expression: str, cells: int = 96) -> Solid:
     """The solid of an expression, which has to be smooth."""
     shape = Expression(expression).shape()
     return lamp_meshes.isosurface(shape.distance, *shape.bounds(), cells)
@@ -240,7 +260,7 @@ def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
     expression = ("smooth_union(translate(sphere(0.5), (-0.45, 0, 0)), translate(sphere(0.4), (0.4, 0.1, 0.2)), "
                   "translate(sphere(0.3), (0.1, -0.2, -0.5)), 0.25)")
-    add_lamp("Blob", expression, _marched(expression), turned(z=20.0, at=(0.0, 0.2, 1.8)), INTENSITY / 1.0)
+    add_lamp("Blob", expression, marched(expression), turned(z=20.0, at=(0.0, 0.2, 1.8)), INTENSITY / 1.0)
 
 
 @_scene("skin", "a torus that glows next to its surface", volumes=False)

@@ -9,8 +9,11 @@ import os
 import pathlib
 import platform
 import re
+import subprocess
 
 import bpy
+
+import host
 
 
 def _processor() -> str:
@@ -28,6 +31,16 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def _revision() -> str:
+    """Of the checkout; with a plus sign where files differ from it."""
+    try:
+        found = subprocess.run(["git", "describe", "--always", "--dirty=+"], cwd=host.REPOSITORY, capture_output=True,
+                               text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return found.stdout.strip()
+
+
 def describe() -> dict:
     """Hardware, versions, and how busy the machine is: above ``cores`` the figures are too low."""
     about = dict(
@@ -37,6 +50,7 @@ def describe() -> dict:
         python=platform.python_version(),
         blender=bpy.app.version_string,
     )
+    about["revision"] = _revision()
     for package in ("numpy", "numba", "llvmlite"):
         try:
             about[package] = importlib.metadata.version(package)

@@ -36,11 +36,25 @@ def material(name: str, kind: str, colour, **inputs):
     return material
 
 
-def boxes_and_sphere(size: int) -> bpy.types.Scene:
-    """Three diffuse boxes and a glossy sphere between a floor and a wall, without a light; a square picture."""
+def empty(size: int, eye, target, degrees: float) -> bpy.types.Scene:
+    """Nothing but a camera at ``eye`` that looks at ``target``, with that angle of view; a square picture."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     host.register_extension()
     scene = bpy.context.scene
+    camera = bpy.data.cameras.new("Camera")
+    camera.sensor_fit, camera.angle = "HORIZONTAL", math.radians(degrees)
+    thing = add("Camera", camera, location=eye)
+    thing.rotation_euler = (Vector(target) - thing.location).to_track_quat("-Z", "Y").to_euler()
+    scene.camera = thing
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scene.render.resolution_percentage = 100
+    scene.render.use_compositing = scene.render.use_sequencer = False
+    return scene
+
+
+def boxes_and_sphere(size: int) -> bpy.types.Scene:
+    """Three diffuse boxes and a glossy sphere between a floor and a wall, without a light."""
+    scene = empty(size, (0.0, -6.5, 2.6), (0.0, 0.2, 1.0), 42.0)
     diffuse = "ShaderNodeBsdfDiffuse"
     add(
         "Floor",
@@ -69,15 +83,6 @@ def boxes_and_sphere(size: int) -> bpy.types.Scene:
     ]
     glossy = material("Glossy", "ShaderNodeBsdfAnisotropic", (0.80, 0.75, 0.65), roughness=0.3, distribution="GGX")
     add("Sphere", turned("Sphere", profile, 128), glossy, location=(1.3, -1.4, 0.45))
-
-    camera = bpy.data.cameras.new("Camera")
-    camera.sensor_fit, camera.angle = "HORIZONTAL", math.radians(42.0)
-    eye = add("Camera", camera, location=(0.0, -6.5, 2.6))
-    eye.rotation_euler = (Vector((0.0, 0.2, 1.0)) - eye.location).to_track_quat("-Z", "Y").to_euler()
-    scene.camera = eye
-    scene.render.resolution_x = scene.render.resolution_y = size
-    scene.render.resolution_percentage = 100
-    scene.render.use_compositing = scene.render.use_sequencer = False
     return scene
 
 
@@ -87,9 +92,13 @@ def add_point_light(watts: float = 100.0, location=(0.0, -0.5, 3.2)) -> None:
     add("Point", light, location=location)
 
 
+def enable_cycles() -> None:
+    bpy.ops.preferences.addon_enable(module="cycles")
+
+
 def plain_cycles(scene, samples: int, bounces: int) -> None:
     """Cycles on the CPU without what it does by default to trade error for bias: the same work for each sample."""
-    bpy.ops.preferences.addon_enable(module="cycles")
+    enable_cycles()
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", samples, False, False
@@ -106,6 +115,7 @@ def plain_sdf_lights(scene, samples: int, bounces: int, device: str) -> None:
     scene.render.engine = host.ENGINE
     settings = scene.sdf_lights
     settings.device, settings.samples, settings.noise_threshold, settings.denoise = device, samples, 0.0, False
-    settings.filter, settings.filter_width, settings.indirect_paths = "BOX", 1.0, 1
+    settings.filter, settings.filter_width = "BOX", 1.0
+    settings.indirect_paths, settings.guided_samples = 1, False
     settings.max_bounces = bounces
     settings.diffuse_bounces = settings.glossy_bounces = settings.transmission_bounces = bounces

@@ -12,15 +12,14 @@ Edits are made in a Blender with a window, where there is one: see viewport_sess
 
 from __future__ import annotations
 
-import json
 import pathlib
 import statistics
-import subprocess
 import tempfile
 import time
 
 import host
 import numpy as np
+from sessions import SessionError, seen_by
 
 HELP = "the viewport: milliseconds of a frame of 1, 10 and 50 lamps at 960 × 540, and from edits until they are seen"
 
@@ -30,8 +29,7 @@ SCALES = 1, 2, 4
 FRAMES = 5
 EDITS = 15
 SESSION = pathlib.Path(__file__).with_name("viewport_session.py")
-WINDOW = "0", "0", "1180", "760"  # in which the viewport has about 960 × 540 pixels
-PATIENCE = 900.0  # seconds: kernels may have to be compiled
+WINDOW = 1180, 760  # in which the viewport has about 960 × 540 pixels
 
 
 def _shapes(index: int, size: float) -> object:
@@ -121,16 +119,10 @@ def _edits(repeats: int) -> list[dict]:
     if command is None:
         return [dict(problem=host.NO_WINDOW)]
     with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder) / "report.json"
-        done = subprocess.run(
-            [*command, "--factory-startup", "--window-geometry", *WINDOW, "--python", str(SESSION), "--", str(path),
-             str(repeats)], cwd=host.REPOSITORY, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            timeout=PATIENCE)
-        if not path.is_file():
-            return [dict(problem=f"Blender ended with code {done.returncode}: {done.stdout[-500:]}")]
-        report = json.loads(path.read_text(encoding="utf-8"))
-    if "traceback" in report:
-        return [dict(problem=report["traceback"])]
+        try:
+            report = seen_by(command, SESSION, pathlib.Path(folder), str(repeats), size=WINDOW)
+        except SessionError as error:
+            return [dict(problem=str(error)[-2000:])]
     return [
         {key: row[key] for key in ("shading", "edit")}
         | {f"{key}_ms": statistics.median(row[key]) for key in ("restart", "picture", "seen")}

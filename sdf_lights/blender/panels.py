@@ -136,7 +136,7 @@ _RENDER = (
         "SDFLIGHTS_PT_sampling_render_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_render", closed=True,
         header="denoise"),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_advanced", "Advanced", ("seed", "animate_seed", "indirect_paths"),
+        "SDFLIGHTS_PT_sampling_advanced", "Advanced", ("seed", "animate_seed", "guided_samples", "indirect_paths"),
         "SDFLIGHTS_PT_sampling", closed=True),
     _settings_panel("SDFLIGHTS_PT_light_paths", "Light Paths", (), closed=True),
     _settings_panel(

@@ -8,6 +8,7 @@ import functools
 
 import numpy as np
 
+from ..affine import inverse
 from ..jit import kernel, table
 from . import interior, moments
 from .lamps import BuiltLamp, volume_of
@@ -77,7 +78,7 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
         row["first_cell"], row["factor"] = first[id(own)], factor
-        row["matrix"], row["inverse"] = to_world[:3], np.linalg.inv(to_world)[:3]
+        row["matrix"], row["inverse"] = to_world[:3], inverse(to_world)[:3]
         row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]
         row["unit"] = 1.0 / np.sqrt(row["metric"].diagonal())
         row["extent"] = row["metric"].diagonal() @ own["spread"][0]

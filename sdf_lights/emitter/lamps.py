@@ -38,6 +38,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..affine import inverse
 from ..jit import kernel, table
 from ..sdf.emission import Emission
 from ..sdf.program import INSTRUCTION, NoClosedForm, Op
@@ -207,7 +208,7 @@ def _place_primitive(row: np.ndarray, shape, matrix: np.ndarray) -> np.ndarray:
     program = shape.program(matrix)
     row["kind"], row["primitive"], row["parameters"] = PRIMITIVE, program["op"][0], program["parameters"][0]
     row["inverse"] = program["inverse"][0]
-    row["matrix"] = np.linalg.inv(np.vstack([program["inverse"][0], [0.0, 0.0, 0.0, 1.0]]))[:3]
+    row["matrix"] = inverse(np.vstack([program["inverse"][0], [0.0, 0.0, 0.0, 1.0]]))[:3]
     row["rows"] = rows_needed(program)[0]
     return program
 
@@ -217,7 +218,7 @@ def _place_tree(row: np.ndarray, tree: Tree, matrix: np.ndarray) -> np.ndarray:
     matrix = matrix.copy()
     matrix[:3, 3] += matrix[:3, :3] @ tree.center
     row["kind"] = CLOSED if tree.field is None else FIELD
-    row["matrix"], row["inverse"] = matrix[:3], np.linalg.inv(matrix)[:3]
+    row["matrix"], row["inverse"] = matrix[:3], inverse(matrix)[:3]
     row["low"], row["high"] = -tree.half, tree.half
     row["direct"] = 0 < len(tree.program) <= DIRECT
     row["rows"] = rows_needed(tree.program)[0] if tree.field is None else FIELD_ROWS
@@ -241,7 +242,7 @@ def _place_glow(found: Measured, matrix: np.ndarray, scale: np.ndarray) -> np.nd
     """The row of an emission; ``matrix`` takes the shape to the world, relative to the lamp's centre."""
     glow = np.zeros(1, GLOW)
     glow["address"], glow["rate"], glow["scale"] = found.compiled.address, found.tried.rate, scale
-    glow["inverse"] = np.linalg.inv(matrix)[:3]
+    glow["inverse"] = inverse(matrix)[:3]
     return glow
 
 

@@ -27,7 +27,7 @@ from .membership import classify, contains
 from .shares import SHARES, in_shares
 
 SAFETY = 4.0  # standard errors that the stated bound is made of
-BUDGET = 3.5e7  # rough ns that the estimate takes …
+BUDGET = 2.8e7  # rough ns that the estimate takes …
 POOR, LARGER = 3e-3, 4.0  # … or so many times more, where the relative bound would be worse than this
 OVERHEAD = 150.0  # rough ns of an evaluation, besides the field
 PROGRAM_COST = 250.0  # rough ns for each instruction of a list, for LANES boxes

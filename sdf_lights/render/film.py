@@ -8,6 +8,7 @@ import numpy as np
 
 from .passes import BY_NAME, Rule
 from .scene import Scene
+from .settings import START_BRANCHES
 
 # Values that a pixel sums up for each pass; "half" sums half of the samples of "combined", to estimate the noise.
 CHANNELS = {
@@ -44,8 +45,12 @@ class Film:
     - ``active``: 1 where the pixel takes more samples.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
     - ``direct``, ``indirect``: of each pixel, what its samples had before and after their paths divided, as sums of RGB:
-      all, and those of "half"; ``indirect`` also has how many branches there were, and how many surfaces these met.
-    - ``samples``: how many samples every active pixel has received.
+      all, and those of "half". ``direct`` also has the sum of the squares of all their light; ``indirect`` how many branches
+      there were, how many surfaces these met, and the sum of 1/branches.
+    - ``rate``: samples that a pixel takes for one that is set, where the back end can; ``next_update``: with how many samples
+      that is decided again (``effort.py``).
+    - ``branches``: into how many the paths of a pixel divide, where the back end lets them (``effort.py``).
+    - ``samples``: how many samples every active pixel has received whose rate is 1.
     - ``made_by``: what computed them, in words for the user.
     """
 
@@ -65,38 +70,45 @@ class Film:
         self.count = np.zeros(pixels, np.int32)
         self.surfaces = np.zeros(pixels, np.int32)
         self.active = np.ones(pixels, np.uint8)
-        self.direct, self.indirect = np.zeros((pixels, 2)), np.zeros((pixels, 4))
+        self.direct, self.indirect = np.zeros((pixels, 3)), np.zeros((pixels, 5))
+        self.branches = np.full(pixels, scene.settings.indirect_paths or START_BRANCHES, np.int32)
+        self.rate, self.next_update = np.ones(pixels), 0
         self.discarded = np.zeros(pixels * len(DISCARDED), np.int32)
         self._denoised: np.ndarray | None = None
 
-    def read(self, name: str) -> np.ndarray:
-        """(height, width, channels) float32 of the pass ``name``, of the samples so far."""
+    def read(self, name: str, rows: slice = slice(None)) -> np.ndarray:
+        """(height, width, channels) float32 of the pass ``name``, of the samples so far, or of these rows of it."""
         item = BY_NAME[name]
         if name == "Combined" and self._denoised is not None:
-            return self._denoised
+            return self._denoised[rows]
+
+        def of(values: np.ndarray) -> np.ndarray:
+            """Those of the rows' pixels, (pixels, channels)."""
+            found = values.reshape(self.height, self.width, -1)[rows]
+            return found.reshape(-1, found.shape[-1])
+
         if item.rule is Rule.COUNT:
-            return self.count.reshape(self.height, self.width, 1).astype(np.float32)
+            return of(self.count).reshape(-1, self.width, 1).astype(np.float32)
         weight, value = self._settled(
-            self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count, self.sums[item.source])
+            of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count), of(self.sums[item.source]))
         if item.rule is not Rule.FIRST:
-            value /= np.maximum(weight, 1)[:, None]
-        value = value.reshape(self.height, self.width, -1)
-        if item.light:
-            value[..., :3] *= self.exposure
+            value /= np.maximum(weight, 1)
+        if item.light and self.exposure != 1.0:
+            value[:, :3] *= self.exposure
+        value = value.astype(np.float32)
         if value.shape[-1] == 4:
             # Light that comes through several transparent surfaces may take more than there is in one sample.
-            np.clip(value[..., 3], 0.0, 1.0, out=value[..., 3])
+            np.clip(value[:, 3], 0.0, 1.0, out=value[:, 3])
         if name == "Depth":
-            value = np.where(self.surfaces.reshape(value.shape) > 0, value, NO_DEPTH)
-        return value.astype(np.float32)
+            value[of(self.surfaces) == 0] = NO_DEPTH
+        return value.reshape(-1, self.width, value.shape[-1])
 
     def _settled(self, counts: np.ndarray, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Copies of counts (pixels,) and sums (pixels, channels) that belong together, while threads go on adding.
+        """Copies of counts (pixels, 1) and sums (pixels, channels) that belong together, while threads go on adding.
 
         Pixels whose count changed during the copy are read again; in the end at most the one pixel that each thread is
         at may be a sample apart.
         """
-        sums = sums.reshape(len(counts), -1)
         kept, values = counts.copy(), sums.copy()
         changed = np.flatnonzero(kept != counts)
         for _ in range(4):
@@ -104,7 +116,7 @@ class Film:
                 break
             kept[changed] = counts[changed]
             values[changed] = sums[changed]
-            changed = changed[kept[changed] != counts[changed]]
+            changed = changed[(kept[changed] != counts[changed])[:, 0]]
         return kept, values
 
     def replace_combined(self, color: np.ndarray) -> None:

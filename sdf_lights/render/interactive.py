@@ -18,6 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from . import effort
 from .denoise import denoise_film
 from .errors import RenderError
 from .film import Film
@@ -29,6 +30,10 @@ from .session import LARGEST_BATCH, choose_back_end
 FIRST_PICTURE, PUBLISH_INTERVAL, BATCH = 0.05, 0.15, 0.3
 # Pixels along one pixel of a coarse picture: most of all; where the speed is not known; from one to the next.
 COARSEST, UNKNOWN, REFINEMENT = 16, 8, 4
+# Pixels that are read between two looks for a newer scene.
+BAND = 1 << 16
+# Of a value in a picture: viewports hold half floats.
+GREATEST = 65000.0
 # Samples at which a picture is denoised for the first time; then at four times as many, and so on, and in the end.
 FIRST_DENOISING = 4
 
@@ -43,10 +48,10 @@ class Change(enum.IntEnum):
 
 @dataclasses.dataclass(frozen=True)
 class Picture:
-    """``pixels`` (height, width, RGBA) float32, scene-linear, premultiplied, row 0 at the bottom, of the frame's part
-    ``window`` (x0, y0, x1, y1), in pixels of a frame of ``size``; each pixel covers ``divider`` of those in both
-    directions. ``camera``: what was rendered. ``lamps``: whether SDF lamps that the camera sees are in it. ``number`` grows
-    from picture to picture."""
+    """``pixels`` (height, width, RGBA) float32, contiguous, scene-linear, premultiplied, no greater than half floats can
+    be, row 0 at the bottom, of the frame's part ``window`` (x0, y0, x1, y1), in pixels of a frame of ``size``; each pixel
+    covers ``divider`` of those in both directions. ``camera``: what was rendered. ``lamps``: whether SDF lamps that the
+    camera sees are in it. ``number`` grows from picture to picture."""
 
     pixels: np.ndarray
     window: tuple[int, int, int, int]
@@ -221,6 +226,7 @@ class InteractiveRender:
                 return
             first += count
             going_on = first < settings.samples and time.perf_counter() < deadline
+            effort.update(film, settings)
             if settings.noise_threshold > 0.0 and first >= settings.min_samples:
                 going_on = film.update_active(settings.noise_threshold) and going_on
             if settings.denoise and (not going_on or first >= self._next_denoising):
@@ -276,11 +282,18 @@ class InteractiveRender:
                 self.warnings.append(str(error))
 
     def _publish(self, scene: Scene, film: Film, divider: int = 1) -> None:
-        """Make the film's picture the latest one."""
+        """Make the film's picture the latest one. A large one is given up for a newer scene."""
+        pixels = np.empty((film.height, film.width, 4), np.float32)
+        rows = max(BAND // film.width, 1)
+        for row in range(0, film.height, rows):
+            if row and self._outdated():
+                return
+            band = slice(row, row + rows)
+            np.clip(film.read("Combined", band), -GREATEST, GREATEST, out=pixels[band])
         window = tuple(divider * edge for edge in film.window)
         number = self._picture.number + 1 if self._picture is not None else 1
         self._picture = Picture(
-            film.read("Combined"), window, (scene.width, scene.height), scene.camera, number, divider, film.samples,
+            pixels, window, (scene.width, scene.height), scene.camera, number, divider, film.samples,
             divider <= 1 or not self._without_lamps)
 
     def _at_resolution(self, scene: Scene, divider: int) -> tuple[Scene, Film]:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from .. import jit
+from . import effort
 from .errors import RenderError
 from .film import Film
 from .gpu.device import DeviceError
@@ -144,6 +145,7 @@ def _render(back_end, scene: Scene, passes: tuple[str, ...], cancelled, on_progr
         noise = film.noise() if first else None
         if not renderer.sample(first, count, stop, functools.partial(report, first, count, noise)):
             break
+        effort.update(film, settings)
         if settings.noise_threshold > 0.0 and first + count >= settings.min_samples:
             if not film.update_active(settings.noise_threshold):
                 break

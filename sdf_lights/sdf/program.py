@@ -26,6 +26,8 @@ import enum
 
 import numpy as np
 
+from ..affine import inverse
+
 INSTRUCTION = np.dtype([
     ("op", np.int64), ("arity", np.int64), ("inverse", np.float64, (3, 4)), ("parameters", np.float64, (4,))])
 
@@ -58,7 +60,7 @@ def primitive(op: Op, matrix: np.ndarray, parameters: tuple[float, ...]) -> np.n
     row = np.zeros(1, INSTRUCTION)
     row["op"] = op
     try:
-        row["inverse"] = np.linalg.inv(matrix)[:3]
+        row["inverse"] = inverse(matrix)[:3]
     except np.linalg.LinAlgError:
         raise NoClosedForm(f"The transform of a {op.name.lower()} has no inverse.") from None
     row["parameters"][0, :len(parameters)] = parameters

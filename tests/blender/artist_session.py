@@ -1,69 +1,22 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What test_artist runs in a Blender with a window: an artist adds a lamp, edits it, builds a node tree, mends a mistake.
+"""What test_artist runs in a Blender with a window: an artist adds a lamp, edits it, builds a node tree,
+mends a mistake."""
 
-    blender --factory-startup --enable-event-simulate --python artist_session.py -- REPORT.json [PICTURES]
-
-Keys and the mouse are simulated. The report says what was seen at each step; judging it is the test's part. Into the
-folder PICTURES go screenshots, taken by ImageMagick's `import`: Blender's own are black without a graphics card.
-"""
-
-import json
-import os
 import pathlib
-import subprocess
 import sys
-import traceback
 
 import bpy
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender.lamp import shape_of  # noqa: E402
 from sdf_lights.blender.nodes import reading  # noqa: E402
+from window import ARGUMENTS, areas, inside, move, override, picture, press, region_of, report, run, typed  # noqa: E402
 
-REPORT, *PICTURES = sys.argv[sys.argv.index("--") + 1:]
-KEYS = {" ": "SPACE", "\n": "RET", "\b": "BACK_SPACE"}
-report: dict = {}
-
-
-def window():
-    return bpy.context.window_manager.windows[0]
-
-
-def areas(kind):
-    return sorted((area for area in window().screen.areas if area.type == kind), key=lambda area: area.y)
-
-
-def override(area):
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    return bpy.context.temp_override(window=window(), area=area, region=region)
-
-
-def move_to(area, across=0.4, up=0.5):
-    place = dict(x=int(area.x + across * area.width), y=int(area.y + up * area.height))
-    window().event_simulate(type="MOUSEMOVE", value="NOTHING", **place)
-    return place
-
-
-def press(place, key, **modifiers):
-    window().event_simulate(type=key, value="PRESS", **place, **modifiers)
-    window().event_simulate(type=key, value="RELEASE", **place, **modifiers)
-
-
-def typed(place, text):
-    for letter in text:
-        key = KEYS.get(letter, letter.upper())
-        unicode = {} if letter in "\n\b" else dict(unicode=letter)
-        window().event_simulate(type=key, value="PRESS", **place, **unicode)
-        window().event_simulate(type=key, value="RELEASE", **place)
-
-
-def picture(name):
-    if PICTURES:
-        bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
-        subprocess.run(["import", "-window", "root", str(pathlib.Path(PICTURES[0]) / f"{name}.png")], check=True)
+PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
 
 
 def lamp():
@@ -75,7 +28,7 @@ def tree():
 
 
 def steps():
-    """The session; each ``yield`` lets Blender work on the events."""
+    addon.register()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     bpy.context.scene.render.engine = "SDF_LIGHTS"
@@ -85,10 +38,10 @@ def steps():
     yield
 
     # Shift-A in the 3D view, and the name of a shape.
-    place = move_to(view)
+    place = move(inside(view, 0.4))
     press(place, "A", shift=True)
     yield
-    picture("add_menu")
+    picture(PICTURES, "add_menu")
     typed(place, "box frame")
     yield
     typed(place, "\n")
@@ -102,21 +55,20 @@ def steps():
     report["shape"] = lamp().shape
 
     # Undo and redo by keys.
-    place = move_to(view)
+    place = move(inside(view, 0.4))
     press(place, "Z", ctrl=True)
     yield
     yield
     report["undone"] = len(bpy.context.scene.objects)
-    press(move_to(view), "Z", ctrl=True, shift=True)
+    press(move(inside(view, 0.4)), "Z", ctrl=True, shift=True)
     yield
     yield
     report["redone"] = [obj.data.sdf_lamp.shape for obj in bpy.context.scene.objects]
 
-    sidebar = next(region for region in view.regions if region.type == "UI")
-    sidebar.active_panel_category = "SDF Lights"
+    region_of(view, "UI").active_panel_category = "SDF Lights"
     bpy.context.object.data.sdf_lamp.box_frame.thickness = 0.08
     yield
-    picture("sidebar")
+    picture(PICTURES, "sidebar")
     yield
 
     # An expression with a mistake in it, mended.
@@ -129,8 +81,8 @@ def steps():
         bpy.ops.sdf_lights.expression_show()
     report["line"] = text.current_line_index, text.current_character
     yield
-    picture("mistake")
-    place = move_to(areas("TEXT_EDITOR")[0])
+    picture(PICTURES, "mistake")
+    place = move(inside(areas("TEXT_EDITOR")[0], 0.4))
     text.cursor_set(1, character=14)
     typed(place, "h")
     yield
@@ -141,7 +93,7 @@ def steps():
 
     # To nodes, and one more node by Shift-A and search.
     with override(view):
-        bpy.ops.screen.area_split(direction="HORIZONTAL", factor=0.5)
+        bpy.ops.screen.area_split(direction="HORIZONTAL", factor=0.55)
     yield
     editor = areas("VIEW_3D")[0]
     editor.ui_type = "SDFLIGHTS_NodeTree"
@@ -156,11 +108,11 @@ def steps():
         bpy.ops.node.view_all()
     yield
     yield
-    picture("nodes")
-    place = move_to(editor, 0.5, 0.2)
+    picture(PICTURES, "nodes")
+    place = move(inside(editor, 0.5, 0.2))
     press(place, "A", shift=True)
     yield
-    picture("nodes_add")
+    picture(PICTURES, "nodes_add")
     typed(place, "torus knot")
     yield
     typed(place, "\n")
@@ -181,7 +133,7 @@ def steps():
     report["mistake"] = [problem for _, problem in reading.problems_of(tree())]
     yield
     yield
-    picture("nodes_mistake")
+    picture(PICTURES, "nodes_mistake")
     tree().nodes.remove(vector)
     yield
     report["groups"] = _grouped(editor)
@@ -206,19 +158,5 @@ def _grouped(editor):
     return [made.bl_idname, len(made.outputs), inside, outside]
 
 
-def run(session=steps()):
-    try:
-        next(session)
-        return 0.6
-    except StopIteration:
-        pass
-    except Exception:
-        report["error"] = traceback.format_exc()
-    pathlib.Path(REPORT).write_text(json.dumps(report), encoding="utf-8")
-    sys.stdout.flush()
-    os._exit(0)  # quitting asks about unsaved work
-
-
-bpy.context.preferences.view.show_splash = False
-addon.register()
-bpy.app.timers.register(run, first_interval=2.0)
+if __name__ == "__main__":
+    run(steps())

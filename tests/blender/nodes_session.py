@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What test_artist_nodes runs in a Blender with a window (see window.py): an artist in the node editor."""
+"""What test_artist_nodes runs in a Blender with a window: an artist in the node editor."""
 
 import pathlib
 import sys
@@ -8,13 +8,16 @@ import sys
 import bpy
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
-from window import (  # noqa: E402  (found on the path set above)
-    areas, drag, event, inside, move, override, picture, press, region, report, run, socket_place, typed)
-
+import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender.lamp import pattern_of, shape_of  # noqa: E402
-from sdf_lights.blender.nodes import reading  # noqa: E402
+from sdf_lights.blender.nodes import link_search, reading  # noqa: E402
+from window import (  # noqa: E402
+    ARGUMENTS, areas, drag, event, inside, move, override, picture, press, region_of, report, run, typed)
+
+PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
 
 
 def lamp():
@@ -33,10 +36,24 @@ def radius():
 def node_place(area, node, down=8.0):
     """A place on the head of a node in the window."""
     scale = bpy.context.preferences.system.ui_scale
-    there = region(area)
+    there = region_of(area)
     x, y = there.view2d.view_to_region(
         (node.location.x + 0.6 * node.width) * scale, (node.location.y - down) * scale, clip=False)
     return there.x + x, there.y + y
+
+
+def socket_place(area, socket):
+    """Where a socket of a node is in the window; found as Blender does, because Python does not know."""
+    node, region = socket.node, region_of(area)
+    scale = bpy.context.preferences.system.ui_scale
+    x = node.location.x + (node.width if socket.is_output else 0.0)
+    for down in range(-10, 600, 4):
+        place = region.view2d.view_to_region(x * scale, (node.location.y - down) * scale, clip=False)
+        with override(area):
+            hit = link_search.socket_at(socket.id_data, place)
+        if hit == socket:
+            return region.x + place[0], region.y + place[1] - 6
+    raise LookupError(f"{node.name} {socket.name}")
 
 
 def select(tree, *nodes):
@@ -50,6 +67,7 @@ def input_of(node, identifier):
 
 
 def steps():
+    addon.register()
     for name in ("Cube", "Light"):
         bpy.data.objects.remove(bpy.data.objects[name])
     bpy.context.scene.render.engine = "SDF_LIGHTS"
@@ -79,7 +97,7 @@ def steps():
     start, empty = socket_place(editor, emission), inside(editor, 0.45, 0.2)
     yield from drag(start, empty)
     yield
-    picture("link_search")
+    picture(PICTURES, "link_search")
     typed(empty, "color ramp")
     yield
     typed(empty, "\n")
@@ -136,12 +154,13 @@ def steps():
     report["colours"] = np.round(pattern_of(lamp()).placed(shape_of(lamp())).evaluate(
         np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]])), 3).tolist()
     report["problems"] = problems(tree)
-    picture("node_emission", editor)
 
     # A muted node passes its shape on; M again brings it back. The lamp is twice as large by a Scale node.
     scale = next(node for node in tree.nodes if node.bl_label == "Scale")
     scale.value_factor = (2.0, 2.0, 2.0)
     tree.links.new(scale.outputs[0], input_of(end, "shape"))
+    yield
+    picture(PICTURES, "node_emission", editor)
     report["radius"] = [radius()]
     for _ in range(2):
         select(tree, scale)
@@ -191,7 +210,7 @@ def steps():
     with override(editor):
         bpy.ops.node.view_all()
     yield 1.0
-    picture("node_mistakes", editor)
+    picture(PICTURES, "node_mistakes", editor)
     report["mistakes"] = sorted(problems(tree))
     tree.nodes.remove(vector)
     empty_object = bpy.data.objects.new("Empty", None)

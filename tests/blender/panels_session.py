@@ -1,21 +1,25 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What test_artist_panels runs in a Blender with a window (see window.py): an artist in the sidebar of the 3D view."""
+"""What test_artist_panels runs in a Blender with a window: an artist in the sidebar of the 3D view."""
 
 import pathlib
 import sys
 
 import bpy
-from mathutils import Vector
+from mathutils import Euler, Vector
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
-from window import (  # noqa: E402  (found on the path set above)
-    addon, areas, button, drag, event, inside, move, override, picture, press, region, report, run, typed, until)
+import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
+from sdf_lights.blender import preset_browser, viewport  # noqa: E402
+from sdf_lights.blender.viewport import rendered as rendered_views  # noqa: E402
+from window import (  # noqa: E402
+    ARGUMENTS, areas, button_of, drag, event, inside, move, on_screen, override, picture, press, region_of, report, run,
+    typed, until)
 
-from bpy_extras.view3d_utils import location_3d_to_region_2d  # noqa: E402
-
-from sdf_lights.blender import preset_browser  # noqa: E402
+PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
+PATIENCE = 20.0
 
 
 def thicknesses():
@@ -23,11 +27,32 @@ def thicknesses():
         bpy.context.scene.objects, key=lambda obj: obj.name)]
 
 
-def on_screen(area, place):
-    """Where a point of the scene is in the window."""
-    there = region(area)
-    x, y = location_3d_to_region_2d(there, area.spaces.active.region_3d, Vector(place))
-    return there.x + x, there.y + y
+def is_drawn():
+    """Whether all lamps are drawn as they are."""
+    return not viewport._overlay.finder.busy and not any(viewport._overlay._labels.values())
+
+
+def rendered(view):
+    """Steps to a picture of Rendered shading."""
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    with override(view):
+        bpy.ops.mesh.primitive_plane_add(size=8.0)
+        bpy.ops.mesh.primitive_monkey_add(size=1.2, location=(1.1, 0.3, 0.6), rotation=(-0.6, 0.0, 0.5))
+        bpy.ops.object.shade_smooth()
+        bpy.ops.sdf_lights.lamp_add(source="PRESET", preset="NEON_HEART", location=(-0.9, 0.4, 0.9))
+    bpy.context.object.rotation_euler.z = 0.3
+    bpy.context.scene.world = None
+    space = view.spaces.active
+    space.region_3d.view_perspective, space.region_3d.view_distance = "PERSP", 6.0
+    space.region_3d.view_location = 0.0, 0.0, 0.7
+    space.region_3d.view_rotation = Euler((1.25, 0.0, 0.35)).to_quaternion()
+    bpy.context.scene.sdf_lights.viewport.samples = 256
+    space.shading.type = "RENDERED"
+    yield from until(lambda: any(found._render.finished for found in rendered_views._running))
+    yield
+    picture(PICTURES, "rendered", view)
+    space.shading.type = "SOLID"
 
 
 def traces():
@@ -48,15 +73,16 @@ def traces():
 
 
 def steps():
+    addon.register()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     bpy.context.scene.render.engine = "SDF_LIGHTS"
     view = areas("VIEW_3D")[0]
-    press(inside(view), "N")
+    press(inside(view, 0.4), "N")
     yield
     yield 1.0  # the tabs are known once they are drawn
     report["sidebar by N"] = view.spaces.active.show_region_ui
-    region(view, "UI").active_panel_category = "SDF Lights"
+    region_of(view, "UI").active_panel_category = "SDF Lights"
     with override(view):
         for x in (0.0, 1.5, 3.0):
             bpy.ops.sdf_lights.lamp_add(shape="BOX_FRAME", location=(x, 0.0, 0.0))
@@ -69,7 +95,7 @@ def steps():
     active = bpy.context.object
     path = f'bpy.data.lights["{active.data.name}"].sdf_lamp.box_frame.thickness'
     report["before"] = thicknesses()
-    place = yield from button(view, path)
+    place = yield from button_of(view, path)
     report["button"] = place is not None
     event("WHEELUPMOUSE", "PRESS", place, ctrl=True)
     yield
@@ -84,23 +110,23 @@ def steps():
     press(place, "I")
     yield
     report["animated"] = active.data.animation_data is not None
-    picture("sidebar", view)
+    picture(PICTURES, "sidebar", view)
 
     # Linked and single duplicates, deletion and undo, by keys.
     for obj in bpy.data.objects:
         obj.select_set(obj == active)
-    there = inside(view)
+    there = inside(view, 0.4)
     press(there, "D", alt=True)
     yield
     typed(there, "\n")
     yield
-    yield from until(lambda: len(bpy.data.objects) == 4)
+    yield from until(lambda: len(bpy.data.objects) == 4, PATIENCE)
     report["linked"] = len(bpy.data.objects), active.data.users
     press(there, "DEL")
-    yield from until(lambda: len(bpy.data.objects) == 3)
+    yield from until(lambda: len(bpy.data.objects) == 3, PATIENCE)
     report["deleted"] = len(bpy.data.objects)
     press(there, "Z", ctrl=True)
-    yield from until(lambda: len(bpy.data.objects) == 4)
+    yield from until(lambda: len(bpy.data.objects) == 4, PATIENCE)
     report["back"] = len(bpy.data.objects)
 
     # By keys alone: Shift A, a name, and the panel of what was done by F9.
@@ -109,12 +135,12 @@ def steps():
     typed(there, "torus knot")
     yield
     typed(there, "\n")
-    yield from until(lambda: len(bpy.data.objects) == 5)
+    yield from until(lambda: len(bpy.data.objects) == 5, PATIENCE)
     report["added"] = bpy.context.object.data.sdf_lamp.shape
     report["redo"] = bpy.context.window_manager.operators[-1].bl_idname
     press(there, "F9")
     yield 1.0
-    picture("redo_panel")
+    picture(PICTURES, "redo_panel")
     press(there, "ESC")
     yield
     with override(view):
@@ -133,7 +159,7 @@ def steps():
     ahead = (tip[0] + 40.0, tip[1])
     move(ahead)
     yield
-    picture("arrows", view)
+    picture(PICTURES, "arrows", view)
     yield from drag(ahead, (ahead[0] + far[0] - tip[0], ahead[1]))
     yield
     report["dragged"] = ball.data.sdf_lamp.sphere.radius / radius
@@ -142,29 +168,36 @@ def steps():
     # A mistake in one line.
     ball.data.sdf_lamp.source = "EXPRESSION"
     ball.data.sdf_lamp.expression = "box(0.5) - spere(0.6)"
+    move(inside(view, 0.4, 0.8))  # where no button tells what it is for
     yield 1.0
-    picture("expression_error", view)
+    yield from until(is_drawn)
+    picture(PICTURES, "expression_error", view)
 
     # Presets: a click on the picture opens all of them.
     ball.data.sdf_lamp.source = "PRIMITIVE"
     bpy.context.window_manager.sdf_lights_preset = "CAMPFIRE"
     report["presets"] = len(preset_browser.items())
+    for thumbnail in preset_browser._pictures.values():
+        tuple(thumbnail.image_size)  # Blender loads it for the answer, and otherwise once it is shown
     bpy.context.view_layer.objects.active = None
     yield 1.0
-    picture("presets", view)
-    there = region(view, "UI")
+    picture(PICTURES, "presets", view)
+    there = region_of(view, "UI")
     place = there.x + 0.45 * there.width, there.y + there.height - 170
     press(move(place), "LEFTMOUSE")
     yield 2.0
-    picture("preset_browser")
+    picture(PICTURES, "preset_browser")
     press(place, "ESC")
     yield
+
+    if PICTURES:
+        yield from rendered(view)
 
     # At twice the size of everything.
     bpy.context.view_layer.objects.active = ball
     bpy.context.preferences.view.ui_scale = 2.0
     yield 2.0
-    picture("twice_the_size")
+    picture(PICTURES, "twice_the_size")
     bpy.context.preferences.view.ui_scale = 1.0
     yield
 

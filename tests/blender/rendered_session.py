@@ -13,7 +13,6 @@ import time
 
 import bpy
 import numpy as np
-from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
@@ -21,7 +20,7 @@ sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender.viewport import rendered  # noqa: E402
 from window import (  # noqa: E402
-    ARGUMENTS, Eye, areas, move_to, override, press, region_of, report, run, threads, until, window)
+    ARGUMENTS, Eye, areas, drag, inside, move, on_screen, override, press, region_of, report, run, threads, until)
 
 MOVES, UNDOS = 20, 200
 LAMP, FLOOR = (0.0, 0.0, 0.6), (0.9, -0.9, 0.0)  # places that the eye looks at
@@ -105,13 +104,9 @@ def session():
 
 def clicked():
     """Click on the floor, then on the body of the lamp beside its icon, then on the floor with Shift."""
-    area = areas()[0]
-    region = region_of(area)
     report["clicked"] = []
     for place, shift in ((FLOOR, False), ((LAMP[0] + 0.3, LAMP[1], LAMP[2]), False), (FLOOR, True)):
-        at = location_3d_to_region_2d(region, area.spaces.active.region_3d, place)
-        mouse = dict(x=int(region.x + at.x), y=int(region.y + at.y))
-        window().event_simulate(type="MOUSEMOVE", value="NOTHING", **mouse)
+        mouse = move(on_screen(areas()[0], place))
         yield 0.3
         press(mouse, "LEFTMOUSE", shift=shift)
         yield 1.0
@@ -123,14 +118,8 @@ def orbited(eye):
     """Drag with the middle button, in steps, while the render starts anew at each."""
     area = areas()[0]
     before = np.array(area.spaces.active.region_3d.view_matrix)
-    place, numbers = move_to(area), [picture().number]
-    window().event_simulate(type="MIDDLEMOUSE", value="PRESS", **place)
-    for step in range(30):
-        yield 0.05
-        place["x"] += 4
-        window().event_simulate(type="MOUSEMOVE", value="NOTHING", **place)
-        numbers.append(picture().number)
-    window().event_simulate(type="MIDDLEMOUSE", value="RELEASE", **place)
+    start, numbers = inside(area), [picture().number]
+    yield from drag(start, (start[0] + 120.0, start[1]), "MIDDLEMOUSE", 30, lambda: numbers.append(picture().number))
     yield from until(is_sampled)
     yield 0.5
     after = np.array(area.spaces.active.region_3d.view_matrix)
@@ -152,7 +141,7 @@ def undone_and_redone(eye):
             bpy.ops.ed.undo_push(message=f"Move {step}")
         yield 0.02
     yield from until(is_sampled)
-    place = move_to(areas()[0])
+    place = move(inside(areas()[0]))
     positions, most, while_rendering = [], 0, 0
     for turn in range(UNDOS):
         backwards = turn // MOVES % 2 == 0

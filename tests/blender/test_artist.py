@@ -2,27 +2,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An artist's session in Blender's window: see artist_session.py."""
 
-import json
 import pathlib
-import subprocess
 
 import pytest
+from sessions import seen_by
 
 SESSION = pathlib.Path(__file__).with_name("artist_session.py")
 
 
 @pytest.fixture(scope="module")
 def seen(blender_command, tmp_path_factory):
-    path = tmp_path_factory.mktemp("artist") / "report.json"
-    done = subprocess.run(
-        [*blender_command, "--factory-startup", "--enable-event-simulate", "--window-geometry", "0", "0", "1200", "800",
-         "--python", str(SESSION), "--", str(path)],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900)
-    assert path.is_file(), f"Blender ended with code {done.returncode}:\n{done.stdout}"
-    found = json.loads(path.read_text(encoding="utf-8"))
-    assert "error" not in found, found["error"] + done.stdout
-    assert "Traceback" not in done.stdout, done.stdout
-    return found
+    return seen_by(blender_command, SESSION, tmp_path_factory.mktemp("artist"), size=(1200, 800))
 
 
 @pytest.mark.gui

@@ -6,9 +6,9 @@ import pathlib
 
 import bpy
 import pytest
+from sessions import seen_by
 
 from sdf_lights.blender.nodes import groups, link_search, reading, tree, writing
-from tests.blender.gui import seen_by
 
 SESSION = pathlib.Path(__file__).with_name("nodes_session.py")
 

@@ -6,7 +6,7 @@ import pathlib
 
 import pytest
 
-from tests.blender.gui import seen_by
+from sessions import seen_by
 
 SESSION = pathlib.Path(__file__).with_name("panels_session.py")
 

@@ -2,35 +2,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The path tracer in a viewport of a Blender with a window, while artists go on working."""
 
-import json
-import os
 import pathlib
 import subprocess
 
 import numpy as np
 import pytest
+from sessions import seen_by
 
 SESSION, ESCAPE = (pathlib.Path(__file__).with_name(f"{name}_session.py") for name in ("rendered", "escape"))
 
 pytestmark = pytest.mark.gui
 
 
-def ran(blender_command, session: pathlib.Path, folder: pathlib.Path, *options: str) -> dict:
-    """The report of a session."""
-    path = folder / "report.json"
-    done = subprocess.run(
-        [*blender_command, "--factory-startup", "--window-geometry", "0", "0", "800", "540", *options, "--python",
-         str(session), "--", str(path), str(folder / "saved.blend")],
-        env=os.environ, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900)
-    assert path.is_file(), f"Blender ended with code {done.returncode}:\n{done.stdout}"
-    report = json.loads(path.read_text(encoding="utf-8"))
-    assert "traceback" not in report, report["traceback"] + done.stdout
-    return report | {"code": done.returncode, "printed": done.stdout}
+SIZE = 800, 540
 
 
 @pytest.fixture(scope="module")
 def seen(blender_command, tmp_path_factory) -> dict:
-    return ran(blender_command, SESSION, tmp_path_factory.mktemp("rendered"), "--enable-event-simulate")
+    folder = tmp_path_factory.mktemp("rendered")
+    return seen_by(blender_command, SESSION, folder, str(folder / "saved.blend"), size=SIZE)
 
 
 def test_the_lamp_is_seen_and_lights_the_floor(seen):
@@ -97,7 +87,7 @@ def test_escape_cancels_the_final_render_and_keeps_its_picture(blender_command, 
         [*blender_command, "--background", "--python-expr", has_xdotool], capture_output=True, text=True)
     if "xdotool: /" not in said.stdout:
         pytest.skip("there is no xdotool to press Esc with")
-    found = ran(blender_command, ESCAPE, tmp_path)
+    found = seen_by(blender_command, ESCAPE, tmp_path, size=SIZE, real_keys=True)
     assert found["renders"]
     assert found["seconds"] < 10.0
     height, width, brightest = found["picture"]
@@ -111,7 +101,6 @@ def test_a_saved_file_renders_as_before(seen):
 
 def test_nothing_went_wrong(seen):
     assert seen["failures"] == {} and seen["errors"] == []
-    assert "Traceback" not in seen["printed"], seen["printed"]
 
 
 def test_blender_ends_in_the_middle_of_a_render(seen):

@@ -2,13 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamps and renders in the viewport of a Blender with a window."""
 
-import json
-import os
 import pathlib
-import subprocess
 
 import numpy as np
 import pytest
+from sessions import seen_by
 
 SESSION = pathlib.Path(__file__).with_name("viewport_session.py")
 
@@ -18,15 +16,7 @@ pytestmark = pytest.mark.gui
 @pytest.fixture(scope="module")
 def seen(blender_command, tmp_path_factory) -> dict:
     """The report of ``viewport_session.py``."""
-    folder = tmp_path_factory.mktemp("viewport")
-    path = folder / "report.json"
-    done = subprocess.run(
-        [*blender_command, "--factory-startup", "--window-geometry", "0", "0", "900", "600", "--python", str(SESSION), "--", str(path)],
-        env=os.environ, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900)
-    assert path.is_file(), f"Blender ended with code {done.returncode}:\n{done.stdout}"
-    report = json.loads(path.read_text(encoding="utf-8"))
-    assert "traceback" not in report, report["traceback"] + done.stdout
-    return report | {"code": done.returncode, "printed": done.stdout}
+    return seen_by(blender_command, SESSION, tmp_path_factory.mktemp("viewport"), size=(900, 600))
 
 
 @pytest.mark.parametrize("shading", ["SOLID", "WIREFRAME", "RENDERED"])
@@ -56,4 +46,3 @@ def test_threads_end_when_nobody_looks(seen):
 
 def test_blender_ends_in_the_middle_of_a_render(seen):
     assert seen["code"] == 0
-    assert "Traceback" not in seen["printed"]

@@ -1,76 +1,24 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What test_viewport_gui runs in a Blender with a window: lamps in the viewport, and renders in it that are interrupted.
+"""What test_viewport_gui runs in a Blender with a window: lamps in the viewport, and renders in it that are
+interrupted."""
 
-    blender --factory-startup --python viewport_session.py -- REPORT.json
-
-The report says what was seen at each step; judging it is the test's part.
-"""
-
-import json
 import pathlib
 import sys
-import threading
-import time
-import traceback
 
 import bpy
-import gpu
-import numpy as np
 
-REPORT = pathlib.Path(sys.argv[sys.argv.index("--") + 1])
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
-
-from bpy_extras.view3d_utils import location_3d_to_region_2d  # noqa: E402
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
+from window import Eye, areas, override, report, run, threads, until  # noqa: E402
 
-PATIENCE = 120.0
 UNDOS = 20
-report: dict = {}
-
-
-def area():
-    return next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
-
-
-def region():
-    return next(region for region in area().regions if region.type == "WINDOW")
 
 
 def space():
-    return area().spaces.active
-
-
-def override():
-    return bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area(), region=region())
-
-
-def threads() -> list[str]:
-    return sorted(thread.name for thread in threading.enumerate() if thread.name == "SDF Lights: viewport")
-
-
-class Eye:
-    """Reads colours of the viewport, scene-linear, with all that was drawn before colour management.
-
-    Blender's own screenshots are black where there is no graphics card.
-    """
-
-    def __init__(self):
-        self.buffer, self.color = None, [0.0, 0.0, 0.0]
-        add = bpy.types.SpaceView3D.draw_handler_add
-        add(self.before, (), "WINDOW", "PRE_VIEW")
-        add(self.after, (), "WINDOW", "POST_PIXEL")
-        self.place = (0.0, 0.0, 0.0)
-
-    def before(self):
-        self.buffer = gpu.state.active_framebuffer_get()
-
-    def after(self):
-        at = location_3d_to_region_2d(bpy.context.region, bpy.context.region_data, self.place)
-        values = self.buffer.read_color(int(at.x) - 2, int(at.y) - 2, 5, 5, 4, 0, "FLOAT")
-        values.dimensions = 100
-        self.color = np.array(values).reshape(25, 4)[:, :3].mean(axis=0).tolist()
+    return areas()[0].spaces.active
 
 
 def lamp(name, shape, location, **parameters):
@@ -90,21 +38,13 @@ def rendered():
     return next(iter(rendered._running), None)
 
 
-def until(condition):
-    """Steps that wait for something; raises if it does not come."""
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"waited in vain, line {sys._getframe(1).f_back.f_lineno}")
-        yield 0.05
-
-
 def has_samples(least=1):
     view = rendered()
     return view is not None and view._render.picture is not None and view._render.picture.samples >= least
 
 
 def session():
+    addon.register()
     scene = bpy.context.scene
     for obj in list(scene.objects):
         bpy.data.objects.remove(obj)
@@ -116,8 +56,7 @@ def session():
     place = tuple(red.location + red.matrix_world.to_3x3().col[0] * 0.3)
     scene.sdf_lights.device = "REFERENCE"  # machine code may have to be compiled first
     space().overlay.show_extras = False
-    eye = Eye()
-    eye.place = place
+    eye = Eye(place)
     bpy.ops.ed.undo_push(message="Start")
 
     # -- the proxy
@@ -126,11 +65,11 @@ def session():
         space().shading.type = shading
         scene.sdf_lights_overlay.show_lamps = False
         yield 1.5
-        report[f"{shading} without"] = base = eye.color
+        report[f"{shading} without"] = base = eye.color()
         scene.sdf_lights_overlay.show_lamps = True
-        yield from until(lambda: abs(eye.color[0] - base[0]) > 0.05)
+        yield from until(lambda: abs(eye.color()[0] - base[0]) > 0.05)
         yield 0.5
-        report[f"{shading} with"] = eye.color
+        report[f"{shading} with"] = eye.color()
     from sdf_lights.blender.viewport import proxy_error
 
     report["error"] = proxy_error(red.data)
@@ -144,7 +83,7 @@ def session():
     space().shading.type = "RENDERED"
     yield from until(has_samples)
     yield 0.5
-    report["RENDERED path traced"] = eye.color
+    report["RENDERED path traced"] = eye.color()
     report["threads"] = threads()
 
     before = rendered()._render.picture
@@ -180,7 +119,7 @@ def session():
     report["threads after a change of shading"] = threads()
     space().shading.type = "RENDERED"
     yield from until(threads)
-    area_of_view = area()
+    area_of_view = areas()[0]
     area_of_view.type = "TEXT_EDITOR"
     yield 1.0
     report["threads after the area has changed"] = threads()
@@ -198,30 +137,5 @@ def session():
     yield from until(threads)
 
 
-def finish():
-    REPORT.write_text(json.dumps(report), encoding="utf-8")
-    sys.stdout.flush()
-    # With a render under way: its threads must not keep Blender from ending.
-    bpy.ops.wm.quit_blender()
-
-
-steps = session()
-
-
-def tick():
-    try:
-        known = len(report)
-        wait = next(steps)
-        if len(report) != known:
-            print(list(report.items())[known:], flush=True)
-        return wait
-    except StopIteration:
-        pass
-    except Exception:
-        report["traceback"] = traceback.format_exc()
-    finish()
-
-
-addon.register()
-bpy.context.preferences.view.show_splash = False
-bpy.app.timers.register(tick, first_interval=1.0, persistent=True)
+# With a render under way: its threads must not keep Blender from ending.
+run(session(), finish=bpy.ops.wm.quit_blender)

@@ -12,7 +12,7 @@ import pytest
 
 from sdf_lights.render.gpu import program
 from sdf_lights.render.gpu.device import Device, DeviceError, device
-from sdf_lights.render.gpu.layout import Tables
+from sdf_lights.render.gpu.tables import Tables
 from sdf_lights.render.gpu.translate import FLOAT, INT, Translator, Tuple, Value
 from sdf_lights.sdf import read_glsl
 

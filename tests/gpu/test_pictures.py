@@ -30,7 +30,7 @@ def pictures(renderer, name: str, sampling: LampSampling) -> dict[str, np.ndarra
     for seed in range(SEEDS):
         scene = scenes.SCENES[name](32, 24)
         scene.settings.seed, scene.settings.lamp_sampling = 100 + seed, sampling
-        scene.settings.indirect_paths = 1  # as on the GPU, with the same random numbers
+        scene.settings.indirect_paths, scene.settings.guided_samples = 1, False  # as on the GPU, with the same random numbers
         film = Film(scene, PASSES)
         back_end = renderer(scene, film, lambda: False, lambda text: None)
         assert back_end.sample(0, SAMPLES, lambda: False, lambda part: None)

@@ -2,14 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Who renders: the device that is asked for, and the CPU where the GPU cannot."""
 
+import dataclasses
+import time
+
 import numpy as np
 import pytest
 
 from sdf_lights import jit
 from sdf_lights.render import session
-from sdf_lights.render.gpu import renderer
+from sdf_lights.render.film import Film
+from sdf_lights.render.gpu import lamps, program, renderer
 from sdf_lights.render.gpu.device import DeviceError
 from sdf_lights.render.settings import Device
+from sdf_lights.sdf.expression import Expression
 from tests import scenes
 from tests.gpu.support import device_or_skip
 
@@ -59,6 +64,76 @@ def test_the_cpu_takes_over_in_the_middle(monkeypatch):
     monkeypatch.setattr(renderer.GpuRenderer, "sample", sample)
     scene, film = render(Device.GPU)
     assert film.made_by == "CPU" and (film.count == 4).all() and len(scene.warnings) == 1
+
+
+def lit_by(expression: str):
+    """A room whose lamp has this shape."""
+    scene = scenes.SCENES["torus_room"](8, 6)
+    scene.settings.device = Device.GPU
+    scene.lamps = [dataclasses.replace(scene.lamps[0], shape=Expression(expression).shape())]
+    return scene
+
+
+def balls(count: int) -> str:
+    return ", ".join(f"translate(sphere(0.05), {x:.3f}, 0, 0)" for x in np.linspace(-0.5, 0.5, count))
+
+
+def refusal(scene) -> str:
+    """What the GPU says of a scene that it does not render, before anything is compiled."""
+    with pytest.raises(DeviceError) as told:
+        program.GpuScene(scene, Film(scene, ())).source()
+    return str(told.value)
+
+
+def test_lamps_of_too_many_parts(monkeypatch):
+    monkeypatch.setattr(program, "MOST_ROWS", 30)
+    scene = lit_by(f"union({balls(20)})")
+    assert "has too many parts" in refusal(scene) and scene.lamps[0].name in refusal(scene)
+
+
+def test_formulas_that_are_too_long(monkeypatch):
+    monkeypatch.setattr(lamps, "MOST_NODES", 30)
+    assert "the formulas of the scene's lamps have" in refusal(lit_by(f"smooth_union({balls(3)}, 0.05)"))
+
+
+def test_a_program_that_does_not_compile(monkeypatch):
+    device_or_skip()
+    monkeypatch.setattr(program.GpuScene, "source", lambda self: "#version 430 core\nvoid main() { nonsense; }\n")
+    scene, film = render(Device.GPU, samples=1)
+    assert film.made_by == "CPU" and len(scene.warnings) == 1
+    assert "could not compile the scene's program" in scene.warnings[0] and "nonsense" in scene.warnings[0]
+
+
+@pytest.mark.parametrize("limit", ["largest_buffer", "largest_texture"])
+def test_scenes_that_are_too_large(monkeypatch, limit):
+    monkeypatch.setattr(device_or_skip(), limit, 1000)
+    scene, film = render(Device.GPU, samples=1)
+    assert film.made_by == "CPU" and len(scene.warnings) == 1 and " MB in one " in scene.warnings[0]
+
+
+def test_memory_that_is_not_there():
+    device = device_or_skip()
+    size = 1 << 50
+    with pytest.raises(DeviceError, match="no room for 1073741824 MB more"):
+        device.submit(lambda context: device.allocate(context, size, context.buffer, reserve=size)).result()
+    # The context goes on working.
+    _, film = render(Device.GPU, samples=1)
+    assert film.made_by != "CPU"
+
+
+def test_cancel_stops_within_half_a_second():
+    device_or_skip()
+    scene = scenes.SCENES["torus_room"](96, 72)
+    scene.settings.device, scene.settings.samples, scene.settings.max_bounces = Device.GPU, 4096, 12
+    deadline = np.inf
+
+    def on_progress(progress: session.Progress) -> None:
+        nonlocal deadline
+        if progress.samples and deadline == np.inf:
+            deadline = time.perf_counter() + 0.5  # dispatches have found their length by then
+
+    film = session.render(scene, (), lambda: time.perf_counter() > deadline, on_progress)
+    assert film.made_by != "CPU" and time.perf_counter() - deadline < 0.5
 
 
 def test_a_cancelled_render_keeps_what_it_has():

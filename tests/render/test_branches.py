@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.render import session
+from sdf_lights.render.settings import MOST_BRANCHES
 from sdf_lights.sdf.shapes import Torus
 from tests.scenes import (
     Instance, Lamp, Scene, camera, diffuse, material, quad, rotation, scaling, settings, sphere, translation)
@@ -58,7 +59,7 @@ def test_the_picture_does_not_depend_on_threads():
     assert np.array_equal(one.sums["combined"], many.sums["combined"])
 
 
-@pytest.mark.parametrize("bounces, least, most", [(0, 1.0, 1.0), (3, 2.0, 8.0)])
+@pytest.mark.parametrize("bounces, least, most", [(0, 1.0, 1.0), (3, 2.0, MOST_BRANCHES)])
 def test_branches_are_chosen_by_what_is_noisy(bounces, least, most):
     """Nothing divides where no light is scattered again."""
     scene = room(samples=32)

@@ -2,6 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Arguments of the benchmarks: what they become, and what is said where they are wrong."""
 
+import pathlib
+import subprocess
+import sys
+
 import pytest
 
 pytest.importorskip("bpy")
@@ -33,3 +37,9 @@ def test_a_name_that_is_not_known_gets_the_known_ones(arguments, sentence, capsy
     with pytest.raises(SystemExit):
         bench.parse(arguments)
     assert sentence in capsys.readouterr().err
+
+
+def test_it_starts_as_a_program():
+    program = pathlib.Path(bench.__file__)
+    run = subprocess.run([sys.executable, program, "all", "--help"], capture_output=True, text=True, cwd=program.root)
+    assert run.returncode == 0 and "usage: bench" in run.stdout, run.stderr

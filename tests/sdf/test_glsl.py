@@ -3,7 +3,7 @@
 """GLSL, run on the GPU or on Mesa's software renderer, against NumPy: every operation, loop and shape.
 
 Within float32 of NumPy means: the value is inside the bounds that interval arithmetic gives when every single operation
-may be as wrong as ``GLSL`` says. So the tolerance is that of the formula at that point: narrow where it is well
+may be as wrong as ``glsl.PRECISION`` says. So the tolerance is that of the formula at that point: narrow where it is well
 conditioned, wide where large terms cancel, and both sides of a jump where rounding can fall on either.
 """
 
@@ -20,14 +20,6 @@ from tests.sdf import samples
 
 x, y, z = f.POINT
 
-# The OpenGL Shading Language 4.60, section 4.7.1: + − · are rounded correctly, / is within 2.5 ulps, √ within 4.5, log
-# within 3 or 2^-21, exp within 3 + 2 |x|. It says nothing of sin and cos; drivers reduce large angles as well as
-# float32 can, and are within 2^-20 (NVIDIA: 2^-21). Helpers of ``read_glsl`` are within 4 ulps.
-_ULP = 2.0**-23
-GLSL = read_interval.Precision(np.float32, basic=4.5 * _ULP, library=4.0 * _ULP, sine=2.0**-20, logarithm=2.0**-21,
-                               exponent=2.0 * _ULP, tiny=2.0**-126)
-
-
 def _points(count: int = 300) -> np.ndarray:
     rng = np.random.default_rng(1)
     points = rng.normal(size=(count, 3)) * 10.0 ** rng.uniform(-3, 1, (count, 1))
@@ -39,13 +31,13 @@ def _points(count: int = 300) -> np.ndarray:
 def _check(formula, points, parameters=(), size: int = 1):
     """Compare at points that float32 holds."""
     points = points.astype(np.float32).astype(np.float64)
-    points[np.abs(points) < GLSL.tiny] = 0.0  # as GLSL may do
+    points[np.abs(points) < glsl.PRECISION.tiny] = 0.0  # as GLSL may do
     parts = (formula,) if size == 1 else tuple(formula)
     source = read_glsl.function(formula, "read")
     values = glsl.evaluate(source, "read", points, parameters, size).reshape(len(points), size).astype(np.float64)
     known = 0
     for part, found in zip(parts, values.T):
-        low, high = read_interval.enclose(part, points, points, parameters, GLSL)
+        low, high = read_interval.enclose(part, points, points, parameters, glsl.PRECISION)
         expected = read_numpy.evaluate(part, points, parameters)
         # What is undefined in exact arithmetic, or may be after rounding, can have any value.
         bounded = np.isfinite(expected) & (low > -np.inf) & (high < np.inf)
@@ -111,7 +103,7 @@ def test_distances_have_the_precision_of_float32(name):
     points = samples.points(shape, 2000).astype(np.float32).astype(np.float64)
     values = glsl.evaluate(read_glsl.function(shape.formula(), "field"), "field", points, shape.parameters())
     size = np.abs(points).max(axis=1) + np.abs(shape.parameters()).max()
-    assert (np.abs(values - shape.distance(points)) <= 4.0 * _ULP * size).all()
+    assert (np.abs(values - shape.distance(points)) <= 4.0 * glsl.ULP * size).all()
 
 
 @pytest.mark.parametrize("formula", [
@@ -146,11 +138,11 @@ def test_angles_are_those_of_numpy():
     directions[:8, :2] = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (-1, -1)]
     found = glsl.evaluate(read_glsl.function(f.apply("atan2", y, x), "read"), "read", directions)
     expected = np.arctan2(directions[:, 1].astype(float), directions[:, 0])
-    np.testing.assert_allclose(found, expected, rtol=4.0 * _ULP, atol=0.0)
+    np.testing.assert_allclose(found, expected, rtol=4.0 * glsl.ULP, atol=0.0)
     near_one = np.stack([1.0 - 10.0 ** np.linspace(-7, 0, 500)] * 3, axis=-1).astype(np.float32)
     for kind, function in (("asin", np.arcsin), ("acos", np.arccos), ("atan", np.arctan)):
         found = glsl.evaluate(read_glsl.function(f.apply(kind, x), "read"), "read", near_one)
-        np.testing.assert_allclose(found, function(near_one[:, 0].astype(float)), rtol=6.0 * _ULP, atol=0.0)
+        np.testing.assert_allclose(found, function(near_one[:, 0].astype(float)), rtol=6.0 * glsl.ULP, atol=0.0)
 
 
 def test_text():

@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ...affine import inverse
 from ...sdf.emission import EmissionExpression
 from ...sdf.expression import Expression
 from ...sdf.syntax import ExpressionError
@@ -55,7 +56,7 @@ class SDFLIGHTS_Node_object(ValueNode, bpy.types.Node):
             raise Broken("No object is chosen: choose one, for instance an empty")
         world = np.array([tuple(row) for row in self.object.matrix_world], np.float64)
         try:
-            matrix = np.linalg.solve(writer.owner, world)
+            matrix = inverse(writer.owner) @ world
         except np.linalg.LinAlgError:
             matrix = np.full((4, 4), np.nan)
         if not np.isfinite(matrix).all():

@@ -8,6 +8,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ...affine import inverse
 from ...render.errors import RenderError
 from ...render.scene import Camera, Projection
 from ..sync.camera import camera_of
@@ -43,7 +44,7 @@ def camera_from_matrices(view: np.ndarray, projection: np.ndarray) -> Camera:
     """The camera that has these matrices (4 × 4), as OpenGL has them. Raises RenderError where they say nothing."""
     if not np.isfinite([view, projection]).all() or abs(np.linalg.det(view)) < 1e-30:
         raise RenderError("The viewport's view is not finite: reset it with View > Frame All.")
-    matrix = np.linalg.inv(view)
+    matrix = inverse(view)
     matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)
     (a, b), (c, d) = projection[2:, 2:]
     near, far = (-(ndc * d - b) / (a - ndc * c) for ndc in (-1.0, 1.0))

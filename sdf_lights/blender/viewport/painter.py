@@ -17,6 +17,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
+from ...affine import inverse
 from ...render.scene import Lamp
 from ...sdf.emission import Emission, Placed
 from ...sdf.shapes import Shape
@@ -185,7 +186,7 @@ def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
     """The uniform block of a lamp: (vectors, 4) float32, in the order of ``shaders``."""
     lamp, facts = item.lamp, item.facts
     to_view = view.view @ lamp.matrix
-    from_view = np.linalg.inv(to_view)
+    from_view = inverse(to_view)
     extent = facts.high - facts.low
     numbers = _numbers(lamp)
     scale = emission_scale(lamp, facts) if varies(lamp.emission) else radiance_per_metre(lamp, facts)

@@ -13,6 +13,7 @@ import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d, region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Vector
 
+from ... import affine
 from ...render.errors import RenderError
 from ...render.scene import Lamp
 
@@ -24,7 +25,7 @@ _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 def entry(lamp: Lamp, origin: np.ndarray, direction: np.ndarray) -> float | None:
     """Distance along a ray, in lengths of ``direction``, at which it enters a lamp; None where it does not."""
-    inverse = np.linalg.inv(lamp.matrix)
+    inverse = affine.inverse(lamp.matrix)
     o, d = inverse[:3, :3] @ origin + inverse[:3, 3], inverse[:3, :3] @ direction
     low, high = lamp.shape.bounds()
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -124,9 +124,8 @@ class RenderedView:
 
     def _show(self, engine, picture: Picture, context, scene) -> None:
         if picture is not self.drawn:
-            pixels = np.ascontiguousarray(np.clip(picture.pixels, -65000.0, 65000.0), np.float32)
-            height, width = pixels.shape[:2]
-            data = gpu.types.Buffer("FLOAT", pixels.size, pixels.ravel())
+            height, width = picture.pixels.shape[:2]
+            data = gpu.types.Buffer("FLOAT", picture.pixels.size, picture.pixels.ravel())
             self._texture = picture, gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)
         width, height = picture.size
         x0, y0, x1, y1 = picture.window

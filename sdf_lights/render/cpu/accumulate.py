@@ -7,13 +7,14 @@ import math
 import numpy as np
 
 from ...jit import kernel, table
-from ..film import CHANNELS, DISCARDED, HALF_BIT, LEAST_SAMPLES, Film
-from .path import MOST_BRANCHES, sample_table
+from ..film import CHANNELS, DISCARDED, HALF_BIT, Film
+from .path import sample_table
 
 TABLES = {
     **{f"film_{name}": np.dtype(np.float64) for name in CHANNELS},
     "film_count": np.dtype(np.int32), "film_surfaces": np.dtype(np.int32), "film_active": np.dtype(np.uint8),
-    "film_discarded": np.dtype(np.int32), "film_direct": np.dtype(np.float64), "film_indirect": np.dtype(np.float64)}
+    "film_discarded": np.dtype(np.int32), "film_direct": np.dtype(np.float64), "film_indirect": np.dtype(np.float64),
+    "film_branches": np.dtype(np.int32), "film_rate": np.dtype(np.float64)}
 SCALARS = [("film_x", np.int64), ("film_y", np.int64), ("film_width", np.int64)]
 
 _combined = table("film_combined", np.float64)
@@ -31,14 +32,11 @@ _active = table("film_active", np.uint8)
 _discarded = table("film_discarded", np.int32)
 _direct = table("film_direct", np.float64)
 _indirect = table("film_indirect", np.float64)
+_branches = table("film_branches", np.int32)
+_rate = table("film_rate", np.float64)
 
 _KINDS = len(DISCARDED)
 _NAN, _INFINITE = range(_KINDS)
-
-START = 2  # branches, until the two halves of a pixel's samples tell how noisy they are
-# Time that a sample takes before its path divides, in surfaces that a branch meets. Measured: 3 with plain materials in the
-# open, less than 1 in a room of principled ones; too many branches cost more than too few.
-COST = 1.0
 
 
 def pack_film(film: Film) -> dict[str, np.ndarray]:
@@ -46,7 +44,8 @@ def pack_film(film: Film) -> dict[str, np.ndarray]:
     return {
         **{f"film_{name}": array for name, array in film.sums.items()}, "film_count": film.count,
         "film_surfaces": film.surfaces, "film_active": film.active, "film_discarded": film.discarded,
-        "film_direct": film.direct.ravel(), "film_indirect": film.indirect.ravel()}
+        "film_direct": film.direct.ravel(), "film_indirect": film.indirect.ravel(), "film_branches": film.branches,
+        "film_rate": film.rate}
 
 
 def film_scalars(film: Film) -> dict[str, int]:
@@ -98,17 +97,21 @@ def add_sample(block, workspace, pixel, index):
     sums[at + 1] += combined[1]
     sums[at + 2] += combined[2]
     sums[at + 3] += sample.alpha
-    direct, indirect = _direct(block), _indirect(block)
     whole = combined[0] + combined[1] + combined[2]
     before = sample.direct if sample.direct >= 0.0 else whole
-    direct[2 * pixel] += before
-    indirect[4 * pixel] += whole - before
+    direct, indirect = _direct(block), _indirect(block)
+    at = 3 * pixel
+    direct[at] += before
+    direct[at + 2] += whole * whole
     if index & HALF_BIT:
-        direct[2 * pixel + 1] += before
-        indirect[4 * pixel + 1] += whole - before
-    indirect[4 * pixel + 2] += sample.branches
-    indirect[4 * pixel + 3] += sample.met
+        direct[at + 1] += before
+    at = 5 * pixel
+    indirect[at] += whole - before
+    indirect[at + 2] += sample.branches
+    indirect[at + 3] += sample.met
+    indirect[at + 4] += 1.0 / sample.branches
     if index & HALF_BIT:
+        indirect[at + 1] += whole - before
         _add(_half(block), pixel, combined)
     _add(_lamps(block), pixel, sample.lamps)
     _add(_emission(block), pixel, sample.emission)
@@ -126,36 +129,19 @@ def add_sample(block, workspace, pixel, index):
 
 
 @kernel
-def branches_before(block, pixel):
-    """How many branches the paths of a pixel had."""
-    return np.int64(_indirect(block)[4 * pixel + 2])
+def samples_due(block, pixel, samples):
+    """Indices (first, end) of the samples that a pixel is to take, where others are to have ``samples`` then."""
+    first = np.int64(_count(block)[pixel])
+    return first, max(np.int64(samples * _rate(block)[pixel] + 0.5), 1, first)
 
 
 @kernel
-def best_branches(block, x0, y0, x1, y1):
-    """Into how many branches paths of a tile should divide, by how noisy its samples were until now.
+def branches_of(block, pixel):
+    """Into how many branches the paths of a pixel divide."""
+    return np.int64(_branches(block)[pixel])
 
-    With k branches the mean of a pixel has the variance D + I/k, and a sample takes the time C + k: their product is least
-    for k = √(C · I/D). Half of the samples tell the variances, as in ``Film.noise``; those of pixels are weighed by
-    1/brightness, as ``Film.update_active`` does. The number depends on past samples only, and the mean of a sample on
-    none of it, so nothing is biased.
-    """
-    direct, indirect, count = _direct(block), _indirect(block), _count(block)
-    first, second, met, branches = 0.0, 0.0, 0.0, 0.0
-    for y in range(y0, y1):
-        for x in range(x0, x1):
-            pixel = pixel_index(block, x, y)
-            n = count[pixel]
-            if n < LEAST_SAMPLES or not is_active(block, pixel):
-                continue
-            half = n // (2 * HALF_BIT) * HALF_BIT + max(n % (2 * HALF_BIT) - HALF_BIT, 0)
-            a, b = direct[2 * pixel] / n, indirect[4 * pixel] / n
-            weight = 1.0 / max(a + b, 1e-8)
-            first += weight * (a - direct[2 * pixel + 1] / half) ** 2
-            second += weight * (b - indirect[4 * pixel + 1] / half) ** 2 * indirect[4 * pixel + 2] / n
-            branches += indirect[4 * pixel + 2]
-            met += indirect[4 * pixel + 3]
-    if branches == 0.0:
-        return START
-    cost = COST * branches / max(met, 1.0)
-    return int(min(max(math.sqrt(cost * second / max(first, 1e-12 * second + 1e-300)) + 0.5, 1.0), float(MOST_BRANCHES)))
+
+@kernel
+def branches_before(block, pixel):
+    """How many branches the paths of a pixel had."""
+    return np.int64(_indirect(block)[5 * pixel + 2])

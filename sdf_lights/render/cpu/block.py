@@ -136,7 +136,6 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
         **{name: getattr(settings, name) for name in names}, "finite_lights": finite,
         "emitters_hit": finite or world or emissive, "transparent_shadows": bool((flags & HAS_TRANSPARENCY).any()),
         "lamp_count": len(tables["lamps"]), "lamp_cuts": settings.lamp_sampling == LampSampling.CUT,
-        "branches": settings.indirect_paths,
         "lamp_beta": LAMP_BETA.get(settings.lamp_sampling, 1.0)}
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...affine import inverse
 from ...jit import kernel, table
 from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
 from ..scene import Scene
@@ -99,7 +100,7 @@ def pack_geometry(scene: Scene, baked: np.ndarray, uv_layers: list[str]) -> dict
         for name, place in packed[instance.mesh].items():
             record[name] = place
         matrix = np.asarray(instance.matrix, np.float64)
-        record["matrix"], record["inverse"] = matrix[:3], np.linalg.inv(matrix)[:3]
+        record["matrix"], record["inverse"] = matrix[:3], inverse(matrix)[:3]
         record["baked"], record["holdout"] = baked[index], instance.holdout
         record["mirrored"] = np.linalg.det(matrix[:3, :3]) < 0.0
         record["materials"] = rows["instance_materials"].add(np.array(instance.materials, np.int32))

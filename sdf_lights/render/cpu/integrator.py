@@ -18,7 +18,7 @@ from ...jit import block_dtype, kernel, table
 from ...vec import add, average, dot, largest, length, madd, mul, negate, scale, sub, vec
 from ..scene import Ray
 from . import lights
-from .accumulate import add_sample, best_branches, branches_before, is_active, pixel_index
+from .accumulate import add_sample, branches_before, branches_of, is_active, pixel_index, samples_due
 from .camera import camera_ray, filter_offset, view_depth
 from .geometry import find_shadow_surface, find_surface, instance_table, shading_material_table, surface_table
 from .lamp_tree import WORKSPACE_TABLES as LAMP_TREE_TABLES
@@ -40,7 +40,6 @@ SCALARS = [
     ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
     ("transparent_shadows", np.int64), ("lamp_count", np.int64),
     ("finite_lights", np.int64),  # 1: there are Blender lights that rays can meet
-    ("branches", np.int64),  # that paths divide into; 0: as many as pay
     ("lamp_cuts", np.int64),  # 1: lamps are sampled by cuts, 0: by projection
     ("lamp_beta", np.float64),  # for projection: what the density of a BSDF counts in the balance heuristic
 ]
@@ -639,11 +638,10 @@ def follow(block, workspace, whole):
 
 
 @kernel
-def render_tile(blocks, workspaces, x0, y0, x1, y1, first, count):
-    """Add ``count`` samples, from index ``first`` on, to the active pixels of the tile [x0, x1) × [y0, y1)."""
+def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
+    """Add samples to the active pixels of the tile [x0, x1) × [y0, y1), until those with the rate 1 have ``samples``."""
     block, workspace = blocks[0], workspaces[0]
     path = path_table(workspace)[0]
-    branches = block.branches if block.branches > 0 else best_branches(block, x0, y0, x1, y1)
     for y in range(y0, y1):
         if control_table(block)[0] != 0:
             return
@@ -651,8 +649,9 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, first, count):
             pixel = pixel_index(block, x, y)
             if not is_active(block, pixel):
                 continue
-            path.seed = pixel_seed(x, y, block.seed)
-            for index in range(first, first + count):
+            path.seed, branches = pixel_seed(x, y, block.seed), branches_of(block, pixel)
+            start, end = samples_due(block, pixel, samples)
+            for index in range(start, end):
                 path.index = index
                 clear_sample(workspace)
                 trace_branches(block, workspace, x, y, branches, branches_before(block, pixel))

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...jit import kernel, table
 from ...vec import mul, scale, vec
+from ..settings import MOST_BRANCHES
 
 # What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out; ``direct`` is the sum
 # of RGB of what came before the path divided into ``branches``, which ``met`` so many surfaces.
@@ -33,7 +34,6 @@ PATH = np.dtype([
 ], align=True)
 
 TABLES = {"path": PATH, "sample": SAMPLE}
-MOST_BRANCHES = 8  # that a path divides into
 # The path itself, its state where it divides, and the branches.
 WAITING, FIRST_BRANCH = 1, 2
 COUNTS = {"path": FIRST_BRANCH + MOST_BRANCHES, "sample": 1}

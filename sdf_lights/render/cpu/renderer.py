@@ -44,7 +44,7 @@ class CpuRenderer:
                 packed = PackedScene(scene, self._film)
                 self._workspaces = _workspaces(packed, scene)
                 self._packed = packed
-                self._render((0, 0, 0, 0), 0, 0, self._workspaces[0])
+                self._render((0, 0, 0, 0), 0, self._workspaces[0])
             except Exception as error:
                 failures.append(error)
 
@@ -78,11 +78,12 @@ class CpuRenderer:
         if packed is not None:
             packed.control[0] = 1
 
-    def _render(self, tile, first: int, count: int, workspace: Workspace) -> None:
-        render_tile(self._packed.block, workspace.block, *tile, first, count)
+    def _render(self, tile, samples: int, workspace: Workspace) -> None:
+        render_tile(self._packed.block, workspace.block, *tile, samples)
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
-        """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if stopped before the end.
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel whose rate is 1. False if stopped before the
+        end.
 
         A tile is always finished or not begun, unless it is stopped, so every pixel says how many samples it has.
         """
@@ -90,6 +91,8 @@ class CpuRenderer:
             return False
         control = self._packed.control
         control[:] = 0
+        if stop():  # whoever interrupted before that line had it say so first
+            return False
         order, failures, finished = itertools.count(), [], itertools.count()
         done = 0
 
@@ -99,7 +102,7 @@ class CpuRenderer:
                 for index in order:
                     if index >= len(self._tiles) or control[0]:
                         return
-                    self._render(self._tiles[index], first, count, workspace)
+                    self._render(self._tiles[index], first + count, workspace)
                     done = next(finished) + 1
             except Exception as error:
                 failures.append(error)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
 KEPT = 8  # programs that are kept, the most recently used ones
@@ -31,7 +32,8 @@ class Device:
             self._pool.shutdown()
             raise
         self.name = str(facts["GL_RENDERER"])
-        self.largest_buffer = int(facts["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])
+        self.largest_buffer = int(facts["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])  # bytes
+        self.largest_texture = int(facts["GL_MAX_TEXTURE_SIZE"])  # texels of a side
 
     def submit(self, function, *arguments) -> Future:
         return self._pool.submit(function, self.context, *arguments)
@@ -50,6 +52,22 @@ class Device:
         while len(self._programs) > KEPT:
             self._programs.popitem(last=False)[1].release()
         return program
+
+    @staticmethod
+    def allocate(context, size: int, make: Callable, *arguments, **options):
+        """What ``make`` makes of ``size`` bytes: a buffer, a texture. To be called in the context's thread."""
+        try:
+            made, error = make(*arguments, **options), context.error
+        except Exception as reason:  # each driver has errors of its own
+            raise DeviceError(f"it has no room for {megabytes(size)} more ({reason})") from reason
+        if error != "GL_NO_ERROR":
+            made.release()
+            raise DeviceError(f"it has no room for {megabytes(size)} more ({error})")
+        return made
+
+
+def megabytes(size: int) -> str:
+    return f"{-(-size // (1 << 20))} MB"
 
 
 def _first_error(text: str) -> str:

@@ -23,15 +23,18 @@ from ..scene import Scene
 from ..settings import LampSampling
 from . import lamps
 from .bvh import MOST_IN_LEAF, Hierarchy
-from .layout import Array, Record, Tables
+from .device import DeviceError
+from .layout import Array, Record
+from .tables import Tables
 from .translate import BLOCK, BOOL, FLOAT, INT, UINT, VECTOR, WORKSPACE, Native, Ref, Translator, Tuple, Value, known
 
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
 
 FIELD_INTERVALS = 16  # of a ray in a lamp whose field is a formula
 FIELD_STEPS = 400
-MOST_ROWS = 256  # of intervals that a thread has room for
+MOST_ROWS = 1024  # of intervals that a thread has room for: 8 kB
 PRINCIPLED_CLOSURES = 7
+TEXTURE_BITS = 14  # a row of a texture is so wide: what OpenGL 4.3 allows everywhere
 
 # Numbers of the CPU's kernels that stand for the rounding of float64, in float32.
 ROUNDING = {
@@ -52,8 +55,8 @@ def _spans(function, arguments):
 def _ray(name: str, any_hit: str):
     def call(function, arguments):
         block, workspace, *rest = arguments
-        texts = [*function._passed(rest[:2]), *(function._converted(value, FLOAT).text for value in rest[2:4]),
-                 function._converted(rest[4], INT).text]
+        texts = [*function.passed(rest[:2]), *(function.converted(value, FLOAT).text for value in rest[2:4]),
+                 function.converted(rest[4], INT).text]
         return Value(BOOL, f"hit_scene({workspace.constant.prefix}ray_row, {', '.join(texts)}, {any_hit})")
 
     return Native(call)
@@ -61,14 +64,14 @@ def _ray(name: str, any_hit: str):
 
 def _crossings(function, arguments):
     _, row, o, d, start, end, _ = arguments
-    passed = ", ".join(function._passed([row, o, d, start, end]))
-    text = function._temporary(Tuple((FLOAT, FLOAT)), f"field_crossings({passed})")
+    passed = ", ".join(function.passed([row, o, d, start, end]))
+    text = function.temporary(Tuple((FLOAT, FLOAT)), f"field_crossings({passed})")
     return Value(None, items=(Value(INT, f"int({text}.x)"), Value(FLOAT, f"{text}.y")))
 
 
 def _field_value(function, arguments):
     _, row, _, _, p = arguments
-    return Value(FLOAT, f"field_value({', '.join(function._passed([row, p]))})")
+    return Value(FLOAT, f"field_value({', '.join(function.passed([row, p]))})")
 
 
 def _stack(function, arguments):
@@ -76,7 +79,7 @@ def _stack(function, arguments):
 
 
 def _note(function, arguments):
-    return Value(None, f"note_length({', '.join(function._passed(arguments[1:4]))})")
+    return Value(None, f"note_length({', '.join(function.passed(arguments[1:4]))})")
 
 
 def _only_row(name: str) -> Native:
@@ -170,6 +173,9 @@ class GpuScene:
         for glow, lamp in zip(tables["lamp_glows"], [lamp for lamp in self.lamps if lamp.emission is not None]):
             glow["address"] = self.formulas.add(
                 self.formulas.colours, tuple(lamp.emission.compiled.placed.colour))
+        if self.formulas.nodes > lamps.MOST_NODES:
+            raise DeviceError(f"the formulas of the scene's lamps have {self.formulas.nodes} nodes together, and drivers "
+                              f"are given {lamps.MOST_NODES} at most")
         tables["lamp_parameters"] = np.concatenate(numbers)
         tables["lamp_fields"] = found
 
@@ -193,6 +199,9 @@ class GpuScene:
         for lamp in self.lamps:
             if lamp.row["kind"][0] != emitter_lamps.FIELD:
                 rows.append(rows_needed(lamp.program)[0])
+                if rows[-1] > MOST_ROWS:
+                    raise DeviceError(f"lamp “{lamp.name}” has too many parts: a ray may need room for {rows[-1]} "
+                                      f"intervals, and a thread has it for {MOST_ROWS}")
         counts = {
             "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1,
             "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, "light_cut": 1,
@@ -214,20 +223,17 @@ class GpuScene:
             ("hierarchy_root", "instances_start", "sobol_start", "lamp_fields_start", "lamp_parameters_start"), "int")
         workspace = self.tables.workspace_source(aside=self.textured)
         return "\n".join([
-            "#version 430 core", self._uniforms(), *self._defines(), glsl("maths.glsl"),
+            "#version 430 core", self.tables.uniform_source(), *self._defines(), glsl("maths.glsl"),
             *read_glsl.helpers("angle"), workspace, glsl("random.glsl"), glsl("rays.glsl"), self._lamp_source(),
             translator.structure_source(), *translator.globals, "", kernels, "", glsl("film.glsl")])
 
-    def _uniforms(self) -> str:
-        members = " ".join(f"{kind} {name};" for name, kind in sorted(self.tables.used_scalars.items()))
-        return f"layout(std140, binding = 0) uniform Scene {{ {members} }} scene;"
-
     def _defines(self) -> list[str]:
         instance = Record("instances", geometry.INSTANCE)
-        lamp, field = Record("lamps", emitter_lamps.LAMP), Record("lamp_fields", lamps.FIELD)
+        field = Record("lamp_fields", lamps.FIELD)
         numbers = {
-            "STACK": -(-self.hierarchy.depth // 16) * 16, "ITEMS_IN_LEAF": MOST_IN_LEAF, "INSTANCE_SIZE": instance.size,
-            "INSTANCE_INVERSE": instance.fields["inverse"][0], "LAMP_FIRST_TERM": lamp.fields["first_term"][0],
+            "STACK": -(-self.hierarchy.depth // 16) * 16, "ITEMS_IN_LEAF": MOST_IN_LEAF,
+            "TEXTURE_BITS": TEXTURE_BITS, "INSTANCE_SIZE": instance.size,
+            "INSTANCE_INVERSE": instance.fields["inverse"][0],
             "FIELD_SIZE": field.size, **{f"FIELD_{name.upper()}": offset for name, (offset, _) in field.fields.items()},
             "FIELD_STEPS": FIELD_STEPS, "INTERVALS": FIELD_INTERVALS, "HALF_BIT": HALF_BIT}
         places, used = film_places(self.film)
@@ -260,6 +266,8 @@ class GpuScene:
             parts += ["vec2 field_crossings(int row, vec3 o, vec3 d, float start, float end) { return vec2(0.0); }",
                       "float field_value(int row, vec3 p) { return 1.0; }"]
         else:
+            term = Record("lamps", emitter_lamps.LAMP).fields["first_term"][0]
+            parts.append(f"int first_term(int row) {{ return {self.tables.reader('lamps')}int_at(row + {term}); }}")
             parts += [glsl(name) for name in ("lamps.glsl", "intervals.glsl", "crossings.glsl")]
         return "\n".join(parts)
 

@@ -14,14 +14,14 @@ from ...emitter.lamps import unresolved
 from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
-from .device import DeviceError, device
-from .program import GpuScene, film_places
+from .device import DeviceError, device, megabytes
+from .program import TEXTURE_BITS, GpuScene, film_places
 
 POLL_SECONDS = 0.05
 GROUP = 64  # threads of a work group, as film.glsl has it
 SLAB = 1 << 18  # pixels whose sums are on the GPU at a time
 TARGET_SECONDS = 0.06  # of a dispatch
-FIRST_WORK = 2048  # samples of the first dispatch, of which nothing is known yet
+FIRST_WORK = 512  # samples of the first dispatch, of which nothing is known yet
 
 
 class GpuRenderer:
@@ -33,7 +33,7 @@ class GpuRenderer:
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
         self._film, self._say, self._warnings = film, say, scene.warnings
         self._device = device()
-        self._buffers: list = []
+        self._made: list = []
         self._places, self._size = film_places(film)
         self._work = FIRST_WORK
         self._seed = scene.settings.seed
@@ -72,40 +72,47 @@ class GpuRenderer:
         source = packed.source()
         self._say("Compiling the scene's program for the GPU")
         self._program = self._device.program(context, source)
-        words, numbers = packed.tables.pack()
-        numbers |= packed.scalars
-        scene_words = []
-        for name, kind in sorted(packed.tables.used_scalars.items()):
-            scene_words.append(np.array(numbers[name], np.float32 if kind == "float" else np.int32).view(np.uint32))
-        uniforms = np.zeros(-(-max(len(scene_words), 1) // 4) * 4, np.uint32)
-        uniforms[:len(scene_words)] = scene_words
+        words, uniforms = packed.tables.pack(packed.scalars)
         hierarchy = packed.hierarchy
-        for array in (words, hierarchy.nodes, hierarchy.items):
-            if array.nbytes > self._device.largest_buffer:
-                raise DeviceError(f"the scene needs {array.nbytes >> 20} MB in one buffer, and it allows "
-                                  f"{self._device.largest_buffer >> 20} MB")
         self._uniforms = self._buffer(context, uniforms)
         self._words = self._buffer(context, words)
-        self._nodes = self._buffer(context, hierarchy.nodes)
-        self._items = self._buffer(context, hierarchy.items)
+        self._textures = {name: self._texture(context, getattr(hierarchy, name)) for name in ("nodes", "items")}
         slab = min(SLAB, len(self._film.active))
         self._sums = self._buffer(context, np.zeros(slab * self._size, np.float32))
         self._pixels = self._buffer(context, np.zeros(slab, np.uint32))
         self._lengths = self._buffer(context, np.zeros((max(len(packed.lamps), 1), 2), np.float32))
 
     def _buffer(self, context, array: np.ndarray):
-        try:
-            buffer = context.buffer(np.ascontiguousarray(array).view(np.uint8).reshape(-1))
-        except Exception as error:
-            raise DeviceError(f"it has no room for {array.nbytes >> 20} MB more: {error}") from error
-        self._buffers.append(buffer)
-        return buffer
+        if array.nbytes > self._device.largest_buffer:
+            raise DeviceError(f"the scene needs {megabytes(array.nbytes)} in one buffer, and it allows "
+                              f"{megabytes(self._device.largest_buffer)}")
+        return self._kept(self._device.allocate(
+            context, array.nbytes, context.buffer, np.ascontiguousarray(array).view(np.uint8).reshape(-1)))
+
+    def _texture(self, context, array: np.ndarray):
+        """Records of whole groups of four words, as rows of a texture of unsigned integers."""
+        width = 1 << TEXTURE_BITS
+        rows = -(-array.nbytes // (16 * width))
+        if max(rows, width) > self._device.largest_texture:
+            raise DeviceError(f"the scene's triangles need {megabytes(array.nbytes)} in one texture, and it allows "
+                              f"{megabytes(16 * width * self._device.largest_texture)}")
+        words = np.zeros((rows, width, 4), np.uint32)
+        words.reshape(-1)[:array.nbytes // 4] = array.view(np.uint32).reshape(-1)
+        return self._kept(self._device.allocate(
+            context, words.nbytes, context.texture, (width, rows), 4, words, dtype="u4"))
+
+    def _kept(self, made):
+        """Something on the GPU, which is to be released at the end."""
+        self._made.append(made)
+        return made
 
     def _bind(self) -> None:
         self._uniforms.bind_to_uniform_block(0)
-        stores = self._words, self._nodes, self._items, self._sums, self._pixels, self._lengths
-        for binding, buffer in enumerate(stores):
+        for binding, buffer in enumerate((self._words, self._sums, self._pixels, self._lengths)):
             buffer.bind_to_storage_buffer(binding)
+        for unit, (name, texture) in enumerate(self._textures.items()):
+            texture.use(unit)
+            self._program[name] = unit
         x, y, _, _ = self._film.window
         self._program["film_place"] = x, y, self._film.width
         self._program["film_seed"] = self._seed
@@ -182,11 +189,11 @@ class GpuRenderer:
         """Warn of lamps that rays could not resolve, and free what the render needed; the film stays."""
         def release(context) -> np.ndarray:
             lengths = np.frombuffer(self._lengths.read(), np.float32).reshape(-1, 2) if self.ready else np.zeros((0, 2))
-            for buffer in self._buffers:
-                buffer.release()
-            self._buffers = []
+            for made in self._made:
+                made.release()
+            self._made = []
             return lengths
 
-        lengths = self._call(release)
-        if self.ready:
-            self._warnings += unresolved(self._packed.lamps, lengths.astype(np.float64))
+        released = self._device.submit(release)
+        if self.ready:  # else a compiler may be at work, for which a cancelled render does not wait
+            self._warnings += unresolved(self._packed.lamps, self._result(released).astype(np.float64))

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...affine import inverse
 from .. import program, read_numpy
 from ..formula import POINT, Formula, Vector, parameter
 
@@ -197,7 +198,7 @@ class Parametric:
 
 def undone(matrix: np.ndarray, p: Vector, slot: Slots) -> Vector:
     """matrix⁻¹ p: where the point was before the affine ``matrix`` (4 × 4) moved it."""
-    rows = [(slot(tuple(row[:3])), slot(row[3])) for row in np.linalg.inv(matrix)[:3].tolist()]
+    rows = [(slot(tuple(row[:3])), slot(row[3])) for row in inverse(matrix)[:3].tolist()]
     return Vector(*(row.dot(p) + offset for row, offset in rows))
 
 

@@ -11,6 +11,7 @@ from functools import cached_property, reduce
 
 import numpy as np
 
+from ...affine import inverse
 from ..formula import POINT, Formula, Vector, maximum, minimum, parameter
 from ..program import NoClosedForm, Op, combine
 from ..substitution import substitute
@@ -73,7 +74,7 @@ def images_program(shape: Shape, places: np.ndarray, matrix: np.ndarray | None) 
     copies = []
     for place in places if matrix is None else matrix @ places:
         copies.append(program.copy())
-        copies[-1]["inverse"] = program["inverse"] @ np.linalg.inv(place)
+        copies[-1]["inverse"] = program["inverse"] @ inverse(place)
     return combine(Op.UNION, copies)
 
 

@@ -93,6 +93,7 @@ def test_passes_are_read_by_their_rule():
         assert value.dtype == np.float32 and value.flags.c_contiguous
         assert value.shape == (HEIGHT, WIDTH, len(BY_NAME[name].channels))
         np.testing.assert_allclose(value, image(film, values), rtol=1e-6, err_msg=name)
+        np.testing.assert_array_equal(film.read(name, slice(1, 4)), value[1:4])
 
 
 def test_table_of_passes():

@@ -158,7 +158,7 @@ def test_tree_of_a_hundred_thousand_triangles():
 def test_cost_of_a_choice_grows_with_the_logarithm_of_the_count():
     cost = {}
     u = np.random.default_rng(5).random(200_000)
-    for count in (1, 10, 1000, 100_000):
+    for count in (1000, 100_000):
         packed = Packed(scene_of(), triangles=triangle_soup(count))
         packed.select((0.3, 0.2, 0.1), UP, u[:10])
         best = math.inf
@@ -168,4 +168,5 @@ def test_cost_of_a_choice_grows_with_the_logarithm_of_the_count():
             best = min(best, time.perf_counter() - start)
         cost[count] = best / len(u) * 1e9
     print({count: f"{ns:.0f} ns" for count, ns in cost.items()})
-    assert cost[100_000] < 40.0 * cost[10]
+    # Depths are as 1.7 to 1; what is more are nodes that a core's caches do not hold. A scan would be as 100 to 1.
+    assert cost[100_000] < 10.0 * cost[1000]

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ....affine import inverse_linear
 from ...scene import AreaLight, PointLight, Ray, Scene, SpotLight, SunLight
 from .environment import image_distribution
 from .records import AREA, BALL, LAMP, SUN, TABLES, TRIANGLE, WORLD
@@ -153,7 +154,7 @@ def _pack_spot(row, light) -> dict:
     row["smooth"] = 1.0 / max((1.0 - math.cos(half)) * light.blend, BLEND_LEAST)
     if abs(np.linalg.det(linear)) <= 1e-12 * scales.prod() or scales.prod() == 0.0:
         linear, scales = np.eye(3), np.ones(3)
-    row["to_local"] = np.linalg.inv(linear)
+    row["to_local"] = inverse_linear(linear)
     row["axis"] = axis = -_unit(linear[:, 2])
     orthogonal = np.abs(linear.T @ linear - np.diag(scales**2)).max() <= 1e-6 * scales.max() ** 2
     if not orthogonal or half >= 0.5 * math.pi:

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small scenes whose light is known, and their renders, without Blender."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sdf_lights.emitter import interior, moments
+from sdf_lights.emitter.lamps import build_lamp
+from sdf_lights.emitter.similar import similar
+from sdf_lights.render import session
+from sdf_lights.render.scene import Camera, Instance, Lamp, Projection, Scene
+from sdf_lights.render.settings import Device, Filter, LampSampling, Settings
+from tests.scenes import diffuse, look_at, quad, scaling, translation
+
+from . import Figure
+
+ALBEDO = 0.8
+STANDARD_ERRORS = 4.0  # by which a mean may be off; by chance 1 in 16,000 is
+FLOAT32 = 2.0**-24  # relative rounding
+
+
+def settings(samples: int, seed: int = 0, sampling: LampSampling = LampSampling.CUT, bounces: int = 0) -> Settings:
+    """Plain means of as many ``samples`` for each pixel, on the processor."""
+    return Settings(device=Device.CPU, samples=samples, seed=seed, noise_threshold=0.0, lamp_sampling=sampling,
+                    guided_samples=False, filter=Filter.BOX, max_bounces=bounces, diffuse_bounces=bounces,
+                    glossy_bounces=bounces)
+
+
+def from_above(at, height: float, width: float) -> Camera:
+    """Orthographic, ``height`` over the point ``at`` or below it, that sees a square of ``width`` metres of a floor."""
+    half = 0.5 * width
+    eye = np.asarray(at, float) + (0.0, 0.0, height)
+    return Camera(look_at(eye, at, (0.0, 1.0, 0.0)), Projection.ORTHOGRAPHIC, (-half, half, -half, half),
+                  (1e-3 * abs(height), 2.0 * abs(height)))
+
+
+def floor(camera: Camera, pixels: int, at, half: float, lamps: list[Lamp], settings: Settings) -> Scene:
+    """A horizontal diffuse square of half size ``half`` round ``at``."""
+    return Scene(camera, pixels, pixels, meshes=[quad()], materials=[diffuse((ALBEDO,) * 3)], lamps=lamps,
+                 instances=[Instance(0, translation(*at) @ scaling(half, half, 1.0), (0,), "floor")], settings=settings)
+
+
+def places(at, width: float, pixels: int) -> np.ndarray:
+    """(pixels², 3) points of the floor in the middle of each pixel, rows from the bottom."""
+    steps = ((np.arange(pixels) + 0.5) / pixels - 0.5) * width
+    x, y = np.meshgrid(steps, steps)
+    return np.asarray(at, float) + np.stack([x.ravel(), y.ravel(), np.zeros(pixels * pixels)], axis=1)
+
+
+def picture(scene: Scene) -> np.ndarray:
+    """(height, width) mean of the channels, float64, from the sums of the film; raises where the render has warned."""
+    film = session.render(scene, ("Combined",))
+    if scene.warnings:
+        raise RuntimeError("; ".join(scene.warnings))
+    sums = film.sums["combined"].reshape(film.height, film.width, 4)[..., :3].mean(axis=2)
+    return sums / film.count.reshape(film.height, film.width)
+
+
+def volumes_unknown(lamp: Lamp, point, normal) -> float:
+    """Standard deviation (W/m²) of what a uniform lamp gives a point by cuts, as they know the volumes in boxes.
+
+    Boxes on the boundary are sampled, once and for all, by one point in each of side³ parts. A surface crosses at most
+    3 side² of these, each of which then has a variance of 1/6 on average, as the fraction inside may be anything.
+    """
+    built = build_lamp(lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density)
+    shape, matrix = (lamp.shape, lamp.matrix) if built.tree is not None else similar(lamp.shape, lamp.matrix)
+    tree = interior.tree(shape)
+    boxes = tree.boxes[(tree.nodes["first"] < 0) & (tree.nodes["state"] == interior.BOUNDARY)]
+    side = (moments.SIDES if len(boxes) < moments.FEW else moments.COARSE_SIDES)[0]
+    sizes = (boxes[:, 3:] - boxes[:, :3]) @ np.abs(matrix[:3, :3]).T
+    volumes = (boxes[:, 3:] - boxes[:, :3]).prod(axis=1) * abs(np.linalg.det(matrix[:3, :3]))
+    offsets = (0.5 * (boxes[:, 3:] + boxes[:, :3]) + tree.center) @ matrix[:3, :3].T + matrix[:3, 3] - point
+    # Boxes next to the point count with what they hold, not with their volume as it is known.
+    distances = np.maximum(np.linalg.norm(offsets, axis=1), np.linalg.norm(sizes, axis=1))
+    weights = np.maximum(offsets @ normal, 0.0) / distances**3
+    # All volumes are scaled so that their sum is right.
+    weights -= np.average(weights, weights=volumes)
+    return float(built.row["emission"][0, 0] * np.sqrt(np.sum((weights * volumes) ** 2) / (2.0 * side**4)))
+
+
+def deviation(found: np.ndarray, expected: np.ndarray, rounding: float) -> Figure:
+    """How far pixels are from what they should be, in their mean, relative to that.
+
+    Pixels are independent, so how they scatter tells the standard error; ``rounding`` is what else is allowed.
+    """
+    ratios = (found / expected).ravel()
+    error = float(ratios.std(ddof=1) / np.sqrt(len(ratios)))
+    return Figure(abs(float(ratios.mean()) - 1.0), STANDARD_ERRORS * error + rounding, dict(standard_error=error))

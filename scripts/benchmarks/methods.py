@@ -1,0 +1,218 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ways to render a scene of lamps, what their pictures are judged by, and how: for benchmarks of whole renders.
+
+The time of a picture is the processor time of all threads together by the number of cores: what the clock shows on an
+idle machine.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import pathlib
+import statistics
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+import host
+from sdf_lights.render.settings import LampSampling
+
+from . import errors, lamp_scenes, machine, pictures, references, scenes, some_of
+from .progress import Progress
+from .resume import Parts
+
+BOUNCES = (0, 4)
+TARGET = 64  # samples of Cycles, whose time all methods get
+PAPER = "MIS"  # the sampler of Huang et al. 2026 with its balance heuristic, by our Sobol points
+REFERENCE_SAMPLES = 256  # of each render of a reference
+CLEAR = 0.01  # error of a reference, as part of the least one that it judges, at which it is good enough
+METRICS = {"rel_mse": errors.rel_mse, "mape": errors.mape, "flip": errors.flip}
+
+
+@dataclass
+class Method:
+    """Pictures by one way to render, by their number of samples."""
+
+    name: str
+    sampler: str = ""  # of SDF Lights; "" is Cycles
+    denoise: bool = False
+    plain: bool = False  # every pixel takes as many samples, and paths do not divide
+    surfaces: bool = False  # for Cycles: lamps are meshes that emit, instead of volumes
+    pictures: dict[int, list[pictures.Picture]] = field(default_factory=dict)
+
+    def render(self, samples: int, bounces: int, seed: int, device: str) -> pictures.Picture:
+        scene = bpy.context.scene
+        lamp_scenes.show(volumes=not self.sampler and not self.surfaces, surfaces=self.surfaces)
+        if self.sampler:
+            scenes.plain_sdf_lights(scene, samples, bounces, device)
+            scene.sdf_lights.seed, scene.sdf_lights.denoise = seed, self.denoise
+            scene.sdf_lights.lamp_sampling = self.sampler
+            scene.sdf_lights.indirect_paths, scene.sdf_lights.guided_samples = int(self.plain), not self.plain
+        else:
+            scenes.plain_cycles(scene, samples, bounces)
+            scene.cycles.seed, scene.cycles.use_denoising = seed, self.denoise
+        return pictures.render()
+
+    def keep(self, samples: int, bounces: int, seed: int, device: str) -> None:
+        self.pictures.setdefault(samples, []).append(self.render(samples, bounces, seed, device))
+
+    def seconds(self, samples: int) -> float:
+        return statistics.median(picture.work for picture in self.pictures[samples]) / machine.cores()
+
+    def rate(self) -> tuple[float, float]:
+        """Seconds of a sample of the whole picture, and those before the first one."""
+        fewer, *_, more = sorted(self.pictures)
+        each = max((self.seconds(more) - self.seconds(fewer)) / (more - fewer), 1e-9)
+        return each, self.seconds(more) - more * each
+
+    def samples_in(self, seconds: float) -> float:
+        """How many samples it has time for; below 1 where it does not even begin in that time."""
+        each, start = self.rate()
+        return (seconds - start) / each
+
+    def error(self, samples: int, reference: references.Reference) -> float:
+        """Mean relative squared error, without that of the reference."""
+        found = np.mean([errors.rel_mse(picture.pixels, reference.pixels) for picture in self.pictures[samples]])
+        return max(found - errors.rel_variance(reference.variance, reference.pixels), 0.01 * found)
+
+    def curve(self, reference: references.Reference) -> list[tuple[float, float]]:
+        return [(self.seconds(samples), self.error(samples, reference)) for samples in sorted(self.pictures)]
+
+    def rows(self, scene: str, bounces: int, reference: references.Reference) -> list[dict]:
+        """A row for each number of samples: time, and means of the errors with their least and largest of all seeds.
+
+        ``rel_mse`` and its band are without the error of the reference.
+        """
+        found, truth = [], reference.pixels
+        for samples, made in sorted(self.pictures.items()):
+            row = dict(scene=scene, bounces=bounces, method=self.name, samples=samples, seeds=len(made),
+                       seconds=self.seconds(samples), clock=statistics.median(picture.seconds for picture in made))
+            for name, metric in METRICS.items():
+                values = [metric(picture.pixels, truth) for picture in made]
+                known = None not in values
+                row |= {name: float(np.mean(values)) if known else None, f"{name}_low": min(values) if known else None,
+                        f"{name}_high": max(values) if known else None}
+            less = self.error(samples, reference) / row["rel_mse"]
+            row |= {name: row[name] * less for name in ("rel_mse", "rel_mse_low", "rel_mse_high")}
+            worst = [errors.pixel_errors(picture.pixels, truth) for picture in made]
+            means = [picture.pixels.mean() / truth.mean() for picture in made]
+            spread = float(np.std(means, ddof=1) / math.sqrt(len(means))) if len(means) > 1 else None
+            row |= dict(worst_999=float(np.mean([a for a, _ in worst])), worst=max(b for _, b in worst),
+                        mean_ratio=float(np.mean(means)), mean_ratio_error=spread)
+            found.append(row)
+        return found
+
+
+def arguments(parser, known=lamp_scenes.SCENES) -> None:
+    """Options of benchmarks that render lamps by several methods, of ``known`` scenes."""
+    parser.add_argument(
+        "--only", type=some_of(known), metavar="SCENES", help=f"with commas between: {', '.join(known)}")
+    samplers = [sampling.value for sampling in LampSampling]
+    parser.add_argument(
+        "--samplers", type=some_of(samplers), default=f"CUT,{PAPER}",
+        help=f"of {', '.join(samplers)}, with commas between; the first is the one that is judged")
+    parser.add_argument("--bounces", type=int, choices=BOUNCES, help="of light; default: each of them")
+    parser.add_argument("--no-cycles", dest="cycles", action="store_false", help="compare our samplers alone")
+    picture_arguments(parser)
+
+
+def picture_arguments(parser) -> None:
+    """Options of all benchmarks that judge pictures."""
+    parser.add_argument("--size", type=int, help="pixels to a side")
+    parser.add_argument("--reference-seconds", type=float, help="most time that is spent on one reference")
+    parser.add_argument("--fresh", action="store_true", help="make references anew")
+    parser.add_argument(
+        "--pictures", type=pathlib.Path, metavar="FOLDER", help="keep pictures here, for ./scripts/report")
+
+
+def reference_of_scene(bounces: int, options, about: str = "") -> references.Reference:
+    """That of the open scene; ``about`` tells apart what lamps are shown as."""
+    bpy.context.view_layer.update()
+    version = (host.REPOSITORY / "blender_manifest.toml").read_text(encoding="utf-8")
+    reference = references.Reference(f"{references.fingerprint()} {bounces} {REFERENCE_SAMPLES} {version}{about}")
+    if options.fresh:
+        reference.renders.clear()
+    return reference
+
+
+def least_error(reference: references.Reference, methods: list[Method]) -> float:
+    """The least that is judged by a reference."""
+    return min(method.error(samples, reference) for method in methods for samples in method.pictures)
+
+
+def complete(reference: references.Reference, truth: Method, methods: list[Method], bounces: int, options) -> None:
+    """Add renders by ``truth`` to a reference until it is clear of what it judges, or the time is spent."""
+    seconds = options.reference_seconds
+    if seconds is None:
+        seconds = 2.0 if options.quick else 60.0
+    spent = 0.0
+
+    def render(seed: int) -> np.ndarray:
+        nonlocal spent
+        picture = truth.render(REFERENCE_SAMPLES, bounces, seed, options.device)
+        spent += picture.work / machine.cores()
+        return picture.pixels
+
+    while len(reference.renders) < 2 or spent < seconds:
+        if len(reference.renders) >= 2 and errors.rel_variance(
+                reference.variance, reference.pixels) < CLEAR * least_error(reference, methods):
+            break
+        reference.add(render)
+
+
+def doubt(reference: references.Reference, methods: list[Method]) -> float:
+    """Error of a reference as part of the least that it judges."""
+    return errors.rel_variance(reference.variance, reference.pixels) / least_error(reference, methods)
+
+
+def take_turns(methods: list[Method], ladder, seeds: int, bounces: int, device: str,
+               told: Callable[[str], None]) -> None:
+    """Pictures of all methods, for each number of samples in ``ladder``, with one seed after the other."""
+    for method in methods:
+        method.render(1, bounces, 0, device)  # compiles, and fills caches
+    for seed in range(seeds):
+        told(f"seed {seed}")
+        for method in methods:
+            for samples in ladder:
+                method.keep(samples, bounces, seed, device)
+
+
+def fill_time(methods: list[Method], seconds: float, seeds: int, bounces: int, device: str) -> None:
+    """Pictures with as many samples as each method has time for."""
+    for method in methods:
+        samples = max(round(method.samples_in(seconds)), 1)
+        for seed in range(seeds if samples not in method.pictures else 0):
+            method.keep(samples, bounces, seeds + seed, device)
+
+
+def keep_pictures(folder: pathlib.Path, name: str, pictures: dict[str, np.ndarray]) -> None:
+    """Pictures by name, in a file; half floats are enough to look at."""
+    folder.mkdir(parents=True, exist_ok=True)
+    np.savez_compressed(folder / f"{name}.npz", **{key: pixels.astype(np.float16) for key, pixels in pictures.items()})
+
+
+def of_scenes(names, size: int, measure: Callable, options) -> tuple[list[dict], list[dict]]:
+    """What ``measure(name, bounces, options, progress)`` finds, a comparison and rows, of each scene and number of bounces.
+
+    ``size``: pixels to a side, unless the options have others. An interrupted run goes on.
+    """
+    bounces = BOUNCES if options.bounces is None else [options.bounces]
+    progress, parts = Progress(len(names) * len(bounces)), Parts(options)
+    found, rows = [], []
+    for name, count in itertools.product(names, bounces):
+
+        def one():
+            lamp_scenes.SCENES[name].build(options.size or size)
+            return measure(name, count, options, progress)
+
+        compared, more = parts.of(f"{name} {count}", one)
+        found.append(compared)
+        rows += more
+        progress.step()
+    parts.finish()
+    progress.close()
+    return found, rows

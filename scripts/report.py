@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes docs/report.md and its plots from results of benchmarks in docs/report, which it can measure again."""
+
+from __future__ import annotations
+
+import argparse
+import pathlib
+import sys
+
+from reporting import page, plots, results
+
+PAGE = results.REPOSITORY / "docs" / "report.md"
+IMAGES = results.REPOSITORY / "docs" / "images"
+
+
+def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.Path) -> None:
+    """All plots of results; pictures only of those renders that are still ``kept``."""
+    for name in page.DRAWN:
+        if name not in found:
+            continue
+        result = found[name]
+        if name in page.LIGHT:
+            for metric in plots.METRICS:
+                plots.against_time(result, metric, images / f"report_{name}_{metric}.png")
+            bounces = {row["bounces"] for row in result.rows}
+            files = [(row["scene"], kept / f"{row['scene']} {count}.npz") for count in bounces
+                     for row in result.rows if "method" not in row]
+            methods = [page.OURS, *page.PEERS]
+        else:
+            files = [(row["scene"], kept / f"{row['scene']}.npz") for row in result.rows if "competitor" in row]
+            methods = ["PROJECTION", page.OURS]
+        for scene, file in files:
+            if file.is_file():
+                plots.pictures(file, methods, images / f"report_pictures_{name}_{scene}.png")
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="report", description="Write docs/report.md and its plots.")
+    parser.add_argument(
+        "--run", nargs="*", choices=list(results.RUNS), metavar="RESULT",
+        help=f"measure these again first (default: all): {', '.join(results.RUNS)}")
+    options = parser.parse_args(arguments)
+    if options.run is not None:
+        for name in options.run or results.RUNS:
+            results.run(name)
+    found = results.read()
+    if not found:
+        print("There are no results in docs/report: ./scripts/report --run measures them.", file=sys.stderr)
+        return 1
+    draw(found, IMAGES, results.PICTURES)
+    page.write(found, IMAGES, PAGE)
+    missing = [name for name in results.RUNS if name not in found]
+    if missing:
+        print(f"Without results: {', '.join(missing)}. ./scripts/report --run {' '.join(missing)} measures them.",
+              file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Inverses of affine matrices.
+
+``numpy.linalg.inv`` goes to OpenBLAS in most builds of NumPy, which wakes a thread for each core even for 4 × 4
+numbers. They then spin for a tenth of a second, beside the threads of whatever comes next.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# Rows and columns that the cofactor of each entry is made of, the entries already transposed.
+_COLUMN, _ROW = np.meshgrid(np.arange(3), np.arange(3), indexing="ij")
+_FIRST = ((_ROW + 1) % 3, (_COLUMN + 1) % 3), ((_ROW + 2) % 3, (_COLUMN + 2) % 3)
+_SECOND = ((_ROW + 1) % 3, (_COLUMN + 2) % 3), ((_ROW + 2) % 3, (_COLUMN + 1) % 3)
+_UNIT = np.eye(3)
+
+
+def inverse_linear(linear: np.ndarray) -> np.ndarray:
+    """Inverses of the matrices ``linear`` (…, 3, 3); ``LinAlgError`` where one has none.
+
+    By cofactors, which scales along rows and columns leave as exact as they are, and a step of Newton's iteration
+    against the cancellation in cofactors of a shear.
+    """
+    linear = np.asarray(linear, float)
+    (a, b), (c, d) = _FIRST, _SECOND
+    found = linear[..., *a] * linear[..., *b] - linear[..., *c] * linear[..., *d]
+    determinant = (found[..., 0, :] * linear[..., :, 0]).sum(axis=-1)
+    if not (np.isfinite(determinant) & (determinant != 0.0)).all():
+        raise np.linalg.LinAlgError("Singular matrix")
+    found /= determinant[..., None, None]
+    return found + found @ (_UNIT - linear @ found)
+
+
+def inverse(matrix: np.ndarray) -> np.ndarray:
+    """Inverse of an affine matrix (4, 4), whose last row is 0, 0, 0, 1; ``LinAlgError`` where it has none."""
+    matrix = np.asarray(matrix, float)
+    found = np.eye(4)
+    found[:3, :3] = inverse_linear(matrix[:3, :3])
+    found[:3, 3] = -found[:3, :3] @ matrix[:3, 3]
+    return found

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of a block as 32-bit words of a buffer, and what the translator has to know of them.
+
+A record lies in the buffer field by field, each number in a word: floats as float32, integers as int32. A shader finds
+a table by where it starts and how many rows it has, which are in the uniform block ``scene``. A table of one record (the
+camera, the only lamp of a scene) is in the uniform block itself, at places that are part of the program: what all threads
+read is fastest there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .layout import Array, Record, layout_of, words_of
+from .translate.values import ASIDE, BLOCK, CONSTANT, Ref, Value, known, safe_name
+
+MOST_VALUES = 32  # different values of a field that are worth knowing
+SINGLE = "single_"  # begins the names of functions that read tables of one record
+BUFFERED = frozenset({"instances", "lamp_fields"})  # tables that shaders written by hand look for in the buffer
+
+
+class Tables:
+    """The tables of a scene, for the translator and for the GPU.
+
+    ``tables`` are those of the block, ``scalars`` its numbers; ``settled`` names scalars that programs are made for.
+    ``workspace`` maps names to (dtype, count) of what each thread has.
+    """
+
+    def __init__(self, tables: dict[str, np.ndarray], scalars: dict[str, float], settled: frozenset[str],
+                 workspace: dict[str, tuple[np.dtype, int]]):
+        self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
+        self.used_scalars: dict[str, str] = {}
+        self._single: dict[str, int] = {}  # first word of each table that is in the uniform block
+        self._single_size = 0
+        for name, array in tables.items():
+            if len(array) == 1 and array.dtype.names and name not in BUFFERED:
+                self._single[name] = self._single_size
+                self._single_size += words_of(array).size
+        self._values: dict[tuple[str, str], frozenset | None] = {}
+
+    # For the translator
+
+    def scalar(self, name: str):
+        number = self._scalars[name]
+        if name in self._settled:
+            return known(number)
+        kind = "float" if isinstance(number, (float, np.floating)) else "int"
+        self.used_scalars[name] = kind
+        return Value(kind, f"scene.{name}")
+
+    def table(self, name: str, dtype, base):
+        """The table of a block, of a workspace, or of a record that points at one."""
+
+        dtype = np.dtype(dtype)
+        if base.type != CONSTANT:  # the record holds the first word
+            offset, _ = base.type.layout.fields[name + "_address"]
+            self.used_scalars[name + "_start"] = "int"
+            return Value(Ref(Array(layout_of(dtype, name))), f"scene.{name}_start + {base.type.reader}int_at({base.text} + {offset})")
+        if base.constant is not BLOCK:
+            if name == "aside":
+                return known(ASIDE)
+            if name not in self._workspace:
+                return known(None)
+            dtype, count = self._workspace[name]
+            inner = layout_of(dtype, name, packed=True)
+            name = base.constant.prefix + name
+            if count == 1 and isinstance(inner, Record):
+                return Value(Ref(Array(inner, 1, packed=True), name + "_row"))
+            return Value(Ref(Array(inner, count, packed=True), name + "_rows[{}]"), "0", count=str(count))
+        if name in self._single:
+            return Value(Ref(Array(layout_of(dtype, name), 1), reader=SINGLE), str(self._single[name]), count="1")
+        self.used_scalars[name + "_start"] = self.used_scalars[name + "_rows"] = "int"
+        rows = f"scene.{name}_rows"
+        if not len(self._tables[name]):
+            rows = "0"
+        return Value(Ref(Array(layout_of(dtype, name))), f"scene.{name}_start", count=rows)
+
+    def values(self, layout: Record, name: str) -> frozenset | None:
+        """Values that an integer field of a table has in this scene, if they are few."""
+        if layout.packed or layout.name not in self._tables:
+            return None
+        key = layout.name, name
+        if key not in self._values:
+            column = self._tables[layout.name][name]
+            found = None
+            if column.dtype.kind in "iu" and column.ndim == 1 and len(column):
+                different = np.unique(column)
+                if len(different) <= MOST_VALUES:
+                    found = frozenset(different.tolist())
+            self._values[key] = found
+        return self._values[key]
+
+    # For the GPU
+
+    def workspace_source(self, aside: bool) -> str:
+        """Structures and global variables of the workspace, and a function that clears what is not an array."""
+
+        lines, cleared = [], []
+        for name, (dtype, count) in self._workspace.items():
+            inner = layout_of(dtype, name, packed=True)
+            kind = inner
+            if isinstance(inner, Record):
+                kind = "Record_" + name
+                lines.append(f"struct {kind} {{ {' '.join(_member(*item) for item in inner.fields.items())} }};")
+            for prefix in ("", "aside_") if aside else ("",):
+                single = count == 1 and isinstance(inner, Record)
+                lines.append(f"{kind} {prefix}{name}{'_row' if single else f'_rows[{count}]'};")
+                if single:
+                    cleared += [f"    {prefix}{name}_row.{safe_name(field)} = {scalar}(0);"
+                                for field, (_, scalar) in inner.fields.items() if isinstance(scalar, str)]
+        lines += ["void clear_workspace()", "{", *cleared, "}"]
+        return "\n".join(lines) + "\n"
+
+    def reader(self, name: str) -> str:
+        """How the names of the functions begin that read this table."""
+        return SINGLE if name in self._single else ""
+
+    def uniform_source(self) -> str:
+        """The uniform block ``scene``, and functions that read tables of one record there."""
+        members = "".join(f" {kind} {name};" for name, kind in sorted(self.used_scalars.items()))
+        rows = max(-(-self._single_size // 4), 1)
+        return "\n".join([
+            f"layout(std140, binding = 0) uniform Scene {{{members} uvec4 single[{rows}]; }} scene;",
+            f"uint {SINGLE}uint_at(int place) {{ return scene.single[place >> 2][place & 3]; }}",
+            f"int {SINGLE}int_at(int place) {{ return int({SINGLE}uint_at(place)); }}",
+            f"float {SINGLE}float_at(int place) {{ return uintBitsToFloat({SINGLE}uint_at(place)); }}",
+            f"vec3 {SINGLE}vector_at(int place)", "{",
+            f"    return vec3({', '.join(f'{SINGLE}float_at(place + {axis})' for axis in range(3))});", "}"])
+
+    def pack(self, more: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        """All tables in one array of words, and the words of the uniform block, where ``more`` are scalars that are no
+        places of tables."""
+        parts, numbers, used = [], dict(more), 0
+        single = np.zeros(-(-max(self._single_size, 1) // 4) * 4, np.uint32)
+        for name, array in self._tables.items():
+            words = words_of(array).ravel()
+            if name in self._single:
+                single[self._single[name]:self._single[name] + words.size] = words
+                continue
+            numbers[name + "_start"], numbers[name + "_rows"] = used, len(array)
+            parts.append(words)
+            used += words.size
+        scalars = [np.array(numbers[name], np.float32 if kind == "float" else np.int32).view(np.uint32)
+                   for name, kind in sorted(self.used_scalars.items())]
+        scalars += [np.uint32(0)] * (-len(scalars) % 4)
+        return np.concatenate(parts), np.concatenate([np.array(scalars, np.uint32), single])
+
+
+def _member(name: str, field: tuple) -> str:
+
+    _, inner = field
+    name = safe_name(name)
+    if isinstance(inner, str):
+        return f"{inner} {name};"
+    if inner.vector:
+        return f"vec3 {name};"
+    kind = inner
+    while not isinstance(kind, str):
+        kind = kind.inner
+    return f"{kind} {name}[{inner.size}];"

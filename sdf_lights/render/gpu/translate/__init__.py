@@ -1,0 +1,27 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The GLSL reading of kernels: the functions that Numba compiles for the CPU, as source for a GPU, in float32.
+
+A kernel is written once. What it may contain is what Numba's kernels of this project contain anyway: scalars, tuples,
+records and tables, calls of other kernels, ``if``, ``while`` and ``for … in range``. Types are inferred from the
+arguments of a call, and each combination of types gives one GLSL function, named after its module and itself.
+
+- float64 becomes float, all integers become int, uint32 uint; a tuple of two to four floats becomes a vector, any other
+  tuple a structure.
+- The block and the workspace are no arguments. A record of a table of the block is the int at which it begins in the
+  buffer ``words``; tables of the workspace are global variables.
+- Values of small integer fields are known from the scene's own tables (``Tables.values``): a comparison that can have one
+  outcome only is decided here, so a program holds no code for kinds of lights, lobes or shapes that the scene lacks.
+
+GLSL has no recursion, no pointers and no 64-bit integers. Kernels that need such things, call foreign code, or draw random
+numbers have a function by the same name in ``shaders_glsl/`` (see ``Native``).
+"""
+
+from .translator import Translator
+from .values import (
+    ASIDE, BLOCK, BOOL, CONSTANT, FLOAT, INT, UINT, VECTOR, WORKSPACE, Native, Ref, Tuple, Untranslatable, Value, known,
+    safe_name)
+
+__all__ = [
+    "ASIDE", "BLOCK", "BOOL", "CONSTANT", "FLOAT", "INT", "UINT", "VECTOR", "WORKSPACE", "Native", "Ref", "Translator",
+    "Tuple", "Untranslatable", "Value", "known", "safe_name"]

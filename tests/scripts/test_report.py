@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report: its sentences follow from its numbers, whatever they are."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from reporting import page, results
+
+MACHINE = dict(processor="Some Processor", cores=2, load=0.1)
+
+
+def race(volume: float = 0.5, mesh: float | None = 0.1, machine=MACHINE, flip: bool = True) -> results.Result:
+    """Two scenes; errors of Cycles in S2 are those given, where ours are 0.01."""
+    rows = []
+    for scene in ("S1", "S2"):
+        errors = {"CUT": 0.01, "MIS": 0.02, "Cycles volume": 0.5, "Cycles mesh light": 0.1}
+        if scene == "S2":
+            errors |= {"Cycles volume": volume, "Cycles mesh light": mesh}
+        metrics = ("rel_mse", "mape", "flip") if flip else ("rel_mse", "mape")
+        rows.append(dict(scene=scene, bounces=0, seconds=1.0, samples=64, reference=0.05, surface_reference=0.02,
+                         surface_mape=0.2, surface_mean_ratio=0.94)
+                    | {f"{metric} {name}": value for metric in metrics for name, value in errors.items()})
+        for method, error in errors.items():
+            for samples in (4, 16, 64):
+                row = dict(scene=scene, bounces=0, method=method, samples=samples, seeds=8, seconds=samples / 64.0,
+                           clock=1.0, mean_ratio=1.001, mean_ratio_error=0.001)
+                value = (error or 1.0) * 64.0 / samples
+                for metric in ("rel_mse", "mape", "flip"):
+                    known = metric in metrics
+                    row |= {metric: value if known else None, f"{metric}_low": 0.9 * value if known else None,
+                            f"{metric}_high": 1.1 * value if known else None}
+                rows.append(row)
+    return results.Result("cycles_direct", "./scripts/bench cycles --bounces 0", {}, rows, machine)
+
+
+def test_where_we_lose_is_said():
+    text = page.verdict(race(mesh=0.004))
+    assert "mesh light is better** in S2 by relMSE (0.4 times our error)" in text
+    assert "emission volume is better nowhere" in text
+    assert "is better nowhere" not in page.verdict(race(volume=0.001, mesh=0.001)).split("paper's sampler")[0]
+
+
+def test_what_is_not_known_is_a_dash():
+    text = page.equal_time(race(mesh=None, flip=False))
+    assert "FLIP" not in text
+    assert re.search(r"\| S2 .*relMSE .*\| – \|\n", text)
+
+
+def test_a_busy_machine_is_told():
+    assert "otherwise idle" in page.load(race())
+    assert "other work ran beside it" in page.load(race(machine=MACHINE | dict(load=4.0)))
+
+
+def test_limits_that_do_not_hold_are_named():
+    rows = [dict(case="stretch", measures="error of rays", figure=0.5, limit=0.1, holds=False),
+            dict(case="shells", measures="wrong crossings", figure=0.0, limit=0.0, holds=True),
+            dict(case="broken", measures="time", figure=None, limit=None, holds=False, error="it stopped")]
+    text = "\n".join(page.hard(results.Result("hard", "./scripts/bench hard", {}, rows, MACHINE)))
+    assert "**Limits that do not hold: stretch and broken.**" in text
+    assert "| stretch | error of rays | 0.5 | 0.1 | **fails** |" in text
+    assert "| broken | time | – | – | **fails** |" in text
+    assert "All limits hold.\n" in page.hard(results.Result("hard", "", {}, rows[1:2], MACHINE))
+
+
+def test_numbers_have_three_figures():
+    assert [page.number(value) for value in (1234.5, 12.345, 0.012345, 1.2e-7, 0.0, None, "text")] == [
+        "1,234", "12.3", "0.0123", "1.20e-07", "0", "–", "text"]
+
+
+def test_the_page_has_its_command_beside_every_figure(tmp_path):
+    pytest.importorskip("matplotlib")  # ./scripts/report installs it
+    import report
+
+    images, kept = tmp_path / "docs" / "images", tmp_path / "kept"
+    kept.mkdir()
+    pictures = {name: np.full((8, 8, 3), 0.5) for name in ("CUT", "Cycles volume", "Cycles mesh light", "reference")}
+    np.savez(kept / "S1 0.npz", **pictures)
+    found = {"cycles_direct": race(), "throughput": results.Result(
+        "throughput", "./scripts/bench throughput", dict(samples_per_second_ratio_to_cycles=2.0), [], MACHINE)}
+    report.draw(found, images, kept)
+    page.write(found, images, tmp_path / "docs" / "report.md")
+    text = (tmp_path / "docs" / "report.md").read_text(encoding="utf-8")
+    for line in ("    ./scripts/bench cycles --bounces 0", "    ./scripts/bench throughput",
+                 "| `samples_per_second_ratio_to_cycles` | 2 |", "## Error against time: direct light"):
+        assert line in text
+    links = re.findall(r"\]\((images/[^)]+)\)", text)
+    assert len(links) == 4 and all((tmp_path / "docs" / link).is_file() for link in links)
+
+
+def test_a_metric_that_nothing_is_known_of_has_no_plot(tmp_path):
+    pytest.importorskip("matplotlib")
+    from reporting import plots
+
+    assert not plots.against_time(race(flip=False), "flip", tmp_path / "plot.png")
+    assert not (tmp_path / "plot.png").exists()
+
+
+def test_results_are_read_in_the_order_of_the_page(tmp_path):
+    for name in ("throughput", "other", "cycles_direct"):
+        (tmp_path / f"{name}.json").write_text(json.dumps(dict(command="c", summary={}, rows=[], machine={})))
+    (tmp_path / "unfinished.json").write_text("{}")
+    assert list(results.read(tmp_path)) == ["cycles_direct", "throughput", "other"]
+
+
+def test_every_run_is_a_call_that_bench_understands():
+    pytest.importorskip("bpy")
+    import bench
+
+    for name, arguments in results.RUNS.items():
+        assert bench.parse(arguments).name == arguments[0], name

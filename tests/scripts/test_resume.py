@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An interrupted benchmark goes on where it was, and measures anew once it is done."""
+
+import argparse
+
+import pytest
+
+pytest.importorskip("bpy")
+
+from benchmarks.resume import Parts  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("SDF_LIGHTS_REFERENCES", str(tmp_path))
+
+
+def run(measured: list[str], broken: str | None = None, **options) -> list[str]:
+    """Results of three parts, of which one may be interrupted; ``measured`` gets those that were not known."""
+
+    def measure(name: str) -> str:
+        if name == broken:
+            raise KeyboardInterrupt
+        measured.append(name)
+        return f"result of {name}"
+
+    parts = Parts(argparse.Namespace(**options))
+    found = [parts.of(name, lambda name=name: measure(name)) for name in ("one", "two", "three")]
+    parts.finish()
+    return found
+
+
+def test_what_was_measured_before_an_interruption_is_kept():
+    measured = []
+    with pytest.raises(KeyboardInterrupt):
+        run(measured, broken="three", benchmark="lamps", quick=False)
+    assert run(measured, benchmark="lamps", quick=False) == [f"result of {name}" for name in ("one", "two", "three")]
+    assert measured == ["one", "two", "three"]
+    run(measured, benchmark="lamps", quick=False)
+    assert len(measured) == 6
+
+
+@pytest.mark.parametrize("other", [dict(benchmark="cycles", quick=False), dict(benchmark="lamps", quick=True)])
+def test_parts_belong_to_one_benchmark_with_the_same_options(other):
+    measured = []
+    with pytest.raises(KeyboardInterrupt):
+        run(measured, broken="two", benchmark="lamps", quick=False)
+    run(measured, **other)
+    assert measured == ["one", "one", "two", "three"]
+
+
+def test_where_the_result_is_written_to_does_not_matter():
+    measured = []
+    with pytest.raises(KeyboardInterrupt):
+        run(measured, broken="two", benchmark="lamps", out=None)
+    run(measured, benchmark="lamps", out="file.json")
+    assert measured == ["one", "two", "three"]
