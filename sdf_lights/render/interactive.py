@@ -28,6 +28,9 @@ from .session import LARGEST_BATCH, choose_back_end
 # Seconds: how long the first coarse picture may take, how often a new one is published after that, and how long a batch
 # of samples may take, which a pause does not interrupt.
 FIRST_PICTURE, PUBLISH_INTERVAL, BATCH = 0.05, 0.15, 0.3
+# Seconds that a scene has for its first picture, whatever comes after it: a scene that changes all the time would
+# otherwise never be seen.
+OWED = 2.0 * FIRST_PICTURE
 # Pixels along one pixel of a coarse picture: most of all; where the speed is not known; from one to the next.
 COARSEST, UNKNOWN, REFINEMENT = 16, 8, 4
 # Pixels that are read between two looks for a newer scene.
@@ -74,7 +77,8 @@ class InteractiveRender:
         self._condition = threading.Condition()
         self._thread: threading.Thread | None = None
         self._pending: tuple[Scene, Change] | None = None
-        self._stopping = self._paused = self._without_lamps = False
+        self._stopping = self._held = self._paused = self._without_lamps = False
+        self._owed = 0.0  # until when the first picture of a scene is waited for
         self._renderer = None
         self._picture: Picture | None = None
         self._pace = 0.0  # seconds a sample of a pixel takes; 0: not known yet
@@ -91,12 +95,21 @@ class InteractiveRender:
         with self._condition:
             if self._pending is not None:
                 change = max(change, self._pending[1])
-            self._pending = scene, change
+            self._pending, self._held = (scene, change), False
             self.finished, self.error = False, ""
             if self._thread is None:
                 self._stopping = False
                 self._thread = threading.Thread(target=self._work, name="SDF Lights: viewport", daemon=True)
                 self._thread.start()
+            self._condition.notify_all()
+        self._interrupt()
+
+    def hold(self) -> None:
+        """Leave the processor to the owner, who is about to ``update``."""
+        if self._thread is None:
+            return
+        with self._condition:
+            self._held = True
             self._condition.notify_all()
         self._interrupt()
 
@@ -126,7 +139,7 @@ class InteractiveRender:
         if thread is None:
             return
         with self._condition:
-            self._stopping = True
+            self._stopping, self._held = True, False
             self._pending = None
             self._condition.notify_all()
         self._interrupt()
@@ -137,14 +150,20 @@ class InteractiveRender:
 
     def _interrupt(self) -> None:
         renderer = self._renderer
-        if renderer is not None:
+        if renderer is not None and self._outdated():
             renderer.interrupt()
 
     def _say(self, text: str) -> None:
         self.status = text
 
     def _outdated(self) -> bool:
-        return self._stopping or self._pending is not None
+        changed = self._held or self._pending is not None
+        return self._stopping or (changed and time.perf_counter() > self._owed)
+
+    def _useless(self) -> bool:
+        """Whether what is being built is of no use for the scene that waits."""
+        pending = self._pending
+        return self._stopping or (pending is not None and pending[1] is Change.ALL and self._outdated())
 
     def _work(self) -> None:
         while True:
@@ -179,12 +198,13 @@ class InteractiveRender:
             renderer.finish()
 
     def _render(self, scene: Scene, change: Change) -> None:
-        self._next_denoising = FIRST_DENOISING
+        self._next_denoising, self._owed = FIRST_DENOISING, time.perf_counter() + OWED
         self._without_lamps = not self.coarse_lamps  # the owner may change that meanwhile
         divider = self._first_divider(scene)
         part, film = self._at_resolution(scene, divider)
         if not self._prepare(part, film, change):
             return
+        self._owed = time.perf_counter() + OWED
         self.warnings = scene.warnings
         self.status = f"Sample 0/{scene.settings.samples}"
         while divider > 1:
@@ -200,7 +220,7 @@ class InteractiveRender:
         """Bring the back end up to date with a scene. False if there is another one meanwhile."""
         if self._renderer is None or change is Change.ALL:
             self._drop()
-            renderer = choose_back_end(scene)(scene, film, self._outdated, self._say)
+            renderer = choose_back_end(scene)(scene, film, self._useless, self._say)
             if not renderer.ready:
                 with self._condition:
                     if self._pending is not None:  # it may say that less has changed, since the scene that is not built
@@ -291,6 +311,7 @@ class InteractiveRender:
             band = slice(row, row + rows)
             np.clip(film.read("Combined", band), -GREATEST, GREATEST, out=pixels[band])
         window = tuple(divider * edge for edge in film.window)
+        self._owed = 0.0
         number = self._picture.number + 1 if self._picture is not None else 1
         self._picture = Picture(
             pixels, window, (scene.width, scene.height), scene.camera, number, divider, film.samples,

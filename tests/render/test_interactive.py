@@ -113,6 +113,33 @@ def test_moves_of_the_camera_keep_the_scene(render, scene):
     assert after.camera.matrix[0, 3] == 2.0
 
 
+def test_a_scene_that_changes_all_the_time_is_seen(render, scene):
+    """Each change alone would interrupt the first picture of the scene before."""
+    large = dataclasses.replace(scene, width=1280, height=640)
+    render.update(large, Change.ALL)
+    wait(render, lambda: render.picture is not None and render._pace)
+    first = render.picture.number
+    started = time.monotonic()
+    while time.monotonic() - started < 3.0:
+        render.hold()
+        render.update(moved(large, time.monotonic() - started), Change.VIEW)
+        time.sleep(0.01)
+    assert render.picture.number >= first + 5
+
+
+def test_a_held_render_waits_for_its_owner(render, scene):
+    render.hold()
+    render.update(dataclasses.replace(scene, settings=dataclasses.replace(scene.settings, samples=100_000)), Change.ALL)
+    wait(render, lambda: render.picture is not None and render.picture.divider == 1)
+    render.hold()
+    time.sleep(0.5)
+    number = render.picture.number
+    time.sleep(0.5)
+    assert render.picture.number == number and render.active
+    render.update(scene, Change.VIEW)
+    assert finished(render).samples == 4
+
+
 def test_edits_of_a_lamp_keep_the_meshes(render, scene):
     render.update(scene, Change.ALL)
     finished(render)

@@ -11,8 +11,8 @@ from ...render.scene import Ray
 
 # Blender's Ray Visibility. `visible_volume_scatter` has no kind of ray here: nothing scatters in volumes.
 _VISIBILITY = {
-    "visible_camera": Ray.CAMERA, "visible_diffuse": Ray.DIFFUSE, "visible_glossy": Ray.GLOSSY,
-    "visible_transmission": Ray.TRANSMISSION, "visible_shadow": Ray.SHADOW}
+    "visible_camera": Ray.CAMERA.value, "visible_diffuse": Ray.DIFFUSE.value, "visible_glossy": Ray.GLOSSY.value,
+    "visible_transmission": Ray.TRANSMISSION.value, "visible_shadow": Ray.SHADOW.value}
 
 # A scale below this part of the largest counts as zero.
 FLAT = 1e-9
@@ -48,11 +48,8 @@ def is_flat(matrix: np.ndarray) -> bool:
 
 def visibility_of(item) -> Ray:
     """Rays that an object is visible to."""
-    rays = Ray(0)
-    for name, ray in _VISIBILITY.items():
-        if getattr(item, name):
-            rays |= ray
-    return rays
+    # Plain numbers: those of enumerations take ten times as long.
+    return Ray(sum(bit for name, bit in _VISIBILITY.items() if getattr(item, name)))
 
 
 def node_tree_of(data: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:

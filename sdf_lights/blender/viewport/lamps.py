@@ -31,17 +31,13 @@ class Collected(NamedTuple):
     errors: dict[str, str]
 
 
-def is_lamp(obj: bpy.types.Object) -> bool:
-    return obj.type == "LIGHT" and obj.data.sdf_lamp.use
-
-
 def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
     """Every lamp, also as an instance, with its transform in the world."""
     found = Collected([], {})
     for item in depsgraph.object_instances:
         # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
         obj = item.object
-        if not item.show_self or not is_lamp(obj):
+        if obj.type != "LIGHT" or not item.show_self or not obj.data.sdf_lamp.use:
             continue
         light = obj.data.original.name_full
         matrix = matrix_of(item.matrix_world)

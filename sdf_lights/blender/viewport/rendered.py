@@ -70,6 +70,7 @@ class RenderedView:
         change = Change.ALL if self._scene is None else change_of(depsgraph)
         if change is not None:
             self._stale = change if self._stale is None else max(change, self._stale)
+            self._render.hold()
 
     def draw(self, engine: bpy.types.RenderEngine, context, depsgraph: bpy.types.Depsgraph) -> None:
         """Draw the latest picture, and restart the render where the view or the data are not the same any more."""

@@ -167,6 +167,19 @@ def _triangle_materials(mesh: Mesh, instance: Instance) -> np.ndarray:
     return np.array(instance.materials)[np.clip(slots, 0, len(instance.materials) - 1)]
 
 
+def _new_table(name: str, count: int) -> np.ndarray:
+    """A table of a workspace, with nothing in it."""
+    if name == "ray":
+        return rays.new_rays(count)
+    dtype = integrator.WORKSPACE_TABLES[name]
+    if name != "lamp_boxes":
+        return np.zeros(count, dtype)
+    # Clearing all of its megabytes takes longer than packing a lamp, and these say that there is nothing.
+    boxes = np.empty(count, dtype)
+    boxes["key"] = boxes["recent"] = 0
+    return boxes
+
+
 class Workspace:
     """Scratch memory of one thread: ``block`` is one record of tables."""
 
@@ -176,9 +189,7 @@ class Workspace:
             "ray": 1, "spans": 2 * (packed.span_rows + len(packed.lamps)), "light_hits": packed.light_hits,
             **path.COUNTS, **shading.WORKSPACE_COUNTS, **cuts.WORKSPACE_COUNTS, **lights.WORKSPACE_COUNTS,
             **lamp_tree.workspace_counts(len(packed.lamps))}
-        self._tables = {
-            name: rays.new_rays(1) if name == "ray" else np.zeros(count, integrator.WORKSPACE_TABLES[name])
-            for name, count in counts.items()}
+        self._tables = {name: _new_table(name, count) for name, count in counts.items()}
         self.block = np.zeros(1, integrator.WORKSPACE)
         for name, array in self._tables.items():
             fill_table(self.block, name, array)
