@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// One thread a pixel: samples, added up in float32 for a batch, which the host adds to the film in float64.
+// One thread a pixel: samples, added up in float32 for a batch, which the host adds to the film in float64. A thread whose path
+// has ended begins its next sample while others are on their way (Novák et al. 2010, "Path regeneration for interactive
+// path tracing").
 //
 // Before this file come `#define`s of PIXEL_SIZE and of FILM_name, the place of each sum in a pixel, where a pass
-// needs it; the workspace, with `path_row` and `sample_row`; the kernels.
+// needs it, and of GOES_ON; the workspace, with `path_row` and `sample_row`; the kernels.
 
 layout(local_size_x = 64) in;
 
@@ -16,60 +18,63 @@ uniform ivec4 work;
 uniform ivec3 film_place;
 uniform int film_seed;
 
+float sums[PIXEL_SIZE];  // of this thread's pixel
+
 void add_vector(int at, vec3 value)
 {
-    film[at] += value.x;
-    film[at + 1] += value.y;
-    film[at + 2] += value.z;
+    sums[at] += value.x;
+    sums[at + 1] += value.y;
+    sums[at + 2] += value.z;
 }
 
 void put_vector(int at, vec3 value)
 {
-    film[at] = value.x;
-    film[at + 1] = value.y;
-    film[at + 2] = value.z;
+    sums[at] = value.x;
+    sums[at + 1] = value.y;
+    sums[at + 2] = value.z;
 }
 
 // As accumulate.add_sample.
-void add_sample(int at, int index)
+void add_sample(int index)
 {
-    film[at + FILM_COUNT] += 1.0;
+    sums[FILM_COUNT] += 1.0;
     vec3 light = sample_row.combined;
     float total = light.x + light.y + light.z + sample_row.alpha;
     if (!(abs(total) < INFINITE)) {
-        film[at + (isnan(total) ? FILM_NAN : FILM_INFINITE)] += 1.0;
+        sums[FILM_NAN] += isnan(total) ? 1.0 : 0.0;
+        sums[FILM_INFINITE] += isnan(total) ? 0.0 : 1.0;
         return;
     }
-    add_vector(at + FILM_COMBINED, light);
-    film[at + FILM_COMBINED + 3] += sample_row.alpha;
+    add_vector(FILM_COMBINED, light);
+    sums[FILM_COMBINED + 3] += sample_row.alpha;
     if ((index & HALF_BIT) != 0) {
-        add_vector(at + FILM_HALF, light);
+        add_vector(FILM_HALF, light);
     }
 #ifdef FILM_LAMPS
-    add_vector(at + FILM_LAMPS, sample_row.lamps);
+    add_vector(FILM_LAMPS, sample_row.lamps);
 #endif
 #ifdef FILM_EMISSION
-    add_vector(at + FILM_EMISSION, sample_row.emission);
+    add_vector(FILM_EMISSION, sample_row.emission);
 #endif
     if (sample_row.found != 0) {
 #ifdef FILM_NORMAL
-        add_vector(at + FILM_NORMAL, sample_row.normal);
+        add_vector(FILM_NORMAL, sample_row.normal);
 #endif
 #ifdef FILM_ALBEDO
-        add_vector(at + FILM_ALBEDO, sample_row.albedo);
+        add_vector(FILM_ALBEDO, sample_row.albedo);
 #endif
 #ifdef FILM_DIFFUSE_ALBEDO
-        add_vector(at + FILM_DIFFUSE_ALBEDO, sample_row.diffuse_albedo);
+        add_vector(FILM_DIFFUSE_ALBEDO, sample_row.diffuse_albedo);
 #endif
-        if (film[at + FILM_SURFACES] == 0.0) {
+        if (sums[FILM_SURFACES] == 0.0) {
 #ifdef FILM_POSITION
-            put_vector(at + FILM_POSITION, sample_row.position);
+            put_vector(FILM_POSITION, sample_row.position);
 #endif
 #ifdef FILM_DEPTH
-            film[at + FILM_DEPTH] = sample_row.depth;
+            sums[FILM_DEPTH] = sample_row.depth;
 #endif
         }
-        film[at + FILM_SURFACES] += 1.0;
+        sums[FILM_SURFACES] += 1.0;
     }
 }
 
@@ -83,12 +88,27 @@ void main()
     int pixel = int(pixels[place]);
     int x = film_place.x + pixel % film_place.z;
     int y = film_place.y + pixel / film_place.z;
+    int first = place * PIXEL_SIZE;
+    for (int i = 0; i < PIXEL_SIZE; i++) {
+        sums[i] = film[first + i];
+    }
     clear_workspace();
     path_row.seed = pixel_seed(x, y, film_seed);
-    for (int index = work.z; index < work.z + work.w; index++) {
-        path_row.index = index;
-        path_clear_sample();
-        integrator_trace_path(x, y);
-        add_sample(place * PIXEL_SIZE, index);
+    int index = work.z;
+    bool fresh = true;
+    while (index < work.z + work.w) {
+        if (fresh) {
+            path_row.index = index;
+            path_clear_sample();
+            integrator_start_path(x, y);
+        }
+        fresh = integrator_advance(false) != GOES_ON || !integrator_expects();
+        if (fresh) {
+            add_sample(index);
+            index++;
+        }
+    }
+    for (int i = 0; i < PIXEL_SIZE; i++) {
+        film[first + i] = sums[i];
     }
 }

@@ -3,20 +3,26 @@
 
 // Rays against triangles: the trees that sdf_lights/render/gpu/bvh.py builds.
 //
-// Before this file come `#define`s of STACK, ITEMS_IN_LEAF, TEXTURE_BITS, INSTANCE_SIZE and INSTANCE_INVERSE, the workspace's
-// Record_ray, `scene.hierarchy_root` and `scene.instances_start`, and maths.glsl.
+// Before this file come `#define`s of STACK, ITEMS_IN_LEAF and TEXTURE_BITS, INSTANCES where meshes are used more than once,
+// IMAGES where textures are read faster as images, the workspace's Record_ray, `scene.hierarchy_root`, and maths.glsl.
 
 // Rows of 2^TEXTURE_BITS words of four numbers: what threads read here is nowhere the same for all of them, and textures
 // are made for that. They may also be larger than buffers.
-uniform usampler2D nodes;
-uniform usampler2D items;
-
 ivec2 texel(int place) { return ivec2(place & ((1 << TEXTURE_BITS) - 1), place >> TEXTURE_BITS); }
+#ifdef IMAGES
+layout(rgba32ui, binding = 0) readonly uniform uimage2D nodes;
+layout(rgba32ui, binding = 1) readonly uniform uimage2D items;
+uvec4 node_at(int place) { return imageLoad(nodes, texel(place)); }
+uvec4 item_at(int place) { return imageLoad(items, texel(place)); }
+#else
+layout(binding = 0) uniform usampler2D nodes;
+layout(binding = 1) uniform usampler2D items;
 uvec4 node_at(int place) { return texelFetch(nodes, texel(place), 0); }
 uvec4 item_at(int place) { return texelFetch(items, texel(place), 0); }
+#endif
 vec3 point_of(uvec4 words) { return uintBitsToFloat(words.xyz); }
 
-const int LEAVE_INSTANCE = -2147483647 - 1;
+const int LEAVE = -2147483647 - 1;  // an instance, or the scene
 
 int waiting[STACK];
 
@@ -73,88 +79,106 @@ float hit_triangle(Line line, vec3 a, vec3 b, vec3 c, out vec2 uv)
 }
 
 // Nearest triangle between t_min and t_max whose instance has a bit of `mask`, in `ray`; or just any.
+//
+// Threads go down to leaves together, then test them together (Aila and Laine 2009, "Understanding the efficiency of ray
+// traversal on GPUs"): those that wait for others spare them the code of the other kind of step.
 bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, int mask, bool any)
 {
-    Line world = line_of(o, d);
-    Line line = world;
-    int depth = 0;
+    Line line = line_of(o, d);
+    int depth = 1;
     int node = scene.hierarchy_root;
-    int inside = -1;  // instance whose tree the ray is in
     bool found = false;
+    waiting[0] = LEAVE;
     ray.t_far = t_max;
+#ifdef INSTANCES
+    Line world = line;
+    int inside = -1;  // instance whose tree the ray is in
+#endif
     while (true) {
-        if (node >= 0) {
+        while (node >= 0) {
             uvec4 left_low = node_at(4 * node);
             uvec4 left_high = node_at(4 * node + 1);
             float left = enter_box(line, point_of(left_low), point_of(left_high), t_min, ray.t_far);
             float right = enter_box(line, point_of(node_at(4 * node + 2)), point_of(node_at(4 * node + 3)), t_min, ray.t_far);
-            int near = int(left <= right ? left_low.w : left_high.w);
-            if (left < INFINITE && right < INFINITE) {
-                waiting[depth] = int(left <= right ? left_high.w : left_low.w);
+            bool left_first = left <= right;
+            node = int(left_first ? left_low.w : left_high.w);
+            if (max(left, right) < INFINITE) {
+                waiting[depth] = int(left_first ? left_high.w : left_low.w);
                 depth++;
             }
-            if (left < INFINITE || right < INFINITE) {
-                node = near;
+            if (!(min(left, right) < INFINITE)) {
+                depth--;
+                node = waiting[depth];
+            }
+        }
+        if (node == LEAVE) {
+#ifdef INSTANCES
+            if (inside >= 0) {
+                line = world;
+                inside = -1;
+                depth--;
+                node = waiting[depth];
                 continue;
             }
+#endif
+            return found;
         }
-        else if (node == LEAVE_INSTANCE) {
-            line = world;
-            inside = -1;
-        }
-        else {
-            int first = ~node / ITEMS_IN_LEAF;
-            int last = first + ~node % ITEMS_IN_LEAF;
-            for (int item = first; item <= last; item++) {
-                uvec4 first_corner = item_at(3 * item);
-                uvec4 second_corner = item_at(3 * item + 1);
-                uvec4 third_corner = item_at(3 * item + 2);
-                int primitive = int(second_corner.w);
-                if (inside < 0 && (int(third_corner.w) & mask) == 0) {
+        int first = ~node / ITEMS_IN_LEAF;
+        int last = first + ~node % ITEMS_IN_LEAF;
+        depth--;
+        node = waiting[depth];
+        for (int item = first; item <= last; item++) {
+            uvec4 first_corner = item_at(3 * item);
+            uvec4 second_corner = item_at(3 * item + 1);
+            uvec4 third_corner = item_at(3 * item + 2);
+            vec3 a = point_of(first_corner);
+            vec3 b = point_of(second_corner);
+            vec3 c = point_of(third_corner);
+            int instance = int(first_corner.w);
+            int primitive = int(second_corner.w);
+            bool seen = (int(third_corner.w) & mask) != 0;
+#ifdef INSTANCES
+            if (inside >= 0) {
+                instance = inside;
+                seen = true;
+            }
+            if (primitive < 0) {
+                if (!seen) {
                     continue;
                 }
-                if (primitive < 0) {
-                    // The rest of the leaf waits, which its reference can say.
-                    if (item < last) {
-                        waiting[depth] = ~(ITEMS_IN_LEAF * (item + 1) + last - item - 1);
-                        depth++;
-                    }
-                    waiting[depth] = LEAVE_INSTANCE;
-                    waiting[depth + 1] = int(second_corner.x);
-                    depth += 2;
-                    inside = int(first_corner.w);
-                    int at = scene.instances_start + inside * INSTANCE_SIZE + INSTANCE_INVERSE;
-                    vec3 x = vector_at(at);
-                    vec3 y = vector_at(at + 4);
-                    vec3 z = vector_at(at + 8);
-                    line = line_of(
-                        vec3(dot(x, o) + float_at(at + 3), dot(y, o) + float_at(at + 7), dot(z, o) + float_at(at + 11)),
-                        vec3(dot(x, d), dot(y, d), dot(z, d)));
-                    break;
+                waiting[depth] = node;
+                depth++;
+                if (item < last) {  // the rest of the leaf waits, which its reference can say
+                    waiting[depth] = ~(ITEMS_IN_LEAF * (item + 1) + last - item - 1);
+                    depth++;
                 }
-                vec3 a = point_of(first_corner);
-                vec3 b = point_of(second_corner);
-                vec3 c = point_of(third_corner);
-                vec2 uv;
-                float t = hit_triangle(line, a, b, c, uv);
-                if (t > t_min && t < ray.t_far) {
-                    found = true;
-                    ray.t_far = t;
-                    ray.u = uv.x;
-                    ray.v = uv.y;
-                    ray.primitive = uint(primitive);
-                    ray.instance = inside >= 0 ? uint(inside) : first_corner.w;
-                    ray.normal = cross(b - a, c - a);
-                    if (any) {
-                        return true;
-                    }
+                waiting[depth] = LEAVE;
+                depth++;
+                inside = instance;
+                node = int(second_corner.x);
+                int place = 3 * int(second_corner.y);
+                vec4 x = uintBitsToFloat(item_at(place));
+                vec4 y = uintBitsToFloat(item_at(place + 1));
+                vec4 z = uintBitsToFloat(item_at(place + 2));
+                line = line_of(vec3(dot(x.xyz, o) + x.w, dot(y.xyz, o) + y.w, dot(z.xyz, o) + z.w),
+                               vec3(dot(x.xyz, d), dot(y.xyz, d), dot(z.xyz, d)));
+                break;
+            }
+#endif
+            vec2 uv;
+            float t = hit_triangle(line, a, b, c, uv);
+            if (seen && t > t_min && t < ray.t_far) {
+                found = true;
+                ray.t_far = t;
+                ray.u = uv.x;
+                ray.v = uv.y;
+                ray.primitive = uint(primitive);
+                ray.instance = uint(instance);
+                ray.normal = cross(b - a, c - a);
+                if (any) {
+                    return true;
                 }
             }
         }
-        if (depth == 0) {
-            return found;
-        }
-        depth--;
-        node = waiting[depth];
     }
 }

@@ -54,6 +54,8 @@ FIRST_ROULETTE = 2
 
 BLACK = (0.0, 0.0, 0.0)
 
+ENDS, GOES_ON, DIVIDES = range(3)  # what becomes of a path at a surface
+
 WORKSPACE_TABLES = {
     "ray": RAY, "spans": np.dtype(np.float64), "light_hits": lights.HIT, **lights.WORKSPACE_TABLES, **TABLES,
     **SHADING_TABLES, **cuts.WORKSPACE_TABLES, **LAMP_TREE_TABLES}
@@ -538,18 +540,13 @@ def start_path(block, workspace, x, y):
     path.bounce = path.diffuse = path.glossy = path.transmission = path.transparent = path.last = 0
     path.dimension = CAMERA_SETS
     path.share, path.scattered = 1.0, 0
-
-
-@kernel
-def trace_path(block, workspace, x, y):
-    """One sample of the pixel (x, y): fills ``sample``."""
-    start_path(block, workspace, x, y)
-    follow(block, workspace, False)
+    path.kept = path.found = -1
 
 
 @kernel
 def trace_branches(block, workspace, x, y, branches, first_branch):
-    """As ``trace_path``: the path divides into ``branches`` at the first surface that scatters light.
+    """One sample of the pixel (x, y), in ``sample``. Its path divides into ``branches`` at the first surface that scatters
+    light.
 
     What comes before is sampled once, and the branches, numbered from ``first_branch`` on, as evenly as all of a pixel.
     """
@@ -583,58 +580,74 @@ def divides(block, workspace):
 @kernel
 def follow(block, workspace, whole):
     """Follow the workspace's path to its end, or where it should divide if it is ``whole``: True there."""
+    state = GOES_ON
+    while state == GOES_ON and expects(block, workspace):
+        state = advance(block, workspace, whole)
+    return state == DIVIDES
+
+
+@kernel
+def expects(block, workspace):
+    """Whether there is anything for the path's next ray to find, which is made ready for ``advance``."""
+    path = path_table(workspace)[0]
+    path.kept = path.found = -1
+    if path.last and not block.emitters_hit:
+        path.t_max = min(path.t_max, lamp_reach(block, workspace, path))
+        return path.t_max > path.t_min
+    return True
+
+
+@kernel
+def advance(block, workspace, whole):
+    """Follow the workspace's path along its ray, and scatter it where that meets a surface, unless it is ``whole`` and
+    should divide there: ENDS, GOES_ON or DIVIDES."""
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
     surface = surface_table(workspace)[0]
-    while True:
-        path.kept = path.found = -1
-        if path.last and not block.emitters_hit:
-            path.t_max = min(path.t_max, lamp_reach(block, workspace, path))
-            if path.t_max <= path.t_min:
-                return False
-        found = intersect(block, workspace, vec(path.start), vec(path.direction), path.t_min, path.t_max, path.kind)
-        t_to = float(ray_table(workspace)[0].t_far) if found else path.t_max
-        if block.lamp_count > 0:
-            gather_lamps(block, workspace, t_to)
-        if block.finite_lights > 0:
-            gather_lights(block, workspace, t_to)
-        if not found:
-            gather_world(block, workspace)
-            return False
-        path.length = t_to
-        if not survives(path):
-            return False
-        wo = negate(vec(path.direction))
-        find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle)
-        if instance_table(block)[surface.instance].holdout:
-            if path.kind == CAMERA:
-                uncover(workspace, 1.0)
-            return False
-        shade(block, workspace)
-        sample.met += sample.direct >= 0.0  # the path has divided
-        gather_surface(block, workspace)
+    found = intersect(block, workspace, vec(path.start), vec(path.direction), path.t_min, path.t_max, path.kind)
+    t_to = float(ray_table(workspace)[0].t_far) if found else path.t_max
+    if block.lamp_count > 0:
+        gather_lamps(block, workspace, t_to)
+    if block.finite_lights > 0:
+        gather_lights(block, workspace, t_to)
+    if not found:
+        gather_world(block, workspace)
+        return ENDS
+    path.length = t_to
+    if not survives(path):
+        return ENDS
+    wo = negate(vec(path.direction))
+    find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle)
+    if instance_table(block)[surface.instance].holdout:
         if path.kind == CAMERA:
-            uncover(workspace, surface.holdout)
-            if not sample.found and average(vec(surface.transparency)) < 0.5:
-                record_first_surface(block, workspace)
-        if path.last:
-            # A transparent surface does not end a ray that gathers emission: light sampling sees through it too.
-            transparent = vec(surface.transparency)
-            if largest(transparent) <= 0.0 or path.transparent >= block.transparent_bounces:
-                return False
-            path.transparent += 1
-            path.t_min = _beyond(t_to)
-            put(path.throughput, mul(vec(path.throughput), transparent))
-            continue
-        if surface.evaluable > 0:
-            light_vertex(block, workspace)
-        if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):
-            return False
-        if whole and divides(block, workspace):
-            return True
-        if not scatter(block, workspace):
-            return False
-        path.dimension += VERTEX_SETS
+            uncover(workspace, 1.0)
+        return ENDS
+    shade(block, workspace)
+    sample.met += sample.direct >= 0.0  # the path has divided
+    gather_surface(block, workspace)
+    if path.kind == CAMERA:
+        uncover(workspace, surface.holdout)
+        if not sample.found and average(vec(surface.transparency)) < 0.5:
+            record_first_surface(block, workspace)
+    if path.last:
+        # A transparent surface does not end a ray that gathers emission: light sampling sees through it too.
+        transparent = vec(surface.transparency)
+        if largest(transparent) <= 0.0 or path.transparent >= block.transparent_bounces:
+            return ENDS
+        path.transparent += 1
+        path.t_min = _beyond(t_to)
+        put(path.throughput, mul(vec(path.throughput), transparent))
+        return GOES_ON
+    if surface.evaluable > 0:
+        light_vertex(block, workspace)
+    if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):
+        return ENDS
+    if whole and divides(block, workspace):
+        return DIVIDES
+    if not scatter(block, workspace):
+        return ENDS
+    path.dimension += VERTEX_SETS
+    return GOES_ON
 
 
 @kernel

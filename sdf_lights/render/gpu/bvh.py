@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...affine import inverse
 from ...jit import kernel
 from ..cpu.rays import world_positions
 from ..scene import Instance, Scene
@@ -28,8 +29,9 @@ NODE = np.dtype([
     ("left_low", np.float32, 3), ("left", np.int32), ("left_high", np.float32, 3), ("right", np.int32),
     ("right_low", np.float32, 3), ("unused", np.int32), ("right_high", np.float32, 3), ("unused_too", np.int32)])
 
-# A triangle, or an instance of a mesh with a tree of its own: its primitive is −1, and the first number of ``b`` is, bit
-# by bit, its tree's first node.
+# A triangle, or an instance of a mesh with a tree of its own: its primitive is −1, and the first two numbers of ``b`` are, bit
+# by bit, its tree's first node and the index of its place. That is an item, too, in no tree: the three rows of the matrix
+# from the world to the mesh.
 ITEM = np.dtype([
     ("a", np.float32, 3), ("instance", np.int32), ("b", np.float32, 3), ("primitive", np.int32),
     ("c", np.float32, 3), ("mask", np.int32)])
@@ -203,8 +205,11 @@ class Hierarchy:
         else:
             own, self._deepest = self._deepest, 0
             self.root = self._add(np.concatenate(items), np.concatenate(boxes))
-        self.depth = own + self._deepest + 3  # and what is left of a leaf, and the end of an instance
+        self.depth = own + self._deepest + 4  # and what is left of a leaf, the end of an instance and that of all
         self.nodes, self.items = np.concatenate(self._nodes), np.concatenate(self._items)
+        self.instanced = bool(roots)
+        if self.instanced:
+            self._add_places(scene)
 
     def _add(self, items: np.ndarray, boxes: np.ndarray) -> int:
         """Build a tree; the index of its first node."""
@@ -216,6 +221,15 @@ class Hierarchy:
         self._node_count += count
         self._item_count += len(items)
         return root
+
+
+    def _add_places(self, scene: Scene) -> None:
+        """Let the items of instances know their places, which come after all others."""
+        rows = np.flatnonzero(self.items["primitive"] < 0)
+        inverses = np.array([inverse(scene.instances[index].matrix) for index in self.items["instance"][rows]])
+        self.items["b"][rows, 1] = (len(self.items) + np.arange(len(rows), dtype=np.int32)).astype(np.int32).view(np.float32)
+        places = np.ascontiguousarray(inverses[:, :3, :], np.float32).reshape(-1, 12).view(ITEM)
+        self.items = np.concatenate([self.items, places[:, 0]])
 
 
 def _triangles(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 KEPT = 8  # programs that are kept, the most recently used ones
 VERSION = 430
+SOFTWARE = ("llvmpipe", "softpipe", "swr")
 
 
 class DeviceError(Exception):
@@ -32,6 +33,8 @@ class Device:
             self._pool.shutdown()
             raise
         self.name = str(facts["GL_RENDERER"])
+        # Software renderers read textures through the same code as images, less what textures have levels for.
+        self.images = any(name in self.name.lower() for name in SOFTWARE)
         self.largest_buffer = int(facts["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])  # bytes
         self.largest_texture = int(facts["GL_MAX_TEXTURE_SIZE"])  # texels of a side
 

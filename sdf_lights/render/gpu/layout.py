@@ -77,6 +77,12 @@ def layout_of(dtype: np.dtype, name: str, packed: bool = False):
     return Record(name, dtype, packed) if dtype.names else scalar_of(dtype)
 
 
+def size_of(array: np.ndarray) -> int:
+    """Words of a table."""
+    layout = layout_of(array.dtype, "")
+    return array.size * (1 if isinstance(layout, str) else layout.size)
+
+
 def words_of(array: np.ndarray) -> np.ndarray:
     """(rows, words of a record) uint32 of a table."""
     rows = len(array)

@@ -118,9 +118,10 @@ def natives(cuts: bool, one_emitter: bool = False) -> dict:
 
 
 class GpuScene:
-    """Tables and source for one scene and one film."""
+    """Tables and source for one scene and one film. ``images``: whether textures are read faster as images."""
 
-    def __init__(self, scene: Scene, film: Film):
+    def __init__(self, scene: Scene, film: Film, images: bool = False):
+        self._images = images
         self.formulas = lamps.Formulas()
         materials = shading.pack_materials(scene)
         flags = materials["materials"]["flags"]
@@ -216,11 +217,14 @@ class GpuScene:
             chosen |= {inspect.unwrap(integrator.light_lamp): lamps.no_light,
                        inspect.unwrap(integrator.lamp_reach): lamps.no_reach}
         translator = Translator(self.tables, chosen, ROUNDING)
-        translator.function(path.clear_sample, [known(WORKSPACE)])
-        translator.function(integrator.trace_path, [known(BLOCK), known(WORKSPACE), Value(INT, "x"), Value(INT, "y")])
+        scene, workspace = known(BLOCK), known(WORKSPACE)
+        translator.function(path.clear_sample, [workspace])
+        translator.function(integrator.start_path, [scene, workspace, Value(INT, "x"), Value(INT, "y")])
+        translator.function(integrator.expects, [scene, workspace])
+        translator.function(integrator.advance, [scene, workspace, known(False)])
         kernels = "\n\n".join(translator.functions)
         self.tables.used_scalars |= dict.fromkeys(
-            ("hierarchy_root", "instances_start", "sobol_start", "lamp_fields_start", "lamp_parameters_start"), "int")
+            ("hierarchy_root", "sobol_start", "lamp_fields_start", "lamp_parameters_start"), "int")
         workspace = self.tables.workspace_source(aside=self.textured)
         return "\n".join([
             "#version 430 core", self.tables.uniform_source(), *self._defines(), glsl("maths.glsl"),
@@ -228,18 +232,18 @@ class GpuScene:
             translator.structure_source(), *translator.globals, "", kernels, "", glsl("film.glsl")])
 
     def _defines(self) -> list[str]:
-        instance = Record("instances", geometry.INSTANCE)
         field = Record("lamp_fields", lamps.FIELD)
         numbers = {
             "STACK": -(-self.hierarchy.depth // 16) * 16, "ITEMS_IN_LEAF": MOST_IN_LEAF,
-            "TEXTURE_BITS": TEXTURE_BITS, "INSTANCE_SIZE": instance.size,
-            "INSTANCE_INVERSE": instance.fields["inverse"][0],
+            "TEXTURE_BITS": TEXTURE_BITS,
             "FIELD_SIZE": field.size, **{f"FIELD_{name.upper()}": offset for name, (offset, _) in field.fields.items()},
-            "FIELD_STEPS": FIELD_STEPS, "INTERVALS": FIELD_INTERVALS, "HALF_BIT": HALF_BIT}
+            "FIELD_STEPS": FIELD_STEPS, "INTERVALS": FIELD_INTERVALS, "HALF_BIT": HALF_BIT, "GOES_ON": integrator.GOES_ON}
         places, used = film_places(self.film)
         numbers |= {f"FILM_{name.upper()}": place for name, place in places.items()}
         numbers["PIXEL_SIZE"] = used
-        return [f"#define {name} {value}" for name, value in numbers.items()]
+        switches = {"INSTANCES": self.hierarchy.instanced, "IMAGES": self._images}
+        return [f"#define {name} {value}" for name, value in numbers.items()] + [
+            f"#define {name}" for name, on in switches.items() if on]
 
     def _lamp_source(self) -> str:
         no_lengths = "void note_length(int lamp, int column, float amount) {}"

@@ -67,7 +67,7 @@ class GpuRenderer:
             raise DeviceError(f"it failed ({type(error).__name__}: {error})") from error
 
     def _prepare(self, context, scene: Scene) -> None:
-        packed = GpuScene(scene, self._film)
+        packed = GpuScene(scene, self._film, self._device.images)
         self._packed = packed
         source = packed.source()
         self._say("Compiling the scene's program for the GPU")
@@ -76,7 +76,7 @@ class GpuRenderer:
         hierarchy = packed.hierarchy
         self._uniforms = self._buffer(context, uniforms)
         self._words = self._buffer(context, words)
-        self._textures = {name: self._texture(context, getattr(hierarchy, name)) for name in ("nodes", "items")}
+        self._textures = [self._texture(context, array) for array in (hierarchy.nodes, hierarchy.items)]
         slab = min(SLAB, len(self._film.active))
         self._sums = self._buffer(context, np.zeros(slab * self._size, np.float32))
         self._pixels = self._buffer(context, np.zeros(slab, np.uint32))
@@ -110,9 +110,11 @@ class GpuRenderer:
         self._uniforms.bind_to_uniform_block(0)
         for binding, buffer in enumerate((self._words, self._sums, self._pixels, self._lengths)):
             buffer.bind_to_storage_buffer(binding)
-        for unit, (name, texture) in enumerate(self._textures.items()):
-            texture.use(unit)
-            self._program[name] = unit
+        for unit, texture in enumerate(self._textures):
+            if self._device.images:
+                texture.bind_to_image(unit, read=True, write=False)
+            else:
+                texture.use(unit)
         x, y, _, _ = self._film.window
         self._program["film_place"] = x, y, self._film.width
         self._program["film_seed"] = self._seed

@@ -3,21 +3,23 @@
 """Tables of a block as 32-bit words of a buffer, and what the translator has to know of them.
 
 A record lies in the buffer field by field, each number in a word: floats as float32, integers as int32. A shader finds
-a table by where it starts and how many rows it has, which are in the uniform block ``scene``. A table of one record (the
-camera, the only lamp of a scene) is in the uniform block itself, at places that are part of the program: what all threads
-read is fastest there.
+a table by where it starts and how many rows it has, which are in the uniform block ``scene``. Small tables (the camera,
+lamps, materials) are in the uniform block themselves, those of one record at places that are part of the program: what
+threads read together is fastest there.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from .layout import Array, Record, layout_of, words_of
+from .layout import Array, Record, layout_of, size_of, words_of
 from .translate.values import ASIDE, BLOCK, CONSTANT, Ref, Value, known, safe_name
 
 MOST_VALUES = 32  # different values of a field that are worth knowing
-SINGLE = "single_"  # begins the names of functions that read tables of one record
-BUFFERED = frozenset({"instances", "lamp_fields"})  # tables that shaders written by hand look for in the buffer
+NEAR = "near_"  # begins the names of functions that read tables in the uniform block
+NEAR_WORDS = 3072  # of all of them: OpenGL has room for 4096 everywhere
+SMALL = 256  # words of a table that may be there
+BUFFERED = frozenset({"lamp_fields", "lamp_parameters", "sobol"})  # tables that shaders written by hand look for in the buffer
 
 
 class Tables:
@@ -31,12 +33,15 @@ class Tables:
                  workspace: dict[str, tuple[np.dtype, int]]):
         self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
         self.used_scalars: dict[str, str] = {}
-        self._single: dict[str, int] = {}  # first word of each table that is in the uniform block
-        self._single_size = 0
-        for name, array in tables.items():
-            if len(array) == 1 and array.dtype.names and name not in BUFFERED:
-                self._single[name] = self._single_size
-                self._single_size += words_of(array).size
+        self._near: dict[str, int] = {}  # first word of each table that is in the uniform block
+        used = 0
+        sizes = {name: size_of(array) for name, array in tables.items() if name not in BUFFERED}
+        self._single = {name for name in sizes if len(tables[name]) == 1 and tables[name].dtype.names}
+        for name in sorted(sizes, key=lambda name: name not in self._single):  # places in programs come first
+            if (name in self._single or 0 < sizes[name] <= SMALL) and used + sizes[name] <= NEAR_WORDS:
+                self._near[name] = used
+                used += sizes[name]
+        self._single &= set(self._near)
         self._values: dict[tuple[str, str], frozenset | None] = {}
 
     # For the translator
@@ -56,7 +61,8 @@ class Tables:
         if base.type != CONSTANT:  # the record holds the first word
             offset, _ = base.type.layout.fields[name + "_address"]
             self.used_scalars[name + "_start"] = "int"
-            return Value(Ref(Array(layout_of(dtype, name))), f"scene.{name}_start + {base.type.reader}int_at({base.text} + {offset})")
+            start = f"scene.{name}_start + {base.type.reader}int_at({base.text} + {offset})"
+            return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), start)
         if base.constant is not BLOCK:
             if name == "aside":
                 return known(ASIDE)
@@ -69,12 +75,12 @@ class Tables:
                 return Value(Ref(Array(inner, 1, packed=True), name + "_row"))
             return Value(Ref(Array(inner, count, packed=True), name + "_rows[{}]"), "0", count=str(count))
         if name in self._single:
-            return Value(Ref(Array(layout_of(dtype, name), 1), reader=SINGLE), str(self._single[name]), count="1")
+            return Value(Ref(Array(layout_of(dtype, name), 1), reader=NEAR), str(self._near[name]), count="1")
         self.used_scalars[name + "_start"] = self.used_scalars[name + "_rows"] = "int"
         rows = f"scene.{name}_rows"
         if not len(self._tables[name]):
             rows = "0"
-        return Value(Ref(Array(layout_of(dtype, name))), f"scene.{name}_start", count=rows)
+        return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), f"scene.{name}_start", count=rows)
 
     def values(self, layout: Record, name: str) -> frozenset | None:
         """Values that an integer field of a table has in this scene, if they are few."""
@@ -114,37 +120,36 @@ class Tables:
 
     def reader(self, name: str) -> str:
         """How the names of the functions begin that read this table."""
-        return SINGLE if name in self._single else ""
+        return NEAR if name in self._near else ""
 
     def uniform_source(self) -> str:
-        """The uniform block ``scene``, and functions that read tables of one record there."""
+        """The uniform block ``scene``, and functions that read tables there."""
         members = "".join(f" {kind} {name};" for name, kind in sorted(self.used_scalars.items()))
-        rows = max(-(-self._single_size // 4), 1)
         return "\n".join([
-            f"layout(std140, binding = 0) uniform Scene {{{members} uvec4 single[{rows}]; }} scene;",
-            f"uint {SINGLE}uint_at(int place) {{ return scene.single[place >> 2][place & 3]; }}",
-            f"int {SINGLE}int_at(int place) {{ return int({SINGLE}uint_at(place)); }}",
-            f"float {SINGLE}float_at(int place) {{ return uintBitsToFloat({SINGLE}uint_at(place)); }}",
-            f"vec3 {SINGLE}vector_at(int place)", "{",
-            f"    return vec3({', '.join(f'{SINGLE}float_at(place + {axis})' for axis in range(3))});", "}"])
+            f"layout(std140, binding = 0) uniform Scene {{{members} uvec4 near[{NEAR_WORDS // 4}]; }} scene;",
+            f"uint {NEAR}uint_at(int place) {{ return scene.near[place >> 2][place & 3]; }}",
+            f"int {NEAR}int_at(int place) {{ return int({NEAR}uint_at(place)); }}",
+            f"float {NEAR}float_at(int place) {{ return uintBitsToFloat({NEAR}uint_at(place)); }}",
+            f"vec3 {NEAR}vector_at(int place)", "{",
+            f"    return vec3({', '.join(f'{NEAR}float_at(place + {axis})' for axis in range(3))});", "}"])
 
     def pack(self, more: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
         """All tables in one array of words, and the words of the uniform block, where ``more`` are scalars that are no
         places of tables."""
         parts, numbers, used = [], dict(more), 0
-        single = np.zeros(-(-max(self._single_size, 1) // 4) * 4, np.uint32)
+        near = np.zeros(NEAR_WORDS, np.uint32)
         for name, array in self._tables.items():
             words = words_of(array).ravel()
-            if name in self._single:
-                single[self._single[name]:self._single[name] + words.size] = words
+            numbers[name + "_start"], numbers[name + "_rows"] = self._near.get(name, used), len(array)
+            if name in self._near:
+                near[self._near[name]:self._near[name] + words.size] = words
                 continue
-            numbers[name + "_start"], numbers[name + "_rows"] = used, len(array)
             parts.append(words)
             used += words.size
         scalars = [np.array(numbers[name], np.float32 if kind == "float" else np.int32).view(np.uint32)
                    for name, kind in sorted(self.used_scalars.items())]
         scalars += [np.uint32(0)] * (-len(scalars) % 4)
-        return np.concatenate(parts), np.concatenate([np.array(scalars, np.uint32), single])
+        return np.concatenate(parts), np.concatenate([np.array(scalars, np.uint32), near])
 
 
 def _member(name: str, field: tuple) -> str:
