@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Samples a second, against Cycles in the same process, and what a render costs before its first sample.
+"""Samples a second, against Cycles in the same process, and what a render on the CPU costs before its first sample.
 
 Boxes and a glossy sphere lit by one point light, direct light only and with four bounces. The engines take turns; a
 rate is the number of further samples over the further time of a long render against a short one, so that no engine's
-start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too, and all three render the lamp scenes.
+start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too, and all three render the lamp scenes, where
+GPU and CPU have the same settings: paths that do not divide, every pixel as many samples, lamps by projection with MIS.
+The CPU has another turn with the sampling that is its default there, by cuts.
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ import statistics
 
 import bpy
 
+from sdf_lights.render.settings import LampSampling
+
 from . import lamp_scenes, pictures, scenes, startup
 from .progress import Progress
 from .resume import Parts
@@ -22,6 +26,8 @@ HELP = "samples a second against Cycles in the same process, and start-up"
 
 ENGINES = ("SDF Lights", "Cycles")
 ON_CPU = "SDF Lights on the CPU"  # takes turns, too, where the device is the GPU
+BY_CUTS = "SDF Lights on the CPU, by cuts"
+GPU_SAMPLING = LampSampling.MIS.value  # what the GPU does by default, too
 BOUNCES = (0, 4)
 LAMP_SCENES = ("S1", "S2", "S3", "S4", "S5")
 
@@ -34,7 +40,9 @@ def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
     if name == "Cycles":
         scenes.plain_cycles(scene, samples, bounces)
     else:
-        scenes.plain_sdf_lights(scene, samples, bounces, "CPU" if name == ON_CPU else device)
+        scenes.plain_sdf_lights(scene, samples, bounces, "CPU" if name in (ON_CPU, BY_CUTS) else device)
+        cuts = name == BY_CUTS or device != "GPU"
+        scene.sdf_lights.lamp_sampling = LampSampling.CUT.value if cuts else GPU_SAMPLING
 
 
 def measure(bounces: int, options) -> list[dict]:
@@ -86,41 +94,47 @@ def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
 
 
 def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
-    """Samples a second of the GPU, of Cycles, for which lamps are volumes, and of the CPU: direct light, each by its own
-    default sampling."""
+    """Samples a second of the GPU, of Cycles, for which lamps are volumes, and of the CPU: direct light, by the same
+    estimators on GPU and CPU, and by cuts on the CPU."""
     size = 128 if options.quick else 256
     few, many = (1, 5) if options.quick else (4, 36)
     repeats = options.repeats or (1 if options.quick else 3)
-    rows, ratios = [], []
-    engines = _engines(options)
+    rows, ratios, ratios_by_cuts = [], [], []
+    engines = (*_engines(options), BY_CUTS)
     for name in LAMP_SCENES[:1] if options.quick else LAMP_SCENES:
         lamp_scenes.SCENES[name].build(size)
         seconds = {(engine, samples): [] for engine in engines for samples in (few, many)}
+        means = {}
         for turn in range(repeats + 1):
             for engine, samples in seconds:
                 lamp_scenes.show(volumes=engine == "Cycles")
                 _prepare(engine, bpy.context.scene, samples, 0, options.device)
                 picture = pictures.render()
+                means[engine] = float(picture.pixels.mean())
                 if turn:  # the first turn compiles
                     seconds[engine, samples].append(picture.seconds)
         rate = []
         for engine in engines:
             differences = [long - short for short, long in zip(seconds[engine, few], seconds[engine, many])]
             rate.append(size * size * (many - few) / max(statistics.median(differences), 1e-9))
-        gpu, cycles, cpu = rate
+        gpu, cycles, cpu, by_cuts = rate
         ratios.append(gpu / cpu)
+        ratios_by_cuts.append(gpu / by_cuts)
         rows.append(dict(scene=name, samples=many - few, pixels=size * size, repeats=repeats, gpu_samples_per_second=gpu,
-                         cycles_samples_per_second=cycles, cpu_samples_per_second=cpu, ratio=ratios[-1]))
+                         cycles_samples_per_second=cycles, cpu_samples_per_second=cpu,
+                         cpu_samples_per_second_by_cuts=by_cuts, ratio=ratios[-1], mean_gpu=means[engines[0]],
+                         mean_cpu=means[ON_CPU]))
     return dict(gpu_to_cpu_samples_ratio=statistics.geometric_mean(ratios),
-                gpu_to_cpu_samples_ratio_min=min(ratios)), rows
+                gpu_to_cpu_samples_ratio_min=min(ratios),
+                gpu_to_cpu_samples_ratio_by_cuts=statistics.geometric_mean(ratios_by_cuts)), rows
 
 
 def run(options) -> tuple[dict, list[dict]]:
     on_gpu = options.device == "GPU"
-    progress, parts = Progress(len(BOUNCES) + 1 + on_gpu), Parts(options)
+    progress, parts = Progress(len(BOUNCES) + 1), Parts(options)
     summary, rows = rates(options, parts, progress)
-    further = {"lamp scenes": on_lamp_scenes} if on_gpu else {}
-    for name, measured in {**further, "start-up": startup.run}.items():
+    further = {"lamp scenes": on_lamp_scenes} if on_gpu else {"start-up": startup.run}
+    for name, measured in further.items():
         progress.show(name)
         found, added = parts.of(name, functools.partial(measured, options))
         summary |= found
