@@ -50,7 +50,7 @@ LIGHT_SET, SCATTER_SET, ROULETTE_SET, EMISSION_SET = range(4)
 
 # Relative step off a surface: some tens of float32 roundings, as Embree sees the scene in float32.
 OFFSET = 2.0**-18
-FIRST_ROULETTE = 2
+FIRST_ROULETTE = 3  # bounces: chance disturbs the even spread of samples more than the paths before that cost
 
 BLACK = (0.0, 0.0, 0.0)
 
