@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Takes screenshots of the documents again: runs the tests' sessions in a Blender with a window.
+"""Takes screenshots of the documents again, in a Blender with a window.
 
     SDF_LIGHTS_BLENDER="xvfb-run -a blender" scripts/artist_screenshots [SESSION …]
 
@@ -19,8 +19,11 @@ from host import REPOSITORY, NO_WINDOW, windowed_blender
 from sessions import seen_by
 
 PICTURES = {  # of a session: files in docs/images by the picture's name
-    "nodes": {"node_emission": "lamp_nodes_emission"},
-    "panels": {"preset_browser": "lamp_presets", "expression_error": "lamp_error", "rendered": "viewport_rendered"}}
+    "screenshots": {
+        "sidebar": "lamp_sidebar", "mistake": "lamp_mistake", "error": "lamp_error", "nodes": "lamp_nodes",
+        "nodes_mistake": "lamp_nodes_mistake", "solid": "viewport_solid", "rendered": "viewport_rendered"},
+    "nodes": {"node_emission": "lamp_nodes_emission"},  # these two are sessions of the tests
+    "panels": {"preset_browser": "lamp_presets"}}
 
 
 def main(arguments: list[str]) -> None:
@@ -34,7 +37,7 @@ def main(arguments: list[str]) -> None:
         if name not in PICTURES:
             parser.error(f"there is no session {name!r}: choose from {', '.join(PICTURES)}")
         with tempfile.TemporaryDirectory() as folder:
-            session = REPOSITORY / "tests" / "blender" / f"{name}_session.py"
+            session = next(REPOSITORY.glob(f"*/**/{name}_session.py"))
             seen_by(command, session, pathlib.Path(folder), folder)
             for picture, file in PICTURES[name].items():
                 shutil.copyfile(pathlib.Path(folder) / f"{picture}.png", REPOSITORY / "docs" / "images" / f"{file}.png")

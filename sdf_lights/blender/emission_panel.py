@@ -7,9 +7,8 @@ import bpy
 from ..render.errors import RenderError
 from ..sdf.syntax import ExpressionError
 from . import emission, labels, parameters
-from .context import LampOperator, light_of
+from .context import LampOperator, lamp_of, light_of
 from .lamp import pattern_of
-from .naming import ENGINE
 
 
 class SDFLIGHTS_OT_emission_to_text(LampOperator, bpy.types.Operator):
@@ -68,8 +67,7 @@ class _Panel:
 
     @classmethod
     def poll(cls, context):
-        light = light_of(context)
-        return context.engine == ENGINE and light is not None and light.sdf_lamp.use
+        return lamp_of(context) is not None
 
     def draw(self, context):
         self.layout.use_property_split = True

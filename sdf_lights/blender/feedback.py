@@ -11,8 +11,8 @@ import numpy as np
 
 from ..render.errors import RenderError
 from . import labels, viewport
+from .context import LampTab
 from .lamp import pattern_of, shape_of
-from .naming import ENGINE, LABEL
 
 _MOST_SHOWN = 30
 _BUTTON = 6  # letters that the button beside a sentence takes
@@ -103,15 +103,8 @@ class SDFLIGHTS_OT_feedback_clear(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SDFLIGHTS_PT_feedback(bpy.types.Panel):
+class SDFLIGHTS_PT_feedback(LampTab, bpy.types.Panel):
     bl_label = "Warnings"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = LABEL
-
-    @classmethod
-    def poll(cls, context):
-        return context.engine == ENGINE
 
     def draw(self, context):
         scene = context.scene

@@ -14,6 +14,7 @@ from ..render.errors import RenderError
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
 from . import feedback, labels, parameters, readout, viewport
+from .context import LampTab, lamp_of
 from .lamp import pattern_of, shape_of
 from .naming import ENGINE, LABEL
 from .passes import owner_of, switches
@@ -363,17 +364,12 @@ class SDFLIGHTS_PT_object_visibility(_Panel, bpy.types.Panel):
 # -- 3D view -----------------------------------------------------------------------------------------------------------
 
 
-class _View3D:
-    """What the panels of the lamps' tab have in common."""
-
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = LABEL
+class _View3D(LampTab):
+    """What the panels of a lamp in the lamps' tab have in common."""
 
     @classmethod
     def poll(cls, context):
-        return context.engine == ENGINE and context.object is not None and context.object.type == "LIGHT" and (
-            context.object.data.sdf_lamp.use)
+        return lamp_of(context) is not None
 
     def draw(self, context):
         layout = self.layout
@@ -385,22 +381,20 @@ class _View3D:
         raise NotImplementedError
 
 
-class SDFLIGHTS_PT_view3d(_View3D, bpy.types.Panel):
+class SDFLIGHTS_PT_view3d(LampTab, bpy.types.Panel):
     bl_label = "SDF Lamp"
 
-    @classmethod
-    def poll(cls, context):
-        return context.engine == ENGINE
-
     def draw(self, context):
-        obj = context.object
+        layout, obj = self.layout, context.object
         if obj is None or obj.type != "LIGHT":
-            self.layout.menu("SDFLIGHTS_MT_lamp_add", text="Add SDF Lamp", icon="LIGHT_POINT")
+            layout.menu("SDFLIGHTS_MT_lamp_add", text="Add SDF Lamp", icon="LIGHT_POINT")
             return
-        super().draw(context)
-
-    def draw_properties(self, layout, context):
-        layout.prop(context.object.data.sdf_lamp, "use")
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(obj.data.sdf_lamp, "use")
+        if context.engine != ENGINE:
+            labels.draw_sentence(
+                layout, f"Renders as a point light: choose {LABEL} in Render Properties", labels.letters(context), "INFO")
 
 
 class SDFLIGHTS_PT_view3d_shape(_View3D, bpy.types.Panel):

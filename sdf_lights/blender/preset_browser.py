@@ -7,8 +7,7 @@ from __future__ import annotations
 import bpy
 import bpy.utils.previews
 
-from .context import light_of
-from .naming import ENGINE, LABEL
+from .context import LampTab, light_of
 from .operators import SDFLIGHTS_OT_lamp_add, SDFLIGHTS_OT_preset_load
 from .presets import presets
 
@@ -40,15 +39,8 @@ def draw_browser(layout, context) -> None:
         row.operator(SDFLIGHTS_OT_preset_load.bl_idname, text="Use Here", icon="CHECKMARK").preset = chosen
 
 
-class SDFLIGHTS_PT_presets(bpy.types.Panel):
+class SDFLIGHTS_PT_presets(LampTab, bpy.types.Panel):
     bl_label = "Presets"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = LABEL
-
-    @classmethod
-    def poll(cls, context):
-        return context.engine == ENGINE
 
     def draw(self, context):
         draw_browser(self.layout, context)

@@ -10,6 +10,7 @@ import pytest
 
 from sdf_lights.blender import feedback, gizmos, live_text, parameters, readout
 from sdf_lights.blender.lamp import pattern_of, shape_of
+from sdf_lights.blender.naming import ENGINE
 from sdf_lights.blender.properties import PRIMITIVES
 from sdf_lights.sdf.expression import evaluate
 
@@ -54,6 +55,18 @@ def test_feedback_tells_of_emissions(file, add, lamp):
     add("Dim", data)
     ((name, sentence),) = feedback.of_lamps(file.scene)
     assert name == "Dim" and sentence.startswith("Lamp 'Dim': In its emission: Line 1, column 6")
+
+
+def test_the_tab_is_there_for_lamps_with_every_engine(file, add, lamp):
+    panels = [getattr(bpy.types, name) for name in (
+        "SDFLIGHTS_PT_view3d", "SDFLIGHTS_PT_presets", "SDFLIGHTS_PT_feedback")]
+    light = add("Lamp", lamp())
+    other = add("Plain", bpy.data.lights.new("Plain", "POINT"))
+    for engine, of_other in ((ENGINE, True), ("CYCLES", False), ("BLENDER_WORKBENCH", False)):
+        file.scene.render.engine = engine
+        for obj, there in ((light, True), (other, of_other), (None, of_other)):
+            bpy.context.view_layer.objects.active = obj
+            assert all(panel.poll(bpy.context) == there for panel in panels), (engine, obj)
 
 
 def test_feedback_names_the_culprit(file, add, lamp):

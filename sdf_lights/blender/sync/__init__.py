@@ -19,7 +19,7 @@ from .materials import Materials
 from .objects import LIGHTS, sync_objects
 from .world import world_of
 
-__all__ = ["frame_settings", "sync", "sync_lights", "sync_viewport"]
+__all__ = ["frame_settings", "shows_in", "sync", "sync_lights", "sync_viewport"]
 
 # Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
 _FRAME_STRIDE = 0x9E3779B1
@@ -46,14 +46,14 @@ def sync(depsgraph: bpy.types.Depsgraph) -> Scene:
 def sync_viewport(depsgraph: bpy.types.Depsgraph, space: bpy.types.SpaceView3D) -> Scene:
     """What a viewport shows of a dependency graph. Camera, size and settings are left to its redraws."""
     scene = Scene(Camera(None), 0, 0)
-    _fill(depsgraph, scene, Warnings(scene.warnings), _shows_in(space))
+    _fill(depsgraph, scene, Warnings(scene.warnings), shows_in(space))
     return scene
 
 
 def sync_lights(depsgraph: bpy.types.Depsgraph, scene: Scene, space: bpy.types.SpaceView3D) -> Scene:
     """``scene``, as ``sync_viewport`` gave it, with its lamps and lights read again."""
     result = replace(scene, lamps=[], lights=[], warnings=list(scene.warnings))
-    sync_objects(depsgraph, result, None, Warnings(result.warnings), LIGHTS, _shows_in(space))
+    sync_objects(depsgraph, result, None, Warnings(result.warnings), LIGHTS, shows_in(space))
     return result
 
 
@@ -74,7 +74,7 @@ def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: C
     sync_objects(depsgraph, scene, materials, warn, shows=shows)
 
 
-def _shows_in(space: bpy.types.SpaceView3D) -> Callable[[bpy.types.DepsgraphObjectInstance], bool]:
+def shows_in(space: bpy.types.SpaceView3D) -> Callable[[bpy.types.DepsgraphObjectInstance], bool]:
     """Whether a viewport shows an instance: local view, local collections, kinds of objects that it hides."""
     known: dict[int, bool] = {}
 

@@ -60,9 +60,15 @@ def _labels():
 
 
 @persistent
+def _updated(_, depsgraph):
+    if _overlay is not None:
+        _overlay.changed(depsgraph)
+
+
+@persistent
 def _changed(*_):
     if _overlay is not None:
-        _overlay.changed()
+        _overlay.changed(None)
 
 
 @persistent
@@ -94,7 +100,8 @@ def render_warnings() -> list[str]:
 
 
 _HANDLERS = [
-    *((name, _changed) for name in ("depsgraph_update_post", "frame_change_post", "undo_post", "redo_post", "load_post")),
+    ("depsgraph_update_post", _updated),
+    *((name, _changed) for name in ("frame_change_post", "undo_post", "redo_post", "load_post")),
     ("undo_pre", _stop), ("redo_pre", _stop), ("load_pre", _forget), ("exit_pre", _forget)]
 
 

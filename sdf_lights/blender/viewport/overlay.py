@@ -27,6 +27,7 @@ from .drawing import draw_rectangle
 from .facts import Facts, FactFinder
 from .lamps import Collected, Placed, collect
 from .painter import EDGES, Depth, Drawn, Painter, View, code_of, radiance_per_metre
+from .surfaces import Surfaces
 
 # Seconds that compiling may take in one redraw before the rest waits for the next; one shader is always compiled.
 COMPILE_BUDGET = 0.03
@@ -61,6 +62,7 @@ class Overlay:
         self.painter, self.finder = Painter(), FactFinder()
         self.errors: dict[str, str] = {}
         self._targets = _Targets()
+        self._surfaces = Surfaces()
         self._scene_buffer = None
         self._collected: dict[tuple, Collected] = {}
         self._announced: set = set()
@@ -69,12 +71,14 @@ class Overlay:
 
     # -- events --------------------------------------------------------------------------------------------------
 
-    def changed(self) -> None:
-        """Something in the file may have changed."""
+    def changed(self, depsgraph: bpy.types.Depsgraph | None) -> None:
+        """Something in the file may have changed: what the dependency graph says, or anything."""
         self._collected.clear()
+        self._surfaces.changed(depsgraph is None or any(update.is_updated_geometry for update in depsgraph.updates))
 
     def forget(self) -> None:
         self.finder.stop()
+        self._surfaces.changed(True)
         self._collected.clear()
         self._labels.clear()
         self._views.clear()
@@ -110,7 +114,11 @@ class Overlay:
         moving = self._is_moving(region, view, drawn)
         scale = int(settings.resolution) * (2 if moving and settings.coarse_motion else 1)
         if drawn:
-            depth = None if _sees_through(space) else _scene_depth(overlay_buffer, view, drawn, scale)
+            depth = None
+            if not space.overlay.show_overlays:
+                depth = self._surfaces.depth(context, view, scale)
+            elif not _sees_through(space):
+                depth = _scene_depth(overlay_buffer, view, drawn, scale)
             glow_buffer = None if traced else scene_buffer or overlay_buffer
             self._draw(drawn, view, depth, scale, glow_buffer, context)
         if boxes and space.overlay.show_overlays:

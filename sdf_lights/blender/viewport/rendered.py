@@ -91,7 +91,7 @@ class RenderedView:
 
     def _restart(self, context, depsgraph: bpy.types.Depsgraph) -> None:
         space, region = context.space_data, context.region
-        shown = _shown(space)
+        shown = filters(space)
         change = self._stale
         if self._scene is None or shown != self._shown:
             change = Change.ALL
@@ -162,7 +162,7 @@ def _same_view(a: Scene, b: Scene) -> bool:
     return all(np.array_equal(first[name], second[name]) for name in first)
 
 
-def _shown(space: bpy.types.SpaceView3D) -> tuple:
+def filters(space: bpy.types.SpaceView3D) -> tuple:
     """What a viewport shows of the scene, that no update of data tells of."""
     return (space.local_view is not None, space.use_local_collections, *(
         getattr(space, name) for name in dir(space) if name.startswith("show_object_viewport_")))

@@ -105,6 +105,18 @@ def composite_shader() -> gpu.types.GPUShader:
 
 
 @functools.cache
+def depth_shader() -> gpu.types.GPUShader:
+    """Shader that writes the depth of triangles; ``transform`` leads from their space to that of the projection."""
+    info = gpu.types.GPUShaderCreateInfo()
+    info.vertex_in(0, "VEC3", "position")
+    info.push_constant("MAT4", "transform")
+    info.fragment_out(0, "VEC4", "depth")
+    info.vertex_source("void main()\n{\n    gl_Position = transform * vec4(position, 1.0);\n}\n")
+    info.fragment_source("void main()\n{\n    depth = vec4(gl_FragCoord.z);\n}\n")
+    return _created(info)
+
+
+@functools.cache
 def picture_shader() -> gpu.types.GPUShader:
     """Shader that draws the texture ``picture``."""
     info = _on_screen("viewport_picture.glsl")

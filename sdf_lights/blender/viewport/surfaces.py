@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Depth of the scene's surfaces where Blender has none.
+
+Without overlays it draws no depth for engines such as Cycles, and EEVEE leaves zeros until its picture is finished. So the
+meshes that a viewport shows are drawn once more. Their triangles stay on the graphics card until a geometry changes.
+"""
+
+from __future__ import annotations
+
+import bpy
+import gpu
+import numpy as np
+from mathutils import Matrix
+
+from ..sync import shows_in
+from ..sync.common import matrix_of
+from ..sync.mesh import read
+from . import rendered, shaders
+from .painter import Depth, View
+
+
+class Surfaces:
+    """All methods but ``changed`` need a graphics context."""
+
+    def __init__(self):
+        self._batches: dict[int, gpu.types.GPUBatch | None] = {}  # by the address of the evaluated mesh
+        self._target: tuple[tuple[int, int], gpu.types.GPUFrameBuffer, gpu.types.GPUTexture] | None = None
+        self._stale = False
+        self._drawn: tuple = ()  # the view that is in the target
+
+    def changed(self, geometry: bool) -> None:
+        """Something has moved, or also a ``geometry`` has changed."""
+        self._drawn = ()
+        self._stale = self._stale or geometry
+
+    def depth(self, context, view: View, scale: int) -> Depth:
+        space = context.space_data
+        wanted = view.view.tobytes(), view.projection.tobytes(), view.size, space.as_pointer(), rendered.filters(space)
+        if wanted != self._drawn:
+            self._draw(context, view)
+            self._drawn = wanted
+        return Depth(self._target[2], (0, 0), scale)
+
+    def _draw(self, context, view: View) -> None:
+        if self._stale:
+            self._batches.clear()
+            self._stale = False
+        buffer = self._target_of(view.size)
+        shader, shows = shaders.depth_shader(), shows_in(context.space_data)
+        projected = view.projection @ view.view
+        with buffer.bind():
+            buffer.viewport_set(0, 0, *view.size)
+            buffer.clear(color=(1.0, 1.0, 1.0, 1.0), depth=1.0)
+            gpu.state.blend_set("NONE")
+            gpu.state.depth_test_set("LESS_EQUAL")
+            gpu.state.depth_mask_set(True)
+            try:
+                shader.bind()
+                for item in context.evaluated_depsgraph_get().object_instances:
+                    # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
+                    obj = item.object
+                    if obj.type != "MESH" or not item.show_self or not obj.visible_camera or not shows(item):
+                        continue
+                    batch = self._batch_of(obj.data)
+                    if batch is not None:
+                        shader.uniform_float("transform", Matrix((projected @ matrix_of(item.matrix_world)).tolist()))
+                        batch.draw(shader)
+            finally:
+                gpu.state.depth_mask_set(False)
+                gpu.state.depth_test_set("NONE")
+
+    def _target_of(self, size: tuple[int, int]) -> gpu.types.GPUFrameBuffer:
+        if self._target is None or self._target[0] != size:
+            texture = gpu.types.GPUTexture(size, format="R32F")
+            hidden = gpu.types.GPUTexture(size, format="DEPTH_COMPONENT32F")
+            self._target = size, gpu.types.GPUFrameBuffer(depth_slot=hidden, color_slots=(texture,)), texture
+        return self._target[1]
+
+    def _batch_of(self, mesh: bpy.types.Mesh) -> gpu.types.GPUBatch | None:
+        key = mesh.as_pointer()
+        if key not in self._batches:
+            self._batches[key] = _batch(mesh)
+        return self._batches[key]
+
+
+def _batch(mesh: bpy.types.Mesh) -> gpu.types.GPUBatch | None:
+    """The triangles of a mesh; None where it has none."""
+    mesh.calc_loop_triangles()
+    if not mesh.loop_triangles:
+        return None
+    layout = gpu.types.GPUVertFormat()
+    layout.attr_add(id="position", comp_type="F32", len=3, fetch_mode="FLOAT")
+    corners = gpu.types.GPUVertBuf(layout, len(mesh.vertices))
+    corners.attr_fill("position", read(mesh.vertices, "co", np.float32, 3))
+    triangles = read(mesh.loop_triangles, "vertices", np.int32, 3)
+    return gpu.types.GPUBatch(type="TRIS", buf=corners, elem=gpu.types.GPUIndexBuf(type="TRIS", seq=triangles))
