@@ -72,6 +72,10 @@ ALONE = 0.05  # β below which rays by the BSDF are not worth what it takes to f
 STEP = 0.3  # of the thickness of the lamp
 PROJECTION_RATE = 4.0  # relative variance of projection sampling, of extent over square distance, far away
 
+# Relative variance left by emission that boxes cannot follow, above which projection sampling has less error: without
+# boxes, it spreads stratified numbers more evenly.
+MOST_ROUGH = 0.25
+
 BELOW_ONE = 1.0 - 2.0**-53
 ZERO, HALF, ONE, FALL, TINY, SOFT_32, MOST_DROP = map(np.float32, (0.0, 0.5, 1.0, -3.0, 1e-30, SOFT, 1.0 - FLAT))
 
@@ -151,46 +155,6 @@ def _surrounded(cells, q):
 
 
 @kernel
-def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
-    """Fit the cut to the point x with the normal n; ``both`` (0 or 1): to light that falls on either side.
-
-    ``store`` holds boxes of regions (``BOXES``). They are at most ``limit``, or fewer where the relative variance
-    that is expected is below ``tolerance``.
-
-    ``cut.beta`` is for the balance heuristic p / (p + β p_bsdf): any number is unbiased. Where the lamp fills what is
-    close to the surface, directions of the BSDF are almost all that is needed, and no cut is made. Elsewhere they make
-    up for what the boxes next to the point do not follow. Where nothing is close they only cost time: β is 0.
-    """
-    place = placements(block)[lamp]
-    offset = sub(x, vec(lamps(block)[lamp].center))
-    cut.lamp, cut.slot = lamp, -1
-    way = sub(vec(place.centroid), offset)
-    ratio = place.extent / max(dot(way, way), 1e-300)
-    if PROJECTION_RATE * ratio < tolerance:
-        cut.beta = 0.0
-        return
-    cells = lamp_cells(block)[place.first_cell:]
-    if _surrounded(cells, transform_point(place.inverse, madd(offset, STEP * place.thickness, n))):
-        cut.beta = SURROUNDED_BETA
-        return
-    origin, normal = transform_point(place.inverse, offset), transform_normal(place.matrix, n)
-    slot = region(block, lamp, place, origin, normal, both, tolerance, limit, store)
-    boxes = store[slot]
-    cut.origin[0], cut.origin[1], cut.origin[2] = sub(origin, vec(boxes.center))
-    _fit(boxes, scale(normal, boxes.unit), both != 0, cut)
-    for entry in range(boxes.entries - 1, -1, -1):
-        first = boxes.first[entry]
-        cut.mass[entry] = cut.mass[first] + cut.mass[first + 1] if first >= 0 else cut.weight[boxes.box[entry]]
-    cut.total = cut.mass[0] * cells[0].volume * place.factor
-    beta = min(BETA_RATE * boxes.variance, 1.0)
-    cut.beta = beta if beta > ALONE else 0.0
-    if cut.total > 0.0:
-        cut.slot = slot
-    else:  # all of the lamp is behind the surface
-        cut.beta = 1.0
-
-
-@kernel
 def beside(row, x):
     """Distance from x to the lamp's bounding box."""
     square = 0.0
@@ -216,6 +180,51 @@ def project(block, lamp, x, cut):
     Light that is scattered again before it reaches the camera is noisy for other reasons; there boxes do not pay.
     """
     cut.lamp, cut.slot, cut.beta = lamp, -1, tuned_beta(lamps(block)[lamp], x)
+
+
+@kernel
+def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
+    """Fit the cut to the point x with the normal n; ``both`` (0 or 1): to light that falls on either side.
+
+    ``store`` holds boxes of regions (``BOXES``). They are at most ``limit``, or fewer where the relative variance
+    that is expected is below ``tolerance``.
+
+    ``cut.beta`` is for the balance heuristic p / (p + β p_bsdf): any number is unbiased. Where the lamp fills what is
+    close to the surface, directions of the BSDF are almost all that is needed, and no cut is made. Elsewhere they make
+    up for what the boxes next to the point do not follow. Where nothing is close they only cost time: β is 0.
+
+    Where emission varies within the boxes by too much, projection sampling takes their place.
+    """
+    place = placements(block)[lamp]
+    offset = sub(x, vec(lamps(block)[lamp].center))
+    cut.lamp, cut.slot = lamp, -1
+    way = sub(vec(place.centroid), offset)
+    ratio = place.extent / max(dot(way, way), 1e-300)
+    if PROJECTION_RATE * ratio < tolerance:
+        cut.beta = 0.0
+        return
+    cells = lamp_cells(block)[place.first_cell:]
+    if _surrounded(cells, transform_point(place.inverse, madd(offset, STEP * place.thickness, n))):
+        cut.beta = SURROUNDED_BETA
+        return
+    origin, normal = transform_point(place.inverse, offset), transform_normal(place.matrix, n)
+    slot = region(block, lamp, place, origin, normal, both, tolerance, limit, store)
+    boxes = store[slot]
+    if boxes.rough > MOST_ROUGH:
+        project(block, lamp, x, cut)
+        return
+    cut.origin[0], cut.origin[1], cut.origin[2] = sub(origin, vec(boxes.center))
+    _fit(boxes, scale(normal, boxes.unit), both != 0, cut)
+    for entry in range(boxes.entries - 1, -1, -1):
+        first = boxes.first[entry]
+        cut.mass[entry] = cut.mass[first] + cut.mass[first + 1] if first >= 0 else cut.weight[boxes.box[entry]]
+    cut.total = cut.mass[0] * cells[0].volume * place.factor
+    beta = min(BETA_RATE * boxes.variance, 1.0)
+    cut.beta = beta if beta > ALONE else 0.0
+    if cut.total > 0.0:
+        cut.slot = slot
+    else:  # all of the lamp is behind the surface
+        cut.beta = 1.0
 
 
 @kernel

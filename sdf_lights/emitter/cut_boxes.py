@@ -37,6 +37,7 @@ BOXES = np.dtype([  # of a region
     ("count", np.int64),
     ("entries", np.int64),
     ("variance", np.float64),  # relative, that is expected to be left, were the emission even
+    ("rough", np.float64),  # relative variance that is expected to be left by emission that varies
     ("center", np.float64, (3,)),  # of the region, in tree space
     ("unit", np.float64),  # sizes of the region in a metre
     ("metric", np.float64, (3, 3)),  # scalar product of the world in tree space, in square sizes of the region
@@ -188,7 +189,7 @@ def _divide(block, place, normal, tolerance, limit, boxes):
             rough += uneven[k]
             if even[k] + uneven[k] > most:
                 worst, most = k, even[k] + uneven[k]
-        boxes.variance = left / total if total > 0.0 else 0.0
+        boxes.variance, boxes.rough = (left / total, rough / total) if total > 0.0 else (0.0, 0.0)
         if left + rough <= tolerance * total or boxes.count >= limit:
             return
         other, entry = boxes.count, boxes.entries
