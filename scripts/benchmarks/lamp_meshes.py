@@ -191,7 +191,12 @@ def mesh(name: str, solid: Solid) -> bpy.types.Mesh:
     """Blender's mesh, flat-shaded."""
     vertices, faces = solid
     data = bpy.data.meshes.new(name)
-    data.from_pydata(vertices.tolist(), [], faces.tolist())
+    data.vertices.add(len(vertices))
+    data.loops.add(faces.size)
+    data.polygons.add(len(faces))
+    data.vertices.foreach_set("co", vertices.astype(np.float32).ravel())
+    data.loops.foreach_set("vertex_index", faces.astype(np.int32).ravel())
+    data.polygons.foreach_set("loop_start", faces.shape[1] * np.arange(len(faces), dtype=np.int32))
     data.polygons.foreach_set("use_smooth", np.zeros(len(data.polygons), bool))
-    data.update()
+    data.update(calc_edges=True)
     return data

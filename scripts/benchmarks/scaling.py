@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render time at equal error against the number of lamps, of parts of one lamp, and of triangles.
+"""Render time at equal error against the number of lamps, of parts of one lamp, of triangles, and of pixels.
 
 Lamps are balls, bars and rings in equal parts, at random in the same box over the stage and at any angle, some of them
 inside the boxes that stand there. However many there are, they have the same density and fill the same volume, so they
@@ -16,12 +16,14 @@ grow with the size of a picture.
 from __future__ import annotations
 
 import functools
+import importlib
 import math
 import statistics
 
 import bpy
 import numpy as np
 
+import host
 from scenery.materials import Graph
 from scenery.modelling import add
 from sdf_lights.render.settings import LampSampling
@@ -31,7 +33,7 @@ from .lamp_scenes import INTENSITY, add_lamp, turned
 from .progress import Progress
 from .resume import Parts
 
-HELP = "render time at equal error against the number of lamps, parts and triangles"
+HELP = "render time at equal error against the number of lamps, parts, triangles and pixels"
 
 LADDER = (4, 16, 64)
 BOUNCES = 1
@@ -70,8 +72,9 @@ def balls(size: int, count: int) -> None:
 
 
 def triangles(size: int, count: int) -> None:
-    """A stage with one torus, and a ball of about ``count`` triangles as one thing more on the floor."""
-    lamp_scenes.SCENES["S1"].build(size)
+    """A stage with one torus, and a ball of about ``count`` triangles as one thing more on the floor. The picture is larger
+    than the others: its samples have to take longer than what its start varies by."""
+    lamp_scenes.SCENES["S1"].build(4 * size)
     rings = max(round(math.sqrt(count / 4.0)), 3)
     ball = lamp_meshes.mesh("Ball", lamp_meshes.sphere(0.4, 2 * rings, rings))
     graph = Graph("Ball")
@@ -79,9 +82,16 @@ def triangles(size: int, count: int) -> None:
         location=(-0.9, -1.8, 0.4))
 
 
+def resolution(_, count: int) -> None:
+    """A stage with one torus, in a picture of ``count`` pixels to a side."""
+    lamp_scenes.SCENES["S1"].build(count)
+
+
 CURVES = {  # what makes the scene, the numbers, and the two of them whose times are compared
     "lamps": (lamps, (1, 10, 100, 1000), (1000, 10)), "parts": (balls, (1, 10, 100), (100, 10)),
-    "triangles": (triangles, (1_000, 30_000, 1_000_000), (1_000_000, 1_000))}
+    "triangles": (triangles, (1_000, 30_000, 1_000_000, 10_000_000), (1_000_000, 1_000)),
+    "resolution": (resolution, (48, 96, 192), (192, 48))}
+QUICK = 1_000_000  # of anything, at most, in the quick form
 
 
 def arguments(parser) -> None:
@@ -98,10 +108,11 @@ def _variance(renders: list[pictures.Picture]) -> float:
 
 def measure(build, count: int, size: int, repeats: int, options) -> dict:
     """Of a scene: ``start``, seconds before the first sample; ``each``, seconds of a sample of the whole picture;
-    ``errors`` for each number in ``LADDER``."""
+    ``errors`` for each number in ``LADDER``; ``made_by``, what has rendered it."""
     build(size, count)
     scene = bpy.context.scene
     lamp_scenes.show(volumes=False)
+    feedback = importlib.import_module(f"{host.PACKAGE}.sdf_lights.blender.feedback")
 
     def render(samples: int, seed: int) -> pictures.Picture:
         scenes.plain_sdf_lights(scene, samples, BOUNCES, options.device)
@@ -109,6 +120,8 @@ def measure(build, count: int, size: int, repeats: int, options) -> dict:
         return pictures.render()
 
     def seconds(made: list[pictures.Picture]) -> float:
+        if feedback.made_by(scene.name).startswith("GPU") and "llvmpipe" not in feedback.made_by(scene.name):
+            return statistics.median(picture.seconds for picture in made)
         return statistics.median(picture.work for picture in made) / machine.cores()
 
     render(1, 0)  # compiles, and fills caches
@@ -118,7 +131,7 @@ def measure(build, count: int, size: int, repeats: int, options) -> dict:
         made = [render(samples, seed) for seed in range(repeats)]
         found.append(_variance(made))
     each = max((seconds(made) - first) / (LADDER[-1] - 1), 1e-9)
-    return dict(start=first - each, each=each, errors=found)
+    return dict(start=first - each, each=each, errors=found, made_by=feedback.made_by(scene.name))
 
 
 def run(options) -> tuple[dict, list[dict]]:
@@ -129,6 +142,7 @@ def run(options) -> tuple[dict, list[dict]]:
     summary, rows = {}, []
     for name in names:
         build, counts, (most, few) = CURVES[name]
+        counts = [count for count in counts if count <= QUICK or not options.quick]
         found = {}
         for count in counts:
             progress.show(f"{count} {name}")
@@ -141,8 +155,8 @@ def run(options) -> tuple[dict, list[dict]]:
         for count, one in found.items():
             samples = errors.interpolated(list(zip(one["errors"], LADDER)), level)
             times[count] = samples * one["each"]
-            rows.append(dict(curve=name, count=count, rel_mse=level, samples=samples, seconds=times[count],
-                             start=one["start"]) | {f"rel_mse_{n}": error for n, error in zip(LADDER, one["errors"])})
+            rows.append(dict(curve=name, count=count, made_by=one["made_by"], rel_mse=level, samples=samples,
+                             seconds=times[count], each=one["each"], start=one["start"]) | {f"rel_mse_{n}": error for n, error in zip(LADDER, one["errors"])})
         summary[f"time_ratio_{most}_to_{few}_{name}"] = times[most] / times[few]
     parts.finish()
     progress.close()

@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the GPU's path tracer could gain as a wavefront of small kernels, and what that would cost at least.
+
+A wavefront sorts paths by what they do next, so that no thread waits for others that do something else (Laine et al. 2013,
+"Megakernels considered harmful"). It can gain no more than the threads that wait: they are counted, for each sample the
+rounds of the program's loop, those in which a surface is shaded, and those in which a light ray is sent; and of groups
+of threads what the slowest ones let the others wait at the end. Between its kernels paths are in memory, which threads
+of one kernel have in registers: the same program writes a path to a buffer and reads it again, once a round, which is the
+least that a wavefront does.
+"""
+
+from __future__ import annotations
+
+import importlib
+import statistics
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+
+import host
+
+from . import lamp_scenes, pictures, scenes
+from .progress import Progress
+from .throughput import GPU_SAMPLING, LAMP_SCENES
+
+HELP = "what the GPU's path tracer could gain as a wavefront, and what that costs"
+
+BOUNCES = (0, 4)
+GROUPS = (8, 32)  # threads that go together: llvmpipe's, and those of most graphics cards
+STATE = 4  # binding of the buffer that paths are in
+ROUND = "fresh = integrator_advance(false)"
+
+
+def counting(source: str) -> tuple[str, int]:
+    """A program whose picture is (rounds, those that shade, those that send a light ray), a sample."""
+    for place, text in (
+            ("void path_clear_sample()", "vec3 rounds;\n\nvoid path_clear_sample()"),
+            ("path_row.index = index;", "path_row.index = index;\n            rounds = vec3(0.0);"),
+            (ROUND, f"rounds.x += 1.0;\n        {ROUND}"),
+            ("add_sample(index);", "sample_row.combined = rounds;\n            add_sample(index);"),
+            ("void surface_shade()\n{", "void surface_shade()\n{\n    rounds.y += 1.0;"),
+            ("void integrator_light_vertex()\n{", "void integrator_light_vertex()\n{\n    rounds.z += 1.0;")):
+        source = _replaced(source, place, text)
+    return source, 0
+
+
+def _replaced(source: str, place: str, text: str) -> str:
+    assert source.count(place) == 1, place
+    return source.replace(place, text)
+
+
+def _parts(source: str, record: str) -> list[str]:
+    """Numbers of a record of the workspace, as GLSL, each with its type."""
+    body = source.split(f"struct Record_{record} {{", 1)[1].split("}", 1)[0]
+    found = []
+    for kind, name in (member.split() for member in body.split(";") if member.strip()):
+        texts = [f"{record}_row.{name}.{axis}" for axis in "xyz"] if kind == "vec3" else [f"{record}_row.{name}"]
+        found += [("float" if kind == "vec3" else kind, text) for text in texts]
+    return found
+
+
+def remembering(source: str) -> tuple[str, int]:
+    """A program that has paths in a buffer once a round."""
+    parts = _parts(source, "path") + _parts(source, "sample")
+    into = {"float": "floatBitsToUint({})", "int": "uint({})", "uint": "{}"}
+    back = {"float": "uintBitsToFloat({})", "int": "int({})", "uint": "{}"}
+    lines = [f"layout(std430, binding = {STATE}) volatile buffer State {{ uint state[]; }};"]
+    for name in ("store", "load"):
+        lines += [f"void {name}_path(int thread, int threads)", "{"]
+        for index, (kind, text) in enumerate(parts):
+            place = f"state[{index} * threads + thread]"
+            lines.append(f"    {place} = {into[kind].format(text)};" if name == "store" else
+                         f"    {text} = {back[kind].format(place)};")
+        lines.append("}")
+    source = _replaced(source, "void main()", "\n".join([*lines, "", "void main()"]))
+    return _replaced(source, ROUND, f"store_path(thread, work.y);\n        load_path(thread, work.y);\n        {ROUND}"), len(parts)
+
+
+@contextmanager
+def changed(change):
+    """The GPU's programs as ``change`` makes them, which returns how many words of a buffer each pixel needs, too."""
+    renderer = importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.renderer")
+    scene, device = renderer.GpuScene, renderer.GpuRenderer
+    source, bind = scene.source, device._bind
+
+    def source_of(self) -> str:
+        text, self.state_words = change(source(self))
+        return text
+
+    def binds(self) -> None:
+        bind(self)
+        if not hasattr(self, "_state"):
+            size = max(self._packed.state_words * len(self._film.active), 1)
+            self._state = self._buffer(self._device.context, np.zeros(size, np.uint32))
+        self._state.bind_to_storage_buffer(STATE)
+
+    scene.source, device._bind = source_of, binds
+    try:
+        yield
+    finally:
+        scene.source, device._bind = source, bind
+
+
+def _render(samples: int, bounces: int) -> pictures.Picture:
+    scenes.plain_sdf_lights(bpy.context.scene, samples, bounces, "GPU")
+    bpy.context.scene.sdf_lights.lamp_sampling = GPU_SAMPLING
+    return pictures.render()
+
+
+def measure(name: str, size: int, bounces: int, options) -> dict:
+    few, many = (1, 9) if options.quick else (4, 36)
+    repeats = options.repeats or (1 if options.quick else 3)
+    lamp_scenes.SCENES[name].build(size)
+    lamp_scenes.show(volumes=False)
+    _render(1, bounces)
+    with changed(counting):
+        counts = _render(32, bounces).pixels.reshape(-1, 3)
+    seconds = {(kind, samples): [] for kind in ("plain", "remembering") for samples in (few, many)}
+    for turn in range(repeats + 1):
+        for kind, samples in seconds:
+            if kind == "plain":
+                picture = _render(samples, bounces)
+            else:
+                with changed(remembering):
+                    picture = _render(samples, bounces)
+            if turn:  # the first turn compiles
+                seconds[kind, samples].append(picture.seconds)
+    plain, memory = (statistics.median(np.subtract(seconds[kind, many], seconds[kind, few]))
+                     for kind in ("plain", "remembering"))
+    rounds, shaded, lit = counts.mean(0)
+    row = dict(scene=name, bounces=bounces, rounds=rounds, shading=shaded / rounds, light_rays=lit / rounds)
+    for group in GROUPS:
+        together = counts[:len(counts) // group * group, 0].reshape(-1, group)
+        row[f"busy_in_{group}"] = float(together.mean() / together.max(1).mean())
+    return row | dict(memory_time_ratio=memory / plain)
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    names = LAMP_SCENES[:1] if options.quick else ("S1", "S3")
+    progress, rows = Progress(len(names) * len(BOUNCES)), []
+    for name in names:
+        for bounces in BOUNCES:
+            progress.show(f"{name}, {bounces} bounces")
+            rows.append(measure(name, 64 if options.quick else 128, bounces, options))
+            progress.step()
+    progress.close()
+    return dict(
+        wavefront_gain_at_most=max(1.0 / (min(row["shading"], row["light_rays"]) * row["busy_in_8"]) for row in rows),
+        wavefront_memory_time_ratio=statistics.geometric_mean(row["memory_time_ratio"] for row in rows)), rows
