@@ -17,9 +17,9 @@ from ..sdf.shapes import SHAPES
 from ..sdf.shapes.profiles import PROFILES
 from ..sdf.surface_nets import surface_net
 from ..sdf.syntax import ExpressionError
-from . import emission, parameters
+from . import emission, parameters, readout
 from .context import LampOperator, light_of
-from .lamp import shape_of
+from .lamp import pattern_of, shape_of
 from .nodes import editor, writing
 from .nodes.tree import output_of, trees
 from .presets import presets
@@ -311,13 +311,16 @@ def _is_lamp(obj: bpy.types.Object) -> bool:
 def to_mesh(obj: bpy.types.Object, resolution: int, keep_original: bool) -> bpy.types.Object:
     """A mesh object in the place of a lamp, whose surface gives as much light. Raises RenderError."""
     light = obj.data
-    vertices, faces = surface_net(shape_of(light.sdf_lamp, np.array(obj.matrix_world)), resolution)
+    matrix = np.array(obj.matrix_world)
+    shape = shape_of(light.sdf_lamp, matrix)
+    vertices, faces = surface_net(shape, resolution)
     if not len(faces):
         raise RenderError("It is too thin for this resolution: choose a higher one.")
     mesh = bpy.data.meshes.new(light.name)
     mesh.from_pydata(vertices, [], faces.tolist())
     mesh.shade_smooth()
-    mesh.materials.append(_glowing(light, mesh, obj.matrix_world))
+    power = readout.power_of(light, shape, matrix, pattern_of(light.sdf_lamp, matrix), wait=True)
+    mesh.materials.append(_glowing(light, power, mesh, obj.matrix_world))
     name = obj.name
     made = bpy.data.objects.new(name, mesh)
     for collection in obj.users_collection:
@@ -337,8 +340,8 @@ def to_mesh(obj: bpy.types.Object, resolution: int, keep_original: bool) -> bpy.
     return made
 
 
-def _glowing(light: bpy.types.Light, mesh: bpy.types.Mesh, matrix) -> bpy.types.Material:
-    """A material whose emission gives the power of the lamp, spread over its surface."""
+def _glowing(light: bpy.types.Light, power: float, mesh: bpy.types.Mesh, matrix) -> bpy.types.Material:
+    """A material whose emission gives the lamp's colour and this power, spread over the surface."""
     copy = mesh.copy()
     copy.transform(matrix)
     area = sum(face.area for face in copy.polygons)
@@ -353,7 +356,7 @@ def _glowing(light: bpy.types.Light, mesh: bpy.types.Mesh, matrix) -> bpy.types.
     tint = light.temperature_color if light.use_temperature else (1.0, 1.0, 1.0)
     shader.inputs["Color"].default_value = (*(a * b for a, b in zip(light.color, tint)), 1.0)
     # A surface of radiance E gives π E A watts.
-    shader.inputs["Strength"].default_value = light.energy * 2.0**light.exposure / (math.pi * area)
+    shader.inputs["Strength"].default_value = power / (math.pi * area)
     links.new(shader.outputs[0], output.inputs["Surface"])
     return material
 

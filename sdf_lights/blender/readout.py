@@ -99,6 +99,19 @@ def estimate(shape: Shape, pattern: Emission | None, budget: float) -> Volume:
     return Volume(share * box, error, 1.0 if placed is None else glow / max(inside, 1))
 
 
+def power_of(light: bpy.types.Light, shape: Shape, matrix: np.ndarray, pattern: Emission | None = None,
+             wait: bool = False) -> float | None:
+    """Watts of a lamp with this shape and emission under a matrix (4 × 4); None if its volume is not known yet and not to
+    be waited for."""
+    exposed = 2.0**light.exposure
+    if light.sdf_lamp.normalize:
+        return light.energy * exposed
+    volume = volume_of(shape, pattern) or (estimate(shape, pattern, _BUDGET) if wait else None)
+    scale = abs(float(np.linalg.det(matrix[:3, :3])))
+    return None if volume is None else (
+        4.0 * math.pi * light.sdf_lamp.density * exposed * volume.value * volume.glow * scale)
+
+
 @functools.lru_cache(maxsize=256)
 def _shape_facts(shape: Shape) -> tuple[str, ...]:
     try:
@@ -116,14 +129,8 @@ def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emi
     volume = volume_of(shape)
     lines = ["Volume: …" if volume is None else f"Volume: {volume.value * scale:.4g} m³" if not volume.error
              else f"Volume: about {volume.value * scale:.3g} m³ ± {_percent(volume)}"]
-    lamp = light.sdf_lamp
-    if lamp.normalize:
-        power = light.energy * 2.0**light.exposure
-    else:
-        glowing = volume_of(shape, pattern)
-        power = None if glowing is None else (
-            4.0 * math.pi * lamp.density * 2.0**light.exposure * glowing.value * glowing.glow * scale)
-    about = "about " if not lamp.normalize and pattern is not None else ""
+    power = power_of(light, shape, matrix, pattern)
+    about = "about " if not light.sdf_lamp.normalize and pattern is not None else ""
     lines.append("Power: …" if power is None else f"Power: {about}{power:.4g} W")
     low, high = _bounds(shape, matrix.tobytes())
     lines.append("Bounds: " + " × ".join(f"{extent:.3g}" for extent in np.maximum(high - low, 0.0)) + " m")

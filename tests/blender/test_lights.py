@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.blender.properties import PRIMITIVES
+from sdf_lights.blender.viewport.lamps import collect
 from sdf_lights.render.scene import AreaLight, PointLight, Ray, SpotLight, SunLight
 from sdf_lights.sdf.shapes import Sphere, Torus, Union
 
@@ -104,6 +105,26 @@ def test_a_lamp_that_cannot_be_used_is_named_and_the_rest_stays(synced, add, lam
     for name in ("Zero", "Nowhere", "Wrong", "Thick", "Dark"):
         [warning] = [warning for warning in scene.warnings if f"'{name}'" in warning]
         assert warning.endswith(".") and "left out" in warning
+
+
+def test_instances_of_a_lamp(file, synced, add, lamp):
+    """Of collections, also inside each other; the overlay finds the same."""
+    source, outer = (bpy.data.collections.new(name) for name in ("Source", "Outer"))
+    source.objects.link(bpy.data.objects.new("Lamp", lamp(radius=0.25)))
+    within = bpy.data.objects.new("Within", None)
+    within.location.x = 10.0
+    within.instance_type, within.instance_collection = "COLLECTION", source
+    outer.objects.link(within)
+    for i, collection in enumerate((source, source, outer)):
+        placed = add(f"Placed {i}", None, location=(i, 0.0, 0.0), scale=(2.0, 1.0, 1.0))
+        placed.instance_type, placed.instance_collection = "COLLECTION", collection
+    found = synced().lamps
+    assert sorted(lamp.matrix[0, 3] for lamp in found) == [0.0, 1.0, 22.0]
+    assert all(lamp.shape == Sphere(0.25) and lamp.matrix[0, 0] == 2.0 for lamp in found)
+    shown = collect(bpy.context.evaluated_depsgraph_get()).lamps
+    assert sorted((item.owner, item.lamp.matrix[0, 3]) for item in shown) == [
+        ("Placed 0", 0.0), ("Placed 1", 1.0), ("Placed 2", 22.0)]
+    assert len({item.key for item in shown}) == 3
 
 
 def test_animated_parameter(file, synced, add, lamp):

@@ -136,6 +136,23 @@ def test_lamps_become_meshes_of_the_same_volume(file, add, lamp, text):
     assert emission.inputs["Strength"].default_value * math.pi * area == pytest.approx(50.0, rel=1e-4)
 
 
+@pytest.mark.parametrize("pattern, mean", [("UNIFORM", 1.0), ("height", 0.5)])
+def test_a_lamp_of_fixed_density_becomes_a_mesh_of_its_power(file, add, lamp, pattern, mean):
+    data = lamp(radius=0.5)
+    data.sdf_lamp.normalize, data.sdf_lamp.density, data.exposure = False, 3.0, 1.0
+    if pattern != "UNIFORM":
+        data.sdf_lamp.emission.source, data.sdf_lamp.emission.expression = "EXPRESSION", pattern
+    obj = add("Glow", data, scale=(2.0, 2.0, 2.0))
+    bpy.context.view_layer.update()
+    obj.select_set(True)
+    bpy.ops.sdf_lights.lamp_to_mesh(resolution=32)
+    made = bpy.data.objects["Glow"]
+    strength = made.data.materials[0].node_tree.nodes["Emission"].inputs["Strength"].default_value
+    area = 4.0 * sum(face.area for face in made.data.polygons)
+    power = 4.0 * math.pi * 2.0 * 3.0 * mean * 4.0 / 3.0 * math.pi  # a ball of 1 m
+    assert strength * math.pi * area == pytest.approx(power, rel=0.02)
+
+
 def test_what_is_too_thin_for_a_mesh_says_so(file, add, lamp):
     data = lamp(shape="TORUS", major_radius=1.0, minor_radius=0.001)
     obj = add("Thin", data)
