@@ -115,12 +115,16 @@ def power_of(light: bpy.types.Light, shape: Shape, matrix: np.ndarray, pattern: 
 @functools.lru_cache(maxsize=256)
 def _shape_facts(shape: Shape) -> tuple[str, ...]:
     try:
-        kind = f"closed form, {len(shape.program())} instructions"
+        kind = f"closed form, {_counted(len(shape.program()), 'instruction')}"
     except NoClosedForm:
-        kind = f"field, {len(formula.order(shape.formula()))} operations"
+        kind = f"field, {_counted(len(formula.order(shape.formula())), 'operation')}"
     field = _EXACTNESS.get(shape.exactness, "sign only") if shape.certified else "not certified"
-    parts = "1 part" if shape.size == 1 else f"{shape.size} parts, {shape.depth} deep"
+    parts = _counted(shape.size, "part") + (f", {shape.depth} deep" if shape.size > 1 else "")
     return f"Field: {field}", f"Tree: {parts}", f"Rays: {kind}"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" + ("s" if count != 1 else "")
 
 
 def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emission | None = None) -> list[str]:

@@ -176,6 +176,11 @@ def steps():
     bpy.context.preferences.view.ui_scale = 2.0
     yield 2.0
     picture(PICTURES, "twice_the_size")
+    radius = ball.data.sdf_lamp.sphere.radius
+    place = yield from button_of(view, f'bpy.data.lights["{ball.data.name}"].sdf_lamp.sphere.radius')
+    event("WHEELUPMOUSE", "PRESS", place or (0.0, 0.0), ctrl=True)
+    yield
+    report["at twice the size"] = ball.data.sdf_lamp.sphere.radius - radius
     bpy.context.preferences.view.ui_scale = 1.0
     yield
 

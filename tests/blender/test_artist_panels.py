@@ -40,5 +40,10 @@ def test_an_arrow_is_dragged(seen):
 
 
 @pytest.mark.gui
+def test_the_sidebar_works_at_twice_the_size(seen):
+    assert seen["at twice the size"] > 0.0
+
+
+@pytest.mark.gui
 def test_nothing_is_left_behind(seen):
     assert seen["traces"] > 100 and seen["left"] == []

@@ -31,7 +31,7 @@ def test_readout(file, lamp):
     light.exposure = 1.0
     lines = readout.facts(shape_of(light.sdf_lamp), np.diag([2.0, 1.0, 1.0, 1.0]), light)
     assert lines[:3] == ["Volume: 1.047 m³", "Power: 160 W", "Bounds: 2 × 1 × 1 m"]
-    assert lines[3:] == ["Field: exact distance", "Tree: 1 part", "Rays: closed form, 1 instructions"]
+    assert lines[3:] == ["Field: exact distance", "Tree: 1 part", "Rays: closed form, 1 instruction"]
     light.sdf_lamp.normalize, light.sdf_lamp.density = False, 3.0
     lines = readout.facts(shape_of(light.sdf_lamp), np.eye(4), light)
     assert lines[1] == f"Power: {4 * math.pi * 6.0 * math.pi / 6:.4g} W"
