@@ -44,6 +44,7 @@ def chi2_sphere(
     bins: tuple[int, int] = (16, 16),
     quadrature: int = 12,
     quantiles: tuple[float, float] = (0.0, 1.0),
+    least: float | None = None,
 ) -> Chi2Result:
     """Compare counts of sampled directions in bins of (cos θ, φ) round ``axis`` with the integral of the pdf there.
 
@@ -52,17 +53,18 @@ def chi2_sphere(
     ``pdf_fn_batch(directions)`` maps (m, 3) unit vectors to (m,) densities per solid angle.
 
     The edges in cos θ are quantiles of a pilot run, so narrow distributions fill the bins as well as wide ones do;
-    point ``axis`` at the light. Expected counts come from quadrature² jittered points a bin, and the variance of that
-    estimate is added to the Poisson variance of the counts. Bins that expect fewer than five samples are pooled. A
-    correct sampler fails with probability 1 − ``confidence``: keep the seed fixed, and raise the confidence with the
-    number of tests.
+    point ``axis`` at the light. Where it is known that no sample has a cos θ below ``least``, that is an edge, too.
+
+    Expected counts come from quadrature² jittered points a bin, and the variance of that estimate is added
+    to the Poisson variance of the counts. Bins that expect fewer than five samples are pooled. A correct sampler fails
+    with probability 1 − ``confidence``: keep the seed fixed, and raise the confidence with the number of tests.
     """
     rng = np.random.default_rng(seed)
     frame = _frame(np.asarray(axis, float))
 
     pilot, _ = _polar(sample_fn_batch(rng.random((max(2000, n // 20), dimensions))), frame)
     inner = np.quantile(pilot, np.linspace(*quantiles, bins[0] + 1))
-    edges = np.unique(np.concatenate(([-1.0], inner, [1.0])))
+    edges = np.unique(np.concatenate(([-1.0, -1.0 if least is None else least], inner, [1.0])))
     columns = np.linspace(-np.pi, np.pi, bins[1] + 1)
 
     cosine, phi = _polar(sample_fn_batch(rng.random((n, dimensions))), frame)

@@ -71,7 +71,7 @@ CASES = (  # name, group, shape, point, normal, emission
 
 @functools.cache
 def _block(shape, emission) -> LampBlock:
-    return LampBlock(shape, np.eye(4), emission=emission)
+    return LampBlock(shape, np.eye(4), emission=emission, surface=True)
 
 
 def _numbers(spp: int, repeats: int) -> np.ndarray:

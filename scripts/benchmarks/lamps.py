@@ -96,5 +96,5 @@ def _summary(found: list[dict], best: str) -> dict:
 
 def run(options) -> tuple[dict, list[dict]]:
     names = options.only or (THE_FIVE if options.quick else list(lamp_scenes.SCENES))
-    found, rows = of_scenes(names, 128 if options.quick else 256, measure, options)
+    found, rows = of_scenes(names, 64 if options.quick else 256, measure, options)
     return _summary(found, options.samplers[0]), [*found, *rows]

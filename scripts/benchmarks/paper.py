@@ -4,8 +4,8 @@
 
 The paper gives MAPE and FLIP of pictures of 64 samples of direct light: by BSDF samples, by projection sampling, and by
 a competitor, which is sampling of the surface for its simple shapes and of the bounding volume for the others. Pictures
-here are by the renderer's own samplers. It has none of bounding volumes or surfaces; bounding volumes are compared at
-points, those that a grid of camera rays hits, by the estimators of ``emitter/baselines.py``, which leave occlusion out.
+here are by the renderer's own samplers. Points that a grid of camera rays hits are also lit by the estimators of
+``emitter/baselines.py``, which leave occlusion out.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ PUBLISHED = {  # scene: competitor, then MAPE and FLIP of BSDF samples, the comp
     "kitchen": ("bounding volume", (0.945, 0.761), (0.079, 0.083), (0.013, 0.020)),
     "corridor": ("bounding volume", (0.805, 0.587), (0.239, 0.179), (0.047, 0.045)),
 }
-AT_POINTS = (Technique.COSINE, Technique.BOUNDING, Technique.PROJECTION, Technique.MIS, Technique.CUT)
+AT_POINTS = (
+    Technique.COSINE, Technique.BOUNDING, Technique.SURFACE, Technique.PROJECTION, Technique.MIS, Technique.CUT)
 TURNS = 16  # pixels of a point
 
 
@@ -69,7 +70,7 @@ def at_points(across: int) -> dict[str, float]:
     for thing in bpy.data.collections[lamp_scenes.LAMPS].objects:
         lamp = thing.data.sdf_lamp
         shape = Expression(lamp.expression).shape()
-        block = LampBlock(shape, np.array(thing.matrix_world))
+        block = LampBlock(shape, np.array(thing.matrix_world), surface=True)
         # A block's lamp has 1 W/sr.
         lamps.append((block, lamp.density * block.built.row["volume"][0]))
     numbers = np.concatenate([qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(seed)).random(SAMPLES)
@@ -128,11 +129,12 @@ def compared(rows: list[dict]) -> list[dict]:
         for place, metric in enumerate(("mape", "flip")):
             row[f"paper_{metric}_bsdf_to_projection"] = bsdf[place] / projection[place]
             row[f"paper_{metric}_competitor_to_projection"] = other[place] / projection[place]
-            for sampler in ("BSDF", "MIS", "CUT"):
+            for sampler in ("BSDF", "BOUNDING", "SURFACE", "MIS", "CUT"):
                 ours, least = pictures[sampler][metric], pictures["PROJECTION"][metric]
                 row[f"{metric}_{sampler.lower()}_to_projection"] = None if least is None else ours / least
         row["points_cosine_to_projection"] = points["cosine"] / points["projection"]
-        row["points_bounding_to_projection"] = points["bounding"] / points["projection"]
+        for technique in ("bounding", "surface"):
+            row[f"points_{technique}_to_projection"] = points[technique] / points["projection"]
         found.append(row)
     return found
 
@@ -151,5 +153,7 @@ def run(options) -> tuple[dict, list[dict]]:
         return math.exp(np.mean([math.log(row[key]) for row in ratios]))
 
     return dict(mape_ratio_bsdf_to_projection=mean("mape_bsdf_to_projection"),
+                mape_ratio_bounding_to_projection=mean("mape_bounding_to_projection"),
+                mape_ratio_surface_to_projection=mean("mape_surface_to_projection"),
                 mape_ratio_mis_to_cut=mean("mape_mis_to_projection") / mean("mape_cut_to_projection"),
                 mape_ratio_bounding_to_projection_at_points=mean("points_bounding_to_projection")), [*ratios, *rows]

@@ -53,11 +53,13 @@ A ratio to BSDF samples is first of all how small the lamp is, seen from what it
 """
 
 PAPER_COMPETITORS = """\
-The paper's competitor is sampling of a bounding volume for its fractal and its sign, and of the surface for its other
-scenes. The renderer has neither sampler. Bounding boxes are compared at points that the camera sees, without occlusion;
-these are ratios of MAPE of pixels of as many samples. The paper's ratios are of pictures, in which shadows and edges
-add an error that all techniques share: that alone brings ratios nearer to 1. **Surface sampling has no baseline here**,
-and its ratios are not reproduced.
+The paper's competitor is uniform sampling of the surface for its simple shapes, and of the bounding volume for its
+fractal and its sign. Here that is a box, whose sides are those of the world. MAPE to that of projection sampling, of
+pictures, and of pixels of as many samples at points that the camera sees, without occlusion. What sets these ratios
+apart is distance: a ray's weight by projection differs less and less from that of others as the lamp gets smaller, seen from
+what it lights, while the weight of a ray that grazes a surface, or passes through part of a box, stays what it is. In
+pictures shadows and edges add an error that all techniques share, which brings ratios nearer to 1. How far the paper's
+lamps are, and how much of its pictures is in their penumbrae, is not published.
 """
 
 
@@ -219,22 +221,29 @@ def paper(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]
         [row["scene"], label, *(row[key.format(metric)] for key in (
             "paper_{}_bsdf_to_projection", "{}_bsdf_to_projection", "{}_mis_to_projection", "{}_cut_to_projection"))]
         for row in found for metric, label in METRICS.items() if metric != "rel_mse"]
-    points = [[row[key] for key in ("scene", "competitor", "paper_mape_competitor_to_projection",
-                                    "points_bounding_to_projection", "points_cosine_to_projection")] for row in found]
+    competitors = []
+    for row in found:
+        other = "surface" if row["competitor"] == "surface area" else "bounding"
+        for name, label in (("surface", "surface"), ("bounding", "bounding box")):
+            published = [row[f"paper_{metric}_competitor_to_projection"] if name == other else None
+                         for metric in ("mape", "flip")]
+            competitors.append([
+                row["scene"], label, published[0], row.get(f"mape_{name}_to_projection"), published[1],
+                row.get(f"flip_{name}_to_projection"), row.get(f"points_{name}_to_projection")])
 
     def of_methods(column: str) -> str:
-        methods = ("BSDF", "PROJECTION", PAPER, OURS)
-        rows = [[row["scene"], *(result.of(scene=row["scene"], method=method)[0][column] for method in methods)]
-                for row in found]
-        return table(["scene", "BSDF", "projection", "paper's sampler", "cuts"], rows)
+        methods = ("BSDF", "BOUNDING", "SURFACE", "PROJECTION", PAPER, OURS)
+        rows = [[row["scene"], *(next((known[column] for known in result.of(scene=row["scene"], method=method)), None)
+                                 for method in methods)] for row in found]
+        return table(["scene", "BSDF", "bounding box", "surface", "projection", "paper's sampler", "cuts"], rows)
 
     return [
         *heading("The scenes of the paper", result, settings(result)), PAPER_SCENES,
         table(["scene", "measure", "BSDF / projection: paper", "here", "paper's sampler with MIS / projection",
                "cuts / projection"], pictures),
         PAPER_BSDF, PAPER_COMPETITORS,
-        table(["scene", "the paper's competitor", "competitor / projection: paper",
-               "bounding box / projection, at points", "BSDF / projection, at points"], points),
+        table(["scene", "competitor", "MAPE / projection: paper", "here", "FLIP / projection: paper", "here",
+               "MAPE / projection, at points"], competitors),
         "Equal samples hide what a sample costs. Efficiency is 1 / (relMSE × seconds), here of cuts to others:\n",
         table(["scene", "cuts / projection", "cuts / paper's sampler"],
               [[scene, *values] for scene, values in efficiencies(result).items()]),

@@ -22,6 +22,7 @@ import numpy as np
 from ..jit import block_dtype, fill_table, kernel
 from ..sdf.emission import Emission, EmissionExpression
 from ..vec import add, dot, frame, madd, normalize, sub, to_world, vec
+from . import bounding, surfaces
 from . import cut as cuts
 from .cut import BOXES, CUT, REGIONS
 from .hashing import following, seeded, uniform_point
@@ -29,9 +30,8 @@ from .lamps import (
     SCALARS, TABLES, build_lamp, direction_pdf, interior_point, lamps, new_spans, pack_lamps, pack_scalars, radiance,
     sample_direction, trace, varies)
 from .points import disk_point
-from .primitives import box_span
 
-BLOCK = block_dtype({**TABLES, **cuts.TABLES}, SCALARS)
+BLOCK = block_dtype({**TABLES, **cuts.TABLES, **surfaces.TABLES}, SCALARS)
 
 DIMENSIONS = 7  # a direction by the cosine (2), a point in the lamp (3), a place in the intervals of each ray (2)
 CHUNK = 1 << 17
@@ -122,17 +122,20 @@ def projection(block, lamp, x, n, u, spans, shell):
 
 @kernel
 def bounding_projection(block, lamp, x, n, u, spans, shell):
-    """Projection sampling of the world's bounding box of the lamp: rays may miss what is in it."""
-    row = lamps(block)[lamp]
-    h = vec(row.half)
-    offset = sub(vec(row.center), x)
-    d = normalize(add(offset, ((2.0 * u[2] - 1.0) * h[0], (2.0 * u[3] - 1.0) * h[1], (2.0 * u[4] - 1.0) * h[2])))
+    """Projection sampling of the lamp's bounding box."""
+    d = bounding.sample(block, lamp, x, u[2], u[3], u[4])
     value = _ray(block, lamp, x, n, d, spans, u[5], shell)[0]
-    if value <= 0.0:
-        return 0.0
-    start, end = box_span(sub(x, vec(row.center)), d, h[0], h[1], h[2])
-    start = max(start, 0.0)
-    return value * 24.0 * h[0] * h[1] * h[2] / (end * end * end - start * start * start)
+    return value / bounding.density(block, lamp, x, d) if value > 0.0 else 0.0
+
+
+@kernel
+def surface_area(block, lamp, x, n, u, spans, shell):
+    """The whole line through a uniform point of the surface, by its directional density."""
+    d = surfaces.sample(block, lamp, x, spans, u[2], u[3], u[4])
+    count = trace(block, lamp, x, d, spans)
+    pdf = surfaces.density(block, lamp, x, d, spans, count)
+    value = _radiance(block, lamp, x, d, spans, count, u[5], shell) * max(dot(n, d), 0.0)
+    return value / pdf if pdf > 0.0 else 0.0
 
 
 @kernel
@@ -211,7 +214,7 @@ def cell_cut(block, lamp, x, n, u, spans, shell, store, cut, tolerance, limit):
     d = _cosine_direction(n, u[0], u[1])
     for technique in range(1 if cut.beta == 0.0 else 0, 2):
         if technique == 1:
-            d = cuts.sample(block, lamp, x, store, cut, u[2], u[3], u[4])
+            d = cuts.sample(block, lamp, x, spans, store, cut, u[2], u[3], u[4])
         cosine = dot(n, d)
         if cosine <= 0.0:
             continue
@@ -225,7 +228,7 @@ def cell_cut(block, lamp, x, n, u, spans, shell, store, cut, tolerance, limit):
 
 
 class Technique(enum.IntEnum):
-    """``RADIAL`` is for uniform emission."""
+    """``RADIAL`` is for uniform emission, ``SURFACE`` for blocks that were made with their ``surface``."""
 
     UNIFORM = 0
     COSINE = 1
@@ -237,9 +240,10 @@ class Technique(enum.IntEnum):
     RIS = 7
     RADIAL = 8
     CUT = 9
+    SURFACE = 10
 
 
-UNIFORM, COSINE, POINT, PROJECTION, MIS, BOUNDING, MIS_BETA, RIS, RADIAL_MIS = map(int, list(Technique)[:9])
+UNIFORM, COSINE, POINT, PROJECTION, MIS, BOUNDING, MIS_BETA, RIS, RADIAL_MIS, _, SURFACE = map(int, Technique)
 
 
 @kernel
@@ -265,6 +269,8 @@ def _values(technique, blocks, lamp, x, n, numbers, spans, shell, store, cut, to
             out[i] = resampled(block, lamp, x, n, u, spans, shell)
         elif technique == RADIAL_MIS:
             out[i] = radial(block, lamp, x, n, u, spans, shell)
+        elif technique == SURFACE:
+            out[i] = surface_area(block, lamp, x, n, u, spans, shell)
         else:
             out[i] = cell_cut(block, lamp, x, n, u, spans, shell, store, cut[0], tolerance, limit)
 
@@ -273,14 +279,17 @@ class LampBlock:
     """A lamp of ``power`` in watts in a block of its own, with the tables that all techniques need.
 
     Of one whose ``emission`` varies, the line integral is that of the renderer. The ``shell`` that estimators are given
-    must be ``EVEN`` then, and those that ask for the emission at a point cannot be used.
+    must be ``EVEN`` then, and those that ask for the emission at a point cannot be used. With ``surface`` that is
+    measured, which takes up to a second.
     """
 
-    def __init__(self, shape, matrix: np.ndarray, power: float = 4.0 * math.pi, emission: Emission | None = None):
+    def __init__(self, shape, matrix: np.ndarray, power: float = 4.0 * math.pi, emission: Emission | None = None,
+                 surface: bool = False):
         self.built = build_lamp("lamp", shape, matrix, power=power, emission=emission)
+        sources = [SimpleNamespace(shape=shape, matrix=matrix)]
+        self._surface = surfaces.pack_surfaces([self.built], sources) if surface else surfaces.NONE
         self.tables = {
-            **pack_lamps([self.built]),
-            **cuts.pack_cuts([self.built], [SimpleNamespace(shape=shape, matrix=matrix)])}
+            **pack_lamps([self.built]), **cuts.pack_cuts([self.built], sources), **self._surface.tables}
         self.blocks = np.zeros(1, BLOCK)
         for name, array in self.tables.items():
             fill_table(self.blocks, name, array)

@@ -34,6 +34,7 @@ import numpy as np
 from ..jit import kernel, stack_array, table
 from ..sdf.program import INSTRUCTION
 from ..vec import add, dot, madd, normalize, scale, sub, transform_normal, transform_point, transform_vector, vec
+from . import bounding, surfaces
 from .cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, REGIONS, SOFT, corner, far_corner, region
 from .cut_tables import TABLES, lamp_steps, pack_cuts, placements
 from .fields import lamp_lists, value
@@ -45,10 +46,11 @@ from .moments import lamp_cells
 
 CUT = np.dtype([
     ("lamp", np.int64),
-    ("slot", np.int64),  # of the region's boxes; −1: projection sampling is as good
+    ("slot", np.int64),  # of the region's boxes, or what follows
     ("total", np.float64),  # Z in the world
     ("beta", np.float64),  # what the density of the BSDF counts in the balance heuristic
-    ("origin", np.float64, (3,)),  # the point that is lit, in tree space relative to the region's centre
+    # The point that is lit, in tree space relative to the region's centre; in the world without boxes.
+    ("origin", np.float64, (3,)),
     # The density α + b·(y − origin) in each box, up to Z.
     ("level", np.float32, MOST_BOXES),
     ("slope", np.float32, (3, MOST_BOXES)),
@@ -61,6 +63,8 @@ CUT = np.dtype([
 
 WORKSPACE_TABLES = {"lamp_boxes": BOXES, "lamp_cuts": CUT}
 WORKSPACE_COUNTS = {"lamp_boxes": REGIONS, "lamp_cuts": 2}
+
+PROJECTION, SURFACE, BOUNDING = -1, -2, -3  # slots of cuts without boxes: the first is as good, or all are asked for
 
 TOLERANCE = 2e-3  # relative variance of a sample at which boxes are small enough
 LIMIT = MOST_BOXES
@@ -179,7 +183,14 @@ def project(block, lamp, x, cut):
 
     Light that is scattered again before it reaches the camera is noisy for other reasons; there boxes do not pay.
     """
-    cut.lamp, cut.slot, cut.beta = lamp, -1, tuned_beta(lamps(block)[lamp], x)
+    cut.lamp, cut.slot, cut.beta = lamp, PROJECTION, tuned_beta(lamps(block)[lamp], x)
+
+
+@kernel
+def compare(lamp, x, slot, beta, cut):
+    """As ``prepare``: another way to sample, which is given by its slot."""
+    cut.lamp, cut.slot, cut.beta = lamp, slot, beta
+    cut.origin[0], cut.origin[1], cut.origin[2] = x
 
 
 @kernel
@@ -197,7 +208,7 @@ def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
     """
     place = placements(block)[lamp]
     offset = sub(x, vec(lamps(block)[lamp].center))
-    cut.lamp, cut.slot = lamp, -1
+    cut.lamp, cut.slot = lamp, PROJECTION
     way = sub(vec(place.centroid), offset)
     ratio = place.extent / max(dot(way, way), 1e-300)
     if PROJECTION_RATE * ratio < tolerance:
@@ -315,9 +326,13 @@ def _draw(block, lamp, place, boxes, cut, cells, u):
 
 
 @kernel
-def sample(block, lamp, x, store, cut, u1, u2, u3):
+def sample(block, lamp, x, spans, store, cut, u1, u2, u3):
     """Unit direction from x by the cut; its density is ``density``."""
     if cut.slot < 0:
+        if cut.slot == SURFACE:
+            return surfaces.sample(block, lamp, x, spans, u1, u2, u3)
+        if cut.slot == BOUNDING:
+            return bounding.sample(block, lamp, x, u1, u2, u3)
         return sample_direction(block, lamp, x, (0.0, 0.0, 0.0), u1, u2, u3)
     place = placements(block)[lamp]
     q = _draw(block, lamp, place, store[cut.slot], cut, lamp_cells(block)[place.first_cell:], (u1, u2, u3))
@@ -367,6 +382,10 @@ def _cross(boxes, cut, way):
 def density(block, lamp, d, store, cut, spans, count):
     """Density per solid angle of ``sample`` giving d, from the intervals that ``trace`` found."""
     if cut.slot < 0:
+        if cut.slot == SURFACE:
+            return surfaces.density(block, lamp, vec(cut.origin), d, spans, count)
+        if cut.slot == BOUNDING:
+            return bounding.density(block, lamp, vec(cut.origin), d)
         return direction_pdf(block, lamp, vec(cut.origin), (0.0, 0.0, 0.0), d, spans, count)
     way = transform_vector(placements(block)[lamp].inverse, d)
     boxes = store[cut.slot]

@@ -24,6 +24,8 @@ class LampSampling(enum.Enum):
     CUT = "CUT"  # in proportion to what the parts of the lamp give the point that is lit (emitter/cut.py)
     MIS = "MIS"  # points of the interior, joined with rays of the BSDF by the balance heuristic (Huang et al. 2026)
     PROJECTION = "PROJECTION"  # points of the interior; rays of the BSDF count only where it is glossy
+    BOUNDING = "BOUNDING"  # points of the bounding box; else as PROJECTION. On the CPU
+    SURFACE = "SURFACE"  # points of the surface, by area; else as PROJECTION. On the CPU
     BSDF = "BSDF"  # no light rays
 
 

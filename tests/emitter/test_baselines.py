@@ -35,7 +35,7 @@ def torus():
 
 @pytest.fixture(scope="module")
 def lit():
-    return LampBlock(Torus(1.0, 0.35), np.eye(4))
+    return LampBlock(Torus(1.0, 0.35), np.eye(4), surface=True)
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -60,6 +60,7 @@ PROTOTYPE = {
     Technique.RADIAL: {"above": 0.0053, "inside": 0.054},
     Technique.CUT: {"above": 0.00033, "inside": 0.0378, "shell": 0.054},
     Technique.BOUNDING: {},
+    Technique.SURFACE: {},
 }
 
 

@@ -32,10 +32,10 @@ def _prepare(blocks, x, n, both, tolerance, limit, store, cuts):
 
 
 @kernel(cache=False)
-def _sample(blocks, x, store, cuts, u):
+def _sample(blocks, x, spans, store, cuts, u):
     out = np.empty((len(u), 3))
     for i in range(len(u)):
-        out[i] = cut.sample(blocks[0], 0, x, store, cuts[0], u[i, 0], u[i, 1], u[i, 2])
+        out[i] = cut.sample(blocks[0], 0, x, spans, store, cuts[0], u[i, 0], u[i, 1], u[i, 2])
     return out
 
 
@@ -64,7 +64,7 @@ class Cut:
         return int(self.store["count"][slot]) if slot >= 0 else 0
 
     def sample(self, u):
-        return _sample(self.lamp.blocks, self.x, self.store, self.rows, u)
+        return _sample(self.lamp.blocks, self.x, self.spans, self.store, self.rows, u)
 
     def density(self, directions):
         return _density(self.lamp.blocks, self.x, self.store, self.rows, np.ascontiguousarray(directions), self.spans)

@@ -13,7 +13,7 @@ from sdf_lights.render import session
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import lamps, program, renderer
 from sdf_lights.render.gpu.device import DeviceError
-from sdf_lights.render.settings import Device
+from sdf_lights.render.settings import Device, LampSampling
 from sdf_lights.sdf.expression import Expression
 from tests import scenes
 from tests.gpu.support import device_or_skip
@@ -83,6 +83,13 @@ def refusal(scene) -> str:
     with pytest.raises(DeviceError) as told:
         program.GpuScene(scene, Film(scene, ())).source()
     return str(told.value)
+
+
+@pytest.mark.parametrize("sampling", ["SURFACE", "BOUNDING"])
+def test_samplings_that_only_the_cpu_has(sampling):
+    scene = lit_by("sphere(0.5)")
+    scene.settings.lamp_sampling = LampSampling[sampling]
+    assert refusal(scene) == "it has no such sampling of lamps"
 
 
 def test_lamps_of_too_many_parts(monkeypatch):

@@ -35,15 +35,18 @@ def test_the_statue_has_many_triangles():
 
 def test_ratios_are_to_projection_sampling():
     rows = [dict(scene="kitchen", method=method, mape=mape, flip=None)
-            for method, mape in (("BSDF", 0.8), ("PROJECTION", 0.02), ("MIS", 0.03), ("CUT", 0.01))]
+            for method, mape in (
+                ("BSDF", 0.8), ("BOUNDING", 0.04), ("SURFACE", 0.05), ("PROJECTION", 0.02), ("MIS", 0.03), ("CUT", 0.01))]
     rows += [dict(scene="kitchen", technique=technique, mape_at_points=mape)
-             for technique, mape in (("cosine", 0.6), ("bounding", 0.06), ("projection", 0.01))]
+             for technique, mape in (("cosine", 0.6), ("bounding", 0.06), ("surface", 0.02), ("projection", 0.01))]
     row, = paper.compared(rows)
     assert row["competitor"] == "bounding volume"
     assert row["paper_mape_bsdf_to_projection"] == pytest.approx(0.945 / 0.013)
     assert row["mape_bsdf_to_projection"] == pytest.approx(40.0) and row["flip_bsdf_to_projection"] is None
     assert row["mape_cut_to_projection"] == pytest.approx(0.5)
+    assert row["mape_surface_to_projection"] == pytest.approx(2.5)
     assert row["points_bounding_to_projection"] == pytest.approx(6.0)
+    assert row["points_surface_to_projection"] == pytest.approx(2.0)
 
 
 @pytest.mark.slow

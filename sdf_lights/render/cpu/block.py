@@ -8,6 +8,7 @@ import numpy as np
 
 from ... import emitter as lamps
 from ...emitter import cut as cuts
+from ...emitter import surfaces
 from ...jit import block_dtype, fill_table
 from ..film import Film
 from ..scene import Instance, Lamp, Mesh, Scene
@@ -16,14 +17,16 @@ from . import accumulate, camera, geometry, integrator, lamp_tree, lights, path,
 from .shading.records import HAS_EMISSION, HAS_TRANSPARENCY
 
 TABLES = {
-    **lamps.TABLES, **cuts.TABLES, **lamp_tree.TABLES, **camera.TABLES, **geometry.TABLES, **lights.TABLES,
+    **lamps.TABLES, **cuts.TABLES, **surfaces.TABLES, **lamp_tree.TABLES, **camera.TABLES, **geometry.TABLES,
+    **lights.TABLES,
     **shading.TABLES, **accumulate.TABLES, "control": np.dtype(np.int64)}
 SCALARS = [
     *lamps.SCALARS, *camera.SCALARS, *geometry.SCALARS, *rays.SCALARS, *integrator.SCALARS, *accumulate.SCALARS]
 BLOCK = block_dtype(TABLES, SCALARS)
 
-# What the density of a BSDF counts against projection sampling, with the samplings that use that.
-LAMP_BETA = {LampSampling.MIS: 1.0, LampSampling.PROJECTION: 0.0, LampSampling.BSDF: np.inf}
+# What the density of a BSDF counts, with the samplings that do not find that out.
+LAMP_BETA = {LampSampling.MIS: 1.0, LampSampling.BSDF: np.inf}
+LAMP_SLOT = {LampSampling.SURFACE: cuts.SURFACE, LampSampling.BOUNDING: cuts.BOUNDING}
 
 
 class PackedScene:
@@ -70,6 +73,7 @@ class PackedScene:
         self._built = [index for index, lamp in enumerate(scene.lamps) if id(lamp) in chosen]
         self.lamps = built  # whose compiled fields the tables point at
         self._fill({**tables, **cuts.pack_cuts(built, sources)}, lamps.pack_scalars(built))
+        self._surfaces = surfaces.NONE
         self.span_rows = int(self.block["lamp_rows"][0])
 
     def aim(self, scene: Scene, film: Film) -> None:
@@ -81,6 +85,9 @@ class PackedScene:
         self._fill({**camera.pack_camera(scene), **accumulate.pack_film(film)},
                    {**camera.camera_scalars(scene), **accumulate.film_scalars(film)})
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
+        if self._surfaces is surfaces.NONE and scene.settings.lamp_sampling == LampSampling.SURFACE:
+            self._surfaces = surfaces.pack_surfaces(self.lamps, [scene.lamps[index] for index in self._built])
+        self._fill(self._surfaces.tables, {})
 
     def _show(self, visibility: np.ndarray) -> None:
         """Make the lamps visible to these rays (lamps,), if they are not yet."""
@@ -94,7 +101,7 @@ class PackedScene:
     def release(self) -> None:
         """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""
         self._accelerator = None
-        self._tables, self._images, self.lamps = {}, [], []
+        self._tables, self._images, self.lamps, self._surfaces = {}, [], [], surfaces.NONE
         self.block[:] = 0
 
 
@@ -136,7 +143,8 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
         **{name: getattr(settings, name) for name in names}, "finite_lights": finite,
         "emitters_hit": finite or world or emissive, "transparent_shadows": bool((flags & HAS_TRANSPARENCY).any()),
         "lamp_count": len(tables["lamps"]), "lamp_cuts": settings.lamp_sampling == LampSampling.CUT,
-        "lamp_beta": LAMP_BETA.get(settings.lamp_sampling, 1.0)}
+        "lamp_slot": LAMP_SLOT.get(settings.lamp_sampling, cuts.PROJECTION),
+        "lamp_beta": LAMP_BETA.get(settings.lamp_sampling, 0.0)}
 
 
 def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:

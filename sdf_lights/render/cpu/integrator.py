@@ -40,8 +40,9 @@ SCALARS = [
     ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
     ("transparent_shadows", np.int64), ("lamp_count", np.int64),
     ("finite_lights", np.int64),  # 1: there are Blender lights that rays can meet
-    ("lamp_cuts", np.int64),  # 1: lamps are sampled by cuts, 0: by projection
-    ("lamp_beta", np.float64),  # for projection: what the density of a BSDF counts in the balance heuristic
+    ("lamp_cuts", np.int64),  # 1: lamps are sampled by cuts
+    ("lamp_slot", np.int64),  # without cuts: ``cuts.PROJECTION``, ``SURFACE`` or ``BOUNDING``
+    ("lamp_beta", np.float64),  # without cuts: what the density of a BSDF counts in the balance heuristic
 ]
 
 # Sets of random numbers: two for the camera, then so many for each vertex of a path.
@@ -207,8 +208,10 @@ def prepare_lamp(block, workspace, lamp, x, n, both):
         cuts.project(block, lamp, x, cut)
     elif block.lamp_cuts:
         cuts.prepare(block, lamp, x, n, both, cuts.TOLERANCE, cuts.LIMIT, box_table(workspace), cut)
+    elif block.lamp_slot < cuts.PROJECTION:
+        cuts.compare(lamp, x, block.lamp_slot, block.lamp_beta, cut)
     else:
-        cut.lamp, cut.slot, cut.beta = lamp, -1, block.lamp_beta
+        cut.lamp, cut.slot, cut.beta = lamp, cuts.PROJECTION, block.lamp_beta
 
 
 @kernel
@@ -230,7 +233,7 @@ def light_lamp(block, workspace, lamp, chance, u, u1, u2, u3):
     prepare_lamp(block, workspace, lamp, x, n, path.both)
     if cut.beta == np.inf:
         return
-    wi = cuts.sample(block, lamp, x, store, cut, u1, u2, u3)
+    wi = cuts.sample(block, lamp, x, spans, store, cut, u1, u2, u3)
     weight, pdf, narrow = evaluate(workspace, wi)
     if largest(weight) <= 0.0:
         return

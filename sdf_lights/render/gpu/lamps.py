@@ -55,7 +55,7 @@ def prepare_lamp(block, workspace, lamp, x, n, both):
 
 
 @kernel
-def sample(block, lamp, x, store, cut, u1, u2, u3):
+def sample(block, lamp, x, spans, store, cut, u1, u2, u3):
     """In the place of ``cut.sample``."""
     return sample_direction(block, lamp, x, ZERO, u1, u2, u3)
 

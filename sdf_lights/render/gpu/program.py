@@ -15,7 +15,7 @@ from ...emitter.intervals import rows_needed
 from ...jit import stack_array
 from ...sdf import read_glsl
 from ..cpu import camera, geometry, integrator, lamp_tree, lights, path, rays, sampler, shading
-from ..cpu.block import build_lamps, emissive_triangles, emitter_tables, integrator_scalars
+from ..cpu.block import LAMP_SLOT, build_lamps, emissive_triangles, emitter_tables, integrator_scalars
 from ..cpu.shading.program import LOBE_PRINCIPLED
 from ..cpu.shading.records import HAS_TRANSPARENCY
 from ..film import CHANNELS, HALF_BIT, Film
@@ -44,7 +44,7 @@ ROUNDING = {
 # Scalars of the block that a program is made for.
 SETTLED = frozenset({
     "caustics", "transparent_film", "emitters_hit", "transparent_shadows", "finite_lights", "lamp_cuts",
-    "uv_layer_count", "few_lamps"})
+    "lamp_slot", "uv_layer_count", "few_lamps"})
 
 
 def _spans(function, arguments):
@@ -121,6 +121,8 @@ class GpuScene:
     """Tables and source for one scene and one film. ``images``: whether textures are read faster as images."""
 
     def __init__(self, scene: Scene, film: Film, images: bool = False):
+        if scene.settings.lamp_sampling in LAMP_SLOT:
+            raise DeviceError("it has no such sampling of lamps")
         self._images = images
         self.formulas = lamps.Formulas()
         materials = shading.pack_materials(scene)
