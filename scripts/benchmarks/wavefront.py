@@ -29,7 +29,7 @@ HELP = "what the GPU's path tracer could gain as a wavefront, and what that cost
 
 BOUNCES = (0, 4)
 GROUPS = (8, 32)  # threads that go together: llvmpipe's, and those of most graphics cards
-STATE = 4  # binding of the buffer that paths are in
+STATE = 5  # binding of the buffer that paths are in
 ROUND = "fresh = integrator_advance(false)"
 
 

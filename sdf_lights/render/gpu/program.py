@@ -118,9 +118,10 @@ def natives(cuts: bool, one_emitter: bool = False) -> dict:
 
 
 class GpuScene:
-    """Tables and source for one scene and one film. ``images``: whether textures are read faster as images."""
+    """Tables and source for one scene and one film. ``images``: whether textures are read faster as images;
+    ``room``: bytes of a buffer."""
 
-    def __init__(self, scene: Scene, film: Film, images: bool = False):
+    def __init__(self, scene: Scene, film: Film, images: bool = False, room: float = np.inf):
         if scene.settings.lamp_sampling in LAMP_SLOT:
             raise DeviceError("it has no such sampling of lamps")
         self._images = images
@@ -151,7 +152,7 @@ class GpuScene:
             settled.add("lamp_count")
         if scalars["camera_aperture"] == 0.0:
             settled.add("camera_aperture")
-        self.tables = Tables(tables, scalars, frozenset(settled), self._workspace(tables))
+        self.tables = Tables(tables, scalars, frozenset(settled), self._workspace(tables), room // 4)
         self.film = film
         self.textured = bool(tables["light_triangles"]["textured"].any())
         self.cuts = scene.settings.lamp_sampling is LampSampling.CUT
@@ -230,6 +231,7 @@ class GpuScene:
         workspace = self.tables.workspace_source(aside=self.textured)
         return "\n".join([
             "#version 430 core", self.tables.uniform_source(), *self._defines(), glsl("maths.glsl"),
+            self.tables.second_source(),
             *read_glsl.helpers("angle"), workspace, glsl("random.glsl"), glsl("rays.glsl"), self._lamp_source(),
             translator.structure_source(), *translator.globals, "", kernels, "", glsl("film.glsl")])
 

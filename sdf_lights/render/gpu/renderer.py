@@ -67,15 +67,15 @@ class GpuRenderer:
             raise DeviceError(f"it failed ({type(error).__name__}: {error})") from error
 
     def _prepare(self, context, scene: Scene) -> None:
-        packed = GpuScene(scene, self._film, self._device.images)
+        packed = GpuScene(scene, self._film, self._device.images, self._device.largest_buffer)
         self._packed = packed
         source = packed.source()
         self._say("Compiling the scene's program for the GPU")
         self._program = self._device.program(context, source)
-        words, uniforms = packed.tables.pack(packed.scalars)
+        words, second, uniforms = packed.tables.pack(packed.scalars)
         hierarchy = packed.hierarchy
         self._uniforms = self._buffer(context, uniforms)
-        self._words = self._buffer(context, words)
+        self._words, self._second = self._buffer(context, words), self._buffer(context, second)
         self._textures = [self._texture(context, array) for array in (hierarchy.nodes, hierarchy.items)]
         slab = min(SLAB, len(self._film.active))
         self._sums = self._buffer(context, np.zeros(slab * self._size, np.float32))
@@ -108,7 +108,7 @@ class GpuRenderer:
 
     def _bind(self) -> None:
         self._uniforms.bind_to_uniform_block(0)
-        for binding, buffer in enumerate((self._words, self._sums, self._pixels, self._lengths)):
+        for binding, buffer in enumerate((self._words, self._sums, self._pixels, self._lengths, self._second)):
             buffer.bind_to_storage_buffer(binding)
         for unit, texture in enumerate(self._textures):
             if self._device.images:

@@ -17,7 +17,9 @@ from .translate.values import ASIDE, BLOCK, CONSTANT, Ref, Value, known, safe_na
 
 MOST_VALUES = 32  # different values of a field that are worth knowing
 NEAR = "near_"  # begins the names of functions that read tables in the uniform block
+SECOND = "second_"  # likewise, of those for which the buffer has no room
 NEAR_WORDS = 3072  # of all of them: OpenGL has room for 4096 everywhere
+SECOND_BINDING = 4
 SMALL = 256  # words of a table that may be there
 BUFFERED = frozenset({"lamp_fields", "lamp_parameters", "sobol"})  # tables that shaders written by hand look for in the buffer
 
@@ -26,11 +28,12 @@ class Tables:
     """The tables of a scene, for the translator and for the GPU.
 
     ``tables`` are those of the block, ``scalars`` its numbers; ``settled`` names scalars that programs are made for.
-    ``workspace`` maps names to (dtype, count) of what each thread has.
+    ``workspace`` maps names to (dtype, count) of what each thread has. ``room``: words of a buffer; tables for which the
+    first has none are in a second one.
     """
 
     def __init__(self, tables: dict[str, np.ndarray], scalars: dict[str, float], settled: frozenset[str],
-                 workspace: dict[str, tuple[np.dtype, int]]):
+                 workspace: dict[str, tuple[np.dtype, int]], room: float = np.inf):
         self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
         self.used_scalars: dict[str, str] = {}
         self._near: dict[str, int] = {}  # first word of each table that is in the uniform block
@@ -42,6 +45,14 @@ class Tables:
                 self._near[name] = used
                 used += sizes[name]
         self._single &= set(self._near)
+        self._second: set[str] = set()
+        used = sum(size_of(tables[name]) for name in BUFFERED & set(tables))
+        for name in sizes:
+            if name not in self._near:
+                if used + sizes[name] > room:
+                    self._second.add(name)
+                else:
+                    used += sizes[name]
         self._values: dict[tuple[str, str], frozenset | None] = {}
 
     # For the translator
@@ -120,7 +131,7 @@ class Tables:
 
     def reader(self, name: str) -> str:
         """How the names of the functions begin that read this table."""
-        return NEAR if name in self._near else ""
+        return NEAR if name in self._near else SECOND if name in self._second else ""
 
     def uniform_source(self) -> str:
         """The uniform block ``scene``, and functions that read tables there."""
@@ -133,10 +144,22 @@ class Tables:
             f"vec3 {NEAR}vector_at(int place)", "{",
             f"    return vec3({', '.join(f'{NEAR}float_at(place + {axis})' for axis in range(3))});", "}"])
 
-    def pack(self, more: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
-        """All tables in one array of words, and the words of the uniform block, where ``more`` are scalars that are no
+    def second_source(self) -> str:
+        """The second buffer, where there is one, and functions that read tables there."""
+        if not self._second:
+            return ""
+        vector = ", ".join(f"{SECOND}float_at(place + {axis})" for axis in range(3))
+        return "\n".join([
+            f"layout(std430, binding = {SECOND_BINDING}) readonly buffer Second {{ uint second_words[]; }};",
+            f"uint {SECOND}uint_at(int place) {{ return second_words[place]; }}",
+            f"int {SECOND}int_at(int place) {{ return int(second_words[place]); }}",
+            f"float {SECOND}float_at(int place) {{ return uintBitsToFloat(second_words[place]); }}",
+            f"vec3 {SECOND}vector_at(int place) {{ return vec3({vector}); }}"])
+
+    def pack(self, more: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """All tables in two arrays of words, and the words of the uniform block, where ``more`` are scalars that are no
         places of tables."""
-        parts, numbers, used = [], dict(more), 0
+        parts, second, numbers, used, used_second = [np.zeros(0, np.uint32)], [np.zeros(1, np.uint32)], dict(more), 0, 1
         near = np.zeros(NEAR_WORDS, np.uint32)
         for name, array in self._tables.items():
             words = words_of(array).ravel()
@@ -144,12 +167,17 @@ class Tables:
             if name in self._near:
                 near[self._near[name]:self._near[name] + words.size] = words
                 continue
+            if name in self._second:
+                numbers[name + "_start"] = used_second
+                second.append(words)
+                used_second += words.size
+                continue
             parts.append(words)
             used += words.size
         scalars = [np.array(numbers[name], np.float32 if kind == "float" else np.int32).view(np.uint32)
                    for name, kind in sorted(self.used_scalars.items())]
         scalars += [np.uint32(0)] * (-len(scalars) % 4)
-        return np.concatenate(parts), np.concatenate([np.array(scalars, np.uint32), near])
+        return np.concatenate(parts), np.concatenate(second), np.concatenate([np.array(scalars, np.uint32), near])
 
 
 def _member(name: str, field: tuple) -> str:
