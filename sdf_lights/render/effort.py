@@ -81,11 +81,14 @@ class _Noise:
         weight = self._weight * self._halves * self._count
         number = max(np.count_nonzero(self._halves), 1)
         first = np.sum(weight * self._first) / number
-        second = self._blocks(weight * _part(self._second, self._shares))
+        second, halves = self._blocks(weight * _part(self._second, self._shares)), self._blocks(self._halves)
         with np.errstate(divide="ignore", invalid="ignore"):
-            found = np.sqrt(SETTLES * COST * second / (self._blocks(self._halves) * self._met_by_a_branch() * first))
-        # Where no branch meets a surface, or nothing else is noisy, the quotient is infinite or not a number.
+            own = second / (halves * self._met_by_a_branch())
+            all_of_it = second.sum() * self._branches.sum() / (number * self._met.sum())
+            # A block's own estimate is noisy itself; the picture's counts as much.
+            found = np.sqrt(SETTLES * COST * 0.5 * (own + all_of_it) / first)
             found = 2.0 ** np.rint(np.log2(found))  # as numbers of samples from a Sobol sequence should be
+        # Where no branch meets a surface, or nothing else is noisy, the quotient is infinite or not a number.
         return self._spread(np.where(np.isnan(found), 1.0, np.clip(found, 1.0, MOST_BRANCHES)))
 
     def best_rates(self) -> np.ndarray:
