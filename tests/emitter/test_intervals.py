@@ -143,7 +143,7 @@ def test_distance_costs_no_digits(impact):
         exact = 2 * half * (3 * centre**2 + half**2)
         # The closest approach is rounded to 1e-16 of the distance; a grazing chord magnifies that by impact/half².
         assert abs(ours / exact - 1.0) < 4e-16 * distance * (1.0 + impact / float(half) ** 2)
-        if distance == 3e4:
+        if distance == 3e4 and impact > 0.0:  # through the middle, its roundings may happen to be none
             b, root = o @ d, np.sqrt((o @ d) ** 2 - (o @ o - 1))
             assert abs(((root - b) ** 3 - (-root - b) ** 3) / exact - 1.0) > 3e-9
 
