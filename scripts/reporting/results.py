@@ -14,10 +14,12 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = REPOSITORY / "docs" / "report"
 PICTURES = REPOSITORY / "build" / "report"  # too large to be kept; the report keeps what it draws of them
 
-_LAMPS = ["--size", "96", "--pictures", "build/report"]
+_PICTURES = ["--pictures", "build/report"]
+_LAMPS = ["--size", "96", *_PICTURES]
 RUNS = {  # result: arguments of ./scripts/bench
     "cycles_direct": ["cycles", "--bounces", "0", "--ladder", "4,16,64", "--reference-seconds", "10", *_LAMPS],
-    "cycles_bounces": ["cycles", "--bounces", "4", "--ladder", "4,16,64", "--reference-seconds", "6", *_LAMPS],
+    "cycles_bounces": [
+        "cycles", "--bounces", "4", "--size", "128", "--ladder", "4,16,64", "--reference-seconds", "16", *_PICTURES],
     "paper": ["paper", "--reference-seconds", "15", *_LAMPS],
     "estimators": ["estimators"],
     "intervals": ["intervals"],
