@@ -66,7 +66,7 @@ WORKSPACE_COUNTS = {"lamp_boxes": REGIONS, "lamp_cuts": 2}
 
 PROJECTION, SURFACE, BOUNDING = -1, -2, -3  # slots of cuts without boxes: the first is as good, or all are asked for
 
-TOLERANCE = 2e-3  # relative variance of a sample at which boxes are small enough
+TOLERANCE = 5e-4  # relative variance of a sample at which boxes are small enough
 LIMIT = MOST_BOXES
 ATTEMPTS = 4096  # draws of a point in a box before giving up
 FLAT = 0.05  # least density in a box, of that at its centroid

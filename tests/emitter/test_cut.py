@@ -170,7 +170,7 @@ def test_far_away_is_projection(lamp):
     x = (3.0, 4.0, 20.0)
     found = Cut(block, x, (0.0, 0.0, -1.0), tolerance=cut.TOLERANCE)
     assert found.boxes == 1 and found.rows["beta"] == 0.0
-    assert Cut(block, (3.0, 4.0, 60.0), (0.0, 0.0, -1.0), tolerance=cut.TOLERANCE).boxes == 0
+    assert Cut(block, (6.0, 8.0, 120.0), (0.0, 0.0, -1.0), tolerance=cut.TOLERANCE).boxes == 0
     estimate = baselines.run(Technique.CUT, block.blocks, 0, x, (0.0, 0.0, -1.0), 20_000, 1)
     expected = baselines.run(Technique.PROJECTION, block.blocks, 0, x, (0.0, 0.0, -1.0), 20_000, 2)
     assert estimate.mean == pytest.approx(expected.mean, rel=1e-3)
