@@ -33,15 +33,6 @@ def radius():
     return round(float(shape_of(lamp()).bounds()[1][0]), 4)
 
 
-def node_place(area, node, down=8.0):
-    """A place on the head of a node in the window."""
-    scale = bpy.context.preferences.system.ui_scale
-    there = region_of(area)
-    x, y = there.view2d.view_to_region(
-        (node.location.x + 0.6 * node.width) * scale, (node.location.y - down) * scale, clip=False)
-    return there.x + x, there.y + y
-
-
 def socket_place(area, socket):
     """Where a socket of a node is in the window; found as Blender does, because Python does not know."""
     node, region = socket.node, region_of(area)
