@@ -81,8 +81,17 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     options.device = options.device.upper()
     if options.repeats is not None and options.repeats < 1:
         parser.error("--repeats must be at least 1")
+    options.defaults = vars(parser.parse_args([options.name]))
     options.modules = modules if options.name == "all" else {options.name: modules[options.name]}
     return options
+
+
+def options_of(name: str, options: argparse.Namespace) -> argparse.Namespace:
+    """What one benchmark gets; it tells its parts from those of others that have the same options."""
+    given = vars(options)
+    brief = getattr(options.modules[name], "BRIEF", {}) if options.name == "all" and options.quick else {}
+    chosen = {key: value for key, value in brief.items() if given[key] == options.defaults[key]}
+    return argparse.Namespace(**given | chosen, benchmark=name)
 
 
 def main(arguments: list[str]) -> int:
@@ -92,9 +101,10 @@ def main(arguments: list[str]) -> int:
         host.register_extension()
         summary, rows = {}, []
         parts = Parts(options)
-        for name, module in options.modules.items():
-            # The name tells its parts from those of others that have the same options.
-            found, more = parts.of(name, lambda: module.run(argparse.Namespace(**vars(options), benchmark=name)))
+        for place, (name, module) in enumerate(options.modules.items(), 1):
+            if len(options.modules) > 1:
+                print(f"{name} ({place} of {len(options.modules)})", file=sys.stderr)
+            found, more = parts.of(name, lambda: module.run(options_of(name, options)))
             summary |= found
             rows += [row for row in more if row not in rows]
         parts.finish()

@@ -11,6 +11,7 @@ import sys
 from reporting import page, plots, results
 
 PAGE = results.REPOSITORY / "docs" / "report.md"
+FIGURES = {"intervals": plots.crossings, "scaling": plots.scaling}
 IMAGES = results.REPOSITORY / "docs" / "images"
 
 
@@ -20,6 +21,9 @@ def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.P
         if name not in found:
             continue
         result = found[name]
+        if name in FIGURES:
+            FIGURES[name](result, images / f"report_{name}.png")
+            continue
         if name in page.LIGHT:
             for metric in plots.METRICS:
                 plots.against_time(result, metric, images / f"report_{name}_{metric}.png")
@@ -40,21 +44,34 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--run", nargs="*", choices=list(results.RUNS), metavar="RESULT",
         help=f"measure these again first (default: all): {', '.join(results.RUNS)}")
+    parser.add_argument("--quick", action="store_true", help="measure as bench --quick does: only to see that it works")
+    parser.add_argument(
+        "--to", type=pathlib.Path, metavar="FOLDER", help="keep results, plots and the page there, instead of in docs")
     options = parser.parse_args(arguments)
+    if options.quick and not options.to:
+        parser.error("--quick needs --to: docs/report.md is for what was measured in full")
+    kept, images, text = results.RESULTS, IMAGES, PAGE
+    if options.to:
+        kept, images, text = options.to, options.to / "images", options.to / "report.md"
+    failed = []
     if options.run is not None:
         for name in options.run or results.RUNS:
-            results.run(name)
-    found = results.read()
+            print(f"{name}:", file=sys.stderr)
+            if results.run(name, kept, options.quick):
+                failed.append(name)  # a limit that does not hold belongs on the page, too
+    found = results.read(kept)
     if not found:
-        print("There are no results in docs/report: ./scripts/report --run measures them.", file=sys.stderr)
+        print(f"There are no results in {kept}: ./scripts/report --run measures them.", file=sys.stderr)
         return 1
-    draw(found, IMAGES, results.PICTURES)
-    page.write(found, IMAGES, PAGE)
+    draw(found, images, results.pictures_of(kept))
+    page.write(found, images, text)
     missing = [name for name in results.RUNS if name not in found]
     if missing:
         print(f"Without results: {', '.join(missing)}. ./scripts/report --run {' '.join(missing)} measures them.",
               file=sys.stderr)
-    return 0
+    if failed:
+        print(f"Failed: {', '.join(failed)}.", file=sys.stderr)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@
 - ``HELP``: one line;
 - ``run(options) -> (summary, rows)``: ``summary`` maps names to numbers, ``rows`` is a list of flat dictionaries;
 - ``arguments(parser)``, where it has options of its own; their names differ between benchmarks;
+- ``BRIEF``, where ``all --quick`` is to run less than its quick form: values of options that are not given;
 - ``complaints(rows) -> sentences``, where it judges what it has found: one for each failure, and the exit code is 1.
 
 ``options`` has ``quick`` (few repeats, small pictures), ``repeats`` (None: the benchmark's own number) and ``device``

@@ -11,12 +11,14 @@ medians of the turns.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import statistics
 import time
 
 import numpy as np
 
 from .progress import Progress
+from .resume import Parts
 
 HELP = "milliseconds to build a lamp of every primitive and fractal, of 20 parts, and of the worked examples"
 
@@ -97,16 +99,22 @@ def _built(shape) -> dict:
                 tightened=float(np.prod(2.0 * lamp.row["half"][0]) / np.prod(high - low)))
 
 
+def measure(kind: str, name: str, make, turns: int) -> dict:
+    """A row: the last build of a case, with medians of the times."""
+    made = [_built(make(1.0 + CHANGE * turn)) for turn in range(turns + 1)][1:]  # the first may compile
+    times = {key: statistics.median(one[key] for one in made) for key in ("ms", "tree_ms")}
+    return dict(kind=kind, built=name) | made[-1] | times
+
+
 def run(options) -> tuple[dict, list[dict]]:
     turns = options.repeats or (1 if options.quick else TURNS)
     cases = _cases()
-    progress, rows = Progress(len(cases)), []
+    progress, parts, rows = Progress(len(cases)), Parts(options), []
     for kind, name, make in cases:
         progress.show(name)
-        made = [_built(make(1.0 + CHANGE * turn)) for turn in range(turns + 1)][1:]  # the first may compile
-        times = {key: statistics.median(one[key] for one in made) for key in ("ms", "tree_ms")}
-        rows.append(dict(kind=kind, built=name) | made[-1] | times)
+        rows.append(parts.of(f"{kind} {name}", functools.partial(measure, kind, name, make, turns)))
         progress.step()
+    parts.finish()
     progress.close()
     worst = {kind: max(row["ms"] for row in rows if row["kind"] == kind) for kind in KINDS}
     return dict(build_ms_worst_primitive=worst["primitive"], build_ms_csg_20=worst["csg_20"],

@@ -24,7 +24,8 @@ HELP = "error against time of full renders: samplers, Cycles' volumes, Cycles' m
 
 VOLUMES, SURFACES = "Cycles volume", "Cycles mesh light"
 SEEDS = 8
-QUICK = ("S1", "S2", "S4")  # scenes
+QUICK = ("S1", "S4")  # scenes
+BRIEF = dict(only=["S4"], bounces=4)
 LIGHT = {0: "direct", 4: "bounces"}
 
 
@@ -59,14 +60,18 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     methods.fill_time([*ours, *peers[1:]], target, seeds, bounces, options.device)
     told("reference")
     same = [*ours, *peers[:1]]
-    methods.complete(truth, Method(PAPER, PAPER, plain=True), same, bounces, options)
+    by_paper, by_surfaces = Method(PAPER, PAPER, plain=True), Method(SURFACES, surfaces=True)
+    methods.complete(truth, by_paper, same, bounces, options)
     judged = [(method, truth) for method in same]
-    found = dict(scene=scene, bounces=bounces, seconds=target, samples=ladder[-1], reference=methods.doubt(truth, same))
+    found = dict(scene=scene, bounces=bounces, seconds=target, samples=ladder[-1], reference=methods.doubt(truth, same),
+                 reference_renders=len(truth.renders), reference_seconds=methods.seconds_of(truth, by_paper, same))
     if peers:
         told("reference of the mesh light")
-        methods.complete(surface_truth, Method(SURFACES, surfaces=True), [surface], bounces, options)
+        methods.complete(surface_truth, by_surfaces, [surface], bounces, options)
         judged.append((surface, surface_truth))
         found |= dict(surface_reference=methods.doubt(surface_truth, [surface]),
+                      surface_reference_renders=len(surface_truth.renders),
+                      surface_reference_seconds=methods.seconds_of(surface_truth, by_surfaces, [surface]),
                       surface_mape=errors.mape(surface_truth.pixels, truth.pixels),
                       surface_mean_ratio=float(surface_truth.pixels.mean() / truth.pixels.mean()))
     rows = [row for method, reference in judged for row in method.rows(scene, bounces, reference)]

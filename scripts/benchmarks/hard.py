@@ -14,6 +14,9 @@ from .resume import Parts
 HELP = "cases on which light is easily wrong or dear, each with a figure and its limit"
 
 
+BRIEF = dict(cases=[name for name, case in CASES.items() if not case.slow])
+
+
 def arguments(parser) -> None:
     parser.add_argument("--cases", type=some_of(CASES), metavar="CASES",
                         help=f"with commas between; default: all of {', '.join(CASES)}")
@@ -23,7 +26,7 @@ def measured(name: str, quick: bool) -> dict:
     """A row. A case that cannot be measured has not held its limit, and says why."""
     case = CASES[name]
     started = time.perf_counter()
-    row = dict(case=name, measures=case.about, figure=None, limit=None, holds=False)
+    row = dict(case=name, kind=case.kind, measures=case.about, figure=None, limit=None, holds=False)
     try:
         figure = case.measure(quick)
     except Exception as error:

@@ -15,11 +15,13 @@ from statistics import fmean, geometric_mean
 from . import errors, lamp_scenes, methods
 from .methods import PAPER, TARGET, Method, arguments, of_scenes
 
-__all__ = ["HELP", "arguments", "run"]
+__all__ = ["BRIEF", "HELP", "arguments", "run"]
 
 HELP = "error at equal time of full renders of lamps: samplers, and Cycles' volumes"
 
 THE_FIVE = lamp_scenes.THE_FIVE
+QUICK = ("S1", "S4")  # scenes: one that has a closed form along rays, one that is a fractal
+BRIEF = dict(only=["S1"], bounces=0)
 
 
 def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dict]]:
@@ -95,6 +97,6 @@ def _summary(found: list[dict], best: str) -> dict:
 
 
 def run(options) -> tuple[dict, list[dict]]:
-    names = options.only or (THE_FIVE if options.quick else list(lamp_scenes.SCENES))
+    names = options.only or (QUICK if options.quick else list(lamp_scenes.SCENES))
     found, rows = of_scenes(names, 64 if options.quick else 256, measure, options)
     return _summary(found, options.samplers[0]), [*found, *rows]

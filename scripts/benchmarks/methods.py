@@ -135,7 +135,7 @@ def reference_of_scene(bounces: int, options, about: str = "") -> references.Ref
     version = (host.REPOSITORY / "blender_manifest.toml").read_text(encoding="utf-8")
     reference = references.Reference(f"{references.fingerprint()} {bounces} {REFERENCE_SAMPLES} {version}{about}")
     if options.fresh:
-        reference.renders.clear()
+        reference.forget()
     return reference
 
 
@@ -167,6 +167,16 @@ def complete(reference: references.Reference, truth: Method, methods: list[Metho
 def doubt(reference: references.Reference, methods: list[Method]) -> float:
     """Error of a reference as part of the least that it judges."""
     return errors.rel_variance(reference.variance, reference.pixels) / least_error(reference, methods)
+
+
+def seconds_of(reference: references.Reference, truth: Method, methods: list[Method]) -> float | None:
+    """How long the renders of a reference take by ``truth``, at the rate of the same method among ``methods``."""
+    for method in methods:
+        if (method.sampler, method.denoise, method.plain, method.surfaces) == (
+                truth.sampler, truth.denoise, truth.plain, truth.surfaces) and len(method.pictures) > 1:
+            each, start = method.rate()
+            return len(reference.renders) * (start + REFERENCE_SAMPLES * each)
+    return None
 
 
 def take_turns(methods: list[Method], ladder, seeds: int, bounces: int, device: str,

@@ -40,6 +40,7 @@ PUBLISHED = {  # scene: competitor, then MAPE and FLIP of BSDF samples, the comp
 AT_POINTS = (
     Technique.COSINE, Technique.BOUNDING, Technique.SURFACE, Technique.PROJECTION, Technique.MIS, Technique.CUT)
 TURNS = 16  # pixels of a point
+BRIEF = dict(paper_scenes=["kitchen"])
 
 
 def arguments(parser) -> None:

@@ -35,27 +35,40 @@ class Reference:
 
     def __init__(self, key: str):
         self._path = folder() / (hashlib.sha256(key.encode()).hexdigest()[:24] + ".npz")
-        self.renders: list[np.ndarray] = []
+        self.forget()
         if self._path.is_file():
             with np.load(self._path) as file:
-                self.renders = list(file["renders"].astype(float))
+                for pixels in file["renders"].astype(float):
+                    self._note(pixels)
+
+    def forget(self) -> None:
+        """Begin anew; what is on disk stays until the first render is added."""
+        self.renders: list[np.ndarray] = []
+        self._mean = self._squares = 0.0
+
+    def _note(self, pixels: np.ndarray) -> None:
+        """Take a render into the mean and the sum of squares about it: there may be hundreds."""
+        self.renders.append(pixels)
+        change = pixels - self._mean
+        self._mean = self._mean + change / len(self.renders)
+        self._squares = self._squares + change * (pixels - self._mean)
 
     def add(self, render: Callable[[int], np.ndarray]) -> None:
         """One more render, by a function of the seed; kept on disk at once."""
-        self.renders.append(render(FIRST_SEED + len(self.renders)))
+        self._note(render(FIRST_SEED + len(self.renders)))
         part = self._path.with_suffix(".part.npz")
-        np.savez_compressed(part, renders=np.array(self.renders, np.float32))
+        np.savez(part, renders=np.array(self.renders, np.float32))  # noise, which hardly gets smaller by compression
         os.replace(part, self._path)
 
     @property
     def pixels(self) -> np.ndarray:
-        return np.mean(self.renders, axis=0)
+        return self._mean
 
     @property
     def variance(self) -> np.ndarray:
         """Variance of each of the ``pixels``."""
         count = len(self.renders)
-        return np.var(self.renders, axis=0, ddof=1) / count if count > 1 else np.full(self.renders[0].shape, np.inf)
+        return self._squares / (count - 1) / count if count > 1 else np.full(self.renders[0].shape, np.inf)
 
 
 def fingerprint() -> str:

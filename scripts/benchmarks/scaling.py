@@ -92,6 +92,7 @@ CURVES = {  # what makes the scene, the numbers, and the two of them whose times
     "triangles": (triangles, (1_000, 30_000, 1_000_000, 10_000_000), (1_000_000, 1_000)),
     "resolution": (resolution, (48, 96, 192), (192, 48))}
 QUICK = 1_000_000  # of anything, at most, in the quick form
+BRIEF = dict(curves=["lamps"])
 
 
 def arguments(parser) -> None:

@@ -23,9 +23,17 @@ import bpy
 
 import host
 
+from .progress import Progress
+from .resume import Parts
+
 LIMIT, COLD_LIMIT = 1.0, 60.0  # seconds that a user is to wait at most
 
 HELP = "time to the first pixels, with compiled kernels and without"
+BRIEF = dict(cold=False)
+
+
+def arguments(parser) -> None:
+    parser.add_argument("--no-cold", dest="cold", action="store_false", help="leave out the start with empty caches")
 
 
 def work_folder() -> pathlib.Path:
@@ -107,22 +115,54 @@ def answer(blend: str, device: str, path: str) -> None:
     host.finish(0)
 
 
-def run(options) -> tuple[dict, list[dict]]:
+def turns(options) -> int:
+    return options.repeats or (1 if options.quick else 3)
+
+
+def measured(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
+    """Summary and rows; of the progress this is one step more than ``turns``."""
     import demo
 
-    blend = demo.demo_scene()
-    repeats = options.repeats or (1 if options.quick else 3)
-    cache = tempfile.mkdtemp(dir=work_folder())
-    try:
-        cold = _measure(blend, options.device, cache)
-        warm = [_measure(blend, options.device, cache) for _ in range(repeats)]
-    finally:
+    blend, device = demo.demo_scene(), options.device
+    # One of its own is kept while this is unfinished: an interrupted run goes on with what has been compiled.
+    cache = work_folder() / f"kernels-{device.lower()}" if options.cold else host.REPOSITORY / "build" / "kernels"
+
+    def measure() -> dict:
+        return _measure(blend, device, str(cache))
+
+    def anew() -> dict:
         shutil.rmtree(cache, ignore_errors=True)
-    first, later = (statistics.median(measured[name] for measured in warm) for name in ("first", "later"))
+        return measure()
+
+    progress.show("start-up, with empty caches" if options.cold else "start-up, which may compile")
+    cold = parts.of("cold start-up", anew if options.cold else measure)
+    if not cache.is_dir():
+        anew()
+    progress.step()
+    warm = []
+    for turn in range(turns(options)):
+        progress.show(f"start-up {turn}")
+        warm.append(parts.of(f"start-up {turn}", measure))
+        progress.step()
+    if options.cold:
+        shutil.rmtree(cache, ignore_errors=True)
+    first, later = (statistics.median(one[name] for one in warm) for name in ("first", "later"))
     rows = [
-        dict(start="Blender's own share", seconds=statistics.median(measured["blender"] for measured in warm)),
-        dict(start=f"F12 after the installation: compiles, under {COLD_LIMIT:g} s wanted", seconds=cold["first"]),
+        dict(start="Blender's own share", seconds=statistics.median(one["blender"] for one in warm)),
         dict(start=f"F12 in a new process, over Blender's own: under {LIMIT:g} s wanted", seconds=first),
         dict(start=f"F12 again, over Blender's own: under {LIMIT:g} s wanted", seconds=later),
     ]
-    return dict(startup_seconds=first, startup_seconds_later=later, cold_compile_seconds=cold["first"] - first), rows
+    summary = dict(startup_seconds=first, startup_seconds_later=later)
+    if options.cold:
+        rows.insert(1, dict(
+            start=f"F12 after the installation: compiles, under {COLD_LIMIT:g} s wanted", seconds=cold["first"]))
+        summary["cold_compile_seconds"] = cold["first"] - first
+    return summary, rows
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    progress, parts = Progress(1 + turns(options)), Parts(options)
+    found = measured(options, parts, progress)
+    parts.finish()
+    progress.close()
+    return found

@@ -24,6 +24,8 @@ from .resume import Parts
 
 HELP = "samples a second against Cycles in the same process, and start-up"
 
+arguments = startup.arguments
+
 ENGINES = ("SDF Lights", "Cycles")
 ON_CPU = "SDF Lights on the CPU"  # takes turns, too, where the device is the GPU
 BY_CUTS = "SDF Lights on the CPU, by cuts"
@@ -131,15 +133,19 @@ def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
 
 def run(options) -> tuple[dict, list[dict]]:
     on_gpu = options.device == "GPU"
-    progress, parts = Progress(len(BOUNCES) + 1), Parts(options)
+    with_startup = not on_gpu and options.name != "all"  # which runs ``startup`` by itself
+    progress = Progress(len(BOUNCES) + (1 if on_gpu else 0) + (1 + startup.turns(options) if with_startup else 0))
+    parts = Parts(options)
     summary, rows = rates(options, parts, progress)
-    further = {"lamp scenes": on_lamp_scenes} if on_gpu else {"start-up": startup.run}
-    for name, measured in further.items():
-        progress.show(name)
-        found, added = parts.of(name, functools.partial(measured, options))
-        summary |= found
-        rows += added
+    found, added = {}, []
+    if on_gpu:
+        progress.show("lamp scenes")
+        found, added = parts.of("lamp scenes", functools.partial(on_lamp_scenes, options))
         progress.step()
+    elif with_startup:
+        found, added = startup.measured(options, parts, progress)
+    summary |= found
+    rows += added
     parts.finish()
     progress.close()
     return summary, rows

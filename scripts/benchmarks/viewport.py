@@ -12,6 +12,7 @@ Edits are made in a Blender with a window, where there is one: see viewport_sess
 
 from __future__ import annotations
 
+import functools
 import pathlib
 import statistics
 import tempfile
@@ -21,10 +22,14 @@ import host
 import numpy as np
 from sessions import SessionError, seen_by
 
+from .progress import Progress
+from .resume import Parts
+
 HELP = "the viewport: milliseconds of a frame of 1, 10 and 50 lamps at 960 × 540, and from edits until they are seen"
 
 SIZE = 960, 540
 COUNTS = 1, 10, 50
+SHADINGS = "SOLID", "RENDERED"
 SCALES = 1, 2, 4
 FRAMES = 5
 EDITS = 15
@@ -87,7 +92,8 @@ class _Canvas:
         return 1e3 * (given - started), 1e3 * (time.perf_counter() - started)
 
 
-def _frames(repeats: int) -> list[dict]:
+def _frames(count: int, repeats: int) -> list[dict]:
+    """Rows of a number of lamps."""
     import gpu
 
     if not hasattr(gpu, "init"):
@@ -97,30 +103,30 @@ def _frames(repeats: int) -> list[dict]:
     from sdf_lights.blender.viewport.painter import Painter
 
     painter, finder, rows = Painter(), FactFinder(), []
-    for count in COUNTS:
-        lamps = _lamps(count, 1.0)
-        for lamp in lamps:
-            painter.compile(lamp)
-        for scale in SCALES:
-            canvas = _Canvas(painter, scale)
-            canvas.draw(lamps, finder)  # drivers finish compiling at the first use
-            still = [canvas.draw(lamps, finder) for _ in range(repeats)]
-            edits = [canvas.draw(_lamps(count, 1.0 + 0.01 * (turn + 1)), finder) for turn in range(repeats)]
-            rows.append(dict(
-                lamps=count, pixels="×".join(str(side // scale) for side in SIZE),
-                commands_ms=statistics.median(given for given, _ in still),
-                frame_ms=statistics.median(whole for _, whole in still),
-                frame_after_edit_ms=statistics.median(whole for _, whole in edits)))
+    lamps = _lamps(count, 1.0)
+    for lamp in lamps:
+        painter.compile(lamp)
+    for scale in SCALES:
+        canvas = _Canvas(painter, scale)
+        canvas.draw(lamps, finder)  # drivers finish compiling at the first use
+        still = [canvas.draw(lamps, finder) for _ in range(repeats)]
+        edits = [canvas.draw(_lamps(count, 1.0 + 0.01 * (turn + 1)), finder) for turn in range(repeats)]
+        rows.append(dict(
+            lamps=count, pixels="×".join(str(side // scale) for side in SIZE),
+            commands_ms=statistics.median(given for given, _ in still),
+            frame_ms=statistics.median(whole for _, whole in still),
+            frame_after_edit_ms=statistics.median(whole for _, whole in edits)))
     return rows
 
 
-def _edits(repeats: int) -> list[dict]:
+def _edits(shading: str, repeats: int) -> list[dict]:
+    """Rows of the edits in a shading."""
     command = host.windowed_blender()
     if command is None:
         return [dict(problem=host.NO_WINDOW)]
     with tempfile.TemporaryDirectory() as folder:
         try:
-            report = seen_by(command, SESSION, pathlib.Path(folder), str(repeats), size=WINDOW)
+            report = seen_by(command, SESSION, pathlib.Path(folder), str(repeats), shading, size=WINDOW)
         except SessionError as error:
             return [dict(problem=str(error)[-2000:])]
     return [
@@ -130,8 +136,20 @@ def _edits(repeats: int) -> list[dict]:
 
 
 def run(options) -> tuple[dict, list[dict]]:
-    frames = _frames(options.repeats or (1 if options.quick else FRAMES))
-    edits = _edits(options.repeats or (2 if options.quick else EDITS))
+    repeats = options.repeats or (1 if options.quick else FRAMES)
+    turns = options.repeats or (2 if options.quick else EDITS)
+    progress, parts, frames, edits = Progress(len(COUNTS) + len(SHADINGS)), Parts(options), [], []
+    for count in COUNTS:
+        progress.show(f"frames of {count} lamps")
+        frames += [row for row in parts.of(f"{count} lamps", functools.partial(_frames, count, repeats))
+                   if row not in frames]
+        progress.step()
+    for shading in SHADINGS:
+        progress.show(f"edits, {shading.lower()}")
+        edits += [row for row in parts.of(shading, functools.partial(_edits, shading, turns)) if row not in edits]
+        progress.step()
+    parts.finish()
+    progress.close()
     summary = {
         f"viewport_{what}_{row['lamps']}": row[what] for row in frames if row.get("pixels") == "960×540"
         for what in ("frame_ms", "frame_after_edit_ms")}

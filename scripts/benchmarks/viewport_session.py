@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the viewport benchmark runs in a Blender with a window: edits, and the time until they are seen.
 
-    blender --factory-startup --python viewport_session.py -- REPORT.json REPEATS
+    blender --factory-startup --python viewport_session.py -- REPORT.json REPEATS SHADING
 
 For each kind of edit the report has, in milliseconds: ``restart``, until the render of the new scene has begun; ``picture``,
 until its first picture is there; ``seen``, until a redraw shows it. ``blocked`` is the longest that one of our functions
@@ -24,7 +24,7 @@ from sdf_lights.blender.viewport import overlay, rendered  # noqa: E402
 from sdf_lights.render import interactive  # noqa: E402
 from window import ARGUMENTS, areas, override, report, run, until  # noqa: E402
 
-REPEATS = int(ARGUMENTS[1])
+REPEATS, SHADING = int(ARGUMENTS[1]), ARGUMENTS[2]
 SUBDIVISIONS = 7  # of the grid's sides, by halving: 2 · 4⁹ triangles
 SETTLED = 0.6  # seconds between edits
 
@@ -150,15 +150,14 @@ def session():
     clock.after("RENDERED", interactive.InteractiveRender, "_prepare", "restart")
     clock.after("RENDERED", interactive.InteractiveRender, "_publish", "picture")
     clock.after("RENDERED", rendered.RenderedView, "_show", "seen")
-    for shading in ("SOLID", "RENDERED"):
-        clock.shading = space.shading.type = shading
-        yield 3.0
-        yield from until(lambda: shading == "SOLID" or any(
-            view._render.picture and view._render.picture.samples > 1 for view in rendered._running))
-        for name, edit in edits(space).items():
-            rows.append(dict(shading=shading, edit=name, **{key: [] for key in (*clock.STAGES, "blocked", "worked")}))
-            for step in range(REPEATS):
-                yield from clock.measured(edit, step, rows[-1])
+    clock.shading = space.shading.type = SHADING
+    yield 3.0
+    yield from until(lambda: SHADING == "SOLID" or any(
+        view._render.picture and view._render.picture.samples > 1 for view in rendered._running))
+    for name, edit in edits(space).items():
+        rows.append(dict(shading=SHADING, edit=name, **{key: [] for key in (*clock.STAGES, "blocked", "worked")}))
+        for step in range(REPEATS):
+            yield from clock.measured(edit, step, rows[-1])
 
 
 run(session())

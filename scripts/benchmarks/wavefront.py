@@ -12,6 +12,7 @@ least that a wavefront does.
 
 from __future__ import annotations
 
+import functools
 import importlib
 import statistics
 from contextlib import contextmanager
@@ -23,6 +24,7 @@ import host
 
 from . import lamp_scenes, pictures, scenes
 from .progress import Progress
+from .resume import Parts
 from .throughput import GPU_SAMPLING, LAMP_SCENES
 
 HELP = "what the GPU's path tracer could gain as a wavefront, and what that costs"
@@ -139,12 +141,14 @@ def measure(name: str, size: int, bounces: int, options) -> dict:
 
 def run(options) -> tuple[dict, list[dict]]:
     names = LAMP_SCENES[:1] if options.quick else ("S1", "S3")
-    progress, rows = Progress(len(names) * len(BOUNCES)), []
+    progress, parts, rows = Progress(len(names) * len(BOUNCES)), Parts(options), []
     for name in names:
         for bounces in BOUNCES:
             progress.show(f"{name}, {bounces} bounces")
-            rows.append(measure(name, 96 if options.quick else 128, bounces, options))
+            rows.append(parts.of(f"{name} {bounces}", functools.partial(
+                measure, name, 96 if options.quick else 128, bounces, options)))
             progress.step()
+    parts.finish()
     progress.close()
     return dict(
         wavefront_gain_at_most=max(1.0 / (min(row["shading"], row["light_rays"]) * row["busy_in_8"]) for row in rows),

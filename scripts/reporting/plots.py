@@ -15,7 +15,7 @@ from matplotlib import pyplot  # noqa: E402  (the back end has to be chosen firs
 from matplotlib.colors import LogNorm  # noqa: E402
 from PIL import Image  # noqa: E402  (matplotlib's own)
 
-from .results import METHODS, METRICS, Result  # noqa: E402
+from .results import METHODS, METRICS, NUMBERS, RULES, Result  # noqa: E402
 
 ERRORS = (0.01, 1.0)  # range of the false colours
 DOTS = 90  # an inch
@@ -62,6 +62,64 @@ def against_time(result: Result, metric: str, path: pathlib.Path) -> bool:
     handles = {label: handle for panel in panels[0] for handle, label in zip(*panel.get_legend_handles_labels())}
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4 if len(scenes) > 3 else 2,
                   frameon=False, fontsize=9)
+    _save(figure, path)
+    return True
+
+
+def crossings(result: Result, path: pathlib.Path) -> bool:
+    """Evaluations on a ray by each rule, for the smooth cases; and the time of a ray against the number of parts.
+
+    False where there is nothing to draw.
+    """
+    smooth = sorted((row for row in result.rows if row.get("smooth")), key=lambda row: row["evaluations"])
+    curves = {}
+    for row in result.rows:
+        if "primitives" in row:
+            curves.setdefault((row["operation"], row["spread"]), []).append((row["primitives"], row["ns_per_ray"]))
+    if not smooth or not curves:
+        return False
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(12.0, 4.2), layout="constrained", width_ratios=(1.4, 1.0))
+    places = np.arange(len(smooth))
+    for key, label, colour, marker in RULES:
+        left.scatter([row[key] for row in smooth], places, color=colour, marker=marker, label=label, zorder=2)
+    left.set(xscale="log", xlabel="evaluations of the field on a ray", yticks=places,
+             yticklabels=[row["case"] for row in smooth])
+    left.legend(frameon=False, fontsize=9, loc="upper left")
+    for (operation, spread), points in curves.items():
+        count, nanoseconds = zip(*points)
+        smooth_one = operation.startswith("smooth")
+        right.plot(count, np.array(nanoseconds) / 1e3, color=RULES[0][2] if smooth_one else "#e08214",
+                   linestyle="-" if spread.startswith("as many") else ":", marker="o", markersize=4,
+                   label=f"{operation}, {spread}")
+    right.set(xscale="log", yscale="log", xlabel="primitives", ylabel="µs of a ray")
+    right.legend(frameon=False, fontsize=9)
+    for panel in (left, right):
+        panel.grid(True, which="both", alpha=0.15)
+    _save(figure, path)
+    return True
+
+
+def scaling(result: Result, path: pathlib.Path) -> bool:
+    """Seconds against each number that a scene may have more of, both logarithmic. False where there are none."""
+    names = list(dict.fromkeys(row["curve"] for row in result.rows))
+    if not names:
+        return False
+    figure, panels = pyplot.subplots(
+        1, len(names), figsize=(2.7 * len(names) + 0.6, 3.4), squeeze=False, layout="constrained")
+    for panel, name in zip(panels[0], names):
+        rows = result.of(curve=name)
+        counts = [row["count"] for row in rows]
+        panel.plot(counts, [row["seconds"] for row in rows], color="#1f6fb4", marker="o", markersize=4,
+                   label="samples, at equal error")
+        started = [(row["count"], row["start"]) for row in rows if row["start"] > 0.0]
+        if started:
+            panel.plot(*zip(*started), color="#878787", marker="x", markersize=4, linestyle=":",
+                       label="before the first sample")
+        panel.set(xscale="log", yscale="log", title=NUMBERS.get(name, name), xlabel="number")
+        panel.grid(True, which="both", alpha=0.15)
+    panels[0, 0].set_ylabel("seconds")
+    handles = {label: handle for panel in panels[0] for handle, label in zip(*panel.get_legend_handles_labels())}
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=2, frameon=False, fontsize=9)
     _save(figure, path)
     return True
 

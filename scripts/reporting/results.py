@@ -14,13 +14,13 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = REPOSITORY / "docs" / "report"
 PICTURES = REPOSITORY / "build" / "report"  # too large to be kept; the report keeps what it draws of them
 
-_PICTURES = ["--pictures", "build/report"]
-_LAMPS = ["--size", "96", *_PICTURES]
+# Enough for references whose standard error is a tenth of the least error that they judge; they end when it is.
+_LAMPS = ["--size", "96", "--reference-seconds", "1200"]
+_LADDER = ["--ladder", "4,16,64"]
 RUNS = {  # result: arguments of ./scripts/bench
-    "cycles_direct": ["cycles", "--bounces", "0", "--ladder", "4,16,64", "--reference-seconds", "10", *_LAMPS],
-    "cycles_bounces": [
-        "cycles", "--bounces", "4", "--size", "128", "--ladder", "4,16,64", "--reference-seconds", "16", *_PICTURES],
-    "paper": ["paper", "--reference-seconds", "15", *_LAMPS],
+    "cycles_direct": ["cycles", "--bounces", "0", *_LADDER, *_LAMPS],
+    "cycles_bounces": ["cycles", "--bounces", "4", *_LADDER, *_LAMPS],
+    "paper": ["paper", *_LAMPS],
     "estimators": ["estimators"],
     "intervals": ["intervals"],
     "throughput": ["throughput"],
@@ -36,6 +36,14 @@ METHODS = {  # name in the results: label, colour, marker
     "Cycles volume": ("Cycles: emission volume", "#2a8a4a", "^"),
     "Cycles mesh light": ("Cycles: mesh light (another lamp)", "#c0392b", "D"),
 }
+RULES = (  # key of the evaluations on a ray: label, colour, marker
+    ("evaluations", "SDF Lights", "#1f6fb4", "o"),
+    ("published_coarse_evaluations", "published rule, coarse", "#fdb863", "s"),
+    ("published_evaluations", "published rule, at our resolution", "#e08214", "s"),
+    ("spheres_evaluations", "sphere tracing, at our resolution", "#2a8a4a", "^"),
+)
+NUMBERS = {  # of scaling
+    "lamps": "lamps", "parts": "balls in one lamp", "triangles": "triangles", "resolution": "pixels to a side"}
 METRICS = {"rel_mse": "relMSE", "mape": "MAPE", "flip": "FLIP"}
 
 
@@ -67,9 +75,25 @@ def read(folder: pathlib.Path = RESULTS) -> dict[str, Result]:
     return found
 
 
-def run(name: str) -> None:
-    """Measure one of ``RUNS``; an interrupted run goes on."""
-    RESULTS.mkdir(parents=True, exist_ok=True)
-    path = RESULTS / f"{name}.json"
-    subprocess.run([sys.executable, REPOSITORY / "scripts" / "bench.py", *RUNS[name], "--out",
-                    path.relative_to(REPOSITORY)], cwd=REPOSITORY, check=True, stdout=subprocess.DEVNULL)
+def pictures_of(folder: pathlib.Path) -> pathlib.Path:
+    """Where renders are that belong to the results in a folder."""
+    return PICTURES if folder == RESULTS else folder / "pictures"
+
+
+def _named(path: pathlib.Path) -> str:
+    """As a command in the repository names it."""
+    path = path.resolve()
+    return str(path.relative_to(REPOSITORY) if path.is_relative_to(REPOSITORY) else path)
+
+
+def run(name: str, folder: pathlib.Path = RESULTS, quick: bool = False) -> int:
+    """Measure one of ``RUNS``; the exit code, which is 0 unless it failed or a limit does not hold.
+
+    An interrupted run goes on. ``quick``: only to see that it works.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    arguments = [*RUNS[name], *(["--quick"] if quick else []), "--out", _named(folder / f"{name}.json")]
+    if RUNS[name][0] in ("cycles", "paper"):
+        arguments += ["--pictures", _named(pictures_of(folder))]
+    return subprocess.run([sys.executable, REPOSITORY / "scripts" / "bench.py", *arguments], cwd=REPOSITORY,
+                          stdout=subprocess.DEVNULL).returncode

@@ -26,6 +26,15 @@ def test_all_has_the_arguments_of_each():
     assert len(options.modules) > 4
 
 
+def test_all_of_them_quick_are_parts_of_each_unless_something_else_is_given():
+    options = bench.parse(["all", "--quick"])
+    assert bench.options_of("scaling", options).curves == scaling.BRIEF["curves"] != options.curves
+    assert bench.options_of("lamps", options).only == ["S1"] and bench.options_of("cycles", options).only == ["S4"]
+    assert bench.options_of("lamps", bench.parse(["all", "--quick", "--only", "S2"])).only == ["S2"]
+    assert bench.options_of("scaling", bench.parse(["all"])).curves == options.curves
+    assert bench.options_of("scaling", bench.parse(["scaling", "--quick"])).curves == options.curves
+
+
 @pytest.mark.parametrize(
     "arguments, sentence",
     [

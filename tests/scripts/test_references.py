@@ -38,6 +38,18 @@ def test_variance_is_that_of_the_mean():
     assert np.mean((reference.pixels - 1.0) ** 2) == pytest.approx(0.01 / 8, rel=0.1)
 
 
+def test_a_reference_made_anew_forgets_what_was_kept():
+    first = references.Reference("scene")
+    for _ in range(3):
+        first.add(noise)
+    again = references.Reference("scene")
+    assert np.allclose(again.pixels, first.pixels) and np.allclose(again.variance, first.variance)
+    again.forget()
+    again.add(noise)
+    assert np.array_equal(again.pixels, noise(references.FIRST_SEED)) and np.all(np.isinf(again.variance))
+    assert len(references.Reference("scene").renders) == 1
+
+
 def test_a_scene_that_is_built_again_has_the_same_fingerprint():
     prints = []
     for name in ("S1", "S2", "S1"):

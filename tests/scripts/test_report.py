@@ -65,6 +65,79 @@ def test_limits_that_do_not_hold_are_named():
     assert "All limits hold.\n" in page.hard(results.Result("hard", "", {}, rows[1:2], MACHINE))
 
 
+def test_hard_cases_stand_under_their_kind():
+    rows = [dict(case=name, kind=kind, measures="what", figure=0.0, limit=1.0, holds=True)
+            for name, kind in (("far", "light"), ("leak", "faces"), ("new", "unheard of"))]
+    parts = page.hard(results.Result("hard", "", {}, rows, MACHINE))
+    titles = [part for part in parts if part.startswith("###")]
+    assert titles == [f"### {page.HARD['light'][0]}\n", f"### {page.HARD['faces'][0]}\n", "### Others\n"]
+
+
+def test_every_kind_of_hard_case_is_told():
+    pytest.importorskip("bpy")
+    from benchmarks.hard_cases import CASES
+
+    assert {case.kind for case in CASES.values()} == set(page.HARD)
+
+
+@pytest.mark.parametrize("variance, said", [(0.0101, "more than a tenth"), (0.0099, "at most a tenth")])
+def test_references_that_are_not_good_enough_are_named(variance, said):
+    sentence = page.reached([dict(scene="S1", reference=0.005), dict(scene="S2", reference=variance)])
+    assert said in sentence
+    assert "S1" not in sentence and ("S2 (0.1" in sentence) == (variance > 0.01)
+
+
+def crossings(wrong: float) -> results.Result:
+    rules = ("evaluations", "published_evaluations", "published_coarse_evaluations", "spheres_evaluations")
+    rows = [dict(case=name, certified=True, smooth=smooth, rays=1000, wrong=wrong, published_wrong=0.0,
+                 published_coarse_wrong=0.25, spheres_wrong=0.0, **dict.fromkeys(rules, 20.0))
+            for name, smooth in (("ring", True), ("sponge", False))]
+    rows += [dict(spread="as dense", operation="union", primitives=n, ns_per_ray=100.0 * n) for n in (1, 10)]
+    return results.Result("intervals", "./scripts/bench intervals", dict(rays_certified=2000), rows, MACHINE)
+
+
+def growth() -> results.Result:
+    rows = [dict(curve="lamps", count=count, made_by="CPU", samples=16.0, seconds=1e-3 * count, each=1e-3, start=start)
+            for count, start in ((1, 0.1), (10, -1e-4))]
+    return results.Result("scaling", "./scripts/bench scaling", dict(time_ratio_1000_to_10_lamps=10.0), rows, MACHINE)
+
+
+def test_crossings_and_scaling_have_a_plot_and_their_tables(tmp_path):
+    pytest.importorskip("matplotlib")
+    import report
+
+    found = {"intervals": crossings(0.0), "scaling": growth()}
+    images = tmp_path / "images"
+    report.draw(found, images, tmp_path)
+    page.write(found, images, tmp_path / "report.md")
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "no ray has a wrong number of crossings" in text and "| ring | 20 | 20 | 20 | 20 | 1 |" in text
+    assert "| sponge | 0 | 0 | 0.25 | 0 |" in text
+    assert "| lamps | 10 | 16 | 0.001 | 0.01 | -1.00e-04 |" in text
+    links = re.findall(r"\]\((images/[^)]+)\)", text)
+    assert links == ["images/report_intervals.png", "images/report_scaling.png"]
+    assert all((tmp_path / link).is_file() for link in links)
+
+
+def test_rays_that_are_wrong_are_told(tmp_path):
+    parts = page.intervals(crossings(0.5), tmp_path, tmp_path / "page.md")
+    assert any("rays are wrong in ring and sponge" in part for part in parts)
+
+
+def test_rates_stand_beside_those_of_cycles():
+    rows = [dict(engine=engine, bounces=0, samples_per_second=rate, slowest=rate, fastest=rate, mean=0.5)
+            for engine, rate in (("SDF Lights", 300.0), ("Cycles", 100.0))] + [dict(start="F12 again", seconds=0.5)]
+    text = "\n".join(page.throughput(results.Result("throughput", "./scripts/bench throughput", {}, rows, MACHINE)))
+    assert "| 0 | SDF Lights | 300 | 300 | 300 | 3 | 0.5 |" in text and "| F12 again | 0.5 |" in text
+
+
+def test_samplers_at_points_stand_side_by_side():
+    rows = [dict(case="torus, above", group="far", technique=name, ns=ns, error_64=error, gain_64=4.0, gain_256=5.0)
+            for name, ns, error in (("mis", 100.0, 0.1), ("cut", 200.0, 0.01))]
+    text = "\n".join(page.estimators(results.Result("estimators", "./scripts/bench estimators", {}, rows, MACHINE)))
+    assert "| torus, above | far | 0.1 | 0.01 | 100 | 200 | 4 | 5 |" in text
+
+
 def test_numbers_have_three_figures():
     assert [page.number(value) for value in (1234.5, 12.345, 0.012345, 1.2e-7, 0.0, None, "text")] == [
         "1,234", "12.3", "0.0123", "1.20e-07", "0", "–", "text"]

@@ -43,6 +43,11 @@ class Case:
     def about(self) -> str:
         return self.measure.__doc__
 
+    @property
+    def kind(self) -> str:
+        """The module that it is in."""
+        return self.measure.__module__.rpartition(".")[2]
+
 
 CASES: dict[str, Case] = {}
 
