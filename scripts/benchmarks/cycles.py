@@ -58,16 +58,15 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     target = (peers or ours)[0].seconds(ladder[-1])
     told("equal time")
     methods.fill_time([*ours, *peers[1:]], target, seeds, bounces, options.device)
-    told("reference")
     same = [*ours, *peers[:1]]
     by_paper, by_surfaces = Method(PAPER, PAPER, plain=True), Method(SURFACES, surfaces=True)
-    methods.complete(truth, by_paper, same, bounces, options)
+    methods.complete(truth, by_paper, same, bounces, options, told)
     judged = [(method, truth) for method in same]
     found = dict(scene=scene, bounces=bounces, seconds=target, samples=ladder[-1], reference=methods.doubt(truth, same),
                  reference_renders=len(truth.renders), reference_seconds=methods.seconds_of(truth, by_paper, same))
     if peers:
-        told("reference of the mesh light")
-        methods.complete(surface_truth, by_surfaces, [surface], bounces, options)
+        methods.complete(surface_truth, by_surfaces, [surface], bounces, options,
+                         lambda what: told(f"mesh light's {what}"))
         judged.append((surface, surface_truth))
         found |= dict(surface_reference=methods.doubt(surface_truth, [surface]),
                       surface_reference_renders=len(surface_truth.renders),

@@ -53,9 +53,9 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     start = ours[0].rate()[1]
     progress.show(f"{scene}, {bounces} bounces, equal time")
     methods.fill_time(ours, target, repeats, bounces, options.device)
-    progress.show(f"{scene}, {bounces} bounces, reference")
     judged = [*ours, *denoised, *cycles]
-    methods.complete(reference, Method(PAPER, PAPER, plain=True), judged, bounces, options)
+    methods.complete(reference, Method(PAPER, PAPER, plain=True), judged, bounces, options,
+                     lambda what: progress.show(f"{scene}, {bounces} bounces, {what}"))
 
     curves = {method.name: method.curve(reference) for method in judged}
     best = ours[0].name

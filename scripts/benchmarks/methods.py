@@ -144,7 +144,8 @@ def least_error(reference: references.Reference, methods: list[Method]) -> float
     return min(method.error(samples, reference) for method in methods for samples in method.pictures)
 
 
-def complete(reference: references.Reference, truth: Method, methods: list[Method], bounces: int, options) -> None:
+def complete(reference: references.Reference, truth: Method, methods: list[Method], bounces: int, options,
+             told: Callable[[str], None]) -> None:
     """Add renders by ``truth`` to a reference until it is clear of what it judges, or the time is spent."""
     seconds = options.reference_seconds
     if seconds is None:
@@ -157,10 +158,13 @@ def complete(reference: references.Reference, truth: Method, methods: list[Metho
         spent += picture.work / machine.cores()
         return picture.pixels
 
+    told("reference")
     while len(reference.renders) < 2 or spent < seconds:
-        if len(reference.renders) >= 2 and errors.rel_variance(
-                reference.variance, reference.pixels) < CLEAR * least_error(reference, methods):
-            break
+        if len(reference.renders) >= 2:
+            part = doubt(reference, methods)
+            told(f"reference, standard error {math.sqrt(part):.2f} of the least error, {math.sqrt(CLEAR):g} wanted")
+            if part < CLEAR:
+                break
         reference.add(render)
 
 

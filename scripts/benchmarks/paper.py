@@ -97,9 +97,12 @@ def measure(name: str, options, progress) -> list[dict]:
     truth = methods.reference_of_scene(0, options)
     triangles = sum(len(mesh.loop_triangles) for mesh in _triangulated())
     ours = [Method(sampling.value, sampling.value, plain=True) for sampling in LampSampling]
-    methods.take_turns(ours, [SAMPLES], seeds, 0, options.device, lambda what: progress.show(f"{name}, {what}"))
-    progress.show(f"{name}, reference")
-    methods.complete(truth, Method(PAPER, PAPER, plain=True), ours, 0, options)
+
+    def told(what: str) -> None:
+        progress.show(f"{name}, {what}")
+
+    methods.take_turns(ours, [SAMPLES], seeds, 0, options.device, told)
+    methods.complete(truth, Method(PAPER, PAPER, plain=True), ours, 0, options, told)
     rows = [row | dict(triangles=triangles, reference=methods.doubt(truth, ours))
             for method in ours for row in method.rows(name, 0, truth)]
     if options.pictures:
