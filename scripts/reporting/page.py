@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 import pathlib
+import string
 
 from .results import METHODS, METRICS, NUMBERS, RULES, Result
 
@@ -13,6 +14,7 @@ OURS, PAPER = "CUT", "MIS"
 PEERS = ("Cycles volume", "Cycles mesh light")
 LIGHT = {"cycles_direct": ("Direct light", "direct"), "cycles_bounces": ("Four bounces", "bounces")}
 DRAWN = (*LIGHT, "paper", "intervals", "scaling")  # results that have plots
+MANY = 0.01  # of the rays of a shape: what is less is not listed
 TENTH = 0.1  # standard error of a reference, of the least error that it judges, at which it is good enough
 
 INTRODUCTION = """\
@@ -72,7 +74,8 @@ samples. Efficiency is that of ours to the paper's sampler: the ratio of squared
 INTERVALS = """\
 Every shape and operator of the tests and the hard cases, judged by a march through the whole formula in finer steps.
 The published rule and sphere tracing march through the same compiled field, and locate zeros by the same bracketing, so
-what differs is the search: how often the field is evaluated, and what is missed.
+what differs is the search: how often the field is evaluated, and what is missed. Their shortest step is the resolution
+at which our own search stops, or, coarse, a much longer one.
 """
 
 SMOOTH_CASES = """\
@@ -98,7 +101,7 @@ it. Each is a test of the same name, too.
 HARD = {  # kind of case: title, and where its limits are from
     "rays": ("Rays", """\
 Counts of crossings must be right: the search finds all zeros that are farther apart than its resolution, which is the
-limit of the lengths. Balls have closed forms; all else is judged by the tests' own march, 100 to 1,000 times finer.
+limit of the lengths. Balls have closed forms; all else is judged by the tests' own march in much finer steps.
 """),
     "light": ("Size, place and form", """\
 A lamp lights a floor as a body of its density attracts it by Newton's law, so affine images of a ball have renders in
@@ -112,9 +115,9 @@ Boxes that stand on a floor, fill a box or touch a wall; light must neither be l
 Fields as the GPU evaluates them and hits of triangles, against double precision: limits are what rounding may do.
 """),
     "cost": ("Cost", """\
-Render times and evaluations with a hard lamp to those with an easy one. The paper reports 60 s to 12 s for
-high-frequency noise and 20 s to 10 s for a sparse frame. Our smooth field takes far fewer evaluations than its rule
-does, so with noise the limit is what is evaluated; evaluations are compared with the paper's ratio.
+Render times and evaluations with a hard lamp to those with an easy one. Limits are the ratios of the paper's times,
+for high-frequency noise and for a sparse frame. But our smooth field takes far fewer evaluations than its rule does, so
+evaluations are compared for noise, and of its time the limit is what is evaluated.
 """),
     "samples": ("A million samples a pixel", """\
 Sums must not drift, and the error must fall at least as fast as that of independent samples.
@@ -126,11 +129,13 @@ How much pixels of an animation change beyond what moves, at four samples a pixe
 
 
 def number(value) -> str:
-    """Three figures, or a dash."""
+    """Three figures, all of a whole number, or a dash."""
     if value is None:
         return "–"
     if isinstance(value, str):
         return value
+    if isinstance(value, int):
+        return f"{value:,}"
     if 1000.0 <= abs(value) < 1e5:
         return f"{value:,.0f}"
     return f"{value:.3g}" if value == 0.0 or 1e-3 <= abs(value) < 1e5 else f"{value:.2e}"
@@ -369,6 +374,7 @@ def intervals(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[
     wrong = [row["case"] for row in cases if row["certified"] and row["wrong"] > 0.0]
     missed = sorted((row for row in cases if max(row["published_wrong"], row["published_coarse_wrong"]) > 0.0),
                     key=lambda row: -max(row["published_wrong"], row["published_coarse_wrong"]))
+    most = [row for row in missed if max(row["published_wrong"], row["published_coarse_wrong"]) >= MANY]
     names = [key for key, *_ in RULES]
     found = [f"{number(float(sum(row['rays'] for row in cases)))} rays through {len(cases)} shapes. " + (
         f"**With a proven bound, rays are wrong in {listed(wrong)}.**\n" if wrong else
@@ -380,11 +386,12 @@ def intervals(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[
             ["smooth case", *(label for _, label, *_ in RULES), "published / ours"],
             [[row["case"], *(row[name] for name in names), row["published_evaluations"] / row["evaluations"]]
              for row in cases if row["smooth"]])] if cases else []),
-        *(["Part of the rays with a wrong number of crossings, where the published rule has any:\n", table(
+        *([f"The published rule has a wrong number of crossings in {len(missed)} of these shapes. Part of the rays "
+           f"that it marches along, where that is at least {number(MANY)}:\n", table(
             ["case", "ours", "published rule, at our resolution", "published rule, coarse",
              "sphere tracing, at our resolution"],
             [[row["case"], row["wrong"], row["published_wrong"], row["published_coarse_wrong"], row["spheres_wrong"]]
-             for row in missed])] if missed else []),
+             for row in most])] if missed else []),
         summary(result)]
 
 
@@ -408,7 +415,7 @@ def throughput(result: Result) -> list[str]:
 
 def scaling(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]:
     """Section of render time by numbers."""
-    rows = [[NUMBERS.get(row["curve"], row["curve"]), f"{row['count']:,}", row["samples"], row["each"], row["seconds"],
+    rows = [[NUMBERS.get(row["curve"], row["curve"]), row["count"], row["samples"], row["each"], row["seconds"],
              row["start"]] for row in result.rows]
     return [
         *heading("Scaling", result, load(result)), SCALING,
@@ -430,6 +437,31 @@ def overview(results: dict[str, Result]) -> list[str]:
                    "mesh light, equal samples"], rows)]
 
 
+# Result: a sentence, in which the numbers of its summary stand by their names.
+SENTENCES = {
+    "estimators": "Samplers at points: {efficiency_gain_geomean} times the efficiency of the paper's, in the geometric mean; "
+                  "{efficiency_gain_min} times at least.",
+    "intervals": "Crossings of rays: a fraction of {wrong_crossing_fraction_certified} of {rays_certified} rays through "
+                 "shapes with a proven bound has a wrong number of them; the published rule takes "
+                 "{evaluations_ratio_paper_to_ours} times as many evaluations at the same resolution.",
+    "throughput": "Samples a second: {samples_per_second_ratio_to_cycles_direct} times those of Cycles with direct light, "
+                  "{samples_per_second_ratio_to_cycles_4_bounces} times with four bounces.",
+    "scaling": "Time at equal error: {time_ratio_1000_to_10_lamps} times as long for 1,000 lamps as for 10, "
+               "{time_ratio_1000000_to_1000_triangles} times for a million triangles as for a thousand.",
+    "hard": "Hard cases: {hard_cases_failed} of {hard_cases} limits do not hold.",
+}
+
+
+def sentences(results: dict[str, Result]) -> list[str]:
+    """What each result comes to."""
+    found = []
+    for name, sentence in SENTENCES.items():
+        values = {key: number(value) for key, value in results[name].summary.items()} if name in results else {}
+        if all(key in values for _, key, *_ in string.Formatter().parse(sentence) if key):
+            found.append(f"- {sentence.format(**values)}")
+    return ["\n".join(found) + "\n"] if found else []
+
+
 def machines(results: dict[str, Result]) -> str:
     keys = list(dict.fromkeys(key for result in results.values() for key in result.machine))
     return table(["result", *keys], [[name, *(str(result.machine.get(key, "–")) for key in keys)]
@@ -438,7 +470,7 @@ def machines(results: dict[str, Result]) -> str:
 
 def write(results: dict[str, Result], images: pathlib.Path, page: pathlib.Path) -> None:
     """The page, from results and the plots that are in ``images``."""
-    parts = [INTRODUCTION, *overview(results)]
+    parts = [INTRODUCTION, *overview(results), *sentences(results)]
     for name, result in results.items():
         if name in LIGHT:
             parts += race(result, images, page)

@@ -84,7 +84,8 @@ def crossings(result: Result, path: pathlib.Path) -> bool:
         left.scatter([row[key] for row in smooth], places, color=colour, marker=marker, label=label, zorder=2)
     left.set(xscale="log", xlabel="evaluations of the field on a ray", yticks=places,
              yticklabels=[row["case"] for row in smooth])
-    left.legend(frameon=False, fontsize=9, loc="upper left")
+    left.set_xlim(right=8.0 * left.get_xlim()[1])  # room for the legend
+    left.legend(frameon=False, fontsize=9, loc="lower right")
     for (operation, spread), points in curves.items():
         count, nanoseconds = zip(*points)
         smooth_one = operation.startswith("smooth")

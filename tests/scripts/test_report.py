@@ -138,6 +138,14 @@ def test_samplers_at_points_stand_side_by_side():
     assert "| torus, above | far | 0.1 | 0.01 | 100 | 200 | 4 | 5 |" in text
 
 
+def test_what_results_come_to_is_said_where_all_of_it_is_known():
+    known = dict(hard_cases=74, hard_cases_failed=1)
+    found = {"hard": results.Result("hard", "", known, [], MACHINE),
+             "scaling": results.Result("scaling", "", dict(time_ratio_1000_to_10_lamps=4.0), [], MACHINE)}
+    assert page.sentences(found) == ["- Hard cases: 1 of 74 limits do not hold.\n"]
+    assert page.sentences({}) == []
+
+
 def test_numbers_have_three_figures():
     assert [page.number(value) for value in (1234.5, 12.345, 0.012345, 1.2e-7, 0.0, None, "text")] == [
         "1,234", "12.3", "0.0123", "1.20e-07", "0", "–", "text"]
