@@ -36,6 +36,8 @@ from .stage import settings
 NOISE, FRAME = 60.0 / 12.0, 20.0 / 10.0  # of the paper
 SIZE, QUICK_SIZE = 64, 24
 TURNS, QUICK_TURNS = 5, 3
+TURN, QUICK_TURN = 3.0, 0.2  # seconds that further samples are to take in a turn
+FEWEST, MOST = 4, 4096  # further samples of a turn
 RAYS = 1000
 COARSE = 1e-3  # shortest step that the paper's rule is run with, relative to the size
 MATRIX = translation(0.0, 0.0, 1.8) @ rotation("z", 20.0) @ rotation("x", 35.0)
@@ -56,27 +58,25 @@ def seconds(scene: Scene, samples: int) -> float:
     return time.process_time() - started
 
 
-def sample_seconds(hard: Shape, easy: Shape, quick: bool, more: int) -> tuple[float, float]:
-    """Time of a further sample with one lamp and with the other, in a room; medians of renders that take turns.
-
-    ``more``: how many times more samples it takes until a turn is long enough to be timed.
-    """
-    size = QUICK_SIZE if quick else SIZE
-    few, many = 2, 2 + more * (8 if quick else 64)
-    scenes, spent = [], ([], [])
+def sample_seconds(hard: Shape, easy: Shape, quick: bool) -> tuple[float, float]:
+    """Time of a further sample with one lamp and with the other, in a room; medians of renders that take turns."""
+    size, turn = (QUICK_SIZE, QUICK_TURN) if quick else (SIZE, TURN)
+    few, scenes, more, spent = 2, [], [], ([], [])
     for shape in (hard, easy):
         scene = SCENES["torus_room"](size, size)
         scene.lamps, scene.settings = [Lamp("lamp", shape, MATRIX, 60.0)], settings(1)
-        scenes.append(scene)
         seconds(scene, 1)  # compiles
+        each = max(seconds(scene, few + FEWEST) - seconds(scene, few), 1e-9) / FEWEST
+        scenes.append(scene)
+        more.append(min(max(round(turn / each), FEWEST), MOST))
     for _ in range(QUICK_TURNS if quick else TURNS):
-        for scene, times in zip(scenes, spent):
-            times.append((seconds(scene, many) - seconds(scene, few)) / (many - few) / size**2)
+        for scene, further, times in zip(scenes, more, spent):
+            times.append((seconds(scene, few + further) - seconds(scene, few)) / further / size**2)
     return tuple(map(statistics.median, spent))
 
 
-def compared(hard: Shape, easy: Shape, limit: float, quick: bool, more: int = 1) -> Figure:
-    slow, fast = sample_seconds(hard, easy, quick, more)
+def compared(hard: Shape, easy: Shape, limit: float, quick: bool) -> Figure:
+    slow, fast = sample_seconds(hard, easy, quick)
     return Figure(slow / fast, limit, dict(hard_ns_per_sample=1e9 * slow, easy_ns_per_sample=1e9 * fast))
 
 
@@ -140,10 +140,10 @@ def mandelbulb(quick):
 @case("sparse-frame-cost", slow=True)
 def frame(quick):
     """render time with a thin box frame to that with its box; 20 s to 10 s in the paper"""
-    return compared(BoxFrame(FRAME_HALF, BAR), Box(FRAME_HALF), FRAME, quick, more=16)
+    return compared(BoxFrame(FRAME_HALF, BAR), Box(FRAME_HALF), FRAME, quick)
 
 
 @case("sparse-frame-field-cost", slow=True)
 def frame_field(quick):
     """the same where both are traced as fields, as in the paper"""
-    return compared(AsField(BoxFrame(FRAME_HALF, BAR)), AsField(Box(FRAME_HALF)), FRAME, quick, more=4)
+    return compared(AsField(BoxFrame(FRAME_HALF, BAR)), AsField(Box(FRAME_HALF)), FRAME, quick)
