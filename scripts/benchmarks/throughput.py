@@ -50,10 +50,11 @@ def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
 def measure(bounces: int, options) -> list[dict]:
     """A row for each engine; they take turns."""
     size = 128 if options.quick else 256
-    few, many = (1, 9) if options.quick else (8, 136)
+    few, many = (1, 33) if options.quick else (8, 136)
+    repeats = 3 if options.quick else 5
     if options.device == "REFERENCE":
-        size, few, many = 64, 1, 3
-    repeats = options.repeats or (1 if options.quick else 5)
+        size, few, many, repeats = 64, 1, 3, 1 if options.quick else 5
+    repeats = options.repeats or repeats
     scene = scenes.boxes_and_sphere(size)
     scenes.add_point_light()
     engines = _engines(options)

@@ -150,8 +150,8 @@ def listed(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def load(result: Result) -> str:
-    """What it was measured on, and what else ran there."""
+def load(result: Result, by_clock: bool = False) -> str:
+    """What it was measured on, and what else ran there. ``by_clock``: times are not those of processors."""
     machine = result.machine
     text = f"On {machine['cores']} cores of {machine['processor']}"
     busy = machine.get("load")
@@ -160,8 +160,9 @@ def load(result: Result) -> str:
     text += f", with a load of {number(busy)} before the run"
     if busy <= 0.5 * machine["cores"]:
         return text + ", otherwise idle.\n"
-    return (f"{text}: **other work ran beside it.**\n"
-            "Times of renders are processor time by cores, which other work disturbs less than the clock.\n")
+    return (f"{text}: **other work ran beside it.**\n" + (
+        "Times are those of the clock, so they are too long.\n" if by_clock else
+        "Times of renders are processor time by cores, which other work disturbs less than the clock.\n"))
 
 
 def settings(result: Result) -> str:
@@ -406,7 +407,7 @@ def throughput(result: Result) -> list[str]:
                  for name, row in rates.items()]
     started = [[row["start"], row["seconds"]] for row in result.rows if "start" in row and "seconds" in row]
     return [
-        *heading("Samples a second", result, load(result)),
+        *heading("Samples a second", result, load(result, by_clock=True)),
         *([THROUGHPUT, table(["bounces", "engine", "samples / s, median", "slowest turn", "fastest turn", "to Cycles",
                               "mean of the picture"], rows)] if rows else []),
         *(["Seconds to the first pixels of the demo scene:\n", table(["", "seconds"], started)] if started else []),
