@@ -207,35 +207,63 @@ def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
     Where emission varies within the boxes by too much, projection sampling takes their place.
     """
     place = placements(block)[lamp]
+    if needless(block, lamp, place, x, n, tolerance, cut):
+        return
+    origin, normal = local(block, lamp, place, x, n)
+    slot = region(block, lamp, place, origin, normal, both, tolerance, limit, store)
+    boxes = store[slot]
+    if boxes.rough > MOST_ROUGH:
+        project(block, lamp, x, cut)
+        return
+    fit(block, place, boxes, slot, origin, normal, both, cut)
+    if cut.slot >= 0:
+        cut.beta = share(boxes.variance)
+
+
+@kernel
+def needless(block, lamp, place, x, n, tolerance, cut):
+    """Whether a point needs no boxes: it is far away, or the lamp fills what is close to it. Makes the cut projection."""
     offset = sub(x, vec(lamps(block)[lamp].center))
     cut.lamp, cut.slot = lamp, PROJECTION
     way = sub(vec(place.centroid), offset)
     ratio = place.extent / max(dot(way, way), 1e-300)
     if PROJECTION_RATE * ratio < tolerance:
         cut.beta = 0.0
-        return
+        return True
     cells = lamp_cells(block)[place.first_cell:]
     if _surrounded(cells, transform_point(place.inverse, madd(offset, STEP * place.thickness, n))):
         cut.beta = SURROUNDED_BETA
-        return
-    origin, normal = transform_point(place.inverse, offset), transform_normal(place.matrix, n)
-    slot = region(block, lamp, place, origin, normal, both, tolerance, limit, store)
-    boxes = store[slot]
-    if boxes.rough > MOST_ROUGH:
-        project(block, lamp, x, cut)
-        return
+        return True
+    return False
+
+
+@kernel
+def local(block, lamp, place, x, n):
+    """A point of the world and its normal in a lamp's tree space."""
+    offset = sub(x, vec(lamps(block)[lamp].center))
+    return transform_point(place.inverse, offset), transform_normal(place.matrix, n)
+
+
+@kernel
+def fit(block, place, boxes, slot, origin, normal, both, cut):
+    """Fit the cut to a point and a normal of tree space, by these boxes, which are in ``slot``.
+
+    Where all of the lamp is behind the surface, projection sampling stays.
+    """
     cut.origin[0], cut.origin[1], cut.origin[2] = sub(origin, vec(boxes.center))
     _fit(boxes, scale(normal, boxes.unit), both != 0, cut)
     for entry in range(boxes.entries - 1, -1, -1):
         first = boxes.first[entry]
         cut.mass[entry] = cut.mass[first] + cut.mass[first + 1] if first >= 0 else cut.weight[boxes.box[entry]]
-    cut.total = cut.mass[0] * cells[0].volume * place.factor
-    beta = min(BETA_RATE * boxes.variance, 1.0)
-    cut.beta = beta if beta > ALONE else 0.0
-    if cut.total > 0.0:
-        cut.slot = slot
-    else:  # all of the lamp is behind the surface
-        cut.beta = 1.0
+    cut.total = cut.mass[0] * lamp_cells(block)[place.first_cell].volume * place.factor
+    cut.slot, cut.beta = (slot, 0.0) if cut.total > 0.0 else (PROJECTION, 1.0)
+
+
+@kernel
+def share(variance):
+    """β where a relative variance is expected to be left."""
+    beta = min(BETA_RATE * variance, 1.0)
+    return beta if beta > ALONE else 0.0
 
 
 @kernel

@@ -85,6 +85,12 @@ def far_corner(boxes, k):
 
 
 @kernel
+def spread_variance(ratio):
+    """Relative variance of what a box gives, of its extent over the square distance."""
+    return min(1.2 * ratio * ratio, 1.5)
+
+
+@kernel
 def _rank(boxes, k, normal):
     """Estimate what box k gives the region's centre, and the relative variance of that, were its emission even."""
     low, high, metric = corner(boxes, k), far_corner(boxes, k), boxes.metric
@@ -102,7 +108,7 @@ def _rank(boxes, k, normal):
     ratio = boxes.extent[k] / square
     inverse = 1.0 / (square + SOFT * boxes.extent[k] * min(ratio, 1.0))
     weight = boxes.volume[k] * boxes.fill[k] * (height * math.sqrt(inverse) + AMBIENT) * inverse
-    return weight, min(1.2 * ratio * ratio, 1.5) + waste
+    return weight, spread_variance(ratio) + waste
 
 
 @kernel

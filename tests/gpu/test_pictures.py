@@ -3,9 +3,9 @@
 """The GPU's pictures against the CPU's, pass by pass.
 
 Both draw the same numbers for the same seed, so most samples are the same but for rounding, and the difference of two
-pictures is far less than their noise. Light from SDF lamps is sampled by projection on the GPU: with that setting for both,
-the mean difference of each block of pixels and of the picture has to be zero within what float32 and the rare sample that
-takes another way explain, by a t test over seeds.
+pictures is far less than their noise. With projection sampling of SDF lamps the mean difference of each block of pixels and of
+the picture has to be zero within what float32 and the rare sample that takes another way explain, by a t test over seeds.
+Cuts have other boxes on the GPU: there the difference has to be zero within the noise of both.
 """
 
 import numpy as np
@@ -77,8 +77,37 @@ def compare(name: str) -> None:
     assert not failures, "; ".join(failures)
 
 
+def compare_cuts(name: str) -> None:
+    from sdf_lights.render.cpu.renderer import CpuRenderer
+    from sdf_lights.render.gpu.renderer import GpuRenderer
+
+    device_or_skip()
+    cpu, gpu = (pictures(renderer, name, LampSampling.CUT) for renderer in (CpuRenderer, GpuRenderer))
+    failures = []
+    for item in PASSES:
+        rounding = 2e-5 * max(np.abs(cpu[item]).max(), 1e-3)
+        for a, b in zip(means(cpu[item]), means(gpu[item])):
+            error = np.sqrt((a.var(0, ddof=1) + b.var(0, ddof=1)) / SEEDS + rounding**2)
+            t = (b.mean(0) - a.mean(0)) / error
+            p = 2.0 * stats.t.sf(np.abs(t), SEEDS - 1)
+            if p.min() < (1.0 - CONFIDENCE) / (2 * len(PASSES) * t.size):
+                worst = int(p.argmin())
+                failures.append(f"{item}: {b.mean(0)[worst]:.6g} against {a.mean(0)[worst]:.6g} (t = {t[worst]:.1f})")
+    assert not failures, "; ".join(failures)
+
+
 def test_lamp_in_a_room():
     compare("torus_room")
+
+
+def test_lamp_in_a_room_by_cuts():
+    compare_cuts("torus_room")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in scenes.SCENES if name != "torus_room" and scenes.SCENES[name](8, 6).lamps])
+def test_scene_by_cuts(name):
+    compare_cuts(name)
 
 
 @pytest.mark.slow

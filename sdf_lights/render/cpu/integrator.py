@@ -215,6 +215,14 @@ def prepare_lamp(block, workspace, lamp, x, n, both):
 
 
 @kernel
+def renew_lamp(block, workspace, lamp):
+    """Make the workspace's cut that of the lamp for the point where the path scattered last, unless it is."""
+    path = path_table(workspace)[0]
+    if cut_of(workspace).lamp != lamp:
+        prepare_lamp(block, workspace, lamp, vec(path.origin), vec(path.normal), path.both)
+
+
+@kernel
 def _rival(cut, pdf, narrow):
     """What the density of a BSDF counts against that of a cut.
 
@@ -309,8 +317,7 @@ def _lamp_mis(block, workspace, lamp, spans, count):
         return 0.0
     cut = cut_of(workspace)
     origin, normal = vec(path.origin), vec(path.normal)
-    if cut.lamp != lamp:
-        prepare_lamp(block, workspace, lamp, origin, normal, path.both)
+    renew_lamp(block, workspace, lamp)
     if cut.beta == np.inf:
         return 1.0
     chance = lights.selection_probability(
@@ -327,8 +334,7 @@ def counts(block, workspace, lamp):
     if path.pdf <= 0.0 or path.narrow > 0.0:
         return True
     cut = cut_of(workspace)
-    if cut.lamp != lamp:
-        prepare_lamp(block, workspace, lamp, vec(path.origin), vec(path.normal), path.both)
+    renew_lamp(block, workspace, lamp)
     return cut.beta > 0.0 and competes(block, lamp)
 
 

@@ -3,8 +3,8 @@
 """What the GPU does otherwise than the CPU with SDF lamps, as kernels in the place of others.
 
 Fields are read as GLSL, whole, not term by term; rays are marched through them by ``shaders_glsl/intervals.glsl``, whose
-steps the Lipschitz bound makes safe. Light rays are drawn by projection, with the weights that go with it: a cut needs
-boxes that are kept for many rays, which threads of a GPU have no room for.
+steps the Lipschitz bound makes safe. The boxes of a cut are the same for all points: a thread has no room for those of
+regions, and no time to find them.
 """
 
 from __future__ import annotations
@@ -14,27 +14,41 @@ import math
 import numpy as np
 
 from ...emitter import cut as cuts
+from ...emitter.cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, _halve, _put, spread_variance
+from ...emitter.cut_tables import placements
 from ...emitter.emission import GOLDEN, lamp_glows, place_point, point_count
 from ...emitter.lamps import direction_pdf, lamps, sample_direction
 from ...emitter.primitives import box_span
 from ...jit import kernel
 from ...sdf.formula import Formula, order
 from ...sdf.lipschitz import global_lipschitz
-from ...vec import ZERO, length, madd, mul, sub, transform_point, transform_vector, vec
+from ...vec import ZERO, dot, length, madd, mul, sub, transform_point, transform_vector, vec
 from ..cpu import lights
-from ..cpu.integrator import cut_of
 from ..cpu.lamp_tree import found_table, tree_table
 from ..cpu.lights.records import LIGHT_CUT
 from ..cpu.lights.records import MOST_NODES as MOST_NODES_IN_CUT
 from ..cpu.lights.tree import _estimate
 from .device import DeviceError
 
-# A cut without boxes, and a ``LIGHT_CUT`` of one node, in the place of the CPU's tables of the workspace.
+LIMIT = 16  # boxes of a lamp: twice as many have 1 to 5 % less variance
+
+# A ``LIGHT_CUT`` of one node, in the place of the CPU's table of the workspace, and a cut where none is asked for.
 ROWS = {
-    "lamp_cuts": np.dtype([("lamp", "i8"), ("slot", "i8"), ("beta", "f8")]),
     "light_cut": np.dtype([
         (name, LIGHT_CUT[name].base, 2 if LIGHT_CUT[name].shape == (MOST_NODES_IN_CUT,) else LIGHT_CUT[name].shape)
         for name in LIGHT_CUT.names])}
+WITHOUT_BOXES = np.dtype([("lamp", "i8"), ("slot", "i8"), ("beta", "f8")])
+
+
+
+def _fewer(dtype: np.dtype) -> np.dtype:
+    """A record with room for ``LIMIT`` boxes."""
+    counts = {MOST_BOXES: LIMIT, MOST_BOXES + 1: LIMIT + 1, MOST_ENTRIES: 2 * LIMIT}
+    return np.dtype([(name, dtype[name].base, tuple(counts.get(count, count) for count in dtype[name].shape))
+                     for name in dtype.names])
+
+
+FLAT_BOXES, FLAT_CUT = _fewer(BOXES), _fewer(cuts.CUT)
 
 # How to read a lamp's field: a formula, its first parameter, the origin of tree space in the formula's, a bound of the
 # slope, and the least step of a ray.
@@ -49,9 +63,103 @@ MOST_NODES = 20_000  # of all formulas together that compilers are given
 
 
 @kernel
-def prepare_lamp(block, workspace, lamp, x, n, both):
-    """In the place of ``integrator.prepare_lamp``, where cuts are asked for."""
-    cuts.project(block, lamp, x, cut_of(workspace))
+def divide(place, cells, steps, limit, boxes):
+    """Divide a lamp into at most ``limit`` boxes for all points: those that hold much and extend far are divided."""
+    size = math.sqrt(place.extent)
+    boxes.unit = 1.0 / size
+    for axis in range(3):
+        boxes.center[axis] = 0.0
+        for other in range(3):
+            boxes.metric[axis, other] = place.metric[axis, other] / place.extent
+    urgent = np.empty(limit)
+    boxes.count = boxes.entries = 1
+    urgent[0] = 1.0 if _put(boxes, 0, 0, cells, 0) else 0.0
+    while boxes.count < limit:
+        worst = 0
+        for k in range(boxes.count):
+            if urgent[k] > urgent[worst]:
+                worst = k
+        if urgent[worst] <= 0.0:
+            break
+        other, entry = boxes.count, boxes.entries
+        boxes.count += 1
+        boxes.entries += 2
+        boxes.first[boxes.entry[worst]] = entry
+        cell = cells[boxes.cell[worst]]
+        if cell.first < 0:
+            _halve(boxes, worst, other, entry, cells[0].volume)
+            first = second = True
+        else:
+            boxes.axis[boxes.entry[worst]] = cell.axis
+            first = _put(boxes, worst, entry, cells, cell.first)
+            second = _put(boxes, other, entry + 1, cells, cell.first + 1)
+        urgent[worst] = boxes.volume[worst] * boxes.fill[worst] * boxes.extent[worst] if first else 0.0
+        urgent[other] = boxes.volume[other] * boxes.fill[other] * boxes.extent[other] if second else 0.0
+    total, rough = 0.0, 0.0
+    for k in range(boxes.count):
+        weight = boxes.volume[k] * boxes.fill[k]
+        total += weight
+        rough += weight * steps[boxes.cell[k]].rough
+    boxes.rough = rough / total
+
+
+def flat_boxes(tables: dict[str, np.ndarray]) -> np.ndarray:
+    """(lamps,) ``FLAT_BOXES`` of the tables of ``cut_tables``."""
+    found = np.zeros(len(tables["lamp_placements"]), FLAT_BOXES)
+    for place, boxes in zip(tables["lamp_placements"], found):
+        first = place["first_cell"]
+        divide(place, tables["lamp_cells"][first:], tables["lamp_steps"][first:], LIMIT, boxes)
+    return found
+
+
+@kernel
+def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
+    """In the place of ``cut.prepare``: the boxes of the lamp, whatever the point."""
+    place = placements(block)[lamp]
+    if cuts.needless(block, lamp, place, x, n, tolerance, cut):
+        return
+    boxes = store[lamp]
+    if boxes.rough > cuts.MOST_ROUGH:
+        cuts.project(block, lamp, x, cut)
+        return
+    origin, normal = cuts.local(block, lamp, place, x, n)
+    cuts.fit(block, place, boxes, lamp, origin, normal, both, cut)
+    if cut.slot >= 0:
+        left = 0.0
+        for k in range(boxes.count):
+            way = sub((boxes.centroid[0, k], boxes.centroid[1, k], boxes.centroid[2, k]), vec(cut.origin))
+            square = dot(way, transform_vector(boxes.metric, way))
+            left += cut.weight[k] * spread_variance(boxes.extent[k] / max(square, 1e-30))
+        cut.beta = cuts.share(left / cut.mass[0])
+
+
+@kernel
+def no_surface_direction(block, lamp, x, spans, u1, u2, u3):
+    """In the place of ``surfaces.sample``, a sampling that ``GpuScene`` refuses."""
+    return ZERO
+
+
+@kernel
+def no_surface_density(block, lamp, x, d, spans, count):
+    """Likewise."""
+    return 0.0
+
+
+@kernel
+def no_bounding_direction(block, lamp, x, u1, u2, u3):
+    """Likewise, of ``bounding``."""
+    return ZERO
+
+
+@kernel
+def no_bounding_density(block, lamp, x, d):
+    """Likewise."""
+    return 0.0
+
+
+@kernel
+def keep_lamp(block, workspace, lamp):
+    """In the place of ``integrator.renew_lamp``, where one emitter gives all the light: the light ray has made its cut."""
 
 
 @kernel

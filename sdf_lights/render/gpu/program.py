@@ -9,7 +9,7 @@ import pathlib
 
 import numpy as np
 
-from ...emitter import crossings, cut, emission, fields, hashing, interior
+from ...emitter import bounding, crossings, cut, emission, fields, hashing, interior, surfaces
 from ...emitter import lamps as emitter_lamps
 from ...emitter.intervals import rows_needed
 from ...jit import stack_array
@@ -85,7 +85,7 @@ def _note(function, arguments):
 def _only_row(name: str) -> Native:
     """The one row of a table of the workspace, of which a thread needs no more: its path does not divide."""
     def call(function, arguments):
-        table = function.translator.tables.table(name, lamps.ROWS[name], arguments[0])
+        table = function.translator.tables.table(name, None, arguments[0])
         return Value(Ref(table.type.layout.inner, table.type.lvalue))
 
     return Native(call)
@@ -107,13 +107,18 @@ def natives(cuts: bool, one_emitter: bool = False) -> dict:
         stack_array: Native(_stack), integrator.spans_of: Native(_spans),
         crossings.crossings: Native(_crossings), fields.value: Native(_field_value),
         emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
-        emission.line_integral: lamps.line_integral, cut.sample: lamps.sample, cut.density: lamps.density,
+        emission.line_integral: lamps.line_integral,
         integrator.cut_of: _only_row("lamp_cuts"), integrator.light_cut_of: _only_row("light_cut"),
         lamp_tree.lamps_along: lamps.lamps_along, lights.tree._prepare: lamps.prepare_light_cut}
     if one_emitter:
-        found |= {lights.tree.select: lamps.select_only, lights.tree.selection_probability: lamps.only_probability}
+        found |= {lights.tree.select: lamps.select_only, lights.tree.selection_probability: lamps.only_probability,
+                  integrator.renew_lamp: lamps.keep_lamp}
     if cuts:
-        found[integrator.prepare_lamp] = lamps.prepare_lamp
+        found |= {cut.prepare: lamps.prepare, surfaces.sample: lamps.no_surface_direction,
+                  surfaces.density: lamps.no_surface_density, bounding.sample: lamps.no_bounding_direction,
+                  bounding.density: lamps.no_bounding_density}
+    else:
+        found |= {cut.sample: lamps.sample, cut.density: lamps.density}
     return {_plain(kernel): value for kernel, value in found.items()}
 
 
@@ -135,6 +140,10 @@ class GpuScene:
         self.lamps = built
         emitters = emitter_tables(scene, built, emissive_triangles(scene, materials["materials"]))
         self._place_fields(emitters, sources)
+        self.cuts = scene.settings.lamp_sampling is LampSampling.CUT
+        if self.cuts:
+            emitters |= cut.pack_cuts(built, sources)
+            emitters["lamp_boxes"] = lamps.flat_boxes(emitters)
         self.images = materials.pop("images")
         tables = {
             **materials, **geometry.pack_geometry(scene, self.hierarchy.baked, layers), **emitters,
@@ -155,7 +164,6 @@ class GpuScene:
         self.tables = Tables(tables, scalars, frozenset(settled), self._workspace(tables), room // 4)
         self.film = film
         self.textured = bool(tables["light_triangles"]["textured"].any())
-        self.cuts = scene.settings.lamp_sampling is LampSampling.CUT
         self.scalars = scalars
 
     def _place_fields(self, tables, sources) -> None:
@@ -210,21 +218,30 @@ class GpuScene:
             "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1,
             "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, "light_cut": 1,
             **lamp_tree.workspace_counts(len(self.lamps))}
-        dtypes = {**integrator.WORKSPACE_TABLES, **lamps.ROWS}
+        dtypes = {**integrator.WORKSPACE_TABLES, **lamps.ROWS,
+                  "lamp_cuts": lamps.FLAT_CUT if self.cuts else lamps.WITHOUT_BOXES}
         return {name: (dtypes[name], count) for name, count in counts.items()}
 
     def source(self) -> str:
         """GLSL of the path tracer."""
-        chosen = natives(self.cuts, self.one_emitter)
-        if not self.lamps:
-            chosen |= {inspect.unwrap(integrator.light_lamp): lamps.no_light,
-                       inspect.unwrap(integrator.lamp_reach): lamps.no_reach}
-        translator = Translator(self.tables, chosen, ROUNDING)
+        translator = self.translator()
         scene, workspace = known(BLOCK), known(WORKSPACE)
         translator.function(path.clear_sample, [workspace])
         translator.function(integrator.start_path, [scene, workspace, Value(INT, "x"), Value(INT, "y")])
         translator.function(integrator.expects, [scene, workspace])
         translator.function(integrator.advance, [scene, workspace, known(False)])
+        return self.assembled(translator, glsl("film.glsl"))
+
+    def translator(self) -> Translator:
+        """What reads kernels as GLSL for this scene."""
+        chosen = natives(self.cuts, self.one_emitter)
+        if not self.lamps:
+            chosen |= {inspect.unwrap(integrator.light_lamp): lamps.no_light,
+                       inspect.unwrap(integrator.lamp_reach): lamps.no_reach}
+        return Translator(self.tables, chosen, ROUNDING)
+
+    def assembled(self, translator: Translator, main: str) -> str:
+        """A whole shader: what the translator has read, and its ``main``."""
         kernels = "\n\n".join(translator.functions)
         self.tables.used_scalars |= dict.fromkeys(
             ("hierarchy_root", "sobol_start", "lamp_fields_start", "lamp_parameters_start"), "int")
@@ -233,7 +250,7 @@ class GpuScene:
             "#version 430 core", self.tables.uniform_source(), *self._defines(), glsl("maths.glsl"),
             self.tables.second_source(),
             *read_glsl.helpers("angle"), workspace, glsl("random.glsl"), glsl("rays.glsl"), self._lamp_source(),
-            translator.structure_source(), *translator.globals, "", kernels, "", glsl("film.glsl")])
+            translator.structure_source(), *translator.globals, "", kernels, "", main])
 
     def _defines(self) -> list[str]:
         field = Record("lamp_fields", lamps.FIELD)

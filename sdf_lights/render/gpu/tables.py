@@ -67,14 +67,12 @@ class Tables:
 
     def table(self, name: str, dtype, base):
         """The table of a block, of a workspace, or of a record that points at one."""
-
-        dtype = np.dtype(dtype)
         if base.type != CONSTANT:  # the record holds the first word
             offset, _ = base.type.layout.fields[name + "_address"]
             self.used_scalars[name + "_start"] = "int"
             start = f"scene.{name}_start + {base.type.reader}int_at({base.text} + {offset})"
-            return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), start)
-        if base.constant is not BLOCK:
+            return Value(Ref(Array(layout_of(np.dtype(dtype), name)), reader=self.reader(name)), start)
+        if base.constant is not BLOCK and (name in self._workspace or name not in self._tables):
             if name == "aside":
                 return known(ASIDE)
             if name not in self._workspace:
@@ -85,6 +83,7 @@ class Tables:
             if count == 1 and isinstance(inner, Record):
                 return Value(Ref(Array(inner, 1, packed=True), name + "_row"))
             return Value(Ref(Array(inner, count, packed=True), name + "_rows[{}]"), "0", count=str(count))
+        dtype = self._tables[name].dtype if name in self._tables else np.dtype(dtype)
         if name in self._single:
             return Value(Ref(Array(layout_of(dtype, name), 1), reader=NEAR), str(self._near[name]), count="1")
         self.used_scalars[name + "_start"] = self.used_scalars[name + "_rows"] = "int"

@@ -67,7 +67,7 @@ class Translator:
         """An array of floats that a function uses; GLSL passes only global ones on without a copy."""
         name = f"stack{len(self.globals)}"
         self.globals.append(f"float {name}[{count}];")
-        return Value(Ref(Array(FLOAT, count, packed=True), name + "[{}]"), "0", count=str(count))
+        return Value(Ref(Array(FLOAT, packed=True), name + "[{}]"), "0", count=str(count))
 
 
 def _signature(argument: Value):

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Variance times time of light rays to lamps on the GPU: by cuts of flat boxes, and by projection with multiple importance
+sampling.
+
+The ways take turns with one seed after the other; the error is the relative variance of a pixel between seeds, for which no
+reference is needed. A sample's time is the further seconds of a longer render against a short one.
+"""
+
+from __future__ import annotations
+
+import statistics
+
+import bpy
+import numpy as np
+
+from sdf_lights.render.settings import LampSampling
+
+from . import errors, lamp_scenes, pictures, scenes, some_of
+from .progress import Progress
+
+HELP = "variance times time of samplers of lamps on the GPU"
+
+SAMPLERS = LampSampling.MIS.value, LampSampling.CUT.value
+SIZE = 96
+FEW = 4
+
+
+def arguments(parser) -> None:
+    parser.add_argument("--scenes", type=some_of(lamp_scenes.SCENES), default=["S1", "S3", "S5"],
+                        help="of the lamp scenes, with commas between")
+    parser.add_argument("--bounces", type=int, default=0)
+
+
+def measure(name: str, options) -> dict:
+    many, repeats = (20 if options.quick else 68), options.repeats or (2 if options.quick else 4)
+    lamp_scenes.SCENES[name].build(SIZE)
+    lamp_scenes.show(volumes=False)
+
+    def render(sampler: str, samples: int, seed: int) -> pictures.Picture:
+        scenes.plain_sdf_lights(bpy.context.scene, samples, options.bounces, "GPU" if options.device == "AUTOMATIC" else options.device)
+        bpy.context.scene.sdf_lights.seed, bpy.context.scene.sdf_lights.lamp_sampling = seed, sampler
+        return pictures.render()
+
+    for sampler in SAMPLERS:
+        render(sampler, 1, 0)  # compiles
+    made = {(sampler, samples): [] for sampler in SAMPLERS for samples in (FEW, many)}
+    for seed in range(repeats):
+        for sampler, samples in made:
+            made[sampler, samples].append(render(sampler, samples, seed))
+    row = dict(scene=name)
+    for sampler in SAMPLERS:
+        short, long = ([picture.work for picture in made[sampler, samples]] for samples in (FEW, many))
+        pixels = np.array([picture.pixels for picture in made[sampler, many]])
+        row[f"{sampler}_seconds"] = (statistics.median(long) - statistics.median(short)) / (many - FEW)
+        row[f"{sampler}_variance"] = errors.rel_variance(pixels.var(axis=0, ddof=1), pixels.mean(axis=0))
+        row[f"{sampler}_mean"] = float(pixels.mean())
+    mis, cut = (row[f"{sampler}_seconds"] * row[f"{sampler}_variance"] for sampler in SAMPLERS)
+    return row | dict(gain=mis / cut)
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    progress, rows = Progress(len(options.scenes)), []
+    for name in options.scenes:
+        progress.show(name)
+        rows.append(measure(name, options))
+        progress.step()
+    progress.close()
+    return dict(gpu_cut_gain=statistics.geometric_mean(row["gain"] for row in rows)), rows

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cuts of boxes that are the same for all points: on the CPU, by the same kernels, and as the GPU reads them."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from sdf_lights import jit
+from sdf_lights.emitter import cut, lamps
+from sdf_lights.emitter.baselines import LampBlock
+from sdf_lights.jit import kernel
+from sdf_lights.render.cpu.integrator import box_table, cut_of, spans_of
+from sdf_lights.render.film import Film
+from sdf_lights.render.gpu import lamps as gpu_lamps
+from sdf_lights.render.gpu.program import GpuScene
+from sdf_lights.render.gpu.translate import BLOCK, FLOAT, VECTOR, WORKSPACE, Value, known
+from tests import scenes
+from tests.chi2 import chi2_sphere, sphere_integral
+from tests.emitter.test_cut import POINTS, SHAPES, unit
+from tests.gpu.support import GROUP, device_or_skip
+
+pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
+
+ALL = 0.0  # tolerance
+
+
+@kernel(cache=False)
+def _prepare(blocks, x, n, store, rows):
+    gpu_lamps.prepare(blocks[0], 0, x, n, 0, ALL, gpu_lamps.LIMIT, store, rows[0])
+
+
+@kernel(cache=False)
+def _sample(blocks, x, spans, store, rows, u):
+    out = np.empty((len(u), 3))
+    for i in range(len(u)):
+        out[i] = cut.sample(blocks[0], 0, x, spans, store, rows[0], u[i, 0], u[i, 1], u[i, 2])
+    return out
+
+
+@kernel(cache=False)
+def _density(blocks, x, spans, store, rows, directions):
+    out = np.empty(len(directions))
+    for i in range(len(directions)):
+        d = (directions[i, 0], directions[i, 1], directions[i, 2])
+        out[i] = cut.density(blocks[0], 0, d, store, rows[0], spans, lamps.trace(blocks[0], 0, x, d, spans))
+    return out
+
+
+class FlatCut:
+    """The cut of a lamp for a point, on the CPU."""
+
+    def __init__(self, shape, x, n):
+        self._lamp, self._x, self.rows = LampBlock(shape, np.eye(4)), tuple(map(float, x)), np.zeros(1, gpu_lamps.FLAT_CUT)
+        self._spans = lamps.new_spans(int(self._lamp.blocks["lamp_rows"][0]), 1)
+        self.store = gpu_lamps.flat_boxes(self._lamp.tables)
+        _prepare(self._lamp.blocks, self._x, unit(n), self.store, self.rows)
+
+    def sample(self, u):
+        return _sample(self._lamp.blocks, self._x, self._spans, self.store, self.rows, np.ascontiguousarray(u, float))
+
+    def density(self, directions):
+        return _density(self._lamp.blocks, self._x, self._spans, self.store, self.rows,
+                        np.ascontiguousarray(directions, float))
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_boxes_hold_the_lamp(shape):
+    store = FlatCut(SHAPES[shape], *POINTS["above"]).store[0]
+    assert 1 < store["count"] <= gpu_lamps.LIMIT
+    clipped = store["solid"][:store["count"]] == 0
+    volume = store["volume"][:store["count"]]
+    assert volume[clipped].sum() <= 1.0 + 1e-5 and volume.sum() >= 1.0 - 1e-5
+
+
+@pytest.mark.parametrize("point", POINTS)
+@pytest.mark.parametrize("shape", ["torus", "frame", "blob"])
+def test_density_integrates_to_one(shape, point):
+    """Within the quadrature's own error, and what the volumes of boxes that are sampled are known to."""
+    found = FlatCut(SHAPES[shape], *POINTS[point])
+    total, error = sphere_integral(found.density, 200_000, seed=3)
+    assert error < 1e-2
+    assert abs(total - 1.0) < 4.0 * error + 1e-3
+
+
+@pytest.mark.parametrize("shape, point", [("torus", "close"), ("frame", "beside"), ("nested", "above"), ("blob", "above")])
+def test_directions_have_their_density(shape, point):
+    found = FlatCut(SHAPES[shape], *POINTS[point])
+    assert found.rows["slot"][0] >= 0
+    result = chi2_sphere(found.sample, found.density, n=100_000, seed=5, quadrature=48)
+    assert result.passed, result
+
+
+@kernel
+def drawn(block, workspace, x, n, u, d):
+    """A direction by the cut for a point, its density, and that of another direction."""
+    store, row, spans = box_table(workspace), cut_of(workspace), spans_of(workspace)
+    gpu_lamps.prepare(block, 0, x, n, 0, ALL, gpu_lamps.LIMIT, store, row)
+    w = cut.sample(block, 0, x, spans, store, row, u[0], u[1], u[2])
+    own = cut.density(block, 0, w, store, row, spans, lamps.trace(block, 0, x, w, spans))
+    other = cut.density(block, 0, d, store, row, spans, lamps.trace(block, 0, x, d, spans))
+    return w[0], w[1], w[2], own, other
+
+
+MAIN = """
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) buffer Numbers { float numbers[]; };
+vec3 number(int place) { return vec3(numbers[place], numbers[place + 1], numbers[place + 2]); }
+void main()
+{
+    int at = int(gl_GlobalInvocationID.x) * 12;
+    clear_workspace();
+    RESULT found = NAME(number(at), number(at + 3), number(at + 6), number(at + 9));
+    numbers[at] = found.v0; numbers[at + 1] = found.v1; numbers[at + 2] = found.v2;
+    numbers[at + 3] = found.v3; numbers[at + 4] = found.v4;
+}
+"""
+
+
+def on_gpu(shape, numbers: np.ndarray) -> np.ndarray:
+    """(n, 5) of ``drawn`` for (n, 12) arguments."""
+    found = device_or_skip()
+    scene = scenes.SCENES["torus_room"](8, 6)
+    scene.lamps = [dataclasses.replace(scene.lamps[0], shape=shape, matrix=np.eye(4))]
+    packed = GpuScene(scene, Film(scene, ()))
+    translator = packed.translator()
+    name, value = translator.function(drawn, [
+        known(BLOCK), known(WORKSPACE), *(Value(VECTOR, text) for text in ("x", "n", "u", "d"))])
+    source = packed.assembled(translator, MAIN.replace("NAME", name).replace("RESULT", translator.glsl_type(value.type)))
+    assert value.type.items == (FLOAT,) * 5
+    words, second, uniforms = packed.tables.pack(packed.scalars)
+
+    def run(context):
+        shader = found.program(context, source)
+        buffers = [context.buffer(np.ascontiguousarray(array).tobytes()) for array in (
+            words, numbers.astype(np.float32), np.zeros(1, np.uint32), np.zeros(2, np.float32), second)]
+        block = context.buffer(uniforms.tobytes())
+        block.bind_to_uniform_block(0)
+        for binding, buffer in enumerate(buffers):
+            buffer.bind_to_storage_buffer(binding)
+        shader.run(len(numbers) // GROUP)
+        return np.frombuffer(buffers[1].read(), np.float32).reshape(-1, 12)[:, :5].astype(float)
+
+    return found.submit(run).result()
+
+
+@pytest.mark.parametrize("shape", ["torus", "nested"])
+def test_the_gpu_draws_what_the_cpu_does(shape):
+    """The same directions but where rounding takes another way, and the same densities but where a ray grazes an edge."""
+    rng = np.random.default_rng(7)
+    for x, n in POINTS.values():
+        here = FlatCut(SHAPES[shape], x, n)
+        u = rng.random((512, 3)).astype(np.float32).astype(float)
+        d = rng.normal(size=(512, 3)) + 2.0 * here.sample(u)
+        d = (d / np.linalg.norm(d, axis=1, keepdims=True)).astype(np.float32).astype(float)
+        arguments = np.concatenate([np.tile([*x, *unit(n)], (512, 1)), u, d], axis=1)
+        there = on_gpu(SHAPES[shape], arguments)
+        assert np.allclose(np.linalg.norm(there[:, :3], axis=1), 1.0, atol=1e-5)
+        alike = np.abs(there[:, :3] - here.sample(u)).max(1) < 1e-3
+        assert alike.mean() > 0.6  # draws that are repeated take other numbers
+        for found, expected in ((there[:, 3], here.density(there[:, :3])), (there[:, 4], here.density(d))):
+            off = np.abs(found - expected) > 2e-3 * np.maximum(expected, 1e-2 * expected.mean())
+            assert off.mean() < 0.01
