@@ -432,6 +432,13 @@ def note_length(block, lamp, column, length, spans):
 
 
 @kernel
+def solve_all(block, row, p, d, spans):
+    """Intervals of a ray of tree space in a lamp's whole program; returns their number."""
+    program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
+    return solve(program, p, d, spans)
+
+
+@kernel
 def _trace_parts(block, row, lamp, distance, p, d, spans):
     """As ``trace``, for a lamp with a tree. p and d are the ray in tree space; its origin is at −``distance``."""
     half = row.high
@@ -440,8 +447,7 @@ def _trace_parts(block, row, lamp, distance, p, d, spans):
     if start >= end:
         return 0
     if row.direct:
-        program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
-        count = solve(program, p, d, spans)
+        count = solve_all(block, row, p, d, spans)
     else:
         count, unresolved = crossings(block, row, p, d, start, end, spans)
         note_length(block, lamp, 0, unresolved, spans)

@@ -50,12 +50,6 @@ def _fewer(dtype: np.dtype) -> np.dtype:
 
 FLAT_BOXES, FLAT_CUT = _fewer(BOXES), _fewer(cuts.CUT)
 
-# How to read a lamp's field: a formula, its first parameter, the origin of tree space in the formula's, a bound of the
-# slope, and the least step of a ray.
-FIELD = np.dtype([
-    ("formula", np.int64), ("parameters", np.int64), ("center", np.float64, (3,)), ("lipschitz", np.float64),
-    ("least", np.float64)])
-
 FEW = 8  # lamps that a ray tries in turn
 ROUNDING = 1.0 + 2.0**-21  # of the distances to the sides of a box in float32, twice over
 LEAST_STEP = 1e-4  # of a ray in a field, relative to the size of the lamp

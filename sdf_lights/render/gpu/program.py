@@ -21,7 +21,7 @@ from ..cpu.shading.records import HAS_TRANSPARENCY
 from ..film import CHANNELS, HALF_BIT, Film
 from ..scene import Scene
 from ..settings import LampSampling
-from . import lamps
+from . import lamps, parts
 from .bvh import MOST_IN_LEAF, Hierarchy
 from .device import DeviceError
 from .layout import Array, Record
@@ -107,7 +107,7 @@ def natives(cuts: bool, one_emitter: bool = False) -> dict:
         stack_array: Native(_stack), integrator.spans_of: Native(_spans),
         crossings.crossings: Native(_crossings), fields.value: Native(_field_value),
         emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
-        emission.line_integral: lamps.line_integral,
+        emission.line_integral: lamps.line_integral, emitter_lamps.solve_all: parts.solve_all,
         integrator.cut_of: _only_row("lamp_cuts"), integrator.light_cut_of: _only_row("light_cut"),
         lamp_tree.lamps_along: lamps.lamps_along, lights.tree._prepare: lamps.prepare_light_cut}
     if one_emitter:
@@ -169,11 +169,16 @@ class GpuScene:
     def _place_fields(self, tables, sources) -> None:
         """A table of how lamps' fields are read; the rows of lamps point at it where the CPU has compiled terms."""
         rows = tables["lamps"]
-        found = np.zeros(len(rows), lamps.FIELD)
+        found = np.zeros(len(rows), parts.FIELD)
         numbers, used = [tables["lamp_parameters"]], len(tables["lamp_parameters"])
+        pieces, first_part = [np.zeros(0, parts.PART)], 0
         for index, (row, field, source) in enumerate(zip(rows, found, sources)):
             row["direct"] = row["instruction_count"] > 0
             row["first_term"] = index
+            if row["kind"] == emitter_lamps.CLOSED:
+                pieces.append(parts.parts_of(self.lamps[index].program))
+                field["first_part"], field["part_count"] = first_part, len(pieces[-1])
+                first_part += len(pieces[-1])
             if row["kind"] == emitter_lamps.FIELD:
                 shape, tree = source.shape, interior.tree(source.shape)
                 field["formula"] = self.formulas.add(self.formulas.fields, (shape.formula(),))
@@ -189,7 +194,7 @@ class GpuScene:
             raise DeviceError(f"the formulas of the scene's lamps have {self.formulas.nodes} nodes together, and drivers "
                               f"are given {lamps.MOST_NODES} at most")
         tables["lamp_parameters"] = np.concatenate(numbers)
-        tables["lamp_fields"] = found
+        tables["lamp_fields"], tables["lamp_parts"] = found, np.concatenate(pieces)
 
     def _place_images(self, scene, tables) -> None:
         records, parts, used = self.images.copy(), [], 0
@@ -210,10 +215,11 @@ class GpuScene:
         rows = [FIELD_INTERVALS + 1]
         for lamp in self.lamps:
             if lamp.row["kind"][0] != emitter_lamps.FIELD:
-                rows.append(rows_needed(lamp.program)[0])
-                if rows[-1] > MOST_ROWS:
-                    raise DeviceError(f"lamp “{lamp.name}” has too many parts: a ray may need room for {rows[-1]} "
+                needed = rows_needed(lamp.program)[0]
+                if needed > MOST_ROWS:
+                    raise DeviceError(f"lamp “{lamp.name}” has too many parts: a ray may need room for {needed} "
                                       f"intervals, and a thread has it for {MOST_ROWS}")
+                rows.append(needed + len(parts.parts_of(lamp.program)))
         counts = {
             "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1,
             "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, "light_cut": 1,
@@ -253,7 +259,7 @@ class GpuScene:
             translator.structure_source(), *translator.globals, "", kernels, "", main])
 
     def _defines(self) -> list[str]:
-        field = Record("lamp_fields", lamps.FIELD)
+        field = Record("lamp_fields", parts.FIELD)
         numbers = {
             "STACK": -(-self.hierarchy.depth // 16) * 16, "ITEMS_IN_LEAF": MOST_IN_LEAF,
             "TEXTURE_BITS": TEXTURE_BITS,

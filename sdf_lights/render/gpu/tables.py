@@ -21,6 +21,7 @@ SECOND = "second_"  # likewise, of those for which the buffer has no room
 NEAR_WORDS = 3072  # of all of them: OpenGL has room for 4096 everywhere
 SECOND_BINDING = 4
 SMALL = 256  # words of a table that may be there
+LARGE = frozenset({"lamp_boxes", "lamp_parts"})  # tables that all threads read from end to end: there whatever their size
 BUFFERED = frozenset({"lamp_fields", "lamp_parameters", "sobol"})  # tables that shaders written by hand look for in the buffer
 
 
@@ -40,8 +41,9 @@ class Tables:
         used = 0
         sizes = {name: size_of(array) for name, array in tables.items() if name not in BUFFERED}
         self._single = {name for name in sizes if len(tables[name]) == 1 and tables[name].dtype.names}
-        for name in sorted(sizes, key=lambda name: name not in self._single):  # places in programs come first
-            if (name in self._single or 0 < sizes[name] <= SMALL) and used + sizes[name] <= NEAR_WORDS:
+        # Places in programs come first, what is large last.
+        for name in sorted(sizes, key=lambda name: (name not in self._single, name in LARGE)):
+            if (name in self._single or 0 < sizes[name] and (sizes[name] <= SMALL or name in LARGE)) and used + sizes[name] <= NEAR_WORDS:
                 self._near[name] = used
                 used += sizes[name]
         self._single &= set(self._near)
