@@ -29,7 +29,7 @@ FEW = 4
 def arguments(parser) -> None:
     parser.add_argument("--scenes", type=some_of(lamp_scenes.SCENES), default=["S1", "S3", "S5"],
                         help="of the lamp scenes, with commas between")
-    parser.add_argument("--bounces", type=int, default=0)
+    parser.add_argument("--bounces", type=int, default=0, help="of paths")
 
 
 def measure(name: str, options) -> dict:
@@ -38,7 +38,8 @@ def measure(name: str, options) -> dict:
     lamp_scenes.show(volumes=False)
 
     def render(sampler: str, samples: int, seed: int) -> pictures.Picture:
-        scenes.plain_sdf_lights(bpy.context.scene, samples, options.bounces, "GPU" if options.device == "AUTOMATIC" else options.device)
+        device = "GPU" if options.device == "AUTOMATIC" else options.device
+        scenes.plain_sdf_lights(bpy.context.scene, samples, options.bounces, device)
         bpy.context.scene.sdf_lights.seed, bpy.context.scene.sdf_lights.lamp_sampling = seed, sampler
         return pictures.render()
 

@@ -21,11 +21,12 @@ import bpy
 import numpy as np
 
 import host
+from sdf_lights.render.settings import LampSampling
 
 from . import lamp_scenes, pictures, scenes
 from .progress import Progress
 from .resume import Parts
-from .throughput import GPU_SAMPLING, LAMP_SCENES
+from .throughput import LAMP_SCENES
 
 HELP = "what the GPU's path tracer could gain as a wavefront, and what that costs"
 
@@ -107,7 +108,7 @@ def changed(change):
 
 def _render(samples: int, bounces: int) -> pictures.Picture:
     scenes.plain_sdf_lights(bpy.context.scene, samples, bounces, "GPU")
-    bpy.context.scene.sdf_lights.lamp_sampling = GPU_SAMPLING
+    bpy.context.scene.sdf_lights.lamp_sampling = LampSampling.CUT.value
     return pictures.render()
 
 

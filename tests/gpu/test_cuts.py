@@ -16,14 +16,18 @@ from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import lamps as gpu_lamps
 from sdf_lights.render.gpu.program import GpuScene
 from sdf_lights.render.gpu.translate import BLOCK, FLOAT, VECTOR, WORKSPACE, Value, known
+from sdf_lights.sdf.expression import Expression
 from tests import scenes
 from tests.chi2 import chi2_sphere, sphere_integral
 from tests.emitter.test_cut import POINTS, SHAPES, unit
 from tests.gpu.support import GROUP, device_or_skip
+from tests.gpu.test_session import balls
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
 ALL = 0.0  # tolerance
+TRACED = {  # by boxes of parts, and by a program that is written out
+    **SHAPES, "balls": Expression(f"union({balls(12)})").shape(), "shell": Expression("box(0.5) - sphere(0.6)").shape()}
 
 
 @kernel(cache=False)
@@ -145,17 +149,17 @@ def on_gpu(shape, numbers: np.ndarray) -> np.ndarray:
     return found.submit(run).result()
 
 
-@pytest.mark.parametrize("shape", ["torus", "nested"])
+@pytest.mark.parametrize("shape", ["torus", "nested", "balls", "shell"])
 def test_the_gpu_draws_what_the_cpu_does(shape):
     """The same directions but where rounding takes another way, and the same densities but where a ray grazes an edge."""
     rng = np.random.default_rng(7)
     for x, n in POINTS.values():
-        here = FlatCut(SHAPES[shape], x, n)
+        here = FlatCut(TRACED[shape], x, n)
         u = rng.random((512, 3)).astype(np.float32).astype(float)
         d = rng.normal(size=(512, 3)) + 2.0 * here.sample(u)
         d = (d / np.linalg.norm(d, axis=1, keepdims=True)).astype(np.float32).astype(float)
         arguments = np.concatenate([np.tile([*x, *unit(n)], (512, 1)), u, d], axis=1)
-        there = on_gpu(SHAPES[shape], arguments)
+        there = on_gpu(TRACED[shape], arguments)
         assert np.allclose(np.linalg.norm(there[:, :3], axis=1), 1.0, atol=1e-5)
         alike = np.abs(there[:, :3] - here.sample(u)).max(1) < 1e-3
         assert alike.mean() > 0.6  # draws that are repeated take other numbers

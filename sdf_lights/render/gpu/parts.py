@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of a union, each with its box: a ray is followed through the parts whose boxes it meets.
+"""How rays are traced through a closed lamp of several parts.
 
-On the CPU rays walk through the interior tree. Here threads that go together take as many steps as the longest of their
-walks, and a step is all that any of them may do; to test a box is a small part of that.
+On the CPU they walk through the interior tree. Here threads that go together take as many steps as the longest of their
+walks, and a step is all that any of them may do. So of a union with many parts a thread tests all their boxes, which is
+little, and follows the ray through the parts whose boxes it meets; a short program is written out.
 """
 
 from __future__ import annotations
@@ -11,13 +12,15 @@ from __future__ import annotations
 import numpy as np
 
 from ...affine import inverse
-from ...emitter.intervals import _combine, solve
+from ...emitter.intervals import _combine, _write_spans, solve
 from ...emitter.lamps import instructions
-from ...emitter.membership import UNION
+from ...emitter.membership import DIFFERENCE, INTERSECTION, UNION
 from ...emitter.primitives import box_span
 from ...jit import kernel, table
-from ...sdf.program import Op
+from ...sdf.program import INSTRUCTION, Op
 from ...vec import sub, vec
+from .layout import layout_of
+from .translate import INT, Native, Value, known
 
 # A part of a closed lamp: its instructions, which follow one another, and its box in tree space.
 PART = np.dtype([("first", np.int64), ("count", np.int64), ("center", np.float64, (3,)), ("half", np.float64, (3,))])
@@ -121,3 +124,87 @@ def solve_all(block, row, p, d, spans):
                 spans[k, 0], spans[k, 1] = spans[count + more + k, 0], spans[count + more + k, 1]
             count = merged
     return count
+
+
+@kernel
+def combine_two(spans, first, count_first, second, count_second, op, out):
+    """``intervals._combine`` of two sets of at most one interval each, without a loop; not for ``EXCLUSIVE``."""
+    a, b = (spans[first, 0], spans[first, 1]) if count_first > 0 else (np.inf, np.inf)
+    c, d = (spans[second, 0], spans[second, 1]) if count_second > 0 else (np.inf, np.inf)
+    if op == INTERSECTION:
+        spans[out, 0], spans[out, 1] = max(a, c), min(b, d)
+        return 1 if count_first > 0 and count_second > 0 and max(a, c) < min(b, d) else 0
+    if op == DIFFERENCE:
+        left, right = a < min(b, c), max(a, d) < b
+        spans[out, 0], spans[out, 1] = a if left else max(a, d), min(b, c) if left else b
+        spans[out + 1, 0], spans[out + 1, 1] = max(a, d), b
+        return (1 if left else 0) + (1 if right else 0)
+    apart = b < c or d < a
+    low, high = (b, d) if a < c else (d, b)
+    spans[out, 0], spans[out, 1] = min(a, c), low if apart else max(b, d)
+    spans[out + 1, 0], spans[out + 1, 1] = max(a, c), high
+    return (1 if count_first > 0 or count_second > 0 else 0) + (1 if apart and count_first > 0 and count_second > 0 else 0)
+
+
+def rows_written_out(program: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
+    """Rows of ``spans`` for a program that is written out, and of each instruction its first row and most intervals."""
+    places, stack, used = [], [], 0
+    for index, row in enumerate(program):
+        if row["arity"] == 0:
+            most = 2 if row["op"] == Op.TORUS else 1
+        else:
+            second, first = stack.pop(), stack.pop()
+            most = first + second - (1 if row["op"] == Op.INTERSECTION else 0)
+        stack.append(most)
+        places.append((used, most))
+        used += most
+    # What is left at the end is where ``solve`` has it.
+    first, most = places[-1]
+    places = [(place + most, count) for place, count in places[:-1]] + [(0, most)]
+    return used, places
+
+
+class WrittenOut:
+    """A short program as a function without the loop of ``intervals.solve``, in its place: each step does no more than what
+    its instruction says."""
+
+    MOST = 8  # instructions: compilers put the function wherever a ray is traced
+
+    def __init__(self, program: np.ndarray):
+        self.program = program
+        self.rows, self._places = rows_written_out(program)
+
+    @classmethod
+    def of(cls, built: list) -> WrittenOut | None:
+        """For a scene with one program of several instructions, that is short."""
+        programs = [lamp.program for lamp in built if len(lamp.program) and lamp.tree is not None]
+        if len(programs) != 1:
+            return None
+        ops = set(programs[0]["op"].tolist())
+        few = 1 < len(programs[0]) <= cls.MOST and not len(parts_of(programs[0])) and not ops & {Op.SPONGE, Op.EXCLUSIVE}
+        return cls(programs[0]) if few else None
+
+    def native(self, first: int) -> Native:
+        """For the translator. ``first``: index of the first instruction in the table of the scene."""
+
+        def call(function, arguments):
+            program, o, d, spans = arguments
+
+            def said(kernel, *given) -> Value:
+                name, result = function.translator.function(kernel, list(given))
+                return Value(INT, function.temporary(INT, f"{name}({', '.join(function.passed(list(given)))})"))
+
+            size, stack = layout_of(INSTRUCTION, "").size, []
+            for index, (row, (place, most)) in enumerate(zip(self.program, self._places)):
+                if row["arity"] == 0:
+                    own = function.translator.tables.row(
+                        "lamp_instructions", first + index, f"{program.text} + {size * index}")
+                    count = said(_write_spans, own, o, d, spans, known(place))
+                else:
+                    (second, count_second, most_second), (one, count_one, most_one) = stack.pop(), stack.pop()
+                    count = said(combine_two if max(most_one, most_second) == 1 else _combine, spans, known(one), count_one,
+                                 known(second), count_second, known(int(row["op"])), known(place))
+                stack.append((place, count, most))
+            return stack[0][1]
+
+        return Native(call)

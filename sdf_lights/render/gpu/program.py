@@ -9,9 +9,8 @@ import pathlib
 
 import numpy as np
 
-from ...emitter import bounding, crossings, cut, emission, fields, hashing, interior, surfaces
+from ...emitter import bounding, crossings, cut, emission, fields, hashing, interior, intervals, surfaces
 from ...emitter import lamps as emitter_lamps
-from ...emitter.intervals import rows_needed
 from ...jit import stack_array
 from ...sdf import read_glsl
 from ..cpu import camera, geometry, integrator, lamp_tree, lights, path, rays, sampler, shading
@@ -171,11 +170,14 @@ class GpuScene:
         rows = tables["lamps"]
         found = np.zeros(len(rows), parts.FIELD)
         numbers, used = [tables["lamp_parameters"]], len(tables["lamp_parameters"])
+        self.written_out = parts.WrittenOut.of(self.lamps)
         pieces, first_part = [np.zeros(0, parts.PART)], 0
         for index, (row, field, source) in enumerate(zip(rows, found, sources)):
             row["direct"] = row["instruction_count"] > 0
             row["first_term"] = index
             if row["kind"] == emitter_lamps.CLOSED:
+                if self.written_out is not None:
+                    self._first_written_out = int(row["first_instruction"])
                 pieces.append(parts.parts_of(self.lamps[index].program))
                 field["first_part"], field["part_count"] = first_part, len(pieces[-1])
                 first_part += len(pieces[-1])
@@ -215,11 +217,13 @@ class GpuScene:
         rows = [FIELD_INTERVALS + 1]
         for lamp in self.lamps:
             if lamp.row["kind"][0] != emitter_lamps.FIELD:
-                needed = rows_needed(lamp.program)[0]
+                needed = intervals.rows_needed(lamp.program)[0]
                 if needed > MOST_ROWS:
                     raise DeviceError(f"lamp “{lamp.name}” has too many parts: a ray may need room for {needed} "
                                       f"intervals, and a thread has it for {MOST_ROWS}")
                 rows.append(needed + len(parts.parts_of(lamp.program)))
+        if self.written_out is not None:
+            rows.append(self.written_out.rows)
         counts = {
             "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1,
             "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, "light_cut": 1,
@@ -244,6 +248,8 @@ class GpuScene:
         if not self.lamps:
             chosen |= {inspect.unwrap(integrator.light_lamp): lamps.no_light,
                        inspect.unwrap(integrator.lamp_reach): lamps.no_reach}
+        if self.written_out is not None:
+            chosen[inspect.unwrap(intervals.solve)] = self.written_out.native(self._first_written_out)
         return Translator(self.tables, chosen, ROUNDING)
 
     def assembled(self, translator: Translator, main: str) -> str:

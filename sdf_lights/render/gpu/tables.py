@@ -56,6 +56,7 @@ class Tables:
                 else:
                     used += sizes[name]
         self._values: dict[tuple[str, str], frozenset | None] = {}
+        self._rows: dict[str, np.ndarray] = {}  # rows of which more is known
 
     # For the translator
 
@@ -94,13 +95,21 @@ class Tables:
             rows = "0"
         return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), f"scene.{name}_start", count=rows)
 
+    def row(self, name: str, index: int, text: str) -> Value:
+        """A row of a table that is known to be that with this index, of which more is known than of all of them."""
+        array = self._tables[name][index:index + 1]
+        own = f"{name}_{index}"
+        self._rows[own] = array
+        return Value(Ref(layout_of(array.dtype, own), reader=self.reader(name)), text)
+
     def values(self, layout: Record, name: str) -> frozenset | None:
         """Values that an integer field of a table has in this scene, if they are few."""
-        if layout.packed or layout.name not in self._tables:
+        table = self._rows.get(layout.name, self._tables.get(layout.name))
+        if layout.packed or table is None:
             return None
         key = layout.name, name
         if key not in self._values:
-            column = self._tables[layout.name][name]
+            column = table[name]
             found = None
             if column.dtype.kind in "iu" and column.ndim == 1 and len(column):
                 different = np.unique(column)
