@@ -4,16 +4,19 @@
 sampling.
 
 The ways take turns with one seed after the other; the error is the relative variance of a pixel between seeds, for which no
-reference is needed. A sample's time is the further seconds of a longer render against a short one.
+reference is needed. A sample's time is the further seconds of a longer render against a short one. With bounces there are cuts,
+too, where the GPU has none by default.
 """
 
 from __future__ import annotations
 
+import importlib
 import statistics
 
 import bpy
 import numpy as np
 
+import host
 from sdf_lights.render.settings import LampSampling
 
 from . import errors, lamp_scenes, pictures, scenes, some_of
@@ -61,6 +64,7 @@ def measure(name: str, options) -> dict:
 
 
 def run(options) -> tuple[dict, list[dict]]:
+    importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.program").CUT_BOUNCES = options.bounces
     progress, rows = Progress(len(options.scenes)), []
     for name in options.scenes:
         progress.show(name)

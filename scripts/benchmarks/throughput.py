@@ -5,8 +5,8 @@
 Boxes and a glossy sphere lit by one point light, direct light only and with four bounces. The engines take turns; a
 rate is the number of further samples over the further time of a long render against a short one, so that no engine's
 start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too, and all three render the lamp scenes, where
-GPU and CPU have the same settings: paths that do not divide, every pixel as many samples, lamps by cuts, the default of both, and in
-another turn by projection with MIS.
+GPU and CPU have the same settings: paths that do not divide, every pixel as many samples, lamps by cuts, the
+default of both, and in another turn by projection with MIS.
 """
 
 from __future__ import annotations

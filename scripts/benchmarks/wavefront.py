@@ -108,7 +108,7 @@ def changed(change):
 
 def _render(samples: int, bounces: int) -> pictures.Picture:
     scenes.plain_sdf_lights(bpy.context.scene, samples, bounces, "GPU")
-    bpy.context.scene.sdf_lights.lamp_sampling = LampSampling.CUT.value
+    bpy.context.scene.sdf_lights.lamp_sampling = LampSampling.MIS.value
     return pictures.render()
 
 

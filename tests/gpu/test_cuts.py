@@ -127,7 +127,9 @@ def on_gpu(shape, numbers: np.ndarray) -> np.ndarray:
     found = device_or_skip()
     scene = scenes.SCENES["torus_room"](8, 6)
     scene.lamps = [dataclasses.replace(scene.lamps[0], shape=shape, matrix=np.eye(4))]
+    scene.settings.max_bounces = 0  # else the GPU has none
     packed = GpuScene(scene, Film(scene, ()))
+    assert packed.cuts
     translator = packed.translator()
     name, value = translator.function(drawn, [
         known(BLOCK), known(WORKSPACE), *(Value(VECTOR, text) for text in ("x", "n", "u", "d"))])

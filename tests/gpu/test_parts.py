@@ -19,7 +19,8 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 BLOCK = block_dtype({"lamp_instructions": INSTRUCTION, "lamp_fields": parts.FIELD, "lamp_parts": parts.PART})
 SHAPES = {
     "balls": f"union({balls(12)})",
-    "kinds": "union(translate(box(0.2, 0.1, 0.3), -1, 0, 0), rotate_x(torus(0.3, 0.1), 40), translate(capsule(0.1, 0.5), 1, 0, 0),"
+    "kinds": "union(translate(box(0.2, 0.1, 0.3), -1, 0, 0), rotate_x(torus(0.3, 0.1), 40),"
+             " translate(capsule(0.1, 0.5), 1, 0, 0),"
              " translate(cylinder(0.2, 0.5), 0, 1, 0), translate(rotate_y(cone(0.3, 0.6), 70), 0, -1, 0))",
     "nested": "union(translate(box(0.3) - sphere(0.36), -1, 0, 0), sphere(0.3), translate(sphere(0.3) & box(0.25), 1, 0, 0),"
               " union(translate(sphere(0.2), 0, 0, 0.4), translate(menger_sponge(0.3, 2), 0, 1, 0)))"}

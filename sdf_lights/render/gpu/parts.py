@@ -95,7 +95,8 @@ def parts_of(program: np.ndarray) -> np.ndarray:
     reach = np.abs(corners[np.isfinite(corners)]).max(initial=0.0)
     corners = np.clip(corners, -4.0 * reach - 1.0, 4.0 * reach + 1.0)  # of a half space
     rows["first"], rows["count"] = [first for first, _, _ in found], [count for _, count, _ in found]
-    rows["center"], rows["half"] = corners.mean(axis=1), 0.5 * (corners[:, 1] - corners[:, 0]) * (1.0 + ROOM) + ROOM * reach
+    rows["center"] = corners.mean(axis=1)
+    rows["half"] = 0.5 * (corners[:, 1] - corners[:, 0]) * (1.0 + ROOM) + ROOM * reach
     return rows
 
 
@@ -143,7 +144,9 @@ def combine_two(spans, first, count_first, second, count_second, op, out):
     low, high = (b, d) if a < c else (d, b)
     spans[out, 0], spans[out, 1] = min(a, c), low if apart else max(b, d)
     spans[out + 1, 0], spans[out + 1, 1] = max(a, c), high
-    return (1 if count_first > 0 or count_second > 0 else 0) + (1 if apart and count_first > 0 and count_second > 0 else 0)
+    if count_first > 0 and count_second > 0:
+        return 2 if apart else 1
+    return 1 if count_first > 0 or count_second > 0 else 0
 
 
 def rows_written_out(program: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
@@ -165,8 +168,7 @@ def rows_written_out(program: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
 
 
 class WrittenOut:
-    """A short program as a function without the loop of ``intervals.solve``, in its place: each step does no more than what
-    its instruction says."""
+    """A short program without the loop of ``intervals.solve``: each step does no more than what its instruction says."""
 
     MOST = 8  # instructions: compilers put the function wherever a ray is traced
 
@@ -202,8 +204,9 @@ class WrittenOut:
                     count = said(_write_spans, own, o, d, spans, known(place))
                 else:
                     (second, count_second, most_second), (one, count_one, most_one) = stack.pop(), stack.pop()
-                    count = said(combine_two if max(most_one, most_second) == 1 else _combine, spans, known(one), count_one,
-                                 known(second), count_second, known(int(row["op"])), known(place))
+                    combine = combine_two if max(most_one, most_second) == 1 else _combine
+                    count = said(combine, spans, known(one), count_one, known(second), count_second,
+                                 known(int(row["op"])), known(place))
                 stack.append((place, count, most))
             return stack[0][1]
 

@@ -33,6 +33,9 @@ FIELD_INTERVALS = 16  # of a ray in a lamp whose field is a formula
 FIELD_STEPS = 400
 MOST_ROWS = 1024  # of intervals that a thread has room for: 8 kB
 PRINCIPLED_CLOSURES = 7
+# Bounces up to which lamps are sampled by cuts: with more, most noise is not theirs, and threads wait for them at
+# every bounce.
+CUT_BOUNCES = 0
 TEXTURE_BITS = 14  # a row of a texture is so wide: what OpenGL 4.3 allows everywhere
 
 # Numbers of the CPU's kernels that stand for the rounding of float64, in float32.
@@ -94,8 +97,8 @@ def _plain(kernel):
     return inspect.unwrap(kernel)
 
 
-def natives(cuts: bool, one_emitter: bool = False) -> dict:
-    """Kernels that have GLSL of their own, or other kernels in their place."""
+def natives(cuts: bool, one_emitter: bool = False, project: bool = False) -> dict:
+    """Kernels that have GLSL of their own, or other kernels in their place. ``project``: where cuts are asked for."""
     found = {
         sampler.pixel_seed: Native("pixel_seed", UINT), sampler.draw1: Native("draw1", FLOAT),
         sampler.draw2: Native("draw2", Tuple((FLOAT,) * 2)), sampler.draw3: Native("draw3", VECTOR),
@@ -118,6 +121,8 @@ def natives(cuts: bool, one_emitter: bool = False) -> dict:
                   bounding.density: lamps.no_bounding_density}
     else:
         found |= {cut.sample: lamps.sample, cut.density: lamps.density}
+    if project:
+        found[integrator.prepare_lamp] = lamps.prepare_lamp
     return {_plain(kernel): value for kernel, value in found.items()}
 
 
@@ -139,7 +144,8 @@ class GpuScene:
         self.lamps = built
         emitters = emitter_tables(scene, built, emissive_triangles(scene, materials["materials"]))
         self._place_fields(emitters, sources)
-        self.cuts = scene.settings.lamp_sampling is LampSampling.CUT
+        self.asked_for_cuts = scene.settings.lamp_sampling is LampSampling.CUT
+        self.cuts = self.asked_for_cuts and scene.settings.max_bounces <= CUT_BOUNCES
         if self.cuts:
             emitters |= cut.pack_cuts(built, sources)
             emitters["lamp_boxes"] = lamps.flat_boxes(emitters)
@@ -244,7 +250,7 @@ class GpuScene:
 
     def translator(self) -> Translator:
         """What reads kernels as GLSL for this scene."""
-        chosen = natives(self.cuts, self.one_emitter)
+        chosen = natives(self.cuts, self.one_emitter, self.asked_for_cuts and not self.cuts)
         if not self.lamps:
             chosen |= {inspect.unwrap(integrator.light_lamp): lamps.no_light,
                        inspect.unwrap(integrator.lamp_reach): lamps.no_reach}

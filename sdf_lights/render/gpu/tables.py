@@ -21,7 +21,7 @@ SECOND = "second_"  # likewise, of those for which the buffer has no room
 NEAR_WORDS = 3072  # of all of them: OpenGL has room for 4096 everywhere
 SECOND_BINDING = 4
 SMALL = 256  # words of a table that may be there
-LARGE = frozenset({"lamp_boxes", "lamp_parts"})  # tables that all threads read from end to end: there whatever their size
+LARGE = frozenset({"lamp_boxes", "lamp_parts"})  # tables that all threads read from end to end: there if they fit
 BUFFERED = frozenset({"lamp_fields", "lamp_parameters", "sobol"})  # tables that shaders written by hand look for in the buffer
 
 
@@ -43,7 +43,8 @@ class Tables:
         self._single = {name for name in sizes if len(tables[name]) == 1 and tables[name].dtype.names}
         # Places in programs come first, what is large last.
         for name in sorted(sizes, key=lambda name: (name not in self._single, name in LARGE)):
-            if (name in self._single or 0 < sizes[name] and (sizes[name] <= SMALL or name in LARGE)) and used + sizes[name] <= NEAR_WORDS:
+            wanted = name in self._single or 0 < sizes[name] and (sizes[name] <= SMALL or name in LARGE)
+            if wanted and used + sizes[name] <= NEAR_WORDS:
                 self._near[name] = used
                 used += sizes[name]
         self._single &= set(self._near)
