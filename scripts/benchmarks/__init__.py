@@ -21,7 +21,7 @@ import host
 sys.path.insert(0, str(host.REPOSITORY))
 
 NAMES = ("throughput", "startup", "intervals", "builds", "estimators", "lamps", "cycles", "paper", "scaling", "wavefront",
-         "gpucuts",          "viewport", "hard", "check")
+         "gpucuts", "viewport", "hard", "check")
 
 
 def some_of(known):

@@ -30,9 +30,9 @@ FEW = 4
 
 
 def arguments(parser) -> None:
-    parser.add_argument("--scenes", type=some_of(lamp_scenes.SCENES), default=["S1", "S3", "S5"],
-                        help="of the lamp scenes, with commas between")
-    parser.add_argument("--bounces", type=int, default=0, help="of paths")
+    parser.add_argument("--cut-scenes", metavar="SCENES", type=some_of(lamp_scenes.SCENES),
+                        help="of the lamp scenes, with commas between (default: S1,S3,S5; S1 in the quick form)")
+    parser.add_argument("--cut-bounces", type=int, default=0, help="of light")
 
 
 def measure(name: str, options) -> dict:
@@ -42,7 +42,7 @@ def measure(name: str, options) -> dict:
 
     def render(sampler: str, samples: int, seed: int) -> pictures.Picture:
         device = "GPU" if options.device == "AUTOMATIC" else options.device
-        scenes.plain_sdf_lights(bpy.context.scene, samples, options.bounces, device)
+        scenes.plain_sdf_lights(bpy.context.scene, samples, options.cut_bounces, device)
         bpy.context.scene.sdf_lights.seed, bpy.context.scene.sdf_lights.lamp_sampling = seed, sampler
         return pictures.render()
 
@@ -64,11 +64,14 @@ def measure(name: str, options) -> dict:
 
 
 def run(options) -> tuple[dict, list[dict]]:
-    importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.program").CUT_BOUNCES = options.bounces
-    progress, rows = Progress(len(options.scenes)), []
-    for name in options.scenes:
+    program = importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.program")
+    usual, program.CUT_BOUNCES = program.CUT_BOUNCES, options.cut_bounces
+    names = options.cut_scenes or (["S1"] if options.quick else ["S1", "S3", "S5"])
+    progress, rows = Progress(len(names)), []
+    for name in names:
         progress.show(name)
         rows.append(measure(name, options))
         progress.step()
+    program.CUT_BOUNCES = usual
     progress.close()
     return dict(gpu_cut_gain=statistics.geometric_mean(row["gain"] for row in rows)), rows
