@@ -30,7 +30,7 @@ ENGINES = ("SDF Lights", "Cycles")
 ON_CPU = "SDF Lights on the CPU"  # takes turns, too, where the device is the GPU
 BY_PROJECTION = "SDF Lights, by projection", "SDF Lights on the CPU, by projection"
 BOUNCES = (0, 4)
-LAMP_SCENES = ("S1", "S2", "S3", "S4", "S5")
+LAMP_SCENES = (*lamp_scenes.THE_FIVE, "blob")  # the last has no closed form
 
 
 def _engines(options) -> tuple[str, ...]:
@@ -98,9 +98,9 @@ def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
 def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
     """Samples a second of the GPU, of Cycles, for which lamps are volumes, and of the CPU: direct light, by the same
     estimators on GPU and CPU, which are cuts, and projection with MIS."""
-    size = 128 if options.quick else 256
+    size = 128
     few, many = (1, 5) if options.quick else (4, 36)
-    repeats = options.repeats or (1 if options.quick else 3)
+    repeats = options.repeats or (1 if options.quick else 5)
     rows, ratios, ratios_by_projection = [], [], []
     engines = (*_engines(options), *BY_PROJECTION)
     for name in LAMP_SCENES[:1] if options.quick else LAMP_SCENES:

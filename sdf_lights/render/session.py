@@ -79,7 +79,7 @@ def choose_back_end(scene: Scene):
 
 
 def wants_gpu(settings: Settings) -> bool:
-    """Whether to try the GPU: it has to be asked for, since it samples lamps less well than the CPU (docs/gpu.md)."""
+    """Whether to try the GPU: it has to be asked for, until it has been run on graphics cards (docs/gpu.md)."""
     return jit.AVAILABLE and settings.device is Device.GPU
 
 
