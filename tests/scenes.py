@@ -395,6 +395,15 @@ def inside_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return scene
 
 
+def veiled(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """A sheet that scatters half of the light and lets the rest pass, close under a lamp and close over the floor."""
+    scene = room(width, height)
+    veil = Node("mix_closure", {"factor": 0.5, "a": Node("diffuse", {"color": (0.8, 0.7, 0.5)}), "b": Node("transparent")})
+    add(scene, 0, translation(0.0, 0.0, 0.25) @ scaling(1.5, 1.5, 1.0), Material("veil", veil))
+    scene.lamps.append(torus_lamp(z=0.75))
+    return scene
+
+
 def transparent(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """Cut-out alpha, tinted transparent and translucent sheets, and a transparent film."""
     scene = room(width, height, transparent_film=True)
@@ -446,4 +455,4 @@ def orthographic(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 SCENES = {builder.__name__: builder for builder in (
     torus_room, blender_lights, world_color, environment, emissive_mesh, glossy_metal, glass, textured, instances,
-    frame_lamp, field_lamps, varying_lamps, inside_lamp, transparent, depth_of_field, panorama, orthographic)}
+    frame_lamp, field_lamps, varying_lamps, inside_lamp, veiled, transparent, depth_of_field, panorama, orthographic)}

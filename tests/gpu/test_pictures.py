@@ -112,6 +112,11 @@ def test_lamp_in_a_room_where_cuts_do_not_pay():
 
 
 @pytest.mark.slow
+def test_light_through_a_veil_where_cuts_do_not_pay():
+    compare_cuts("veiled", None)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [
     name for name in scenes.SCENES if name != "torus_room" and scenes.SCENES[name](8, 6).lamps])
 def test_scene_by_cuts(name):

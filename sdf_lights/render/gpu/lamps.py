@@ -159,7 +159,8 @@ def prepare_lamp(block, workspace, lamp, x, n, both):
 
 @kernel
 def keep_lamp(block, workspace, lamp):
-    """In the place of ``integrator.renew_lamp``, where one emitter gives all the light: the light ray has its cut."""
+    """In the place of ``integrator.renew_lamp``, where one emitter gives all the light and no ray passes a surface that
+    scatters: the cut is that of the last light ray."""
 
 
 @kernel

@@ -113,8 +113,7 @@ def natives(cuts: bool, one_emitter: bool = False, project: bool = False) -> dic
         integrator.cut_of: _only_row("lamp_cuts"), integrator.light_cut_of: _only_row("light_cut"),
         lamp_tree.lamps_along: lamps.lamps_along, lights.tree._prepare: lamps.prepare_light_cut}
     if one_emitter:
-        found |= {lights.tree.select: lamps.select_only, lights.tree.selection_probability: lamps.only_probability,
-                  integrator.renew_lamp: lamps.keep_lamp}
+        found |= {lights.tree.select: lamps.select_only, lights.tree.selection_probability: lamps.only_probability}
     if cuts:
         found |= {cut.prepare: lamps.prepare, surfaces.sample: lamps.no_surface_direction,
                   surfaces.density: lamps.no_surface_density, bounding.sample: lamps.no_bounding_direction,
@@ -251,6 +250,8 @@ class GpuScene:
     def translator(self) -> Translator:
         """What reads kernels as GLSL for this scene."""
         chosen = natives(self.cuts, self.one_emitter, self.asked_for_cuts and not self.cuts)
+        if self.one_emitter and not self.scalars["transparent_shadows"]:
+            chosen[inspect.unwrap(integrator.renew_lamp)] = lamps.keep_lamp
         if not self.lamps:
             chosen |= {inspect.unwrap(integrator.light_lamp): lamps.no_light,
                        inspect.unwrap(integrator.lamp_reach): lamps.no_reach}
