@@ -125,7 +125,7 @@ def _solid(boxes, k, whole, fill):
 
 
 @kernel
-def _put(boxes, k, entry, cells, index):
+def put(boxes, k, entry, cells, index):
     """Make a cell of the tree box k, below ``entry``. Returns whether it can be divided."""
     cell, whole = cells[index], cells[0].volume
     boxes.cell[k], boxes.entry[k] = index, entry
@@ -170,6 +170,22 @@ def _halve(boxes, k, other, entry, whole):
 
 
 @kernel
+def part_in_two(boxes, k, cells):
+    """Put the two parts of box k in its place and behind the last box. Returns whether each can be divided again."""
+    other, entry = boxes.count, boxes.entries
+    boxes.count += 1
+    boxes.entries += 2
+    boxes.first[boxes.entry[k]] = entry
+    cell = cells[boxes.cell[k]]
+    if cell.first < 0:
+        _halve(boxes, k, other, entry, cells[0].volume)
+        return True, True
+    boxes.axis[boxes.entry[k]] = cell.axis
+    first = put(boxes, k, entry, cells, cell.first)
+    return first, put(boxes, other, entry + 1, cells, cell.first + 1)
+
+
+@kernel
 def _set(boxes, k, normal, steps, splits, weight, even, uneven):
     """Note what box k gives, and how much dividing it can take of the variance: by geometry, and by its emission."""
     weight[k], variance = _rank(boxes, k, normal)
@@ -186,7 +202,7 @@ def _divide(block, place, normal, tolerance, limit, boxes):
     cells, steps = lamp_cells(block)[place.first_cell:], lamp_steps(block)[place.first_cell:]
     weight, even, uneven = stack_array(MOST_BOXES), stack_array(MOST_BOXES), stack_array(MOST_BOXES)
     boxes.count = boxes.entries = 1
-    _set(boxes, 0, normal, steps, _put(boxes, 0, 0, cells, 0), weight, even, uneven)
+    _set(boxes, 0, normal, steps, put(boxes, 0, 0, cells, 0), weight, even, uneven)
     while True:
         total, left, rough, worst, most = 0.0, 0.0, 0.0, 0, -1.0
         for k in range(boxes.count):
@@ -198,18 +214,8 @@ def _divide(block, place, normal, tolerance, limit, boxes):
         boxes.variance, boxes.rough = (left / total, rough / total) if total > 0.0 else (0.0, 0.0)
         if left + rough <= tolerance * total or boxes.count >= limit:
             return
-        other, entry = boxes.count, boxes.entries
-        boxes.count += 1
-        boxes.entries += 2
-        boxes.first[boxes.entry[worst]] = entry
-        cell = cells[boxes.cell[worst]]
-        if cell.first < 0:
-            _halve(boxes, worst, other, entry, cells[0].volume)
-            first = second = True
-        else:
-            boxes.axis[boxes.entry[worst]] = cell.axis
-            first = _put(boxes, worst, entry, cells, cell.first)
-            second = _put(boxes, other, entry + 1, cells, cell.first + 1)
+        other = boxes.count
+        first, second = part_in_two(boxes, worst, cells)
         _set(boxes, worst, normal, steps, first, weight, even, uneven)
         _set(boxes, other, normal, steps, second, weight, even, uneven)
 

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from ...emitter import cut as cuts
-from ...emitter.cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, _halve, _put, spread_variance
+from ...emitter.cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, part_in_two, put, spread_variance
 from ...emitter.cut_tables import placements
 from ...emitter.emission import GOLDEN, lamp_glows, place_point, point_count
 from ...emitter.lamps import direction_pdf, lamps, sample_direction
@@ -67,7 +67,7 @@ def divide(place, cells, steps, limit, boxes):
             boxes.metric[axis, other] = place.metric[axis, other] / place.extent
     urgent = np.empty(limit)
     boxes.count = boxes.entries = 1
-    urgent[0] = 1.0 if _put(boxes, 0, 0, cells, 0) else 0.0
+    urgent[0] = 1.0 if put(boxes, 0, 0, cells, 0) else 0.0
     while boxes.count < limit:
         worst = 0
         for k in range(boxes.count):
@@ -75,18 +75,8 @@ def divide(place, cells, steps, limit, boxes):
                 worst = k
         if urgent[worst] <= 0.0:
             break
-        other, entry = boxes.count, boxes.entries
-        boxes.count += 1
-        boxes.entries += 2
-        boxes.first[boxes.entry[worst]] = entry
-        cell = cells[boxes.cell[worst]]
-        if cell.first < 0:
-            _halve(boxes, worst, other, entry, cells[0].volume)
-            first = second = True
-        else:
-            boxes.axis[boxes.entry[worst]] = cell.axis
-            first = _put(boxes, worst, entry, cells, cell.first)
-            second = _put(boxes, other, entry + 1, cells, cell.first + 1)
+        other = boxes.count
+        first, second = part_in_two(boxes, worst, cells)
         urgent[worst] = boxes.volume[worst] * boxes.fill[worst] * boxes.extent[worst] if first else 0.0
         urgent[other] = boxes.volume[other] * boxes.fill[other] * boxes.extent[other] if second else 0.0
     total, rough = 0.0, 0.0
