@@ -149,7 +149,7 @@ def pictures(file: pathlib.Path, methods: list[str], path: pathlib.Path) -> list
         own = "reference of the mesh light"
         truth = images[own if method == "Cycles mesh light" and own in images else "reference"]
         panels[0, column].imshow(_shown(images[method]))
-        panels[0, column].set_title(METHODS[method][0], fontsize=9)
+        panels[0, column].set_title(METHODS[method][0].replace(": ", ":\n"), fontsize=9)
         shown = panels[1, column].imshow(np.clip(_error(images[method], truth), *ERRORS), norm=LogNorm(*ERRORS),
                                          cmap="inferno")
     for panel in panels.flat:

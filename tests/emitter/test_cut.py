@@ -32,7 +32,7 @@ def _prepare(blocks, x, n, both, tolerance, limit, store, cuts):
 
 
 @kernel(cache=False)
-def _sample(blocks, x, spans, store, cuts, u):
+def sample(blocks, x, spans, store, cuts, u):
     out = np.empty((len(u), 3))
     for i in range(len(u)):
         out[i] = cut.sample(blocks[0], 0, x, spans, store, cuts[0], u[i, 0], u[i, 1], u[i, 2])
@@ -40,7 +40,7 @@ def _sample(blocks, x, spans, store, cuts, u):
 
 
 @kernel(cache=False)
-def _density(blocks, x, store, cuts, directions, spans):
+def density(blocks, x, store, cuts, directions, spans):
     out = np.empty(len(directions))
     for i in range(len(directions)):
         d = (directions[i, 0], directions[i, 1], directions[i, 2])
@@ -64,10 +64,10 @@ class Cut:
         return int(self.store["count"][slot]) if slot >= 0 else 0
 
     def sample(self, u):
-        return _sample(self.lamp.blocks, self.x, self.spans, self.store, self.rows, u)
+        return sample(self.lamp.blocks, self.x, self.spans, self.store, self.rows, u)
 
     def density(self, directions):
-        return _density(self.lamp.blocks, self.x, self.store, self.rows, np.ascontiguousarray(directions), self.spans)
+        return density(self.lamp.blocks, self.x, self.store, self.rows, np.ascontiguousarray(directions), self.spans)
 
 
 @pytest.fixture(scope="module")

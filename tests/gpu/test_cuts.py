@@ -19,7 +19,7 @@ from sdf_lights.render.gpu.translate import BLOCK, FLOAT, VECTOR, WORKSPACE, Val
 from sdf_lights.sdf.expression import Expression
 from tests import scenes
 from tests.chi2 import chi2_sphere, sphere_integral
-from tests.emitter.test_cut import POINTS, SHAPES, unit
+from tests.emitter.test_cut import POINTS, SHAPES, density, sample, unit
 from tests.gpu.support import GROUP, device_or_skip
 from tests.gpu.test_session import balls
 
@@ -35,23 +35,6 @@ def _prepare(blocks, x, n, store, rows):
     gpu_lamps.prepare(blocks[0], 0, x, n, 0, ALL, gpu_lamps.LIMIT, store, rows[0])
 
 
-@kernel(cache=False)
-def _sample(blocks, x, spans, store, rows, u):
-    out = np.empty((len(u), 3))
-    for i in range(len(u)):
-        out[i] = cut.sample(blocks[0], 0, x, spans, store, rows[0], u[i, 0], u[i, 1], u[i, 2])
-    return out
-
-
-@kernel(cache=False)
-def _density(blocks, x, spans, store, rows, directions):
-    out = np.empty(len(directions))
-    for i in range(len(directions)):
-        d = (directions[i, 0], directions[i, 1], directions[i, 2])
-        out[i] = cut.density(blocks[0], 0, d, store, rows[0], spans, lamps.trace(blocks[0], 0, x, d, spans))
-    return out
-
-
 class FlatCut:
     """The cut of a lamp for a point, on the CPU."""
 
@@ -62,11 +45,11 @@ class FlatCut:
         _prepare(self._lamp.blocks, self._x, unit(n), self.store, self.rows)
 
     def sample(self, u):
-        return _sample(self._lamp.blocks, self._x, self._spans, self.store, self.rows, np.ascontiguousarray(u, float))
+        return sample(self._lamp.blocks, self._x, self._spans, self.store, self.rows, np.ascontiguousarray(u, float))
 
     def density(self, directions):
-        return _density(self._lamp.blocks, self._x, self._spans, self.store, self.rows,
-                        np.ascontiguousarray(directions, float))
+        return density(self._lamp.blocks, self._x, self.store, self.rows, np.ascontiguousarray(directions, float),
+                       self._spans)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
