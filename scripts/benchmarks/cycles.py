@@ -18,7 +18,7 @@ import statistics
 import numpy as np
 
 from . import errors, lamp_scenes, methods
-from .methods import METRICS, PAPER, Method, of_scenes
+from .methods import METRICS, Method, of_scenes
 
 HELP = "error against time of full renders: samplers, Cycles' volumes, Cycles' mesh lights"
 
@@ -48,8 +48,9 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     ours = [Method(name, name, plain=place > 0) for place, name in enumerate(options.samplers)]
     volume, surface = Method(VOLUMES), Method(SURFACES, surfaces=True)
     peers = [volume, surface] if options.cycles else []
-    truth = methods.reference_of_scene(bounces, options)
-    surface_truth = methods.reference_of_scene(bounces, options, SURFACES)
+    by_paper, by_surfaces = methods.by_paper(), Method(SURFACES, surfaces=True)
+    truth = methods.reference_of_scene(by_paper, bounces, options)
+    surface_truth = methods.reference_of_scene(by_surfaces, bounces, options)
 
     def told(what: str) -> None:
         progress.show(f"{scene}, {bounces} bounces, {what}")
@@ -59,18 +60,17 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     told("equal time")
     methods.fill_time([*ours, *peers[1:]], target, seeds, bounces, options.device)
     same = [*ours, *peers[:1]]
-    by_paper, by_surfaces = Method(PAPER, PAPER, plain=True), Method(SURFACES, surfaces=True)
     methods.complete(truth, by_paper, same, bounces, options, told)
     judged = [(method, truth) for method in same]
     found = dict(scene=scene, bounces=bounces, seconds=target, samples=ladder[-1], reference=methods.doubt(truth, same),
-                 reference_renders=len(truth.renders), reference_seconds=methods.seconds_of(truth, by_paper, same))
+                 reference_renders=len(truth.renders), reference_seconds=truth.seconds)
     if peers:
         methods.complete(surface_truth, by_surfaces, [surface], bounces, options,
                          lambda what: told(f"mesh light's {what}"))
         judged.append((surface, surface_truth))
         found |= dict(surface_reference=methods.doubt(surface_truth, [surface]),
                       surface_reference_renders=len(surface_truth.renders),
-                      surface_reference_seconds=methods.seconds_of(surface_truth, by_surfaces, [surface]),
+                      surface_reference_seconds=surface_truth.seconds,
                       surface_mape=errors.mape(surface_truth.pixels, truth.pixels),
                       surface_mean_ratio=float(surface_truth.pixels.mean() / truth.pixels.mean()))
     rows = [row for method, reference in judged for row in method.rows(scene, bounces, reference)]

@@ -36,7 +36,8 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     with_cycles = options.cycles and lamp_scenes.SCENES[scene].volumes
     denoised = [Method(f"{samplers[0]} denoised", samplers[0], True)] if with_cycles else []
     cycles = [Method("Cycles"), Method("Cycles denoised", denoise=True)] if with_cycles else []
-    reference = methods.reference_of_scene(bounces, options)
+    truth = methods.by_paper()
+    reference = methods.reference_of_scene(truth, bounces, options)
     for method in [*ours, *cycles]:
         method.render(1, bounces, 0, options.device)  # compiles, and fills caches
     for seed in range(repeats):
@@ -54,7 +55,7 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     progress.show(f"{scene}, {bounces} bounces, equal time")
     methods.fill_time(ours, target, repeats, bounces, options.device)
     judged = [*ours, *denoised, *cycles]
-    methods.complete(reference, Method(PAPER, PAPER, plain=True), judged, bounces, options,
+    methods.complete(reference, truth, judged, bounces, options,
                      lambda what: progress.show(f"{scene}, {bounces} bounces, {what}"))
 
     curves = {method.name: method.curve(reference) for method in judged}

@@ -28,7 +28,7 @@ from .resume import Parts
 BOUNCES = (0, 4)
 TARGET = 64  # samples of Cycles, whose time all methods get
 PAPER = "MIS"  # the sampler of Huang et al. 2026 with its balance heuristic, by our Sobol points
-REFERENCE_SAMPLES = 256  # of each render of a reference
+REFERENCE_SAMPLES, QUICK_REFERENCE_SAMPLES = 512, 64  # of each render of a reference
 CLEAR = 0.01  # error of a reference, as part of the least one that it judges, at which it is good enough
 METRICS = {"rel_mse": errors.rel_mse, "mape": errors.mape, "flip": errors.flip}
 
@@ -129,11 +129,25 @@ def picture_arguments(parser) -> None:
         "--pictures", type=pathlib.Path, metavar="FOLDER", help="keep pictures here, for ./scripts/report")
 
 
-def reference_of_scene(bounces: int, options, about: str = "") -> references.Reference:
-    """That of the open scene; ``about`` tells apart what lamps are shown as."""
+def by_paper() -> Method:
+    """The method that references of lamps are rendered by.
+
+    The paper's sampler of lamps, another one than ours. The rest is as good as we can: paths divide, and pixels that are
+    noisy take more samples, so the error is small in half the time.
+    """
+    return Method("reference", PAPER)
+
+
+def _reference_samples(options) -> int:
+    return QUICK_REFERENCE_SAMPLES if options.quick else REFERENCE_SAMPLES
+
+
+def reference_of_scene(truth: Method, bounces: int, options) -> references.Reference:
+    """That of the open scene, by the method ``truth``."""
     bpy.context.view_layer.update()
     version = (host.REPOSITORY / "blender_manifest.toml").read_text(encoding="utf-8")
-    reference = references.Reference(f"{references.fingerprint()} {bounces} {REFERENCE_SAMPLES} {version}{about}")
+    reference = references.Reference(
+        f"{references.fingerprint()} {truth.name} {bounces} {_reference_samples(options)} {version}")
     if options.fresh:
         reference.forget()
     return reference
@@ -150,16 +164,14 @@ def complete(reference: references.Reference, truth: Method, methods: list[Metho
     seconds = options.reference_seconds
     if seconds is None:
         seconds = 2.0 if options.quick else 60.0
-    spent = 0.0
+    before = reference.seconds
 
-    def render(seed: int) -> np.ndarray:
-        nonlocal spent
-        picture = truth.render(REFERENCE_SAMPLES, bounces, seed, options.device)
-        spent += picture.work / machine.cores()
-        return picture.pixels
+    def render(seed: int) -> tuple[np.ndarray, float]:
+        picture = truth.render(_reference_samples(options), bounces, seed, options.device)
+        return picture.pixels, picture.work / machine.cores()
 
     told("reference")
-    while len(reference.renders) < 2 or spent < seconds:
+    while len(reference.renders) < 2 or reference.seconds - before < seconds:
         if len(reference.renders) >= 2:
             part = doubt(reference, methods)
             told(f"reference, standard error {math.sqrt(part):.2f} of the least error, {math.sqrt(CLEAR):g} wanted")
@@ -171,16 +183,6 @@ def complete(reference: references.Reference, truth: Method, methods: list[Metho
 def doubt(reference: references.Reference, methods: list[Method]) -> float:
     """Error of a reference as part of the least that it judges."""
     return errors.rel_variance(reference.variance, reference.pixels) / least_error(reference, methods)
-
-
-def seconds_of(reference: references.Reference, truth: Method, methods: list[Method]) -> float | None:
-    """How long the renders of a reference take by ``truth``, at the rate of the same method among ``methods``."""
-    for method in methods:
-        if (method.sampler, method.denoise, method.plain, method.surfaces) == (
-                truth.sampler, truth.denoise, truth.plain, truth.surfaces) and len(method.pictures) > 1:
-            each, start = method.rate()
-            return len(reference.renders) * (start + REFERENCE_SAMPLES * each)
-    return None
 
 
 def take_turns(methods: list[Method], ladder, seeds: int, bounces: int, device: str,

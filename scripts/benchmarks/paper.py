@@ -24,7 +24,7 @@ from sdf_lights.render.settings import LampSampling
 from sdf_lights.sdf.expression import Expression
 
 from . import lamp_scenes, methods, paper_scenes, some_of
-from .methods import PAPER, Method
+from .methods import Method
 from .progress import Progress
 from .resume import Parts
 
@@ -94,7 +94,8 @@ def measure(name: str, options, progress) -> list[dict]:
     size = options.size or (64 if options.quick else 256)
     paper_scenes.SCENES[name].build(size)
     seeds = options.repeats or (1 if options.quick else 5)
-    truth = methods.reference_of_scene(0, options)
+    by_paper = methods.by_paper()
+    truth = methods.reference_of_scene(by_paper, 0, options)
     triangles = sum(len(mesh.loop_triangles) for mesh in _triangulated())
     ours = [Method(sampling.value, sampling.value, plain=True) for sampling in LampSampling]
 
@@ -102,7 +103,7 @@ def measure(name: str, options, progress) -> list[dict]:
         progress.show(f"{name}, {what}")
 
     methods.take_turns(ours, [SAMPLES], seeds, 0, options.device, told)
-    methods.complete(truth, Method(PAPER, PAPER, plain=True), ours, 0, options, told)
+    methods.complete(truth, by_paper, ours, 0, options, told)
     rows = [row | dict(triangles=triangles, reference=methods.doubt(truth, ours))
             for method in ours for row in method.rows(name, 0, truth)]
     if options.pictures:

@@ -38,27 +38,35 @@ class Reference:
         self.forget()
         if self._path.is_file():
             with np.load(self._path) as file:
-                for pixels in file["renders"].astype(float):
-                    self._note(pixels)
+                for pixels, seconds in zip(file["renders"].astype(float), file["seconds"]):
+                    self._note(pixels, float(seconds))
 
     def forget(self) -> None:
         """Begin anew; what is on disk stays until the first render is added."""
         self.renders: list[np.ndarray] = []
+        self._times: list[float] = []
         self._mean = self._squares = 0.0
 
-    def _note(self, pixels: np.ndarray) -> None:
+    def _note(self, pixels: np.ndarray, seconds: float) -> None:
         """Take a render into the mean and the sum of squares about it: there may be hundreds."""
         self.renders.append(pixels)
+        self._times.append(seconds)
         change = pixels - self._mean
         self._mean = self._mean + change / len(self.renders)
         self._squares = self._squares + change * (pixels - self._mean)
 
-    def add(self, render: Callable[[int], np.ndarray]) -> None:
-        """One more render, by a function of the seed; kept on disk at once."""
-        self._note(render(FIRST_SEED + len(self.renders)))
+    def add(self, render: Callable[[int], tuple[np.ndarray, float]]) -> None:
+        """One more render, by a function of the seed that also tells its time in seconds; kept on disk at once."""
+        self._note(*render(FIRST_SEED + len(self.renders)))
         part = self._path.with_suffix(".part.npz")
-        np.savez(part, renders=np.array(self.renders, np.float32))  # noise, which hardly gets smaller by compression
+        # Noise hardly gets smaller by compression.
+        np.savez(part, renders=np.array(self.renders, np.float32), seconds=np.array(self._times))
         os.replace(part, self._path)
+
+    @property
+    def seconds(self) -> float:
+        """How long all renders took."""
+        return sum(self._times)
 
     @property
     def pixels(self) -> np.ndarray:

@@ -56,7 +56,7 @@ def test_rows_have_the_band_of_the_seeds(tmp_path, monkeypatch):
     monkeypatch.setenv("SDF_LIGHTS_REFERENCES", str(tmp_path))
     reference = references.Reference("even")
     for _ in range(2):
-        reference.add(lambda seed: np.ones((4, 4, 3)))
+        reference.add(lambda seed: (np.ones((4, 4, 3)), 0.0))
     method = Method("CUT", "CUT", pictures={4: [made(1.0, 0.1), made(3.0, 0.2), made(2.0, 0.3)]})
     row, = method.rows("S1", 0, reference)
     assert (row["seeds"], row["clock"]) == (3, 2.0)

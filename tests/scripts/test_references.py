@@ -15,8 +15,8 @@ def own_folder(tmp_path, monkeypatch):
     monkeypatch.setenv("SDF_LIGHTS_REFERENCES", str(tmp_path))
 
 
-def noise(seed: int) -> np.ndarray:
-    return 1.0 + 0.1 * np.random.default_rng(seed).standard_normal((30, 30, 3))
+def noise(seed: int) -> tuple[np.ndarray, float]:
+    return 1.0 + 0.1 * np.random.default_rng(seed).standard_normal((30, 30, 3)), 0.5
 
 
 def test_an_interrupted_reference_goes_on_where_it_was():
@@ -24,7 +24,7 @@ def test_an_interrupted_reference_goes_on_where_it_was():
     for _ in range(3):
         first.add(noise)
     again = references.Reference("scene")
-    assert len(again.renders) == 3
+    assert len(again.renders) == 3 and again.seconds == 1.5
     again.add(noise)
     assert len({render[0, 0, 0] for render in again.renders}) == 4  # another seed for each
     assert references.Reference("another").renders == []
@@ -46,7 +46,7 @@ def test_a_reference_made_anew_forgets_what_was_kept():
     assert np.allclose(again.pixels, first.pixels) and np.allclose(again.variance, first.variance)
     again.forget()
     again.add(noise)
-    assert np.array_equal(again.pixels, noise(references.FIRST_SEED)) and np.all(np.isinf(again.variance))
+    assert np.array_equal(again.pixels, noise(references.FIRST_SEED)[0]) and np.all(np.isinf(again.variance))
     assert len(references.Reference("scene").renders) == 1
 
 
