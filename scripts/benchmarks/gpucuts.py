@@ -10,6 +10,7 @@ too, where the GPU has none by default.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import statistics
 
@@ -21,6 +22,7 @@ from sdf_lights.render.settings import LampSampling
 
 from . import errors, lamp_scenes, pictures, scenes, some_of
 from .progress import Progress
+from .resume import Parts
 
 HELP = "variance times time of samplers of lamps on the GPU"
 
@@ -35,6 +37,17 @@ def arguments(parser) -> None:
     parser.add_argument("--cut-bounces", type=int, default=0, help="of light")
 
 
+@contextlib.contextmanager
+def cuts_with(bounces: int):
+    """The GPU has cuts in renders of so many bounces, too."""
+    program = importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.program")
+    usual, program.CUT_BOUNCES = program.CUT_BOUNCES, bounces
+    try:
+        yield
+    finally:
+        program.CUT_BOUNCES = usual
+
+
 def measure(name: str, options) -> dict:
     many, repeats = (20 if options.quick else 68), options.repeats or (2 if options.quick else 4)
     lamp_scenes.SCENES[name].build(SIZE)
@@ -46,12 +59,13 @@ def measure(name: str, options) -> dict:
         bpy.context.scene.sdf_lights.seed, bpy.context.scene.sdf_lights.lamp_sampling = seed, sampler
         return pictures.render()
 
-    for sampler in SAMPLERS:
-        render(sampler, 1, 0)  # compiles
     made = {(sampler, samples): [] for sampler in SAMPLERS for samples in (FEW, many)}
-    for seed in range(repeats):
-        for sampler, samples in made:
-            made[sampler, samples].append(render(sampler, samples, seed))
+    with cuts_with(options.cut_bounces):
+        for sampler in SAMPLERS:
+            render(sampler, 1, 0)  # compiles
+        for seed in range(repeats):
+            for sampler, samples in made:
+                made[sampler, samples].append(render(sampler, samples, seed))
     row = dict(scene=name)
     for sampler in SAMPLERS:
         short, long = ([picture.work for picture in made[sampler, samples]] for samples in (FEW, many))
@@ -64,14 +78,12 @@ def measure(name: str, options) -> dict:
 
 
 def run(options) -> tuple[dict, list[dict]]:
-    program = importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.program")
-    usual, program.CUT_BOUNCES = program.CUT_BOUNCES, options.cut_bounces
     names = options.cut_scenes or (["S1"] if options.quick else ["S1", "S3", "S5"])
-    progress, rows = Progress(len(names)), []
+    progress, parts, rows = Progress(len(names)), Parts(options), []
     for name in names:
         progress.show(name)
-        rows.append(measure(name, options))
+        rows.append(parts.of(name, lambda: measure(name, options)))
         progress.step()
-    program.CUT_BOUNCES = usual
+    parts.finish()
     progress.close()
     return dict(gpu_cut_gain=statistics.geometric_mean(row["gain"] for row in rows)), rows

@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
+from benchmarks import gpucuts  # noqa: E402
 from benchmarks.resume import Parts  # noqa: E402
 
 
@@ -56,3 +57,24 @@ def test_where_the_result_is_written_to_does_not_matter():
         run(measured, broken="two", benchmark="lamps", out=None)
     run(measured, benchmark="lamps", out="file.json")
     assert measured == ["one", "two", "three"]
+
+
+def test_scenes_on_the_gpu_that_are_done_are_kept(monkeypatch):
+    measured, broken = [], ["S3"]
+
+    def measure(name, options):
+        if name in broken:
+            raise KeyboardInterrupt
+        measured.append(name)
+        return dict(scene=name, gain=2.0)
+
+    monkeypatch.setattr(gpucuts, "measure", measure)
+    options = argparse.Namespace(quick=False, cut_scenes=["S1", "S3", "S5"], cut_bounces=0)
+    with pytest.raises(KeyboardInterrupt):
+        gpucuts.run(options)
+    broken.clear()
+    summary, rows = gpucuts.run(options)
+    assert measured == [row["scene"] for row in rows] == ["S1", "S3", "S5"]
+    assert summary == dict(gpu_cut_gain=pytest.approx(2.0))
+    gpucuts.run(options)
+    assert len(measured) == 6
