@@ -58,6 +58,29 @@ def is_still():
         view._render.finished for view in rendered._running)
 
 
+def meshes_after(space, eye):
+    """What of the scene is gone through for the depth behind lamps, where overlays leave none."""
+    bpy.context.scene.render.engine = "BLENDER_WORKBENCH"
+    space.shading.type, space.overlay.show_overlays = "RENDERED", False
+    surfaces, cube = viewport._overlay._surfaces, bpy.data.objects["Cube"]
+    report["meshes"] = rows = {}
+    for name, change in {
+            "a start": lambda: None,
+            "a turn of the view": lambda: setattr(space.region_3d, "view_camera_zoom", 10.0),
+            "a move": lambda: setattr(cube.location, "z", 0.8),
+            "hiding one": lambda: cube.hide_set(True),
+            "a filter of the viewport": lambda: setattr(space, "show_object_viewport_mesh", False)}.items():
+        before, drawn, redraws = list(surfaces._shown.values()), surfaces._drawn, eye.redraws
+        change()
+        areas()[0].tag_redraw()
+        yield from until(lambda: eye.redraws > redraws)
+        yield 0.6
+        yield from until(is_still)
+        shown = list(surfaces._shown.values())[-1]
+        rows[name] = dict(drawn=surfaces._drawn is not drawn, listed=all(shown is not other for other in before),
+                          count=len(shown[1]))
+
+
 def session():
     addon.register()
     bpy.ops.preferences.addon_enable(module="cycles")
@@ -90,6 +113,7 @@ def session():
                     eye.color(0), eye.color(1)]
             space.overlay.show_overlays = True
             rows.append(row)
+    yield from meshes_after(space, eye)
     report["failures"] = viewport._failures
 
 

@@ -15,8 +15,12 @@ pytestmark = pytest.mark.gui
 
 
 @pytest.fixture(scope="module")
-def seen(blender_command, tmp_path_factory) -> dict:
-    report = seen_by(blender_command, SESSION, tmp_path_factory.mktemp("shadings"), size=(800, 540))
+def report(blender_command, tmp_path_factory) -> dict:
+    return seen_by(blender_command, SESSION, tmp_path_factory.mktemp("shadings"), size=(800, 540))
+
+
+@pytest.fixture(scope="module")
+def seen(report) -> dict:
     assert report["failures"] == {}
     return {(row["engine"], row["shading"]): row for row in report["seen"]}
 
@@ -39,6 +43,15 @@ def test_a_lamp_is_there_and_ends_at_a_wall(seen, engine, shading):
         return
     for colors in (with_overlays, alone):
         assert colors[1] == pytest.approx(without[1], rel=0.1, abs=0.02), "a lamp behind the wall"
+
+
+def test_meshes_are_gone_through_when_they_change(report):
+    """Their depth is drawn for every view; which there are is asked when it may be others."""
+    meshes = report["meshes"]
+    assert meshes["a turn of the view"] == dict(drawn=True, listed=False, count=2)
+    assert meshes["a move"] == dict(drawn=True, listed=True, count=2)
+    assert meshes["hiding one"] == dict(drawn=True, listed=True, count=1)
+    assert meshes["a filter of the viewport"] == dict(drawn=True, listed=True, count=0)
 
 
 def _glows(color) -> bool:

@@ -3,7 +3,8 @@
 """Depth of the scene's surfaces where Blender has none.
 
 Without overlays it draws no depth for engines such as Cycles, and EEVEE leaves zeros until its picture is finished. So the
-meshes that a viewport shows are drawn once more. Their triangles stay on the graphics card until a geometry changes.
+meshes that a viewport shows are drawn once more. Their triangles stay on the graphics card until a geometry changes,
+and which of them are where is asked again when something has moved, not for every view.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ class Surfaces:
 
     def __init__(self):
         self._batches: dict[int, gpu.types.GPUBatch | None] = {}  # by the address of the evaluated mesh
+        self._shown: dict[tuple, tuple[np.ndarray, list[gpu.types.GPUBatch]]] = {}  # by what a viewport shows
         self._target: tuple[tuple[int, int], gpu.types.GPUFrameBuffer, gpu.types.GPUTexture] | None = None
         self._stale = False
         self._drawn: tuple = ()  # the view that is in the target
@@ -32,23 +34,40 @@ class Surfaces:
     def changed(self, geometry: bool) -> None:
         """Something has moved, or also a ``geometry`` has changed."""
         self._drawn = ()
+        self._shown.clear()
         self._stale = self._stale or geometry
 
     def depth(self, context, view: View, scale: int) -> Depth:
         space = context.space_data
-        wanted = view.view.tobytes(), view.projection.tobytes(), view.size, space.as_pointer(), rendered.filters(space)
+        shows = space.as_pointer(), rendered.filters(space)
+        wanted = view.view.tobytes(), view.projection.tobytes(), view.size, shows
         if wanted != self._drawn:
-            self._draw(context, view)
+            if shows not in self._shown:
+                self._shown[shows] = self._collect(context)
+            self._draw(view, *self._shown[shows])
             self._drawn = wanted
         return Depth(self._target[2], (0, 0), scale)
 
-    def _draw(self, context, view: View) -> None:
+    def _collect(self, context) -> tuple[np.ndarray, list[gpu.types.GPUBatch]]:
+        """Matrices (n, 4, 4) and triangles of the n meshes that the viewport shows."""
         if self._stale:
             self._batches.clear()
             self._stale = False
-        buffer = self._target_of(view.size)
-        shader, shows = shaders.depth_shader(), shows_in(context.space_data)
-        projected = view.projection @ view.view
+        matrices, batches, shows = [], [], shows_in(context.space_data)
+        for item in context.evaluated_depsgraph_get().object_instances:
+            # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
+            obj = item.object
+            if obj.type != "MESH" or not item.show_self or not obj.visible_camera or not shows(item):
+                continue
+            batch = self._batch_of(obj.data)
+            if batch is not None:
+                matrices.append(matrix_of(item.matrix_world))
+                batches.append(batch)
+        return np.reshape(matrices, (-1, 4, 4)), batches
+
+    def _draw(self, view: View, matrices: np.ndarray, batches: list[gpu.types.GPUBatch]) -> None:
+        buffer, shader = self._target_of(view.size), shaders.depth_shader()
+        transforms = (view.projection @ view.view @ matrices).tolist()
         with buffer.bind():
             buffer.viewport_set(0, 0, *view.size)
             buffer.clear(color=(1.0, 1.0, 1.0, 1.0), depth=1.0)
@@ -57,15 +76,9 @@ class Surfaces:
             gpu.state.depth_mask_set(True)
             try:
                 shader.bind()
-                for item in context.evaluated_depsgraph_get().object_instances:
-                    # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
-                    obj = item.object
-                    if obj.type != "MESH" or not item.show_self or not obj.visible_camera or not shows(item):
-                        continue
-                    batch = self._batch_of(obj.data)
-                    if batch is not None:
-                        shader.uniform_float("transform", Matrix((projected @ matrix_of(item.matrix_world)).tolist()))
-                        batch.draw(shader)
+                for transform, batch in zip(transforms, batches):
+                    shader.uniform_float("transform", Matrix(transform))
+                    batch.draw(shader)
             finally:
                 gpu.state.depth_mask_set(False)
                 gpu.state.depth_test_set("NONE")
