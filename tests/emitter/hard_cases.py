@@ -163,7 +163,7 @@ HARD_CASES = {
     "round and chamfered seams": Case(
         RoundUnion(ChamferUnion(Box(0.4), Transformed(Cylinder(0.2, 1.6), turned(0.5, 0)), radius=0.1),
                    Transformed(Torus(0.5, 0.1), moved(0.2)), radius=0.1)),
-    "stairs": Case(StairsDifference(Sphere(0.7), Box(0.5), radius=0.3, steps=5.0)),
+    "stairs": Case(StairsDifference(Sphere(0.7), Box(0.4), radius=0.2, steps=5.0)),
     "thin spokes": Case(PolarRepetition(Transformed(Capsule(0.004, 0.8), moved(0.5) @ turned(np.pi / 2, 1)), 24.0)),
     "grid of shells": Case(Repetition(Onion(Sphere(0.3), 0.01), (4.0, 4.0, 4.0), (0.7, 0.7, 0.7))),
     "noise": Case(NoiseDisplacement(Sphere(0.7), 0.1, 0.2, 3.0)),

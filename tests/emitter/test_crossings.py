@@ -25,6 +25,7 @@ def check(shape, rays, count):
     """Every crossing of a shape is found, as it is and with its closed forms hidden; returns the evaluations per ray."""
     origins, directions = rays(shape, np.random.default_rng(5), count)
     truth = oracle.find(shape, origins, directions)
+    assert truth.counts.any()
     for traced in (Traced(shape), Traced(AsField(shape))):
         found = traced.trace(origins, directions)
         verdict = oracle.judge(shape, origins, directions, found[:, 0], found[:, 1], truth)

@@ -13,7 +13,7 @@ from sdf_lights.sdf.shapes import Box, Difference, Exclusive, Intersection, Sphe
 from sdf_lights.sdf.shapes.fractals import MengerSponge
 
 from tests.emitter import oracle
-from tests.emitter.hard_cases import around, grazing, inside
+from tests.emitter.hard_cases import around, directions, grazing, inside
 from tests.emitter.shapes_under_test import PLACEMENTS, moved, scaled, sheared, turned
 from tests.emitter.support import Lamps
 
@@ -29,12 +29,16 @@ def filled(p, levels):
 
 
 def by_planes(o, d, half_size, levels):
-    """Intervals (n, 2) of a ray: between crossings with planes that follow one another, a point tells."""
-    planes = np.linspace(-half_size, half_size, 3**levels + 1)
+    """Intervals (n, 2) of a ray: between crossings with planes that follow one another, a point tells.
+
+    In extended precision, so that intervals far below a millionth of a cell are those that exist.
+    """
+    o, d, count = np.asarray(o, np.longdouble), np.asarray(d, np.longdouble), 3**levels
+    planes = (2.0 * np.arange(count + 1) - count) * np.longdouble(half_size) / count
     t = np.sort(np.concatenate([(planes - o[axis]) / d[axis] for axis in range(3) if d[axis] != 0.0]))
     full = filled((o + 0.5 * (t[1:] + t[:-1])[:, None] * d) / (2.0 * half_size) + 0.5, levels)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], full, [0]])))
-    return t[edges].reshape(-1, 2)
+    return t[edges].astype(float).reshape(-1, 2)
 
 
 @kernel(cache=False)
@@ -120,6 +124,82 @@ def test_rays_through_edges_and_corners_of_cells(levels):
         o = corner + np.where(d == 0.0, 0.3, 0.0) - 4.0 * d
         found, expected = spans_of(o, d, half_size, levels)
         assert found.shape == expected.shape and np.allclose(found, expected, rtol=0.0, atol=1e-10)
+
+
+def through_corners(shape, rng, n):
+    """From one corner of a cell to another, or 1e-16 to 1e-4 beside them; none almost along a plane."""
+    half, count = shape.half_size, 3 ** int(shape.levels)
+    a, b = (2.0 * rng.integers(0, count + 1, (2, 8 * n, 3)) / count - 1.0) * half
+    off = half * rng.choice([0.0, 1.0], (8 * n, 1)) * 10.0 ** rng.uniform(-16.0, -4.0, (8 * n, 1))
+    a += off * directions(rng, 8 * n)
+    with np.errstate(invalid="ignore"):
+        d = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    good = np.abs(d).min(axis=1) > 1e-3
+    assert good.sum() >= n
+    return (a - 2.0 * half * d)[good][:n], d[good][:n]
+
+
+def check_every_interval(levels, placement, count):
+    """Neither a gap of rounding nor a lost interval in rays of a lamp, of which many pass edges closely."""
+    shape, matrix = MengerSponge(0.5, levels), PLACED[placement]
+    lamp = Lamps(lamps.build_lamp("sponge", shape, matrix))
+    smallest, back = lamps.SMALLEST_INTERVAL * lamp.row["reach"], np.linalg.inv(matrix[:3, :3])
+    for rays in (around, grazing, inside, through_corners):
+        origins, along = rays(shape, np.random.default_rng(levels), count)
+        origins, along = origins @ matrix[:3, :3].T + matrix[:3, 3], along @ matrix[:3, :3].T
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        for o, d in zip(origins, along):
+            expected = by_planes(back @ (o - matrix[:3, 3]), back @ d, 0.5, levels)
+            expected = np.maximum(expected[expected[:, 1] > 0.0], 0.0)
+            expected = expected[:_regular(expected, smallest)]
+            found = lamp.trace(o, d) @ [[1.0, 1.0], [-1.0, 1.0]]
+            found = found[:_regular(found, smallest)]  # a ray may begin where it leaves the sponge
+            assert len(found) == len(expected)
+            # Rays 1e-6 from along a plane meet it where rounding, 1e-16 of the size, tells to 1e-10.
+            assert np.allclose(found, expected, rtol=0.0, atol=100.0 * smallest)
+
+
+PLACED = {
+    "as it is": np.eye(4), "a kilometre": scaled(1e3, 1e3, 1e3), "a millimetre": scaled(1e-3, 1e-3, 1e-3),
+    "stretched": turned(0.3, 0) @ scaled(10.0, 1.0, 0.1) @ turned(0.4, 1),
+    "sheared": turned(0.6, 0) @ sheared(0.8) @ turned(0.4, 1), "far": moved(1e4, -2e4, 3e3) @ turned(0.5),
+}
+
+
+@pytest.mark.parametrize("placement", PLACED)
+@pytest.mark.parametrize("levels", range(1, 7))
+def test_cells_join_and_no_interval_is_lost(levels, placement):
+    check_every_interval(levels, placement, 40)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("placement", PLACED)
+@pytest.mark.parametrize("levels", range(1, 7))
+def test_cells_join_and_no_interval_is_lost_in_many_rays(levels, placement):
+    check_every_interval(levels, placement, 700)
+
+
+def test_an_edge_that_is_cut_off_by_a_hair_exists():
+    """The oracle, which steps over 5.6e-9 of a ray, marches more finely and does not count it as a gap of rounding."""
+    shape = MengerSponge(0.5, 5.0)
+    o = np.array([[-0.0535406002249057, -0.2696789859178331, 0.21072885109041423]])
+    d = np.array([[-0.2211143096307795, 0.8953610332190677, 0.38657092786368114]])
+    found, expected = spans_of(o[0], d[0], 0.5, 5)
+    expected = expected[expected[:, 1] > 0.0]
+    assert len(found[found[:, 1] > 0.0]) == len(expected) == 21
+    assert np.diff(expected, axis=1).min() == pytest.approx(5.649589275812544e-9, rel=1e-5)
+    truth = oracle.find(shape, o, d)
+    assert truth.counts == 20
+    lengths = np.diff(np.maximum(expected, 0.0), axis=1).sum(keepdims=True)[0]
+    assert oracle.judge(shape, o, d, np.array([21]), lengths, truth).wrong == 0.0
+
+
+def test_a_gap_that_does_not_exist_is_wrong():
+    ball, o, d = Sphere(0.5), np.array([[-2.0, 0.1, 0.0]]), np.array([[1.0, 0.0, 0.0]])
+    truth = oracle.find(ball, o, d)
+    for count in (0, 2):
+        assert oracle.judge(ball, o, d, np.array([count]), truth.lengths, truth).wrong == 1.0
+    assert oracle.judge(ball, o, d, truth.counts, truth.lengths, truth).wrong == 0.0
 
 
 def test_number_of_intervals():

@@ -3,8 +3,9 @@
 """Rays on which entries and exits are easily missed: their number, and the length between them.
 
 Balls have closed forms to compare with. All else is judged by the tests' oracle, a march of its own that is 100 times
-finer than a coarse one, and a thousand times finer where the two differ. What the search guarantees is the limit: zeros
-that are farther apart than its resolution are all found, so of the length of a ray it may lose as much.
+finer than a coarse one, a thousand times finer where the two differ, and as much again where they still do. What the
+search guarantees is the limit: zeros that are farther apart than its resolution are all found, so of the length of a
+ray it may lose as much.
 """
 
 from __future__ import annotations
