@@ -26,11 +26,13 @@ def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.P
             continue
         if name in page.LIGHT:
             for metric in plots.METRICS:
-                plots.against_time(result, metric, images / f"report_{name}_{metric}.png")
+                path = images / f"report_{name}_{metric}.png"
+                if not plots.against_time(result, metric, path):
+                    path.unlink(missing_ok=True)  # of other results
             bounces = {row["bounces"] for row in result.rows}
             files = [(row["scene"], kept / f"{row['scene']} {count}.npz") for count in bounces
                      for row in result.rows if "method" not in row]
-            methods = [page.OURS, *page.PEERS]
+            methods = [page.OURS, page.PAPER, *page.PEERS]
         else:
             files = [(row["scene"], kept / f"{row['scene']}.npz") for row in result.rows if "competitor" in row]
             methods = ["PROJECTION", page.OURS]

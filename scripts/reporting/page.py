@@ -8,7 +8,7 @@ import math
 import pathlib
 import string
 
-from .results import METHODS, METRICS, NUMBERS, RULES, Result
+from .results import METHODS, METRICS, NUMBERS, RULES, RUNS, Result
 
 OURS, PAPER = "CUT", "MIS"
 PEERS = ("Cycles volume", "Cycles mesh light")
@@ -71,6 +71,10 @@ The light of one lamp at one point, without occlusion, by the same Sobol numbers
 samples. Efficiency is that of ours to the paper's sampler: the ratio of squared errors by that of times.
 """
 
+MORE = {  # columns of hard cases beside the figure: title, and what it is
+    "rays": "rays", "too_fine_to_judge": "too fine to judge", "unresolved": "length unresolved",
+    "standard_error": "its standard error"}
+
 INTERVALS = """\
 Every shape and operator of the tests and the hard cases, judged by a march through the whole formula in finer steps.
 The published rule and sphere tracing march through the same compiled field, and locate zeros by the same bracketing, so
@@ -91,6 +95,15 @@ SCALING = """\
 All lamps together have the same power and volume, however many they are. The error is the variance of renders with
 different seeds; the number of samples that one level of it takes is read off the curve of error against samples. What a
 render needs before the first one is told by itself.
+"""
+
+TIMES = """\
+What these renders take. The last column is how the time of the paper's rule grows, with a coarse shortest step, by its
+evaluations on rays through both lamps.
+"""
+
+MACHINES = """\
+Results are of the revisions in this table; a + after one says that files had been changed.
 """
 
 HARD_CASES = """\
@@ -139,6 +152,11 @@ def number(value) -> str:
     if 1000.0 <= abs(value) < 1e5:
         return f"{value:,.0f}"
     return f"{value:.3g}" if value == 0.0 or 1e-3 <= abs(value) < 1e5 else f"{value:.2e}"
+
+
+def whole(value):
+    """A count that was kept as a float, as a count."""
+    return int(value) if isinstance(value, float) and value >= 1.0 and value.is_integer() else value
 
 
 def table(heads: list[str], rows: list[list]) -> str:
@@ -341,10 +359,18 @@ def hard(result: Result) -> list[str]:
         f"**Limits that do not hold: {listed(failed)}.**\n" if failed else "All limits hold.\n"]
     for kind in dict.fromkeys(row.get("kind") for row in rows):
         title, text = HARD.get(kind, ("Others", ""))
+        own = [row for row in rows if row.get("kind") == kind]
+        more = [key for key in MORE if any(key in row for row in own)]
         parts += [f"### {title}\n", text, table(
-            ["case", "what is measured", "figure", "limit", ""],
-            [[row["case"], row["measures"], row["figure"], row["limit"], "" if row["holds"] else "**fails**"]
-             for row in rows if row.get("kind") == kind])]
+            ["case", "what is measured", "figure", "limit", "", *(MORE[key] for key in more)],
+            [[row["case"], row["measures"], row["figure"], row["limit"], "" if row["holds"] else "**fails**",
+              *(whole(row.get(key)) for key in more)] for row in own])]
+        timed = [row for row in own if "easy_ns_per_sample" in row]
+        if timed:
+            parts += [TIMES, table(
+                ["case", "ns of a sample, hard", "easy", "hard / easy", "by the paper's rule"],
+                [[row["case"], row["hard_ns_per_sample"], row["easy_ns_per_sample"], row["figure"],
+                  row.get("published_time_ratio")] for row in timed])]
     return parts
 
 
@@ -377,7 +403,7 @@ def intervals(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[
                     key=lambda row: -max(row["published_wrong"], row["published_coarse_wrong"]))
     most = [row for row in missed if max(row["published_wrong"], row["published_coarse_wrong"]) >= MANY]
     names = [key for key, *_ in RULES]
-    found = [f"{number(float(sum(row['rays'] for row in cases)))} rays through {len(cases)} shapes. " + (
+    found = [f"{number(int(sum(row['rays'] for row in cases)))} rays through {len(cases)} shapes. " + (
         f"**With a proven bound, rays are wrong in {listed(wrong)}.**\n" if wrong else
         "With a proven bound, no ray has a wrong number of crossings.\n")] if cases else []
     return [
@@ -387,8 +413,9 @@ def intervals(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[
             ["smooth case", *(label for _, label, *_ in RULES), "published / ours"],
             [[row["case"], *(row[name] for name in names), row["published_evaluations"] / row["evaluations"]]
              for row in cases if row["smooth"]])] if cases else []),
-        *([f"The published rule has a wrong number of crossings in {len(missed)} of these shapes. Part of the rays "
-           f"that it marches along, where that is at least {number(MANY)}:\n", table(
+        *([f"The published rule has a wrong number of crossings in {len(missed)} of these shapes, at our resolution in "
+           f"{sum(row['published_wrong'] > 0.0 for row in missed)}. Part of the rays that it marches along, where that "
+           f"is at least {number(MANY)}:\n", table(
             ["case", "ours", "published rule, at our resolution", "published rule, coarse",
              "sphere tracing, at our resolution"],
             [[row["case"], row["wrong"], row["published_wrong"], row["published_coarse_wrong"], row["spheres_wrong"]]
@@ -431,6 +458,7 @@ def overview(results: dict[str, Result]) -> list[str]:
     rows = [[light, label, *(results[name].summary.get(f"{metric}_ratio_{peer.lower().replace(' ', '_')}_{key}_{kind}")
                              for peer in PEERS for kind in ("equal_time", "equal_samples"))]
             for name, (light, key) in LIGHT.items() if name in results for metric, label in METRICS.items()]
+    rows = [row for row in rows if any(value is not None for value in row[2:])]
     if not rows:
         return []
     return ["Cycles' error to ours, geometric means over the scenes; above 1, ours is less:\n",
@@ -453,6 +481,18 @@ SENTENCES = {
 }
 
 
+def lacking(results: dict[str, Result]) -> list[str]:
+    """What is not on this page, or not yet."""
+    absent = [name for name in RUNS if name not in results]
+    found = [f"- **Not measured: {listed(absent)}.**"] if absent else []
+    for name in (*LIGHT, "paper"):
+        rows = [row for row in results[name].rows if "method" in row] if name in results else []
+        unknown = [label for metric, label in METRICS.items() if rows and all(row.get(metric) is None for row in rows)]
+        if unknown:
+            found.append(f"- **{listed(unknown)} of `{name}` {'was' if len(unknown) == 1 else 'were'} not measured.**")
+    return ["\n".join(found) + "\n"] if found else []
+
+
 def sentences(results: dict[str, Result]) -> list[str]:
     """What each result comes to."""
     found = []
@@ -471,7 +511,7 @@ def machines(results: dict[str, Result]) -> str:
 
 def write(results: dict[str, Result], images: pathlib.Path, page: pathlib.Path) -> None:
     """The page, from results and the plots that are in ``images``."""
-    parts = [INTRODUCTION, *overview(results), *sentences(results)]
+    parts = [INTRODUCTION, *overview(results), *sentences(results), *lacking(results)]
     for name, result in results.items():
         if name in LIGHT:
             parts += race(result, images, page)
@@ -481,5 +521,5 @@ def write(results: dict[str, Result], images: pathlib.Path, page: pathlib.Path) 
             parts += dict(intervals=intervals, scaling=scaling)[name](result, images, page)
         else:
             parts += dict(estimators=estimators, throughput=throughput, hard=hard).get(name, figures)(result)
-    parts += ["## Machine\n", machines(results)]
+    parts += ["## Machine\n", MACHINES, machines(results)]
     page.write_text("\n".join(part for part in parts if part), encoding="utf-8")

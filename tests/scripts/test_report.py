@@ -65,6 +65,24 @@ def test_limits_that_do_not_hold_are_named():
     assert "All limits hold.\n" in page.hard(results.Result("hard", "", {}, rows[1:2], MACHINE))
 
 
+def test_hard_cases_say_how_certain_and_how_slow_they_are():
+    rows = [dict(case="shells", kind="rays", measures="wrong", figure=0.0, limit=0.0, holds=True, rays=20000.0,
+                 too_fine_to_judge=0.25),
+            dict(case="noise", kind="cost", measures="time", figure=5.1, limit=10.0, holds=True,
+                 hard_ns_per_sample=510.0, easy_ns_per_sample=100.0, published_time_ratio=2.5)]
+    text = "\n".join(page.hard(results.Result("hard", "", {}, rows, MACHINE)))
+    assert "| shells | wrong | 0 | 0 |  | 20,000 | 0.25 |" in text
+    assert "| noise | 510 | 100 | 5.1 | 2.5 |" in text
+
+
+def test_what_was_not_measured_is_told():
+    hard = results.Result("hard", "", {}, [], MACHINE)
+    text = "".join(page.lacking({"cycles_direct": race(flip=False), "hard": hard}))
+    assert "Not measured: cycles_bounces, paper, estimators, intervals, throughput and scaling." in text
+    assert "FLIP of `cycles_direct` was not measured." in text
+    assert page.lacking(dict.fromkeys(results.RUNS, race())) == []
+
+
 def test_hard_cases_stand_under_their_kind():
     rows = [dict(case=name, kind=kind, measures="what", figure=0.0, limit=1.0, holds=True)
             for name, kind in (("far", "light"), ("leak", "faces"), ("new", "unheard of"))]
@@ -177,6 +195,16 @@ def test_a_metric_that_nothing_is_known_of_has_no_plot(tmp_path):
 
     assert not plots.against_time(race(flip=False), "flip", tmp_path / "plot.png")
     assert not (tmp_path / "plot.png").exists()
+
+
+def test_a_plot_of_other_results_does_not_stay(tmp_path):
+    pytest.importorskip("matplotlib")
+    import report
+
+    for flip in (True, False):
+        report.draw({"cycles_direct": race(flip=flip)}, tmp_path, tmp_path)
+        assert (tmp_path / "report_cycles_direct_flip.png").is_file() == flip
+    assert (tmp_path / "report_cycles_direct_mape.png").is_file()
 
 
 def test_results_are_read_in_the_order_of_the_page(tmp_path):
