@@ -93,6 +93,22 @@ def vec(a):
 
 
 @kernel
+def put(array, v):
+    """Store the vector v in an array (a field of a record)."""
+    array[0] = v[0]
+    array[1] = v[1]
+    array[2] = v[2]
+
+
+@kernel
+def put_sum(array, v):
+    """Add the vector v to what is in an array."""
+    array[0] += v[0]
+    array[1] += v[1]
+    array[2] += v[2]
+
+
+@kernel
 def frame(n):
     """Two unit vectors that complete the unit vector n to a right-handed frame (t, b, n).
 

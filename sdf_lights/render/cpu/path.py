@@ -5,7 +5,7 @@
 import numpy as np
 
 from ...jit import kernel, table
-from ...vec import mul, scale, vec
+from ...vec import ZERO, mul, put, put_sum, scale, vec
 from ..settings import MOST_BRANCHES
 
 # What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out; ``direct`` is the sum
@@ -43,21 +43,6 @@ sample_table = table("sample", SAMPLE)
 
 
 @kernel
-def put(array, v):
-    """Store the vector v in an array field of a record."""
-    array[0] = v[0]
-    array[1] = v[1]
-    array[2] = v[2]
-
-
-@kernel
-def put_sum(array, v):
-    array[0] += v[0]
-    array[1] += v[1]
-    array[2] += v[2]
-
-
-@kernel
 def contribute(block, workspace, radiance, factor, from_lamp, scatters):
     """Add ``throughput × radiance × factor`` to the sample.
 
@@ -82,14 +67,13 @@ def contribute(block, workspace, radiance, factor, from_lamp, scatters):
 @kernel
 def clear_sample(workspace):
     sample = sample_table(workspace)[0]
-    for axis in range(3):
-        sample.combined[axis] = 0.0
-        sample.lamps[axis] = 0.0
-        sample.emission[axis] = 0.0
-        sample.position[axis] = 0.0
-        sample.normal[axis] = 0.0
-        sample.albedo[axis] = 0.0
-        sample.diffuse_albedo[axis] = 0.0
+    put(sample.combined, ZERO)
+    put(sample.lamps, ZERO)
+    put(sample.emission, ZERO)
+    put(sample.position, ZERO)
+    put(sample.normal, ZERO)
+    put(sample.albedo, ZERO)
+    put(sample.diffuse_albedo, ZERO)
     sample.alpha = 1.0
     sample.depth = 0.0
     sample.found = 0

@@ -5,7 +5,7 @@
 import math
 
 from ....jit import kernel
-from ....vec import dot, largest, sub, vec
+from ....vec import dot, largest, put, sub, vec
 from .area import hit_area, sample_area
 from .ball import ball_distance, ball_pdf, ball_radiance, sample_ball
 from .cone import cone_pdf, sample_cone
@@ -100,7 +100,7 @@ def light_hits(block, o, d, t_max, ray_kind, hits):
         if distance > 0.0 and (distance < t_max or distance == math.inf) and largest(radiance) > 0.0:
             hit = hits[count]
             hit.emitter, hit.distance, hit.pdf = emitter, distance, pdf
-            hit.radiance[0], hit.radiance[1], hit.radiance[2] = radiance
+            put(hit.radiance, radiance)
             count += 1
     return count
 

@@ -8,7 +8,7 @@ Layers of Principled are stacked from the top as Cycles does: each keeps what th
 import math
 
 from ....jit import kernel, table
-from ....vec import ZERO, average, dot, madd, mul, normalize, scale, vec
+from ....vec import ZERO, average, dot, madd, mul, normalize, put, put_sum, scale, vec
 from . import diffuse, energy, fresnel, microfacet
 from .program import (
     ALPHA, BASE_COLOR, COAT_IOR, COAT_NORMAL, COAT_ROUGHNESS, COAT_TINT, COAT_WEIGHT, DIFFUSE_ROUGHNESS, EMISSION_COLOR,
@@ -46,20 +46,6 @@ def _saturated(v):
 
 
 @kernel
-def _set(array, v):
-    array[0] = v[0]
-    array[1] = v[1]
-    array[2] = v[2]
-
-
-@kernel
-def _accumulate(array, v):
-    array[0] += v[0]
-    array[1] += v[1]
-    array[2] += v[2]
-
-
-@kernel
 def _begin(workspace, weight, n):
     """Index of the next free closure, for which the caller sets a kind; −1 where the weight is negligible or no
     closure is free. It counts from ``_finish`` on only."""
@@ -70,8 +56,8 @@ def _begin(workspace, weight, n):
         return -1
     closure = closures[index]
     closure.singular = 0
-    _set(closure.weight, weight)
-    _set(closure.normal, n)
+    put(closure.weight, weight)
+    put(closure.normal, n)
     smooth = surface.n
     closure.bumped = int(n[0] != smooth[0] or n[1] != smooth[1] or n[2] != smooth[2])
     return index
@@ -87,9 +73,9 @@ def _finish(workspace, index, albedo):
     if closure.singular == 0:
         surface.evaluable += 1
     if closure.kind != STRAIGHT:
-        _accumulate(surface.albedo, albedo)
+        put_sum(surface.albedo, albedo)
         if closure.kind != MICROFACET:
-            _accumulate(surface.diffuse_albedo, albedo)
+            put_sum(surface.diffuse_albedo, albedo)
 
 
 @kernel
@@ -121,7 +107,7 @@ def _add_transparency(workspace, weight):
         closure = closure_table(workspace)[index]
         closure.kind = STRAIGHT
         closure.singular = 1
-        _accumulate(surface.transparency, weight)
+        put_sum(surface.transparency, weight)
         _finish(workspace, index, weight)
 
 
@@ -201,9 +187,9 @@ def _glass(block, workspace, features, weight, n, roughness, ior, f0, reflection
     closure = closure_table(workspace)[index]
     closure.fresnel = FRESNEL_DIELECTRIC
     closure.transmits = 1
-    _set(closure.f0, _saturated(f0))
-    _set(closure.reflection_tint, reflection)
-    _set(closure.transmission_tint, transmission)
+    put(closure.f0, _saturated(f0))
+    put(closure.reflection_tint, reflection)
+    put(closure.transmission_tint, transmission)
     if features & MULTISCATTER:
         energy.compensate_glass(block, closure, dot(n, vec(surface.wo)), roughness, transmission)
     r, t, _ = microfacet.reflectance(closure, dot(n, vec(surface.wo)))
@@ -234,8 +220,8 @@ def _add_dielectric_layer(block, workspace, compensated, weight, n, roughness, i
     closure = closure_table(workspace)[index]
     closure.fresnel = FRESNEL_DIELECTRIC
     f0 = _saturated(f0)
-    _set(closure.f0, f0)
-    _set(closure.reflection_tint, _WHITE)
+    put(closure.f0, f0)
+    put(closure.reflection_tint, _WHITE)
     cosine = dot(n, vec(surface_table(workspace)[0].wo))
     e = energy.reflection_albedo(block, cosine, roughness)
     albedo = energy.mixed(f0, e, energy.dielectric_albedo(block, ior, cosine, roughness))
@@ -256,8 +242,8 @@ def _add_metal(block, workspace, features, weight, n, roughness, color, tint):
     closure.fresnel = FRESNEL_F82
     edge = (
         fresnel.f82_edge(color[0], tint[0]), fresnel.f82_edge(color[1], tint[1]), fresnel.f82_edge(color[2], tint[2]))
-    _set(closure.f0, color)
-    _set(closure.edge, edge)
+    put(closure.f0, color)
+    put(closure.edge, edge)
     cosine = dot(n, vec(surface_table(workspace)[0].wo))
     e = energy.reflection_albedo(block, cosine, roughness)
     if features & MULTISCATTER:
@@ -342,7 +328,7 @@ def _principled(block, workspace, lobe, share):
     if features & WITH_EMISSION:
         radiance = scale(
             vector(block, workspace, args[EMISSION_COLOR]), number(block, workspace, args[EMISSION_STRENGTH]))
-        _accumulate(surface.emission, mul(weight, radiance))
+        put_sum(surface.emission, mul(weight, radiance))
 
     base = _positive(vector(block, workspace, args[BASE_COLOR]))
     color = (min(base[0], 1.0), min(base[1], 1.0), min(base[2], 1.0))
@@ -392,7 +378,7 @@ def _add_lobe(block, workspace, lobe, weight):
         return
     color = vector(block, workspace, args[0])
     if kind == LOBE_EMISSION:
-        _accumulate(surface.emission, scale(color, weight * number(block, workspace, args[1])))
+        put_sum(surface.emission, scale(color, weight * number(block, workspace, args[1])))
         return
     color = _positive(color)
     white = (weight, weight, weight)
@@ -424,10 +410,10 @@ def shade(block, workspace):
     surface.evaluable = 0
     surface.pick_total = 0.0
     surface.holdout = 0.0
-    _set(surface.emission, ZERO)
-    _set(surface.transparency, ZERO)
-    _set(surface.albedo, ZERO)
-    _set(surface.diffuse_albedo, ZERO)
+    put(surface.emission, ZERO)
+    put(surface.transparency, ZERO)
+    put(surface.albedo, ZERO)
+    put(surface.diffuse_albedo, ZERO)
     if material.instructions[1] > material.instructions[0]:
         run(block, workspace, material.instructions[0], material.instructions[1])
     lobes = _lobes(block)
