@@ -93,7 +93,7 @@ def measure(name: str, options, progress) -> list[dict]:
     """Rows of one scene: pictures by each sampler, then points by each technique."""
     size = options.size or (64 if options.quick else 256)
     paper_scenes.SCENES[name].build(size)
-    seeds = options.repeats or (1 if options.quick else 5)
+    seeds = options.repeats or (1 if options.quick else 8)
     by_paper = methods.by_paper()
     truth = methods.reference_of_scene(by_paper, 0, options)
     triangles = sum(len(mesh.loop_triangles) for mesh in _triangulated())
@@ -132,6 +132,8 @@ def compared(rows: list[dict]) -> list[dict]:
             continue
         row = dict(scene=name, competitor=competitor)
         for place, metric in enumerate(("mape", "flip")):
+            row |= {f"paper_{metric}_bsdf": bsdf[place], f"paper_{metric}_competitor": other[place],
+                    f"paper_{metric}_projection": projection[place]}
             row[f"paper_{metric}_bsdf_to_projection"] = bsdf[place] / projection[place]
             row[f"paper_{metric}_competitor_to_projection"] = other[place] / projection[place]
             for sampler in ("BSDF", "BOUNDING", "SURFACE", "MIS", "CUT"):

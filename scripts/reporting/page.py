@@ -34,6 +34,12 @@ Lines are means of the seeds, bands reach from the best seed to the worst. Error
 most samples of the volume:
 """
 
+PREPARATION = """\
+Equal time holds what a render needs before its first sample, which weighs the more the shorter the time is. Here it is
+by itself, read off the fewest and the most samples of the ladder; and beside it relMSE × seconds of the samples alone,
+at the most of them, to ours:
+"""
+
 MESH_LIGHTS = """\
 A mesh light is another lamp: the same mesh, the same power, but light from its surface. It is judged by its own
 converged picture, so its column tells how noisy it is, not how near it comes to the lamp; how far it is from that is in
@@ -240,6 +246,33 @@ def equal_time(result: Result) -> str:
                   "volume / ours", "mesh light / ours"], rows)
 
 
+def preparation(result: Result) -> str:
+    """Seconds before the first sample, and what is left of the comparison without them."""
+    names = (OURS, PAPER, *PEERS)
+    rows = []
+    for row in (row for row in result.rows if "method" not in row):
+        starts, costs = [], []
+        for name in names:
+            # There are renders of more samples, at equal time.
+            known = result.of(scene=row["scene"], method=name)
+            curve = sorted((one for one in known if one["samples"] <= row["samples"]), key=lambda one: one["samples"])
+            if len(curve) < 2:
+                starts.append(None)
+                costs.append(None)
+                continue
+            few, many = curve[0], curve[-1]
+            each = (many["seconds"] - few["seconds"]) / (many["samples"] - few["samples"])
+            starts.append(max(few["seconds"] - each * few["samples"], 0.0))
+            costs.append(many["rel_mse"] * each * many["samples"] if each > 0.0 else None)
+        rows.append([row["scene"], row["seconds"], *starts, *(
+            cost / costs[0] if cost is not None and costs[0] else None for cost in costs[1:])])
+    if not any(start is not None for row in rows for start in row[2:2 + len(names)]):
+        return ""
+    return f"{PREPARATION}\n" + table(
+        ["scene", "equal time", *(f"{METHODS[name][0]}: before the first sample" for name in names),
+         "paper's sampler / ours", "volume / ours", "mesh light / ours"], rows)
+
+
 def references(result: Result) -> str:
     """What is known of the references, and of how mesh lights differ."""
     found = [row for row in result.rows if "surface_reference" in row]
@@ -287,7 +320,7 @@ def race(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]:
         *heading(f"Error against time: {LIGHT[name][0].lower()}", result, settings(result)),
         *(link for metric, label in METRICS.items() for link in shown(
             [images / f"report_{name}_{metric}.png"], f"{label} against seconds, by scene and method", page)),
-        CURVES, equal_time(result), verdict(result), references(result), means(result),
+        CURVES, equal_time(result), verdict(result), preparation(result), references(result), means(result),
         *(["Renders at equal time, one seed each, with the relative error of each pixel below:\n"] if strips else []),
         *strips]
 
@@ -331,7 +364,12 @@ def paper(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]
         methods = ("BSDF", "BOUNDING", "SURFACE", "PROJECTION", PAPER, OURS)
         rows = [[row["scene"], *(next((known[column] for known in result.of(scene=row["scene"], method=method)), None)
                                  for method in methods)] for row in found]
-        return table(["scene", "BSDF", "bounding box", "surface", "projection", "paper's sampler", "cuts"], rows)
+        heads = ["scene", "BSDF", "bounding box", "surface", "projection", "paper's sampler", "cuts"]
+        if any(f"paper_{column}_bsdf" in row for row in found):
+            heads += ["paper: BSDF", "paper: its competitor", "paper: projection"]
+            for line, row in zip(rows, found):
+                line += [row.get(f"paper_{column}_{what}") for what in ("bsdf", "competitor", "projection")]
+        return table(heads, rows)
 
     return [
         *heading("The scenes of the paper", result, settings(result)), PAPER_SCENES,
@@ -344,7 +382,8 @@ def paper(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]
         "Equal samples hide what a sample costs. Efficiency is 1 / (relMSE × seconds), here of cuts to others:\n",
         table(["scene", "cuts / projection", "cuts / paper's sampler"],
               [[scene, *values] for scene, values in efficiencies(result).items()]),
-        slower(result), "MAPE of the pictures:\n", of_methods("mape"), "Their seconds:\n", of_methods("seconds"),
+        slower(result), "MAPE of the pictures:\n", of_methods("mape"), "Their FLIP:\n", of_methods("flip"),
+        "Their seconds:\n", of_methods("seconds"),
         *shown(sorted(images.glob("report_pictures_paper_*.png")), "Renders of equal samples, and their errors", page)]
 
 

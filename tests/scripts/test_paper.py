@@ -8,6 +8,7 @@ bpy = pytest.importorskip("bpy")
 
 from benchmarks import lamp_scenes, paper, paper_scenes  # noqa: E402
 from benchmarks.progress import Progress  # noqa: E402
+from reporting import page, results  # noqa: E402
 
 import bench  # noqa: E402
 
@@ -31,6 +32,18 @@ def test_the_camera_is_inside_and_sees_surfaces_from_their_front(name, lamps):
 def test_the_statue_has_many_triangles():
     paper_scenes.SCENES["dragon"].build(16)
     assert max(len(mesh.loop_triangles) for mesh in paper._triangulated()) > 100_000
+
+
+def test_figures_of_the_paper_stand_beside_ours(tmp_path):
+    rows = [dict(scene="kitchen", method=method, mape=0.02, flip=None, rel_mse=1e-3, seconds=1.0, samples=64, seeds=8,
+                 reference=0.001) for method in ("BSDF", "BOUNDING", "SURFACE", "PROJECTION", "MIS", "CUT")]
+    rows += [dict(scene="kitchen", technique=technique, mape_at_points=0.1)
+             for technique in ("cosine", "bounding", "surface", "projection")]
+    result = results.Result("paper", "", {}, [*paper.compared(rows), *rows], dict(processor="A", cores=2))
+    text = "\n".join(page.paper(result, tmp_path, tmp_path / "page.md"))
+    assert f"| kitchen |{' 0.02 |' * 6} 0.945 | 0.079 | 0.013 |" in text
+    assert f"| kitchen |{' – |' * 6} 0.761 | 0.083 | 0.02 |" in text
+    assert f"| kitchen |{' 1 |' * 6}\n" in text  # seconds, of which the paper has none
 
 
 def test_ratios_are_to_projection_sampling():

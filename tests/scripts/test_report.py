@@ -49,6 +49,17 @@ def test_what_is_not_known_is_a_dash():
     assert re.search(r"\| S2 .*relMSE .*\| – \|\n", text)
 
 
+def test_preparation_is_told_and_left_out():
+    """Renders of the fixture take 1 s for 64 samples and nothing before; here Cycles takes half a second more."""
+    result = race()
+    for row in result.rows:
+        if row.get("method") == "Cycles volume":
+            row["seconds"] += 0.5
+    text = page.preparation(result)
+    assert "| S1 | 1 | 0 | 0 | 0.5 | 0 | 2 | 50 | 10 |" in text
+    assert page.preparation(results.Result("cycles_direct", "", {}, [result.rows[0]], MACHINE)) == ""
+
+
 def test_a_busy_machine_is_told():
     assert "otherwise idle" in page.load(race())
     assert "other work ran beside it" in page.load(race(machine=MACHINE | dict(load=4.0)))
