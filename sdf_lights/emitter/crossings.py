@@ -56,14 +56,39 @@ def _clip(spans, first, count, start, end, inside, limit, found):
 
 
 @kernel(forceinline=True)
-def _rates(node, ray):
-    """How much the field can fall and rise at most along a ray, per unit of its parameter, by its gradient in a box."""
-    least, most = 0.0, 0.0
-    for axis in range(3):
-        a, b = node.gradient[0, axis] * ray[3 + axis], node.gradient[1, axis] * ray[3 + axis]
-        least += min(a, b)
-        most += max(a, b)
+def down(first, axis, split, ray, low, high, waiting, depth):
+    """Go from a box, cut in two, to the part that a ray is in first between ``low`` and ``high``. The other part waits,
+    if the ray comes to it. Returns (index of the part, where the ray leaves it, how many boxes wait)."""
+    position, rate = ray[axis], ray[3 + axis]
+    if rate == 0.0:
+        return first + (0 if position < split else 1), high, depth
+    crossing = (split - position) * ray[6 + axis]
+    near = 0 if rate > 0.0 else 1
+    if crossing >= high:
+        return first + near, high, depth
+    if crossing <= low:
+        return first + 1 - near, high, depth
+    waiting[2 * depth], waiting[2 * depth + 1] = first + 1 - near, high
+    return first + near, crossing, depth + 1
+
+
+@kernel(forceinline=True)
+def rates(low, high, d):
+    """How much the field can fall and rise at most along a ray, per unit of its parameter, where its gradient is between
+    two vectors."""
+    ax, ay, az = low[0] * d[0], low[1] * d[1], low[2] * d[2]
+    bx, by, bz = high[0] * d[0], high[1] * d[1], high[2] * d[2]
+    least = min(ax, bx) + min(ay, by) + min(az, bz)
+    most = max(ax, bx) + max(ay, by) + max(az, bz)
     return (-least, most) if least <= most else (math.inf, math.inf)
+
+
+@kernel(forceinline=True)
+def _rates(node, ray):
+    """``rates`` in a box."""
+    gradient = node.gradient
+    return rates((gradient[0, 0], gradient[0, 1], gradient[0, 2]), (gradient[1, 0], gradient[1, 1], gradient[1, 2]),
+                 (ray[3], ray[4], ray[5]))
 
 
 @kernel
@@ -97,21 +122,7 @@ def walk(block, row, o, d, start, end, spans):
                 fall, rise = _rates(node, ray)
                 if fall <= 0.0 or rise <= 0.0:
                     break
-            axis = node.axis
-            position, rate = ray[axis], ray[3 + axis]
-            if rate == 0.0:
-                index = node.first + (0 if position < node.split else 1)
-                continue
-            crossing = (node.split - position) * ray[6 + axis]
-            near = 0 if rate > 0.0 else 1
-            if crossing >= high:
-                index = node.first + near
-            elif crossing <= low:
-                index = node.first + 1 - near
-            else:
-                waiting[2 * depth], waiting[2 * depth + 1] = node.first + 1 - near, high
-                depth += 1
-                index, high = node.first + near, crossing
+            index, high, depth = down(node.first, node.axis, node.split, ray, low, high, waiting, depth)
         if used > 0:
             same = boundary and node.row_first == list_first and node.row_count == list_count
             if closed and not same:

@@ -4,17 +4,21 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import inspect
 
 import numpy as np
 import pytest
 
+from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import program
 from sdf_lights.render.gpu.device import Device, DeviceError, device
 from sdf_lights.render.gpu.tables import Tables
-from sdf_lights.render.gpu.translate import FLOAT, INT, Translator, Tuple, Value
+from sdf_lights.render.gpu.translate import BLOCK, FLOAT, INT, VECTOR, WORKSPACE, Translator, Tuple, Value, known
+from sdf_lights.render.settings import LampSampling
 from sdf_lights.sdf import read_glsl
+from tests import scenes
 
 GROUP = 64
 
@@ -92,6 +96,61 @@ def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
         for buffer in buffers:
             buffer.release()
         return values
+
+    return found.submit(run).result()
+
+
+_MAIN = """
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) buffer Numbers { float numbers[]; };
+vec3 number(int place) { return vec3(numbers[place], numbers[place + 1], numbers[place + 2]); }
+void main()
+{
+    int at = int(gl_GlobalInvocationID.x) * INPUTS;
+    clear_workspace();
+    RESULT found = NAME(ARGUMENTS);
+    OUTPUTS
+}
+"""
+
+
+def with_lamp(kernel, shape, numbers: np.ndarray, sampling: LampSampling = LampSampling.CUT) -> tuple[np.ndarray, np.ndarray]:
+    """(n, k) numbers that a kernel gives for block, workspace and the vectors in the rows of ``numbers`` (n, 3 · vectors),
+    in a scene with one lamp; and what was noted of its lengths (2,): unresolved, and inside. n is a multiple of ``GROUP``."""
+    found = device_or_skip()
+    scene = scenes.SCENES["torus_room"](8, 6)
+    scene.lamps = [dataclasses.replace(scene.lamps[0], shape=shape, matrix=np.eye(4))]
+    scene.settings.lamp_sampling, scene.settings.max_bounces = sampling, 0  # else the GPU has no cuts
+    packed = program.GpuScene(scene, Film(scene, ()))
+    assert packed.cuts == (sampling is LampSampling.CUT)
+    translator = packed.translator()
+    given = [f"number(at + {place})" for place in range(0, numbers.shape[1], 3)]
+    name, value = translator.function(kernel, [known(BLOCK), known(WORKSPACE), *(Value(VECTOR, text) for text in given)])
+    parts = _parts(value.type, "found")
+    assert len(parts) <= numbers.shape[1]
+    main = _MAIN
+    for word, text in {
+            "INPUTS": str(numbers.shape[1]), "RESULT": translator.glsl_type(value.type), "NAME": name,
+            "ARGUMENTS": ", ".join(given),
+            "OUTPUTS": " ".join(f"numbers[at + {index}] = {part};" for index, part in enumerate(parts))}.items():
+        main = main.replace(word, text)
+    source = packed.assembled(translator, main)
+    words, second, uniforms = packed.tables.pack(packed.scalars)
+
+    def run(context):
+        shader = found.program(context, source)
+        buffers = [context.buffer(np.ascontiguousarray(array).tobytes()) for array in (
+            words, numbers.astype(np.float32), np.zeros(1, np.uint32), np.zeros(2, np.float32), second)]
+        block = context.buffer(uniforms.tobytes())
+        block.bind_to_uniform_block(0)
+        for binding, buffer in enumerate(buffers):
+            buffer.bind_to_storage_buffer(binding)
+        shader.run(len(numbers) // GROUP)
+        values = np.frombuffer(buffers[1].read(), np.float32).reshape(numbers.shape)[:, :len(parts)].astype(float)
+        lengths = np.frombuffer(buffers[3].read(), np.float32).astype(float)
+        for buffer in (*buffers, block):
+            buffer.release()
+        return values, lengths
 
     return found.submit(run).result()
 

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cuts of boxes that are the same for all points: on the CPU, by the same kernels, and as the GPU reads them."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
@@ -12,15 +10,11 @@ from sdf_lights.emitter import cut, lamps
 from sdf_lights.emitter.baselines import LampBlock
 from sdf_lights.jit import kernel
 from sdf_lights.render.cpu.integrator import box_table, cut_of, spans_of
-from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import lamps as gpu_lamps
-from sdf_lights.render.gpu.program import GpuScene
-from sdf_lights.render.gpu.translate import BLOCK, FLOAT, VECTOR, WORKSPACE, Value, known
 from sdf_lights.sdf.expression import Expression
-from tests import scenes
 from tests.chi2 import chi2_sphere, sphere_integral
 from tests.emitter.test_cut import POINTS, SHAPES, density, sample, unit
-from tests.gpu.support import GROUP, device_or_skip
+from tests.gpu.support import with_lamp
 from tests.gpu.test_session import balls
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
@@ -90,50 +84,6 @@ def drawn(block, workspace, x, n, u, d):
     return w[0], w[1], w[2], own, other
 
 
-MAIN = """
-layout(local_size_x = 64) in;
-layout(std430, binding = 1) buffer Numbers { float numbers[]; };
-vec3 number(int place) { return vec3(numbers[place], numbers[place + 1], numbers[place + 2]); }
-void main()
-{
-    int at = int(gl_GlobalInvocationID.x) * 12;
-    clear_workspace();
-    RESULT found = NAME(number(at), number(at + 3), number(at + 6), number(at + 9));
-    numbers[at] = found.v0; numbers[at + 1] = found.v1; numbers[at + 2] = found.v2;
-    numbers[at + 3] = found.v3; numbers[at + 4] = found.v4;
-}
-"""
-
-
-def on_gpu(shape, numbers: np.ndarray) -> np.ndarray:
-    """(n, 5) of ``drawn`` for (n, 12) arguments."""
-    found = device_or_skip()
-    scene = scenes.SCENES["torus_room"](8, 6)
-    scene.lamps = [dataclasses.replace(scene.lamps[0], shape=shape, matrix=np.eye(4))]
-    scene.settings.max_bounces = 0  # else the GPU has none
-    packed = GpuScene(scene, Film(scene, ()))
-    assert packed.cuts
-    translator = packed.translator()
-    name, value = translator.function(drawn, [
-        known(BLOCK), known(WORKSPACE), *(Value(VECTOR, text) for text in ("x", "n", "u", "d"))])
-    source = packed.assembled(translator, MAIN.replace("NAME", name).replace("RESULT", translator.glsl_type(value.type)))
-    assert value.type.items == (FLOAT,) * 5
-    words, second, uniforms = packed.tables.pack(packed.scalars)
-
-    def run(context):
-        shader = found.program(context, source)
-        buffers = [context.buffer(np.ascontiguousarray(array).tobytes()) for array in (
-            words, numbers.astype(np.float32), np.zeros(1, np.uint32), np.zeros(2, np.float32), second)]
-        block = context.buffer(uniforms.tobytes())
-        block.bind_to_uniform_block(0)
-        for binding, buffer in enumerate(buffers):
-            buffer.bind_to_storage_buffer(binding)
-        shader.run(len(numbers) // GROUP)
-        return np.frombuffer(buffers[1].read(), np.float32).reshape(-1, 12)[:, :5].astype(float)
-
-    return found.submit(run).result()
-
-
 @pytest.mark.parametrize("shape", ["torus", "nested", "balls", "shell"])
 def test_the_gpu_draws_what_the_cpu_does(shape):
     """The same directions but where rounding takes another way, and the same densities but where a ray grazes an edge."""
@@ -144,7 +94,7 @@ def test_the_gpu_draws_what_the_cpu_does(shape):
         d = rng.normal(size=(512, 3)) + 2.0 * here.sample(u)
         d = (d / np.linalg.norm(d, axis=1, keepdims=True)).astype(np.float32).astype(float)
         arguments = np.concatenate([np.tile([*x, *unit(n)], (512, 1)), u, d], axis=1)
-        there = on_gpu(TRACED[shape], arguments)
+        there, _ = with_lamp(drawn, TRACED[shape], arguments)
         assert np.allclose(np.linalg.norm(there[:, :3], axis=1), 1.0, atol=1e-5)
         alike = np.abs(there[:, :3] - here.sample(u)).max(1) < 1e-3
         assert alike.mean() > 0.6  # draws that are repeated take other numbers

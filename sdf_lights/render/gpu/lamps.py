@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the GPU does otherwise than the CPU with SDF lamps, as kernels in the place of others.
 
-Fields are read as GLSL, whole, not term by term; rays are marched through them by ``shaders_glsl/intervals.glsl``, whose
-steps the Lipschitz bound makes safe. The boxes of a cut are the same for all points: a thread has no room for those of
-regions, and no time to find them.
+Fields are read as GLSL, whole, not term by term; ``crossings`` follows rays through them. The boxes of a cut are the
+same for all points: a thread has no room for those of regions, and no time to find them.
 """
 
 from __future__ import annotations
@@ -21,7 +20,6 @@ from ...emitter.lamps import direction_pdf, lamps, sample_direction
 from ...emitter.primitives import box_span
 from ...jit import kernel
 from ...sdf.formula import Formula, order
-from ...sdf.lipschitz import global_lipschitz
 from ...vec import ZERO, dot, length, madd, mul, sub, transform_point, transform_vector, vec
 from ..cpu import lights
 from ..cpu.integrator import cut_of
@@ -29,7 +27,6 @@ from ..cpu.lamp_tree import found_table, tree_table
 from ..cpu.lights.records import LIGHT_CUT
 from ..cpu.lights.records import MOST_NODES as MOST_NODES_IN_CUT
 from ..cpu.lights.tree import _estimate
-from .device import DeviceError
 
 LIMIT = 16  # boxes of a lamp
 
@@ -52,7 +49,6 @@ FLAT_BOXES, FLAT_CUT = _fewer(BOXES), _fewer(cuts.CUT)
 
 FEW = 8  # lamps that a ray tries in turn
 ROUNDING = 1.0 + 2.0**-21  # of the distances to the sides of a box in float32, twice over
-LEAST_STEP = 1e-4  # of a ray in a field, relative to the size of the lamp
 MOST_NODES = 20_000  # of all formulas together that compilers are given
 
 
@@ -293,13 +289,3 @@ class Formulas:
     @property
     def nodes(self) -> int:
         return sum(len(order(*formula)) for formula in self.fields + self.colours)
-
-
-def bound_of(name: str, shape) -> float:
-    """Lipschitz bound of the field of a lamp's shape in its box."""
-    bound = shape.lipschitz if shape.certified else math.inf
-    if not math.isfinite(bound):
-        bound = global_lipschitz(shape.formula(), *shape.bounds(), shape.parameters())
-    if not (math.isfinite(bound) and bound > 0.0):
-        raise DeviceError(f"nothing bounds how fast the field of lamp “{name}” changes")
-    return bound

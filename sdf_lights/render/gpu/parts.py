@@ -28,11 +28,11 @@ PART = np.dtype([("first", np.int64), ("count", np.int64), ("center", np.float64
 MANY = 4  # parts from which on boxes pay
 ROOM = 1e-5  # by which boxes are larger, of their own size and of that of all: for float32
 
-# How to read a lamp's field: a formula, its first parameter, the origin of tree space in the formula's, a bound of the
-# slope, and the least step of a ray; and the parts of a closed lamp.
+# How to read a lamp's field: a formula, its first parameter, and the origin of tree space in the formula's; and the
+# parts of a closed lamp.
 FIELD = np.dtype([
-    ("formula", np.int64), ("parameters", np.int64), ("center", np.float64, (3,)), ("lipschitz", np.float64),
-    ("least", np.float64), ("first_part", np.int64), ("part_count", np.int64)])
+    ("formula", np.int64), ("parameters", np.int64), ("center", np.float64, (3,)), ("first_part", np.int64),
+    ("part_count", np.int64)])
 
 part_table = table("lamp_parts", PART)
 field_table = table("lamp_fields", FIELD)

@@ -20,17 +20,16 @@ from ..cpu.shading.records import HAS_TRANSPARENCY
 from ..film import CHANNELS, HALF_BIT, Film
 from ..scene import Scene
 from ..settings import LampSampling
+from . import crossings as field_crossings
 from . import lamps, parts
 from .bvh import MOST_IN_LEAF, Hierarchy
 from .device import DeviceError
 from .layout import Array, Record
-from .tables import Tables
+from .tables import NEAR, Tables
 from .translate import BLOCK, BOOL, FLOAT, INT, UINT, VECTOR, WORKSPACE, Native, Ref, Translator, Tuple, Value, known
 
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
 
-FIELD_INTERVALS = 16  # of a ray in a lamp whose field is a formula
-FIELD_STEPS = 400
 MOST_ROWS = 1024  # of intervals that a thread has room for: 8 kB
 PRINCIPLED_CLOSURES = 7
 # Bounces up to which lamps are sampled by cuts: with more, most noise is not theirs, and threads wait for them at
@@ -41,6 +40,7 @@ TEXTURE_BITS = 14  # a row of a texture is so wide: what OpenGL 4.3 allows every
 # Numbers of the CPU's kernels that stand for the rounding of float64, in float32.
 ROUNDING = {
     ("primitives", "QUARTIC_ROUNDING"): 4e-7, ("primitives", "POLISH"): 3e-2, ("sponge", "_ROUNDING"): 1e-6,
+    ("cover", "SIGN"): 1e-30, ("cover", "LARGEST"): 1e30, ("crossings", "SIGN"): 1e-30,
     ("lamps", "SMALLEST_INTERVAL"): 2e-6, ("rectangle", "SMALL"): 3e-3, ("triangle", "SMALL"): 3e-2}
 
 # Scalars of the block that a program is made for.
@@ -62,13 +62,6 @@ def _ray(name: str, any_hit: str):
         return Value(BOOL, f"hit_scene({workspace.constant.prefix}ray_row, {', '.join(texts)}, {any_hit})")
 
     return Native(call)
-
-
-def _crossings(function, arguments):
-    _, row, o, d, start, end, _ = arguments
-    passed = ", ".join(function.passed([row, o, d, start, end]))
-    text = function.temporary(Tuple((FLOAT, FLOAT)), f"field_crossings({passed})")
-    return Value(None, items=(Value(INT, f"int({text}.x)"), Value(FLOAT, f"{text}.y")))
 
 
 def _field_value(function, arguments):
@@ -107,7 +100,9 @@ def natives(cuts: bool, one_emitter: bool = False, project: bool = False) -> dic
         hashing.uniform: Native("counted_uniform", FLOAT), hashing.uniform_point: Native("counted_point", VECTOR),
         rays.intersect: _ray("nearest", "false"), rays.occluded: _ray("any", "true"),
         stack_array: Native(_stack), integrator.spans_of: Native(_spans),
-        crossings.crossings: Native(_crossings), fields.value: Native(_field_value),
+        crossings.crossings: field_crossings.crossings, field_crossings.choose: Native("choose_field"),
+        field_crossings.field_at: Native("field", FLOAT),
+        field_crossings.halves: Native("unpackHalf2x16", Tuple((FLOAT, FLOAT))), fields.value: Native(_field_value),
         emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
         emission.line_integral: lamps.line_integral, emitter_lamps.solve_all: parts.solve_all,
         integrator.cut_of: _only_row("lamp_cuts"), integrator.light_cut_of: _only_row("light_cut"),
@@ -174,7 +169,8 @@ class GpuScene:
         """A table of how lamps' fields are read; the rows of lamps point at it where the CPU has compiled terms."""
         rows = tables["lamps"]
         found = np.zeros(len(rows), parts.FIELD)
-        numbers, used = [tables["lamp_parameters"]], len(tables["lamp_parameters"])
+        numbers, used = [np.zeros(0)], 0
+        self._numbers: dict[int, set[int]] = {}  # of each formula where its parameters may begin
         self.written_out = parts.WrittenOut.of(self.lamps)
         pieces, first_part = [np.zeros(0, parts.PART)], 0
         for index, (row, field, source) in enumerate(zip(rows, found, sources)):
@@ -190,17 +186,20 @@ class GpuScene:
                 shape, tree = source.shape, interior.tree(source.shape)
                 field["formula"] = self.formulas.add(self.formulas.fields, (shape.formula(),))
                 field["parameters"], field["center"] = used, tree.center
-                field["lipschitz"] = lamps.bound_of(source.name, shape)
-                field["least"] = lamps.LEAST_STEP * 2.0 * np.linalg.norm(tree.half)
+                self._numbers.setdefault(int(field["formula"]), set()).add(used)
                 numbers.append(np.asarray(shape.parameters(), np.float64))
                 used += len(numbers[-1])
         for glow, lamp in zip(tables["lamp_glows"], [lamp for lamp in self.lamps if lamp.emission is not None]):
-            glow["address"] = self.formulas.add(
-                self.formulas.colours, tuple(lamp.emission.compiled.placed.colour))
+            compiled = lamp.emission.compiled
+            glow["address"] = self.formulas.add(self.formulas.colours, tuple(compiled.placed.colour))
+            glow["parameters"] = used
+            numbers.append(compiled.parameters)
+            used += len(compiled.parameters)
         if self.formulas.nodes > lamps.MOST_NODES:
             raise DeviceError(f"the formulas of the scene's lamps have {self.formulas.nodes} nodes together, and drivers "
                               f"are given {lamps.MOST_NODES} at most")
         tables["lamp_parameters"] = np.concatenate(numbers)
+        tables["lamp_walk"] = field_crossings.flat_nodes(tables["lamp_nodes"])
         tables["lamp_fields"], tables["lamp_parts"] = found, np.concatenate(pieces)
 
     def _place_images(self, scene, tables) -> None:
@@ -219,7 +218,7 @@ class GpuScene:
         materials = tables["materials"]["lobes"]
         closures = max((int(each[first:last].sum()) for first, last in materials), default=1)
         registers = int(tables["instructions"]["out"].max()) + 4
-        rows = [FIELD_INTERVALS + 1]
+        rows = [field_crossings.INTERVALS + 1]
         for lamp in self.lamps:
             if lamp.row["kind"][0] != emitter_lamps.FIELD:
                 needed = intervals.rows_needed(lamp.program)[0]
@@ -277,7 +276,7 @@ class GpuScene:
             "STACK": -(-self.hierarchy.depth // 16) * 16, "ITEMS_IN_LEAF": MOST_IN_LEAF,
             "TEXTURE_BITS": TEXTURE_BITS,
             "FIELD_SIZE": field.size, **{f"FIELD_{name.upper()}": offset for name, (offset, _) in field.fields.items()},
-            "FIELD_STEPS": FIELD_STEPS, "INTERVALS": FIELD_INTERVALS, "HALF_BIT": HALF_BIT, "GOES_ON": integrator.GOES_ON}
+            "HALF_BIT": HALF_BIT, "GOES_ON": integrator.GOES_ON}
         places, used = film_places(self.film)
         numbers |= {f"FILM_{name.upper()}": place for name, place in places.items()}
         numbers["PIXEL_SIZE"] = used
@@ -287,15 +286,21 @@ class GpuScene:
 
     def _lamp_source(self) -> str:
         no_lengths = "void note_length(int lamp, int column, float amount) {}"
+        reader = self.tables.reader("lamp_parameters")
         parts = [glsl("lengths.glsl") if self.formulas.fields else no_lengths, "int lamp_numbers;",
-                 "float field_number(int slot) { return float_at(lamp_numbers + slot); }"]
+                 f"float field_number(int slot) {{ return {reader}float_at(lamp_numbers + slot); }}"]
+        near = self.tables.near_place("lamp_parameters")  # where one shape alone has a formula, its numbers have places
         kinds = (self.formulas.fields, "field", "float"), (self.formulas.colours, "colour", "vec3")
         for formulas, name, kind in kinds:
             if not formulas:
                 continue
             for index, formula in enumerate(formulas):
-                parts.append(read_glsl.function(formula if name == "colour" else formula[0], f"{name}_{index}",
-                                                "field_number({})"))
+                reading = "field_number({})"
+                if name == "field" and near is not None and len(self._numbers[index]) == 1:
+                    place, = self._numbers[index]
+                    reading = f"{NEAR}float_at({near + place} + {{}})"
+                written = formula if name == "colour" else formula[0]
+                parts.append(read_glsl.function(written, f"{name}_{index}", reading))
             cases = [f"    case {index}: return {name}_{index}(p);" for index in range(len(formulas) - 1)]
             parts.append("\n".join([
                 f"{kind} lamp_{name}_of(int formula, vec3 p)", "{", "    switch (formula) {", *cases,
@@ -307,12 +312,12 @@ class GpuScene:
         else:
             parts.append("vec3 lamp_colour(int formula, int first, vec3 p) { return vec3(0.0); }")
         if not self.formulas.fields:
-            parts += ["vec2 field_crossings(int row, vec3 o, vec3 d, float start, float end) { return vec2(0.0); }",
+            parts += ["void choose_field(int row) {}", "float field(vec3 p) { return 1.0; }",
                       "float field_value(int row, vec3 p) { return 1.0; }"]
         else:
             term = Record("lamps", emitter_lamps.LAMP).fields["first_term"][0]
             parts.append(f"int first_term(int row) {{ return {self.tables.reader('lamps')}int_at(row + {term}); }}")
-            parts += [glsl(name) for name in ("lamps.glsl", "intervals.glsl", "crossings.glsl")]
+            parts.append(glsl("lamps.glsl"))
         return "\n".join(parts)
 
 

@@ -22,7 +22,8 @@ NEAR_WORDS = 3072  # of all of them: OpenGL has room for 4096 everywhere
 SECOND_BINDING = 4
 SMALL = 256  # words of a table that may be there
 LARGE = frozenset({"lamp_boxes", "lamp_parts"})  # tables that all threads read from end to end: there if they fit
-BUFFERED = frozenset({"lamp_fields", "lamp_parameters", "sobol"})  # tables that shaders written by hand look for in the buffer
+PLACED = "lamp_parameters"  # likewise, of which programs hold the place
+BUFFERED = frozenset({"lamp_fields", "sobol"})  # tables that shaders written by hand look for in the buffer
 
 
 class Tables:
@@ -42,8 +43,8 @@ class Tables:
         sizes = {name: size_of(array) for name, array in tables.items() if name not in BUFFERED}
         self._single = {name for name in sizes if len(tables[name]) == 1 and tables[name].dtype.names}
         # Places in programs come first, what is large last.
-        for name in sorted(sizes, key=lambda name: (name not in self._single, name in LARGE)):
-            wanted = name in self._single or 0 < sizes[name] and (sizes[name] <= SMALL or name in LARGE)
+        for name in sorted(sizes, key=lambda name: (name not in self._single, name != PLACED, name in LARGE)):
+            wanted = name in self._single or 0 < sizes[name] and (sizes[name] <= SMALL or name in LARGE or name == PLACED)
             if wanted and used + sizes[name] <= NEAR_WORDS:
                 self._near[name] = used
                 used += sizes[name]
@@ -143,6 +144,10 @@ class Tables:
     def reader(self, name: str) -> str:
         """How the names of the functions begin that read this table."""
         return NEAR if name in self._near else SECOND if name in self._second else ""
+
+    def near_place(self, name: str) -> int | None:
+        """First word of a table in the uniform block; None where it is not there."""
+        return self._near.get(name)
 
     def uniform_source(self) -> str:
         """The uniform block ``scene``, and functions that read tables there."""
