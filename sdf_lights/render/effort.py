@@ -2,44 +2,50 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where a render spends its time: how many samples each pixel takes, and into how many branches its paths divide.
 
-A sample with k branches has the variance D + I/k: that of what comes before its path divides, and that of one branch.
-It takes the time C + m k, with m surfaces that a branch meets. By the method of Lagrange, the product of the picture's
-error and of its time is least for
+n samples of a pixel, each with k branches, leave the squared error
 
-    k_j = √(C w_j I_j / (m_j ⟨w D⟩)),
+    w (D n^−a + I / (n k)),
 
-where w is the weight of pixel j in the error and ⟨ ⟩ the mean over the picture: time goes to where the light that is
-scattered again is noisy, not to where it is merely noisier than the rest of the same pixel. In the same way, errors that fall
-as n^−a with the number of samples add up to the least, for as much time as with as many samples for each pixel, where this
-number is in proportion to the *rate*
+where D is due to what comes before paths divide, I to what branches bring, and w is the weight of the pixel in the error of
+the picture. They take the time n (C + m k), with m surfaces that a branch meets. D and I are told by how much samples
+scatter. By the method of Lagrange, of a few n and k each pixel gets those that make error + λ time least: edges and
+highlights many samples that divide little, what is lit by other surfaces a few that divide into many. λ is the one by which
+pixels have as many samples on average as are set. Where all of them have the same number, it is error by time, which makes
+the product of the picture's error and of its time least.
 
-    M_j = (w_j e_j² n_j^a / (C + m_j k_j))^(1/(1 + a)),
-
-with the squared error e² that n samples have left. Edges and highlights are much noisier than the rest, once the lamps
-are sampled well.
-
-Nothing is biased. The mean of a sample does not depend on the branches of its path. The rate of a pixel does not depend on its
-own samples, but on those of its neighbours.
+Nothing is biased. What branches bring is averaged over all branches of a pixel, and what comes before over its samples. How
+many there are of either does not depend on the pixel's own samples, but on those of its neighbours.
 """
 
 from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
 
 import numpy as np
 
 from .film import LEAST_SAMPLES, Film, half_count
 from .settings import MOST_BRANCHES, Settings
 
-FIRST_UPDATE = 8  # samples; the next ones are each at twice as many
-COST = 1.0  # C, in surfaces that a branch meets: 1.1 was measured with plain materials, less with principled ones
-# By how much the halves of the samples until now overestimate what of D the picture is left with: single samples of it are
-# spread better than those of branches, so it falls faster. Fixed numbers of branches were compared with what this chooses.
-SETTLES = 4.0
-BLOCK = 8  # pixels to a side that share estimates: those of a single one are no better than their own noise
+FIRST_UPDATE = 2  # samples, the fewest that scatter; the next ones are each at twice as many
+COST = 1.1  # C, in surfaces that a branch meets: measured with plain materials, less with principled ones
+POWER = 1.4  # a: measured where edges and lamps are what is noisy; 1 is that of independent samples
+# The variance of the mean of n samples, or of what branches bring, of what the scatter of samples would give if they were
+# independent, D_GAIN n^(1 − a) and I_GAIN: measured for 2 to 64 samples of scenes lit by lamps.
+D_GAIN, I_GAIN = 0.65, 0.77
+# The squared difference of the mean of all samples and that of one half, of the variance of the mean: measured, too. It would be
+# 1, if the halves were independent.
+D_HALVES, I_HALVES = 1.8, 1.1
+LEAST_GAIN, MOST_GAIN = 0.05, 4.0  # factors by which halves may tell of less or more variance
+BLOCK = 8  # pixels to a side that share what their halves tell: that of a single one is no better than its own noise
 FLOOR = 0.01  # of the mean square brightness, in the squares that errors are relative to
-LEAST_RATE, MOST_RATE = 0.5, 8.0  # powers of two, as numbers of samples from a Sobol sequence should be
-POWER = 1.3  # a: measured where edges and lamps are what is noisy; 1 is that of independent samples
-STEPS = 8  # of rates, for each power of two
-LEAST_GAIN, MOST_GAIN = 0.02, 2.0  # of the variance, by samples that are spread evenly
+# Powers of two, as numbers of samples from a Sobol sequence should be.
+LEAST_RATE, MOST_RATE = 0.5, 8.0
+RATES = tuple(LEAST_RATE * 2.0**power for power in range(int(np.log2(MOST_RATE / LEAST_RATE)) + 1))
+BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
+LEVELS = 2  # of D and I, for each power of two: pixels of the same ones are treated alike
+LEAST = 2.0**-24  # D and I, of the greatest
+NEXT, NEAR = (1.0, 2.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0)  # weights of neighbours, along each axis: D differs more sharply
 
 
 def update(film: Film, settings: Settings) -> None:
@@ -48,107 +54,123 @@ def update(film: Film, settings: Settings) -> None:
     A noise threshold, which stops pixels that are clean enough, promises how many samples the others have at most.
     """
     guided = settings.guided_samples and settings.noise_threshold <= 0.0
-    if film.samples < max(film.next_update, FIRST_UPDATE) or not (guided or not settings.indirect_paths):
+    divides = not settings.indirect_paths and film.divided[:, 2].any()
+    if not FIRST_UPDATE <= film.samples < settings.samples or film.samples < film.next_update:
+        return
+    known = (film.active != 0) & (film.count >= FIRST_UPDATE)
+    if not (guided or divides) or not known.any():
         return
     film.next_update = 2 * film.samples
-    found = _Noise(film)
-    if not settings.indirect_paths and film.samples >= LEAST_SAMPLES and film.indirect[:, 3].any():
-        film.branches[:] = np.where(found.known, found.best_branches(), film.branches)
-    if guided:
-        film.rate[:] = np.where(found.known, found.best_rates(), film.rate)
+    noise = _noise(film, known)
+    if noise is None:
+        return
+    rates, branches = RATES if guided else (1.0,), BRANCHES if divides else (film.branches[known].mean(),)
+    rate, count = _best(noise, 2.0 * film.samples, rates, branches)
+    film.rate[known] = rate[known]
+    if divides:
+        film.branches[known] = count[known]
 
 
+@dataclass
 class _Noise:
-    """What the samples of a film tell of each pixel."""
+    """What the samples of a film tell: ``first`` w D and ``second`` w I of each pixel, and ``met``, m.
 
-    def __init__(self, film: Film):
-        self._film = film
-        self.known = (film.active != 0) & (film.count >= min(film.samples, LEAST_SAMPLES) * LEAST_RATE)
-        count, half = np.maximum(film.count, 1), np.maximum(half_count(film.count), 1)
-        before, after = film.direct[:, 0] / count, film.indirect[:, 0] / count
-        whole = before + after
-        self._count = count
-        self._weight = self.known / np.maximum(self._around(whole) ** 2 + FLOOR * np.mean(whole) ** 2, 1e-30)
-        # Squared errors, where the samples make two halves.
-        self._halves = self.known & (film.count >= LEAST_SAMPLES)
-        self._first, self._second = (before - film.direct[:, 1] / half) ** 2, (after - film.indirect[:, 1] / half) ** 2
-        self._error = (whole - (film.direct[:, 1] + film.indirect[:, 1]) / half) ** 2
-        self._scatter = np.maximum(film.direct[:, 2] / count - whole**2, 0.0) / count
-        self._branches, self._met, self._shares = film.indirect[:, 2], film.indirect[:, 3], film.indirect[:, 4] / count
+    ``known``: pixels of which that is told.
+    """
 
-    def best_branches(self) -> np.ndarray:
-        """k of each pixel, a power of two."""
-        weight = self._weight * self._halves * self._count
-        number = max(np.count_nonzero(self._halves), 1)
-        first = np.sum(weight * self._first) / number
-        second, halves = self._blocks(weight * _part(self._second, self._shares)), self._blocks(self._halves)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            own = second / (halves * self._met_by_a_branch())
-            all_of_it = second.sum() * self._branches.sum() / (number * self._met.sum())
-            # A block's own estimate is noisy itself; the picture's counts as much.
-            found = np.sqrt(SETTLES * COST * 0.5 * (own + all_of_it) / first)
-            found = 2.0 ** np.rint(np.log2(found))  # as numbers of samples from a Sobol sequence should be
-        # Where no branch meets a surface, or nothing else is noisy, the quotient is infinite or not a number.
-        return self._spread(np.where(np.isnan(found), 1.0, np.clip(found, 1.0, MOST_BRANCHES)))
+    known: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    met: float
 
-    def best_rates(self) -> np.ndarray:
-        """M of each pixel, as a power of two; the mean time stays."""
-        film = self._film
-        # Samples are spread evenly, which the scatter of single ones does not show; the difference of halves does.
-        gain = _part(self._others(self._halves * self._error), self._others(self._halves * self._scatter), 1.0)
-        error = self._around(self._scatter * self._count**POWER) * np.clip(gain, LEAST_GAIN, MOST_GAIN)
-        cost = COST + film.branches * self._spread(np.nan_to_num(self._met_by_a_branch()))
-        wanted = (self._weight * error / cost) ** (1.0 / (1.0 + POWER))
-        most = wanted.max()
-        if not most > 0.0:
-            return film.rate
-        levels = np.log2(np.maximum(wanted / most, 2.0**-24))
-        # The level that gets the rate 1, by bisection over a histogram of levels by their cost.
-        bins = np.rint(-STEPS * levels).astype(np.int64)
-        amounts = np.bincount(bins, cost * self.known)
-        at = -np.arange(len(amounts)) / STEPS
-        low, high = at[-1], 0.0
-        for _ in range(30):
+
+def _noise(film: Film, known: np.ndarray) -> _Noise | None:
+    """None if nothing is noisy."""
+    shape = film.height, film.width
+    count, branches = np.maximum(film.count, 1), np.maximum(film.divided[:, 0], 1.0)
+    sums, scattered = (film.sums[name].reshape(len(count), -1)[:, :3].sum(axis=1) for name in ("combined", "scattered"))
+    before, after = sums / count, scattered / branches
+    spread = film.squares - np.stack([sums * before, scattered * after], axis=1)
+    variance = np.maximum(spread, 0.0) / np.maximum(count - 1, 1)[:, None]
+    first, second = D_GAIN * variance[:, 0], I_GAIN * variance[:, 1]  # of the powers of ``count`` and of ``branches``
+    whole = before + after
+    weight = 1.0 / np.maximum(_around(whole, known, shape, NEXT) ** 2 + FLOOR * np.mean(whole[known]) ** 2, 1e-30)
+
+    halves = known & (film.count >= LEAST_SAMPLES)
+    if halves.any():
+        half, half_branches = np.maximum(half_count(film.count), 1), np.maximum(film.divided[:, 1], 1.0)
+        one = before - film.sums["half"].reshape(-1, 3).sum(axis=1) / half
+        two = after - film.sums["scattered_half"].reshape(-1, 3).sum(axis=1) / half_branches
+        part = halves * weight
+        first *= _gain(part * one**2 * count**POWER / D_HALVES, part * first, shape)
+        second *= _gain(part * two**2 * branches / I_HALVES, part * second, shape)
+    first, second = _around(first, known, shape, NEXT) * weight, _around(second, known, shape, NEAR) * weight
+    if not (first.any() or second.any()):
+        return None
+    return _Noise(known, first, second, film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0))
+
+
+def _best(noise: _Noise, samples: float, rates, branches) -> tuple[np.ndarray, np.ndarray]:
+    """(pixels,) rates and branches, of those given, with ``samples`` at the rate 1."""
+    first, second = _levels(noise.first), _levels(noise.second)
+    pairs, of_pixel, = np.unique(np.stack([first, second]), axis=1, return_inverse=True)
+    of_pixel = of_pixel.ravel()
+    pixels = np.bincount(of_pixel, noise.known, pairs.shape[1])
+    d, i = (2.0 ** (-place / LEVELS) * values.max() for place, values in zip(pairs, (noise.first, noise.second)))
+    choices = np.array(list(itertools.product(rates, branches)))
+    number = samples * choices[:, :1]
+    error = d * number**-POWER + i / (number * choices[:, 1:])
+    time = number * (COST + noise.met * choices[:, 1:])
+
+    def best(price: float) -> np.ndarray:
+        return np.argmin(error + price * time, axis=0)
+
+    found = np.full(len(d), len(choices) - 1)
+    if len(rates) > 1:
+        low, high = -40.0, 40.0  # powers of two, of the quotient of error and time
+        start = (error[-1] @ pixels) / (time[-1, 0] * pixels.sum())
+        for _ in range(24):
             middle = 0.5 * (low + high)
-            if amounts @ _rate(at - middle) > amounts.sum():
-                low = middle
-            else:
-                high = middle
-        return _rate(levels - high)
-
-    def _met_by_a_branch(self) -> np.ndarray:
-        """m of each block; not a number where no path divided."""
-        return _part(self._blocks(self._met), self._blocks(self._branches), np.nan)
-
-    def _blocks(self, values: np.ndarray) -> np.ndarray:
-        """Sums over blocks of pixels."""
-        film = self._film
-        rows = values.reshape(film.height, film.width).astype(float)
-        return np.add.reduceat(
-            np.add.reduceat(rows, range(0, film.height, BLOCK), axis=0), range(0, film.width, BLOCK), axis=1)
-
-    def _spread(self, values: np.ndarray) -> np.ndarray:
-        """Values of blocks, for each of their pixels."""
-        film = self._film
-        return values.repeat(BLOCK, axis=0)[:film.height].repeat(BLOCK, axis=1)[:, :film.width].ravel()
-
-    def _others(self, values: np.ndarray) -> np.ndarray:
-        """Sums over the other pixels of a pixel's block."""
-        return self._spread(self._blocks(values)) - values
-
-    def _around(self, values: np.ndarray) -> np.ndarray:
-        """Binomial means of the eight pixels around each."""
-        shape = self._film.height, self._film.width
-        padded = np.pad(values.reshape(shape), 1, mode="reflect" if min(shape) > 1 else "edge")
-        rows = padded[:-2] + 2.0 * padded[1:-1] + padded[2:]
-        return ((rows[:, :-2] + 2.0 * rows[:, 1:-1] + rows[:, 2:]).ravel() - 4.0 * values) / 12.0
+            found = best(start * 2.0**middle)
+            low, high = (middle, high) if choices[found, 0] @ pixels > pixels.sum() else (low, middle)
+        found = best(start * 2.0**high)
+    else:
+        for _ in range(8):
+            found = best((error[found, np.arange(len(d))] @ pixels) / (time[found, 0] @ pixels))
+    return tuple(choices[found[of_pixel]].T)
 
 
-def _part(values, of, otherwise: float = 0.0) -> np.ndarray:
-    """Quotient; ``otherwise`` where it is none."""
-    of = np.asarray(of, float)
-    return np.divide(values, of, out=np.full(of.shape, otherwise), where=of > 0.0)
+def _levels(values: np.ndarray) -> np.ndarray:
+    """Logarithms of values below the greatest one, as whole numbers."""
+    most = values.max()
+    return np.rint(-LEVELS * np.log2(np.maximum(values / most, LEAST))) if most > 0.0 else np.zeros(len(values))
 
 
-def _rate(level: np.ndarray) -> np.ndarray:
-    return np.clip(2.0 ** np.rint(level), LEAST_RATE, MOST_RATE)
+def _gain(found: np.ndarray, expected: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Quotient of sums over the other pixels of a pixel's block; 1 where nothing is expected."""
+    found, expected = _others(found, shape), _others(expected, shape)
+    gain = np.divide(found, expected, out=np.ones(len(found)), where=expected > 0.0)
+    return np.clip(gain, LEAST_GAIN, MOST_GAIN)
+
+
+def _others(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Sums over the other pixels of a pixel's block."""
+    rows = values.reshape(shape)
+    for axis in (0, 1):
+        rows = np.add.reduceat(rows, range(0, shape[axis], BLOCK), axis=axis)
+        rows = rows.repeat(BLOCK, axis=axis).take(range(shape[axis]), axis=axis)
+    return np.maximum(rows.ravel() - values, 0.0)
+
+
+def _around(values: np.ndarray, known: np.ndarray, shape: tuple[int, int], weights) -> np.ndarray:
+    """Means of the known values around each pixel, without its own; 0 where there are none."""
+    reach, own = len(weights) // 2, max(weights) ** 2
+
+    def total(each: np.ndarray) -> np.ndarray:
+        padded = np.pad(each.reshape(shape), reach)
+        rows = sum(weight * padded[place:place + shape[0]] for place, weight in enumerate(weights))
+        return sum(weight * rows[:, place:place + shape[1]] for place, weight in enumerate(weights)).ravel()
+
+    values, amount = values * known, known.astype(float)
+    amount, values = total(amount) - own * amount, np.maximum(total(values) - own * values, 0.0)
+    return np.divide(values, amount, out=np.zeros(len(values)), where=amount > 0.0)

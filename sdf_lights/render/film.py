@@ -13,7 +13,10 @@ from .settings import START_BRANCHES
 # Values that a pixel sums up for each pass; "half" sums half of the samples of "combined", to estimate the noise.
 CHANNELS = {
     "combined": 4, "half": 3, "lamps": 3, "emission": 3, "normal": 3, "albedo": 3, "diffuse_albedo": 3,
-    "position": 3, "depth": 1}
+    "position": 3, "depth": 1, "scattered": 3, "scattered_half": 3, "scattered_lamps": 3}
+# Where paths divide these hold what comes before, and others what branches bring, one term for each branch: samples whose paths
+# divide into many branches tell more.
+SCATTERED = {"combined": "scattered", "half": "scattered_half", "lamps": "scattered_lamps"}
 
 # Depth of a pixel that sees nothing, as Cycles gives it.
 NO_DEPTH = 1e10
@@ -44,9 +47,10 @@ class Film:
     - ``count``: samples; ``surfaces``: samples that met a surface.
     - ``active``: 1 where the pixel takes more samples.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
-    - ``direct``, ``indirect``: of each pixel, what its samples had before and after their paths divided, as sums of RGB:
-      all, and those of "half". ``direct`` also has the sum of the squares of all their light; ``indirect`` how many branches
-      there were, how many surfaces these met, and the sum of 1/branches.
+    - ``divided``: (pixels, 3) into how many branches paths were to divide, in all and in "half", and the surfaces that
+      branches met. None, where the back end lets no path divide.
+    - ``squares``: (pixels, 2) sums of the squares of what a sample had, as a sum of RGB, before its path divided, and of
+      what its branches brought, each times its number of branches.
     - ``rate``: samples that a pixel takes for one that is set, where the back end can; ``next_update``: with how many samples
       that is decided again (``effort.py``).
     - ``branches``: into how many the paths of a pixel divide, where the back end lets them (``effort.py``).
@@ -65,12 +69,13 @@ class Film:
             names |= {"Denoising Albedo", "Denoising Normal"}
         self.passes = tuple(name for name in BY_NAME if name in names)
         used = {BY_NAME[name].source for name in self.passes} | {"half"}
+        used |= {SCATTERED[name] for name in used & SCATTERED.keys()}
         pixels = self.width * self.height
         self.sums = {name: np.zeros(pixels * count if name in used else 0) for name, count in CHANNELS.items()}
         self.count = np.zeros(pixels, np.int32)
         self.surfaces = np.zeros(pixels, np.int32)
         self.active = np.ones(pixels, np.uint8)
-        self.direct, self.indirect = np.zeros((pixels, 3)), np.zeros((pixels, 5))
+        self.divided, self.squares = np.zeros((pixels, 3)), np.zeros((pixels, 2))
         self.branches = np.full(pixels, scene.settings.indirect_paths or START_BRANCHES, np.int32)
         self.rate, self.next_update = np.ones(pixels), 0
         self.discarded = np.zeros(pixels * len(DISCARDED), np.int32)
@@ -89,10 +94,14 @@ class Film:
 
         if item.rule is Rule.COUNT:
             return of(self.count).reshape(-1, self.width, 1).astype(np.float32)
-        weight, value = self._settled(
-            of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count), of(self.sums[item.source]))
+        parts = [of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count), of(self.sums[item.source])]
+        if item.source in SCATTERED:
+            parts += [of(self.divided)[:, :1], of(self.sums[SCATTERED[item.source]])]
+        weight, value, *scattered = self._settled(parts)
         if item.rule is not Rule.FIRST:
             value /= np.maximum(weight, 1)
+        if scattered:
+            value[:, :3] += scattered[1] / np.maximum(scattered[0], 1)
         if item.light and self.exposure != 1.0:
             value[:, :3] *= self.exposure
         value = value.astype(np.float32)
@@ -103,21 +112,21 @@ class Film:
             value[of(self.surfaces) == 0] = NO_DEPTH
         return value.reshape(-1, self.width, value.shape[-1])
 
-    def _settled(self, counts: np.ndarray, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _settled(self, parts: list[np.ndarray]) -> list[np.ndarray]:
         """Copies of counts (pixels, 1) and sums (pixels, channels) that belong together, while threads go on adding.
 
         Pixels whose count changed during the copy are read again; in the end at most the one pixel that each thread is
         at may be a sample apart.
         """
-        kept, values = counts.copy(), sums.copy()
-        changed = np.flatnonzero(kept != counts)
+        kept, counts = [part.copy() for part in parts], parts[0]
+        changed = np.flatnonzero(kept[0] != counts)
         for _ in range(4):
             if not len(changed):
                 break
-            kept[changed] = counts[changed]
-            values[changed] = sums[changed]
-            changed = changed[(kept[changed] != counts[changed])[:, 0]]
-        return kept, values
+            for copy, part in zip(kept, parts):
+                copy[changed] = part[changed]
+            changed = changed[(kept[0][changed] != counts[changed])[:, 0]]
+        return kept
 
     def replace_combined(self, color: np.ndarray) -> None:
         """Show ``color`` (height, width, RGB), exposed, as the Combined pass: the denoised picture."""
@@ -125,12 +134,20 @@ class Film:
         picture[..., :3] = color
         self._denoised = picture
 
+    def light(self) -> tuple[np.ndarray, np.ndarray]:
+        """(pixels, RGB) means of all samples, and of "half" alone."""
+        return tuple(
+            self.sums[name].reshape(len(self.count), -1)[:, :3] / np.maximum(count, 1)[:, None]
+            + self.sums[SCATTERED[name]].reshape(-1, 3) / np.maximum(branches, 1)[:, None]
+            for name, count, branches in (
+                ("combined", self.count, self.divided[:, 0]),
+                ("half", half_count(self.count), self.divided[:, 1])))
+
     def _errors(self) -> tuple[np.ndarray, np.ndarray]:
         """Of each pixel (height, width): brightness I, the sum of RGB, and its estimated error |I − A|, A being the
         mean of "half" alone. Where the two halves are independent, I − A has the variance of I itself."""
         shape = (self.height, self.width)
-        mean = self.sums["combined"].reshape(-1, 4)[:, :3] / np.maximum(self.count, 1)[:, None]
-        half = self.sums["half"].reshape(-1, 3) / np.maximum(half_count(self.count), 1)[:, None]
+        mean, half = self.light()
         return mean.sum(axis=1).reshape(shape), np.abs(mean - half).sum(axis=1).reshape(shape)
 
     def noise(self) -> float | None:

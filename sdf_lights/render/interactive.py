@@ -35,6 +35,8 @@ OWED = 2.0 * FIRST_PICTURE
 COARSEST, UNKNOWN, REFINEMENT = 16, 8, 4
 # Pixels that are read between two looks for a newer scene.
 BAND = 1 << 16
+# Into how many branches paths of coarse pictures divide: they are seen for a moment only.
+COARSE_BRANCHES = 8
 # Of a value in a picture: viewports hold half floats.
 GREATEST = 65000.0
 # Samples at which a picture is denoised for the first time; then at four times as many, and so on, and in the end.
@@ -328,7 +330,8 @@ class InteractiveRender:
             x0, y0, x1, y1 = scene.border
             border = x0 // divider, y0 // divider, -(-x1 // divider), -(-y1 // divider)
         grown = width * divider / scene.width, height * divider / scene.height
-        settings = dataclasses.replace(scene.settings, samples=1, denoise=False)
+        settings = dataclasses.replace(
+            scene.settings, samples=1, denoise=False, indirect_paths=scene.settings.indirect_paths or COARSE_BRANCHES)
         lamps = scene.lamps
         if self._without_lamps:
             lamps = [dataclasses.replace(lamp, visibility=lamp.visibility & ~Ray.CAMERA) for lamp in lamps]

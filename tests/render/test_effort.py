@@ -32,6 +32,12 @@ def stage(size: int = SIZE, **changes) -> Scene:
     return scene
 
 
+def fill(film: Film, light, half, squares) -> None:
+    """Give a film sums of what its samples have had before paths divide, all of it red."""
+    film.sums["combined"].reshape(-1, 4)[:, 0], film.sums["half"].reshape(-1, 3)[:, 0] = light, half
+    film.squares[:, 0] = squares
+
+
 def pictures(guided: bool, seeds: int, samples: int) -> np.ndarray:
     return np.array([
         session.render(stage(samples=samples, guided_samples=guided, seed=seed), ()).read("Combined")[..., :3]
@@ -95,7 +101,7 @@ def test_a_pixels_own_samples_do_not_change_its_rate():
         found.count[:] = LEAST_SAMPLES
         light = 1.0 + np.linspace(0.05, 1.0, found.count.size) * rng.standard_normal((LEAST_SAMPLES, found.count.size))
         light[:, 300] += value * rng.standard_normal(LEAST_SAMPLES)
-        found.direct[:, 0], found.direct[:, 1], found.direct[:, 2] = light.sum(0), light[8:].sum(0), (light**2).sum(0)
+        fill(found, light.sum(0), light[8:].sum(0), (light**2).sum(0))
         effort.update(found, found_settings)
         return found
 
@@ -109,6 +115,6 @@ def test_pictures_without_noise_stay_even(light):
     film = Film(stage(), ())
     film.samples = LEAST_SAMPLES
     film.count[:] = LEAST_SAMPLES
-    film.direct[:] = light * np.array([LEAST_SAMPLES, LEAST_SAMPLES / 2, LEAST_SAMPLES])
+    fill(film, light * LEAST_SAMPLES, light * LEAST_SAMPLES / 2, light * LEAST_SAMPLES)
     effort.update(film, stage().settings)
     assert np.all(film.rate == 1.0)

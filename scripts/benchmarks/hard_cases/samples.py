@@ -47,7 +47,7 @@ def errors(quick: bool) -> tuple[list[int], np.ndarray]:
         for count in counts:
             renderer.sample(done, count - done, lambda: False, lambda part: None)
             assert np.all(film.count == count)
-            light = film.sums["combined"].reshape(PIXELS, PIXELS, 4)[..., :3].mean(axis=2) / count
+            light = film.light()[0].mean(axis=1).reshape(PIXELS, PIXELS)
             found.append((light / expected - 1.0).ravel())
             done = count
         renderer.finish()

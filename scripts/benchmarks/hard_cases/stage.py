@@ -56,8 +56,7 @@ def picture(scene: Scene) -> np.ndarray:
     film = session.render(scene, ("Combined",))
     if scene.warnings:
         raise RuntimeError("; ".join(scene.warnings))
-    sums = film.sums["combined"].reshape(film.height, film.width, 4)[..., :3].mean(axis=2)
-    return sums / film.count.reshape(film.height, film.width)
+    return film.light()[0].mean(axis=1).reshape(film.height, film.width)
 
 
 def volumes_unknown(lamp: Lamp, point, normal) -> float:

@@ -7,19 +7,23 @@ import math
 import numpy as np
 
 from ...jit import kernel, table
+from ...vec import scale, sub, vec
 from ..film import CHANNELS, DISCARDED, HALF_BIT, Film
 from .path import sample_table
 
 TABLES = {
     **{f"film_{name}": np.dtype(np.float64) for name in CHANNELS},
     "film_count": np.dtype(np.int32), "film_surfaces": np.dtype(np.int32), "film_active": np.dtype(np.uint8),
-    "film_discarded": np.dtype(np.int32), "film_direct": np.dtype(np.float64), "film_indirect": np.dtype(np.float64),
+    "film_discarded": np.dtype(np.int32), "film_squares": np.dtype(np.float64), "film_divided": np.dtype(np.float64),
     "film_branches": np.dtype(np.int32), "film_rate": np.dtype(np.float64)}
 SCALARS = [("film_x", np.int64), ("film_y", np.int64), ("film_width", np.int64)]
 
 _combined = table("film_combined", np.float64)
 _half = table("film_half", np.float64)
 _lamps = table("film_lamps", np.float64)
+_scattered = table("film_scattered", np.float64)
+_scattered_half = table("film_scattered_half", np.float64)
+_scattered_lamps = table("film_scattered_lamps", np.float64)
 _emission = table("film_emission", np.float64)
 _normal = table("film_normal", np.float64)
 _albedo = table("film_albedo", np.float64)
@@ -30,8 +34,8 @@ _count = table("film_count", np.int32)
 _surfaces = table("film_surfaces", np.int32)
 _active = table("film_active", np.uint8)
 _discarded = table("film_discarded", np.int32)
-_direct = table("film_direct", np.float64)
-_indirect = table("film_indirect", np.float64)
+_squares = table("film_squares", np.float64)
+_divided = table("film_divided", np.float64)
 _branches = table("film_branches", np.int32)
 _rate = table("film_rate", np.float64)
 
@@ -44,7 +48,7 @@ def pack_film(film: Film) -> dict[str, np.ndarray]:
     return {
         **{f"film_{name}": array for name, array in film.sums.items()}, "film_count": film.count,
         "film_surfaces": film.surfaces, "film_active": film.active, "film_discarded": film.discarded,
-        "film_direct": film.direct.ravel(), "film_indirect": film.indirect.ravel(), "film_branches": film.branches,
+        "film_squares": film.squares.ravel(), "film_divided": film.divided.ravel(), "film_branches": film.branches,
         "film_rate": film.rate}
 
 
@@ -91,29 +95,29 @@ def add_sample(block, workspace, pixel, index):
     if not abs(total) < math.inf:
         _discarded(block)[_KINDS * pixel + (_NAN if math.isnan(total) else _INFINITE)] += 1
         return
-    sums = _combined(block)
+    sums, half = _combined(block), index & HALF_BIT != 0
+    before, lamps = (sample.before, sample.lamps_before) if sample.divided else (combined, sample.lamps)
     at = 4 * pixel
-    sums[at] += combined[0]
-    sums[at + 1] += combined[1]
-    sums[at + 2] += combined[2]
+    sums[at] += before[0]
+    sums[at + 1] += before[1]
+    sums[at + 2] += before[2]
     sums[at + 3] += sample.alpha
-    whole = combined[0] + combined[1] + combined[2]
-    before = sample.direct if sample.direct >= 0.0 else whole
-    direct, indirect = _direct(block), _indirect(block)
+    if half:
+        _add(_half(block), pixel, before)
+    _add(_lamps(block), pixel, lamps)
+    squares, divided = _squares(block), _divided(block)
+    squares[2 * pixel] += (before[0] + before[1] + before[2]) ** 2
     at = 3 * pixel
-    direct[at] += before
-    direct[at + 2] += whole * whole
-    if index & HALF_BIT:
-        direct[at + 1] += before
-    at = 5 * pixel
-    indirect[at] += whole - before
-    indirect[at + 2] += sample.branches
-    indirect[at + 3] += sample.met
-    indirect[at + 4] += 1.0 / sample.branches
-    if index & HALF_BIT:
-        indirect[at + 1] += whole - before
-        _add(_half(block), pixel, combined)
-    _add(_lamps(block), pixel, sample.lamps)
+    divided[at] += sample.branches
+    divided[at + 1] += sample.branches if half else 0.0
+    divided[at + 2] += sample.met
+    if sample.divided:
+        after = scale(sub(vec(combined), vec(before)), sample.branches)
+        squares[2 * pixel + 1] += (after[0] + after[1] + after[2]) ** 2 / sample.branches
+        _add(_scattered(block), pixel, after)
+        if half:
+            _add(_scattered_half(block), pixel, after)
+        _add(_scattered_lamps(block), pixel, scale(sub(vec(sample.lamps), vec(lamps)), sample.branches))
     _add(_emission(block), pixel, sample.emission)
     if sample.found:
         surfaces = _surfaces(block)
@@ -144,4 +148,4 @@ def branches_of(block, pixel):
 @kernel
 def branches_before(block, pixel):
     """How many branches the paths of a pixel had."""
-    return np.int64(_indirect(block)[5 * pixel + 2])
+    return np.int64(_divided(block)[3 * pixel])

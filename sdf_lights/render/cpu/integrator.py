@@ -560,10 +560,13 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     What comes before is sampled once, and the branches, numbered from ``first_branch`` on, as evenly as all of a pixel.
     """
     paths, sample = path_table(workspace), sample_table(workspace)[0]
+    sample.branches = branches
     start_path(block, workspace, x, y)
     if not follow(block, workspace, True):
         return
-    sample.direct, sample.branches = sample.combined[0] + sample.combined[1] + sample.combined[2], branches
+    sample.divided = 1
+    put(sample.before, vec(sample.combined))
+    put(sample.lamps_before, vec(sample.lamps))
     paths[WAITING] = paths[0]
     for branch in range(branches):
         paths[0] = paths[WAITING]
@@ -632,7 +635,7 @@ def advance(block, workspace, whole):
             uncover(workspace, 1.0)
         return ENDS
     shade(block, workspace)
-    sample.met += sample.direct >= 0.0  # the path has divided
+    sample.met += sample.divided
     gather_surface(block, workspace)
     if path.kind == CAMERA:
         uncover(workspace, surface.holdout)

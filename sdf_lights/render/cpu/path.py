@@ -8,12 +8,13 @@ from ...jit import kernel, table
 from ...vec import ZERO, mul, put, put_sum, scale, vec
 from ..settings import MOST_BRANCHES
 
-# What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out; ``direct`` is the sum
-# of RGB of what came before the path divided into ``branches``, which ``met`` so many surfaces.
+# What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out. Where the path has
+# ``divided``, ``before`` and ``lamps_before`` are what there was of both till then. It was to divide into so many
+# ``branches``, which ``met`` so many surfaces.
 SAMPLE = np.dtype([
     ("combined", "f8", 3), ("lamps", "f8", 3), ("emission", "f8", 3), ("alpha", "f8"), ("depth", "f8"),
     ("position", "f8", 3), ("normal", "f8", 3), ("albedo", "f8", 3), ("diffuse_albedo", "f8", 3), ("found", "i8"),
-    ("direct", "f8"), ("branches", "i8"), ("met", "i8"),
+    ("before", "f8", 3), ("lamps_before", "f8", 3), ("divided", "i8"), ("branches", "i8"), ("met", "i8"),
 ], align=True)
 
 # ``origin`` is where the path last scattered (the camera at first), with shading normal ``normal``: light sampling
@@ -77,6 +78,6 @@ def clear_sample(workspace):
     sample.alpha = 1.0
     sample.depth = 0.0
     sample.found = 0
-    sample.direct = -1.0
+    sample.divided = 0
     sample.branches = 1
     sample.met = 0
