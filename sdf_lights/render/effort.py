@@ -53,14 +53,14 @@ def update(film: Film, settings: Settings) -> None:
 
     A noise threshold, which stops pixels that are clean enough, promises how many samples the others have at most.
     """
+    if samples_left(film) > 0 or film.samples >= settings.samples:
+        return
+    film.next_update = 2 * film.samples
     guided = settings.guided_samples and settings.noise_threshold <= 0.0
     divides = not settings.indirect_paths and film.divided[:, 2].any()
-    if not FIRST_UPDATE <= film.samples < settings.samples or film.samples < film.next_update:
-        return
     known = (film.active != 0) & (film.count >= FIRST_UPDATE)
     if not (guided or divides) or not known.any():
         return
-    film.next_update = 2 * film.samples
     noise = _noise(film, known)
     if noise is None:
         return
@@ -69,6 +69,12 @@ def update(film: Film, settings: Settings) -> None:
     film.rate[known] = rate[known]
     if divides:
         film.branches[known] = count[known]
+
+
+def samples_left(film: Film) -> int:
+    """How many samples may be added before the next ``update``, for a picture that does not depend on how they are
+    added."""
+    return max(film.next_update, FIRST_UPDATE) - film.samples
 
 
 @dataclass

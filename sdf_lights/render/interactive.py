@@ -242,7 +242,7 @@ class InteractiveRender:
         first, going_on = 0, True
         while going_on and self._wait_while_paused():
             self.status = f"Sample {first}/{settings.samples}"
-            count = min(self._batch(film), settings.samples - first)
+            count = min(self._batch(film), settings.samples - first, effort.samples_left(film))
             # Until every pixel has a sample, the coarse picture is the better one.
             if not self._sample(film, first, count, (lambda: self._publish(scene, film)) if first else lambda: None):
                 return

@@ -23,7 +23,7 @@ from .camera import camera_ray, filter_offset, view_depth
 from .geometry import find_shadow_surface, find_surface, instance_table, shading_material_table, surface_table
 from .lamp_tree import WORKSPACE_TABLES as LAMP_TREE_TABLES
 from .lamp_tree import found_table, lamps_along
-from .path import FIRST_BRANCH, TABLES, WAITING, clear_sample, contribute, path_table, put, sample_table
+from .path import FIRST_BRANCH, TABLES, WAITING, clear_sample, contribute, path_table, sample_table
 from .rays import RAY, SHADOW_OPAQUE, SHADOW_TRANSPARENT, intersect, occluded, ray_table
 from .sampler import draw1, draw2, draw3, draw4, pixel_seed
 from .shading import evaluate, sample as sample_surface, shade, transmits, transparency

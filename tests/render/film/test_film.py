@@ -107,7 +107,8 @@ def test_table_of_passes():
 def test_memory_is_only_for_passes_in_use():
     film = new_film(())
     assert film.passes == ("Combined",)
-    assert {name for name, sums in film.sums.items() if sums.size} == {"combined", "half"}
+    assert {name for name, sums in film.sums.items() if sums.size} == {
+        "combined", "half", "scattered", "scattered_half"}
     add(film, random_samples(3, film))
     assert np.all(film.count == 3)
     denoised = new_film((), denoise=True)
