@@ -15,7 +15,7 @@ import numpy as np
 from ... import emitter as lamps
 from ...emitter import cut as cuts
 from ...jit import block_dtype, kernel, table
-from ...vec import add, average, dot, largest, length, madd, mul, negate, scale, sub, vec
+from ...vec import add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
 from ..scene import Ray
 from . import lights
 from .accumulate import add_sample, branches_before, branches_of, is_active, pixel_index, samples_due
