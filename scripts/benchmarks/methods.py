@@ -70,7 +70,14 @@ class Method:
         return each, self.seconds(more) - more * each
 
     def samples_in(self, seconds: float) -> float:
-        """How many samples it has time for; below 1 where it does not even begin in that time."""
+        """How many samples it has time for; below 1 where it does not even begin in that time.
+
+        Between the numbers that were rendered, as their times are: where samples are guided, the first ones take longer.
+        """
+        numbers = sorted(self.pictures)
+        times = [self.seconds(samples) for samples in numbers]
+        if times[0] < seconds < times[-1] and times == sorted(times):
+            return float(np.interp(seconds, times, numbers))
         each, start = self.rate()
         return (seconds - start) / each
 

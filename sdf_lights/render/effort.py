@@ -65,7 +65,7 @@ def update(film: Film, settings: Settings) -> None:
     if noise is None:
         return
     rates, branches = RATES if guided else (1.0,), BRANCHES if divides else (film.branches[known].mean(),)
-    rate, count = _best(noise, 2.0 * film.samples, rates, branches)
+    rate, count = _best(noise, film.count, min(film.next_update, settings.samples), rates, branches)
     film.rate[known] = rate[known]
     if divides:
         film.branches[known] = count[known]
@@ -116,33 +116,33 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     return _Noise(known, first, second, film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0))
 
 
-def _best(noise: _Noise, samples: float, rates, branches) -> tuple[np.ndarray, np.ndarray]:
-    """(pixels,) rates and branches, of those given, with ``samples`` at the rate 1."""
-    first, second = _levels(noise.first), _levels(noise.second)
-    pairs, of_pixel, = np.unique(np.stack([first, second]), axis=1, return_inverse=True)
+def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
+    """(pixels,) rates and branches, of those given, with ``samples`` at the rate 1; ``count`` there are already."""
+    keys = np.stack([_levels(noise.first), _levels(noise.second), count])
+    alike, of_pixel = np.unique(keys, axis=1, return_inverse=True)
     of_pixel = of_pixel.ravel()
-    pixels = np.bincount(of_pixel, noise.known, pairs.shape[1])
-    d, i = (2.0 ** (-place / LEVELS) * values.max() for place, values in zip(pairs, (noise.first, noise.second)))
+    pixels = np.bincount(of_pixel, noise.known, alike.shape[1])
+    d, i = (2.0 ** (-level / LEVELS) * values.max() for level, values in zip(alike, (noise.first, noise.second)))
     choices = np.array(list(itertools.product(rates, branches)))
-    number = samples * choices[:, :1]
+    number = np.maximum(samples * choices[:, :1], alike[2])
     error = d * number**-POWER + i / (number * choices[:, 1:])
     time = number * (COST + noise.met * choices[:, 1:])
 
     def best(price: float) -> np.ndarray:
         return np.argmin(error + price * time, axis=0)
 
-    found = np.full(len(d), len(choices) - 1)
+    found, every = np.full(len(d), len(choices) - 1), np.arange(len(d))
     if len(rates) > 1:
         low, high = -40.0, 40.0  # powers of two, of the quotient of error and time
-        start = (error[-1] @ pixels) / (time[-1, 0] * pixels.sum())
+        start = (error[-1] @ pixels) / (time[-1] @ pixels)
         for _ in range(24):
             middle = 0.5 * (low + high)
             found = best(start * 2.0**middle)
-            low, high = (middle, high) if choices[found, 0] @ pixels > pixels.sum() else (low, middle)
+            low, high = (middle, high) if number[found, every] @ pixels > samples * pixels.sum() else (low, middle)
         found = best(start * 2.0**high)
     else:
         for _ in range(8):
-            found = best((error[found, np.arange(len(d))] @ pixels) / (time[found, 0] @ pixels))
+            found = best((error[found, every] @ pixels) / (time[found, every] @ pixels))
     return tuple(choices[found[of_pixel]].T)
 
 
