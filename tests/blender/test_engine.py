@@ -197,7 +197,8 @@ def test_rendering_after_enabling_again(file, stage, registered, pictures):
 
 
 @pytest.mark.parametrize("changes", [
-    dict(samples=64, noise_threshold=0.2), dict(samples=64, noise_threshold=0.2, min_samples=32), dict(samples=7)])
+    dict(samples=64, noise_threshold=0.2), dict(samples=64, noise_threshold=0.2, min_samples=32),
+    dict(samples=7, guided_samples=False)])
 def test_sampling_is_that_of_a_session(file, stage, pictures, synced, changes):
     """Settings reach the renderer: each pixel gets as many samples as in a session with the same settings."""
     settings = file.scene.sdf_lights
@@ -208,7 +209,8 @@ def test_sampling_is_that_of_a_session(file, stage, pictures, synced, changes):
     counts = pictures()["ViewLayer"]["Sample Count"]
     expected = Settings(
         device=Device.CPU, noise_threshold=changes.get("noise_threshold", 0.0), samples=changes["samples"],
-        min_samples=changes.get("min_samples", Settings().min_samples))
+        min_samples=changes.get("min_samples", Settings().min_samples),
+        guided_samples=changes.get("guided_samples", True))
     scene = synced()
     # The frame seeds the pattern.
     scene.settings = dataclasses.replace(expected, seed=scene.settings.seed)

@@ -63,7 +63,7 @@ def test_the_cpu_takes_over_in_the_middle(monkeypatch):
 
     monkeypatch.setattr(renderer.GpuRenderer, "sample", sample)
     scene, film = render(Device.GPU)
-    assert film.made_by == "CPU" and (film.count == 4).all() and len(scene.warnings) == 1
+    assert film.made_by == "CPU" and film.samples == 4 and film.count.min() >= 2 and len(scene.warnings) == 1
 
 
 def lit_by(expression: str):
