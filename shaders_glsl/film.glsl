@@ -11,9 +11,10 @@
 layout(local_size_x = 64) in;
 
 layout(std430, binding = 1) buffer Film { float film[]; };
-layout(std430, binding = 2) readonly buffer Pixels { uint pixels[]; };
+layout(std430, binding = 2) buffer Pixels { uint unfinished; uint pixels[]; };
 
-// Of this dispatch: first place in `pixels` and number of them, first sample and number of them; corner and width of the film.
+// Of this dispatch: first place in `pixels` and number of them; first sample of the batch, and the one to stop before. Corner and
+// width of the film.
 uniform ivec4 work;
 uniform ivec3 film_place;
 uniform int film_seed;
@@ -78,6 +79,17 @@ void add_sample(int index)
     }
 }
 
+// Software renderers end all loops of a thread after so many turns in all (Mesa: 65535), whatever they were for: then its
+// samples are wrong, and no loop takes a second turn.
+bool loops_end_early()
+{
+    int turns = 0;
+    while (turns < 2 + (work.w >> 30)) {
+        turns++;
+    }
+    return turns < 2;
+}
+
 void main()
 {
     int thread = int(gl_GlobalInvocationID.x);
@@ -94,9 +106,9 @@ void main()
     }
     clear_workspace();
     path_row.seed = pixel_seed(x, y, film_seed);
-    int index = work.z;
+    int index = work.z + int(sums[FILM_COUNT]);
     bool fresh = true;
-    while (index < work.z + work.w) {
+    while (index < work.w) {
         if (fresh) {
             path_row.index = index;
             path_clear_sample();
@@ -107,6 +119,10 @@ void main()
             add_sample(index);
             index++;
         }
+    }
+    if (loops_end_early()) {
+        unfinished = 1u;
+        return;
     }
     for (int i = 0; i < PIXEL_SIZE; i++) {
         film[first + i] = sums[i];

@@ -17,6 +17,7 @@ from sdf_lights.render.settings import Device, LampSampling
 from sdf_lights.sdf.expression import Expression
 from tests import scenes
 from tests.gpu.support import device_or_skip
+from tests.scenes import Lamp, Scene, camera, settings, translation
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -64,6 +65,24 @@ def test_the_cpu_takes_over_in_the_middle(monkeypatch):
     monkeypatch.setattr(renderer.GpuRenderer, "sample", sample)
     scene, film = render(Device.GPU)
     assert film.made_by == "CPU" and film.samples == 4 and film.count.min() >= 2 and len(scene.warnings) == 1
+
+
+def test_samples_that_a_driver_cuts_short_are_taken_again():
+    """A close view of a fractal: llvmpipe ends all loops of a thread after 65535 turns in all. Samples that it ended had less light."""
+    device_or_skip()
+    films = []
+    for device in (Device.CPU, Device.GPU):
+        scene = Scene(camera((0.0, -7.0, 2.5), (0.0, 0.0, 1.7), 32, 32, half_width=0.2), 32, 32)
+        scene.world.strength = 0.0
+        scene.lamps = [Lamp("bulb", Expression("mandelbulb()").shape(), translation(0.0, 0.0, 1.7), power=50.0)]
+        scene.settings = settings(
+            max_bounces=0, samples=32, guided_samples=False, indirect_paths=1, device=device,
+            lamp_sampling=LampSampling.BSDF)
+        films.append(session.render(scene, ()))
+    cpu, gpu = films
+    assert gpu.made_by != "CPU" and (gpu.count == 32).all()
+    means = [film.read("Combined")[..., :3].mean(dtype=float) for film in films]
+    assert means[1] == pytest.approx(means[0], rel=1e-3)
 
 
 def lit_by(expression: str):

@@ -22,6 +22,7 @@ GROUP = 64  # threads of a work group, as film.glsl has it
 SLAB = 1 << 18  # pixels whose sums are on the GPU at a time
 TARGET_SECONDS = 0.06  # of a dispatch
 FIRST_WORK = 512  # samples of the first dispatch, of which nothing is known yet
+MOST_SAMPLES = 1 << 10  # of a thread in a dispatch
 
 
 class GpuRenderer:
@@ -35,7 +36,7 @@ class GpuRenderer:
         self._device = device()
         self._made: list = []
         self._places, self._size = film_places(film)
-        self._work = FIRST_WORK
+        self._work, self._longest = FIRST_WORK, MOST_SAMPLES
         self._seed = scene.settings.seed
         say("Building the scene")
         self.ready = self._wait(self._device.submit(self._prepare, scene), cancelled)
@@ -79,7 +80,7 @@ class GpuRenderer:
         self._textures = [self._texture(context, array) for array in (hierarchy.nodes, hierarchy.items)]
         slab = min(SLAB, len(self._film.active))
         self._sums = self._buffer(context, np.zeros(slab * self._size, np.float32))
-        self._pixels = self._buffer(context, np.zeros(slab, np.uint32))
+        self._pixels = self._buffer(context, np.zeros(1 + slab, np.uint32))
         self._lengths = self._buffer(context, np.zeros((max(len(packed.lamps), 1), 2), np.float32))
 
     def _buffer(self, context, array: np.ndarray):
@@ -121,16 +122,20 @@ class GpuRenderer:
 
     def _begin(self, context, pixels: np.ndarray) -> None:
         self._bind()
-        self._pixels.write(pixels.astype(np.uint32))
+        self._pixels.write(np.concatenate([[0], pixels]).astype(np.uint32))
         self._sums.clear()
 
-    def _run(self, context, place: int, count: int, first: int, samples: int) -> float:
-        """One dispatch; its seconds."""
+    def _run(self, context, place: int, count: int, first: int, end: int) -> tuple[float, bool]:
+        """One dispatch, of the samples before ``end`` that are missing of a batch from ``first`` on: its seconds, and
+        whether all threads have come to their end. Those that have not have left nothing."""
         started = time.perf_counter()
-        self._program["work"] = place, count, first, samples
+        self._program["work"] = place, count, first, end
         self._program.run(-(-count // GROUP))
         context.finish()
-        return time.perf_counter() - started
+        finished = not np.frombuffer(self._pixels.read(4), np.uint32)[0]
+        if not finished:
+            self._pixels.write(np.zeros(1, np.uint32))
+        return time.perf_counter() - started, finished
 
     def _collect(self, context, pixels: np.ndarray) -> None:
         """Add what is on the GPU to the film."""
@@ -165,16 +170,19 @@ class GpuRenderer:
             place, stopped = 0, False
             while place < len(pixels) and not stopped:
                 threads = min(max(self._work // count // GROUP, 1) * GROUP, len(pixels) - place)
-                each = min(max(self._work // threads, 1), count)
-                for sample in range(first, first + count, each):
-                    samples = min(each, first + count - sample)
-                    seconds = self._call(self._run, place, threads, sample, samples)
-                    self._adapt(threads * samples, seconds)
-                    done += threads * samples
+                sample = first
+                while sample < first + count and not stopped:
+                    end = min(sample + min(max(self._work // threads, 1), self._longest), first + count)
+                    seconds, finished = self._call(self._run, place, threads, first, end)
+                    if finished:
+                        self._adapt(threads * (end - sample), seconds)
+                        done += threads * (end - sample)
+                        sample = end
+                    else:
+                        self._shorten(end - sample)
                     stopped = stop()
-                    if stopped:
-                        break
-                    report(done / total)
+                    if not stopped:
+                        report(done / total)
                 place += threads
             self._call(self._collect, pixels)
             if stopped:
@@ -186,6 +194,12 @@ class GpuRenderer:
         """Choose the size of dispatches by what the last one took."""
         aim = samples * TARGET_SECONDS / max(seconds, 1e-4)
         self._work = int(min(max(aim, GROUP), 4 * self._work, 1 << 26))
+
+    def _shorten(self, samples: int) -> None:
+        """Make dispatches shorter: the driver has ended loops of one with so many samples."""
+        if samples == 1:
+            raise DeviceError("its driver ends loops that take as many turns as rays through these lamps")
+        self._longest = max(samples // 4, 1)
 
     def finish(self) -> None:
         """Warn of lamps that rays could not resolve, and free what the render needed; the film stays."""
