@@ -17,7 +17,7 @@ from ..cpu import camera, geometry, integrator, lamp_tree, lights, path, rays, s
 from ..cpu.block import LAMP_SLOT, build_lamps, emissive_triangles, emitter_tables, integrator_scalars
 from ..cpu.shading.program import LOBE_PRINCIPLED
 from ..cpu.shading.records import HAS_TRANSPARENCY
-from ..film import CHANNELS, HALF_BIT, Film
+from ..film import CHANNELS, HALF_BIT, SCATTERED, Film
 from ..scene import Scene
 from ..settings import LampSampling
 from . import crossings as field_crossings
@@ -325,7 +325,7 @@ def film_places(film: Film) -> tuple[dict[str, int], int]:
     """Place of each sum among the floats of a pixel, and how many there are."""
     places, used = {}, 0
     for name, count in CHANNELS.items():
-        if len(film.sums[name]):
+        if len(film.sums[name]) and name not in SCATTERED.values():  # paths do not divide here
             places[name] = used
             used += count
     for name in ("count", "surfaces", "nan", "infinite"):

@@ -145,7 +145,7 @@ class GpuRenderer:
         seen = sums[:, self._places["surfaces"]].astype(np.int32)
         fresh = (seen > 0) & (film.surfaces[pixels] == 0)
         for name, array in film.sums.items():
-            if len(array):
+            if name in self._places:
                 rows = array.reshape(len(film.active), -1)
                 part = sums[:, self._places[name]:self._places[name] + rows.shape[1]]
                 if name in ("position", "depth"):  # of the first sample that met a surface
