@@ -27,8 +27,8 @@ from . import cut as cuts
 from .cut import BOXES, CUT, REGIONS
 from .hashing import following, seeded, uniform_point
 from .lamps import (
-    SCALARS, TABLES, build_lamp, direction_pdf, interior_point, lamps, new_spans, pack_lamps, pack_scalars, radiance,
-    sample_direction, trace, varies)
+    SCALARS, TABLES, build_lamp, direction_pdf, intensity, lamps, new_spans, pack_lamps, pack_scalars, radiance,
+    sample_direction, trace, varies, way_inside)
 from .points import disk_point
 
 BLOCK = block_dtype({**TABLES, **cuts.TABLES, **surfaces.TABLES}, SCALARS)
@@ -104,12 +104,10 @@ def cosine_directions(block, lamp, x, n, u, spans, shell):
 @kernel
 def point_in_volume(block, lamp, x, n, u, spans, shell):
     """A uniform point of the lamp, treated as a point light; its variance is infinite where x is inside."""
-    row = lamps(block)[lamp]
-    y = add(vec(row.center), interior_point(block, lamp, u[2], u[3], u[4]))
-    offset = sub(y, x)
-    square = dot(offset, offset)
-    cosine = max(dot(n, normalize(offset)), 0.0)
-    return row.emission[0] * row.volume * profile(y, shell) * cosine / square if square > 0.0 else 0.0
+    way = way_inside(block, lamp, x, u[2], u[3], u[4])
+    square = dot(way, way)
+    cosine = max(dot(n, normalize(way)), 0.0)
+    return intensity(block, lamp)[0] * profile(add(x, way), shell) * cosine / square if square > 0.0 else 0.0
 
 
 @kernel
@@ -158,25 +156,23 @@ def resampled(block, lamp, x, n, u, spans, shell):
 
     Talbot, Cline and Egbert 2005, "Importance resampling for global illumination".
     """
-    row = lamps(block)[lamp]
     state = seeded(u[2], u[3], u[4])
     total, chosen = 0.0, (0.0, 0.0, 0.0)
     pick = u[5]
     for candidate in range(CANDIDATES):
         p = (u[2], u[3], u[4]) if candidate == 0 else uniform_point(state)
         state = following(state)
-        y = add(vec(row.center), interior_point(block, lamp, p[0], p[1], p[2]))
-        offset = sub(y, x)
-        square = dot(offset, offset)
-        weight = max(dot(n, normalize(offset)), 0.0) / square if square > 0.0 else 0.0
+        way = way_inside(block, lamp, x, p[0], p[1], p[2])
+        square = dot(way, way)
+        weight = max(dot(n, normalize(way)), 0.0) / square if square > 0.0 else 0.0
         total += weight
         if weight > 0.0:
             part = weight / total
             if pick < part:
-                chosen, pick = y, pick / part
+                chosen, pick = add(x, way), pick / part
             else:
                 pick = (pick - part) / (1.0 - part)
-    return row.emission[0] * row.volume * profile(chosen, shell) * total / CANDIDATES if total > 0.0 else 0.0
+    return intensity(block, lamp)[0] * profile(chosen, shell) * total / CANDIDATES if total > 0.0 else 0.0
 
 
 @kernel

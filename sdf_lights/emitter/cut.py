@@ -40,7 +40,7 @@ from .cut_tables import TABLES, lamp_steps, pack_cuts, placements
 from .fields import lamp_lists, value
 from .hashing import following, seeded, uniform_point
 from .interior import INSIDE
-from .lamps import CLOSED, PRIMITIVE, direction_pdf, lamps, sample_direction
+from .lamps import CLOSED, PRIMITIVE, direction_pdf, lamps, sample_direction, varies
 from .membership import contains
 from .moments import lamp_cells
 
@@ -65,6 +65,7 @@ WORKSPACE_TABLES = {"lamp_boxes": BOXES, "lamp_cuts": CUT}
 WORKSPACE_COUNTS = {"lamp_boxes": REGIONS, "lamp_cuts": 2}
 
 PROJECTION, SURFACE, BOUNDING = -1, -2, -3  # slots of cuts without boxes: the first is as good, or all are asked for
+POINT = -4  # as projection, so far away that a point of the lamp may stand for all that is before and behind it
 
 TOLERANCE = 5e-4  # relative variance of a sample at which boxes are small enough
 LIMIT = MOST_BOXES
@@ -73,6 +74,7 @@ FLAT = 0.05  # least density in a box, of that at its centroid
 SURROUNDED_BETA = 3.0
 BETA_RATE = 4.0
 ALONE = 0.05  # β below which rays by the BSDF are not worth what it takes to follow them
+POINT_BETA = 0.15  # β below which points stand for rays: at 0.9 of the radius of a ball as large as the lamp, and beyond
 STEP = 0.3  # of the thickness of the lamp
 PROJECTION_RATE = 4.0  # relative variance of projection sampling, of extent over square distance, far away
 
@@ -181,9 +183,14 @@ def tuned_beta(row, x):
 def project(block, lamp, x, cut):
     """As ``prepare``, without boxes: projection sampling, and β by the distance.
 
-    Light that is scattered again before it reaches the camera is noisy for other reasons; there boxes do not pay.
+    Light that is scattered again before it reaches the camera is noisy for other reasons; there boxes do not pay. Neither do
+    intervals, where the lamp is not close: 1/r² hardly differs along a ray, and no ray of a diffuse BSDF has to be
+    weighed against it.
     """
-    cut.lamp, cut.slot, cut.beta = lamp, PROJECTION, tuned_beta(lamps(block)[lamp], x)
+    cut.lamp, cut.beta = lamp, tuned_beta(lamps(block)[lamp], x)
+    cut.slot = PROJECTION
+    if cut.beta < POINT_BETA and not varies(block, lamp):
+        cut.slot, cut.beta = POINT, 0.0
 
 
 @kernel

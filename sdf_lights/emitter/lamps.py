@@ -42,7 +42,7 @@ from ..affine import inverse
 from ..jit import kernel, table
 from ..sdf.emission import Emission
 from ..sdf.program import INSTRUCTION, NoClosedForm, Op
-from ..vec import dot, madd, normalize, scale, sub, transform_point, transform_vector, vec
+from ..vec import add, dot, madd, normalize, scale, sub, transform_point, transform_vector, vec
 from . import emission as emissions
 from . import fields, interior, moments
 from .crossings import crossings
@@ -401,10 +401,22 @@ def interior_point(block, lamp, u1, u2, u3):
 
 
 @kernel
+def way_inside(block, lamp, x, u1, u2, u3):
+    """From x to a uniform point of the lamp."""
+    return add(sub(vec(lamps(block)[lamp].center), x), interior_point(block, lamp, u1, u2, u3))
+
+
+@kernel
 def sample_direction(block, lamp, x, n, u1, u2, u3):
     """Unit direction from x to a uniform point of the lamp; its density is ``direction_pdf``."""
-    p = interior_point(block, lamp, u1, u2, u3)
-    return normalize(madd(sub(vec(lamps(block)[lamp].center), x), 1.0, p))
+    return normalize(way_inside(block, lamp, x, u1, u2, u3))
+
+
+@kernel
+def intensity(block, lamp):
+    """Radiant intensity (RGB) of a lamp of uniform emission, W/sr: ρ V."""
+    row = lamps(block)[lamp]
+    return scale(vec(row.emission), row.volume)
 
 
 @kernel

@@ -49,6 +49,11 @@ def density(blocks, x, store, cuts, directions, spans):
     return out
 
 
+@kernel(cache=False)
+def _project(blocks, x, cuts):
+    cut.project(blocks[0], 0, x, cuts[0])
+
+
 class Cut:
     """The cut of a lamp for a point."""
 
@@ -174,6 +179,22 @@ def test_far_away_is_projection(lamp):
     estimate = baselines.run(Technique.CUT, block.blocks, 0, x, (0.0, 0.0, -1.0), 20_000, 1)
     expected = baselines.run(Technique.PROJECTION, block.blocks, 0, x, (0.0, 0.0, -1.0), 20_000, 2)
     assert estimate.mean == pytest.approx(expected.mean, rel=1e-3)
+
+
+@pytest.mark.parametrize("shape", ["torus", "frame", "blob"])
+def test_at_a_distance_points_stand_for_their_rays(lamp, shape):
+    """For light that is scattered again. Where they begin to, they are not much noisier than rays."""
+    block, n, rows = lamp(SHAPES[shape]), unit((0.1, 0.0, -1.0)), np.zeros(1, cut.CUT)
+    size = float(0.75 / np.pi * block.built.row["volume"][0]) ** (1.0 / 3.0)
+    for distance, slot in ((0.8 * size, cut.PROJECTION), (0.9 * size, cut.POINT), (5.0 * size, cut.POINT)):
+        x = tuple(map(float, block.built.row["center"][0] + (0.0, 0.0, block.built.row["half"][0, 2] + distance)))
+        _project(block.blocks, x, rows)
+        assert rows["slot"][0] == slot and (slot == cut.PROJECTION or rows["beta"][0] == 0.0)
+        if slot == cut.POINT:
+            point, ray = (baselines.run(technique, block.blocks, 0, x, n, 100_000, seed)
+                          for seed, technique in enumerate((Technique.POINT, Technique.PROJECTION)))
+            assert abs(point.mean - ray.mean) < 4.0 * np.hypot(point.error, ray.error)
+            assert point.variance < 0.5 * point.mean**2
 
 
 def test_parts_below_the_horizon_are_left_out(lamp):

@@ -17,8 +17,11 @@ from tests.scenes import (
 SIZE = 24
 
 
-def room(**changes) -> Scene:
-    """A floor, a wall, a glossy ball and a mirror under a torus: light takes every kind of first bounce."""
+def room(shade: bool = False, **changes) -> Scene:
+    """A floor, a wall, a glossy ball and a mirror under a torus: light takes every kind of first bounce.
+
+    ``shade``: a board between the torus and the floor.
+    """
     scene = Scene(camera((0.0, -6.5, 2.6), (0.0, 0.2, 1.0), SIZE, SIZE, half_width=0.38), SIZE, SIZE)
     scene.world.strength = 0.1
     scene.meshes = [quad(), sphere("ball", 64, 32)]
@@ -30,6 +33,8 @@ def room(**changes) -> Scene:
         Instance(0, translation(0.0, 2.5, 2.0) @ rotation("x", 90) @ scaling(4.0, 2.5, 1.0), (0,)),
         Instance(1, translation(1.2, -1.2, 0.45) @ scaling(0.45, 0.45, 0.45), (1,)),
         Instance(1, translation(-1.3, -1.0, 0.5) @ scaling(0.5, 0.5, 0.5), (2,))]
+    if shade:
+        scene.instances.append(Instance(0, translation(0.0, 0.0, 1.0) @ scaling(1.3, 1.3, 1.0), (0,)))
     scene.lamps = [Lamp("torus", Torus(0.8, 0.25), translation(0.0, 0.0, 1.4), power=50.0)]
     scene.settings = settings(max_bounces=3, diffuse_bounces=3, glossy_bounces=3, threads=2, **changes)
     return scene
@@ -41,9 +46,13 @@ def pictures(branches: int, seeds: int, samples: int, **changes) -> np.ndarray:
         for seed in range(seeds)], np.float64)
 
 
-def test_branches_change_the_noise_alone():
-    """Block means of 24 renders each agree within 4 standard errors; pictures of 1 and 8 branches differ in noise."""
-    one, eight, chosen = (pictures(branches, 24, 8) for branches in (1, 8, 0))
+@pytest.mark.parametrize("shade", [False, True])
+def test_branches_change_the_noise_alone(shade):
+    """Block means of 24 renders each agree within 4 standard errors; pictures of 1 and 8 branches differ in noise.
+
+    Under the shade, the branches that promise the most are dark.
+    """
+    one, eight, chosen = (pictures(branches, 24, 8, shade=shade) for branches in (1, 8, 0))
     blocks = [each.reshape(24, 4, SIZE // 4, 4, SIZE // 4, 3).mean(axis=(2, 4, 5)) for each in (one, eight, chosen)]
     for other in blocks[1:]:
         error = np.sqrt((blocks[0].var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / 24)
@@ -65,6 +74,13 @@ def test_branches_are_chosen_by_what_is_noisy():
     mean = film.divided[seen, 0].sum() / film.count[seen].sum()
     assert 2.0 <= mean <= MOST_BRANCHES
     assert len(np.unique(film.branches[seen])) > 2
+
+
+def test_branches_that_promise_little_are_left_out():
+    """A single branch has no others to be compared with."""
+    one, many = (session.render(room(samples=8, indirect_paths=branches, guided_samples=False), ()) for branches in (1, 16))
+    lit = [film.divided[:, 2].sum() / film.divided[:, 0].sum() for film in (one, many)]
+    assert 0.5 * lit[0] < lit[1] < 0.9 * lit[0]
 
 
 def test_nothing_divides_where_no_light_is_scattered_again():

@@ -194,7 +194,7 @@ class Workspace:
     def __init__(self, packed: PackedScene, aside: bool = True):
         self._span_rows = packed.span_rows
         counts = {
-            "ray": 1, "spans": 2 * (packed.span_rows + len(packed.lamps)), "light_hits": packed.light_hits,
+            "spans": 2 * (packed.span_rows + len(packed.lamps)), "light_hits": packed.light_hits,
             **path.COUNTS, **shading.WORKSPACE_COUNTS, **cuts.WORKSPACE_COUNTS, **lights.WORKSPACE_COUNTS,
             **lamp_tree.workspace_counts(len(packed.lamps))}
         self._tables = {name: _new_table(name, count) for name, count in counts.items()}

@@ -10,6 +10,8 @@ before its hit (Huang et al. 2026, equations 1 and 2). Veach 1997, chapter 9, fo
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ... import emitter as lamps
@@ -23,7 +25,7 @@ from .camera import camera_ray, filter_offset, view_depth
 from .geometry import find_shadow_surface, find_surface, instance_table, shading_material_table, surface_table
 from .lamp_tree import WORKSPACE_TABLES as LAMP_TREE_TABLES
 from .lamp_tree import found_table, lamps_along
-from .path import FIRST_BRANCH, TABLES, WAITING, clear_sample, contribute, path_table, sample_table
+from .path import FIRST_BRANCH, FIRST_BRANCH_RAY, TABLES, WAITING, clear_sample, contribute, path_table, sample_table
 from .rays import RAY, SHADOW_OPAQUE, SHADOW_TRANSPARENT, intersect, occluded, ray_table
 from .sampler import draw1, draw2, draw3, draw4, pixel_seed
 from .shading import evaluate, sample as sample_surface, shade, transmits, transparency
@@ -52,6 +54,8 @@ LIGHT_SET, SCATTER_SET, ROULETTE_SET, EMISSION_SET = range(4)
 # Relative step off a surface: some tens of float32 roundings, as Embree sees the scene in float32.
 OFFSET = 2.0**-18
 FIRST_ROULETTE = 3  # bounces: chance disturbs the even spread of samples more than the paths before that cost
+
+LEAST_SURVIVAL = 0.1  # of a branch: estimates know nothing of what shadows, and of light by other ways
 
 BLACK = (0.0, 0.0, 0.0)
 
@@ -241,9 +245,23 @@ def light_lamp(block, workspace, lamp, chance, u, u1, u2, u3):
     prepare_lamp(block, workspace, lamp, x, n, path.both)
     if cut.beta == np.inf:
         return
-    wi = cuts.sample(block, lamp, x, spans, store, cut, u1, u2, u3)
+    if cut.slot == cuts.POINT:
+        way = lamps.way_inside(block, lamp, x, u1, u2, u3)
+        distance = length(way)
+        wi = scale(way, 1.0 / distance)
+    else:
+        wi, distance = cuts.sample(block, lamp, x, spans, store, cut, u1, u2, u3), 0.0
     weight, pdf, narrow = evaluate(workspace, wi)
     if largest(weight) <= 0.0:
+        return
+    if distance > 0.0 and narrow == 0.0:
+        # No ray of the BSDF competes, so no intervals are needed: the point is a light by itself.
+        start = leave(x, vec(surface.ng), wi)
+        to_point, reach = aim(x, start, wi, distance)
+        weight = mul(weight, transmittance(block, workspace, start, to_point, reach))
+        if largest(weight) > 0.0:
+            contribute(block, workspace, mul(weight, lamps.intensity(block, lamp)), 1.0 / (chance * distance * distance),
+                       True, path.bounce + 1)
         return
     count = lamps.trace(block, lamp, x, wi, spans)
     if count == 0:
@@ -573,12 +591,61 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
         paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
         paths[0].alive = int(scatter(block, workspace))
         paths[FIRST_BRANCH + branch] = paths[0]
+    reach_branches(block, workspace, branches)
+    choose_branches(workspace, branches)
     for branch in range(branches):
         if paths[FIRST_BRANCH + branch].alive:
             paths[0] = paths[FIRST_BRANCH + branch]
-            paths[0].dimension += VERTEX_SETS
+            ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
             cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
-            follow(block, workspace, False)
+            if turn(block, workspace, False) == GOES_ON:
+                follow(block, workspace, False)
+
+
+@kernel
+def reach_branches(block, workspace, branches):
+    """Follow all branches to the next surface, and estimate what they promise to bring from there."""
+    paths, rays = path_table(workspace), ray_table(workspace)
+    for branch in range(branches):
+        if not paths[FIRST_BRANCH + branch].alive:
+            continue
+        paths[0] = paths[FIRST_BRANCH + branch]
+        path = paths[0]
+        path.dimension += VERTEX_SETS
+        path.alive = int(expects(block, workspace) and reach(block, workspace))
+        if path.alive:
+            position = madd(vec(path.start), path.length, vec(path.direction))
+            path.promises = largest(vec(path.throughput)) * lights.irradiance(block, position)
+            rays[FIRST_BRANCH_RAY + branch] = rays[0]
+        paths[FIRST_BRANCH + branch] = paths[0]
+
+
+@kernel
+def choose_branches(workspace, branches):
+    """Russian roulette: of branches that promise less than their mean, as many go on as they are worth.
+
+    One number decides on all of them, so how many do is nearly always the same (systematic sampling). What it costs to
+    find out where a branch leads is a fraction of what it costs to light a surface there.
+    """
+    paths = path_table(workspace)
+    waiting = paths[WAITING]
+    total, count = 0.0, 0
+    for branch in range(branches):
+        path = paths[FIRST_BRANCH + branch]
+        if path.alive:
+            total += path.promises
+            count += 1
+    if count < 2 or not 0.0 < total < np.inf:
+        return
+    # The emission along the ray that came here may take this number, too: it is added to what branches bring.
+    passed = draw1(waiting.index, waiting.seed, waiting.dimension + EMISSION_SET)
+    for branch in range(branches):
+        path = paths[FIRST_BRANCH + branch]
+        if path.alive:
+            survival = min(max(path.promises * count / total, LEAST_SURVIVAL), 1.0)
+            path.alive = int(math.floor(passed + survival) > math.floor(passed))
+            passed += survival
+            put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
 
 
 @kernel
@@ -611,11 +678,14 @@ def expects(block, workspace):
 
 @kernel
 def advance(block, workspace, whole):
-    """Follow the workspace's path along its ray, and scatter it where that meets a surface, unless it is ``whole`` and
-    should divide there: ENDS, GOES_ON or DIVIDES."""
+    """Follow the workspace's path along its ray, and scatter it where that meets a surface: as ``turn``."""
+    return turn(block, workspace, whole) if reach(block, workspace) else ENDS
+
+
+@kernel
+def reach(block, workspace):
+    """Follow the workspace's path along its ray, and add the emission on the way: True if it ends at a surface."""
     path = path_table(workspace)[0]
-    sample = sample_table(workspace)[0]
-    surface = surface_table(workspace)[0]
     found = intersect(block, workspace, vec(path.start), vec(path.direction), path.t_min, path.t_max, path.kind)
     t_to = float(ray_table(workspace)[0].t_far) if found else path.t_max
     if block.lamp_count > 0:
@@ -624,8 +694,19 @@ def advance(block, workspace, whole):
         gather_lights(block, workspace, t_to)
     if not found:
         gather_world(block, workspace)
-        return ENDS
+        return False
     path.length = t_to
+    return True
+
+
+@kernel
+def turn(block, workspace, whole):
+    """Scatter the workspace's path at the surface that its ray has met, unless it is ``whole`` and should divide there:
+    ENDS, GOES_ON or DIVIDES."""
+    path = path_table(workspace)[0]
+    sample = sample_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    t_to = path.length
     if not survives(path):
         return ENDS
     wo = negate(vec(path.direction))

@@ -23,6 +23,7 @@ SAMPLE = np.dtype([
 # and ``scattered`` how often the light was scattered after it.
 # ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
 # ``share`` is the part of the sample that the path is, 1 until it divides, and ``index`` its place in the sampling pattern.
+# What it ``promises`` to bring, where it is a branch: an estimate of the light that falls on what it has met.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype([
     ("origin", "f8", 3), ("normal", "f8", 3), ("start", "f8", 3), ("direction", "f8", 3), ("t_min", "f8"),
@@ -31,13 +32,15 @@ PATH = np.dtype([
     ("bounce", "i8"), ("diffuse", "i8"), ("glossy", "i8"), ("transmission", "i8"), ("transparent", "i8"),
     ("last", "i8"), ("found", "i8"), ("kept", "i8"), ("kept_count", "i8"), ("index", "i8"), ("seed", "u4"),
     ("dimension", "i8"),
-    ("share", "f8"), ("alive", "i8"),
+    ("share", "f8"), ("promises", "f8"), ("alive", "i8"),
 ], align=True)
 
 TABLES = {"path": PATH, "sample": SAMPLE}
 # The path itself, its state where it divides, and the branches.
 WAITING, FIRST_BRANCH = 1, 2
-COUNTS = {"path": FIRST_BRANCH + MOST_BRANCHES, "sample": 1}
+# The ray itself, and those of the branches.
+FIRST_BRANCH_RAY = 1
+COUNTS = {"path": FIRST_BRANCH + MOST_BRANCHES, "sample": 1, "ray": FIRST_BRANCH_RAY + MOST_BRANCHES}
 
 path_table = table("path", PATH)
 sample_table = table("sample", SAMPLE)

@@ -229,7 +229,7 @@ class GpuScene:
         if self.written_out is not None:
             rows.append(self.written_out.rows)
         counts = {
-            "ray": 1, "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1,
+            "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1, "ray": 1,
             "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, "light_cut": 1,
             **lamp_tree.workspace_counts(len(self.lamps))}
         dtypes = {**integrator.WORKSPACE_TABLES, **lamps.ROWS,

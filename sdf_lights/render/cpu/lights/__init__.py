@@ -17,7 +17,7 @@ from .emitters import (
 from .environment import world_pdf, world_radiance
 from .pack import Triangles, hit_capacity, pack_lights
 from .records import HIT, TABLES, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
-from .tree import select, selection_probability
+from .tree import irradiance, select, selection_probability
 
 __all__ = [
     "HIT",
@@ -27,6 +27,7 @@ __all__ = [
     "Triangles",
     "casts_shadow",
     "hit_capacity",
+    "irradiance",
     "is_lamp",
     "light_cut_table",
     "light_hits",

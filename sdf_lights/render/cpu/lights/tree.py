@@ -243,6 +243,17 @@ def select(block, x, n, u, cut):
 
 
 @kernel
+def irradiance(block, x):
+    """Estimate of the irradiance at x of all emitters together, without shadows, wherever a surface there faces."""
+    nodes, facing_all = node_table(block), (0.0, 0.0, 0.0)
+    total = _total_irradiance(infinite_table(block), facing_all)
+    if len(nodes) > 0:
+        value, _ = _estimate(nodes[0], x, facing_all)
+        total += value
+    return total
+
+
+@kernel
 def selection_probability(block, x, n, emitter, cut):
     """Probability that ``select`` chooses ``emitter`` at the same x and n; 0 for one that gives no light."""
     nodes, infinite = node_table(block), infinite_table(block)
