@@ -45,6 +45,7 @@ RATES = tuple(LEAST_RATE * 2.0**power for power in range(int(np.log2(MOST_RATE /
 BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
 LEVELS = 2  # of D and I, for each power of two: pixels of the same ones are treated alike
 LEAST = 2.0**-24  # D and I, of the greatest
+LOWEST = 1 - int(LEVELS * np.log2(LEAST))
 NEXT, NEAR = (1.0, 2.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0)  # weights of neighbours, along each axis: D differs more sharply
 
 
@@ -118,13 +119,11 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
 
 def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
     """(pixels,) rates and branches, of those given, with ``samples`` at the rate 1; ``count`` there are already."""
-    keys = np.stack([_levels(noise.first), _levels(noise.second), count])
-    alike, of_pixel = np.unique(keys, axis=1, return_inverse=True)
-    of_pixel = of_pixel.ravel()
-    pixels = np.bincount(of_pixel, noise.known, alike.shape[1])
-    d, i = (2.0 ** (-level / LEVELS) * values.max() for level, values in zip(alike, (noise.first, noise.second)))
+    levels = _levels(noise.first), _levels(noise.second)
+    kinds, of_pixel, pixels = _alike(*levels, count, noise.known)
+    d, i = (2.0 ** (-level / LEVELS) * values.max() for level, values in zip(kinds, (noise.first, noise.second)))
     choices = np.array(list(itertools.product(rates, branches)))
-    number = np.maximum(samples * choices[:, :1], alike[2])
+    number = np.maximum(samples * choices[:, :1], kinds[2])
     error = d * number**-POWER + i / (number * choices[:, 1:])
     time = number * (COST + noise.met * choices[:, 1:])
 
@@ -147,9 +146,26 @@ def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tu
 
 
 def _levels(values: np.ndarray) -> np.ndarray:
-    """Logarithms of values below the greatest one, as whole numbers."""
+    """Logarithms of values below the greatest one, as whole numbers below ``LOWEST``."""
     most = values.max()
-    return np.rint(-LEVELS * np.log2(np.maximum(values / most, LEAST))) if most > 0.0 else np.zeros(len(values))
+    if most <= 0.0:
+        return np.zeros(len(values), np.int64)
+    return np.rint(-LEVELS * np.log2(np.maximum(values / most, LEAST))).astype(np.int64)
+
+
+def _alike(first: np.ndarray, second: np.ndarray, count: np.ndarray, known: np.ndarray):
+    """Kinds of pixels, (3, kinds) of what is given, the kind of each pixel, and how many known pixels each kind has.
+
+    Counted in tables: to sort millions of pixels would take seconds.
+    """
+    counts = np.flatnonzero(np.bincount(count))
+    keys = (np.searchsorted(counts, count) * LOWEST + first) * LOWEST + second
+    found = np.bincount(keys)
+    keys_found = np.flatnonzero(found)
+    found[keys_found] = range(len(keys_found))
+    of_pixel = found[keys]
+    kinds = np.stack([keys_found // LOWEST % LOWEST, keys_found % LOWEST, counts[keys_found // LOWEST**2]])
+    return kinds, of_pixel, np.bincount(of_pixel, known, len(keys_found))
 
 
 def _gain(found: np.ndarray, expected: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
