@@ -4,7 +4,8 @@
 
 The lamp moves a little each frame. What a converged render of the same frames changes is subtracted, so what is left is
 noise: with independent seeds twice the variance of a frame. Noise that stays where it is from frame to frame would be
-less.
+less. Limits are therefore 1: of what independent frames change, four standard errors above it, and of what another
+sampler or engine changes at as many samples.
 """
 
 from __future__ import annotations
@@ -24,19 +25,22 @@ STEP = 0.04  # m a frame
 SAMPLES = 4
 WIDTH, HEIGHT = 48, 36
 TRUE_SAMPLES, QUICK_TRUE_SAMPLES = 1024, 256
+BOUNCES, MORE_BOUNCES = 1, 4
 
 
-def frame(index: int, samples: int, seed: int, sampling: LampSampling) -> np.ndarray:
+def frame(index: int, samples: int, seed: int, sampling: LampSampling, bounces: int) -> np.ndarray:
     scene = SCENES["torus_room"](WIDTH, HEIGHT)
-    scene.settings = settings(samples, seed, sampling, bounces=1)
+    scene.settings = settings(samples, seed, sampling, bounces)
     scene.lamps = [torus_lamp(x=index * STEP)]
     return picture(scene)
 
 
-@functools.lru_cache(maxsize=2)
-def truth(quick: bool) -> np.ndarray:
+@functools.lru_cache(maxsize=4)
+def truth(quick: bool, bounces: int) -> np.ndarray:
     """(frames, height, width) of converged renders."""
-    return np.array([frame(index, QUICK_TRUE_SAMPLES if quick else TRUE_SAMPLES, 10_000 + index, LampSampling.CUT)
+    # What noise these have adds to the flicker, so with more bounces, where samples are dear, fewer do: 2 % at most.
+    samples = QUICK_TRUE_SAMPLES if quick or bounces > BOUNCES else TRUE_SAMPLES
+    return np.array([frame(index, samples, 10_000 + index, LampSampling.CUT, bounces)
                      for index in range(QUICK_FRAMES if quick else FRAMES)])
 
 
@@ -45,21 +49,27 @@ def changes(pictures: np.ndarray, known: np.ndarray) -> np.ndarray:
     return np.mean(np.diff(pictures - known, axis=0) ** 2, axis=(1, 2)) / known.mean() ** 2
 
 
-@functools.lru_cache(maxsize=4)
-def flicker(quick: bool, sampling: LampSampling, same_seed: bool) -> tuple[np.ndarray, float]:
+@functools.lru_cache(maxsize=8)
+def flicker(quick: bool, sampling: LampSampling, same_seed: bool, bounces: int) -> tuple[np.ndarray, float]:
     """``changes`` at few samples, and what they should be on average for independent frames."""
-    known = truth(quick)
-    first, second = (np.array([frame(index, SAMPLES, seed if same_seed else seed + 2 * index, sampling)
+    known = truth(quick, bounces)
+    first, second = (np.array([frame(index, SAMPLES, seed if same_seed else seed + 2 * index, sampling, bounces)
                                for index in range(len(known))]) for seed in (0, 1))
     # Two seeds of the same frame differ by twice its variance, too.
     return changes(first, known), float(np.mean((first - second) ** 2) / known.mean() ** 2)
 
 
-def _judged(quick: bool, same_seed: bool) -> Figure:
-    found, independent = flicker(quick, LampSampling.CUT, same_seed)
+def _judged(quick: bool, same_seed: bool, bounces: int = BOUNCES) -> Figure:
+    found, independent = flicker(quick, LampSampling.CUT, same_seed, bounces)
     error = float(found.std(ddof=1) / np.sqrt(len(found)) / independent)
     return Figure(float(found.mean() / independent), 1.0 + STANDARD_ERRORS * error,
                   dict(rms_change=float(np.sqrt(found.mean()))))
+
+
+def _to_the_paper(quick: bool, bounces: int = BOUNCES) -> Figure:
+    ours, theirs = (flicker(quick, sampling, False, bounces)[0].mean()
+                    for sampling in (LampSampling.CUT, LampSampling.MIS))
+    return Figure(float(ours / theirs), 1.0)
 
 
 @case("flicker", slow=True)
@@ -77,13 +87,28 @@ def with_one_seed(quick):
 @case("flicker-against-the-paper", slow=True)
 def against_the_paper(quick):
     """mean squared flicker at 4 samples, to that of the paper's sampler by the same pattern"""
-    ours, theirs = (flicker(quick, sampling, False)[0].mean() for sampling in (LampSampling.CUT, LampSampling.MIS))
-    return Figure(float(ours / theirs), 1.0)
+    return _to_the_paper(quick)
 
 
-@case("flicker-against-cycles", slow=True, blender=True)
-def against_cycles(quick):
-    """the same to that of Cycles at as many samples, whose lamp is a volume"""
+@case("flicker-bounces", slow=True)
+def with_more_bounces(quick):
+    """with four bounces: mean squared flicker at 4 samples, another seed each frame, to that of independent frames"""
+    return _judged(quick, same_seed=False, bounces=MORE_BOUNCES)
+
+
+@case("flicker-bounces-of-one-seed", slow=True)
+def with_more_bounces_and_one_seed(quick):
+    """with four bounces: the same with one seed for all frames"""
+    return _judged(quick, same_seed=True, bounces=MORE_BOUNCES)
+
+
+@case("flicker-bounces-against-the-paper", slow=True)
+def against_the_paper_with_more_bounces(quick):
+    """with four bounces: mean squared flicker at 4 samples, to that of the paper's sampler by the same pattern"""
+    return _to_the_paper(quick, MORE_BOUNCES)
+
+
+def _to_cycles(quick: bool, bounces: int) -> Figure:
     # Blender is not there for the other cases.
     import bpy
 
@@ -101,10 +126,10 @@ def against_cycles(quick):
             thing.matrix_world = moved
         lamp_scenes.show(volumes=cycles)
         if cycles:
-            scenes.plain_cycles(scene, samples, 1)
+            scenes.plain_cycles(scene, samples, bounces)
             scene.cycles.seed = seed
         else:
-            scenes.plain_sdf_lights(scene, samples, 1, "CPU")
+            scenes.plain_sdf_lights(scene, samples, bounces, "CPU")
             scene.sdf_lights.seed = seed
         return pictures.render().pixels.mean(axis=2)
 
@@ -113,3 +138,15 @@ def against_cycles(quick):
     ours, theirs = (changes(np.array([made(index, SAMPLES, index, cycles) for index in range(count)]), known).mean()
                     for cycles in (False, True))
     return Figure(float(ours / theirs), 1.0, dict(ours=float(ours), cycles=float(theirs)))
+
+
+@case("flicker-against-cycles", slow=True, blender=True)
+def against_cycles(quick):
+    """mean squared flicker at 4 samples, to that of Cycles at as many, whose lamp is a volume"""
+    return _to_cycles(quick, BOUNCES)
+
+
+@case("flicker-bounces-against-cycles", slow=True, blender=True)
+def against_cycles_with_more_bounces(quick):
+    """with four bounces: the same to that of Cycles"""
+    return _to_cycles(quick, MORE_BOUNCES)
