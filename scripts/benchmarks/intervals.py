@@ -63,8 +63,10 @@ def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict
     origins, directions = rays(shape, np.random.default_rng(5), count)
     traced = Traced(shape)
     found = traced.trace(origins, directions)
-    verdict = oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1],
-                           oracle.find(shape, origins, directions))
+    truth = oracle.find(shape, origins, directions)
+    if not truth.counts.any():
+        raise ValueError(f"{name}: no ray meets it, so there is nothing to judge")
+    verdict = oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1], truth)
     few = slice(0, min(MARCHED, count))
     field = traced if traced.tree.field is not None else Traced(AsField(shape))
     _, seconds = _seconds(lambda: traced.trace(origins[few], directions[few]), turns)

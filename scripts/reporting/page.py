@@ -79,7 +79,7 @@ samples. Efficiency is that of ours to the paper's sampler: the ratio of squared
 
 MORE = {  # columns of hard cases beside the figure: title, and what it is
     "rays": "rays", "too_fine_to_judge": "too fine to judge", "unresolved": "length unresolved",
-    "standard_error": "its standard error"}
+    "deviation": "of the whole picture", "standard_error": "its standard error"}
 
 INTERVALS = """\
 Every shape and operator of the tests and the hard cases, judged by a march through the whole formula in finer steps.
@@ -131,7 +131,9 @@ boxes.
 Boxes that stand on a floor, fill a box or touch a wall; light must neither be lost where faces meet nor leak through.
 """),
     "single": ("Single precision", """\
-Fields as the GPU evaluates them and hits of triangles, against double precision: limits are what rounding may do.
+Fields as the GPU evaluates them, its pictures, and hits of triangles, against double precision: limits are what rounding
+may do. Pictures of both use the same random numbers; their means, and those of blocks, may differ by what seeds scatter,
+four standard errors for all means together, and by what a rounded number makes of a shape.
 """),
     "cost": ("Cost", """\
 Render times and evaluations with a hard lamp to those with an easy one. Limits are the ratios of the paper's times,

@@ -1,28 +1,44 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where numbers have single precision, against the same in double: shapes as GLSL reads them, and hits of triangles."""
+"""Where numbers have single precision, against the same in double: shapes as GLSL reads them, whole pictures of the GPU's
+path tracer, and hits of triangles.
+
+Pictures are made by both with the same random numbers, so most samples are the same but for rounding. What rounding does to
+them has no preferred sign, so means have to agree within what is left of the noise, which how the differences of several
+seeds scatter tells. Only the numbers of a shape are rounded in the same way in all samples: by that its thinnest
+part may be off.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from sdf_lights.render import session
 from sdf_lights.render.scene import Lamp
+from sdf_lights.render.settings import Device
 from sdf_lights.sdf import read_glsl, read_interval, read_numpy
-from sdf_lights.sdf.shapes import Sphere
+from sdf_lights.sdf.shapes import Difference, Shape, Sphere
+from sdf_lights.sdf.shapes.orbits import Mandelbulb
 from tests import glsl
-from tests.emitter.hard_cases import HARD_CASES, around
+from tests.emitter.hard_cases import FACES, HARD_CASES, around
+from tests.render.test_agreement import means
+from tests.scenes import SCENES
 
 from . import Figure, case
-from .light import ball
+from .cost import MATRIX
+from .light import THIN, ball
 from .rays import MORE
-from .stage import FLOAT32, floor, from_above, settings
+from .stage import FLOAT32, STANDARD_ERRORS, floor, from_above, settings
 
 SHAPES = ("smooth combination", "smooth combination, size 1e-3", "smooth combination, size 1e4",
           "smooth combination, sheared and mirrored", "stretched 1 : 10,000", "torus, stretched and twisted",
           "onions 1e-4 thick", "coincident faces", "thin spokes", "Menger sponge of 5 levels", "noise", "Mandelbulb")
 POINTS, QUICK_POINTS = 3000, 300
+WIDTH, HEIGHT = 32, 24  # pixels of a picture
+SEEDS, QUICK_SEEDS = 16, 8
+SAMPLES, QUICK_SAMPLES = 32, 8
 
 
 @case("float32-shapes", opengl=True)
@@ -46,6 +62,58 @@ def shapes(quick):
         above, below = (found - exact) / np.maximum(high - exact, 1e-300), (exact - found) / np.maximum(exact - low, 1e-300)
         worst[name] = float(np.where(found == exact, 0.0, np.maximum(above, below))[known].max())
     return Figure(max(worst.values()), 1.0, dict(shapes=len(worst)))
+
+
+def pictures(shape: Shape, device: Device, quick: bool) -> np.ndarray:
+    """(seeds, height, width, 1) renders of a room that is lit by a lamp, with direct light."""
+    found = []
+    for seed in range(QUICK_SEEDS if quick else SEEDS):
+        scene = SCENES["torus_room"](WIDTH, HEIGHT)
+        scene.lamps = [Lamp("lamp", shape, MATRIX, 60.0)]
+        scene.settings = settings(QUICK_SAMPLES if quick else SAMPLES, seed)
+        scene.settings.device, scene.settings.indirect_paths = device, 1  # as on the GPU, with the same random numbers
+        film = session.render(scene, ("Combined",))
+        # What float32 leaves unresolved of the length of a ray is told, and has to be right on average nonetheless.
+        told = [warning for warning in scene.warnings if "could not be resolved" not in warning]
+        if told:
+            raise RuntimeError("; ".join(told))
+        found.append(film.light()[0].mean(axis=1).reshape(HEIGHT, WIDTH, 1))
+    return np.array(found)
+
+
+def compared(shape: Shape, thinnest: float, quick: bool) -> Figure:
+    """Means of pictures and of their blocks by the GPU, against those in double precision.
+
+    ``thinnest``: part of the shape, relative to the numbers that it is the difference of.
+    """
+    double, single = (np.concatenate(means(pictures(shape, device, quick)), axis=1) for device in (Device.CPU, Device.GPU))
+    truth, differences = double.mean(axis=0), single - double
+    seeds, count = differences.shape
+    errors = differences.std(axis=0, ddof=1) / np.sqrt(seeds)
+    # All means together may be off by chance as rarely as one of them by as many standard errors of a known scatter.
+    chance = 2.0 * stats.norm.sf(STANDARD_ERRORS)
+    allowed = errors * stats.t.isf(0.5 * chance / count, seeds - 1) + 2.0 * FLOAT32 / thinnest * truth
+    off = differences.mean(axis=0)
+    return Figure(float(np.max(np.abs(off) / allowed)), 1.0,
+                  dict(deviation=abs(off[-1]) / truth[-1], standard_error=errors[-1] / truth[-1]))
+
+
+@case("float32-picture-csg", opengl=True)
+def picture_of_csg(quick):
+    """difference of a picture by the GPU, or of a block of it, to its error bar: boxes with faces that coincide"""
+    return compared(FACES, 0.1, quick)
+
+
+@case("float32-picture-thin-shell", slow=True, opengl=True)
+def picture_of_a_shell(quick):
+    """the same of a shell 3e-4 of its radius thick"""
+    return compared(Difference(Sphere(0.5), Sphere(0.5 * (1.0 - THIN))), THIN, quick)
+
+
+@case("float32-picture-mandelbulb", slow=True, opengl=True)
+def picture_of_a_mandelbulb(quick):
+    """the same of a Mandelbulb"""
+    return compared(Mandelbulb(), 1.0, quick)
 
 
 @case("float32-positions")
