@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 import pathlib
 import sys
 
-from reporting import page, plots, results
+from reporting import page, plots, records, results
 
 PAGE = results.REPOSITORY / "docs" / "report.md"
 FIGURES = {"intervals": plots.crossings, "scaling": plots.scaling}
@@ -16,7 +17,7 @@ IMAGES = results.REPOSITORY / "docs" / "images"
 
 
 def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.Path) -> None:
-    """All plots of results; pictures only of those renders that are still ``kept``."""
+    """All plots of results; pictures only of those renders that are still ``kept``, and not of other results."""
     for name in page.DRAWN:
         if name not in found:
             continue
@@ -37,8 +38,13 @@ def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.P
             files = [(row["scene"], kept / f"{row['scene']}.npz") for row in result.rows if "competitor" in row]
             methods = ["PROJECTION", page.OURS]
         for scene, file in files:
-            if file.is_file():
-                plots.pictures(file, methods, images / f"report_pictures_{name}_{scene}.png")
+            if not file.is_file():
+                continue
+            own = result.renders(scene)
+            if own and hashlib.sha256(file.read_bytes()).hexdigest() not in own:
+                print(f"{file} holds other renders than those of {name}.", file=sys.stderr)
+                continue
+            plots.pictures(file, methods, images / f"report_pictures_{name}_{scene}.png", result if own else None)
 
 
 def main(arguments: list[str]) -> int:
@@ -66,7 +72,10 @@ def main(arguments: list[str]) -> int:
         print(f"There are no results in {kept}: ./scripts/report --run measures them.", file=sys.stderr)
         return 1
     draw(found, images, results.pictures_of(kept))
-    page.write(found, images, text)
+    text.write_text(page.text(found, images, text), encoding="utf-8")
+    _, others = records.compared(found, images)
+    if others:
+        print(f"Images of other results: {', '.join(others)}.", file=sys.stderr)
     missing = [name for name in results.RUNS if name not in found]
     if missing:
         print(f"Without results: {', '.join(missing)}. ./scripts/report --run {' '.join(missing)} measures them.",

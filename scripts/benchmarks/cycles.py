@@ -89,7 +89,7 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
         kept = {method.name: nearest(method) for method, _ in judged} | {"reference": truth.pixels}
         if peers:
             kept["reference of the mesh light"] = surface_truth.pixels
-        methods.keep_pictures(options.pictures, f"{scene} {bounces}", kept)
+        found["renders"] = methods.keep_pictures(options.pictures, f"{scene} {bounces}", kept)
     return found, rows
 
 

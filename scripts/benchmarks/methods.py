@@ -8,6 +8,7 @@ idle machine.
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import math
 import pathlib
@@ -212,10 +213,12 @@ def fill_time(methods: list[Method], seconds: float, seeds: int, bounces: int, d
             method.keep(samples, bounces, seeds + seed, device)
 
 
-def keep_pictures(folder: pathlib.Path, name: str, pictures: dict[str, np.ndarray]) -> None:
-    """Pictures by name, in a file; half floats are enough to look at."""
+def keep_pictures(folder: pathlib.Path, name: str, pictures: dict[str, np.ndarray]) -> str:
+    """Keep pictures by name, in a file, and return its hash; half floats are enough to look at."""
     folder.mkdir(parents=True, exist_ok=True)
-    np.savez_compressed(folder / f"{name}.npz", **{key: pixels.astype(np.float16) for key, pixels in pictures.items()})
+    path = folder / f"{name}.npz"
+    np.savez_compressed(path, **{key: pixels.astype(np.float16) for key, pixels in pictures.items()})
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def of_scenes(names, size: int, measure: Callable, options) -> tuple[list[dict], list[dict]]:

@@ -108,7 +108,8 @@ def measure(name: str, options, progress) -> list[dict]:
             for method in ours for row in method.rows(name, 0, truth)]
     if options.pictures:
         kept = {method.name: method.pictures[SAMPLES][0].pixels for method in ours}
-        methods.keep_pictures(options.pictures, name, kept | {"reference": truth.pixels})
+        digest = methods.keep_pictures(options.pictures, name, kept | {"reference": truth.pixels})
+        rows = [row | dict(renders=digest) for row in rows]
     progress.show(f"{name}, points")
     return [*rows, *(dict(scene=name, technique=technique, samples=SAMPLES, mape_at_points=mape)
                      for technique, mape in at_points(6 if options.quick else 24).items())]

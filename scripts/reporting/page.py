@@ -8,6 +8,7 @@ import math
 import pathlib
 import string
 
+from . import records
 from .results import METHODS, METRICS, NUMBERS, RULES, RUNS, Result
 
 OURS, PAPER = "CUT", "MIS"
@@ -110,6 +111,10 @@ evaluations on rays through both lamps.
 
 MACHINES = """\
 Results are of the revisions in this table; a + after one says that files had been changed.
+"""
+
+IMAGES = """\
+Images say as PNG text, `Result`, which result they were drawn from, with its hash.
 """
 
 HARD_CASES = """\
@@ -550,8 +555,17 @@ def machines(results: dict[str, Result]) -> str:
                                      for name, result in results.items()])
 
 
-def write(results: dict[str, Result], images: pathlib.Path, page: pathlib.Path) -> None:
-    """The page, from results and the plots that are in ``images``."""
+def drawn(results: dict[str, Result], images: pathlib.Path) -> str:
+    """Whether the images are of these results."""
+    unknown, others = records.compared(results, images)
+    return IMAGES + "".join(
+        f"{sentence} {listed([f'`{name}`' for name in names])}.\n" for sentence, names in (
+            ("These were drawn before they did, and may be of earlier renders:", unknown),
+            ("**These are of other results:**", others)) if names)
+
+
+def text(results: dict[str, Result], images: pathlib.Path, page: pathlib.Path) -> str:
+    """What stands on the page, from results and the plots that are in ``images``."""
     parts = [INTRODUCTION, *overview(results), *sentences(results), *lacking(results)]
     for name, result in results.items():
         if name in LIGHT:
@@ -562,5 +576,5 @@ def write(results: dict[str, Result], images: pathlib.Path, page: pathlib.Path) 
             parts += dict(intervals=intervals, scaling=scaling)[name](result, images, page)
         else:
             parts += dict(estimators=estimators, throughput=throughput, hard=hard).get(name, figures)(result)
-    parts += ["## Machine\n", MACHINES, machines(results)]
-    page.write_text("\n".join(part for part in parts if part), encoding="utf-8")
+    parts += ["## Machine\n", MACHINES, machines(results), drawn(results, images)]
+    return "\n".join(part for part in parts if part)

@@ -13,22 +13,27 @@ matplotlib.use("Agg")
 
 from matplotlib import pyplot  # noqa: E402  (the back end has to be chosen first)
 from matplotlib.colors import LogNorm  # noqa: E402
-from PIL import Image  # noqa: E402  (matplotlib's own)
+from PIL import Image, PngImagePlugin  # noqa: E402  (matplotlib's own)
 
+from . import records  # noqa: E402
 from .results import METHODS, METRICS, NUMBERS, RULES, Result  # noqa: E402
 
 ERRORS = (0.01, 1.0)  # range of the false colours
 DOTS = 90  # an inch
 
 
-def _save(figure, path: pathlib.Path) -> None:
+def _save(figure, path: pathlib.Path, source: Result | None) -> None:
+    """``source``: what it was drawn from, where that is known."""
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=DOTS, metadata={"Software": None})
     pyplot.close(figure)
     # A palette makes files of noise a third as large.
     with Image.open(path) as picture:
         few = picture.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-    few.save(path, optimize=True)
+    said = PngImagePlugin.PngInfo()
+    if source is not None:
+        said.add_text(records.KEY, records.of(source))
+    few.save(path, optimize=True, pnginfo=said)
 
 
 def against_time(result: Result, metric: str, path: pathlib.Path) -> bool:
@@ -62,7 +67,7 @@ def against_time(result: Result, metric: str, path: pathlib.Path) -> bool:
     handles = {label: handle for panel in panels[0] for handle, label in zip(*panel.get_legend_handles_labels())}
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4 if len(scenes) > 3 else 2,
                   frameon=False, fontsize=9)
-    _save(figure, path)
+    _save(figure, path, result)
     return True
 
 
@@ -96,7 +101,7 @@ def crossings(result: Result, path: pathlib.Path) -> bool:
     right.legend(frameon=False, fontsize=9)
     for panel in (left, right):
         panel.grid(True, which="both", alpha=0.15)
-    _save(figure, path)
+    _save(figure, path, result)
     return True
 
 
@@ -121,7 +126,7 @@ def scaling(result: Result, path: pathlib.Path) -> bool:
     panels[0, 0].set_ylabel("seconds")
     handles = {label: handle for panel in panels[0] for handle, label in zip(*panel.get_legend_handles_labels())}
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=2, frameon=False, fontsize=9)
-    _save(figure, path)
+    _save(figure, path, result)
     return True
 
 
@@ -136,8 +141,11 @@ def _error(pixels: np.ndarray, reference: np.ndarray) -> np.ndarray:
     return (np.abs(pixels - reference) / (reference + 0.01 * reference.mean())).mean(axis=2)[::-1]
 
 
-def pictures(file: pathlib.Path, methods: list[str], path: pathlib.Path) -> list[str]:
-    """A reference and renders in a row, with false-colour errors below them; the methods that are shown."""
+def pictures(file: pathlib.Path, methods: list[str], path: pathlib.Path, source: Result | None = None) -> list[str]:
+    """A reference and renders in a row, with false-colour errors below them; the methods that are shown.
+
+    ``source``: the result that the renders belong to, where that is known.
+    """
     with np.load(file) as kept:
         images = {name: kept[name].astype(float) for name in kept.files}
     known = [method for method in methods if method in images]
@@ -155,5 +163,5 @@ def pictures(file: pathlib.Path, methods: list[str], path: pathlib.Path) -> list
     for panel in panels.flat:
         panel.set_axis_off()
     figure.colorbar(shown, ax=panels[:, -1], label="relative error", shrink=0.8)
-    _save(figure, path)
+    _save(figure, path, source)
     return known

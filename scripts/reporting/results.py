@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import functools
+import hashlib
 import json
 import pathlib
 import subprocess
@@ -60,6 +62,16 @@ class Result:
     def of(self, **wanted) -> list[dict]:
         """Rows that have these values."""
         return [row for row in self.rows if all(key in row and row[key] == value for key, value in wanted.items())]
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """Hash of all that was measured."""
+        content = json.dumps([self.command, self.summary, self.rows, self.machine], sort_keys=True)
+        return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+    def renders(self, scene: str) -> set[str]:
+        """Hashes of the files with renders of a scene that were kept when it was measured."""
+        return {row["renders"] for row in self.of(scene=scene) if "renders" in row}
 
 
 def read(folder: pathlib.Path = RESULTS) -> dict[str, Result]:

@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The report: its sentences follow from its numbers, whatever they are."""
 
+import dataclasses
+import hashlib
 import json
 import re
 
 import numpy as np
 import pytest
-from reporting import page, results
+from reporting import page, records, results
+
+DOCS = results.REPOSITORY / "docs"
 
 MACHINE = dict(processor="Some Processor", cores=2, load=0.1)
 
@@ -138,8 +142,7 @@ def test_crossings_and_scaling_have_a_plot_and_their_tables(tmp_path):
     found = {"intervals": crossings(0.0), "scaling": growth()}
     images = tmp_path / "images"
     report.draw(found, images, tmp_path)
-    page.write(found, images, tmp_path / "report.md")
-    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    text = page.text(found, images, tmp_path / "report.md")
     assert "no ray has a wrong number of crossings" in text and "| ring | 20 | 20 | 20 | 20 | 1 |" in text
     assert "| sponge | 0 | 0 | 0.25 | 0 |" in text
     assert "| lamps | 10 | 16 | 0.001 | 0.01 | -1.00e-04 |" in text
@@ -191,8 +194,7 @@ def test_the_page_has_its_command_beside_every_figure(tmp_path):
     found = {"cycles_direct": race(), "throughput": results.Result(
         "throughput", "./scripts/bench throughput", dict(samples_per_second_ratio_to_cycles=2.0), [], MACHINE)}
     report.draw(found, images, kept)
-    page.write(found, images, tmp_path / "docs" / "report.md")
-    text = (tmp_path / "docs" / "report.md").read_text(encoding="utf-8")
+    text = page.text(found, images, tmp_path / "docs" / "report.md")
     for line in ("    ./scripts/bench cycles --bounces 0", "    ./scripts/bench throughput",
                  "| `samples_per_second_ratio_to_cycles` | 2 |", "## Error against time: direct light"):
         assert line in text
@@ -216,6 +218,49 @@ def test_a_plot_of_other_results_does_not_stay(tmp_path):
         report.draw({"cycles_direct": race(flip=flip)}, tmp_path, tmp_path)
         assert (tmp_path / "report_cycles_direct_flip.png").is_file() == flip
     assert (tmp_path / "report_cycles_direct_mape.png").is_file()
+
+
+def test_the_committed_page_and_images_are_of_the_committed_results():
+    found = results.read()
+    assert page.text(found, DOCS / "images", DOCS / "report.md") == (DOCS / "report.md").read_text(encoding="utf-8")
+    unknown, others = records.compared(found, DOCS / "images")
+    assert not others, "draw them again: ./scripts/report"
+    # Only renders that were not measured with their hashes may be of nobody knows what.
+    for name in unknown:
+        result, scene = re.fullmatch(r"report_pictures_(.+)_([^_]+)\.png", name).groups()
+        assert not found[result].renders(scene), f"{name}: draw it again, where its renders are"
+
+
+def test_images_say_what_they_were_drawn_from(tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    import report
+
+    pictures = {name: np.full((8, 8, 3), 0.5) for name in ("CUT", "Cycles volume", "reference")}
+    for scene in ("S1", "S2"):
+        np.savez(tmp_path / f"{scene} 0.npz", **pictures)
+    result = race()
+    result.rows[0]["renders"] = hashlib.sha256((tmp_path / "S1 0.npz").read_bytes()).hexdigest()
+    report.draw({result.name: result}, tmp_path, tmp_path)
+    one, two = (tmp_path / f"report_pictures_cycles_direct_{scene}.png" for scene in ("S1", "S2"))
+    assert records.read(one) == records.read(tmp_path / "report_cycles_direct_mape.png") == records.of(result)
+    assert records.read(two) is None
+    assert records.compared({result.name: result}, tmp_path) == ([two.name], [])
+    text = page.drawn({result.name: result}, tmp_path)
+    assert two.name in text and one.name not in text
+
+    # Of other numbers than the images, and with other renders than those that are kept.
+    later = dataclasses.replace(result, rows=[row | dict(seconds=2.0) for row in result.rows])
+    later.rows[0]["renders"] = "those of another run"
+    assert one.name in records.compared({result.name: later}, tmp_path)[1]
+    assert "**These are of other results:**" in page.drawn({result.name: later}, tmp_path)
+    report.draw({result.name: later}, tmp_path, tmp_path)
+    assert "S1 0.npz holds other renders" in capsys.readouterr().err
+    assert records.compared({result.name: later}, tmp_path) == ([two.name], [one.name])
+
+
+def test_the_hash_of_a_result_is_that_of_what_was_measured():
+    assert race().digest == race().digest
+    assert race().digest != race(volume=0.4).digest
 
 
 def test_results_are_read_in_the_order_of_the_page(tmp_path):

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What images of the report were drawn from, which stands in them as PNG text: a result and the hash of its numbers.
+
+Plots are drawn from a result alone. Pictures are drawn from renders that are too large to be kept with it; they are said to
+be of a result where it has the hash of these renders.
+"""
+
+from __future__ import annotations
+
+import pathlib
+import struct
+from collections.abc import Iterator
+
+from .results import Result
+
+KEY = "Result"
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+
+
+def _chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:
+    """Type and content of each chunk of a PNG file (W3C, Portable Network Graphics, section 5.3)."""
+    place = len(SIGNATURE)
+    while place < len(data):
+        size, kind = struct.unpack_from(">I4s", data, place)
+        yield kind, data[place + 8:place + 8 + size]
+        place += size + 12
+
+
+def of(result: Result) -> str:
+    """What an image that is drawn from a result has to say."""
+    return f"{result.name} {result.digest}"
+
+
+def read(image: pathlib.Path) -> str | None:
+    """What an image says, or None."""
+    data = image.read_bytes()
+    if not data.startswith(SIGNATURE):
+        raise ValueError(f"{image} is no PNG file")
+    for kind, content in _chunks(data):
+        key, _, text = content.partition(b"\0")
+        if kind == b"tEXt" and key == KEY.encode("latin-1"):
+            return text.decode("latin-1")
+    return None
+
+
+def compared(results: dict[str, Result], images: pathlib.Path) -> tuple[list[str], list[str]]:
+    """Names of the report's images that do not say what they were drawn from, and of those that say something else."""
+    known = {of(result) for result in results.values()}
+    said = {path.name: read(path) for path in sorted(images.glob("report_*.png"))}
+    return ([name for name, text in said.items() if text is None],
+            [name for name, text in said.items() if text is not None and text not in known])
