@@ -149,7 +149,8 @@ evaluations are compared for noise, and of its time the limit is what is evaluat
 Sums must not drift, and the error must fall at least as fast as that of independent samples.
 """),
     "motion": ("Flicker", """\
-How much pixels of an animation change beyond what moves, at four samples a pixel.
+How much pixels of an animation change beyond what moves, at four samples a pixel. Light bounces once where no number is
+told. Independent frames have 1, with four standard errors; others may not be better than ours.
 """),
 }
 
