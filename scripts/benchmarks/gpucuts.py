@@ -70,7 +70,8 @@ def measure(name: str, options) -> dict:
     for sampler in SAMPLERS:
         short, long = ([picture.work for picture in made[sampler, samples]] for samples in (FEW, many))
         pixels = np.array([picture.pixels for picture in made[sampler, many]])
-        row[f"{sampler}_seconds"] = (statistics.median(long) - statistics.median(short)) / (many - FEW)
+        # Where other work disturbs short renders, the longer ones may seem to take less time.
+        row[f"{sampler}_seconds"] = max(statistics.median(long) - statistics.median(short), 1e-9) / (many - FEW)
         row[f"{sampler}_variance"] = errors.rel_variance(pixels.var(axis=0, ddof=1), pixels.mean(axis=0))
         row[f"{sampler}_mean"] = float(pixels.mean())
     mis, cut = (row[f"{sampler}_seconds"] * row[f"{sampler}_variance"] for sampler in SAMPLERS)
