@@ -24,7 +24,7 @@ from ..sdf.emission import Emission, EmissionExpression
 from ..vec import add, dot, frame, madd, normalize, sub, to_world, vec
 from . import bounding, surfaces
 from . import cut as cuts
-from .cut import BOXES, CUT, REGIONS
+from .cut import BOXES, CUT, KEYS, REGIONS
 from .hashing import following, seeded, uniform_point
 from .lamps import (
     SCALARS, TABLES, build_lamp, direction_pdf, intensity, lamps, new_spans, pack_lamps, pack_scalars, radiance,
@@ -203,9 +203,9 @@ def radial(block, lamp, x, n, u, spans, shell):
 
 
 @kernel
-def cell_cut(block, lamp, x, n, u, spans, shell, store, cut, tolerance, limit):
+def cell_cut(block, lamp, x, n, u, spans, shell, keys, store, cut, tolerance, limit):
     """One sample of the cut, which is fitted anew, and a cosine-weighted one where that counts."""
-    cuts.prepare(block, lamp, x, n, 0, tolerance, limit, store, cut)
+    cuts.prepare(block, lamp, x, n, 0, tolerance, limit, keys, store, cut)
     total = 0.0
     d = _cosine_direction(n, u[0], u[1])
     for technique in range(1 if cut.beta == 0.0 else 0, 2):
@@ -243,7 +243,7 @@ UNIFORM, COSINE, POINT, PROJECTION, MIS, BOUNDING, MIS_BETA, RIS, RADIAL_MIS, _,
 
 
 @kernel
-def _values(technique, blocks, lamp, x, n, numbers, spans, shell, store, cut, tolerance, limit, out):
+def _values(technique, blocks, lamp, x, n, numbers, spans, shell, keys, store, cut, tolerance, limit, out):
     block = blocks[0]
     for i in range(len(numbers)):
         u = (numbers[i, 0], numbers[i, 1], numbers[i, 2], numbers[i, 3], numbers[i, 4], numbers[i, 5], numbers[i, 6])
@@ -268,7 +268,7 @@ def _values(technique, blocks, lamp, x, n, numbers, spans, shell, store, cut, to
         elif technique == SURFACE:
             out[i] = surface_area(block, lamp, x, n, u, spans, shell)
         else:
-            out[i] = cell_cut(block, lamp, x, n, u, spans, shell, store, cut[0], tolerance, limit)
+            out[i] = cell_cut(block, lamp, x, n, u, spans, shell, keys, store, cut[0], tolerance, limit)
 
 
 class LampBlock:
@@ -304,7 +304,7 @@ def values(technique: Technique, blocks: np.ndarray, lamp: int, x, n, numbers: n
     out = np.empty(len(numbers))
     start = time.thread_time()
     _values(int(technique), blocks, lamp, tuple(map(float, x)), tuple(map(float, n)), numbers, spans, shell,
-            np.zeros(REGIONS, BOXES), np.zeros(1, CUT), tolerance, limit, out)
+            np.zeros(REGIONS, KEYS), np.empty(REGIONS, BOXES), np.zeros(1, CUT), tolerance, limit, out)
     return out, time.thread_time() - start
 
 

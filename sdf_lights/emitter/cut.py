@@ -35,7 +35,7 @@ from ..jit import kernel, stack_array, table
 from ..sdf.program import INSTRUCTION
 from ..vec import add, dot, madd, normalize, scale, sub, transform_normal, transform_point, transform_vector, vec
 from . import bounding, surfaces
-from .cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, REGIONS, SOFT, corner, far_corner, region
+from .cut_boxes import BOXES, KEYS, MOST_BOXES, MOST_ENTRIES, REGIONS, SOFT, corner, far_corner, region
 from .cut_tables import TABLES, lamp_steps, pack_cuts, placements
 from .fields import lamp_lists, value
 from .hashing import following, seeded, uniform_point
@@ -61,13 +61,16 @@ CUT = np.dtype([
     ("mass", np.float64, MOST_ENTRIES),  # integral of the density over the boxes that points are drawn from
 ], align=True)
 
-WORKSPACE_TABLES = {"lamp_boxes": BOXES, "lamp_cuts": CUT}
-WORKSPACE_COUNTS = {"lamp_boxes": REGIONS, "lamp_cuts": 2}
+FIRST_CUTS = 4  # that are kept of the surface where light is scattered last before the camera; of others one
+
+WORKSPACE_TABLES = {"lamp_regions": KEYS, "lamp_boxes": BOXES, "lamp_cuts": CUT}
+WORKSPACE_COUNTS = {"lamp_regions": REGIONS, "lamp_boxes": REGIONS, "lamp_cuts": FIRST_CUTS + 1}
 
 PROJECTION, SURFACE, BOUNDING = -1, -2, -3  # slots of cuts without boxes: the first is as good, or all are asked for
 POINT = -4  # as projection, so far away that a point of the lamp may stand for all that is before and behind it
 
 TOLERANCE = 5e-4  # relative variance of a sample at which boxes are small enough
+MOST_TOLERANCE = 0.1  # of lamps that are chosen seldom
 LIMIT = MOST_BOXES
 ATTEMPTS = 4096  # draws of a point in a box before giving up
 FLAT = 0.05  # least density in a box, of that at its centroid
@@ -201,10 +204,10 @@ def compare(lamp, x, slot, beta, cut):
 
 
 @kernel
-def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
+def prepare(block, lamp, x, n, both, tolerance, limit, keys, store, cut):
     """Fit the cut to the point x with the normal n; ``both`` (0 or 1): to light that falls on either side.
 
-    ``store`` holds boxes of regions (``BOXES``). They are at most ``limit``, or fewer where the relative variance
+    ``store`` holds boxes of regions (``BOXES``), which ``keys`` tells apart (``KEYS``). They are at most ``limit``, or fewer where the relative variance
     that is expected is below ``tolerance``.
 
     ``cut.beta`` is for the balance heuristic p / (p + β p_bsdf): any number is unbiased. Where the lamp fills what is
@@ -215,9 +218,11 @@ def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
     """
     place = placements(block)[lamp]
     if needless(block, lamp, place, x, n, tolerance, cut):
+        if cut.beta == 0.0 and not varies(block, lamp):
+            cut.slot = POINT
         return
     origin, normal = local(block, lamp, place, x, n)
-    slot = region(block, lamp, place, origin, normal, both, tolerance, limit, store)
+    slot = region(block, lamp, place, origin, normal, both, tolerance, limit, keys, store)
     boxes = store[slot]
     if boxes.rough > MOST_ROUGH:
         project(block, lamp, x, cut)
@@ -225,6 +230,18 @@ def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
     fit(block, place, boxes, slot, origin, normal, both, cut)
     if cut.slot >= 0:
         cut.beta = share(boxes.variance)
+
+
+@kernel
+def tolerance_for(chance):
+    """Relative variance that boxes may leave of a lamp that is chosen with this probability.
+
+    A lamp that gives a part of the light adds no more than that part of its variance. In steps, as there are boxes for each.
+    """
+    tolerance = TOLERANCE
+    while chance < 0.25 and tolerance < MOST_TOLERANCE:
+        chance, tolerance = 4.0 * chance, 4.0 * tolerance
+    return tolerance
 
 
 @kernel

@@ -29,11 +29,14 @@ from .moments import lamp_cells
 
 MOST_BOXES = 32  # in a cut
 MOST_ENTRIES = 2 * MOST_BOXES
-REGIONS = 2048  # whose boxes a thread keeps: a power of two
+REGIONS = 4096  # whose boxes a thread keeps: a power of two
 
-BOXES = np.dtype([  # of a region
-    ("key", np.uint64),  # hash of lamp, region and normal; 0: nothing is here
+# Where the boxes of a region are. Apart from them, as boxes take megabytes that nothing has to clear.
+KEYS = np.dtype([
+    ("key", np.uint64),  # hash of lamp, region, normal and tolerance; 0: nothing is here
     ("recent", np.int64),  # 1: of the pair of regions that share a place, this was used last
+])
+BOXES = np.dtype([  # of a region
     ("count", np.int64),
     ("entries", np.int64),
     ("variance", np.float64),  # relative, that is expected to be left, were the emission even
@@ -60,8 +63,8 @@ BOXES = np.dtype([  # of a region
 LEAST_FILL = 0.02  # interior that a solid box counts as having at least: sampling may have missed it
 LEAST_BRIGHT = 0.02  # emission that a box counts as having at least, of the mean: it was estimated
 SOFT = 0.8  # makes the mean over a ball round the point that is lit right
-REGION = 0.25  # size of a region, of its distance from the lamp
-NEAR = 0.5  # the distance that a region counts as having at least, of the thickness of the lamp
+REGION = 1.0  # size of a region, of its distance from the lamp
+NEAR = 1.0  # the distance that a region counts as having at least, of the thickness of the lamp
 SHIFT = 0.381966  # of the grid of regions, in its cells
 BLUR = 0.25  # mean square distance of points from the region's centre, in its square sizes
 AMBIENT = 0.2  # added to cosines where boxes are chosen: the normals of a region differ
@@ -69,7 +72,7 @@ AMBIENT = 0.2  # added to cosines where boxes are chosen: the normals of a regio
 # Odd numbers of 64 random bits, to hash what regions are told apart by.
 _PRIMES = tuple(np.uint64(number) for number in (
     0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0xD6E8FEB86659FD93, 0xA0761D6478BD642F,
-    0xE7037ED1A0B428DB))
+    0xE7037ED1A0B428DB, 0x8EBC6AF09C88C6E3))
 
 
 @kernel
@@ -226,7 +229,7 @@ def _whole(value):
 
 
 @kernel
-def region(block, lamp, place, origin, normal, both, tolerance, limit, store):
+def region(block, lamp, place, origin, normal, both, tolerance, limit, keys, store):
     """Slot of the boxes for the region of a point of tree space; ``normal`` is that of the surface, in tree space.
 
     Regions are aligned with the tree, so they move with the lamp; their sizes are those of the world.
@@ -247,14 +250,16 @@ def region(block, lamp, place, origin, normal, both, tolerance, limit, store):
     side = np.uint64(turn[0] + 8.0 * turn[1] + 64.0 * turn[2] + 512.0) * np.uint64(4 * MOST_BOXES) + np.uint64(
         2 * limit + both)
     key = bits(_whole(at[0]) * _PRIMES[0] + _whole(at[1]) * _PRIMES[1] + _whole(at[2]) * _PRIMES[2]
-               + _whole(size * 2.0**40) * _PRIMES[3] + side * _PRIMES[4] + np.uint64(lamp) * _PRIMES[5]) | np.uint64(1)
-    slot = np.int64(key >> np.uint64(1)) & (len(store) - 1)
-    if store[slot].key != key and (store[slot ^ 1].key == key or store[slot].recent):
+               + _whole(size * 2.0**40) * _PRIMES[3] + side * _PRIMES[4] + np.uint64(lamp) * _PRIMES[5]
+               + _whole(tolerance * 2.0**40) * _PRIMES[6]) | np.uint64(1)
+    slot = np.int64(key >> np.uint64(1)) & (len(keys) - 1)
+    if keys[slot].key != key and (keys[slot ^ 1].key == key or keys[slot].recent):
         slot ^= 1
-    boxes = store[slot]
-    boxes.recent, store[slot ^ 1].recent = 1, 0
-    if boxes.key != key:
-        boxes.key, boxes.unit = key, 1.0 / size
+    keys[slot].recent, keys[slot ^ 1].recent = 1, 0
+    if keys[slot].key != key:
+        keys[slot].key = key
+        boxes = store[slot]
+        boxes.unit = 1.0 / size
         facing = (0.5 * turn[0] / unit[0], 0.5 * turn[1] / unit[1], 0.5 * turn[2] / unit[2])
         for axis in range(3):
             boxes.center[axis] = (at[axis] + 0.5 - SHIFT) * step[axis]

@@ -27,8 +27,8 @@ def unit(n):
 
 
 @kernel(cache=False)
-def _prepare(blocks, x, n, both, tolerance, limit, store, cuts):
-    cut.prepare(blocks[0], 0, x, n, both, tolerance, limit, store, cuts[0])
+def _prepare(blocks, x, n, both, tolerance, limit, keys, store, cuts):
+    cut.prepare(blocks[0], 0, x, n, both, tolerance, limit, keys, store, cuts[0])
 
 
 @kernel(cache=False)
@@ -60,7 +60,7 @@ class Cut:
     def __init__(self, lamp: LampBlock, x, n, tolerance=TIGHT, limit=16, both=0):
         self.lamp, self.x, self.rows = lamp, tuple(map(float, x)), np.zeros(1, cut.CUT)
         self.spans, self.store = lamps.new_spans(int(lamp.blocks["lamp_rows"][0]), 1), np.zeros(4, cut.BOXES)
-        _prepare(lamp.blocks, self.x, unit(n), both, tolerance, limit, self.store, self.rows)
+        _prepare(lamp.blocks, self.x, unit(n), both, tolerance, limit, np.zeros(4, cut.KEYS), self.store, self.rows)
 
     @property
     def boxes(self):

@@ -180,12 +180,8 @@ def _new_table(name: str, count: int) -> np.ndarray:
     if name == "ray":
         return rays.new_rays(count)
     dtype = integrator.WORKSPACE_TABLES[name]
-    if name != "lamp_boxes":
-        return np.zeros(count, dtype)
-    # Clearing all of its megabytes takes longer than packing a lamp, and these say that there is nothing.
-    boxes = np.empty(count, dtype)
-    boxes["key"] = boxes["recent"] = 0
-    return boxes
+    # Clearing the megabytes of boxes takes longer than packing a lamp; their keys say that there is nothing.
+    return np.empty(count, dtype) if name == "lamp_boxes" else np.zeros(count, dtype)
 
 
 class Workspace:

@@ -93,7 +93,7 @@ def flat_boxes(tables: dict[str, np.ndarray]) -> np.ndarray:
 
 
 @kernel
-def prepare(block, lamp, x, n, both, tolerance, limit, store, cut):
+def prepare(block, lamp, x, n, both, tolerance, limit, keys, store, cut):
     """In the place of ``cut.prepare``: the boxes of the lamp, whatever the point."""
     place = placements(block)[lamp]
     if cuts.needless(block, lamp, place, x, n, tolerance, cut):
@@ -138,9 +138,15 @@ def no_bounding_density(block, lamp, x, d):
 
 
 @kernel
-def prepare_lamp(block, workspace, lamp, x, n, both):
+def prepare_lamp(block, workspace, lamp, chance, x, n, both):
     """In the place of ``integrator.prepare_lamp``, where cuts are asked for and do not pay."""
-    cuts.project(block, lamp, x, cut_of(workspace))
+    cuts.project(block, lamp, x, cut_of(workspace, lamp))
+
+
+@kernel
+def forget_cut(workspace):
+    """In the place of ``integrator.forget_cuts``: there is one."""
+    cut_of(workspace, 0).lamp = -1
 
 
 @kernel
