@@ -61,10 +61,8 @@ CUT = np.dtype([
     ("mass", np.float64, MOST_ENTRIES),  # integral of the density over the boxes that points are drawn from
 ], align=True)
 
-FIRST_CUTS = 4  # that are kept of the surface where light is scattered last before the camera; of others one
-
 WORKSPACE_TABLES = {"lamp_regions": KEYS, "lamp_boxes": BOXES, "lamp_cuts": CUT}
-WORKSPACE_COUNTS = {"lamp_regions": REGIONS, "lamp_boxes": REGIONS, "lamp_cuts": FIRST_CUTS + 1}
+WORKSPACE_COUNTS = {"lamp_regions": REGIONS, "lamp_boxes": REGIONS, "lamp_cuts": 2}
 
 PROJECTION, SURFACE, BOUNDING = -1, -2, -3  # slots of cuts without boxes: the first is as good, or all are asked for
 POINT = -4  # as projection, so far away that a point of the lamp may stand for all that is before and behind it

@@ -76,7 +76,7 @@ def test_directions_have_their_density(shape, point):
 @kernel
 def drawn(block, workspace, x, n, u, d):
     """A direction by the cut for a point, its density, and that of another direction."""
-    store, row, spans = box_table(workspace), cut_of(workspace, 0), spans_of(workspace)
+    store, row, spans = box_table(workspace), cut_of(workspace), spans_of(workspace)
     gpu_lamps.prepare(block, 0, x, n, 0, ALL, gpu_lamps.LIMIT, None, store, row)
     w = cut.sample(block, 0, x, spans, store, row, u[0], u[1], u[2])
     own = cut.density(block, 0, w, store, row, spans, lamps.trace(block, 0, x, w, spans))

@@ -194,21 +194,9 @@ def facing(path, n):
 
 
 @kernel
-def cut_of(workspace, lamp):
-    """The place of a lamp's cut for the surface where the path scattered last. Those of the first one are kept, for all branches,
-    of several lamps."""
-    first = path_table(workspace)[0].scattered == 0
-    return cut_table(workspace)[lamp % cuts.FIRST_CUTS if first else cuts.FIRST_CUTS]
-
-
-@kernel
-def forget_cuts(workspace):
-    """Another surface is where the path scattered last."""
-    if path_table(workspace)[0].scattered == 0:
-        for lamp in range(cuts.FIRST_CUTS):
-            cut_of(workspace, lamp).lamp = -1
-    else:
-        cut_of(workspace, 0).lamp = -1
+def cut_of(workspace):
+    """The cut of the surface where the path scattered last; that of the first one is kept, for all branches."""
+    return cut_table(workspace)[1 if path_table(workspace)[0].scattered > 0 else 0]
 
 
 @kernel
@@ -220,7 +208,7 @@ def light_cut_of(workspace):
 @kernel
 def prepare_lamp(block, workspace, lamp, chance, x, n, both):
     """Make the workspace's cut that of the lamp, which is chosen with probability ``chance``, for the point x with normal n."""
-    cut = cut_of(workspace, lamp)
+    cut = cut_of(workspace)
     if block.lamp_cuts and path_table(workspace)[0].scattered > 0:
         cuts.project(block, lamp, x, cut)
     elif block.lamp_cuts:
@@ -236,7 +224,7 @@ def prepare_lamp(block, workspace, lamp, chance, x, n, both):
 def renew_lamp(block, workspace, lamp):
     """Make the workspace's cut that of the lamp for the point where the path scattered last, unless it is."""
     path = path_table(workspace)[0]
-    if cut_of(workspace, lamp).lamp != lamp:
+    if cut_of(workspace).lamp != lamp:
         origin, normal = vec(path.origin), vec(path.normal)
         chance = lights.selection_probability(block, origin, facing(path, normal), lamp, light_cut_of(workspace))
         prepare_lamp(block, workspace, lamp, chance, origin, normal, path.both)
@@ -257,7 +245,7 @@ def light_lamp(block, workspace, lamp, chance, u, u1, u2, u3):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     x, n = vec(surface.position), vec(surface.n)
-    spans, cut, store = spans_of(workspace), cut_of(workspace, lamp), box_table(workspace)
+    spans, cut, store = spans_of(workspace), cut_of(workspace), box_table(workspace)
     prepare_lamp(block, workspace, lamp, chance, x, n, path.both)
     if cut.beta == np.inf:
         return
@@ -296,7 +284,7 @@ def light_vertex(block, workspace):
     surface = surface_table(workspace)[0]
     x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
     path.both, path.scattered = int(transmits(workspace)), path.bounce
-    forget_cuts(workspace)
+    cut_of(workspace).lamp = -1
     u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
     emitter, chance, u0 = lights.select(block, x, facing(path, n), u[0], light_cut_of(workspace))
     if chance <= 0.0:
@@ -349,7 +337,7 @@ def _lamp_mis(block, workspace, lamp, spans, count):
         return 1.0
     if not competes(block, lamp):
         return 0.0
-    cut = cut_of(workspace, lamp)
+    cut = cut_of(workspace)
     origin, normal = vec(path.origin), vec(path.normal)
     renew_lamp(block, workspace, lamp)
     if cut.beta == np.inf:
@@ -367,7 +355,7 @@ def counts(block, workspace, lamp):
     path = path_table(workspace)[0]
     if path.pdf <= 0.0 or path.narrow > 0.0:
         return True
-    cut = cut_of(workspace, lamp)
+    cut = cut_of(workspace)
     renew_lamp(block, workspace, lamp)
     return cut.beta > 0.0 and competes(block, lamp)
 
@@ -613,7 +601,7 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
         if paths[FIRST_BRANCH + branch].alive:
             paths[0] = paths[FIRST_BRANCH + branch]
             ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
-            cut_table(workspace)[cuts.FIRST_CUTS].lamp = -1  # the branch before has left one of another point there
+            cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
             if turn(block, workspace, False) == GOES_ON:
                 follow(block, workspace, False)
 
@@ -759,7 +747,7 @@ def turn(block, workspace, whole):
     if path.transparent > passed:
         # The ray that goes on is the one that came: what it meets competes with the light sampling at its origin.
         path.both, path.scattered = both, scattered
-        forget_cuts(workspace)
+        cut_of(workspace).lamp = -1
     path.dimension += VERTEX_SETS
     return GOES_ON
 

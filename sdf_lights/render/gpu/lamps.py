@@ -140,13 +140,7 @@ def no_bounding_density(block, lamp, x, d):
 @kernel
 def prepare_lamp(block, workspace, lamp, chance, x, n, both):
     """In the place of ``integrator.prepare_lamp``, where cuts are asked for and do not pay."""
-    cuts.project(block, lamp, x, cut_of(workspace, lamp))
-
-
-@kernel
-def forget_cut(workspace):
-    """In the place of ``integrator.forget_cuts``: there is one."""
-    cut_of(workspace, 0).lamp = -1
+    cuts.project(block, lamp, x, cut_of(workspace))
 
 
 @kernel

@@ -105,8 +105,7 @@ def natives(cuts: bool, one_emitter: bool = False, project: bool = False) -> dic
         field_crossings.halves: Native("unpackHalf2x16", Tuple((FLOAT, FLOAT))), fields.value: Native(_field_value),
         emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
         emission.line_integral: lamps.line_integral, emitter_lamps.solve_all: parts.solve_all,
-        integrator.cut_of: _only_row("lamp_cuts"), integrator.forget_cuts: lamps.forget_cut,
-        integrator.light_cut_of: _only_row("light_cut"),
+        integrator.cut_of: _only_row("lamp_cuts"), integrator.light_cut_of: _only_row("light_cut"),
         lamp_tree.lamps_along: lamps.lamps_along, lights.tree._prepare: lamps.prepare_light_cut}
     if one_emitter:
         found |= {lights.tree.select: lamps.select_only, lights.tree.selection_probability: lamps.only_probability}
