@@ -205,8 +205,8 @@ def compare(lamp, x, slot, beta, cut):
 def prepare(block, lamp, x, n, both, tolerance, limit, keys, store, cut):
     """Fit the cut to the point x with the normal n; ``both`` (0 or 1): to light that falls on either side.
 
-    ``store`` holds boxes of regions (``BOXES``), which ``keys`` tells apart (``KEYS``). They are at most ``limit``, or fewer where the relative variance
-    that is expected is below ``tolerance``.
+    ``store`` holds boxes of regions (``BOXES``), which ``keys`` tells apart (``KEYS``). They are at most ``limit``, or
+    fewer where the relative variance that is expected is below ``tolerance``.
 
     ``cut.beta`` is for the balance heuristic p / (p + β p_bsdf): any number is unbiased. Where the lamp fills what is
     close to the surface, directions of the BSDF are almost all that is needed, and no cut is made. Elsewhere they make
