@@ -25,7 +25,7 @@ HELP = "error against time of full renders: samplers, Cycles' volumes, Cycles' m
 VOLUMES, SURFACES = "Cycles volume", "Cycles mesh light"
 SEEDS = 8
 QUICK = ("S1", "S4")  # scenes
-BRIEF = dict(only=["S4"], bounces=4)
+BRIEF = dict(only=["S4"], bounces=4, reference_seconds=0.5)
 LIGHT = {0: "direct", 4: "bounces"}
 
 

@@ -21,7 +21,7 @@ HELP = "error at equal time of full renders of lamps: samplers, and Cycles' volu
 
 THE_FIVE = lamp_scenes.THE_FIVE
 QUICK = ("S1", "S4")  # scenes: one that has a closed form along rays, one that is a fractal
-BRIEF = dict(only=["S1"], bounces=0)
+BRIEF = dict(only=["S1"], bounces=0, reference_seconds=0.5)
 
 
 def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dict]]:

@@ -40,7 +40,7 @@ PUBLISHED = {  # scene: competitor, then MAPE and FLIP of BSDF samples, the comp
 AT_POINTS = (
     Technique.COSINE, Technique.BOUNDING, Technique.SURFACE, Technique.PROJECTION, Technique.MIS, Technique.CUT)
 TURNS = 16  # pixels of a point
-BRIEF = dict(paper_scenes=["kitchen"])
+BRIEF = dict(paper_scenes=["kitchen"], size=48, reference_seconds=0.5)
 
 
 def arguments(parser) -> None:

@@ -31,6 +31,7 @@ ON_CPU = "SDF Lights on the CPU"  # takes turns, too, where the device is the GP
 BY_PROJECTION = "SDF Lights, by projection", "SDF Lights on the CPU, by projection"
 BOUNCES = (0, 4)
 LAMP_SCENES = (*lamp_scenes.THE_FIVE, "blob")  # the last has no closed form
+BRIEF = dict(repeats=1)
 
 
 def _engines(options) -> tuple[str, ...]:
