@@ -19,7 +19,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ..jit import block_dtype, fill_table, kernel
+from ..jit import block_dtype, fill_table, kernel, table
 from ..sdf.emission import Emission, EmissionExpression
 from ..vec import add, dot, frame, madd, normalize, sub, to_world, vec
 from . import bounding, surfaces
@@ -32,6 +32,11 @@ from .lamps import (
 from .points import disk_point
 
 BLOCK = block_dtype({**TABLES, **cuts.TABLES, **surfaces.TABLES}, SCALARS)
+
+# As in the renderer: arrays whose references kernels had to count would take a third of an estimator's time.
+WORKSPACE_TABLES = {"spans": np.dtype(np.float64), **cuts.WORKSPACE_TABLES}
+WORKSPACE = block_dtype(WORKSPACE_TABLES)
+_spans, _regions, _boxes, _cuts = (table(name, dtype) for name, dtype in WORKSPACE_TABLES.items())
 
 DIMENSIONS = 7  # a direction by the cosine (2), a point in the lamp (3), a place in the intervals of each ray (2)
 CHUNK = 1 << 17
@@ -243,8 +248,10 @@ UNIFORM, COSINE, POINT, PROJECTION, MIS, BOUNDING, MIS_BETA, RIS, RADIAL_MIS, _,
 
 
 @kernel
-def _values(technique, blocks, lamp, x, n, numbers, spans, shell, keys, store, cut, tolerance, limit, out):
-    block = blocks[0]
+def _values(technique, blocks, lamp, x, n, numbers, workspaces, shell, tolerance, limit, out):
+    block, workspace = blocks[0], workspaces[0]
+    flat, keys, store, cut = _spans(workspace), _regions(workspace), _boxes(workspace), _cuts(workspace)
+    spans = flat.reshape(len(flat) // 2, 2)
     for i in range(len(numbers)):
         u = (numbers[i, 0], numbers[i, 1], numbers[i, 2], numbers[i, 3], numbers[i, 4], numbers[i, 5], numbers[i, 6])
         if technique == UNIFORM:
@@ -300,11 +307,16 @@ def values(technique: Technique, blocks: np.ndarray, lamp: int, x, n, numbers: n
 
     ``blocks`` is a one-element array of ``BLOCK``; x and n are a world point and the unit normal there.
     """
-    spans = new_spans(int(blocks["lamp_rows"][0]), int(blocks["lamps_count"][0]))
+    scratch = {
+        "spans": new_spans(int(blocks["lamp_rows"][0]), int(blocks["lamps_count"][0])).ravel(),
+        "lamp_regions": np.zeros(REGIONS, KEYS), "lamp_boxes": np.empty(REGIONS, BOXES), "lamp_cuts": np.zeros(1, CUT)}
+    workspaces = np.zeros(1, WORKSPACE)
+    for name, array in scratch.items():
+        fill_table(workspaces, name, array)
     out = np.empty(len(numbers))
     start = time.thread_time()
-    _values(int(technique), blocks, lamp, tuple(map(float, x)), tuple(map(float, n)), numbers, spans, shell,
-            np.zeros(REGIONS, KEYS), np.empty(REGIONS, BOXES), np.zeros(1, CUT), tolerance, limit, out)
+    _values(int(technique), blocks, lamp, tuple(map(float, x)), tuple(map(float, n)), numbers, workspaces, shell,
+            tolerance, limit, out)
     return out, time.thread_time() - start
 
 

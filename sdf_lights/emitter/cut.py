@@ -35,8 +35,8 @@ from ..jit import kernel, stack_array, table
 from ..sdf.program import INSTRUCTION
 from ..vec import add, dot, madd, normalize, scale, sub, transform_normal, transform_point, transform_vector, vec
 from . import bounding, surfaces
-from .cut_boxes import BOXES, KEYS, MOST_BOXES, MOST_ENTRIES, REGIONS, SOFT, corner, far_corner, region
-from .cut_tables import TABLES, lamp_steps, pack_cuts, placements
+from .cut_boxes import BOXES, KEYS, MOST_ENTRIES, REGIONS, SOFT, corner, far_corner, region
+from .cut_tables import MOST_BOXES, TABLES, lamp_steps, pack_cuts, placements
 from .fields import lamp_lists, value
 from .hashing import following, seeded, uniform_point
 from .interior import INSIDE
@@ -70,6 +70,7 @@ POINT = -4  # as projection, so far away that a point of the lamp may stand for 
 TOLERANCE = 5e-4  # relative variance of a sample at which boxes are small enough
 MOST_TOLERANCE = 0.1  # of lamps that are chosen seldom
 LIMIT = MOST_BOXES
+WIDTH = 8  # single precision numbers in a vector register
 ATTEMPTS = 4096  # draws of a point in a box before giving up
 FLAT = 0.05  # least density in a box, of that at its centroid
 SURROUNDED_BETA = 3.0
@@ -82,11 +83,21 @@ PROJECTION_RATE = 4.0  # relative variance of projection sampling, of extent ove
 # Relative variance left by emission that boxes cannot follow, above which projection sampling has less error: without
 # boxes, it spreads stratified numbers more evenly.
 MOST_ROUGH = 0.25
+ROUGHEST = 0.5  # of a lamp as a whole, above which no region is asked
 
 BELOW_ONE = 1.0 - 2.0**-53
 ZERO, HALF, ONE, FALL, TINY, SOFT_32, MOST_DROP = map(np.float32, (0.0, 0.5, 1.0, -3.0, 1e-30, SOFT, 1.0 - FLAT))
 
 instructions = table("lamp_instructions", INSTRUCTION)
+
+
+@kernel
+def _together(count):
+    """So many boxes that vector instructions are done with all of them: what lies behind the last one does not matter.
+
+    Unsigned, as Numba would test signed indices for being negative.
+    """
+    return np.uint64((count + WIDTH - 1) // WIDTH * WIDTH)
 
 
 @kernel
@@ -108,7 +119,7 @@ def _fit(boxes, normal, both, cut):
     extents, fills, volumes = boxes.extent, boxes.fill, boxes.volume
     level, weight = cut.level, cut.weight
     slope_x, slope_y, slope_z = cut.slope[0], cut.slope[1], cut.slope[2]
-    for k in range(np.uint64(boxes.count)):  # unsigned: Numba would test signed indices for being negative
+    for k in range(_together(boxes.count)):
         lx, ly, lz = low_x[k] - ox, low_y[k] - oy, low_z[k] - oz
         hx, hy, hz = high_x[k] - ox, high_y[k] - oy, high_z[k] - oz
         wx, wy, wz = middle_x[k] - ox, middle_y[k] - oy, middle_z[k] - oz
@@ -159,6 +170,15 @@ def _surrounded(cells, q):
             if not _holds(cells[index], q):
                 return False
     return True
+
+
+@kernel
+def _filled(block, lamp, place, offset):
+    """Whether the lamp fills what is around a point of the world, relative to the lamp's centre."""
+    row = lamps(block)[lamp]
+    if row.kind == PRIMITIVE:
+        return contains(instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count], offset)
+    return _surrounded(lamp_cells(block)[place.first_cell:], transform_point(place.inverse, offset))
 
 
 @kernel
@@ -247,13 +267,15 @@ def needless(block, lamp, place, x, n, tolerance, cut):
     """Whether a point needs no boxes: it is far away, or the lamp fills what is close to it. Makes the cut projection."""
     offset = sub(x, vec(lamps(block)[lamp].center))
     cut.lamp, cut.slot = lamp, PROJECTION
+    if place.rough > ROUGHEST:
+        project(block, lamp, x, cut)
+        return True
     way = sub(vec(place.centroid), offset)
     ratio = place.extent / max(dot(way, way), 1e-300)
     if PROJECTION_RATE * ratio < tolerance:
         cut.beta = 0.0
         return True
-    cells = lamp_cells(block)[place.first_cell:]
-    if _surrounded(cells, transform_point(place.inverse, madd(offset, STEP * place.thickness, n))):
+    if _filled(block, lamp, place, madd(offset, STEP * place.thickness, n)):
         cut.beta = SURROUNDED_BETA
         return True
     return False
@@ -415,7 +437,7 @@ def _cross(boxes, cut, way):
     low_x, low_y, low_z = boxes.low[0], boxes.low[1], boxes.low[2]
     high_x, high_y, high_z = boxes.high[0], boxes.high[1], boxes.high[2]
     enter, leave = cut.enter, cut.leave
-    for k in range(np.uint64(boxes.count)):
+    for k in range(_together(boxes.count)):
         ax, bx = (low_x[k] - ox) * sx, (high_x[k] - ox) * sx
         ay, by = (low_y[k] - oy) * sy, (high_y[k] - oy) * sy
         az, bz = (low_z[k] - oz) * sz, (high_z[k] - oz) * sz

@@ -22,12 +22,11 @@ import numpy as np
 
 from ..jit import kernel, stack_array
 from ..vec import dot, length, scale, transform_vector, vec
-from .cut_tables import lamp_steps
+from .cut_tables import MOST_BOXES, lamp_steps
 from .hashing import bits
 from .interior import INSIDE
 from .moments import lamp_cells
 
-MOST_BOXES = 32  # in a cut
 MOST_ENTRIES = 2 * MOST_BOXES
 REGIONS = 4096  # whose boxes a thread keeps: a power of two
 

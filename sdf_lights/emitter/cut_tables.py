@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import functools
+import heapq
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from . import interior, moments
 from .lamps import PRIMITIVE, BuiltLamp, volume_of
 from .moments import CELL
 from .similar import similar
+
+MOST_BOXES = 32  # in a cut
 
 # Interior of a box, and its part of the lamp, with which points are drawn from it where testing one takes nanoseconds.
 QUICK_FILL, QUICK_PART = 0.5, 1.0 / 256.0
@@ -28,6 +31,7 @@ PLACEMENT = np.dtype([
     ("extent", np.float64),  # m², mean square distance of the interior from its centroid, in the world
     ("centroid", np.float64, (3,)),  # in the world, relative to the lamp's centre
     ("thickness", np.float64),  # m in the world: mean of the boxes' least sides
+    ("rough", np.float64),  # relative variance that its emission leaves in the boxes of a cut, were all of it equally far away
 ], align=True)
 
 STEP_DOWN = np.dtype([  # what it takes of a cell to choose between it and its sibling, in little memory
@@ -51,9 +55,9 @@ def uniform_cells(shape) -> np.ndarray:
 
 
 @kernel
-def roughness(cells, out):
+def roughness(cells):
     """Relative variance of the emission in each cell, as far as it differs between the leaves below."""
-    second = np.zeros(len(cells))
+    second, out = np.zeros(len(cells)), np.zeros(len(cells))
     for index in range(len(cells) - 1, -1, -1):
         cell = cells[index]
         if cell.first < 0:
@@ -62,12 +66,24 @@ def roughness(cells, out):
             second[index] = second[cell.first] + second[cell.first + 1]
         square = cell.mass * cell.mass
         out[index] = max(second[index] * cell.volume / square - 1.0, 0.0) if square > 0.0 else 0.0
+    return out
+
+
+def _left(cells: np.ndarray, rough: np.ndarray) -> float:
+    """``PLACEMENT.rough``: as ``cut_boxes`` does, divides the box that has most of it."""
+    first, uneven = cells["first"], -cells["mass"] * rough
+    boxes = [(uneven[0], 0)]
+    while len(boxes) < MOST_BOXES and boxes[0][0] < 0.0:
+        low = first[boxes[0][1]]
+        heapq.heapreplace(boxes, (uneven[low], low))
+        heapq.heappush(boxes, (uneven[low + 1], low + 1))
+    return -sum(left for left, _ in boxes) / max(cells["mass"][0], 1e-300)
 
 
 def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     """Tables of ``TABLES`` for lamps that were built from ``sources``: anything with a ``shape`` and a ``matrix``."""
-    placed, used, first, thickness = np.zeros(len(built), PLACEMENT), 0, {}, {}
-    parts, drawn = [np.zeros(0, CELL)], [np.zeros(0, bool)]
+    placed, used, first, thickness, rough = np.zeros(len(built), PLACEMENT), 0, {}, {}, {}
+    parts, drawn, uneven = [np.zeros(0, CELL)], [np.zeros(0, bool)], [np.zeros(0)]
     for row, lamp, source in zip(placed, built, sources):
         shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
         if lamp.tree is None and lamp.emission is None:
@@ -79,6 +95,8 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
             first[id(own)], thickness[id(own)] = used, _thickness(own)
             parts.append(own)
             drawn.append(_drawn(own, lamp.row["kind"][0] == PRIMITIVE))
+            uneven.append(roughness(own))
+            rough[id(own)] = _left(own, uneven[-1])
             used += len(own)
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
@@ -88,14 +106,12 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         row["unit"] = 1.0 / np.sqrt(row["metric"].diagonal())
         row["extent"] = row["metric"].diagonal() @ own["spread"][0]
         row["centroid"] = to_world[:3, :3] @ own["centroid"][0] + to_world[:3, 3]
-        row["thickness"] = thickness[id(own)] * factor ** (1.0 / 3.0)
+        row["thickness"], row["rough"] = thickness[id(own)] * factor ** (1.0 / 3.0), rough[id(own)]
     cells, drawn = np.concatenate(parts), np.concatenate(drawn)
     steps = np.zeros(len(cells), STEP_DOWN)
     for name in ("axis", "volume", "centroid"):
         steps[name] = cells[name]
-    steps["first"] = np.where(drawn, -1, cells["first"])
-    for part, start in zip(parts[1:], first.values()):
-        roughness(part, steps["rough"][start:start + len(part)])
+    steps["first"], steps["rough"] = np.where(drawn, -1, cells["first"]), np.concatenate(uneven)
     return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps}
 
 

@@ -20,6 +20,7 @@ many there are of either does not depend on the pixel's own samples, but on thos
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,9 +40,7 @@ D_HALVES, I_HALVES = 1.8, 1.1
 LEAST_GAIN, MOST_GAIN = 0.05, 4.0  # factors by which halves may tell of less or more variance
 BLOCK = 8  # pixels to a side that share what their halves tell: that of a single one is no better than its own noise
 FLOOR = 0.01  # of the mean square brightness, in the squares that errors are relative to
-# Powers of two, as numbers of samples from a Sobol sequence should be.
 LEAST_RATE, MOST_RATE = 0.5, 8.0
-RATES = tuple(LEAST_RATE * 2.0**power for power in range(int(np.log2(MOST_RATE / LEAST_RATE)) + 1))
 BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
 LEVELS = 2  # of D and I, for each power of two: pixels of the same ones are treated alike
 LEAST = 2.0**-24  # D and I, of the greatest
@@ -65,8 +64,10 @@ def update(film: Film, settings: Settings) -> None:
     noise = _noise(film, known)
     if noise is None:
         return
-    rates, branches = RATES if guided else (1.0,), BRANCHES if divides else (film.branches[known].mean(),)
-    rate, count = _best(noise, film.count, min(film.next_update, settings.samples), rates, branches)
+    samples = min(film.next_update, settings.samples)
+    rates = _rates(samples) if guided else (1.0,)
+    branches = BRANCHES if divides else (film.branches[known].mean(),)
+    rate, count = _best(noise, film.count, samples, rates, branches)
     film.rate[known] = rate[known]
     if divides:
         film.branches[known] = count[known]
@@ -76,6 +77,12 @@ def samples_left(film: Film) -> int:
     """How many samples may be added before the next ``update``, for a picture that does not depend on how they are
     added."""
     return max(film.next_update, FIRST_UPDATE) - film.samples
+
+
+def _rates(samples: int) -> tuple[float, ...]:
+    """Those by which pixels have powers of two of samples, as a Sobol sequence needs, whatever number is set."""
+    first, last = math.ceil(math.log2(LEAST_RATE * samples)), math.floor(math.log2(MOST_RATE * samples))
+    return tuple(2.0**power / samples for power in range(first, last + 1))
 
 
 @dataclass

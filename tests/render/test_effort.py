@@ -63,13 +63,15 @@ def test_the_mean_stays():
 
 @pytest.mark.parametrize("samples", [1, 7, 8, 24, 64, 100])
 def test_numbers_of_samples(samples):
-    """About as many on the whole; between half and eight times as many in each pixel; none is guided too early."""
+    """About as many on the whole; between half and eight times as many in each pixel, and where they differ a power of two,
+    which fills a Sobol sequence; none is guided too early."""
     film = session.render(stage(samples=samples), ("Sample Count",))
     assert film.samples == samples
     assert film.count.min() >= samples * effort.LEAST_RATE - 1.0 and film.count.max() <= samples * effort.MOST_RATE
     assert abs(film.count.mean() / samples - 1.0) < 0.1
     np.testing.assert_array_equal(film.read("Sample Count").ravel(), film.count)
     assert (film.count.std() > 0.0) == (samples > effort.FIRST_UPDATE)
+    assert samples <= effort.FIRST_UPDATE or set(np.unique(film.count)) <= {1 << power for power in range(11)}
     even = session.render(stage(samples=samples, guided_samples=False), ())
     assert np.all(even.count == samples)
 
