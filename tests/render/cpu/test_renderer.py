@@ -64,8 +64,9 @@ def test_baked_and_instanced_meshes_give_one_picture():
         for instance in list(scene.instances):
             scene.instances.append(Instance(instance.mesh, instance.matrix, instance.materials, visibility=Ray(0)))
 
-    _, baked = render(samples=16, guided_samples=False)
-    _, shared = render(samples=16, guided_samples=False, change=twice)
+    # A few samples that differ change into how many branches other paths divide, if that is left to the renderer.
+    _, baked = render(samples=16, guided_samples=False, indirect_paths=4)
+    _, shared = render(samples=16, guided_samples=False, indirect_paths=4, change=twice)
     a, b = baked.read("Combined"), shared.read("Combined")
     # Embree transforms rays in float32 for instances, so a few samples fall on the other side of an edge.
     assert np.mean(np.abs(a - b).max(axis=2) > 1e-3 * a.max()) < 0.05
