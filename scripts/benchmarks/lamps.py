@@ -20,6 +20,7 @@ __all__ = ["BRIEF", "HELP", "arguments", "run"]
 HELP = "error at equal time of full renders of lamps: samplers, and Cycles' volumes"
 
 THE_FIVE = lamp_scenes.THE_FIVE
+WORST = "worst_999", "worst"  # of a picture's pixels: that of the 99.9th percentile, and the greatest of all seeds
 QUICK = ("S1", "S4")  # scenes: one that has a closed form along rays, one that is a fractal
 BRIEF = dict(only=["S1"], bounces=0, reference_seconds=0.5)
 
@@ -59,10 +60,17 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
                      lambda what: progress.show(f"{scene}, {bounces} bounces, {what}"))
 
     curves = {method.name: method.curve(reference) for method in judged}
+    rows = [row for method in judged for row in method.rows(scene, bounces, reference)]
+
+    def at_target(name: str, error: str) -> float:
+        return errors.interpolated([(row["seconds"], row[error]) for row in rows if row["method"] == name], target)
+
     best = ours[0].name
     found = dict(scene=scene, bounces=bounces, seconds=target, rel_mse=errors.interpolated(curves[best], target))
     for method in ours[1:]:
         found[f"{method.name} / {best}"] = errors.interpolated(curves[method.name], target) / found["rel_mse"]
+        for error in WORST:
+            found[f"{error} {method.name} / {best}"] = at_target(method.name, error) / at_target(best, error)
     if cycles:
         found["cycles"] = cycles[0].error(TARGET, reference) / found["rel_mse"]
         later, error = cycles[1].seconds(TARGET), cycles[1].error(TARGET, reference)
@@ -71,7 +79,7 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     found["start"] = start
     found["slope"] = 0.5 * errors.slope([(s, ours[0].error(s, reference)) for s in ladder])
     found["reference"] = methods.doubt(reference, judged)
-    return found, [row for method in judged for row in method.rows(scene, bounces, reference)]
+    return found, rows
 
 
 def _summary(found: list[dict], best: str) -> dict:
@@ -89,8 +97,10 @@ def _summary(found: list[dict], best: str) -> dict:
             summary[f"mse_ratio_both_denoised_{key}_geomean"] = geometric_mean(row["both denoised"] for row in rows)
         if paper in rows[0]:
             summary[f"mse_ratio_paper_{key}_geomean"] = geometric_mean(row[paper] for row in rows)
-            summary[f"mse_ratio_paper_{key}_min"] = min(
-                row[paper] for row in found if row["bounces"] == bounces)
+            everywhere = [row for row in found if row["bounces"] == bounces]
+            summary[f"mse_ratio_paper_{key}_min"] = min(row[paper] for row in everywhere)
+            for error in WORST:
+                summary[f"{error}_ratio_paper_{key}_min"] = min(row[f"{error} {paper}"] for row in everywhere)
             summary[f"mse_ratio_paper_guided_{key}_geomean"] = geometric_mean(
                 row[f"{PAPER} guided / {best}"] for row in rows)
         summary[f"slope_{key}"] = fmean(row["slope"] for row in rows)
