@@ -9,6 +9,7 @@ from sdf_lights.emitter import baselines, cut, lamps, moments
 from sdf_lights.emitter.baselines import LampBlock, Technique
 from sdf_lights.emitter.interior import tree
 from sdf_lights.jit import kernel
+from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.shapes import Box, BoxFrame, Sphere, Torus, Transformed, Union
 
 from tests.chi2 import chi2_sphere, sphere_integral
@@ -93,6 +94,21 @@ def test_lamps_that_are_chosen_seldom_have_fewer_boxes(lamp):
     assert tolerances[0] == tolerances[1] == cut.TOLERANCE and tolerances[-1] <= 4.0 * cut.MOST_TOLERANCE
     found = [Cut(lamp(SHAPES["torus"]), *POINTS["above"], tolerance=tolerance).boxes for tolerance in tolerances]
     assert found == sorted(found, reverse=True) and found[0] >= 2 * found[3] >= 2 * found[-1] > 0, found
+
+
+@pytest.mark.parametrize("emission, even", [("1", True), ("1 + height", True), ("exp(-30 * depth)", False)])
+def test_lamps_that_no_boxes_follow_are_projected(emission, even):
+    """Nor is a region asked for them: its boxes would take their time and not be used."""
+    glowing = LampBlock(SHAPES["torus"], np.eye(4), emission=EmissionExpression(emission).emission())
+    assert (glowing.tables["lamp_placements"]["rough"][0] < cut.ROUGHEST) == even
+    found = Cut(glowing, *POINTS["above"])
+    assert (found.boxes > 0) == even and bool(found.store["count"].any()) == even
+
+
+@pytest.mark.parametrize("count", [1, 7, 8, 9, cut.LIMIT])
+def test_boxes_are_fitted_in_whole_vectors(count):
+    together = int(cut._together(count))
+    assert count <= together < count + cut.WIDTH and together % cut.WIDTH == 0 and together <= cut.MOST_BOXES
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -93,7 +93,7 @@ def test_hard_cases_say_how_certain_and_how_slow_they_are():
 def test_what_was_not_measured_is_told():
     hard = results.Result("hard", "", {}, [], MACHINE)
     text = "".join(page.lacking({"cycles_direct": race(flip=False), "hard": hard}))
-    assert "Not measured: cycles_bounces, paper, estimators, intervals, throughput and scaling." in text
+    assert "Not measured: cycles_bounces, lamps, paper, estimators, intervals, throughput and scaling." in text
     assert "FLIP of `cycles_direct` was not measured." in text
     assert page.lacking(dict.fromkeys(results.RUNS, race())) == []
 
@@ -176,6 +176,21 @@ def test_what_results_come_to_is_said_where_all_of_it_is_known():
              "scaling": results.Result("scaling", "", dict(time_ratio_1000_to_10_lamps=4.0), [], MACHINE)}
     assert page.sentences(found) == ["- Hard cases: 1 of 74 limits do not hold.\n"]
     assert page.sentences({}) == []
+
+
+def test_scenes_where_the_papers_sampler_is_better_are_named():
+    def scene(name, ratio, worst):
+        paper = "MIS / CUT"
+        return {"scene": name, "bounces": 0, "seconds": 0.5, paper: ratio, f"worst_999 {paper}": 1.5,
+                f"worst {paper}": worst, "MIS guided / CUT": 1.25, "reference": 0.01}
+
+    def section(*rows):
+        return "\n".join(page.lamps(results.Result("lamps", "./scripts/bench lamps", {}, [*rows], MACHINE)))
+
+    text = section(scene("S1", 4.0, 2.0) | {"cycles": 500.0}, scene("haze", 0.9, 0.8))
+    assert "| S1 | 0 | 0.5 | 4 | 1.25 | 1.5 | 2 | 500 | – | – | 0.1 |" in text
+    assert "better** in haze with 0 bounces by relMSE (0.9 times our error) and haze with 0 bounces by the greatest" in text
+    assert "better nowhere" in section(scene("S1", 4.0, 2.0))
 
 
 def test_numbers_have_three_figures():
