@@ -33,7 +33,7 @@ from .points import disk_point
 
 BLOCK = block_dtype({**TABLES, **cuts.TABLES, **surfaces.TABLES}, SCALARS)
 
-# As in the renderer: arrays whose references kernels had to count would take a third of an estimator's time.
+# As in the renderer: kernels would have to count references to arrays that are passed to them.
 WORKSPACE_TABLES = {"spans": np.dtype(np.float64), **cuts.WORKSPACE_TABLES}
 WORKSPACE = block_dtype(WORKSPACE_TABLES)
 _spans, _regions, _boxes, _cuts = (table(name, dtype) for name, dtype in WORKSPACE_TABLES.items())

@@ -69,7 +69,7 @@ def roughness(cells):
     return out
 
 
-def _left(cells: np.ndarray, rough: np.ndarray) -> float:
+def _rough_in_boxes(cells: np.ndarray, rough: np.ndarray) -> float:
     """``PLACEMENT.rough``: as ``cut_boxes`` does, divides the box that has most of it."""
     first, uneven = cells["first"], -cells["mass"] * rough
     boxes = [(uneven[0], 0)]
@@ -96,7 +96,7 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
             parts.append(own)
             drawn.append(_drawn(own, lamp.row["kind"][0] == PRIMITIVE))
             uneven.append(roughness(own))
-            rough[id(own)] = _left(own, uneven[-1])
+            rough[id(own)] = _rough_in_boxes(own, uneven[-1])
             used += len(own)
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]

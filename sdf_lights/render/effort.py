@@ -40,7 +40,7 @@ D_HALVES, I_HALVES = 1.8, 1.1
 LEAST_GAIN, MOST_GAIN = 0.05, 4.0  # factors by which halves may tell of less or more variance
 BLOCK = 8  # pixels to a side that share what their halves tell: that of a single one is no better than its own noise
 FLOOR = 0.01  # of the mean square brightness, in the squares that errors are relative to
-LEAST_RATE, MOST_RATE = 0.5, 8.0
+LEAST_RATE, MOST_RATE = 0.5, 8.0  # or the power of two of samples below that
 BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
 LEVELS = 2  # of D and I, for each power of two: pixels of the same ones are treated alike
 LEAST = 2.0**-24  # D and I, of the greatest
@@ -81,7 +81,7 @@ def samples_left(film: Film) -> int:
 
 def _rates(samples: int) -> tuple[float, ...]:
     """Those by which pixels have powers of two of samples, as a Sobol sequence needs, whatever number is set."""
-    first, last = math.ceil(math.log2(LEAST_RATE * samples)), math.floor(math.log2(MOST_RATE * samples))
+    first, last = (math.floor(math.log2(rate * samples)) for rate in (LEAST_RATE, MOST_RATE))
     return tuple(2.0**power / samples for power in range(first, last + 1))
 
 

@@ -46,6 +46,10 @@ class FlatCut:
                        self._spans)
 
 
+def test_there_is_room_for_whole_vectors_of_boxes():
+    assert gpu_lamps.LIMIT % cut.WIDTH == 0
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 def test_boxes_hold_the_lamp(shape):
     store = FlatCut(SHAPES[shape], *POINTS["above"]).store[0]
