@@ -13,6 +13,7 @@ matplotlib.use("Agg")
 
 from matplotlib import pyplot  # noqa: E402  (the back end has to be chosen first)
 from matplotlib.colors import LogNorm  # noqa: E402
+from matplotlib.ticker import LogLocator, NullFormatter  # noqa: E402
 from PIL import Image, PngImagePlugin  # noqa: E402  (matplotlib's own)
 
 from . import records  # noqa: E402
@@ -62,6 +63,7 @@ def against_time(result: Result, metric: str, path: pathlib.Path) -> bool:
                                color=colour, alpha=0.2, linewidth=0.0)
             panel.plot(seconds, [row[metric] for row in rows], color=colour, marker=marker, markersize=4, label=label)
         panel.set(xscale="log", yscale="log", title=scene, xlabel="seconds")
+        panel.xaxis.set(major_locator=LogLocator(subs=(1.0, 3.0)), major_formatter="{x:g}", minor_formatter=NullFormatter())
         panel.grid(True, which="both", alpha=0.15)
     panels[0, 0].set_ylabel(METRICS[metric])
     handles = {label: handle for panel in panels[0] for handle, label in zip(*panel.get_legend_handles_labels())}
