@@ -22,7 +22,6 @@ _LADDER = ["--ladder", "4,16,64"]
 RUNS = {  # result: arguments of ./scripts/bench
     "cycles_direct": ["cycles", "--bounces", "0", *_LADDER, *_LAMPS],
     "cycles_bounces": ["cycles", "--bounces", "4", *_LADDER, *_LAMPS],
-    "lamps": ["lamps"],
     "paper": ["paper", *_LAMPS],
     "estimators": ["estimators"],
     "intervals": ["intervals"],
