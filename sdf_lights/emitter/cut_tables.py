@@ -82,7 +82,7 @@ def _rough_in_boxes(cells: np.ndarray, rough: np.ndarray) -> float:
 
 def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     """Tables of ``TABLES`` for lamps that were built from ``sources``: anything with a ``shape`` and a ``matrix``."""
-    placed, used, first, thickness, rough = np.zeros(len(built), PLACEMENT), 0, {}, {}, {}
+    placed, used, known = np.zeros(len(built), PLACEMENT), 0, {}
     parts, drawn, uneven = [np.zeros(0, CELL)], [np.zeros(0, bool)], [np.zeros(0)]
     for row, lamp, source in zip(placed, built, sources):
         shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
@@ -91,22 +91,22 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         tree = interior.tree(shape)
         factor = abs(float(np.linalg.det(matrix[:3, :3])))
         own = uniform_cells(shape) if lamp.emission is None else lamp.emission.weighed.cells
-        if id(own) not in first:
-            first[id(own)], thickness[id(own)] = used, _thickness(own)
+        if id(own) not in known:
+            rough = roughness(own)
+            known[id(own)] = used, _thickness(own), _rough_in_boxes(own, rough)
             parts.append(own)
             drawn.append(_drawn(own, lamp.row["kind"][0] == PRIMITIVE))
-            uneven.append(roughness(own))
-            rough[id(own)] = _rough_in_boxes(own, uneven[-1])
+            uneven.append(rough)
             used += len(own)
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
-        row["first_cell"], row["factor"] = first[id(own)], factor
+        row["first_cell"], thickness, row["rough"] = known[id(own)]
+        row["thickness"], row["factor"] = thickness * factor ** (1.0 / 3.0), factor
         row["matrix"], row["inverse"] = to_world[:3], inverse(to_world)[:3]
         row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]
         row["unit"] = 1.0 / np.sqrt(row["metric"].diagonal())
         row["extent"] = row["metric"].diagonal() @ own["spread"][0]
         row["centroid"] = to_world[:3, :3] @ own["centroid"][0] + to_world[:3, 3]
-        row["thickness"], row["rough"] = thickness[id(own)] * factor ** (1.0 / 3.0), rough[id(own)]
     cells, drawn = np.concatenate(parts), np.concatenate(drawn)
     steps = np.zeros(len(cells), STEP_DOWN)
     for name in ("axis", "volume", "centroid"):

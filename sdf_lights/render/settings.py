@@ -64,7 +64,7 @@ class Settings:
         MOST_BRANCHES)
     guided_samples: bool = _setting(
         True, "Without a noise threshold, noisy pixels take up to 8 times as many samples as set and clean ones half as "
-        "many: less noise in the same time. On the CPU")
+        "many or fewer, all of them powers of two: less noise in the same time. On the CPU")
     clamp_direct: float = _setting(
         0.0, "Largest value one sample of direct light may add; 0 means no clamp, and no bias", 0.0, None)
     clamp_indirect: float = _setting(
