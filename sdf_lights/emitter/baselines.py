@@ -267,7 +267,7 @@ def _values(technique, blocks, lamp, x, n, numbers, workspaces, shell, tolerance
         elif technique == BOUNDING:
             out[i] = bounding_projection(block, lamp, x, n, u, spans, shell)
         elif technique == MIS_BETA:
-            out[i] = combined(block, lamp, x, n, u, spans, shell, cuts.tuned_beta(lamps(block)[lamp], x))
+            out[i] = combined(block, lamp, x, n, u, spans, shell, cuts.tuned_beta(block, lamp, x))
         elif technique == RIS:
             out[i] = resampled(block, lamp, x, n, u, spans, shell)
         elif technique == RADIAL_MIS:

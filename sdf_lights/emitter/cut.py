@@ -76,7 +76,7 @@ FLAT = 0.05  # least density in a box, of that at its centroid
 SURROUNDED_BETA = 3.0
 BETA_RATE = 4.0
 ALONE = 0.05  # β below which rays by the BSDF are not worth what it takes to follow them
-POINT_BETA = 0.15  # β below which points stand for rays: at 0.9 of the radius of a ball as large as the lamp, and beyond
+POINT_BETA = 0.3  # β below which points stand for rays: at half the radius of a ball as spread out as the lamp, and beyond
 STEP = 0.3  # of the thickness of the lamp
 PROJECTION_RATE = 4.0  # relative variance of projection sampling, of extent over square distance, far away
 
@@ -192,10 +192,13 @@ def beside(row, x):
 
 
 @kernel
-def tuned_beta(row, x):
-    """β by the distance from the lamp alone: 3 at its bounding box and within, less with the square of the distance."""
-    size = (0.75 / math.pi * row.volume) ** (1.0 / 3.0)
-    part = size / (size + 4.0 * beside(row, x))
+def tuned_beta(block, lamp, x):
+    """β by the distance from the lamp alone: 3 at its bounding box and within, less with the square of the distance.
+
+    As far as for a ball that is as spread out: a thin ring is wide, whatever its volume.
+    """
+    size = math.sqrt(5.0 / 3.0 * placements(block)[lamp].extent)
+    part = size / (size + 4.0 * beside(lamps(block)[lamp], x))
     beta = SURROUNDED_BETA * part * part
     return beta if beta > ALONE else 0.0
 
@@ -208,7 +211,7 @@ def project(block, lamp, x, cut):
     intervals, where the lamp is not close: 1/r² hardly differs along a ray, and no ray of a diffuse BSDF has to be
     weighed against it.
     """
-    cut.lamp, cut.beta = lamp, tuned_beta(lamps(block)[lamp], x)
+    cut.lamp, cut.beta = lamp, tuned_beta(block, lamp, x)
     cut.slot = PROJECTION
     if cut.beta < POINT_BETA and not varies(block, lamp):
         cut.slot, cut.beta = POINT, 0.0

@@ -13,6 +13,8 @@ highlights many samples that divide little, what is lit by other surfaces a few 
 pixels have as many samples on average as are set. Where all of them have the same number, it is error by time, which makes
 the product of the picture's error and of its time least.
 
+One sample does not scatter; there the differences of neighbours tell D and I, of the whole picture.
+
 Nothing is biased. What branches bring is averaged over all branches of a pixel, and what comes before over its samples. How
 many there are of either does not depend on the pixel's own samples, but on those of its neighbours.
 """
@@ -29,6 +31,8 @@ from .film import LEAST_SAMPLES, Film, half_count
 from .settings import MOST_BRANCHES, Settings
 
 FIRST_UPDATE = 2  # samples, the fewest that scatter; the next ones are each at twice as many
+PATCH = 4  # pixels to a side whose differences are summed: in most patches there is no edge
+SPREAD = 2.5  # branches after the first sample, of those that are best by the patches: fewer lose more than too many
 COST = 1.1  # C, in surfaces that a branch meets: measured with plain materials, less with principled ones
 POWER = 1.4  # a: measured where edges and lamps are what is noisy; 1 is that of independent samples
 # The variance of the mean of n samples, or of what branches bring, of what the scatter of samples would give if they were
@@ -58,6 +62,10 @@ def update(film: Film, settings: Settings) -> None:
     film.next_update = 2 * film.samples
     guided = settings.guided_samples and settings.noise_threshold <= 0.0
     divides = not settings.indirect_paths and film.divided[:, 2].any()
+    if film.samples < FIRST_UPDATE:
+        if divides:
+            film.branches[:] = _branches_by_one(film)
+        return
     known = (film.active != 0) & (film.count >= FIRST_UPDATE)
     if not (guided or divides) or not known.any():
         return
@@ -76,13 +84,35 @@ def update(film: Film, settings: Settings) -> None:
 def samples_left(film: Film) -> int:
     """How many samples may be added before the next ``update``, for a picture that does not depend on how they are
     added."""
-    return max(film.next_update, FIRST_UPDATE) - film.samples
+    return max(film.next_update, 1) - film.samples
 
 
 def _rates(samples: int) -> tuple[float, ...]:
     """Those by which pixels have powers of two of samples, as a Sobol sequence needs, whatever number is set."""
     first, last = (math.floor(math.log2(rate * samples)) for rate in (LEAST_RATE, MOST_RATE))
     return tuple(2.0**power / samples for power in range(first, last + 1))
+
+
+def _branches_by_one(film: Film) -> int:
+    """Into how many branches all paths should divide, by the first sample of each pixel."""
+    branches = np.maximum(film.divided[:, 0], 1.0)
+    before, after = _light(film)
+    first = D_GAIN * _differences(before, film)
+    second = I_GAIN * _differences(after / branches, film) * branches.mean()
+    lit = second > 0.0
+    if not lit.any():
+        return int(film.branches[0])
+    ratio = np.median(np.divide(second, first, out=np.full(second.shape, np.inf), where=first > 0.0)[lit])
+    best = math.sqrt(ratio * COST * branches.sum() / film.divided[:, 2].sum())
+    return round(min(max(SPREAD * best, 1.0), MOST_BRANCHES))
+
+
+def _differences(values: np.ndarray, film: Film) -> np.ndarray:
+    """Sums over patches of squares of second differences along rows, which a slope does not change."""
+    found = np.diff(values.reshape(film.height, film.width), 2, axis=1) ** 2
+    for axis in (0, 1):
+        found = np.add.reduceat(found, range(0, found.shape[axis], PATCH), axis=axis) if found.size else found
+    return found
 
 
 @dataclass
@@ -102,7 +132,7 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     """None if nothing is noisy."""
     shape = film.height, film.width
     count, branches = np.maximum(film.count, 1), np.maximum(film.divided[:, 0], 1.0)
-    sums, scattered = (film.sums[name].reshape(len(count), -1)[:, :3].sum(axis=1) for name in ("combined", "scattered"))
+    sums, scattered = _light(film)
     before, after = sums / count, scattered / branches
     spread = film.squares - np.stack([sums * before, scattered * after], axis=1)
     variance = np.maximum(spread, 0.0) / np.maximum(count - 1, 1)[:, None]
@@ -122,6 +152,12 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     if not (first.any() or second.any()):
         return None
     return _Noise(known, first, second, film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0))
+
+
+def _light(film: Film) -> tuple[np.ndarray, np.ndarray]:
+    """(pixels,) sums of RGB of all samples: of what comes before paths divide, and of what branches bring."""
+    return tuple(
+        film.sums[name].reshape(len(film.count), -1)[:, :3].sum(axis=1) for name in ("combined", "scattered"))
 
 
 def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ import enum
 from dataclasses import dataclass, field
 
 # That a path divides into: at most, and until it is known how noisy pixels are.
-MOST_BRANCHES, START_BRANCHES = 16, 12
+MOST_BRANCHES, START_BRANCHES = 16, 10
 
 
 class Device(enum.Enum):

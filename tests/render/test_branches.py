@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from sdf_lights.render import session
+from sdf_lights.render import effort, session
 from sdf_lights.render.film import Film
-from sdf_lights.render.settings import MOST_BRANCHES
+from sdf_lights.render.settings import MOST_BRANCHES, START_BRANCHES
 from sdf_lights.sdf.shapes import Torus
 from tests.scenes import (
     Instance, Lamp, Scene, camera, diffuse, material, quad, rotation, scaling, settings, sphere, translation)
@@ -74,6 +74,29 @@ def test_branches_are_chosen_by_what_is_noisy():
     mean = film.divided[seen, 0].sum() / film.count[seen].sum()
     assert 2.0 <= mean <= MOST_BRANCHES
     assert len(np.unique(film.branches[seen])) > 2
+
+
+@pytest.mark.parametrize("noise, scattered, expected", [
+    (0.0, 0.0, (START_BRANCHES, START_BRANCHES)), (0.0, 0.3, (MOST_BRANCHES, MOST_BRANCHES)), (0.3, 0.3, (6, 10)),
+    (0.3, 0.01, (1, 1)), (0.05, 0.3, (12, MOST_BRANCHES))])
+def test_one_sample_tells_what_is_noisy(noise, scattered, expected):
+    """A slope and an edge, which no sample would change, do not count."""
+    film = Film(room(), ())
+    film.samples = 1
+    film.count[:], film.divided[:] = 1, (4.0, 0.0, 2.0)
+    rng = np.random.default_rng(5)
+    y, x = np.mgrid[:SIZE, :SIZE]
+    before = 1.0 + 0.05 * x + 5.0 * (y + x > 30) + noise * rng.standard_normal((SIZE, SIZE))
+    film.sums["combined"].reshape(SIZE, SIZE, 4)[..., 0] = before
+    film.sums["scattered"].reshape(SIZE, SIZE, 3)[..., 0] = 4.0 + 4.0 * scattered * rng.standard_normal((SIZE, SIZE))
+    effort.update(film, room().settings)
+    assert np.all(film.rate == 1.0) and len(set(film.branches)) == 1
+    assert expected[0] <= film.branches[0] <= expected[1]
+
+
+def test_a_row_of_pixels_divides():
+    scene = dataclasses.replace(room(samples=4), width=2, height=1)
+    assert session.render(scene, ()).divided[:, 2].any()
 
 
 def test_branches_that_promise_little_are_left_out():
