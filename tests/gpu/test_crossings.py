@@ -9,7 +9,7 @@ from sdf_lights import jit
 from sdf_lights.emitter import lamps
 from sdf_lights.emitter.interior import tree
 from sdf_lights.jit import kernel
-from sdf_lights.render.cpu.integrator import spans_of
+from sdf_lights.render.cpu.workspace import spans_of
 from sdf_lights.render.gpu import crossings
 from sdf_lights.render.settings import LampSampling
 from sdf_lights.sdf.expression import Expression

@@ -9,7 +9,7 @@ from sdf_lights import jit
 from sdf_lights.emitter import cut, lamps
 from sdf_lights.emitter.baselines import LampBlock
 from sdf_lights.jit import kernel
-from sdf_lights.render.cpu.integrator import box_table, cut_of, spans_of
+from sdf_lights.render.cpu.workspace import box_table, cut_of, spans_of
 from sdf_lights.render.gpu import lamps as gpu_lamps
 from sdf_lights.sdf.expression import Expression
 from tests.chi2 import chi2_sphere, sphere_integral

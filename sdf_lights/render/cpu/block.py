@@ -15,6 +15,7 @@ from ..scene import Instance, Lamp, Mesh, Scene
 from ..settings import LampSampling
 from . import accumulate, camera, geometry, integrator, lamp_tree, lights, path, rays, shading
 from .shading.records import HAS_EMISSION, HAS_TRANSPARENCY
+from .workspace import WORKSPACE, WORKSPACE_TABLES
 
 TABLES = {
     **lamps.TABLES, **cuts.TABLES, **surfaces.TABLES, **lamp_tree.TABLES, **camera.TABLES, **geometry.TABLES,
@@ -179,7 +180,7 @@ def _new_table(name: str, count: int) -> np.ndarray:
     """A table of a workspace, with nothing in it."""
     if name == "ray":
         return rays.new_rays(count)
-    dtype = integrator.WORKSPACE_TABLES[name]
+    dtype = WORKSPACE_TABLES[name]
     # Clearing the megabytes of boxes takes longer than packing a lamp; their keys say that there is nothing.
     return np.empty(count, dtype) if name == "lamp_boxes" else np.zeros(count, dtype)
 
@@ -194,7 +195,7 @@ class Workspace:
             **path.COUNTS, **shading.WORKSPACE_COUNTS, **cuts.WORKSPACE_COUNTS, **lights.WORKSPACE_COUNTS,
             **lamp_tree.workspace_counts(len(packed.lamps))}
         self._tables = {name: _new_table(name, count) for name, count in counts.items()}
-        self.block = np.zeros(1, integrator.WORKSPACE)
+        self.block = np.zeros(1, WORKSPACE)
         for name, array in self._tables.items():
             fill_table(self.block, name, array)
         if aside:

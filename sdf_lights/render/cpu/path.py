@@ -5,8 +5,15 @@
 import numpy as np
 
 from ...jit import kernel, table
-from ...vec import ZERO, mul, put, put_sum, scale, vec
+from ...vec import ZERO, average, mul, put, put_sum, scale, vec
+from ..scene import Ray
 from ..settings import MOST_BRANCHES
+
+CAMERA = int(Ray.CAMERA)  # the kind of a path until it scatters
+
+# Sets of random numbers: two for the camera, then so many for each vertex of a path.
+CAMERA_SETS, VERTEX_SETS = 2, 4
+LIGHT_SET, SCATTER_SET, ROULETTE_SET, EMISSION_SET = range(4)
 
 # What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out. Where the path has
 # ``divided``, ``before`` and ``lamps_before`` are what there was of both till then. It was to divide into so many
@@ -66,6 +73,14 @@ def contribute(block, workspace, radiance, factor, from_lamp, scatters):
         put_sum(sample.lamps, value)
     if scatters == 0:
         put_sum(sample.emission, value)
+
+
+@kernel
+def uncover(workspace, part):
+    """Take from the sample's alpha what the camera sees through to nothing."""
+    sample = sample_table(workspace)[0]
+    alpha = sample.alpha - part * average(vec(path_table(workspace)[0].throughput))
+    sample.alpha = alpha if alpha > 1e-12 else 0.0  # three thirds may round to less than one
 
 
 @kernel

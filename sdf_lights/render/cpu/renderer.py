@@ -15,7 +15,7 @@ from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
 from .block import PackedScene, Workspace
-from .integrator import render_tile
+from .branches import render_tile
 
 TILE = 32
 POLL_SECONDS = 0.05

@@ -22,11 +22,11 @@ from ...jit import kernel
 from ...sdf.formula import Formula, order
 from ...vec import ZERO, dot, length, madd, mul, sub, transform_point, transform_vector, vec
 from ..cpu import lights
-from ..cpu.integrator import cut_of
 from ..cpu.lamp_tree import found_table, tree_table
 from ..cpu.lights.records import LIGHT_CUT
 from ..cpu.lights.records import MOST_NODES as MOST_NODES_IN_CUT
 from ..cpu.lights.tree import _estimate
+from ..cpu.workspace import cut_of
 
 LIMIT = 16  # boxes of a lamp
 
@@ -139,13 +139,13 @@ def no_bounding_density(block, lamp, x, d):
 
 @kernel
 def prepare_lamp(block, workspace, lamp, chance, x, n, both):
-    """In the place of ``integrator.prepare_lamp``, where cuts are asked for and do not pay."""
+    """In the place of ``next_event.prepare_lamp``, where cuts are asked for and do not pay."""
     cuts.project(block, lamp, x, cut_of(workspace))
 
 
 @kernel
 def keep_lamp(block, workspace, lamp):
-    """In the place of ``integrator.renew_lamp``, where one emitter gives all the light and no ray passes a surface that
+    """In the place of ``next_event.renew_lamp``, where one emitter gives all the light and no ray passes a surface that
     scatters: the cut is that of the last light ray."""
 
 
@@ -163,12 +163,12 @@ def density(block, lamp, d, store, cut, spans, count):
 
 @kernel
 def no_light(block, workspace, lamp, chance, u, u1, u2, u3):
-    """In the place of ``integrator.light_lamp``, where there is no lamp."""
+    """In the place of ``next_event.light_lamp``, where there is no lamp."""
 
 
 @kernel
 def no_reach(block, workspace, path):
-    """In the place of ``integrator.lamp_reach``, where there is no lamp."""
+    """In the place of ``gather.lamp_reach``, where there is no lamp."""
     return 0.0
 
 

@@ -13,10 +13,11 @@ from ...emitter import bounding, crossings, cut, emission, fields, hashing, inte
 from ...emitter import lamps as emitter_lamps
 from ...jit import stack_array
 from ...sdf import read_glsl
-from ..cpu import camera, geometry, integrator, lamp_tree, lights, path, rays, sampler, shading
+from ..cpu import camera, gather, geometry, integrator, lamp_tree, lights, next_event, path, rays, sampler, shading
 from ..cpu.block import LAMP_SLOT, build_lamps, emissive_triangles, emitter_tables, integrator_scalars
 from ..cpu.shading.program import LOBE_PRINCIPLED
 from ..cpu.shading.records import HAS_TRANSPARENCY
+from ..cpu.workspace import WORKSPACE_TABLES, cut_of, light_cut_of, spans_of
 from ..film import CHANNELS, HALF_BIT, SCATTERED, Film
 from ..scene import Scene
 from ..settings import LampSampling
@@ -99,13 +100,13 @@ def natives(cuts: bool, one_emitter: bool = False, project: bool = False) -> dic
         hashing.seeded: Native("counted_seeded", UINT), hashing.following: Native("counted_following", UINT),
         hashing.uniform: Native("counted_uniform", FLOAT), hashing.uniform_point: Native("counted_point", VECTOR),
         rays.intersect: _ray("nearest", "false"), rays.occluded: _ray("any", "true"),
-        stack_array: Native(_stack), integrator.spans_of: Native(_spans),
+        stack_array: Native(_stack), spans_of: Native(_spans),
         crossings.crossings: field_crossings.crossings, field_crossings.choose: Native("choose_field"),
         field_crossings.field_at: Native("field", FLOAT),
         field_crossings.halves: Native("unpackHalf2x16", Tuple((FLOAT, FLOAT))), fields.value: Native(_field_value),
         emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
         emission.line_integral: lamps.line_integral, emitter_lamps.solve_all: parts.solve_all,
-        integrator.cut_of: _only_row("lamp_cuts"), integrator.light_cut_of: _only_row("light_cut"),
+        cut_of: _only_row("lamp_cuts"), light_cut_of: _only_row("light_cut"),
         lamp_tree.lamps_along: lamps.lamps_along, lights.tree._prepare: lamps.prepare_light_cut}
     if one_emitter:
         found |= {lights.tree.select: lamps.select_only, lights.tree.selection_probability: lamps.only_probability}
@@ -116,7 +117,7 @@ def natives(cuts: bool, one_emitter: bool = False, project: bool = False) -> dic
     else:
         found |= {cut.sample: lamps.sample, cut.density: lamps.density}
     if project:
-        found[integrator.prepare_lamp] = lamps.prepare_lamp
+        found[next_event.prepare_lamp] = lamps.prepare_lamp
     return {_plain(kernel): value for kernel, value in found.items()}
 
 
@@ -143,6 +144,8 @@ class GpuScene:
         if self.cuts:
             emitters |= cut.pack_cuts(built, sources)
             emitters["lamp_boxes"] = lamps.flat_boxes(emitters)
+        elif self.asked_for_cuts:  # by projection, whose weight follows from how spread out a lamp is
+            emitters["lamp_placements"] = cut.pack_cuts(built, sources)["lamp_placements"]
         self.images = materials.pop("images")
         tables = {
             **materials, **geometry.pack_geometry(scene, self.hierarchy.baked, layers), **emitters,
@@ -232,7 +235,7 @@ class GpuScene:
             "spans": 2 * max(rows), "light_hits": lights.hit_capacity(tables), **path.COUNTS, "path": 1, "ray": 1,
             "surface": 1, "closures": max(min(closures, 64), 2), "registers": registers, "lamp_cuts": 1, "light_cut": 1,
             **lamp_tree.workspace_counts(len(self.lamps))}
-        dtypes = {**integrator.WORKSPACE_TABLES, **lamps.ROWS,
+        dtypes = {**WORKSPACE_TABLES, **lamps.ROWS,
                   "lamp_cuts": lamps.FLAT_CUT if self.cuts else lamps.WITHOUT_BOXES}
         return {name: (dtypes[name], count) for name, count in counts.items()}
 
@@ -250,10 +253,10 @@ class GpuScene:
         """What reads kernels as GLSL for this scene."""
         chosen = natives(self.cuts, self.one_emitter, self.asked_for_cuts and not self.cuts)
         if self.one_emitter and not self.scalars["transparent_shadows"]:
-            chosen[inspect.unwrap(integrator.renew_lamp)] = lamps.keep_lamp
+            chosen[inspect.unwrap(next_event.renew_lamp)] = lamps.keep_lamp
         if not self.lamps:
-            chosen |= {inspect.unwrap(integrator.light_lamp): lamps.no_light,
-                       inspect.unwrap(integrator.lamp_reach): lamps.no_reach}
+            chosen |= {inspect.unwrap(next_event.light_lamp): lamps.no_light,
+                       inspect.unwrap(gather.lamp_reach): lamps.no_reach}
         if self.written_out is not None:
             chosen[inspect.unwrap(intervals.solve)] = self.written_out.native(self._first_written_out)
         return Translator(self.tables, chosen, ROUNDING)
