@@ -208,8 +208,8 @@ def test_far_away_is_projection(lamp):
 def test_at_a_distance_points_stand_for_their_rays(lamp, shape):
     """For light that is scattered again. Where they begin to, they are not much noisier than rays."""
     block, n, rows = lamp(SHAPES[shape]), unit((0.1, 0.0, -1.0)), np.zeros(1, cut.CUT)
-    size = float(0.75 / np.pi * block.built.row["volume"][0]) ** (1.0 / 3.0)
-    for distance, slot in ((0.8 * size, cut.PROJECTION), (0.9 * size, cut.POINT), (5.0 * size, cut.POINT)):
+    size = float(5.0 / 3.0 * block.tables["lamp_placements"]["extent"][0]) ** 0.5
+    for distance, slot in ((0.5 * size, cut.PROJECTION), (0.6 * size, cut.POINT), (5.0 * size, cut.POINT)):
         x = tuple(map(float, block.built.row["center"][0] + (0.0, 0.0, block.built.row["half"][0, 2] + distance)))
         _project(block.blocks, x, rows)
         assert rows["slot"][0] == slot and (slot == cut.PROJECTION or rows["beta"][0] == 0.0)
