@@ -257,11 +257,12 @@ def prepare(block, lamp, x, n, both, tolerance, limit, keys, store, cut):
 def tolerance_for(chance):
     """Relative variance that boxes may leave of a lamp that is chosen with this probability.
 
-    A lamp that gives a part of the light adds no more than that part of its variance. In steps, as there are boxes for each.
+    A lamp that gives a part of the light adds no more than that part of its variance, and which lamp is chosen varies, too: the
+    tolerance grows with the square of 1 / ``chance``. In steps, as there are boxes for each.
     """
     tolerance = TOLERANCE
     while chance < 0.25 and tolerance < MOST_TOLERANCE:
-        chance, tolerance = 4.0 * chance, 4.0 * tolerance
+        chance, tolerance = 2.0 * chance, 4.0 * tolerance
     return tolerance
 
 
