@@ -454,7 +454,7 @@ def summary(result: Result) -> str:
 
 def figures(result: Result) -> list[str]:
     """Section of a benchmark that has no other."""
-    return [*heading(f"`bench {result.name}`", result, load(result)), summary(result)]
+    return [*heading(f"`{result.name}`", result, load(result)), summary(result)]
 
 
 def estimators(result: Result) -> list[str]:
