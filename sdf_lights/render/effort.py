@@ -16,7 +16,8 @@ the product of the picture's error and of its time least.
 One sample does not scatter; there the differences of neighbours tell D and I, of the whole picture.
 
 Nothing is biased. What branches bring is averaged over all branches of a pixel, and what comes before over its samples. How
-many there are of either does not depend on the pixel's own samples, but on those of its neighbours.
+many there are of either does not depend on the pixel's own samples, but on those of its neighbours; a median or a mean over
+the picture counts a pixel as one of all.
 """
 
 from __future__ import annotations
