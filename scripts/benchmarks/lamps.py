@@ -20,7 +20,8 @@ __all__ = ["BRIEF", "HELP", "arguments", "run"]
 HELP = "error at equal time of full renders of lamps: samplers, and Cycles' volumes"
 
 THE_FIVE = lamp_scenes.THE_FIVE
-WORST = "worst_999", "worst"  # of a picture's pixels: that of the 99.9th percentile, and the greatest of all seeds
+# Of a picture's pixels: that of the 99.9th percentile, the greatest, and the greatest of all seeds, a single pixel.
+WORST = "worst_999", "worst_mean", "worst"
 QUICK = ("S1", "S4")  # scenes: one that has a closed form along rays, one that is a fractal
 BRIEF = dict(only=["S1"], bounces=0, reference_seconds=0.5)
 

@@ -109,8 +109,8 @@ class Method:
             worst = [errors.pixel_errors(picture.pixels, truth) for picture in made]
             means = [picture.pixels.mean() / truth.mean() for picture in made]
             spread = float(np.std(means, ddof=1) / math.sqrt(len(means))) if len(means) > 1 else None
-            row |= dict(worst_999=float(np.mean([a for a, _ in worst])), worst=max(b for _, b in worst),
-                        mean_ratio=float(np.mean(means)), mean_ratio_error=spread)
+            row |= dict(worst_999=float(np.mean([a for a, _ in worst])), worst_mean=float(np.mean([b for _, b in worst])),
+                        worst=max(b for _, b in worst), mean_ratio=float(np.mean(means)), mean_ratio_error=spread)
             found.append(row)
         return found
 

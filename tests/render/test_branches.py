@@ -94,6 +94,24 @@ def test_one_sample_tells_what_is_noisy(noise, scattered, expected):
     assert expected[0] <= film.branches[0] <= expected[1]
 
 
+def test_light_that_no_branch_has_found_yet_is_looked_for():
+    """Where no branch has met light, it may be the same rare light that others have met: a few branches are not enough."""
+    film = Film(room(), ())
+    film.samples, film.next_update = 4, 4
+    film.count[:], film.divided[:] = 4, (16.0, 8.0, 16.0)
+    rng = np.random.default_rng(5)
+    found = np.where(np.arange(SIZE * SIZE) % SIZE < SIZE // 2, 0.0, rng.standard_normal((4, SIZE * SIZE)))
+    before = 1.0 + 0.05 * rng.standard_normal((4, SIZE * SIZE))
+    film.sums["combined"].reshape(-1, 4)[:, 0], film.sums["half"].reshape(-1, 3)[:, 0] = before.sum(0), before[2:].sum(0)
+    film.sums["scattered"].reshape(-1, 3)[:, 0], film.sums["scattered_half"].reshape(-1, 3)[:, 0] = (
+        4.0 * found.sum(0), 4.0 * found[2:].sum(0))
+    film.squares[:, 0], film.squares[:, 1] = (before**2).sum(0), 4.0 * (found**2).sum(0)
+    effort.update(film, room(samples=64).settings)
+    branches = (film.branches * film.rate).reshape(SIZE, SIZE)
+    dark, lit = branches[:, :SIZE // 2 - 4].mean(), branches[:, SIZE // 2 + 4:].mean()
+    assert 0.25 * lit < dark < 0.8 * lit, (dark, lit)
+
+
 def test_a_row_of_pixels_divides():
     scene = dataclasses.replace(room(samples=4), width=2, height=1)
     assert session.render(scene, ()).divided[:, 2].any()
