@@ -91,11 +91,12 @@ def _summary(found: list[dict], best: str) -> dict:
         rows = [row for row in five if row["bounces"] == bounces]
         if not rows:
             continue
-        if "cycles" in rows[0]:
-            summary[f"mse_ratio_cycles_{key}_geomean"] = geometric_mean(row["cycles"] for row in rows)
-            summary[f"mse_ratio_cycles_{key}_min"] = min(row["cycles"] for row in rows)
-            summary[f"mse_ratio_cycles_denoised_{key}_geomean"] = geometric_mean(row["cycles denoised"] for row in rows)
-            summary[f"mse_ratio_both_denoised_{key}_geomean"] = geometric_mean(row["both denoised"] for row in rows)
+        with_cycles = [row for row in rows if "cycles" in row]
+        if with_cycles:
+            summary[f"mse_ratio_cycles_{key}_geomean"] = geometric_mean(row["cycles"] for row in with_cycles)
+            summary[f"mse_ratio_cycles_{key}_min"] = min(row["cycles"] for row in with_cycles)
+            for name, label in (("cycles_denoised", "cycles denoised"), ("both_denoised", "both denoised")):
+                summary[f"mse_ratio_{name}_{key}_geomean"] = geometric_mean(row[label] for row in with_cycles)
         if paper in rows[0]:
             summary[f"mse_ratio_paper_{key}_geomean"] = geometric_mean(row[paper] for row in rows)
             everywhere = [row for row in found if row["bounces"] == bounces]
