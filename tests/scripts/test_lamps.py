@@ -7,7 +7,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from benchmarks import lamp_scenes, pictures, scenes  # noqa: E402
+from benchmarks import lamp_scenes, lamps, pictures, scenes  # noqa: E402
 
 
 def test_each_lamp_has_its_volume():
@@ -20,6 +20,21 @@ def test_each_lamp_has_its_volume():
         assert lamps and all(lamp.data.sdf_lamp.use for lamp in lamps)
         volumes = bpy.data.collections[lamp_scenes.VOLUMES].objects
         assert len(volumes) == (len(lamps) if about.volumes else 0)
+
+
+def test_scenes_without_volumes_do_not_count_against_cycles():
+    def row(scene: str, ratio: float, **more) -> dict:
+        worst = {f"{error} MIS / CUT": 1.5 for error in lamps.WORST}
+        return {"scene": scene, "bounces": 4, "MIS / CUT": ratio, "MIS guided / CUT": 1.1, "slope": -0.6, **worst, **more}
+
+    cycles = {"cycles": 40.0, "cycles denoised": 4.0, "both denoised": 10.0}
+    for rows in ([row("skin", 1.2), row("wall", 3.0, **cycles)], [row("wall", 3.0, **cycles), row("skin", 1.2)]):
+        summary = lamps._summary(rows, "CUT")
+        assert summary["mse_ratio_cycles_bounces_geomean"] == pytest.approx(40.0)
+        assert summary["mse_ratio_both_denoised_bounces_geomean"] == pytest.approx(10.0)
+        assert summary["mse_ratio_paper_bounces_geomean"] == pytest.approx(3.6**0.5)
+        assert summary["mse_ratio_paper_bounces_min"] == 1.2
+    assert "mse_ratio_cycles_bounces_min" not in lamps._summary([row("skin", 1.2)], "CUT")
 
 
 @pytest.mark.slow

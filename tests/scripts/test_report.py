@@ -178,7 +178,7 @@ def test_what_results_come_to_is_said_where_all_of_it_is_known():
     assert page.sentences({}) == []
 
 
-def test_scenes_where_the_papers_sampler_is_better_are_named():
+def test_scenes_where_the_papers_sampler_is_better_are_named(tmp_path):
     def scene(name, ratio, worst):
         paper = "MIS / CUT"
         return {"scene": name, "bounces": 0, "seconds": 0.5, paper: ratio, f"worst_999 {paper}": 1.5,
@@ -191,6 +191,8 @@ def test_scenes_where_the_papers_sampler_is_better_are_named():
     assert "| S1 | 0 | 0.5 | 4 | 1.25 | 1.5 | 2 | 3 | 500 | – | – | 0.1 |" in text
     assert "better** in haze with 0 bounces by relMSE (0.9 times our error) and haze with 0 bounces by the greatest" in text
     assert "better nowhere" in section(scene("S1", 4.0, 2.0))
+    again = results.Result("lamps_again", "./scripts/bench lamps", {}, [scene("S1", 4.0, 2.0), dict(seeds=20)], MACHINE)
+    assert "## Some scenes with 20 seeds" in page.text({"lamps_again": again}, tmp_path, tmp_path / "report.md")
 
 
 def test_numbers_have_three_figures():
