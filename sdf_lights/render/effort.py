@@ -45,7 +45,7 @@ D_GAIN, I_GAIN = 0.65, 0.77
 # The squared difference of the mean of all samples and that of one half, of the variance of the mean: measured, too. It would be
 # 1, if the halves were independent.
 D_HALVES, I_HALVES = 1.8, 1.1
-UNSEEN = 0.5  # of I, that of the whole picture: it costs nothing by time, and the greatest error of pixels is a third less
+UNSEEN = 0.5  # of I, that of the whole picture: measured, no worse by time, and greatest errors of pixels are 16 to 40 % less
 LEAST_GAIN, MOST_GAIN = 0.05, 4.0  # factors by which halves may tell of less or more variance
 BLOCK = 8  # pixels to a side that share what their halves tell: that of a single one is no better than its own noise
 FLOOR = 0.01  # of the mean square brightness, in the squares that errors are relative to
