@@ -21,8 +21,8 @@ from sdf_lights.render.settings import LampSampling
 
 from . import estimators
 
-SAMPLES = 1 << 15  # of a variance
-TIMED, TURNS = 2000, 11  # samples of a time, and how often it is taken
+SAMPLES = 1 << 15  # of a variance and of a time: shorter ones depend on what ran before
+TURNS = 11  # how often a time is taken
 CLEAR = 1000.0  # what is better than this counts as this: variances near zero say little
 RAYS = 1000
 PAIRS = 4  # of renders with different seeds, whose difference tells their error
@@ -66,7 +66,7 @@ def efficiency_ratio(name: str) -> float:
     times = {technique: [] for technique in (Technique.MIS, Technique.CUT)}
     for _ in range(TURNS):
         for technique, spent in times.items():
-            spent.append(_values(name, technique, TIMED)[1])
+            spent.append(_values(name, technique, SAMPLES)[1])
     return variance_ratio(name) * statistics.median(times[Technique.MIS]) / statistics.median(times[Technique.CUT])
 
 
