@@ -13,7 +13,8 @@ highlights many samples that divide little, what is lit by other surfaces a few 
 pixels have as many samples on average as are set. Where all of them have the same number, it is error by time, which makes
 the product of the picture's error and of its time least.
 
-One sample does not scatter; there the differences of neighbours tell D and I, of the whole picture.
+One sample does not scatter; there the differences of neighbours tell D and I, of the whole picture. That of an eighth of its
+rows is enough: the others divide by it in their first sample already.
 
 Nothing is biased. What branches bring is averaged over all branches of a pixel, and what comes before over its samples. How
 many there are of either does not depend on the pixel's own samples, but on those of its neighbours; a median or a mean over
@@ -36,7 +37,8 @@ from .settings import MOST_BRANCHES, Settings
 
 FIRST_UPDATE = 2  # samples, the fewest that scatter; the next ones are each at twice as many
 PATCH = 4  # pixels to a side whose differences are summed: in most patches there is no edge
-SPREAD = 2.5  # branches after the first sample, of those that are best by the patches: fewer lose more than too many
+BANDS, FIRST_BAND = 8, 3  # rows of patches: of so many one, and this, takes the first sample before the others
+SPREAD = 2.5  # branches until samples scatter, of those that are best by the patches: fewer lose more than too many
 COST = 1.1  # C, in surfaces that a branch meets: measured with plain materials, less with principled ones
 POWER = 1.4  # a: measured where edges and lamps are what is noisy; 1 is that of independent samples
 # The variance of the mean of n samples, or of what branches bring, of what the scatter of samples would give if they were
@@ -49,12 +51,28 @@ UNSEEN = 0.5  # of I, that of the whole picture: measured, no worse by time, and
 LEAST_GAIN, MOST_GAIN = 0.05, 4.0  # factors by which halves may tell of less or more variance
 BLOCK = 8  # pixels to a side that share what their halves tell: that of a single one is no better than its own noise
 FLOOR = 0.01  # of the mean square brightness, in the squares that errors are relative to
-LEAST_RATE, MOST_RATE = 0.5, 8.0  # or the power of two of samples below that
+# Or the power of two of samples below that; and no more times as many as there are samples, for few tell little.
+LEAST_RATE, MOST_RATE = 0.5, 8.0
 BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
 LEVELS = 2  # of D and I, for each power of two: pixels of the same ones are treated alike
 LEAST = 2.0**-24  # D and I, of the greatest
 LOWEST = 1 - int(LEVELS * np.log2(LEAST))
 NEXT, NEAR = (1.0, 2.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0)  # weights of neighbours, along each axis: D differs more sharply
+
+
+def first_pixels(film: Film, settings: Settings) -> np.ndarray | None:
+    """(pixels,) 1 for those whose first sample is to be taken before that of the others, for ``divide``. None where nothing
+    depends on it."""
+    if settings.indirect_paths or settings.max_bounces == 0:
+        return None
+    band = np.arange(film.height) // PATCH
+    return np.repeat(band % BANDS == min(FIRST_BAND, band[-1]), film.width).astype(film.active.dtype)
+
+
+def divide(film: Film) -> None:
+    """Set ``film.branches`` by the first sample of some pixels."""
+    if film.divided[:, 2].any():
+        film.branches[:] = _branches_by_one(film)
 
 
 def update(film: Film, settings: Settings) -> None:
@@ -65,12 +83,10 @@ def update(film: Film, settings: Settings) -> None:
     if samples_left(film) > 0 or film.samples >= settings.samples:
         return
     film.next_update = 2 * film.samples
+    if film.samples < FIRST_UPDATE:
+        return
     guided = settings.guided_samples and settings.noise_threshold <= 0.0
     divides = not settings.indirect_paths and film.divided[:, 2].any()
-    if film.samples < FIRST_UPDATE:
-        if divides:
-            film.branches[:] = _branches_by_one(film)
-        return
     known = (film.active != 0) & (film.count >= FIRST_UPDATE)
     if not (guided or divides) or not known.any():
         return
@@ -78,7 +94,7 @@ def update(film: Film, settings: Settings) -> None:
     if noise is None:
         return
     samples = min(film.next_update, settings.samples)
-    rates = _rates(samples) if guided else (1.0,)
+    rates = _rates(samples, min(MOST_RATE, film.samples)) if guided else (1.0,)
     branches = BRANCHES if divides else (film.branches[known].mean(),)
     rate, count = _best(noise, film.count, samples, rates, branches)
     film.rate[known] = rate[known]
@@ -92,23 +108,23 @@ def samples_left(film: Film) -> int:
     return max(film.next_update, 1) - film.samples
 
 
-def _rates(samples: int) -> tuple[float, ...]:
+def _rates(samples: int, most: float) -> tuple[float, ...]:
     """Those by which pixels have powers of two of samples, as a Sobol sequence needs, whatever number is set."""
-    first, last = (math.floor(math.log2(rate * samples)) for rate in (LEAST_RATE, MOST_RATE))
+    first, last = (math.floor(math.log2(rate * samples)) for rate in (LEAST_RATE, most))
     return tuple(2.0**power / samples for power in range(first, last + 1))
 
 
 def _branches_by_one(film: Film) -> int:
-    """Into how many branches all paths should divide, by the first sample of each pixel."""
-    branches = np.maximum(film.divided[:, 0], 1.0)
+    """Into how many branches all paths should divide, by the first sample of whole rows of pixels."""
     before, after = _light(film)
+    branches, _, met = film.divided.sum(axis=0)
     first = D_GAIN * _differences(before, film)
-    second = I_GAIN * _differences(after / branches, film) * branches.mean()
+    second = I_GAIN * _differences(after / film.branches, film) * film.branches[0]
     lit = second > 0.0
     if not lit.any():
         return int(film.branches[0])
     ratio = np.median(np.divide(second, first, out=np.full(second.shape, np.inf), where=first > 0.0)[lit])
-    best = math.sqrt(ratio * COST * branches.sum() / film.divided[:, 2].sum())
+    best = math.sqrt(ratio * COST * branches / met)
     return round(min(max(SPREAD * best, 1.0), MOST_BRANCHES))
 
 
@@ -182,9 +198,9 @@ def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tu
 
     found, every = np.full(len(d), len(choices) - 1), np.arange(len(d))
     if len(rates) > 1:
-        low, high = -40.0, 40.0  # powers of two, of the quotient of error and time
+        low, high = -40.0, 40.0  # powers of two, of the quotient of error and time, to within a fiftieth
         start = (error[-1] @ pixels) / (time[-1] @ pixels)
-        for _ in range(24):
+        for _ in range(12):
             middle = 0.5 * (low + high)
             found = best(start * 2.0**middle)
             low, high = (middle, high) if number[found, every] @ pixels > samples * pixels.sum() else (low, middle)

@@ -52,7 +52,7 @@ def test_branches_change_the_noise_alone(shade):
 
     Under the shade, the branches that promise the most are dark.
     """
-    one, eight, chosen = (pictures(branches, 24, 8, shade=shade) for branches in (1, 8, 0))
+    one, eight, chosen = (pictures(branches, 24, 16, shade=shade) for branches in (1, 8, 0))
     blocks = [each.reshape(24, 4, SIZE // 4, 4, SIZE // 4, 3).mean(axis=(2, 4, 5)) for each in (one, eight, chosen)]
     for other in blocks[1:]:
         error = np.sqrt((blocks[0].var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / 24)
@@ -77,7 +77,7 @@ def test_branches_are_chosen_by_what_is_noisy():
 
 
 @pytest.mark.parametrize("noise, scattered, expected", [
-    (0.0, 0.0, (START_BRANCHES, START_BRANCHES)), (0.0, 0.3, (MOST_BRANCHES, MOST_BRANCHES)), (0.3, 0.3, (6, 10)),
+    (0.0, 0.0, (4, 4)), (0.0, 0.3, (MOST_BRANCHES, MOST_BRANCHES)), (0.3, 0.3, (6, 10)),
     (0.3, 0.01, (1, 1)), (0.05, 0.3, (12, MOST_BRANCHES))])
 def test_one_sample_tells_what_is_noisy(noise, scattered, expected):
     """A slope and an edge, which no sample would change, do not count."""
@@ -89,9 +89,34 @@ def test_one_sample_tells_what_is_noisy(noise, scattered, expected):
     before = 1.0 + 0.05 * x + 5.0 * (y + x > 30) + noise * rng.standard_normal((SIZE, SIZE))
     film.sums["combined"].reshape(SIZE, SIZE, 4)[..., 0] = before
     film.sums["scattered"].reshape(SIZE, SIZE, 3)[..., 0] = 4.0 + 4.0 * scattered * rng.standard_normal((SIZE, SIZE))
-    effort.update(film, room().settings)
+    film.branches[:] = 4
+    effort.divide(film)
     assert np.all(film.rate == 1.0) and len(set(film.branches)) == 1
     assert expected[0] <= film.branches[0] <= expected[1]
+
+
+@pytest.mark.parametrize("height", [1, 6, SIZE, 3 * SIZE])
+def test_some_rows_tell_into_how_many_branches_the_others_divide(height):
+    """From their first sample on, of which every pixel has one; small pictures have such rows, too."""
+    scene = room(samples=1)
+    scene.height = height
+    told = effort.first_pixels(Film(scene, ()), scene.settings).astype(bool)
+    rows = told.reshape(height, SIZE)
+    assert np.all(rows == rows[:, :1]) and 0.0 < told.mean() < 0.3 or height < 8
+    film = session.render(scene, ())
+    assert np.all(film.count == 1) and film.samples == 1 and np.all(film.active == 1)
+    surfaces = film.surfaces > 0
+    assert np.all(film.divided[told & surfaces, 0] == START_BRANCHES)
+    assert np.all(film.divided[~told & surfaces, 0] == film.branches[~told & surfaces])
+    if height >= SIZE:
+        assert film.branches[0] != START_BRANCHES
+
+
+@pytest.mark.parametrize("changes", [dict(indirect_paths=3), dict(max_bounces=0)])
+def test_nothing_is_to_be_told_where_paths_divide_as_set_or_never(changes):
+    scene = room()
+    scene.settings = dataclasses.replace(scene.settings, **changes)
+    assert effort.first_pixels(Film(scene, ()), scene.settings) is None
 
 
 def test_light_that_no_branch_has_found_yet_is_looked_for():

@@ -76,6 +76,19 @@ def test_numbers_of_samples(samples):
     assert np.all(even.count == samples)
 
 
+@pytest.mark.parametrize("seen", [2, 4, 8, 16])
+def test_few_samples_do_not_promise_many(seen):
+    """No pixel gets more times the samples of others than the samples that tell of it."""
+    film = Film(stage(), ())
+    film.samples, film.count[:] = seen, seen
+    rng = np.random.default_rng(9)
+    noisy = np.arange(SIZE * SIZE) % SIZE > SIZE - 4
+    values = 1.0 + np.where(noisy, 3.0, 0.01) * rng.random((seen, SIZE * SIZE))
+    fill(film, values.sum(axis=0), values[seen // 2:].sum(axis=0), (values**2).sum(axis=0))
+    effort.update(film, stage(samples=64).settings)
+    assert film.rate.max() == min(seen, effort.MOST_RATE)
+
+
 def test_noisy_pixels_get_more():
     film = session.render(stage(samples=64), ())
     many = [session.render(stage(samples=16, guided_samples=False, seed=seed), ()).read("Combined")[..., :3]

@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 from ... import emitter as lamps
 from ... import jit
+from .. import effort
 from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
@@ -27,7 +28,7 @@ class CpuRenderer:
     name = "CPU"
 
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
-        self._film = film
+        self._film, self._settings = film, scene.settings
         self._warnings = scene.warnings
         self._packed: PackedScene | None = None
         self._workspaces: list[Workspace] = []
@@ -69,7 +70,7 @@ class CpuRenderer:
 
     def aim(self, scene: Scene, film: Film) -> None:
         """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
-        self._film, self._tiles = film, _tiles(film)
+        self._film, self._settings, self._tiles = film, scene.settings, _tiles(film)
         self._packed.aim(scene, film)
 
     def interrupt(self) -> None:
@@ -89,6 +90,23 @@ class CpuRenderer:
         """
         if not self.ready:
             return False
+        film, begun = self._film, 0.0
+        before = effort.first_pixels(film, self._settings) if first == 0 else None
+        if before is not None:
+            begun, active = before.mean(), film.active.copy()
+            film.active &= before
+            done = self._take(1, stop, lambda part: report(begun * part))
+            film.active[:] = active
+            if not done:
+                return False
+            effort.divide(film)
+        if not self._take(first + count, stop, lambda part: report(begun + (1.0 - begun) * part)):
+            return False
+        film.samples = first + count
+        return True
+
+    def _take(self, samples: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
+        """Add samples to the active pixels, until those whose rate is 1 have ``samples``. False if stopped before the end."""
         control = self._packed.control
         control[:] = 0
         if stop():  # whoever interrupted before that line had it say so first
@@ -102,7 +120,7 @@ class CpuRenderer:
                 for index in order:
                     if index >= len(self._tiles) or control[0]:
                         return
-                    self._render(self._tiles[index], first + count, workspace)
+                    self._render(self._tiles[index], samples, workspace)
                     done = next(finished) + 1
             except Exception as error:
                 failures.append(error)
@@ -121,10 +139,7 @@ class CpuRenderer:
                         report(min(done / len(self._tiles), 1.0))
                 thread.join(POLL_SECONDS)
         _raise_first(failures)
-        stopped = bool(control[0]) or stop()
-        if not stopped:
-            self._film.samples = first + count
-        return not stopped
+        return not control[0] and not stop()
 
     def finish(self) -> None:
         """Warn of lamps that rays could not resolve, and drop what the render no longer needs; the film stays."""
