@@ -20,8 +20,9 @@ Nothing is biased. What branches bring is averaged over all branches of a pixel,
 many there are of either does not depend on the pixel's own samples, but on those of its neighbours; a median or a mean over
 the picture counts a pixel as one of all.
 
-Light that branches seldom find has not been seen by most pixels that it reaches, while some other branches have met it. So a
-part of I is that of the whole picture: else a dark pixel takes a few branches, and one that finds it counts for many.
+What neighbours tell is noisy, too, the more so the fewer samples there are and the rarer the light is that makes noise. How
+much it is worth is told by the picture: of all pixels whose neighbours tell the same, the mean of what they have themselves.
+So those of which the neighbours have met no light do not count as free of noise, where some like them have.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ D_GAIN, I_GAIN = 0.65, 0.77
 # The squared difference of the mean of all samples and that of one half, of the variance of the mean: measured, too. It would be
 # 1, if the halves were independent.
 D_HALVES, I_HALVES = 1.8, 1.1
-UNSEEN = 0.5  # of I, that of the whole picture: measured, no worse by time, and greatest errors of pixels are 16 to 40 % less
+PRIOR = 16.0  # pixels that count as they are expected to, among those of which the same is expected: 4 and 64 do as well
 LEAST_GAIN, MOST_GAIN = 0.05, 4.0  # factors by which halves may tell of less or more variance
 BLOCK = 8  # pixels to a side that share what their halves tell: that of a single one is no better than its own noise
 FLOOR = 0.01  # of the mean square brightness, in the squares that errors are relative to
@@ -169,12 +170,21 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
         part = halves * weight
         first *= _gain(part * one**2 * count**POWER / D_HALVES, part * first, shape)
         second *= _gain(part * two**2 * branches / I_HALVES, part * second, shape)
-    first, second = _around(first, known, shape, NEXT) * weight, _around(second, known, shape, NEAR) * weight
-    # Of square roots, as time is spent by them, the mean hardly moves by a few pixels that are far noisier than all others.
-    second += UNSEEN * (np.mean(np.sqrt(second[known])) ** 2 - second)
+    first, second = (
+        _expected(found * weight, _around(found, known, shape, reach) * weight, known)
+        for found, reach in ((first, NEXT), (second, NEAR)))
     if not (first.any() or second.any()):
         return None
     return _Noise(known, first, second, film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0))
+
+
+def _expected(found: np.ndarray, told: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """(pixels,) means of what is ``found`` in all other pixels of which their neighbours have ``told`` about the same."""
+    levels = _levels(told)
+    count, total, before = (
+        np.bincount(levels[known], values, LOWEST)[levels] for values in (None, found[known], told[known]))
+    prior = before / np.maximum(count, 1.0)
+    return (total - found * known + PRIOR * prior) / (count - known + PRIOR)
 
 
 def _light(film: Film) -> tuple[np.ndarray, np.ndarray]:

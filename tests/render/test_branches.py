@@ -120,21 +120,30 @@ def test_nothing_is_to_be_told_where_paths_divide_as_set_or_never(changes):
 
 
 def test_light_that_no_branch_has_found_yet_is_looked_for():
-    """Where no branch has met light, it may be the same rare light that others have met: a few branches are not enough."""
-    film = Film(room(), ())
-    film.samples, film.next_update = 4, 4
-    film.count[:], film.divided[:] = 4, (16.0, 8.0, 16.0)
-    rng = np.random.default_rng(5)
-    found = np.where(np.arange(SIZE * SIZE) % SIZE < SIZE // 2, 0.0, rng.standard_normal((4, SIZE * SIZE)))
-    before = 1.0 + 0.05 * rng.standard_normal((4, SIZE * SIZE))
-    film.sums["combined"].reshape(-1, 4)[:, 0], film.sums["half"].reshape(-1, 3)[:, 0] = before.sum(0), before[2:].sum(0)
-    film.sums["scattered"].reshape(-1, 3)[:, 0], film.sums["scattered_half"].reshape(-1, 3)[:, 0] = (
-        4.0 * found.sum(0), 4.0 * found[2:].sum(0))
-    film.squares[:, 0], film.squares[:, 1] = (before**2).sum(0), 4.0 * (found**2).sum(0)
-    effort.update(film, room(samples=64).settings)
-    branches = (film.branches * film.rate).reshape(SIZE, SIZE)
-    dark, lit = branches[:, :SIZE // 2 - 4].mean(), branches[:, SIZE // 2 + 4:].mean()
-    assert 0.25 * lit < dark < 0.8 * lit, (dark, lit)
+    """Where a pixel and its neighbours have met no light it is looked for all the same, if others like them have met some."""
+    def looked(rare: float) -> float:
+        """Branches of pixels in a dark half of the picture whose neighbours have met nothing."""
+        film = Film(room(), ())
+        film.samples, film.next_update = 4, 4
+        film.count[:], film.divided[:] = 4, (16.0, 8.0, 16.0)
+        rng = np.random.default_rng(5)
+        shape = 4, SIZE, SIZE
+        found = np.where(rng.random(shape) < rare, 5.0, 0.0)
+        found[:, :, SIZE // 2:] = rng.standard_normal(shape)[:, :, SIZE // 2:]
+        reach = np.lib.stride_tricks.sliding_window_view(np.pad(found[..., :SIZE // 2].any(axis=0), 2), (5, 5))
+        nothing = np.zeros((SIZE, SIZE), bool)
+        nothing[:, :SIZE // 2 - 2] = ~reach.any(axis=(2, 3))[:, :SIZE // 2 - 2]
+        before = 1.0 + 0.05 * rng.standard_normal((4, SIZE * SIZE))
+        found = found.reshape(4, -1)
+        film.sums["combined"].reshape(-1, 4)[:, 0] = before.sum(0)
+        film.sums["scattered"].reshape(-1, 3)[:, 0] = 4.0 * found.sum(0)
+        film.squares[:, 0], film.squares[:, 1] = (before**2).sum(0), 4.0 * (found**2).sum(0)
+        effort.update(film, room(samples=64).settings)
+        assert nothing.sum() > 40
+        return float((film.branches * film.rate)[nothing.ravel()].mean())
+
+    never, seldom = looked(0.0), looked(0.01)
+    assert seldom > 4.0 * never, (seldom, never)
 
 
 def test_a_row_of_pixels_divides():
