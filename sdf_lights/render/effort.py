@@ -58,6 +58,7 @@ BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
 LEVELS = 2  # of D and I, for each power of two: pixels of the same ones are treated alike
 LEAST = 2.0**-24  # D and I, of the greatest
 LOWEST = 1 - int(LEVELS * np.log2(LEAST))
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # whose multiples spread evenly
 NEXT, NEAR = (1.0, 2.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0)  # weights of neighbours, along each axis: D differs more sharply
 
 
@@ -207,18 +208,24 @@ def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tu
         return np.argmin(error + price * time, axis=0)
 
     found, every = np.full(len(d), len(choices) - 1), np.arange(len(d))
-    if len(rates) > 1:
-        low, high = -40.0, 40.0  # powers of two, of the quotient of error and time, to within a fiftieth
-        start = (error[-1] @ pixels) / (time[-1] @ pixels)
-        for _ in range(12):
-            middle = 0.5 * (low + high)
-            found = best(start * 2.0**middle)
-            low, high = (middle, high) if number[found, every] @ pixels > samples * pixels.sum() else (low, middle)
-        found = best(start * 2.0**high)
-    else:
+    if len(rates) == 1:
         for _ in range(8):
             found = best((error[found, every] @ pixels) / (time[found, every] @ pixels))
-    return tuple(choices[found[of_pixel]].T)
+        return tuple(choices[found[of_pixel]].T)
+
+    def taken(choice: np.ndarray) -> float:
+        return number[choice, every] @ pixels
+
+    low, high = -40.0, 40.0  # powers of two, of the quotient of error and time, to within a fiftieth
+    start = (error[-1] @ pixels) / (time[-1] @ pixels)
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if taken(best(start * 2.0**middle)) > samples * pixels.sum() else (low, middle)
+    more, fewer = best(start * 2.0**low), best(start * 2.0**high)
+    # Kinds change as a whole from one to the other. Some of their pixels do, spread evenly, so that the number is right.
+    part = (samples * pixels.sum() - taken(fewer)) / max(taken(more) - taken(fewer), 1.0)
+    spread = np.arange(len(of_pixel)) * GOLDEN % 1.0
+    return tuple(choices[np.where(spread < part, more[of_pixel], fewer[of_pixel])].T)
 
 
 def _levels(values: np.ndarray) -> np.ndarray:
