@@ -48,7 +48,7 @@ D_GAIN, I_GAIN = 0.65, 0.77
 # The squared difference of the mean of all samples and that of one half, of the variance of the mean: measured, too. It would be
 # 1, if the halves were independent.
 D_HALVES, I_HALVES = 1.8, 1.1
-PRIOR = 16.0  # pixels that count as they are expected to, among those of which the same is expected: 4 and 64 do as well
+PRIOR = 16.0  # pixels that have what their neighbours tell, added to those of which the same is told: 4 and 64 do as well
 LEAST_GAIN, MOST_GAIN = 0.05, 4.0  # factors by which halves may tell of less or more variance
 BLOCK = 8  # pixels to a side that share what their halves tell: that of a single one is no better than its own noise
 FLOOR = 0.01  # of the mean square brightness, in the squares that errors are relative to
@@ -185,7 +185,7 @@ def _expected(found: np.ndarray, told: np.ndarray, known: np.ndarray) -> np.ndar
     count, total, before = (
         np.bincount(levels[known], values, LOWEST)[levels] for values in (None, found[known], told[known]))
     prior = before / np.maximum(count, 1.0)
-    return (total - found * known + PRIOR * prior) / (count - known + PRIOR)
+    return (np.maximum(total - found * known, 0.0) + PRIOR * prior) / (count - known + PRIOR)
 
 
 def _light(film: Film) -> tuple[np.ndarray, np.ndarray]:
