@@ -210,7 +210,7 @@ def radial(block, lamp, x, n, u, spans, shell):
 @kernel
 def cell_cut(block, lamp, x, n, u, spans, shell, keys, store, cut, tolerance, limit):
     """One sample of the cut, which is fitted anew, and a cosine-weighted one where that counts."""
-    cuts.prepare(block, lamp, x, n, 0, tolerance, limit, keys, store, cut)
+    cuts.prepare(block, lamp, x, n, 0, 1, tolerance, limit, keys, store, cut)
     total = 0.0
     d = _cosine_direction(n, u[0], u[1])
     for technique in range(1 if cut.beta == 0.0 else 0, 2):

@@ -35,7 +35,7 @@ from ..jit import kernel, stack_array, table
 from ..sdf.program import INSTRUCTION
 from ..vec import add, dot, madd, normalize, scale, sub, transform_normal, transform_point, transform_vector, vec
 from . import bounding, surfaces
-from .cut_boxes import BOXES, KEYS, MOST_ENTRIES, REGIONS, SOFT, corner, far_corner, region
+from .cut_boxes import BOXES, KEYS, MOST_ENTRIES, REGIONS, ROUGHEST, SOFT, corner, far_corner, region
 from .cut_tables import MOST_BOXES, TABLES, lamp_steps, pack_cuts, placements
 from .fields import lamp_lists, value
 from .hashing import following, seeded, uniform_point
@@ -47,6 +47,7 @@ from .moments import lamp_cells
 CUT = np.dtype([
     ("lamp", np.int64),
     ("slot", np.int64),  # of the region's boxes, or what follows
+    ("points", np.int64),  # not 0: points of the lamp stand for all that is before and behind them (``cut_points``)
     ("total", np.float64),  # Z in the world
     ("beta", np.float64),  # what the density of the BSDF counts in the balance heuristic
     # The point that is lit, in tree space relative to the region's centre; in the world without boxes.
@@ -65,7 +66,6 @@ WORKSPACE_TABLES = {"lamp_regions": KEYS, "lamp_boxes": BOXES, "lamp_cuts": CUT}
 WORKSPACE_COUNTS = {"lamp_regions": REGIONS, "lamp_boxes": REGIONS, "lamp_cuts": 2}
 
 PROJECTION, SURFACE, BOUNDING = -1, -2, -3  # slots of cuts without boxes: the first is as good, or all are asked for
-POINT = -4  # as projection, so far away that a point of the lamp may stand for all that is before and behind it
 
 TOLERANCE = 5e-4  # relative variance of a sample at which boxes are small enough
 MOST_TOLERANCE = 0.1  # of lamps that are chosen seldom
@@ -76,14 +76,14 @@ FLAT = 0.05  # least density in a box, of that at its centroid
 SURROUNDED_BETA = 3.0
 BETA_RATE = 4.0
 ALONE = 0.05  # β below which rays by the BSDF are not worth what it takes to follow them
-POINT_BETA = 0.3  # β below which points stand for rays: at half the radius of a ball as spread out as the lamp, and beyond
+POINT_BETA = 0.3  # β below which points may stand for rays: at half the radius of a ball as spread out as the lamp, and beyond
 STEP = 0.3  # of the thickness of the lamp
 PROJECTION_RATE = 4.0  # relative variance of projection sampling, of extent over square distance, far away
 
 # Relative variance left by emission that boxes cannot follow, above which projection sampling has less error: without
 # boxes, it spreads stratified numbers more evenly.
 MOST_ROUGH = 0.25
-ROUGHEST = 0.5  # of a lamp as a whole, above which no region is asked
+MOST_LEAF_ROUGH = 0.5  # that of points in leaves of the tree, above which the few samples of a leaf may have missed what there is
 
 BELOW_ONE = 1.0 - 2.0**-53
 ZERO, HALF, ONE, FALL, TINY, SOFT_32, MOST_DROP = map(np.float32, (0.0, 0.5, 1.0, -3.0, 1e-30, SOFT, 1.0 - FLAT))
@@ -204,28 +204,28 @@ def tuned_beta(block, lamp, x):
 
 
 @kernel
-def project(block, lamp, x, cut):
+def project(block, lamp, x, lobes, cut):
     """As ``prepare``, without boxes: projection sampling, and β by the distance.
 
     Light that is scattered again before it reaches the camera is noisy for other reasons; there boxes do not pay. Neither do
     intervals, where the lamp is not close: 1/r² hardly differs along a ray, and no ray of a diffuse BSDF has to be
     weighed against it.
     """
-    cut.lamp, cut.beta = lamp, tuned_beta(block, lamp, x)
-    cut.slot = PROJECTION
+    cut.lamp, cut.slot, cut.points = lamp, PROJECTION, 0
+    cut.beta = tuned_beta(block, lamp, x)
     if cut.beta < POINT_BETA and not varies(block, lamp):
-        cut.slot, cut.beta = POINT, 0.0
+        cut.points, cut.beta = 1 - lobes, 0.0
 
 
 @kernel
 def compare(lamp, x, slot, beta, cut):
     """As ``prepare``: another way to sample, which is given by its slot."""
-    cut.lamp, cut.slot, cut.beta = lamp, slot, beta
+    cut.lamp, cut.slot, cut.points, cut.beta = lamp, slot, 0, beta
     cut.origin[0], cut.origin[1], cut.origin[2] = x
 
 
 @kernel
-def prepare(block, lamp, x, n, both, tolerance, limit, keys, store, cut):
+def prepare(block, lamp, x, n, both, lobes, tolerance, limit, keys, store, cut):
     """Fit the cut to the point x with the normal n; ``both`` (0 or 1): to light that falls on either side.
 
     ``store`` holds boxes of regions (``BOXES``), which ``keys`` tells apart (``KEYS``). They are at most ``limit``, or
@@ -235,22 +235,32 @@ def prepare(block, lamp, x, n, both, tolerance, limit, keys, store, cut):
     close to the surface, directions of the BSDF are almost all that is needed, and no cut is made. Elsewhere they make
     up for what the boxes next to the point do not follow. Where nothing is close they only cost time: β is 0.
 
-    Where emission varies within the boxes by too much, projection sampling takes their place.
+    Where it would be 0, or nearly so where emission varies, points stand for rays; not where narrow ``lobes`` (0 or 1) of
+    the BSDF are to be weighed against them. There projection sampling takes the place of boxes within which the emission
+    varies by too much.
     """
-    place = placements(block)[lamp]
-    if needless(block, lamp, place, x, n, tolerance, cut):
-        if cut.beta == 0.0 and not varies(block, lamp):
-            cut.slot = POINT
+    place, varied = placements(block)[lamp], varies(block, lamp)
+    if needless(block, lamp, place, x, n, lobes, tolerance, cut):
+        cut.points = int(cut.beta == 0.0 and not lobes and resolved(place))
         return
     origin, normal = local(block, lamp, place, x, n)
     slot = region(block, lamp, place, origin, normal, both, tolerance, limit, keys, store)
     boxes = store[slot]
-    if boxes.rough > MOST_ROUGH:
-        project(block, lamp, x, cut)
+    beta, rough = share(boxes.variance), boxes.rough > MOST_ROUGH
+    # Surfaces that stand inside a lamp hide a part of a ray, but all of a point, or nothing.
+    points = not lobes and resolved(place) and beta < (POINT_BETA if varied else ALONE) and (rough or place.clear != 0)
+    if rough and not points:
+        project(block, lamp, x, lobes, cut)
         return
     fit(block, place, boxes, slot, origin, normal, both, cut)
     if cut.slot >= 0:
-        cut.beta = share(boxes.variance)
+        cut.beta, cut.points = (0.0, 1) if points else (beta, 0)
+
+
+@kernel
+def resolved(place):
+    """Whether the tree of a lamp knows where its emission is, so that points may be drawn by it."""
+    return place.leaf_rough <= MOST_LEAF_ROUGH
 
 
 @kernel
@@ -267,12 +277,12 @@ def tolerance_for(chance):
 
 
 @kernel
-def needless(block, lamp, place, x, n, tolerance, cut):
+def needless(block, lamp, place, x, n, lobes, tolerance, cut):
     """Whether a point needs no boxes: it is far away, or the lamp fills what is close to it. Makes the cut projection."""
     offset = sub(x, vec(lamps(block)[lamp].center))
-    cut.lamp, cut.slot = lamp, PROJECTION
-    if place.rough > ROUGHEST:
-        project(block, lamp, x, cut)
+    cut.lamp, cut.slot, cut.points = lamp, PROJECTION, 0
+    if place.rough > ROUGHEST and (lobes or not resolved(place)):
+        project(block, lamp, x, lobes, cut)
         return True
     way = sub(vec(place.centroid), offset)
     ratio = place.extent / max(dot(way, way), 1e-300)
@@ -305,6 +315,7 @@ def fit(block, place, boxes, slot, origin, normal, both, cut):
         cut.mass[entry] = cut.mass[first] + cut.mass[first + 1] if first >= 0 else cut.weight[boxes.box[entry]]
     cut.total = cut.mass[0] * lamp_cells(block)[place.first_cell].volume * place.factor
     cut.slot, cut.beta = (slot, 0.0) if cut.total > 0.0 else (PROJECTION, 1.0)
+    cut.points = 0
 
 
 @kernel
@@ -315,7 +326,7 @@ def share(variance):
 
 
 @kernel
-def _slope(cut, k):
+def slope_of(cut, k):
     return (np.float64(cut.slope[0, k]), np.float64(cut.slope[1, k]), np.float64(cut.slope[2, k]))
 
 
@@ -328,7 +339,7 @@ def _place_in(low, high, level, slope, u):
 
 
 @kernel
-def _choose(part, axis, first, second):
+def choose(part, axis, first, second):
     """The side, of two of the masses given, that the number ``part[axis]`` chooses; it is stretched back to [0, 1)."""
     place = part[axis] * (first + second)
     side = 1 if place >= first and second > 0.0 else 0
@@ -362,16 +373,22 @@ def found_inside(block, lamp, place, cell, q):
 
 
 @kernel
-def _draw(block, lamp, place, boxes, cut, cells, u):
-    """A point of the interior, or of a solid box, by the density of the cut."""
-    part = stack_array(3)
-    part[0], part[1], part[2] = u
+def chosen_box(boxes, cut, part):
+    """The box that the numbers ``part`` choose; they are stretched back to [0, 1)."""
     entry = 0
     while boxes.first[entry] >= 0:
         first = boxes.first[entry]
-        entry = first + _choose(part, boxes.axis[entry], cut.mass[first], cut.mass[first + 1])
-    k = boxes.box[entry]
-    slope = _slope(cut, k)
+        entry = first + choose(part, boxes.axis[entry], cut.mass[first], cut.mass[first + 1])
+    return np.int64(boxes.box[entry])
+
+
+@kernel
+def draw(block, lamp, place, boxes, cut, cells, u):
+    """A point of the interior, or of a solid box, by the density of the cut, that density, up to Z, and the box."""
+    part = stack_array(3)
+    part[0], part[1], part[2] = u
+    k = chosen_box(boxes, cut, part)
+    slope = slope_of(cut, k)
     base = np.float64(cut.level[k])
     index = boxes.cell[k]
     low, high = sub(corner(boxes, k), vec(cut.origin)), sub(far_corner(boxes, k), vec(cut.origin))
@@ -382,9 +399,9 @@ def _draw(block, lamp, place, boxes, cut, cells, u):
         base_there = base - dot(slope, origin)
         while first >= 0:
             a, b = steps[first], steps[first + 1]
-            index = first + _choose(part, steps[index].axis,
-                                    a.volume * (base_there + dot(slope, vec(a.centroid))),
-                                    b.volume * (base_there + dot(slope, vec(b.centroid))))
+            index = first + choose(part, steps[index].axis,
+                                   a.volume * (base_there + dot(slope, vec(a.centroid))),
+                                   b.volume * (base_there + dot(slope, vec(b.centroid))))
             first = steps[index].first
         low, high = sub(vec(cells[index].low), origin), sub(vec(cells[index].high), origin)
     u1, u2, u3 = part[0], part[1], part[2]
@@ -392,13 +409,12 @@ def _draw(block, lamp, place, boxes, cut, cells, u):
     q = (0.0, 0.0, 0.0)
     for _ in range(ATTEMPTS):
         q = _point(low, high, base, slope, u1, u2, u3)
-        if boxes.solid[k] or cells[index].state == INSIDE:
-            return q
-        if found_inside(block, lamp, place, cells[index], add(q, origin)):
-            return q
+        if (boxes.solid[k] or cells[index].state == INSIDE
+                or found_inside(block, lamp, place, cells[index], add(q, origin))):
+            break
         state = following(state)
         u1, u2, u3 = uniform_point(state)
-    return q
+    return q, base + dot(slope, q), k
 
 
 @kernel
@@ -411,7 +427,7 @@ def sample(block, lamp, x, spans, store, cut, u1, u2, u3):
             return bounding.sample(block, lamp, x, u1, u2, u3)
         return sample_direction(block, lamp, x, (0.0, 0.0, 0.0), u1, u2, u3)
     place = placements(block)[lamp]
-    q = _draw(block, lamp, place, store[cut.slot], cut, lamp_cells(block)[place.first_cell:], (u1, u2, u3))
+    q, _, _ = draw(block, lamp, place, store[cut.slot], cut, lamp_cells(block)[place.first_cell:], (u1, u2, u3))
     return normalize(transform_vector(place.matrix, q))
 
 
@@ -469,7 +485,7 @@ def density(block, lamp, d, store, cut, spans, count):
     for place in range(_cross(boxes, cut, way)):
         k = np.int64(cut.crossed[place])
         start, end = np.float64(cut.enter[k]), np.float64(cut.leave[k])
-        level, slope = np.float64(cut.level[k]), dot(_slope(cut, k), way)
+        level, slope = np.float64(cut.level[k]), dot(slope_of(cut, k), way)
         if boxes.solid[k]:
             total += _piece(level, slope, start, end)
             continue

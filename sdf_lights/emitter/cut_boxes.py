@@ -22,7 +22,7 @@ import numpy as np
 
 from ..jit import kernel, stack_array
 from ..vec import dot, length, scale, transform_vector, vec
-from .cut_tables import MOST_BOXES, lamp_steps
+from .cut_tables import LEAST_BRIGHT, MOST_BOXES, lamp_steps
 from .hashing import bits
 from .interior import INSIDE
 from .moments import lamp_cells
@@ -59,8 +59,8 @@ BOXES = np.dtype([  # of a region
     ("box", np.int32, MOST_ENTRIES),
 ], align=True)
 
+ROUGHEST = 0.5  # relative variance of a lamp's emission in boxes, above which they are not made to follow it
 LEAST_FILL = 0.02  # interior that a solid box counts as having at least: sampling may have missed it
-LEAST_BRIGHT = 0.02  # emission that a box counts as having at least, of the mean: it was estimated
 SOFT = 0.8  # makes the mean over a ball round the point that is lit right
 REGION = 0.5  # size of a region, of its distance from the lamp
 NEAR = 1.0  # the distance that a region counts as having at least, of the thickness of the lamp
@@ -188,11 +188,12 @@ def part_in_two(boxes, k, cells):
 
 
 @kernel
-def _set(boxes, k, normal, steps, splits, weight, even, uneven):
-    """Note what box k gives, and how much dividing it can take of the variance: by geometry, and by its emission."""
+def _set(boxes, k, normal, steps, splits, follows, weight, even, uneven):
+    """Note what box k gives, and how much dividing it can take of the variance: by geometry, and by its emission, where
+    it ``follows`` that."""
     weight[k], variance = _rank(boxes, k, normal)
     even[k] = weight[k] * variance if splits else 0.0
-    uneven[k] = weight[k] * steps[boxes.cell[k]].rough if splits else 0.0
+    uneven[k] = weight[k] * steps[boxes.cell[k]].rough if splits and follows else 0.0
 
 
 @kernel
@@ -203,8 +204,9 @@ def _divide(block, place, normal, tolerance, limit, boxes):
     """
     cells, steps = lamp_cells(block)[place.first_cell:], lamp_steps(block)[place.first_cell:]
     weight, even, uneven = stack_array(MOST_BOXES), stack_array(MOST_BOXES), stack_array(MOST_BOXES)
+    follows = place.rough <= ROUGHEST
     boxes.count = boxes.entries = 1
-    _set(boxes, 0, normal, steps, put(boxes, 0, 0, cells, 0), weight, even, uneven)
+    _set(boxes, 0, normal, steps, put(boxes, 0, 0, cells, 0), follows, weight, even, uneven)
     while True:
         total, left, rough, worst, most = 0.0, 0.0, 0.0, 0, -1.0
         for k in range(boxes.count):
@@ -214,12 +216,14 @@ def _divide(block, place, normal, tolerance, limit, boxes):
             if even[k] + uneven[k] > most:
                 worst, most = k, even[k] + uneven[k]
         boxes.variance, boxes.rough = (left / total, rough / total) if total > 0.0 else (0.0, 0.0)
+        if not follows:
+            boxes.rough = place.rough
         if left + rough <= tolerance * total or boxes.count >= limit:
             return
         other = boxes.count
         first, second = part_in_two(boxes, worst, cells)
-        _set(boxes, worst, normal, steps, first, weight, even, uneven)
-        _set(boxes, other, normal, steps, second, weight, even, uneven)
+        _set(boxes, worst, normal, steps, first, follows, weight, even, uneven)
+        _set(boxes, other, normal, steps, second, follows, weight, even, uneven)
 
 
 @kernel

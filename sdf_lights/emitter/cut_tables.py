@@ -17,6 +17,8 @@ from .moments import CELL
 from .similar import similar
 
 MOST_BOXES = 32  # in a cut
+NEIGHBOURS, NEIGHBOUR_LEVELS = 0.2, 3  # part of what a leaf counts as having that the eight around it tell
+LEAST_BRIGHT = 0.02  # emission that a box counts as having at least, of the mean: it was estimated
 
 # Interior of a box, and its part of the lamp, with which points are drawn from it where testing one takes nanoseconds.
 QUICK_FILL, QUICK_PART = 0.5, 1.0 / 256.0
@@ -32,6 +34,8 @@ PLACEMENT = np.dtype([
     ("centroid", np.float64, (3,)),  # in the world, relative to the lamp's centre
     ("thickness", np.float64),  # m in the world: mean of the boxes' least sides
     ("rough", np.float64),  # relative variance that its emission leaves in the boxes of a cut, were all of it equally far away
+    ("leaf_rough", np.float64),  # as much as it leaves in the leaves of the tree, where they are chosen by it
+    ("clear", np.int64),  # 1: no surface stands inside the lamp, as far as is known
 ], align=True)
 
 STEP_DOWN = np.dtype([  # what it takes of a cell to choose between it and its sibling, in little memory
@@ -39,6 +43,7 @@ STEP_DOWN = np.dtype([  # what it takes of a cell to choose between it and its s
     ("axis", np.int32),
     ("volume", np.float32),
     ("centroid", np.float32, (3,)),
+    ("light", np.float32),  # m³: emission that the cell counts as having (``expected_light``)
     ("rough", np.float32),  # relative variance of the emission in the cell
 ], align=True)
 
@@ -69,6 +74,28 @@ def roughness(cells):
     return out
 
 
+@kernel
+def expected_light(cells):
+    """Emission that each cell counts as having where points are drawn by it: that of a leaf is known from few samples, which
+    may have missed what there is, so in part it counts as having what its neighbours have."""
+    out, parent = np.zeros(len(cells)), np.zeros(len(cells), np.int64)
+    for index in range(len(cells)):
+        cell = cells[index]
+        if cell.first >= 0:
+            parent[cell.first] = parent[cell.first + 1] = index
+            continue
+        around = index
+        for _ in range(NEIGHBOUR_LEVELS):
+            around = parent[around]
+        around_volume = cells[around].volume
+        mean = cells[around].mass / around_volume if around_volume > 0.0 else 1.0
+        out[index] = (1.0 - NEIGHBOURS) * cell.mass + (NEIGHBOURS * mean + LEAST_BRIGHT) * cell.volume
+    for index in range(len(cells) - 1, -1, -1):
+        if cells[index].first >= 0:
+            out[index] = out[cells[index].first] + out[cells[index].first + 1]
+    return out
+
+
 def _rough_in_boxes(cells: np.ndarray, rough: np.ndarray) -> float:
     """``PLACEMENT.rough``: as ``cut_boxes`` does, divides the box that has most of it."""
     first, uneven = cells["first"], -cells["mass"] * rough
@@ -83,7 +110,7 @@ def _rough_in_boxes(cells: np.ndarray, rough: np.ndarray) -> float:
 def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     """Tables of ``TABLES`` for lamps that were built from ``sources``: anything with a ``shape`` and a ``matrix``."""
     placed, used, known = np.zeros(len(built), PLACEMENT), 0, {}
-    parts, drawn, uneven = [np.zeros(0, CELL)], [np.zeros(0, bool)], [np.zeros(0)]
+    parts, drawn, uneven, light = [np.zeros(0, CELL)], [np.zeros(0, bool)], [np.zeros(0)], [np.zeros(0)]
     for row, lamp, source in zip(placed, built, sources):
         shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
         if lamp.tree is None and lamp.emission is None:
@@ -95,12 +122,14 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
             rough = roughness(own)
             known[id(own)] = used, _thickness(own), _rough_in_boxes(own, rough)
             parts.append(own)
-            drawn.append(_drawn(own, lamp.row["kind"][0] == PRIMITIVE))
+            drawn.append(_drawn(own, lamp.row["kind"][0] == PRIMITIVE) if lamp.emission is None else own["first"] < 0)
             uneven.append(rough)
+            light.append(expected_light(own))
             used += len(own)
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
         row["first_cell"], thickness, row["rough"] = known[id(own)]
+        row["clear"], row["leaf_rough"] = 1, lamp.emission.weighed.rough if lamp.emission is not None else 0.0
         row["thickness"], row["factor"] = thickness * factor ** (1.0 / 3.0), factor
         row["matrix"], row["inverse"] = to_world[:3], inverse(to_world)[:3]
         row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]
@@ -112,6 +141,7 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
     for name in ("axis", "volume", "centroid"):
         steps[name] = cells[name]
     steps["first"], steps["rough"] = np.where(drawn, -1, cells["first"]), np.concatenate(uneven)
+    steps["light"] = np.concatenate(light)
     return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps}
 
 

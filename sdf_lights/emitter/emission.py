@@ -138,3 +138,26 @@ def line_integral(block, index, center, x, d, spans, count, t_min, t_max, u):
             stack[WEIGHTS + lane] = 0.0
         total = _sum(glow, numbers, stack, total)
     return total[0] * glow.scale[0], total[1] * glow.scale[1], total[2] * glow.scale[2]
+
+
+@kernel
+def place_colour(block, index, offset, lane, stack):
+    """Make a point of the world, relative to the lamp's centre, one of those of ``colours``."""
+    p = transform_point(lamp_glows(block)[index].inverse, offset)
+    for k in range(3):
+        stack[k * LANES + lane] = p[k]
+
+
+@kernel
+def colours(block, index, stack):
+    """Colours at the points in ``stack`` (``COLOUR_STACK`` elements), for ``density``."""
+    glow = lamp_glows(block)[index]
+    run_colour(glow.address, lamp_parameters(block).ctypes.data + 8 * glow.parameters, stack)
+
+
+@kernel
+def density(block, index, stack, lane):
+    """ρ (RGB), W/(sr·m³), at one of the points of ``colours``."""
+    glow = lamp_glows(block)[index]
+    return (glow.scale[0] * stack[COLOUR + lane], glow.scale[1] * stack[COLOUR + LANES + lane],
+            glow.scale[2] * stack[COLOUR + 2 * LANES + lane])

@@ -303,6 +303,7 @@ class Weighed(NamedTuple):
     cells: np.ndarray
     mean: np.ndarray  # (3,) mean of the emission over the shape
     error: float  # bound on the relative error of its integral, apart from that of the volume
+    rough: float  # relative variance of the emission at a point of a leaf, where leaves are chosen by their emission
 
 
 def cells(tree: Tree, volume: float) -> np.ndarray:
@@ -316,7 +317,7 @@ def cells(tree: Tree, volume: float) -> np.ndarray:
 def weigh(tree: Tree, volume: float, emission: CompiledEmission | None) -> Weighed:
     """As ``cells``, for an emission that varies. Where that is dark everywhere its ``mean`` is zero, and of no use."""
     if tree.nodes["mass"][0] == 0.0:
-        return Weighed(np.zeros(0, CELL), np.ones(3), 0.0)
+        return Weighed(np.zeros(0, CELL), np.ones(3), 0.0, 0.0)
     arrays = (tree.program, *tree.arrays, tree.lists)
     used, room = len(tree.nodes), 2 * MOST_PARTS if emission else 0
     nodes, boxes = np.zeros(used + room, NODE), np.zeros((used + room, 6))
@@ -336,10 +337,14 @@ def weigh(tree: Tree, volume: float, emission: CompiledEmission | None) -> Weigh
     sampled, certain = totals[on_boundary, VOLUME].sum(), totals[~on_boundary, VOLUME].sum()
     if sampled > 0.0 and volume > certain:
         totals[on_boundary] *= (volume - certain) / sampled
-    mean, error = np.ones(3), 0.0
+    mean, error, rough = np.ones(3), 0.0, 0.0
     if emission is not None:
         mean = totals[:, RGB:RGB + 3].sum(axis=0) / volume
+        light = totals[:, RGB:RGB + 3].mean(axis=1)
+        lit = light > 0.0
+        second = (totals[lit, VOLUME] * totals[lit, SQUARE] / light[lit]).sum()
+        rough = max(second / light.sum() - 1.0, 0.0) if lit.any() else 0.0
         error = SAFETY * math.sqrt(totals[:, VARIANCE].sum()) / max(mean.mean() * volume, 1e-300)
     found = np.zeros(used, CELL)
     count = gather(nodes, boxes, totals, mean.mean() if emission else 0.0, FILL, found)
-    return Weighed(found[:count].copy(), mean, error)
+    return Weighed(found[:count].copy(), mean, error, rough)

@@ -29,7 +29,7 @@ def unit(n):
 
 @kernel(cache=False)
 def _prepare(blocks, x, n, both, tolerance, limit, keys, store, cuts):
-    cut.prepare(blocks[0], 0, x, n, both, tolerance, limit, keys, store, cuts[0])
+    cut.prepare(blocks[0], 0, x, n, both, 1, tolerance, limit, keys, store, cuts[0])
 
 
 @kernel(cache=False)
@@ -52,7 +52,7 @@ def density(blocks, x, store, cuts, directions, spans):
 
 @kernel(cache=False)
 def _project(blocks, x, cuts):
-    cut.project(blocks[0], 0, x, cuts[0])
+    cut.project(blocks[0], 0, x, 0, cuts[0])
 
 
 class Cut:
@@ -209,11 +209,11 @@ def test_at_a_distance_points_stand_for_their_rays(lamp, shape):
     """For light that is scattered again. Where they begin to, they are not much noisier than rays."""
     block, n, rows = lamp(SHAPES[shape]), unit((0.1, 0.0, -1.0)), np.zeros(1, cut.CUT)
     size = float(5.0 / 3.0 * block.tables["lamp_placements"]["extent"][0]) ** 0.5
-    for distance, slot in ((0.5 * size, cut.PROJECTION), (0.6 * size, cut.POINT), (5.0 * size, cut.POINT)):
+    for distance, points in ((0.5 * size, 0), (0.6 * size, 1), (5.0 * size, 1)):
         x = tuple(map(float, block.built.row["center"][0] + (0.0, 0.0, block.built.row["half"][0, 2] + distance)))
         _project(block.blocks, x, rows)
-        assert rows["slot"][0] == slot and (slot == cut.PROJECTION or rows["beta"][0] == 0.0)
-        if slot == cut.POINT:
+        assert rows["slot"][0] == cut.PROJECTION and rows["points"][0] == points and (rows["beta"][0] == 0.0) == points
+        if points:
             point, ray = (baselines.run(technique, block.blocks, 0, x, n, 100_000, seed)
                           for seed, technique in enumerate((Technique.POINT, Technique.PROJECTION)))
             assert abs(point.mean - ray.mean) < 4.0 * np.hypot(point.error, ray.error)

@@ -26,7 +26,7 @@ TRACED = {  # by boxes of parts, and by a program that is written out
 
 @kernel(cache=False)
 def _prepare(blocks, x, n, store, rows):
-    gpu_lamps.prepare(blocks[0], 0, x, n, 0, ALL, gpu_lamps.LIMIT, None, store, rows[0])
+    gpu_lamps.prepare(blocks[0], 0, x, n, 0, 1, ALL, gpu_lamps.LIMIT, None, store, rows[0])
 
 
 class FlatCut:
@@ -81,7 +81,7 @@ def test_directions_have_their_density(shape, point):
 def drawn(block, workspace, x, n, u, d):
     """A direction by the cut for a point, its density, and that of another direction."""
     store, row, spans = box_table(workspace), cut_of(workspace), spans_of(workspace)
-    gpu_lamps.prepare(block, 0, x, n, 0, ALL, gpu_lamps.LIMIT, None, store, row)
+    gpu_lamps.prepare(block, 0, x, n, 0, 1, ALL, gpu_lamps.LIMIT, None, store, row)
     w = cut.sample(block, 0, x, spans, store, row, u[0], u[1], u[2])
     own = cut.density(block, 0, w, store, row, spans, lamps.trace(block, 0, x, w, spans))
     other = cut.density(block, 0, d, store, row, spans, lamps.trace(block, 0, x, d, spans))

@@ -49,6 +49,7 @@ class PackedScene:
         self._fill({**materials, **geometry.pack_geometry(scene, self._accelerator.baked, layers),
                     "control": self.control}, {"uv_layer_count": len(layers)})
         self._accelerator.fill(self.block)
+        self._boxes = instance_boxes(scene)
         self.relight(scene)
         self.aim(scene, film)
         # A name that no module declares, or one without its table, is a mistake of this file.
@@ -73,7 +74,9 @@ class PackedScene:
         chosen = set(map(id, sources))
         self._built = [index for index, lamp in enumerate(scene.lamps) if id(lamp) in chosen]
         self.lamps = built  # whose compiled fields the tables point at
-        self._fill({**tables, **cuts.pack_cuts(built, sources)}, lamps.pack_scalars(built))
+        packed = cuts.pack_cuts(built, sources)
+        packed["lamp_placements"]["clear"] = clear_lamps(tables["lamps"], *self._boxes)
+        self._fill({**tables, **packed}, lamps.pack_scalars(built))
         self._surfaces = surfaces.NONE
         self.span_rows = int(self.block["lamp_rows"][0])
 
@@ -130,6 +133,26 @@ def emitter_tables(scene: Scene, built: list[lamps.BuiltLamp], emissive: lights.
         scene, np.stack([low, high], axis=1), 4.0 * np.pi * rows["volume"][:, None] * rows["emission"], emissive)
     light_tables["light_emitters"]["visibility"][:len(built)] = rows["visibility"]
     return {**lamp_tables, **lamp_tree.pack_lamp_tree(low, high, rows["visibility"]), **light_tables}
+
+
+def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """(instances, 3) centers and half sizes of boxes around what is in the scene, in the world."""
+    used = [instance for instance in scene.instances if len(scene.meshes[instance.mesh].positions)]
+    bounds = {}
+    for mesh in {instance.mesh for instance in used}:
+        positions = scene.meshes[mesh].positions
+        bounds[mesh] = np.stack([positions.min(axis=0), positions.max(axis=0)]).astype(np.float64)
+    if not used:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    low, high = np.stack([bounds[instance.mesh] for instance in used], axis=1)
+    matrices = np.stack([instance.matrix[:3] for instance in used])
+    center = (matrices[:, :, :3] * (0.5 * (low + high))[:, None]).sum(axis=2) + matrices[:, :, 3]
+    return center, (np.abs(matrices[:, :, :3]) * (0.5 * (high - low))[:, None]).sum(axis=2)
+
+
+def clear_lamps(rows: np.ndarray, center: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """(lamps,) whether the box around each lamp, of ``LAMP`` rows, meets none of those of ``instance_boxes``."""
+    return np.array([(np.abs(row["center"] - center) > row["half"] + half).any(axis=1).all() for row in rows], bool)
 
 
 def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.ndarray]) -> dict[str, float]:

@@ -234,7 +234,7 @@ def turn(block, workspace, whole):
         path.t_min = beyond(t_to)
         put(path.throughput, mul(vec(path.throughput), transparent))
         return GOES_ON
-    both, scattered, passed = path.both, path.scattered, path.transparent
+    both, lobes, scattered, passed = path.both, path.lobes, path.scattered, path.transparent
     if surface.evaluable > 0:
         light_vertex(block, workspace)
     if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):
@@ -245,7 +245,7 @@ def turn(block, workspace, whole):
         return ENDS
     if path.transparent > passed:
         # The ray that goes on is the one that came: what it meets competes with the light sampling at its origin.
-        path.both, path.scattered = both, scattered
+        path.both, path.lobes, path.scattered = both, lobes, scattered
         cut_of(workspace).lamp = -1
     path.dimension += VERTEX_SETS
     return GOES_ON

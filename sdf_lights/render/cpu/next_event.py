@@ -11,6 +11,7 @@ import numpy as np
 
 from ... import emitter as lamps
 from ...emitter import cut as cuts
+from ...emitter import cut_points
 from ...jit import kernel
 from ...vec import largest, length, mul, negate, scale, vec
 from ..scene import Ray
@@ -19,7 +20,7 @@ from .geometry import find_surface, surface_table
 from .path import LIGHT_SET, contribute, path_table
 from .rays import intersect
 from .sampler import draw4
-from .shading import evaluate, shade, transmits
+from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
 from .visibility import BLACK, OFFSET, aim, leave, step_size, transmittance, visible_lamp
 from .workspace import aside_table, box_table, cut_of, light_cut_of, region_table, spans_of
@@ -55,18 +56,19 @@ def facing(path, n):
 
 
 @kernel
-def prepare_lamp(block, workspace, lamp, chance, x, n, both):
-    """Make the workspace's cut that of the lamp, which is chosen with probability ``chance``, for the point x with normal n."""
-    cut = cut_of(workspace)
-    if block.lamp_cuts and path_table(workspace)[0].scattered > 0:
-        cuts.project(block, lamp, x, cut)
+def prepare_lamp(block, workspace, lamp, chance, x, n):
+    """Make the workspace's cut that of the lamp, which is chosen with probability ``chance``, for the point x with normal n,
+    where the path is lit."""
+    cut, path = cut_of(workspace), path_table(workspace)[0]
+    if block.lamp_cuts and path.scattered > 0:
+        cut_points.project_afar(block, lamp, x, path.lobes, cut)
     elif block.lamp_cuts:
-        cuts.prepare(block, lamp, x, n, both, cuts.tolerance_for(chance), cuts.LIMIT, region_table(workspace),
-                     box_table(workspace), cut)
+        cuts.prepare(block, lamp, x, n, path.both, path.lobes, cuts.tolerance_for(chance), cuts.LIMIT,
+                     region_table(workspace), box_table(workspace), cut)
     elif block.lamp_slot < cuts.PROJECTION:
         cuts.compare(lamp, x, block.lamp_slot, block.lamp_beta, cut)
     else:
-        cut.lamp, cut.slot, cut.beta = lamp, cuts.PROJECTION, block.lamp_beta
+        cut.lamp, cut.slot, cut.points, cut.beta = lamp, cuts.PROJECTION, 0, block.lamp_beta
 
 
 @kernel
@@ -76,7 +78,7 @@ def renew_lamp(block, workspace, lamp):
     if cut_of(workspace).lamp != lamp:
         origin, normal = vec(path.origin), vec(path.normal)
         chance = lights.selection_probability(block, origin, facing(path, normal), lamp, light_cut_of(workspace))
-        prepare_lamp(block, workspace, lamp, chance, origin, normal, path.both)
+        prepare_lamp(block, workspace, lamp, chance, origin, normal)
 
 
 @kernel
@@ -95,26 +97,28 @@ def light_lamp(block, workspace, lamp, chance, u, u1, u2, u3):
     surface = surface_table(workspace)[0]
     x, n = vec(surface.position), vec(surface.n)
     spans, cut, store = spans_of(workspace), cut_of(workspace), box_table(workspace)
-    prepare_lamp(block, workspace, lamp, chance, x, n, path.both)
+    prepare_lamp(block, workspace, lamp, chance, x, n)
     if cut.beta == np.inf:
         return
-    if cut.slot == cuts.POINT:
-        way = lamps.way_inside(block, lamp, x, u1, u2, u3)
+    if cut.points:
+        way, intensity = cut_points.sample_point(block, lamp, x, store, cut, u1, u2, u3)
         distance = length(way)
+        if distance <= 0.0 or largest(intensity) <= 0.0:
+            return
         wi = scale(way, 1.0 / distance)
-    else:
-        wi, distance = cuts.sample(block, lamp, x, spans, store, cut, u1, u2, u3), 0.0
-    weight, pdf, narrow = evaluate(workspace, wi)
-    if largest(weight) <= 0.0:
-        return
-    if distance > 0.0 and narrow == 0.0:
-        # No ray of the BSDF competes, so no intervals are needed: the point is a light by itself.
+        weight, _, _ = evaluate(workspace, wi)
+        if largest(weight) <= 0.0:
+            return
         start = leave(x, vec(surface.ng), wi)
         to_point, reach = aim(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_point, reach))
         if largest(weight) > 0.0:
-            contribute(block, workspace, mul(weight, lamps.intensity(block, lamp)), 1.0 / (chance * distance * distance),
-                       True, path.bounce + 1)
+            contribute(
+                block, workspace, mul(weight, intensity), 1.0 / (chance * distance * distance), True, path.bounce + 1)
+        return
+    wi = cuts.sample(block, lamp, x, spans, store, cut, u1, u2, u3)
+    weight, pdf, narrow = evaluate(workspace, wi)
+    if largest(weight) <= 0.0:
         return
     count = lamps.trace(block, lamp, x, wi, spans)
     if count == 0:
@@ -132,7 +136,7 @@ def light_vertex(block, workspace):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
-    path.both, path.scattered = int(transmits(workspace)), path.bounce
+    path.both, path.lobes, path.scattered = int(transmits(workspace)), int(has_lobes(workspace)), path.bounce
     cut_of(workspace).lamp = -1
     u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
     emitter, chance, u0 = lights.select(block, x, facing(path, n), u[0], light_cut_of(workspace))

@@ -27,7 +27,7 @@ SAMPLE = np.dtype([
 # ``origin`` is where the path last scattered (the camera at first), with shading normal ``normal``: light sampling
 # there competes with the ray, so MIS asks for its pdf there. ``start`` is ``origin`` moved off the surface. ``narrow``
 # is the part of ``pdf`` that microfacets have; ``both`` is 1 where light on either side of that surface counted,
-# and ``scattered`` how often the light was scattered after it.
+# ``lobes`` where it has microfacets, and ``scattered`` is how often the light was scattered after it.
 # ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
 # ``share`` is the part of the sample that the path is, 1 until it divides, and ``index`` its place in the sampling pattern.
 # What it ``promises`` to bring, where it is a branch: an estimate of the light that falls on what it has met.
@@ -35,7 +35,7 @@ SAMPLE = np.dtype([
 PATH = np.dtype([
     ("origin", "f8", 3), ("normal", "f8", 3), ("start", "f8", 3), ("direction", "f8", 3), ("t_min", "f8"),
     ("t_max", "f8"), ("throughput", "f8", 3), ("pdf", "f8"), ("narrow", "f8"),
-    ("both", "i8"), ("scattered", "i8"), ("kind", "i8"), ("length", "f8"), ("spread", "f8"),
+    ("both", "i8"), ("lobes", "i8"), ("scattered", "i8"), ("kind", "i8"), ("length", "f8"), ("spread", "f8"),
     ("bounce", "i8"), ("diffuse", "i8"), ("glossy", "i8"), ("transmission", "i8"), ("transparent", "i8"),
     ("last", "i8"), ("found", "i8"), ("kept", "i8"), ("kept_count", "i8"), ("index", "i8"), ("seed", "u4"),
     ("dimension", "i8"),

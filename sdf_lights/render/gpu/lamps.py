@@ -16,7 +16,7 @@ from ...emitter import cut as cuts
 from ...emitter.cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, part_in_two, put, spread_variance
 from ...emitter.cut_tables import placements
 from ...emitter.emission import GOLDEN, lamp_glows, place_point, point_count
-from ...emitter.lamps import direction_pdf, lamps, sample_direction
+from ...emitter.lamps import direction_pdf, intensity, lamps, sample_direction, way_inside
 from ...emitter.primitives import box_span
 from ...jit import kernel
 from ...sdf.formula import Formula, order
@@ -26,6 +26,7 @@ from ..cpu.lamp_tree import found_table, tree_table
 from ..cpu.lights.records import LIGHT_CUT
 from ..cpu.lights.records import MOST_NODES as MOST_NODES_IN_CUT
 from ..cpu.lights.tree import _estimate
+from ..cpu.path import path_table
 from ..cpu.workspace import cut_of
 
 LIMIT = 16  # boxes of a lamp
@@ -35,7 +36,7 @@ ROWS = {
     "light_cut": np.dtype([
         (name, LIGHT_CUT[name].base, 2 if LIGHT_CUT[name].shape == (MOST_NODES_IN_CUT,) else LIGHT_CUT[name].shape)
         for name in LIGHT_CUT.names])}
-WITHOUT_BOXES = np.dtype([("lamp", "i8"), ("slot", "i8"), ("beta", "f8")])
+WITHOUT_BOXES = np.dtype([("lamp", "i8"), ("slot", "i8"), ("points", "i8"), ("beta", "f8")])
 
 
 def _fewer(dtype: np.dtype) -> np.dtype:
@@ -93,14 +94,14 @@ def flat_boxes(tables: dict[str, np.ndarray]) -> np.ndarray:
 
 
 @kernel
-def prepare(block, lamp, x, n, both, tolerance, limit, keys, store, cut):
+def prepare(block, lamp, x, n, both, lobes, tolerance, limit, keys, store, cut):
     """In the place of ``cut.prepare``: the boxes of the lamp, whatever the point."""
     place = placements(block)[lamp]
-    if cuts.needless(block, lamp, place, x, n, tolerance, cut):
+    if cuts.needless(block, lamp, place, x, n, 1, tolerance, cut):
         return
     boxes = store[lamp]
     if boxes.rough > cuts.MOST_ROUGH:
-        cuts.project(block, lamp, x, cut)
+        cuts.project(block, lamp, x, lobes, cut)
         return
     origin, normal = cuts.local(block, lamp, place, x, n)
     cuts.fit(block, place, boxes, lamp, origin, normal, both, cut)
@@ -138,9 +139,21 @@ def no_bounding_density(block, lamp, x, d):
 
 
 @kernel
-def prepare_lamp(block, workspace, lamp, chance, x, n, both):
+def prepare_lamp(block, workspace, lamp, chance, x, n):
     """In the place of ``next_event.prepare_lamp``, where cuts are asked for and do not pay."""
-    cuts.project(block, lamp, x, cut_of(workspace))
+    cuts.project(block, lamp, x, path_table(workspace)[0].lobes, cut_of(workspace))
+
+
+@kernel
+def project_afar(block, lamp, x, lobes, cut):
+    """In the place of ``cut_points.project_afar``: points are those of uniform lamps alone."""
+    cuts.project(block, lamp, x, lobes, cut)
+
+
+@kernel
+def sample_point(block, lamp, x, store, cut, u1, u2, u3):
+    """In the place of ``cut_points.sample_point``, likewise."""
+    return way_inside(block, lamp, x, u1, u2, u3), intensity(block, lamp)
 
 
 @kernel

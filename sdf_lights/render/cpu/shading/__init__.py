@@ -10,12 +10,12 @@ from .. import textures
 from . import energy, program
 from .program import MATERIAL, uv_layers
 from .records import CLOSURE, SURFACE, WORKSPACE_COUNTS, WORKSPACE_TABLES
-from .scattering import evaluate, sample, transmits
+from .scattering import evaluate, has_lobes, sample, transmits
 from .surface import shade, transparency
 
 __all__ = [
-    "CLOSURE", "MATERIAL", "SURFACE", "TABLES", "WORKSPACE_COUNTS", "WORKSPACE_TABLES", "evaluate", "pack_materials",
-    "sample", "shade", "transmits", "transparency", "uv_layers"]
+    "CLOSURE", "MATERIAL", "SURFACE", "TABLES", "WORKSPACE_COUNTS", "WORKSPACE_TABLES", "evaluate", "has_lobes",
+    "pack_materials", "sample", "shade", "transmits", "transparency", "uv_layers"]
 
 TABLES = {**program.TABLES, **textures.TABLES, **energy.TABLES}
 

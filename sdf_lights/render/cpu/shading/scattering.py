@@ -77,6 +77,16 @@ def evaluate(workspace, wi):
 
 
 @kernel
+def has_lobes(workspace):
+    """Whether the surface has microfacets that are not singular."""
+    closures = closure_table(workspace)
+    for i in range(surface_table(workspace)[0].closure_count):
+        if closures[i].singular == 0 and closures[i].kind == MICROFACET:
+            return True
+    return False
+
+
+@kernel
 def transmits(workspace):
     """Whether light that falls on the far side of the surface matters, other than straight through or mirrored."""
     closures = closure_table(workspace)
