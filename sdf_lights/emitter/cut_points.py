@@ -48,17 +48,17 @@ def project_afar(block, lamp, x, lobes, cut):
 def sample_point(block, lamp, x, store, cut, u1, u2, u3):
     """From x to a point of the lamp, and the radiant intensity (RGB, W/sr) with which it stands for all of the lamp."""
     row, place = lamps(block)[lamp], placements(block)[lamp]
-    if cut.slot == PROJECTION:
+    if cut.slot == PROJECTION and (row.glow < 0 or cut.points == UNIFORM):
         way = way_inside(block, lamp, x, u1, u2, u3)
         if row.glow < 0:
             return way, intensity(block, lamp)
-        if cut.points == UNIFORM:
-            return way, scale(_emission_at(block, row, sub(add(x, way), vec(row.center))), row.volume)
-    elif row.glow < 0:
+        return way, scale(_emission_at(block, row, sub(add(x, way), vec(row.center))), row.volume)
+    if row.glow < 0:
         boxes, cells = store[cut.slot], lamp_cells(block)[place.first_cell:]
         q, level, k = draw(block, lamp, place, boxes, cut, cells, (u1, u2, u3))
-        if boxes.solid[k] and cells[boxes.cell[k]].state != INSIDE:
-            if not found_inside(block, lamp, place, cells[boxes.cell[k]], add(q, add(vec(boxes.center), vec(cut.origin)))):
+        cell = cells[boxes.cell[k]]
+        if boxes.solid[k] and cell.state != INSIDE:
+            if not found_inside(block, lamp, place, cell, add(q, add(vec(boxes.center), vec(cut.origin)))):
                 return NOTHING
         return transform_vector(place.matrix, q), scale(vec(row.emission), cut.total / level)
     return _glowing_point(block, lamp, row, place, x, store, cut, (u1, u2, u3))
@@ -67,49 +67,27 @@ def sample_point(block, lamp, x, store, cut, u1, u2, u3):
 @kernel
 def _glowing_point(block, lamp, row, place, x, store, cut, u):
     """``sample_point`` by the emission of the tree's leaves."""
-    cells, steps = lamp_cells(block)[place.first_cell:], lamp_steps(block)[place.first_cell:]
-    part = stack_array(3)
+    part, points, stack = stack_array(3), stack_array(COLOUR), stack_array(COLOUR_STACK)
     part[0], part[1], part[2] = u
-    # What there is at the point y of tree space counts level + slope·y. Of a leaf, that is at its centroid.
-    index, level, slope, chance, whole = 0, 1.0, ZERO, 1.0, True
-    low, high = ZERO, ZERO
-    if cut.slot != PROJECTION:
-        boxes = store[cut.slot]
-        k = chosen_box(boxes, cut, part)
-        index, slope, chance = np.int64(boxes.cell[k]), slope_of(cut, k), cut.weight[k] / cut.mass[0]
-        level = np.float64(cut.level[k]) - dot(slope, add(vec(boxes.center), vec(cut.origin)))
-        whole = boxes.solid[k] == 0
-        low, high = add(vec(boxes.center), corner(boxes, k)), add(vec(boxes.center), far_corner(boxes, k))
-    if whole:
-        first = steps[index].first
-        while first >= 0:
-            a, b = steps[first], steps[first + 1]
-            one = a.light * (level + dot(slope, vec(a.centroid)))
-            two = b.light * (level + dot(slope, vec(b.centroid)))
-            side = choose(part, steps[index].axis, one, two)
-            chance *= (two if side else one) / (one + two)
-            index = first + side
-            first = steps[index].first
-        low, high = vec(cells[index].low), vec(cells[index].high)
-    stack, size, cell = stack_array(COLOUR_STACK), sub(high, low), cells[index]
-    points, state = stack_array(COLOUR), seeded(u[0], u[1], u[2])
-    volume, count = size[0] * size[1] * size[2], LANES
+    index, low, high, chance, level, slope, clipped = _leaf(block, place, store, cut, part)
+    cell, size = lamp_cells(block)[place.first_cell + index], sub(high, low)
+    volume, count, state = size[0] * size[1] * size[2], LANES, seeded(u[0], u[1], u[2])
     for _ in range(ATTEMPTS):
         for lane in range(LANES):
             state = following(state)
-            by = uniform_point(state)
-            for k in range(3):
-                if cell.state == INSIDE:
-                    points[k * LANES + lane] = low[k] + size[k] * ((part[k] + LATTICE[k] * lane) % 1.0)
-                else:
-                    points[k * LANES + lane] = low[k] + size[k] * by[k]
-            stack[WEIGHTS + lane] = level + dot(slope, _lane(points, lane))
+            within = uniform_point(state)
+            if cell.state == INSIDE:
+                within = _shifted(part, lane)
+            q = (low[0] + size[0] * within[0], low[1] + size[1] * within[1], low[2] + size[2] * within[2])
+            points[lane], points[LANES + lane], points[2 * LANES + lane] = q
+            stack[WEIGHTS + lane] = level + dot(slope, q)
         if cell.state == INSIDE:
             break
         found = _keep_inside(block, lamp, row, place, cell, points, stack)
-        if not whole:
+        if not clipped:
             break
         if found > 0:
+            # Those that are inside are uniform there.
             volume, count = cell.volume, found
             break
     for lane in range(LANES):
@@ -119,8 +97,6 @@ def _glowing_point(block, lamp, row, place, x, store, cut, u):
     for lane in range(LANES):
         stack[WEIGHTS + lane] *= average(density(block, row.glow, stack, lane))
         total += stack[WEIGHTS + lane]
-    if not total > 0.0:
-        return NOTHING
     left, chosen = uniform(following(state)) * total, 0
     while chosen < LANES - 1 and left >= stack[WEIGHTS + chosen]:
         left -= stack[WEIGHTS + chosen]
@@ -130,6 +106,41 @@ def _glowing_point(block, lamp, row, place, x, store, cut, u):
         return NOTHING
     way = add(sub(vec(row.center), x), transform_point(place.matrix, _lane(points, chosen)))
     return way, scale(density(block, row.glow, stack, chosen), total * place.factor * volume / (count * weight * chance))
+
+
+@kernel
+def _leaf(block, place, store, cut, part):
+    """The leaf of the tree, or the solid box, that the numbers ``part`` choose, which are stretched back to [0, 1).
+
+    Returns its index, its corners in tree space and the probability of the choice; α and b, where what is at the point y of
+    tree space counts α + b·y; and whether the volume of the interior is known, so that only points of it have to count.
+    """
+    cells, steps = lamp_cells(block)[place.first_cell:], lamp_steps(block)[place.first_cell:]
+    index, level, slope, chance = 0, 1.0, ZERO, 1.0
+    if cut.slot != PROJECTION:
+        boxes = store[cut.slot]
+        k = chosen_box(boxes, cut, part)
+        index, slope, chance = np.int64(boxes.cell[k]), slope_of(cut, k), cut.weight[k] / cut.mass[0]
+        level = np.float64(cut.level[k]) - dot(slope, add(vec(boxes.center), vec(cut.origin)))
+        if boxes.solid[k]:
+            low, high = add(vec(boxes.center), corner(boxes, k)), add(vec(boxes.center), far_corner(boxes, k))
+            return index, low, high, chance, level, slope, False
+    first = steps[index].first
+    while first >= 0:
+        a, b = steps[first], steps[first + 1]
+        one = a.light * (level + dot(slope, vec(a.centroid)))
+        two = b.light * (level + dot(slope, vec(b.centroid)))
+        side = choose(part, steps[index].axis, one, two)
+        chance *= (two if side else one) / (one + two)
+        index = first + side
+        first = steps[index].first
+    return index, vec(cells[index].low), vec(cells[index].high), chance, level, slope, True
+
+
+@kernel
+def _shifted(part, lane):
+    """Points of a lattice in the unit cube, shifted together."""
+    return ((part[0] + LATTICE[0] * lane) % 1.0, (part[1] + LATTICE[1] * lane) % 1.0, (part[2] + LATTICE[2] * lane) % 1.0)
 
 
 @kernel
