@@ -63,7 +63,7 @@ judges.
 """
 
 MORE_SEEDS = """\
-Where five seeds leave it open which sampler is better. Columns are those of all scenes.
+Where fewer seeds leave it open which sampler is better, or for longer renders. Columns are those of all scenes.
 """
 
 PAPER_SCENES = """\
