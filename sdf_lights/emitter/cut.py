@@ -247,8 +247,11 @@ def prepare(block, lamp, x, n, both, lobes, tolerance, limit, keys, store, cut):
     slot = region(block, lamp, place, origin, normal, both, tolerance, limit, keys, store)
     boxes = store[slot]
     beta, rough = share(boxes.variance), boxes.rough > MOST_ROUGH
-    # Surfaces that stand inside a lamp hide a part of a ray, but all of a point, or nothing.
-    points = not lobes and resolved(place) and beta < (POINT_BETA if varied else ALONE) and (rough or place.clear != 0)
+    # Surfaces that stand inside a lamp hide a part of a ray, but all of a point, or nothing. Rays through a primitive cost
+    # little more than points, and are less noisy.
+    pays = varied or tolerance > TOLERANCE or lamps(block)[lamp].kind != PRIMITIVE
+    points = (not lobes and resolved(place) and beta < (POINT_BETA if varied else ALONE)
+              and (rough or pays and place.clear != 0))
     if rough and not points:
         project(block, lamp, x, lobes, cut)
         return
