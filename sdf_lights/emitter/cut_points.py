@@ -39,9 +39,10 @@ NOTHING = (0.0, 0.0, 1.0), ZERO  # a point that gives no light
 def project_afar(block, lamp, x, lobes, cut):
     """As ``cut.project``; where no narrow ``lobes`` compete, lamps whose emission varies are points from afar, too."""
     project(block, lamp, x, lobes, cut)
-    if cut.beta < POINT_BETA and not lobes and varies(block, lamp) and resolved(placements(block)[lamp]):
-        rough = lamp_steps(block)[placements(block)[lamp].first_cell].rough
-        cut.points, cut.beta = UNIFORM if rough < EVEN else BY_EMISSION, 0.0
+    place = placements(block)[lamp]
+    if cut.beta < POINT_BETA and not lobes and varies(block, lamp) and resolved(place):
+        even = lamp_steps(block)[place.first_cell].rough < EVEN
+        cut.points, cut.beta = UNIFORM if even else BY_EMISSION, 0.0
 
 
 @kernel

@@ -145,14 +145,8 @@ def prepare_lamp(block, workspace, lamp, chance, x, n):
 
 
 @kernel
-def project_afar(block, lamp, x, lobes, cut):
-    """In the place of ``cut_points.project_afar``: points are those of uniform lamps alone."""
-    cuts.project(block, lamp, x, lobes, cut)
-
-
-@kernel
 def sample_point(block, lamp, x, store, cut, u1, u2, u3):
-    """In the place of ``cut_points.sample_point``, likewise."""
+    """In the place of ``cut_points.sample_point``: points are those of uniform lamps alone."""
     return way_inside(block, lamp, x, u1, u2, u3), intensity(block, lamp)
 
 

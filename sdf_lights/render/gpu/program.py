@@ -106,7 +106,7 @@ def natives(cuts: bool, one_emitter: bool = False, project: bool = False) -> dic
         field_crossings.halves: Native("unpackHalf2x16", Tuple((FLOAT, FLOAT))), fields.value: Native(_field_value),
         emitter_lamps.note_length: Native(_note), lamps.colour: Native("lamp_colour", VECTOR),
         emission.line_integral: lamps.line_integral, cut_points.sample_point: lamps.sample_point,
-        cut_points.project_afar: lamps.project_afar, emitter_lamps.solve_all: parts.solve_all,
+        cut_points.project_afar: cut.project, emitter_lamps.solve_all: parts.solve_all,
         cut_of: _only_row("lamp_cuts"), light_cut_of: _only_row("light_cut"),
         lamp_tree.lamps_along: lamps.lamps_along, lights.tree._prepare: lamps.prepare_light_cut}
     if one_emitter:
