@@ -15,15 +15,22 @@ import shutil
 import sys
 import tempfile
 
-from host import REPOSITORY, NO_WINDOW, windowed_blender
+from host import NO_WINDOW, REPOSITORY, windowed_blender
 from sessions import seen_by
 
 PICTURES = {  # of a session: files in docs/images by the picture's name
     "screenshots": {
-        "sidebar": "lamp_sidebar", "mistake": "lamp_mistake", "error": "lamp_error", "nodes": "lamp_nodes",
-        "nodes_mistake": "lamp_nodes_mistake", "solid": "viewport_solid", "rendered": "viewport_rendered"},
+        "sidebar": "lamp_sidebar",
+        "mistake": "lamp_mistake",
+        "error": "lamp_error",
+        "nodes": "lamp_nodes",
+        "nodes_mistake": "lamp_nodes_mistake",
+        "solid": "viewport_solid",
+        "rendered": "viewport_rendered",
+    },
     "nodes": {"node_emission": "lamp_nodes_emission"},  # these two are sessions of the tests
-    "panels": {"preset_browser": "lamp_presets"}}
+    "panels": {"preset_browser": "lamp_presets"},
+}
 
 
 def main(arguments: list[str]) -> None:

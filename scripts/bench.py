@@ -61,8 +61,11 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     modules = {name: importlib.import_module(f"benchmarks.{name}") for name in benchmarks.NAMES}
     for name, text in [*((name, module.HELP) for name, module in modules.items()), ("all", "all of them")]:
         # For ``all``: benchmarks that share an option get it from the same function.
+        text = text.replace("%", "%%")  # argparse formats it
         command = subcommands.add_parser(name, help=text, description=text, conflict_handler="resolve")
-        command.add_argument("--json", action="store_true", help="print one JSON object: command, summary, rows, machine")
+        command.add_argument(
+            "--json", action="store_true", help="print one JSON object: command, summary, rows, machine"
+        )
         command.add_argument(
             "--quick", action="store_true", help="fewer repeats and samples: only to see that it works"
         )
@@ -119,8 +122,12 @@ def main(arguments: list[str]) -> int:
             stream.write(f"{', '.join(f'{name} {value}' for name, value in before.items())}\n\n{table(rows)}\n\n")
             for name, value in summary.items():
                 stream.write(f"{name}: {cell(value)}\n")
-    said = [sentence for module in options.modules.values() if hasattr(module, "complaints")
-            for sentence in module.complaints(rows)]
+    said = [
+        sentence
+        for module in options.modules.values()
+        if hasattr(module, "complaints")
+        for sentence in module.complaints(rows)
+    ]
     for sentence in said:
         print(sentence, file=sys.stderr)
     return 1 if said else 0

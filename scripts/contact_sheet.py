@@ -22,8 +22,8 @@ from sdf_lights.render.material import Material, Node  # noqa: E402
 from sdf_lights.render.scene import Camera, Instance, Lamp, Mesh, Scene  # noqa: E402
 from sdf_lights.render.settings import Settings  # noqa: E402
 from sdf_lights.sdf.emission import Emission  # noqa: E402
-from sdf_lights.sdf.expression import Expression  # noqa: E402
 from sdf_lights.sdf.examples import examples  # noqa: E402
+from sdf_lights.sdf.expression import Expression  # noqa: E402
 from sdf_lights.sdf.shapes import SHAPES, Shape  # noqa: E402
 
 CAPTION = 18  # pixels under each picture
@@ -37,7 +37,9 @@ BRIGHTNESS = 1.2  # radiance of the lamp along its mean chord
 def sheets() -> dict[str, list[tuple[str, Shape]]]:
     """What each sheet shows: name -> captions and shapes."""
     alone = {name: kind() for name, kind in SHAPES.items() if not _needs_parts(kind) and kind.bounded}
-    fractal = {name: shape for name, shape in alone.items() if type(shape).__module__.endswith((".fractals", ".orbits"))}
+    fractal = {
+        name: shape for name, shape in alone.items() if type(shape).__module__.endswith((".fractals", ".orbits"))
+    }
     return {
         "shapes": [(name, shape) for name, shape in alone.items() if name not in fractal],
         "fractals": list(fractal.items()),
@@ -92,9 +94,15 @@ def picture(shape: Shape, color, width: int, height: int, samples: int, emission
     matrix = _placed(shape)
     ground = Material("Ground", Node("diffuse", {"color": (0.42, 0.42, 0.44)}))
     scene = Scene(
-        _camera(width / height), width, height, meshes=[_ground()], instances=[Instance(0, np.eye(4), (0,))],
-        materials=[ground], lamps=[Lamp("Lamp", shape, matrix, density=1.0, color=color, emission=emission)],
-        settings=Settings(samples=samples, noise_threshold=0.0, max_bounces=2, denoise=True))
+        _camera(width / height),
+        width,
+        height,
+        meshes=[_ground()],
+        instances=[Instance(0, np.eye(4), (0,))],
+        materials=[ground],
+        lamps=[Lamp("Lamp", shape, matrix, density=1.0, color=color, emission=emission)],
+        settings=Settings(samples=samples, noise_threshold=0.0, max_bounces=2, denoise=True),
+    )
     film = session.render(scene, ("Combined",))
     for warning in scene.warnings:
         print(f"  {warning}", file=sys.stderr)
@@ -102,16 +110,22 @@ def picture(shape: Shape, color, width: int, height: int, samples: int, emission
     # The exposure that an artist would choose: the body of the lamp just saturates.
     lit = light.max(axis=2)
     light *= BRIGHTNESS / max(float(np.quantile(lit, 0.97)), 1e-9)
-    light = 1.0 - np.exp(-light)
+    return srgb(1.0 - np.exp(-light))
+
+
+def srgb(light: np.ndarray) -> np.ndarray:
+    """Display values of scene-linear ones in [0, 1]."""
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
 
 
-def _caption(text: str, width: int) -> np.ndarray:
+def caption(text: str, width: int) -> np.ndarray:
+    """A line of text for below a picture of that width, (CAPTION, width, 3) display values."""
     buffer = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(width, CAPTION, 3, OpenImageIO.FLOAT))
     OpenImageIO.ImageBufAlgo.fill(buffer, (0.09, 0.09, 0.10))
     size = next((size for size in range(12, 7, -1) if _width(text, size) < width), 7)
     OpenImageIO.ImageBufAlgo.render_text(
-        buffer, width // 2, CAPTION - 6, text, size, "", (0.85, 0.85, 0.85), alignx="center", aligny="baseline")
+        buffer, width // 2, CAPTION - 6, text, size, "", (0.85, 0.85, 0.85), alignx="center", aligny="baseline"
+    )
     return buffer.get_pixels(OpenImageIO.FLOAT)
 
 
@@ -121,11 +135,11 @@ def _width(text: str, size: int) -> int:
     return region.xend - region.xbegin
 
 
-def _sheet(cells: list[np.ndarray], columns: int) -> np.ndarray:
+def sheet(cells: list[np.ndarray], columns: int) -> np.ndarray:
     """One picture of all cells, in rows of at most ``columns``, as even as they can be."""
     columns = -(-len(cells) // -(-len(cells) // columns))
     cells = cells + [np.full_like(cells[0], 0.09)] * (-len(cells) % columns)
-    rows = [np.concatenate(cells[i:i + columns], axis=1) for i in range(0, len(cells), columns)]
+    rows = [np.concatenate(cells[i : i + columns], axis=1) for i in range(0, len(cells), columns)]
     return np.concatenate(rows, axis=0)
 
 
@@ -152,12 +166,12 @@ def main(arguments: list[str]) -> None:
             parser.error(f"there is no sheet {name!r}: choose from {', '.join(known)}")
     for name in options.names or known:
         started, cells = time.perf_counter(), []
-        for index, (caption, shape) in enumerate(known[name]):
-            print(f"{name} {index + 1}/{len(known[name])}: {caption}", file=sys.stderr)
+        for index, (text, shape) in enumerate(known[name]):
+            print(f"{name} {index + 1}/{len(known[name])}: {text}", file=sys.stderr)
             image = picture(shape, PALETTE[index % len(PALETTE)], options.size, options.size * 7 // 8, options.samples)
-            cells.append(np.concatenate([image, _caption(caption.replace("_", " "), options.size)]))
+            cells.append(np.concatenate([image, caption(text.replace("_", " "), options.size)]))
         path = options.out / f"{name}.png"
-        write(path, _sheet(cells, options.columns))
+        write(path, sheet(cells, options.columns))
         print(f"{path} ({len(cells)} lamps, {time.perf_counter() - started:.0f} s)")
 
 

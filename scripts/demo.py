@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import os
 import pathlib
 import re
 import subprocess
@@ -14,9 +15,8 @@ import tempfile
 import time
 
 import bpy
-import OpenImageIO
-
 import host
+import OpenImageIO
 
 DEMO_SCENE = host.REPOSITORY / "scripts" / "demo_scene.py"
 SCENERY = host.REPOSITORY / "scripts" / "scenery"
@@ -83,6 +83,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     )
     parser.add_argument("--denoise", action=argparse.BooleanOptionalAction, help="remove the noise that is left")
     parser.add_argument("--device", choices=["automatic", "cpu", "reference"], help="what computes the picture")
+    parser.add_argument("--strict", action="store_true", help="fail where something is not rendered as the scene says")
     parser.add_argument(
         "--out",
         type=pathlib.Path,
@@ -266,6 +267,8 @@ def main(arguments: list[str]) -> int:
         except OSError as error:
             raise Failure(f"demo: {out.parent} cannot be made: {error.strerror}.", 2) from None
         host.register_extension()
+        if options.strict:
+            os.environ["SDF_LIGHTS_STRICT"] = "1"
         scene = open_scene(options)
         progress, seconds = render(scene)
         paths = write(scene, out)

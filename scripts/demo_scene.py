@@ -16,9 +16,8 @@ import random
 import sys
 
 import bpy
-from mathutils import Euler, Vector
-
 import host
+from mathutils import Euler, Vector
 from scenery import textures
 from scenery.materials import Graph, image, principled
 from scenery.modelling import add, box, leaf, plane, rod, smooth_profile, turned

@@ -12,19 +12,20 @@ REPOSITORY = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts"), str(REPOSITORY / "sdf_lights" / "blender")]
 
 import contact_sheet  # noqa: E402
-
 from presets import presets  # noqa: E402  (the package around it needs Blender)
+
 from sdf_lights.sdf import emission_presets  # noqa: E402
+from sdf_lights.sdf.builtin_colors import blackbody  # noqa: E402
 from sdf_lights.sdf.emission import Emission, EmissionExpression  # noqa: E402
 from sdf_lights.sdf.expression import evaluate  # noqa: E402
-from sdf_lights.sdf.words_of_colours import blackbody  # noqa: E402
 
 
 def preset_emission(preset) -> Emission:
     known = emission_presets.presets().get(preset.emission)
     expression = EmissionExpression(known.text if known else preset.emission)
-    return expression.emission({name: tuple(value) if isinstance(value, list) else value
-                                for name, value in preset.emission_values.items()})
+    return expression.emission(
+        {name: tuple(value) if isinstance(value, list) else value for name, value in preset.emission_values.items()}
+    )
 
 
 def main(arguments: list[str]) -> None:
@@ -42,7 +43,8 @@ def main(arguments: list[str]) -> None:
         print(name, file=sys.stderr)
         color = blackbody(preset.temperature) if preset.temperature else preset.color
         image = contact_sheet.picture(
-            evaluate(preset.expression), color, options.size, options.size, options.samples, preset_emission(preset))
+            evaluate(preset.expression), color, options.size, options.size, options.samples, preset_emission(preset)
+        )
         contact_sheet.write(preset.picture, image)
 
 

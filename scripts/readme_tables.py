@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the README's tables of settings and passes from the program: run it after changing either.
+"""Writes the tables of the documents that say what is in the program: run it after changing settings, passes or what is
+taken over from Cycles.
 
 A test fails while they differ.
 """
@@ -11,9 +12,11 @@ import dataclasses
 import enum
 import pathlib
 import sys
+from collections.abc import Callable
+
+import host
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-README = REPOSITORY / "README.md"
 
 
 def settings_table() -> str:
@@ -21,6 +24,8 @@ def settings_table() -> str:
 
     lines = ["| `scene.sdf_lights.` | default | |", "|---|---|---|"]
     for field in dataclasses.fields(Settings):
+        if field.metadata["developer"]:
+            continue
         default = field.default.value if isinstance(field.default, enum.Enum) else field.default
         lines.append(f"| `{field.name}` | {default} | {field.metadata['description']} |")
     return "\n".join(lines)
@@ -34,18 +39,47 @@ def passes_table() -> str:
     return "\n".join(lines)
 
 
-def with_tables(text: str) -> str:
-    """The README ``text`` with every table between its two marks made anew."""
-    for name, table in (("settings", settings_table()), ("passes", passes_table())):
+def copied_table() -> str:
+    from sdf_lights.blender import cycles_table
+
+    return cycles_table.table()
+
+
+def rest_table() -> str:
+    from sdf_lights.blender import cycles_table
+
+    return cycles_table.rest()
+
+
+def nodes_table() -> str:
+    from sdf_lights.render.nodes import reference
+
+    return reference.markdown()
+
+
+# The tables of each document, by the names in their marks.
+TABLES: dict[pathlib.Path, dict[str, Callable[[], str]]] = {
+    REPOSITORY / "docs" / "settings.md": {"settings": settings_table, "passes": passes_table},
+    REPOSITORY / "docs" / "materials.md": {"nodes": nodes_table},
+    REPOSITORY / "docs" / "cycles.md": {"copied": copied_table, "rest": rest_table},
+}
+
+
+def with_tables(document: pathlib.Path) -> str:
+    """The text of a document with every table between its two marks made anew."""
+    text = document.read_text(encoding="utf-8")
+    for name, table in TABLES[document].items():
         start, end = f"<!-- {name}: made by scripts/readme_tables.py -->", f"<!-- end of {name} -->"
         before, mark, rest = text.partition(start)
         _, closing, after = rest.partition(end)
         if not (mark and closing):
-            raise ValueError(f"README.md lacks the marks of the table of {name}.")
-        text = f"{before}{start}\n{table}\n{end}{after}"
+            raise ValueError(f"{document.name} lacks the marks of the table of {name}.")
+        text = f"{before}{start}\n{table()}\n{end}{after}"
     return text
 
 
 if __name__ == "__main__":
     sys.path.insert(0, str(REPOSITORY))
-    README.write_text(with_tables(README.read_text(encoding="utf-8")), encoding="utf-8")
+    for path in TABLES:
+        path.write_text(with_tables(path), encoding="utf-8")
+    host.finish(0)

@@ -31,8 +31,12 @@ def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.P
                 if not plots.against_time(result, metric, path):
                     path.unlink(missing_ok=True)  # of other results
             bounces = {row["bounces"] for row in result.rows}
-            files = [(row["scene"], kept / f"{row['scene']} {count}.npz") for count in bounces
-                     for row in result.rows if "method" not in row]
+            files = [
+                (row["scene"], kept / f"{row['scene']} {count}.npz")
+                for count in bounces
+                for row in result.rows
+                if "method" not in row
+            ]
             methods = [page.OURS, page.PAPER, *page.PEERS]
         else:
             files = [(row["scene"], kept / f"{row['scene']}.npz") for row in result.rows if "competitor" in row]
@@ -50,11 +54,16 @@ def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.P
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="report", description="Write docs/report.md and its plots.")
     parser.add_argument(
-        "--run", nargs="*", choices=list(results.RUNS), metavar="RESULT",
-        help=f"measure these again first (default: all): {', '.join(results.RUNS)}")
+        "--run",
+        nargs="*",
+        choices=list(results.RUNS),
+        metavar="RESULT",
+        help=f"measure these again first (default: all): {', '.join(results.RUNS)}",
+    )
     parser.add_argument("--quick", action="store_true", help="measure as bench --quick does: only to see that it works")
     parser.add_argument(
-        "--to", type=pathlib.Path, metavar="FOLDER", help="keep results, plots and the page there, instead of in docs")
+        "--to", type=pathlib.Path, metavar="FOLDER", help="keep results, plots and the page there, instead of in docs"
+    )
     options = parser.parse_args(arguments)
     if options.quick and not options.to:
         parser.error("--quick needs --to: docs/report.md is for what was measured in full")
@@ -78,8 +87,10 @@ def main(arguments: list[str]) -> int:
         print(f"Images of other results: {', '.join(others)}.", file=sys.stderr)
     missing = [name for name in results.RUNS if name not in found]
     if missing:
-        print(f"Without results: {', '.join(missing)}. ./scripts/report --run {' '.join(missing)} measures them.",
-              file=sys.stderr)
+        print(
+            f"Without results: {', '.join(missing)}. ./scripts/report --run {' '.join(missing)} measures them.",
+            file=sys.stderr,
+        )
     if failed:
         print(f"Failed: {', '.join(failed)}.", file=sys.stderr)
     return 1 if failed else 0

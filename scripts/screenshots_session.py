@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What artist_screenshots runs in a Blender with a window: scenes for the documents, and a picture of each.
 
-    blender --factory-startup --enable-event-simulate --python screenshots_session.py -- REPORT.json FOLDER
+blender --factory-startup --enable-event-simulate --python screenshots_session.py -- REPORT.json FOLDER
 """
 
 import pathlib
@@ -14,17 +14,18 @@ from mathutils import Euler
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
+from window import ARGUMENTS, areas, inside, move, override, picture, region_of, run, until  # noqa: E402
+
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender import viewport  # noqa: E402
 from sdf_lights.blender.viewport import rendered  # noqa: E402
-from window import ARGUMENTS, areas, inside, move, override, picture, region_of, run, until  # noqa: E402
 
 FOLDER = ARGUMENTS[1]
 
 
 def is_drawn():
     """Whether all lamps are drawn as they are."""
-    return not viewport._overlay.finder.busy and not any(viewport._overlay._labels.values())
+    return not viewport.drawn.overlay.finder.busy and not any(viewport.drawn.overlay._labels.values())
 
 
 def is_rendered():

@@ -15,8 +15,14 @@ class SessionError(Exception):
     """What went wrong in a session, with all that Blender printed."""
 
 
-def seen_by(command: list[str], session: pathlib.Path, folder: pathlib.Path, *arguments: str,
-            size: tuple[int, int] = (1240, 960), real_keys: bool = False) -> dict:
+def seen_by(
+    command: list[str],
+    session: pathlib.Path,
+    folder: pathlib.Path,
+    *arguments: str,
+    size: tuple[int, int] = (1240, 960),
+    real_keys: bool = False,
+) -> dict:
     """The report of a session, with the exit ``code`` of Blender and what it ``printed``.
 
     ``command`` opens a Blender with a window, which gets this ``size`` in pixels. The session's arguments are the path of
@@ -26,9 +32,25 @@ def seen_by(command: list[str], session: pathlib.Path, folder: pathlib.Path, *ar
     path = folder / "report.json"
     events = [] if real_keys else ["--enable-event-simulate"]
     done = subprocess.run(
-        [*command, "--factory-startup", *events, "--window-geometry", "0", "0", *map(str, size),
-         "--python", str(session), "--", str(path), *arguments],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE)
+        [
+            *command,
+            "--factory-startup",
+            *events,
+            "--window-geometry",
+            "0",
+            "0",
+            *map(str, size),
+            "--python",
+            str(session),
+            "--",
+            str(path),
+            *arguments,
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=PATIENCE,
+    )
     if not path.is_file():
         raise SessionError(f"Blender ended with code {done.returncode}:\n{done.stdout}")
     report = json.loads(path.read_text(encoding="utf-8"))

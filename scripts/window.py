@@ -37,7 +37,7 @@ KEYS |= dict(zip("0123456789", "ZERO ONE TWO THREE FOUR FIVE SIX SEVEN EIGHT NIN
 
 Place = tuple[float, float]
 
-ARGUMENTS = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+ARGUMENTS = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 report: dict = {}
 
 
@@ -142,8 +142,9 @@ def typed(place: Place, text: str) -> None:
         event(key, "RELEASE", place)
 
 
-def drag(start: Place, end: Place, button: str = "LEFTMOUSE", steps: int = 6,
-         after: Callable[[], object] = lambda: None):
+def drag(
+    start: Place, end: Place, button: str = "LEFTMOUSE", steps: int = 6, after: Callable[[], object] = lambda: None
+):
     """Steps: a button of the mouse down at ``start``, moved, ``after()`` each move, and let go at ``end``."""
     move(start)
     yield
@@ -221,6 +222,19 @@ def picture(folder: str | None, name: str, crop: bpy.types.Area | None = None) -
     whole = window()
     part, x, y = (crop, crop.x, crop.y) if crop is not None else (whole, 0, 0)
     subprocess.run(
-        ["import", "-window", "root", "-gravity", "SouthWest", "-crop",
-         f"{part.width}x{part.height}+{whole.x + x}+{whole.y + y}", "+repage", "-strip", "-define",
-         "png:compression-level=9", str(pathlib.Path(folder) / f"{name}.png")], check=True)
+        [
+            "import",
+            "-window",
+            "root",
+            "-gravity",
+            "SouthWest",
+            "-crop",
+            f"{part.width}x{part.height}+{whole.x + x}+{whole.y + y}",
+            "+repage",
+            "-strip",
+            "-define",
+            "png:compression-level=9",
+            str(pathlib.Path(folder) / f"{name}.png"),
+        ],
+        check=True,
+    )

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numba as this project uses it: one decorator, one cache folder, arrays and functions reached by address.
 
-The lowest layer: it imports nothing of the package. Where Numba cannot be imported, ``AVAILABLE`` is False,
+The lowest layer, on which all kernels stand. Where Numba cannot be imported, ``AVAILABLE`` is False,
 ``REASON`` says why in one sentence, and ``kernel`` leaves a function as it is (plain, slow Python), so that every
 module still imports and the NumPy reference can take over.
 """
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import inspect
 import itertools
 import os
 import pathlib
@@ -19,16 +20,38 @@ import tempfile
 
 import numpy as np
 
+from .replaced import replaced_on_gpu
+
 try:
     import numba
+    from llvmlite import binding as llvm
     from llvmlite import ir
     from numba import types
     from numba.core import cgutils
     from numba.core.caching import FunctionCache
+    from numba.core.ccallback import CFunc
     from numba.core.codegen import JITCodeLibrary
     from numba.core.compiler import Compiler
+    from numba.core.compiler_machinery import PassManager
     from numba.core.registry import CPUDispatcher
     from numba.core.runtime import rtsys
+    from numba.core.typed_passes import (
+        AnnotateTypes,
+        IRLegalization,
+        NativeLowering,
+        NoPythonBackend,
+        NopythonRewrites,
+        NopythonTypeInference,
+        PreLowerStripPhis,
+    )
+    from numba.core.untyped_passes import (
+        DeadBranchPrune,
+        FixupArgs,
+        GenericRewrites,
+        IRProcessing,
+        ReconstructSSA,
+        TranslateByteCode,
+    )
     from numba.extending import intrinsic
     from numba.np.arrayobj import populate_array
     from numba.np.numpy_support import from_dtype
@@ -44,7 +67,7 @@ FASTMATH = {"contract", "reassoc", "arcp", "nsz"}
 _IMPORT = re.compile(r"^\s*from (\.+|sdf_lights\b)([\w.]*) import (\([^)]*\)|[^\n#]+)", re.MULTILINE)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
     """Source files of the package that the source file ``path`` imports directly."""
     found = set()
@@ -59,7 +82,7 @@ def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
     return frozenset(found)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def source_hash(path: pathlib.Path) -> str:
     """Hash of a kernel source file and all it imports from the package, of the package's name, Numba and NumPy.
 
@@ -87,7 +110,7 @@ def cache_folder() -> pathlib.Path:
     return pathlib.Path(base) / "sdf_lights"
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def _writable_cache() -> pathlib.Path:
     folder = cache_folder()
     try:
@@ -121,32 +144,101 @@ if AVAILABLE:
         def set_env(self, name, environment):
             pass
 
-    class _Part(JITCodeLibrary):
+    class _Library(JITCodeLibrary):
+        """Code of kernels: each function is made smaller by itself before it is linked."""
+
+        def _optimize_functions(self, ll_module):
+            """As Numba's own, which makes a pass manager for each function, and for those that are only declared."""
+            ll_module.data_layout = self._codegen._data_layout
+            manager, builder = self._codegen._function_pass_manager()
+            for function in ll_module.functions:
+                if not function.is_declaration:
+                    manager.run(function, builder)
+
+    class _Part(_Library):
         """Code of a kernel that other kernels call: intermediate code, to be linked into an entry.
 
-        Numba would optimise each function together with all it calls, and emit it, at every level of the call tree:
+        Numba would link each function with all it calls, optimise and emit that, at every level of the call tree:
         for a path tracer that is most of the time spent on compiling. Here that happens once, in the entry.
         """
+
+        # Not its class, as kernels of another copy of this module may be linked in.
+        only_linked = True
 
         @property
         def codegen(self):
             return _WithoutEnvironment(self._codegen)
 
-        def _optimize_final_module(self):
-            pass
-
-        def _finalize_final_module(self):
+        def finalize(self):
+            self._raise_if_finalized()
             self._finalize_dynamic_globals()
             self._finalized = True
+
+        def _get_module_for_linking(self):
+            for function in self._final_module.functions:
+                if not function.is_declaration and function.linkage == llvm.Linkage.external:
+                    function.linkage = "linkonce_odr"  # several entries may have it
+            return self._final_module
 
         def get_pointer_to_function(self, name):
             self._ensure_finalized()
             return 0
 
-    class _PartCompiler(Compiler):
+    class _Entry(_Library):
+        """Code of a kernel that is called from outside, with all the parts that it reaches."""
+
+        def finalize(self):
+            reached, pending = dict.fromkeys(self._linking_libraries), list(self._linking_libraries)
+            while pending:
+                library = pending.pop()
+                if getattr(library, "only_linked", False):
+                    found = [other for other in library._linking_libraries if other not in reached]
+                    reached |= dict.fromkeys(found)
+                    pending += found
+            self._linking_libraries = list(reached)
+            super().finalize()
+
+    class _Compiler(Compiler):
+        """Numba without the passes for closures, comprehensions and ``with``, which kernels do not have."""
+
+        def define_pipelines(self):
+            passes = PassManager("kernel")
+            for one in (
+                TranslateByteCode,
+                FixupArgs,
+                IRProcessing,
+                DeadBranchPrune,
+                GenericRewrites,
+                ReconstructSSA,
+                NopythonTypeInference,
+                PreLowerStripPhis,
+                NopythonRewrites,
+                IRLegalization,
+                AnnotateTypes,
+                NativeLowering,
+                NoPythonBackend,
+            ):
+                passes.add_pass(one, one.__name__)
+            passes.finalize()
+            return [passes]
+
+    class _PartCompiler(_Compiler):
         def __init__(self, typing_context, target_context, library, *arguments):
             library = library or _Part(target_context.codegen(), f"kernel{next(_numbers)}")
             super().__init__(typing_context, target_context, library, *arguments)
+
+    class _EntryCompiler(_Compiler):
+        def __init__(self, typing_context, target_context, library, *arguments):
+            if library is None:
+                library = _Entry(target_context.codegen(), f"entry{next(_numbers)}")
+                library.enable_object_caching()
+            super().__init__(typing_context, target_context, library, *arguments)
+
+    class _PartDispatcher(CPUDispatcher):
+        """A kernel that is called with a constant is the one that is called with a variable."""
+
+        def get_call_template(self, args, kws):
+            return super().get_call_template(tuple(map(types.unliteral, args)), kws)
 
     class _Kernel:
         """What ``kernel`` returns. Kernels link it in; a call from Python compiles it once more as an entry, which is
@@ -167,8 +259,9 @@ if AVAILABLE:
         def _numba_type_(self):
             """Numba asks for this where another kernel calls this one: never, where all entries come from the cache."""
             settings = {name: value for name, value in self._settings.items() if name != "cache"}
-            part = CPUDispatcher(
-                self.__wrapped__, targetoptions={**settings, "no_cpython_wrapper": True}, pipeline_class=_PartCompiler)
+            part = _PartDispatcher(
+                self.__wrapped__, targetoptions={**settings, "no_cpython_wrapper": True}, pipeline_class=_PartCompiler
+            )
             _PARTS.append(part)
             return types.Dispatcher(part)
 
@@ -183,10 +276,16 @@ if AVAILABLE:
             with self._guard_against_spurious_io_errors():
                 return self._load_overload(signature, target)
 
+    class _PartCache(_Cache):
+        """Of a function whose folder says all that it depends on: what it closes over cannot be hashed."""
+
+        def _index_key(self, signature, codegen):
+            return signature, codegen.magic_tuple(), ""
+
     def _entry(function, options: dict):
         options = dict(options)
         cached = options.pop("cache")
-        dispatcher = CPUDispatcher(py_func=function, targetoptions=options)
+        dispatcher = CPUDispatcher(py_func=function, targetoptions=options, pipeline_class=_EntryCompiler)
         if cached:
             # Numba reads this process-wide setting when caching is enabled; other add-ons keep theirs.
             previous = numba.config.CACHE_DIR
@@ -206,8 +305,14 @@ if AVAILABLE:
         if function is None:
             return lambda function: kernel(function, **options)
         settings = dict(
-            nopython=True, boundscheck=None, nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH,
-            no_cfunc_wrapper=True)
+            nopython=True,
+            boundscheck=None,
+            nogil=True,
+            cache=True,
+            error_model="numpy",
+            fastmath=FASTMATH,
+            no_cfunc_wrapper=True,
+        )
         settings.update(options)
         return _Kernel(function, settings)
 
@@ -217,9 +322,13 @@ if AVAILABLE:
 
         def codegen(context, builder, signature, arguments):
             function = builder.inttoptr(arguments[0], ir.FunctionType(ir.VoidType(), kinds).as_pointer())
-            builder.call(function, [
-                builder.inttoptr(value, kind) if isinstance(kind, ir.PointerType) else value
-                for kind, value in zip(kinds, arguments[1:])])
+            builder.call(
+                function,
+                [
+                    builder.inttoptr(value, kind) if isinstance(kind, ir.PointerType) else value
+                    for kind, value in zip(kinds, arguments[1:])
+                ],
+            )
             return context.get_dummy_value()
 
         return lambda typingctx, *arguments: (signature, codegen)
@@ -231,9 +340,202 @@ if AVAILABLE:
 
     @intrinsic
     def call_field(typingctx, address, count, points, parameters, values):
-        """Call a compiled formula (see ``sdf.read_native.Compiled``) at an address; all arguments are integers."""
+        """Call a compiled formula (see ``sdf.codegen_native.Compiled``) at an address; all arguments are integers."""
         return _caller([ir.IntType(64)] + [cgutils.voidptr_t] * 3)(typingctx)
 
+    @intrinsic
+    def call_surface_code(typingctx, address, block, workspace, surface, parameters, values):
+        """Call code of ``graph.codegen_native.compiled_at_surface`` at an address; all arguments are integers."""
+        return _caller([ir.IntType(64)] * 3 + [cgutils.voidptr_t] * 2)(typingctx)
+
+    @intrinsic(prefer_literal=True)
+    def call_part(typingctx, address, block, workspace, given, count):
+        """Call a ``CallablePart`` at an address for a block and a workspace with a tuple of numbers; a tuple of a literal
+        ``count`` of its results."""
+        kind = types.UniTuple(types.float64, count.literal_value)
+
+        def codegen(context, builder, signature, arguments):
+            word, double = ir.IntType(64), ir.DoubleType()
+            numbers = cgutils.alloca_once(builder, double, size=ir.Constant(word, max(len(given), 1)))
+            results = cgutils.alloca_once(builder, double, size=ir.Constant(word, count.literal_value))
+            for index, number in enumerate(given):
+                value = context.cast(builder, builder.extract_value(arguments[3], index), number, types.float64)
+                builder.store(value, builder.gep(numbers, [ir.Constant(word, index)]))
+            function = builder.inttoptr(arguments[0], ir.FunctionType(ir.VoidType(), [word] * 4).as_pointer())
+            builder.call(function, [builder.ptrtoint(pointer, word) for pointer in (*arguments[1:3], numbers, results)])
+            return context.make_tuple(
+                builder,
+                kind,
+                [
+                    builder.load(builder.gep(results, [ir.Constant(word, index)]))
+                    for index in range(count.literal_value)
+                ],
+            )
+
+        return kind(address, block, workspace, given, count), codegen
+
+    @intrinsic
+    def address_of_record(typingctx, record):
+        """Address of a record, as an integer."""
+
+        def codegen(context, builder, signature, arguments):
+            return builder.ptrtoint(arguments[0], context.get_value_type(types.int64))
+
+        return types.int64(record), codegen
+
+    def _record_at(dtype):
+        """Intrinsic that gives the record of ``dtype`` at an address."""
+        record = from_dtype(np.dtype(dtype))
+
+        @intrinsic
+        def view(typingctx, address):
+            def codegen(context, builder, signature, arguments):
+                return builder.inttoptr(arguments[0], context.get_value_type(record))
+
+            return record(address), codegen
+
+        return view
+
+    @intrinsic(prefer_literal=True)
+    def _load_numbers(typingctx, address, count):
+        """A tuple of a literal ``count`` of doubles at an address."""
+        kind = types.UniTuple(types.float64, count.literal_value)
+
+        def codegen(context, builder, signature, arguments):
+            start = builder.inttoptr(arguments[0], ir.DoubleType().as_pointer())
+            return context.make_tuple(
+                builder,
+                kind,
+                [
+                    builder.load(builder.gep(start, [ir.Constant(ir.IntType(64), index)]))
+                    for index in range(count.literal_value)
+                ],
+            )
+
+        return kind(types.int64, count), codegen
+
+    @intrinsic
+    def _store_numbers(typingctx, address, numbers):
+        """Write a number, or each of a tuple, as doubles at an address."""
+        kinds = list(numbers) if isinstance(numbers, types.BaseTuple) else [numbers]
+
+        def codegen(context, builder, signature, arguments):
+            start = builder.inttoptr(arguments[0], ir.DoubleType().as_pointer())
+            for index, kind in enumerate(kinds):
+                number = arguments[1]
+                if isinstance(numbers, types.BaseTuple):
+                    number = builder.extract_value(number, index)
+                number = context.cast(builder, number, kind, types.float64)
+                builder.store(number, builder.gep(start, [ir.Constant(ir.IntType(64), index)]))
+            return context.get_dummy_value()
+
+        return types.void(address, numbers), codegen
+
+    class CallablePart:
+        """A kernel as a C function ``void f(int64 block, int64 workspace, int64 operands, int64 results)``, which code
+        that formulas are compiled to calls, and other kernels (``call_part``): compiled when it is first asked for, and
+        cached on disk."""
+
+        def __init__(self, kernel, static: tuple[int, ...], operands: int, records: tuple | None):
+            """``records``: types of the block and the workspace, where the kernel wants them."""
+            function = _called(kernel, static, operands, records)
+            settings = dict(nopython=True, boundscheck=None, nogil=True, error_model="numpy", fastmath=FASTMATH)
+            self._compiled = CFunc(
+                function, ((types.int64,) * 4, types.void), {}, settings, pipeline_class=_EntryCompiler
+            )
+            previous = numba.config.CACHE_DIR
+            source = pathlib.Path(kernel.__wrapped__.__code__.co_filename).resolve()
+            # Modules that reach the same sources have the same folder, and may have kernels of the same name.
+            key = [kernel.__wrapped__.__module__, kernel.__wrapped__.__name__, *static, operands]
+            if records is not None:  # their fields may change where the kernel's sources do not
+                layouts = "".join(str(from_dtype(np.dtype(record))) for record in records)
+                key.append(hashlib.sha256(layouts.encode()).hexdigest()[:16])
+            numba.config.CACHE_DIR = str(_writable_cache() / source_hash(source) / "-".join(map(str, key)))
+            try:
+                self._compiled._cache = _PartCache(function)
+            finally:
+                numba.config.CACHE_DIR = previous
+            self._compiled.compile()
+            self.address = self._compiled.address
+
+        def fill(self, operands: np.ndarray, results: np.ndarray) -> None:
+            """Results (n, count) for operands (n, count), both float64 and contiguous, of a kernel without records."""
+            strides = operands.strides[0], results.strides[0]
+            _call_each(self.address, len(results), operands.ctypes.data, strides[0], results.ctypes.data, strides[1])
+
+    @intrinsic
+    def _call_part(typingctx, address, operands, results):
+        """Call a ``CallablePart`` that needs no records; all arguments are integers."""
+        signature, codegen = _caller([ir.IntType(64)] * 4)(typingctx)
+
+        def without_records(context, builder, _, arguments):
+            nothing = ir.Constant(ir.IntType(64), 0)
+            return codegen(context, builder, signature, (arguments[0], nothing, nothing, *arguments[1:]))
+
+        return types.void(*[types.int64] * 3), without_records
+
+    @kernel
+    def _call_each(address, count, operands, operand_stride, results, result_stride):
+        for index in range(count):
+            _call_part(address, operands + index * operand_stride, results + index * result_stride)
+
+    def _called(kernel, static: tuple[int, ...], operands: int, records: tuple | None):
+        if records is None:
+            if operands == 0:
+
+                def function(block, workspace, given, results):
+                    _store_numbers(results, kernel(*static))
+            elif static:
+
+                def function(block, workspace, given, results):
+                    _store_numbers(results, kernel(*(static + _load_numbers(given, operands))))
+            else:
+
+                def function(block, workspace, given, results):
+                    _store_numbers(results, kernel(*_load_numbers(given, operands)))
+
+            return function
+        block_at, workspace_at = (_record_at(record) for record in records)
+        if operands == 0:
+
+            def function(block, workspace, given, results):
+                _store_numbers(results, kernel(block_at(block), workspace_at(workspace), *static))
+        elif static:
+
+            def function(block, workspace, given, results):
+                _store_numbers(
+                    results,
+                    kernel(block_at(block), workspace_at(workspace), *(static + _load_numbers(given, operands))),
+                )
+        else:
+
+            def function(block, workspace, given, results):
+                _store_numbers(
+                    results, kernel(block_at(block), workspace_at(workspace), *_load_numbers(given, operands))
+                )
+
+        return function
+
+    @intrinsic
+    def float_of_bits(typingctx, bits):
+        """The double whose bits are those of an integer."""
+
+        def codegen(context, builder, signature, arguments):
+            return builder.bitcast(arguments[0], ir.DoubleType())
+
+        return types.float64(types.int64), codegen
+
+    @replaced_on_gpu
+    @intrinsic
+    def float_bits(typingctx, number):
+        """The bits of a number in single precision, as uint32."""
+
+        def codegen(context, builder, signature, arguments):
+            return builder.bitcast(builder.fptrunc(arguments[0], ir.FloatType()), ir.IntType(32))
+
+        return types.uint32(types.float64), codegen
+
+    @replaced_on_gpu
     @intrinsic(prefer_literal=True)
     def stack_array(typingctx, count):
         """Uninitialised float64 array of a literal ``count`` elements on the stack, gone when the function returns."""
@@ -246,8 +548,14 @@ if AVAILABLE:
             data = cgutils.alloca_once(builder, element, size=ir.Constant(ir.IntType(64), size))
             data.align = 64
             itemsize = context.get_constant(types.intp, 8)
-            populate_array(array, data=data, shape=[context.get_constant(types.intp, size)], strides=[itemsize],
-                           itemsize=itemsize, meminfo=None)
+            populate_array(
+                array,
+                data=data,
+                shape=[context.get_constant(types.intp, size)],
+                strides=[itemsize],
+                itemsize=itemsize,
+                meminfo=None,
+            )
             return array._getvalue()
 
         return array_type(count), codegen
@@ -256,6 +564,27 @@ else:
 
     def kernel(function=None, **options):
         return function if function is not None else (lambda function: function)
+
+    def float_bits(number):
+        return int(np.float32(number).view(np.uint32))
+
+    def float_of_bits(bits):
+        return float(np.int64(bits).view(np.float64))
+
+    # Kernels that call machine code import these; nothing can call such kernels then.
+    call_address3 = call_field = call_surface_code = call_part = address_of_record = stack_array = CallablePart = None
+
+
+def specialised(function, name: str, **names):
+    """A copy of a kernel under another ``name``, in which some global ``names`` of its module have other values.
+
+    Kernels, or whole numbers that are known then when it is compiled: branches that they rule out cost nothing. A
+    kernel as an argument would do the same, but such code cannot be cached.
+    """
+    python = inspect.unwrap(function)
+    copy = type(python)(python.__code__, {**python.__globals__, **names}, name, python.__defaults__)
+    copy.__module__, copy.__qualname__, copy.__doc__ = python.__module__, name, python.__doc__
+    return kernel(copy, **function._settings) if AVAILABLE else copy
 
 
 def table(name: str, dtype):

@@ -11,11 +11,13 @@ ZERO = (0.0, 0.0, 0.0)
 
 @kernel
 def add(a, b):
+    """a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 @kernel
 def sub(a, b):
+    """a − b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
@@ -27,6 +29,7 @@ def mul(a, b):
 
 @kernel
 def scale(a, s):
+    """a times the number s."""
     return (a[0] * s, a[1] * s, a[2] * s)
 
 
@@ -38,21 +41,25 @@ def madd(a, s, b):
 
 @kernel
 def negate(a):
+    """−a."""
     return (-a[0], -a[1], -a[2])
 
 
 @kernel
 def dot(a, b):
+    """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
 def cross(a, b):
+    """Vector product a × b, right-handed."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @kernel
 def length(a):
+    """Euclidean length |a|."""
     return math.sqrt(dot(a, a))
 
 
@@ -67,16 +74,19 @@ def normalize(a):
 
 @kernel
 def lerp(a, b, t):
+    """From a (t = 0) to b (t = 1), linearly; t may lie outside of [0, 1]."""
     return (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]))
 
 
 @kernel
 def largest(a):
+    """The largest component."""
     return max(a[0], a[1], a[2])
 
 
 @kernel
 def average(a):
+    """Mean of the components."""
     return (a[0] + a[1] + a[2]) * (1.0 / 3.0)
 
 
@@ -142,6 +152,7 @@ def transform_point(m, p):
 
 @kernel
 def transform_vector(m, v):
+    """Upper 3 × 3 of the array m applied to a vector: transforms a direction, without translation."""
     return (
         m[0, 0] * v[0] + m[0, 1] * v[1] + m[0, 2] * v[2],
         m[1, 0] * v[0] + m[1, 1] * v[1] + m[1, 2] * v[2],

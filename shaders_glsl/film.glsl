@@ -114,7 +114,7 @@ void main()
             path_clear_sample();
             integrator_start_path(x, y);
         }
-        fresh = integrator_advance(false) != GOES_ON || !integrator_expects();
+        fresh = integrator_advance(false) != GOES_ON || !integrator_prepare_ray();
         if (fresh) {
             add_sample(index);
             index++;

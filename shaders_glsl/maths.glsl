@@ -23,9 +23,10 @@ float copy_sign(float size, float sign_of)
 
 bool is_finite(float a) { return abs(a) < INFINITE; }
 
-// a modulo b as Python has it: of the sign of b.
+// a modulo b as Python has it: of the sign of b. What % gives for negative numbers is left to drivers.
 int modulo(int a, int b)
 {
-    int rest = a % b;
-    return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
+    int size = abs(b), whole = b < 0 ? -a : a;
+    int rest = whole >= 0 ? whole % size : size - 1 - (-1 - whole) % size;
+    return b < 0 ? -rest : rest;
 }

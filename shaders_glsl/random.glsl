@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// The sampling pattern of sdf_lights/render/cpu/sampler.py, bit for bit but for the rounding to float: see there.
+// The sampling pattern of sdf_lights/render/kernels/sampler.py, bit for bit but for the rounding to float: see there.
 //
 // Before this file come the words of the scene, `scene.sobol_start` (of the tables of the third and fourth dimension) and
 // `scene.sobol_rows`.

@@ -15,8 +15,9 @@ RNG = np.random.default_rng(20)
 def exact_inverse(matrix: np.ndarray) -> np.ndarray:
     """Gauss and Jordan, in fractions."""
     size = len(matrix)
-    rows = [[Fraction(float(x)) for x in row] + [Fraction(int(i == j)) for j in range(size)]
-            for i, row in enumerate(matrix)]
+    rows = [
+        [Fraction(float(x)) for x in row] + [Fraction(int(i == j)) for j in range(size)] for i, row in enumerate(matrix)
+    ]
     for i in range(size):
         pivot = next(r for r in range(i, size) if rows[r][i] != 0)
         rows[i], rows[pivot] = rows[pivot], rows[i]
@@ -65,7 +66,9 @@ def test_scales_and_moves_are_undone_exactly():
 
 def test_stacks():
     linear = RNG.standard_normal((5, 4, 3, 3))
-    np.testing.assert_allclose(affine.inverse_linear(linear) @ linear, np.broadcast_to(np.eye(3), linear.shape), atol=1e-12)
+    np.testing.assert_allclose(
+        affine.inverse_linear(linear) @ linear, np.broadcast_to(np.eye(3), linear.shape), atol=1e-12
+    )
     assert affine.inverse_linear(linear[:0]).shape == (0, 4, 3, 3)
 
 

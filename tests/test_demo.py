@@ -93,6 +93,8 @@ scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_pe
 scene.sdf_lights.samples = 16
 scene.sdf_lights.filter, scene.sdf_lights.filter_width = "BOX", 1.0
 bpy.ops.wm.save_as_mainfile(filepath={str(tmp_path / "lamp.blend")!r})
+scene.render.use_motion_blur = True
+bpy.ops.wm.save_as_mainfile(filepath={str(tmp_path / "blurred.blend")!r})
 host.finish(0)
 """,
         encoding="utf-8",
@@ -112,6 +114,14 @@ host.finish(0)
     nearest = 6.0**2 * square / (1.0 + square)  # of each ray to the centre, squared
     assert colour[4:6, 9:11].mean() == pytest.approx(density * 2.0 * np.sqrt(1.0 - nearest).mean(), rel=0.005)
     assert colour[0, 0].max() == 0.0
+
+    # What is not rendered as the file says is told, and fails a strict render.
+    done = run(
+        "--scene", tmp_path / "blurred.blend", "--device", "reference", "--strict", "--out", tmp_path / "blurred"
+    )
+    assert done.returncode == 1 and not (tmp_path / "blurred.exr").exists()
+    assert "motion blur is not supported" in done.stdout + done.stderr
+    assert "1 thing is not rendered as the scene says" in done.stderr
 
 
 @pytest.mark.parametrize(

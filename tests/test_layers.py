@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who may import what, and what every source file starts with."""
+"""Who may import what, that no modules import each other in a circle, and what every source file starts with."""
 
 import ast
+import functools
 import pathlib
 import subprocess
 import sys
@@ -14,7 +15,7 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 PACKAGE = REPOSITORY / "sdf_lights"
 
 # Each layer may import itself and those before it. Modules directly in the package belong to the first layer.
-LAYERS = ("base", "sdf", "emitter", "render", "blender")
+LAYERS = ("base", "graph", "sdf", "emitter", "render", "blender")
 BLENDER_MODULES = {
     "bpy",
     "bpy_extras",
@@ -22,6 +23,7 @@ BLENDER_MODULES = {
     "gpu",
     "gpu_extras",
     "bl_ui",
+    "bl_operators",
     "bl_math",
     "blf",
     "bmesh",
@@ -32,7 +34,8 @@ BLENDER_MODULES = {
 # What a layer may use from outside: Python's own library aside.
 LIBRARIES = {
     "base": {"numpy", "numba", "llvmlite"},
-    "sdf": {"numpy", "numba", "llvmlite"},
+    "graph": {"numpy", "numba", "llvmlite"},
+    "sdf": {"numpy"},
     "emitter": {"numpy", "numba"},
     "render": {"numpy", "numba", "moderngl", "OpenImageIO"},
     "blender": {"numpy", "OpenImageIO"} | BLENDER_MODULES,
@@ -130,6 +133,141 @@ def test_everything_below_blender_imports_where_bpy_is_missing():
     """
     done = subprocess.run([sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
+
+
+# Folders beside the package, and what each may import of the others. ``scripts`` is on the import path itself.
+BESIDE = {
+    "support": {"sdf_lights", "support"},
+    "scripts": {"sdf_lights", "support", "scripts"},
+    "tests": {"sdf_lights", "support", "scripts", "tests"},
+}
+
+
+def module_of(path: pathlib.Path) -> str:
+    """Full name of a source file, with the folder that it is in first."""
+    parts = path.relative_to(REPOSITORY).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+ALL_SOURCES = SOURCES + sorted(path for folder in BESIDE for path in (REPOSITORY / folder).rglob("*.py"))
+MODULES = {module_of(path): path for path in ALL_SOURCES}
+
+
+def imported(path: pathlib.Path, source: str) -> set[str]:
+    """Modules of the repository that ``source`` imports, also inside functions."""
+    here = module_of(path).split(".")
+    package = here if path.name == "__init__.py" else here[:-1]
+    found = set()
+
+    def note(name: str) -> None:
+        candidates = (name, f"scripts.{name}") if package[0] in ("scripts", "tests") else (name,)
+        found.update(candidate for candidate in candidates if candidate in MODULES)
+
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                note(alias.name)
+        elif isinstance(node, ast.ImportFrom):
+            base = (
+                ".".join([*package[: len(package) - node.level + 1], node.module or ""]).strip(".")
+                if node.level
+                else node.module
+            )
+            for alias in node.names:
+                # What a package's own file defines is the package; all else is a module in it.
+                inner = f"{base}.{alias.name}"
+                note(inner if inner in MODULES or f"scripts.{inner}" in MODULES else base)
+    return found - {module_of(path)}
+
+
+@functools.cache
+def import_graph() -> dict[str, set[str]]:
+    return {name: imported(path, path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+
+
+def circles(graph: dict[str, set[str]]) -> list[list[str]]:
+    """Groups of modules that reach one another (Tarjan 1972)."""
+    index, lowest, stack, found = {}, {}, [], []
+
+    def visit(name: str) -> None:
+        index[name] = lowest[name] = len(index)
+        stack.append(name)
+        for other in sorted(graph.get(name, ())):
+            if other not in index:
+                visit(other)
+            if other in stack:
+                lowest[name] = min(lowest[name], lowest[other])
+        if lowest[name] == index[name]:
+            group = stack[stack.index(name) :]
+            del stack[stack.index(name) :]
+            if len(group) > 1:
+                found.append(sorted(group))
+
+    for name in graph:
+        if name not in index:
+            visit(name)
+    return found
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    """Also not inside functions, and not between tests, scripts and what they share."""
+    assert circles(import_graph()) == []
+
+
+def test_a_circle_is_found():
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
+    tree, reading = PACKAGE / "blender/nodes/tree.py", "sdf_lights.blender.nodes.reading"
+    assert imported(tree, "def late():\n    from .reading import problems_of\n") == {reading}
+
+
+def test_tests_and_benchmarks_share_support_and_nothing_else():
+    """Benchmarks import no test, and what is shared imports neither."""
+    wrong = [
+        f"{name} imports {other}"
+        for name, imports in import_graph().items()
+        if name.partition(".")[0] in BESIDE
+        for other in imports
+        if other.partition(".")[0] not in BESIDE[name.partition(".")[0]]
+    ]
+    assert wrong == []
+
+
+# Of what is in ``emitter``, each may import itself and those before it.
+PARTS_OF_LAMPS = ("hashing", "intersection", "emission", "tree", "lamps", "building", "sampling")
+
+
+def test_parts_of_lamps_import_downwards():
+    def part(name: str) -> int:
+        return PARTS_OF_LAMPS.index(name.removeprefix("sdf_lights.emitter.").partition(".")[0])
+
+    wrong = [
+        f"{name} imports {other}"
+        for name, imports in import_graph().items()
+        for other in imports
+        if name.startswith("sdf_lights.emitter.")
+        and other.startswith("sdf_lights.emitter.")
+        and part(other) > part(name)
+    ]
+    assert wrong == []
+
+
+# Of what is in ``render``: kernels know no back end, and back ends do not know each other.
+RENDER = PACKAGE.name + ".render."
+BACK_ENDS = ("cpu", "gpu", "reference")
+
+
+def test_kernels_know_no_back_end_and_back_ends_not_each_other():
+    wrong = [
+        f"{name} imports {other}"
+        for name, imports in import_graph().items()
+        for other in imports
+        if (part := name.removeprefix(RENDER).partition(".")[0]) in ("kernels", *BACK_ENDS)
+        and name.startswith(RENDER)
+        and other.startswith(RENDER)
+        and (theirs := other.removeprefix(RENDER).partition(".")[0]) in BACK_ENDS
+        and theirs != part
+    ]
+    assert wrong == []
 
 
 HEADER = ["SPDX-FileCopyrightText: 2026 SDF Lights authors", "SPDX-License-Identifier: GPL-3.0-or-later"]

@@ -25,7 +25,9 @@ def _suite(blender: str) -> tuple[subprocess.CompletedProcess, subprocess.Comple
     made = _run(environment, REPOSITORY / "scripts" / "environment.sh", "--blender", blender)
     if made.returncode:
         return made, None
-    return made, _run(environment, made.stdout.strip(), "-m", "pytest", "-c", "tests/pytest.ini", "--rootdir", ".", *SUITE)
+    return made, _run(
+        environment, made.stdout.strip(), "-m", "pytest", "-c", "tests/pytest.ini", "--rootdir", ".", *SUITE
+    )
 
 
 @pytest.fixture(scope="module")

@@ -99,6 +99,35 @@ def test_scripts_are_portable_shell():
             assert path.read_text(encoding="utf-8").startswith("#!/bin/sh\n")
 
 
+def test_every_tool_has_one_version():
+    """CI and every developer judge by the same tools."""
+    lines = (REPOSITORY / "scripts/requirements/checks.txt").read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if not line.startswith("#") and not re.fullmatch(r"[\w-]+==[\d.]+", line)] == []
+
+
+def test_modules_whose_types_are_checked_exist():
+    settings = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["mypy"]
+    assert [name for name in settings["files"] if not (REPOSITORY / name).exists()] == []
+
+
+def test_ci_needs_nothing_beside_the_checkout():
+    """What the checkout lacks is installed by its own scripts."""
+    text = (REPOSITORY / ".ci/run").read_text(encoding="utf-8")
+    commands = [line for line in text.splitlines()[1:] if not line.lstrip().startswith("#")]
+    commands.remove('cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1')
+    assert [line for line in commands if re.search(r"\.\./|cd \.\.|(?<![\w.>])/(?!dev/null)", line)] == []
+    assert "bash .ci/run" in (REPOSITORY / ".github/workflows/ci.yml").read_text(encoding="utf-8")
+
+
+def test_where_no_windowed_blender_can_be_installed_the_cure_is_named(tmp_path):
+    for tool in ("cat", "cksum", "dirname", "sh", "id"):
+        (tmp_path / tool).symlink_to(f"/usr/bin/{tool}")
+    done = run("windowed_blender.sh", "blender", PATH=str(tmp_path), SDF_LIGHTS_BLENDER_ROOT=str(tmp_path / "root"))
+    assert (done.returncode, done.stdout) == (3, "")
+    assert "install Blender 4.5 or later" in done.stderr and "SDF_LIGHTS_BLENDER" in done.stderr
+    assert not (tmp_path / "root").exists()
+
+
 DOCUMENTS = sorted(
     path
     for place in (REPOSITORY, *(REPOSITORY / name for name in ("docs", "scripts", "tests", "sdf_lights")))
@@ -115,7 +144,24 @@ def test_links_between_documents_lead_somewhere(path):
     assert broken == []
 
 
-def test_tables_of_the_readme_are_up_to_date():
+def test_the_architecture_names_what_there_is():
+    """Files, folders and kernels of docs/architecture.md exist; it stays short enough to be read at once."""
+    text = (REPOSITORY / "docs/architecture.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 150
+    roots = [
+        REPOSITORY,
+        *(REPOSITORY / "sdf_lights" / name for name in ("", "graph", "render", "render/kernels", "render/cpu")),
+    ]
+    named = set(re.findall(r"`([\w/]+(?:\.py|/))`", text))
+    assert [name for name in named if not any((root / name).exists() for root in roots)] == []
+    sources = "".join(path.read_text(encoding="utf-8") for path in (REPOSITORY / "sdf_lights").rglob("*.py"))
+    calls = re.search(r"\| part \| calls \|\n(.*?)\n\n", text, re.DOTALL)[1]
+    kernels = {name.rpartition(".")[2] for name in re.findall(r"`([a-z_.]+)`", calls) if not name.endswith(".py")}
+    assert kernels and [name for name in kernels if f"def {name}(" not in sources] == []
+
+
+@pytest.mark.parametrize("document", readme_tables.TABLES, ids=lambda path: path.name)
+def test_tables_of_documents_are_up_to_date(document):
     """If this fails: python scripts/readme_tables.py"""
-    text = (REPOSITORY / "README.md").read_text(encoding="utf-8")
-    assert readme_tables.with_tables(text) == text
+    pytest.importorskip("bpy")
+    assert readme_tables.with_tables(document) == document.read_text(encoding="utf-8")

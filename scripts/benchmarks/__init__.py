@@ -20,8 +20,24 @@ import host
 # The layers below the add-on, and the cases that tests share, by their own names.
 sys.path.insert(0, str(host.REPOSITORY))
 
-NAMES = ("throughput", "startup", "intervals", "builds", "estimators", "lamps", "cycles", "paper", "scaling", "wavefront",
-         "gpucuts", "viewport", "hard", "check")
+NAMES = (
+    "throughput",
+    "startup",
+    "intervals",
+    "builds",
+    "estimators",
+    "lamps",
+    "cycles",
+    "paper",
+    "scaling",
+    "wavefront",
+    "gpucuts",
+    "viewport",
+    "nodes",
+    "files",
+    "hard",
+    "check",
+)
 
 
 def some_of(known):

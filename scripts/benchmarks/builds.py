@@ -44,16 +44,21 @@ def _cases() -> list[tuple[str, str, object]]:
     """Kind, name, and a function from the factor of a turn to a shape."""
     from sdf_lights.sdf.examples import examples
     from sdf_lights.sdf.expression import Expression
-    from sdf_lights.sdf.shapes import Exclusive, Difference, Transformed, Union
-    from sdf_lights.sdf.shapes import fractals, orbits
+    from sdf_lights.sdf.shapes import Difference, Exclusive, Transformed, Union, fractals, orbits
     from sdf_lights.sdf.shapes.blends import SmoothDifference, SmoothUnion
-    from tests.emitter.hard_cases import scattered
-    from tests.sdf.samples import PRIMITIVES
+    from support.lamps.hard_cases import scattered
+    from support.shapes.samples import PRIMITIVES
 
     of_fractals = (fractals.__name__, orbits.__name__)
-    cases = [("fractal" if type(shape).__module__ in of_fractals else "primitive", name,
-              lambda factor, shape=shape: changed(shape, factor))
-             for name, shape in PRIMITIVES.items() if shape.bounded]
+    cases = [
+        (
+            "fractal" if type(shape).__module__ in of_fractals else "primitive",
+            name,
+            lambda factor, shape=shape: changed(shape, factor),
+        )
+        for name, shape in PRIMITIVES.items()
+        if shape.bounded
+    ]
 
     def parts(factor):
         return scattered(PARTS, smooth=False, size=0.9 * PARTS ** (-1.0 / 3.0) * factor).children
@@ -61,42 +66,62 @@ def _cases() -> list[tuple[str, str, object]]:
     def mixed(factor):
         """A difference of smooth unions, cut out of by sharp ones."""
         all_parts = parts(factor)
-        return Difference(SmoothUnion(*all_parts[:10], radius=0.1), Union(*all_parts[10:15]),
-                          SmoothUnion(*all_parts[15:], radius=0.05))
+        return Difference(
+            SmoothUnion(*all_parts[:10], radius=0.1),
+            Union(*all_parts[10:15]),
+            SmoothUnion(*all_parts[15:], radius=0.05),
+        )
 
     operations = {
         "union": lambda factor: Union(*parts(factor)),
         "smooth union": lambda factor: SmoothUnion(*parts(factor), radius=0.1),
         "difference": lambda factor: Difference(changed(PRIMITIVES["box"], factor), *parts(factor)[1:]),
         "smooth difference": lambda factor: SmoothDifference(
-            changed(PRIMITIVES["box"], factor), *parts(factor)[1:], radius=0.05),
+            changed(PRIMITIVES["box"], factor), *parts(factor)[1:], radius=0.05
+        ),
         "exclusive": lambda factor: Exclusive(*parts(factor)),
         "mixed": mixed,
     }
     cases += [("csg_20", f"{name} of {PARTS}", make) for name, make in operations.items()]
-    cases += [("example", name, lambda factor, shape=Expression(example.text).shape(): Transformed(
-        shape, np.diag([factor, factor, factor, 1.0]))) for name, example in examples().items()]
+    cases += [
+        (
+            "example",
+            name,
+            lambda factor, shape=Expression(example.text).shape(): Transformed(
+                shape, np.diag([factor, factor, factor, 1.0])
+            ),
+        )
+        for name, example in examples().items()
+    ]
     return cases
 
 
 def _built(shape) -> dict:
     """Milliseconds of one build, and what was found."""
-    from sdf_lights.emitter import interior, lamps, volume
+    from sdf_lights.emitter.building import build
+    from sdf_lights.emitter.tree import interior, volume
 
     interior.tree.cache_clear()
-    lamps.volume_of.cache_clear()
+    build.volume_of.cache_clear()
     started = time.perf_counter()
     tree = interior.tree(shape)
     grown = time.perf_counter()
-    lamp = lamps.build_lamp("Lamp", shape, np.eye(4))
+    lamp = build.build_lamp("Lamp", shape, np.eye(4))
     ended = time.perf_counter()
     exact = shape.volume()
     found = volume.measure(tree) if exact is None else volume.Volume(exact, 0.0, exact, exact)
     low, high = shape.bounds()
-    return dict(ms=1e3 * (ended - started), tree_ms=1e3 * (grown - started), boxes=len(tree.nodes),
-                volume=found.value, error=found.error / found.value, certain_low=found.low, certain_high=found.high,
-                fill=float(found.value / tree.nodes["mass"][0]),
-                tightened=float(np.prod(2.0 * lamp.row["half"][0]) / np.prod(high - low)))
+    return dict(
+        ms=1e3 * (ended - started),
+        tree_ms=1e3 * (grown - started),
+        boxes=len(tree.nodes),
+        volume=found.value,
+        error=found.error / found.value,
+        certain_low=found.low,
+        certain_high=found.high,
+        fill=float(found.value / tree.nodes["mass"][0]),
+        tightened=float(np.prod(2.0 * lamp.row["half"][0]) / np.prod(high - low)),
+    )
 
 
 def measure(kind: str, name: str, make, turns: int) -> dict:
@@ -117,5 +142,9 @@ def run(options) -> tuple[dict, list[dict]]:
     parts.finish()
     progress.close()
     worst = {kind: max(row["ms"] for row in rows if row["kind"] == kind) for kind in KINDS}
-    return dict(build_ms_worst_primitive=worst["primitive"], build_ms_csg_20=worst["csg_20"],
-                build_ms_worst_fractal=worst["fractal"], build_ms_worst_example=worst["example"]), rows
+    return dict(
+        build_ms_worst_primitive=worst["primitive"],
+        build_ms_csg_20=worst["csg_20"],
+        build_ms_worst_fractal=worst["fractal"],
+        build_ms_worst_example=worst["example"],
+    ), rows

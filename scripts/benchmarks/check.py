@@ -25,8 +25,12 @@ TRIES = 3  # measurements of a timed ratio that seems to be lost
 
 
 def arguments(parser) -> None:
-    parser.add_argument("--ratios", type=some_of(RATIOS), metavar="RATIOS",
-                        help=f"with commas between; default: all of {', '.join(RATIOS)}; --quick: fewer")
+    parser.add_argument(
+        "--ratios",
+        type=some_of(RATIOS),
+        metavar="RATIOS",
+        help=f"with commas between; default: all of {', '.join(RATIOS)}; --quick: fewer",
+    )
     parser.add_argument("--write", action="store_true", help="commit to what is measured: write it to expected.json")
 
 
@@ -55,11 +59,15 @@ def complaints(rows: list[dict]) -> list[str]:
     for row in rows:
         if "ratio" in row and row.get("lost"):
             if row["expected"] is None:
-                said.append(f"{row['ratio']} is {row['found']:.4g}, and nothing is committed to compare it with: "
-                            "run `bench check --write`.")
+                said.append(
+                    f"{row['ratio']} is {row['found']:.4g}, and nothing is committed to compare it with: "
+                    "run `bench check --write`."
+                )
             else:
-                said.append(f"{row['ratio']} has fallen from {row['expected']:.4g} to {row['found']:.4g}, by "
-                            f"{100.0 * (1.0 - row['found'] / row['expected']):.0f} %.")
+                said.append(
+                    f"{row['ratio']} has fallen from {row['expected']:.4g} to {row['found']:.4g}, by "
+                    f"{100.0 * (1.0 - row['found'] / row['expected']):.0f} %."
+                )
     return said
 
 
@@ -78,6 +86,14 @@ def run(options) -> tuple[dict, list[dict]]:
         kept = {name: value for name, value in expected().items() if name in RATIOS}
         committed = kept | found
         EXPECTED.write_text(json.dumps(dict(sorted(committed.items())), indent=1) + "\n", encoding="utf-8")
-    rows = [dict(ratio=name, timed=RATIOS[name].timed, found=value, expected=committed.get(name),
-                 lost=lost(value, committed.get(name))) for name, value in found.items()]
+    rows = [
+        dict(
+            ratio=name,
+            timed=RATIOS[name].timed,
+            found=value,
+            expected=committed.get(name),
+            lost=lost(value, committed.get(name)),
+        )
+        for name, value in found.items()
+    ]
     return dict(ratios_checked=len(rows), ratios_lost=sum(row["lost"] for row in rows)), rows

@@ -62,17 +62,27 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     same = [*ours, *peers[:1]]
     methods.complete(truth, by_paper, same, bounces, options, told)
     judged = [(method, truth) for method in same]
-    found = dict(scene=scene, bounces=bounces, seconds=target, samples=ladder[-1], reference=methods.doubt(truth, same),
-                 reference_renders=len(truth.renders), reference_seconds=truth.seconds)
+    found = dict(
+        scene=scene,
+        bounces=bounces,
+        seconds=target,
+        samples=ladder[-1],
+        reference=methods.doubt(truth, same),
+        reference_renders=len(truth.renders),
+        reference_seconds=truth.seconds,
+    )
     if peers:
-        methods.complete(surface_truth, by_surfaces, [surface], bounces, options,
-                         lambda what: told(f"mesh light's {what}"))
+        methods.complete(
+            surface_truth, by_surfaces, [surface], bounces, options, lambda what: told(f"mesh light's {what}")
+        )
         judged.append((surface, surface_truth))
-        found |= dict(surface_reference=methods.doubt(surface_truth, [surface]),
-                      surface_reference_renders=len(surface_truth.renders),
-                      surface_reference_seconds=surface_truth.seconds,
-                      surface_mape=errors.mape(surface_truth.pixels, truth.pixels),
-                      surface_mean_ratio=float(surface_truth.pixels.mean() / truth.pixels.mean()))
+        found |= dict(
+            surface_reference=methods.doubt(surface_truth, [surface]),
+            surface_reference_renders=len(surface_truth.renders),
+            surface_reference_seconds=surface_truth.seconds,
+            surface_mape=errors.mape(surface_truth.pixels, truth.pixels),
+            surface_mean_ratio=float(surface_truth.pixels.mean() / truth.pixels.mean()),
+        )
     rows = [row for method, reference in judged for row in method.rows(scene, bounces, reference)]
     for metric in METRICS:
         for method, _ in judged:
@@ -82,6 +92,7 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
             known = samples >= 1.0 and all(value is not None for _, value in curve)
             found[f"{metric} {method.name}"] = errors.interpolated(curve, samples) if known else None
     if options.pictures:
+
         def nearest(method: Method) -> np.ndarray:
             samples = min(method.pictures, key=lambda count: abs(method.seconds(count) - target))
             return method.pictures[samples][0].pixels
@@ -98,18 +109,26 @@ def summary_of(found: list[dict], rows: list[dict], best: str) -> dict:
     summary = {}
     for bounces, light in LIGHT.items():
         here = [row for row in found if row["bounces"] == bounces]
-        at = {(row["scene"], row["method"]): row for row in rows
-              if here and row["bounces"] == bounces and row["samples"] == here[0]["samples"]}
+        at = {
+            (row["scene"], row["method"]): row
+            for row in rows
+            if here and row["bounces"] == bounces and row["samples"] == here[0]["samples"]
+        }
         for name, metric in itertools.product((VOLUMES, SURFACES), METRICS):
             ratios = dict(
                 equal_time=[(row.get(f"{metric} {name}"), row.get(f"{metric} {best}")) for row in here],
-                equal_samples=[(at[row["scene"], name][metric], at[row["scene"], best][metric]) for row in here
-                               if (row["scene"], name) in at])
+                equal_samples=[
+                    (at[row["scene"], name][metric], at[row["scene"], best][metric])
+                    for row in here
+                    if (row["scene"], name) in at
+                ],
+            )
             for kind, pairs in ratios.items():
                 known = [theirs / ours for theirs, ours in pairs if theirs is not None and ours is not None]
                 if known:
                     summary[f"{metric}_ratio_{name.lower().replace(' ', '_')}_{light}_{kind}"] = (
-                        statistics.geometric_mean(known))
+                        statistics.geometric_mean(known)
+                    )
     return summary
 
 

@@ -45,8 +45,10 @@ def flip(picture: np.ndarray, reference: np.ndarray) -> float | None:
         import flip_evaluator
     except ImportError:
         return None
-    shown = [np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055).astype(np.float32)
-             for x in (np.clip(picture, 0.0, 1.0), np.clip(reference, 0.0, 1.0))]
+    shown = [
+        np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055).astype(np.float32)
+        for x in (np.clip(picture, 0.0, 1.0), np.clip(reference, 0.0, 1.0))
+    ]
     return float(flip_evaluator.evaluate(shown[1], shown[0], "LDR", inputsRGB=True, applyMagma=False)[1])
 
 

@@ -15,11 +15,11 @@ import math
 import numpy as np
 from scipy.stats import qmc
 
-from sdf_lights.emitter import baselines
-from sdf_lights.emitter.baselines import DIMENSIONS, EVEN, SHELL_EMISSION, LampBlock, Technique
 from sdf_lights.sdf.shapes import Box, BoxFrame, Difference, Sphere, Torus, Transformed
 from sdf_lights.sdf.shapes.blends import SmoothUnion
 from sdf_lights.sdf.shapes.fractals import MengerSponge
+from support.rivals import baselines
+from support.rivals.baselines import DIMENSIONS, EVEN, SHELL_EMISSION, LampBlock, Technique
 
 from .progress import Progress
 from .resume import Parts
@@ -40,8 +40,9 @@ TORUS = Torus(1.0, 0.35)
 FRAME = BoxFrame((0.6, 0.5, 0.4), 0.08)
 CSG = Difference(Torus(1.0, 0.35), Transformed(Box((0.5, 0.5, 0.5)), _moved(1.0, 0.0, 0.0)))
 SHELL = Difference(Sphere(0.8), Sphere(0.77))
-BLOB = SmoothUnion(Transformed(Sphere(0.4), _moved(-0.4, 0.0, 0.0)), Transformed(Sphere(0.3), _moved(0.3, 0.1, 0.0)),
-                   radius=0.3)
+BLOB = SmoothUnion(
+    Transformed(Sphere(0.4), _moved(-0.4, 0.0, 0.0)), Transformed(Sphere(0.3), _moved(0.3, 0.1, 0.0)), radius=0.3
+)
 MENGER = MengerSponge(0.5, 3.0)
 
 AT_POINTS = (Technique.POINT, Technique.RIS, Technique.RADIAL)  # for emission that is the same everywhere
@@ -76,8 +77,9 @@ def _block(shape, emission) -> LampBlock:
 
 def _numbers(spp: int, repeats: int) -> np.ndarray:
     """(repeats · spp, DIMENSIONS): independently scrambled sets of a Sobol sequence."""
-    return np.concatenate([qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(seed)).random(spp)
-                           for seed in range(repeats)])
+    return np.concatenate(
+        [qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(seed)).random(spp) for seed in range(repeats)]
+    )
 
 
 def _errors(found: np.ndarray, truth: float) -> list[float]:
@@ -106,17 +108,31 @@ def measure(name: str, group: str, shape, x, n, emission, options) -> list[dict]
             continue
         found[technique] = baselines.values(technique, block.blocks, 0, x, n, numbers, shell)[0]
         spent[technique] = _time(technique, block, x, n, shell, repeats, count)
-    truth = min((found[t] for t in (Technique.MIS, Technique.CUT)),
-                key=lambda values: values.reshape(-1, SPP[-1]).mean(axis=1).var()).mean()
+    truth = min(
+        (found[t] for t in (Technique.MIS, Technique.CUT)),
+        key=lambda values: values.reshape(-1, SPP[-1]).mean(axis=1).var(),
+    ).mean()
     reference = _errors(found[Technique.MIS], truth)
     for technique, values in found.items():
         errors = _errors(values, truth)
         variance = float(np.var(baselines.values(technique, block.blocks, 0, x, n, plain, shell)[0]))
-        gain = [(before / max(after, 1e-7)) ** 2 * spent[Technique.MIS] / spent[technique]
-                for before, after in zip(reference, errors)]
-        rows.append(dict(case=name, group=group, technique=technique.name.lower(), variance=variance,
-                         ns=spent[technique], error_64=errors[0], error_256=errors[1], gain_64=gain[0],
-                         gain_256=gain[1]))
+        gain = [
+            (before / max(after, 1e-7)) ** 2 * spent[Technique.MIS] / spent[technique]
+            for before, after in zip(reference, errors)
+        ]
+        rows.append(
+            dict(
+                case=name,
+                group=group,
+                technique=technique.name.lower(),
+                variance=variance,
+                ns=spent[technique],
+                error_64=errors[0],
+                error_256=errors[1],
+                gain_64=gain[0],
+                gain_256=gain[1],
+            )
+        )
     return rows
 
 
@@ -128,11 +144,16 @@ def run(options) -> tuple[dict, list[dict]]:
         progress.step()
     parts.finish()
     progress.close()
-    gains = {row["case"]: (row["group"], math.sqrt(row["gain_64"] * row["gain_256"]))
-             for row in rows if row["technique"] == Technique.CUT.name.lower()}
+    gains = {
+        row["case"]: (row["group"], math.sqrt(row["gain_64"] * row["gain_256"]))
+        for row in rows
+        if row["technique"] == Technique.CUT.name.lower()
+    }
     logs = {name: math.log(gain) for name, (group, gain) in gains.items()}
     hard = [logs[name] for name, (group, _) in gains.items() if group in ("near", "thin", "varying")]
-    summary = dict(efficiency_gain_geomean=math.exp(np.mean(list(logs.values()))),
-                   efficiency_gain_near_thin_varying_geomean=math.exp(np.mean(hard)),
-                   efficiency_gain_min=math.exp(min(logs.values())))
+    summary = dict(
+        efficiency_gain_geomean=math.exp(np.mean(list(logs.values()))),
+        efficiency_gain_near_thin_varying_geomean=math.exp(np.mean(hard)),
+        efficiency_gain_min=math.exp(min(logs.values())),
+    )
     return summary, rows

@@ -15,9 +15,9 @@ import importlib
 import statistics
 
 import bpy
+import host
 import numpy as np
 
-import host
 from sdf_lights.render.settings import LampSampling
 
 from . import errors, lamp_scenes, pictures, scenes, some_of
@@ -32,8 +32,12 @@ FEW = 4
 
 
 def arguments(parser) -> None:
-    parser.add_argument("--cut-scenes", metavar="SCENES", type=some_of(lamp_scenes.SCENES),
-                        help="of the lamp scenes, with commas between (default: S1,S3,S5; S1 in the quick form)")
+    parser.add_argument(
+        "--cut-scenes",
+        metavar="SCENES",
+        type=some_of(lamp_scenes.SCENES),
+        help="of the lamp scenes, with commas between (default: S1,S3,S5; S1 in the quick form)",
+    )
     parser.add_argument("--cut-bounces", type=int, default=0, help="of light")
 
 

@@ -18,8 +18,9 @@ BRIEF = dict(cases=[name for name, case in CASES.items() if not case.slow])
 
 
 def arguments(parser) -> None:
-    parser.add_argument("--cases", type=some_of(CASES), metavar="CASES",
-                        help=f"with commas between; default: all of {', '.join(CASES)}")
+    parser.add_argument(
+        "--cases", type=some_of(CASES), metavar="CASES", help=f"with commas between; default: all of {', '.join(CASES)}"
+    )
 
 
 def measured(name: str, quick: bool) -> dict:
@@ -32,8 +33,16 @@ def measured(name: str, quick: bool) -> dict:
     except Exception as error:
         return row | dict(seconds=time.perf_counter() - started, error=f"{type(error).__name__}: {error}")
     more = {key: float(value) for key, value in figure.more.items()}
-    return row | dict(figure=float(figure.value), limit=float(figure.limit), holds=figure.holds,
-                      seconds=time.perf_counter() - started) | more
+    return (
+        row
+        | dict(
+            figure=float(figure.value),
+            limit=float(figure.limit),
+            holds=figure.holds,
+            seconds=time.perf_counter() - started,
+        )
+        | more
+    )
 
 
 def complaints(rows: list[dict]) -> list[str]:
@@ -56,6 +65,9 @@ def run(options) -> tuple[dict, list[dict]]:
     parts.finish()
     progress.close()
     summary = dict(hard_cases=len(rows), hard_cases_failed=len(complaints(rows)))
-    ratios = {f"{row['case'].replace('-', '_')}_ratio": row["figure"] for row in rows
-              if row["case"].endswith("-cost") and row["figure"] is not None}
+    ratios = {
+        f"{row['case'].replace('-', '_')}_ratio": row["figure"]
+        for row in rows
+        if row["case"].endswith("-cost") and row["figure"] is not None
+    }
     return summary | ratios, rows

@@ -35,11 +35,11 @@ TURNS = 3
 
 def _cases(quick: bool) -> dict:
     """Name -> (shape, how rays are drawn, whether its field is smooth)."""
-    from tests.emitter.hard_cases import HARD_CASES, around
-    from tests.sdf.samples import SHAPES_TO_TRY
+    from support.lamps.hard_cases import HARD_CASES, around
+    from support.shapes.samples import SHAPES_TO_TRY
 
     bounded = [(name, shape) for name, shape in SHAPES_TO_TRY.items() if shape.bounded]
-    cases = {name: (shape, around, False) for name, shape in bounded[::5 if quick else 1]}
+    cases = {name: (shape, around, False) for name, shape in bounded[:: 5 if quick else 1]}
     return cases | {name: (case.shape, case.rays, case.smooth) for name, case in HARD_CASES.items()}
 
 
@@ -55,10 +55,10 @@ def _seconds(function, turns: int):
 
 def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict:
     """One row: a shape traced as a lamp is, and the other rules where it is a field."""
-    from sdf_lights.emitter import marching
-    from sdf_lights.emitter.cover import RESOLUTION
-    from tests.emitter import oracle
-    from tests.emitter.rays import AsField, Traced
+    from sdf_lights.emitter.intersection.cover import RESOLUTION
+    from support.lamps import oracle
+    from support.lamps.rays import AsField, Traced
+    from support.rivals import marching
 
     origins, directions = rays(shape, np.random.default_rng(5), count)
     traced = Traced(shape)
@@ -73,23 +73,37 @@ def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict
     ours, field_seconds = _seconds(lambda: field.trace(origins[few], directions[few]), turns)
     rays_marched = len(ours)
     row = dict(
-        case=name, certified=shape.certified and traced.tree.certified, smooth=smooth,
-        method="field" if field is traced else "closed form", rays=count, wrong=float(verdict.wrong),
-        too_fine_to_judge=float(verdict.below), length_error=verdict.length_error,
-        unresolved=float(found[:, 2].sum() / max(found[:, 1].sum(), 1e-300)), ns=1e9 * seconds / rays_marched,
-        field_ns=1e9 * field_seconds / rays_marched, evaluations=float(ours[:, 3].mean()))
+        case=name,
+        certified=shape.certified and traced.tree.certified,
+        smooth=smooth,
+        method="field" if field is traced else "closed form",
+        rays=count,
+        wrong=float(verdict.wrong),
+        too_fine_to_judge=float(verdict.below),
+        length_error=verdict.length_error,
+        unresolved=float(found[:, 2].sum() / max(found[:, 1].sum(), 1e-300)),
+        ns=1e9 * seconds / rays_marched,
+        field_ns=1e9 * field_seconds / rays_marched,
+        evaluations=float(ours[:, 3].mean()),
+    )
     # The two rules need a bound for all of space; the published one is given none, and takes the field for a distance.
     lipschitz = oracle.steepness(shape)
     truth = oracle.find(shape, origins[few], directions[few])
-    rules = (("published", marching.PUBLISHED, RESOLUTION), ("published_coarse", marching.PUBLISHED, COARSE),
-             ("spheres", marching.SPHERES, RESOLUTION))
+    rules = (
+        ("published", marching.PUBLISHED, RESOLUTION),
+        ("published_coarse", marching.PUBLISHED, COARSE),
+        ("spheres", marching.SPHERES, RESOLUTION),
+    )
     for label, rule, least in rules:
         marched, marched_seconds = _seconds(
-            lambda: field.march(rule, origins[few], directions[few], least, lipschitz), turns)
-        verdict = oracle.judge(
-            shape, origins[few], directions[few], marched[:, 0].astype(int), marched[:, 1], truth)
-        row |= {f"{label}_wrong": float(verdict.wrong), f"{label}_evaluations": float(marched[:, 2].mean()),
-                f"{label}_ns": 1e9 * marched_seconds / rays_marched}
+            lambda: field.march(rule, origins[few], directions[few], least, lipschitz), turns
+        )
+        verdict = oracle.judge(shape, origins[few], directions[few], marched[:, 0].astype(int), marched[:, 1], truth)
+        row |= {
+            f"{label}_wrong": float(verdict.wrong),
+            f"{label}_evaluations": float(marched[:, 2].mean()),
+            f"{label}_ns": 1e9 * marched_seconds / rays_marched,
+        }
     return row
 
 
@@ -99,16 +113,18 @@ def growth(turns: int, count: int) -> list[dict]:
     From 10 on they get smaller as n^(-1/2), so that a ray meets as many of them, or as n^(-1/3), so that they fill as
     much of the cube, and a ray meets more and more of them.
     """
-    from tests.emitter.hard_cases import scattered, towards
-    from tests.emitter.rays import Traced
+    from support.lamps.hard_cases import scattered, towards
+    from support.lamps.rays import Traced
 
     rng = np.random.default_rng(7)
     directions = rng.normal(size=(count, 3))
     origins = 4.0 * directions / np.linalg.norm(directions, axis=1, keepdims=True)
     origins, directions = towards(origins, rng.uniform(-1.0, 1.0, (count, 3)))
     keys = [(spread, smooth, n) for spread in SPREADS for smooth in (False, True) for n in SIZES]
-    built = {(spread, smooth, n): Traced(scattered(n, smooth=smooth, size=SIZE_OF_10 * (0.1 * n) ** SPREADS[spread]))
-             for spread, smooth, n in keys}
+    built = {
+        (spread, smooth, n): Traced(scattered(n, smooth=smooth, size=SIZE_OF_10 * (0.1 * n) ** SPREADS[spread]))
+        for spread, smooth, n in keys
+    }
     seconds = {key: [] for key in keys}
     intervals, evaluations = {}, {}
     for _ in range(turns + 1):
@@ -117,10 +133,17 @@ def growth(turns: int, count: int) -> list[dict]:
             found = traced.trace(origins, directions)
             seconds[key].append(time.thread_time() - started)
             intervals[key], evaluations[key] = found[:, 0].mean(), found[:, 3].mean()
-    return [dict(spread=key[0], operation="smooth union" if key[1] else "union", primitives=key[2],
-                 ns_per_ray=1e9 * statistics.median(seconds[key][1:]) / count, intervals=float(intervals[key]),
-                 evaluations=float(evaluations[key]))
-            for key in keys]
+    return [
+        dict(
+            spread=key[0],
+            operation="smooth union" if key[1] else "union",
+            primitives=key[2],
+            ns_per_ray=1e9 * statistics.median(seconds[key][1:]) / count,
+            intervals=float(intervals[key]),
+            evaluations=float(evaluations[key]),
+        )
+        for key in keys
+    ]
 
 
 def run(options) -> tuple[dict, list[dict]]:
@@ -153,10 +176,10 @@ def run(options) -> tuple[dict, list[dict]]:
 
     summary = dict(
         rays_certified=sum(row["rays"] for row in sure),
-        wrong_crossing_fraction_certified=sum(row["wrong"] * row["rays"] for row in sure) / sum(
-            row["rays"] for row in sure),
-        too_fine_to_judge_fraction_certified=sum(row["too_fine_to_judge"] * row["rays"] for row in sure) / sum(
-            row["rays"] for row in sure),
+        wrong_crossing_fraction_certified=sum(row["wrong"] * row["rays"] for row in sure)
+        / sum(row["rays"] for row in sure),
+        too_fine_to_judge_fraction_certified=sum(row["too_fine_to_judge"] * row["rays"] for row in sure)
+        / sum(row["rays"] for row in sure),
         wrong_crossing_fraction_not_certified=max((row["wrong"] for row in rows if not row["certified"]), default=0.0),
         wrong_crossing_fraction_where_published_misses=max(missed, default=0.0),
         cases_where_published_misses=len(missed),
@@ -164,5 +187,6 @@ def run(options) -> tuple[dict, list[dict]]:
         evaluations_ratio_coarse_paper_to_ours=ratio("published_coarse"),
         evaluations_ratio_spheres_to_ours=ratio("spheres"),
         cost_ratio_1000_to_10_nodes=growth_of("as many on a ray"),
-        cost_ratio_1000_to_10_nodes_as_dense=growth_of("as dense"))
+        cost_ratio_1000_to_10_nodes_as_dense=growth_of("as dense"),
+    )
     return summary, rows + curve

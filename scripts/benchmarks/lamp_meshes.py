@@ -22,8 +22,9 @@ def _grid(rows: int, columns: int) -> np.ndarray:
     """Quads of a grid of rows × columns vertices that is closed both ways."""
     row, column = np.divmod(np.arange(rows * columns), columns)
     down, right = (row + 1) % rows, (column + 1) % columns
-    return np.stack([row * columns + column, down * columns + column, down * columns + right,
-                     row * columns + right], axis=1)
+    return np.stack(
+        [row * columns + column, down * columns + column, down * columns + right, row * columns + right], axis=1
+    )
 
 
 def torus(major: float, minor: float, around: int = 256, across: int = 128) -> Solid:
@@ -33,7 +34,8 @@ def torus(major: float, minor: float, around: int = 256, across: int = 128) -> S
     u, v = np.meshgrid(*turns, indexing="ij")
     ring = major + minor * np.cos(v)
     return np.stack([ring * np.cos(u), ring * np.sin(u), minor * np.sin(v)], axis=-1).reshape(-1, 3), _grid(
-        around, across)
+        around, across
+    )
 
 
 def box(half) -> Solid:
@@ -131,8 +133,15 @@ def isosurface(field, low, high, cells: int) -> Solid:
     points = low + step * np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
     inside = np.concatenate([field(part) for part in np.array_split(points, max(len(points) // 100_000, 1))]) < 0.0
     grid = np.arange(len(points)).reshape(count)
-    corners = np.stack([grid[x:count[0] - 1 + x, y:count[1] - 1 + y, z:count[2] - 1 + z].ravel()
-                        for z in (0, 1) for y in (0, 1) for x in (0, 1)], axis=1)
+    corners = np.stack(
+        [
+            grid[x : count[0] - 1 + x, y : count[1] - 1 + y, z : count[2] - 1 + z].ravel()
+            for z in (0, 1)
+            for y in (0, 1)
+            for x in (0, 1)
+        ],
+        axis=1,
+    )
     some = inside[corners].sum(axis=1)
     tetrahedra = corners[(some > 0) & (some < 8)][:, _TETRAHEDRA].reshape(-1, 4)
     some = inside[tetrahedra].sum(axis=1)
@@ -152,8 +161,9 @@ def isosurface(field, low, high, cells: int) -> Solid:
     within, beyond = points[keys[:, 0]], points[keys[:, 1]]
     for _ in range(24):
         middle = 0.5 * (within + beyond)
-        here = (np.concatenate([field(part) for part in np.array_split(middle, max(len(middle) // 100_000, 1))])
-                < 0.0)[:, None]
+        here = (np.concatenate([field(part) for part in np.array_split(middle, max(len(middle) // 100_000, 1))]) < 0.0)[
+            :, None
+        ]
         within, beyond = np.where(here, middle, within), np.where(here, beyond, middle)
     vertices = 0.5 * (within + beyond)
     corner = vertices[faces]

@@ -14,12 +14,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
-import numpy as np
-from mathutils import Euler, Matrix, Vector
-
 import host
+import numpy as np
+from mathutils import Euler, Matrix
 from scenery.materials import Graph
 from scenery.modelling import add, box, plane
+
 from sdf_lights.sdf.expression import Expression
 
 from . import lamp_meshes, scenes
@@ -91,8 +91,15 @@ def turned(x: float = 0.0, y: float = 0.0, z: float = 0.0, at=(0.0, 0.0, 0.0), s
     return Matrix.Translation(at) @ angles.to_matrix().to_4x4() @ Matrix.Diagonal((*scale, 1.0))
 
 
-def add_lamp(name: str, expression: str, solid: Solid | None, matrix: Matrix, density: float,
-             color=(1.0, 1.0, 1.0), emission: str = "UNIFORM") -> None:
+def add_lamp(
+    name: str,
+    expression: str,
+    solid: Solid | None,
+    matrix: Matrix,
+    density: float,
+    color=(1.0, 1.0, 1.0),
+    emission: str = "UNIFORM",
+) -> None:
     """A lamp of ``density`` W/(sr m³), and the same ``solid`` as a volume, unless there is none.
 
     ``emission`` is the name of a preset; only uniform ones have a volume.
@@ -121,6 +128,7 @@ def marched(expression: str, cells: int = 96) -> Solid:
 
 # --- the stage --------------------------------------------------------------------------------------------------------
 
+
 def _stage_lamp(expression: str, solid: Solid, matrix: Matrix, volume: float) -> None:
     add_lamp("Lamp", expression, solid, matrix, INTENSITY / volume)
 
@@ -148,15 +156,20 @@ def _(size: int) -> None:
     cap = radius - half
     ball = 4.0 / 3.0 * math.pi * radius**3 - 2.0 * math.pi * cap**2 * (3.0 * radius - cap)
     solid = lamp_meshes.difference(lamp_meshes.box((half,) * 3), lamp_meshes.sphere(radius))
-    _stage_lamp(f"box({half}) - sphere({radius})", solid, turned(x=15.0, z=25.0, at=(0.0, 0.0, 1.9)),
-                8.0 * half**3 - ball)
+    _stage_lamp(
+        f"box({half}) - sphere({radius})", solid, turned(x=15.0, z=25.0, at=(0.0, 0.0, 1.9)), 8.0 * half**3 - ball
+    )
 
 
 @_scene("S4", "Menger's sponge, three levels")
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
-    _stage_lamp("menger_sponge(0.75, 3)", lamp_meshes.sponge(0.75, 3), turned(x=20.0, z=30.0, at=(0.0, 0.0, 1.9)),
-                1.5**3 * (20.0 / 27.0) ** 3)
+    _stage_lamp(
+        "menger_sponge(0.75, 3)",
+        lamp_meshes.sponge(0.75, 3),
+        turned(x=20.0, z=30.0, at=(0.0, 0.0, 1.9)),
+        1.5**3 * (20.0 / 27.0) ** 3,
+    )
 
 
 @_scene("S5", "stretched torus")
@@ -166,12 +179,15 @@ def _(size: int) -> None:
 
 # --- what else lamps do -----------------------------------------------------------------------------------------------
 
+
 @_scene("crowd", "forty small lamps of three shapes all over the stage")
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
-    kinds = (("torus(0.12, 0.04)", lamp_meshes.torus(0.12, 0.04, 64, 32), 2.0 * math.pi**2 * 0.12 * 0.04**2),
-             ("sphere(0.07)", lamp_meshes.sphere(0.07, 64, 32), 4.0 / 3.0 * math.pi * 0.07**3),
-             ("box(0.05, 0.05, 0.12)", lamp_meshes.box((0.05, 0.05, 0.12)), 8.0 * 0.05 * 0.05 * 0.12))
+    kinds = (
+        ("torus(0.12, 0.04)", lamp_meshes.torus(0.12, 0.04, 64, 32), 2.0 * math.pi**2 * 0.12 * 0.04**2),
+        ("sphere(0.07)", lamp_meshes.sphere(0.07, 64, 32), 4.0 / 3.0 * math.pi * 0.07**3),
+        ("box(0.05, 0.05, 0.12)", lamp_meshes.box((0.05, 0.05, 0.12)), 8.0 * 0.05 * 0.05 * 0.12),
+    )
     random = np.random.default_rng(7)
     for index in range(40):
         expression, solid, volume = kinds[index % len(kinds)]
@@ -209,22 +225,33 @@ def _(size: int) -> None:
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
     bpy.data.objects["Floor"].data.materials[0] = scenes.material(
-        "Polished", "ShaderNodeBsdfAnisotropic", (0.6, 0.6, 0.62), roughness=0.35, distribution="GGX")
+        "Polished", "ShaderNodeBsdfAnisotropic", (0.6, 0.6, 0.62), roughness=0.35, distribution="GGX"
+    )
     volume = 2.0 * math.pi**2 * 0.9 * 0.015**2
-    _stage_lamp("torus(0.9, 0.015)", lamp_meshes.torus(0.9, 0.015, 512, 32), turned(x=60.0, z=20.0, at=(0.0, 0.5, 1.4)),
-                volume)
+    _stage_lamp(
+        "torus(0.9, 0.015)", lamp_meshes.torus(0.9, 0.015, 512, 32), turned(x=60.0, z=20.0, at=(0.0, 0.5, 1.4)), volume
+    )
 
 
 @_scene("sheet", "a twisted bar behind a translucent sheet")
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
     graph = Graph("Sheet")
-    both = graph.node("ShaderNodeMixShader", _0=0.4, _1=graph.node("ShaderNodeBsdfTranslucent", Color=(0.9, 0.85, 0.7)),
-                      _2=graph.node("ShaderNodeBsdfDiffuse", Color=(0.8, 0.8, 0.8)))
+    both = graph.node(
+        "ShaderNodeMixShader",
+        _0=0.4,
+        _1=graph.node("ShaderNodeBsdfTranslucent", Color=(0.9, 0.85, 0.7)),
+        _2=graph.node("ShaderNodeBsdfDiffuse", Color=(0.8, 0.8, 0.8)),
+    )
     add("Sheet", plane("Sheet", (2.6, 2.2)), graph.finish(both), location=(0.3, -0.9, 1.4), rotation=(80, 0, 10))
     expression = "box(0.15, 0.15, 0.8)"
-    add_lamp("Bar", expression, lamp_meshes.box((0.15, 0.15, 0.8)), turned(y=50.0, z=20.0, at=(0.1, -0.3, 1.4)),
-             INTENSITY / (8.0 * 0.15 * 0.15 * 0.8))
+    add_lamp(
+        "Bar",
+        expression,
+        lamp_meshes.box((0.15, 0.15, 0.8)),
+        turned(y=50.0, z=20.0, at=(0.1, -0.3, 1.4)),
+        INTENSITY / (8.0 * 0.15 * 0.15 * 0.8),
+    )
 
 
 @_scene("room", "a closed room lit by a sponge behind a screen: light that has been scattered")
@@ -232,21 +259,32 @@ def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
     white = scenes.material("White", "ShaderNodeBsdfDiffuse", (0.78, 0.76, 0.72))
     for name, extent, location, rotation in (
-            ("Ceiling", (12.0, 10.5), (0.0, -2.0, 4.0), (180, 0, 0)),
-            ("Left", (10.5, 4.2), (-3.5, -2.0, 2.0), (90, 0, 90)),
-            ("Right", (10.5, 4.2), (3.5, -2.0, 2.0), (90, 0, -90)),
-            ("Back", (12.0, 4.2), (0.0, -7.0, 2.0), (-90, 0, 0))):
+        ("Ceiling", (12.0, 10.5), (0.0, -2.0, 4.0), (180, 0, 0)),
+        ("Left", (10.5, 4.2), (-3.5, -2.0, 2.0), (90, 0, 90)),
+        ("Right", (10.5, 4.2), (3.5, -2.0, 2.0), (90, 0, -90)),
+        ("Back", (12.0, 4.2), (0.0, -7.0, 2.0), (-90, 0, 0)),
+    ):
         add(name, plane(name, extent), white, location=location, rotation=rotation)
     add("Screen", box("Screen", (1.6, 0.05, 1.8)), white, location=(-1.2, 1.2, 1.9))
-    add_lamp("Sponge", "menger_sponge(0.3, 3)", lamp_meshes.sponge(0.3, 3), turned(x=20.0, z=30.0, at=(-1.4, 2.0, 2.1)),
-             2.0 * INTENSITY / (0.6**3 * (20.0 / 27.0) ** 3))
+    add_lamp(
+        "Sponge",
+        "menger_sponge(0.3, 3)",
+        lamp_meshes.sponge(0.3, 3),
+        turned(x=20.0, z=30.0, at=(-1.4, 2.0, 2.1)),
+        2.0 * INTENSITY / (0.6**3 * (20.0 / 27.0) ** 3),
+    )
 
 
 @_scene("spark", "a lamp of a centimetre, metres away, outside the picture")
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
-    add_lamp("Spark", "sphere(0.005)", lamp_meshes.sphere(0.005, 64, 32), turned(at=(-2.8, -4.5, 3.0)),
-             3.0 * INTENSITY / (4.0 / 3.0 * math.pi * 0.005**3))
+    add_lamp(
+        "Spark",
+        "sphere(0.005)",
+        lamp_meshes.sphere(0.005, 64, 32),
+        turned(at=(-2.8, -4.5, 3.0)),
+        3.0 * INTENSITY / (4.0 / 3.0 * math.pi * 0.005**3),
+    )
 
 
 @_scene("moon", "a ball 120 m large, half a kilometre away")
@@ -258,23 +296,27 @@ def _(size: int) -> None:
 @_scene("blob", "a smooth union of balls, which rays are marched through")
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
-    expression = ("smooth_union(translate(sphere(0.5), (-0.45, 0, 0)), translate(sphere(0.4), (0.4, 0.1, 0.2)), "
-                  "translate(sphere(0.3), (0.1, -0.2, -0.5)), 0.25)")
+    expression = (
+        "smooth_union(translate(sphere(0.5), (-0.45, 0, 0)), translate(sphere(0.4), (0.4, 0.1, 0.2)), "
+        "translate(sphere(0.3), (0.1, -0.2, -0.5)), 0.25)"
+    )
     add_lamp("Blob", expression, marched(expression), turned(z=20.0, at=(0.0, 0.2, 1.8)), INTENSITY / 1.0)
 
 
 @_scene("skin", "a torus that glows next to its surface", volumes=False)
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
-    add_lamp("Skin", "torus(1, 0.35)", None, turned(x=30.0, z=20.0, at=(0.0, 0.0, 1.7)), 0.6 * INTENSITY,
-             emission="SHELL")
+    add_lamp(
+        "Skin", "torus(1, 0.35)", None, turned(x=30.0, z=20.0, at=(0.0, 0.0, 1.7)), 0.6 * INTENSITY, emission="SHELL"
+    )
 
 
 @_scene("fire", "a flame on the floor, brighter below", volumes=False)
 def _(size: int) -> None:
     scenes.boxes_and_sphere(size)
-    add_lamp("Fire", "sphere(0.5)", None, turned(at=(-0.3, -0.8, 0.85), scale=(0.7, 0.7, 1.5)), INTENSITY,
-             emission="FLAME")
+    add_lamp(
+        "Fire", "sphere(0.5)", None, turned(at=(-0.3, -0.8, 0.85), scale=(0.7, 0.7, 1.5)), INTENSITY, emission="FLAME"
+    )
 
 
 @_scene("bulb", "a Mandelbulb near the floor, of which no mesh is close enough", volumes=False)

@@ -57,8 +57,9 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     progress.show(f"{scene}, {bounces} bounces, equal time")
     methods.fill_time(ours, target, repeats, bounces, options.device)
     judged = [*ours, *denoised, *cycles]
-    methods.complete(reference, truth, judged, bounces, options,
-                     lambda what: progress.show(f"{scene}, {bounces} bounces, {what}"))
+    methods.complete(
+        reference, truth, judged, bounces, options, lambda what: progress.show(f"{scene}, {bounces} bounces, {what}")
+    )
 
     curves = {method.name: method.curve(reference) for method in judged}
     rows = [row for method in judged for row in method.rows(scene, bounces, reference)]
@@ -104,7 +105,8 @@ def _summary(found: list[dict], best: str) -> dict:
             for error in WORST:
                 summary[f"{error}_ratio_paper_{key}_min"] = min(row[f"{error} {paper}"] for row in everywhere)
             summary[f"mse_ratio_paper_guided_{key}_geomean"] = geometric_mean(
-                row[f"{PAPER} guided / {best}"] for row in rows)
+                row[f"{PAPER} guided / {best}"] for row in rows
+            )
         summary[f"slope_{key}"] = fmean(row["slope"] for row in rows)
     return summary
 

@@ -12,7 +12,6 @@ import re
 import subprocess
 
 import bpy
-
 import host
 
 
@@ -34,8 +33,13 @@ def cores() -> int:
 def _revision() -> str:
     """Of the checkout; with a plus sign where files differ from it."""
     try:
-        found = subprocess.run(["git", "describe", "--always", "--dirty=+"], cwd=host.REPOSITORY, capture_output=True,
-                               text=True, check=True)
+        found = subprocess.run(
+            ["git", "describe", "--always", "--dirty=+"],
+            cwd=host.REPOSITORY,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
     return found.stdout.strip()

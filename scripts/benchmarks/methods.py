@@ -17,10 +17,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import bpy
+import host
 import numpy as np
 
-import host
-from sdf_lights.render.settings import LampSampling
+from support.rivals import samplers
 
 from . import errors, lamp_scenes, machine, pictures, references, scenes, some_of
 from .progress import Progress
@@ -51,7 +51,7 @@ class Method:
         if self.sampler:
             scenes.plain_sdf_lights(scene, samples, bounces, device)
             scene.sdf_lights.seed, scene.sdf_lights.denoise = seed, self.denoise
-            scene.sdf_lights.lamp_sampling = self.sampler
+            scene.sdf_lights.lamp_sampling = samplers.register(self.sampler, f"{host.PACKAGE}.sdf_lights").value
             scene.sdf_lights.indirect_paths, scene.sdf_lights.guided_samples = int(self.plain), not self.plain
         else:
             scenes.plain_cycles(scene, samples, bounces)
@@ -97,20 +97,35 @@ class Method:
         """
         found, truth = [], reference.pixels
         for samples, made in sorted(self.pictures.items()):
-            row = dict(scene=scene, bounces=bounces, method=self.name, samples=samples, seeds=len(made),
-                       seconds=self.seconds(samples), clock=statistics.median(picture.seconds for picture in made))
+            row = dict(
+                scene=scene,
+                bounces=bounces,
+                method=self.name,
+                samples=samples,
+                seeds=len(made),
+                seconds=self.seconds(samples),
+                clock=statistics.median(picture.seconds for picture in made),
+            )
             for name, metric in METRICS.items():
                 values = [metric(picture.pixels, truth) for picture in made]
                 known = None not in values
-                row |= {name: float(np.mean(values)) if known else None, f"{name}_low": min(values) if known else None,
-                        f"{name}_high": max(values) if known else None}
+                row |= {
+                    name: float(np.mean(values)) if known else None,
+                    f"{name}_low": min(values) if known else None,
+                    f"{name}_high": max(values) if known else None,
+                }
             less = self.error(samples, reference) / row["rel_mse"]
             row |= {name: row[name] * less for name in ("rel_mse", "rel_mse_low", "rel_mse_high")}
             worst = [errors.pixel_errors(picture.pixels, truth) for picture in made]
             means = [picture.pixels.mean() / truth.mean() for picture in made]
             spread = float(np.std(means, ddof=1) / math.sqrt(len(means))) if len(means) > 1 else None
-            row |= dict(worst_999=float(np.mean([a for a, _ in worst])), worst_mean=float(np.mean([b for _, b in worst])),
-                        worst=max(b for _, b in worst), mean_ratio=float(np.mean(means)), mean_ratio_error=spread)
+            row |= dict(
+                worst_999=float(np.mean([a for a, _ in worst])),
+                worst_mean=float(np.mean([b for _, b in worst])),
+                worst=max(b for _, b in worst),
+                mean_ratio=float(np.mean(means)),
+                mean_ratio_error=spread,
+            )
             found.append(row)
         return found
 
@@ -118,11 +133,14 @@ class Method:
 def arguments(parser, known=lamp_scenes.SCENES) -> None:
     """Options of benchmarks that render lamps by several methods, of ``known`` scenes."""
     parser.add_argument(
-        "--only", type=some_of(known), metavar="SCENES", help=f"with commas between: {', '.join(known)}")
-    samplers = [sampling.value for sampling in LampSampling]
+        "--only", type=some_of(known), metavar="SCENES", help=f"with commas between: {', '.join(known)}"
+    )
     parser.add_argument(
-        "--samplers", type=some_of(samplers), default=f"CUT,{PAPER}",
-        help=f"of {', '.join(samplers)}, with commas between; the first is the one that is judged")
+        "--samplers",
+        type=some_of(samplers.SAMPLERS),
+        default=f"CUT,{PAPER}",
+        help=f"of {', '.join(samplers.SAMPLERS)}, with commas between; the first is the one that is judged",
+    )
     parser.add_argument("--bounces", type=int, choices=BOUNCES, help="of light; default: each of them")
     parser.add_argument("--no-cycles", dest="cycles", action="store_false", help="compare our samplers alone")
     picture_arguments(parser)
@@ -134,7 +152,8 @@ def picture_arguments(parser) -> None:
     parser.add_argument("--reference-seconds", type=float, help="most time that is spent on one reference")
     parser.add_argument("--fresh", action="store_true", help="make references anew")
     parser.add_argument(
-        "--pictures", type=pathlib.Path, metavar="FOLDER", help="keep pictures here, for ./scripts/report")
+        "--pictures", type=pathlib.Path, metavar="FOLDER", help="keep pictures here, for ./scripts/report"
+    )
 
 
 def by_paper() -> Method:
@@ -155,7 +174,8 @@ def reference_of_scene(truth: Method, bounces: int, options) -> references.Refer
     bpy.context.view_layer.update()
     version = (host.REPOSITORY / "blender_manifest.toml").read_text(encoding="utf-8")
     reference = references.Reference(
-        f"{references.fingerprint()} {truth.name} {bounces} {_reference_samples(options)} {version}")
+        f"{references.fingerprint()} {truth.name} {bounces} {_reference_samples(options)} {version}"
+    )
     if options.fresh:
         reference.forget()
     return reference
@@ -166,8 +186,14 @@ def least_error(reference: references.Reference, methods: list[Method]) -> float
     return min(method.error(samples, reference) for method in methods for samples in method.pictures)
 
 
-def complete(reference: references.Reference, truth: Method, methods: list[Method], bounces: int, options,
-             told: Callable[[str], None]) -> None:
+def complete(
+    reference: references.Reference,
+    truth: Method,
+    methods: list[Method],
+    bounces: int,
+    options,
+    told: Callable[[str], None],
+) -> None:
     """Add renders by ``truth`` to a reference until it is clear of what it judges, or the time is spent."""
     seconds = options.reference_seconds
     if seconds is None:
@@ -193,8 +219,9 @@ def doubt(reference: references.Reference, methods: list[Method]) -> float:
     return errors.rel_variance(reference.variance, reference.pixels) / least_error(reference, methods)
 
 
-def take_turns(methods: list[Method], ladder, seeds: int, bounces: int, device: str,
-               told: Callable[[str], None]) -> None:
+def take_turns(
+    methods: list[Method], ladder, seeds: int, bounces: int, device: str, told: Callable[[str], None]
+) -> None:
     """Pictures of all methods, for each number of samples in ``ladder``, with one seed after the other."""
     for method in methods:
         method.render(1, bounces, 0, device)  # compiles, and fills caches

@@ -5,7 +5,7 @@
 The paper gives MAPE and FLIP of pictures of 64 samples of direct light: by BSDF samples, by projection sampling, and by
 a competitor, which is sampling of the surface for its simple shapes and of the bounding volume for the others. Pictures
 here are by the renderer's own samplers. Points that a grid of camera rays hits are also lit by the estimators of
-``emitter/baselines.py``, which leave occlusion out.
+``support/rivals/baselines.py``, which leave occlusion out.
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ import numpy as np
 from mathutils import Vector
 from scipy.stats import qmc
 
-from sdf_lights.emitter import baselines
-from sdf_lights.emitter.baselines import DIMENSIONS, LampBlock, Technique
-from sdf_lights.render.settings import LampSampling
 from sdf_lights.sdf.expression import Expression
+from support.rivals import baselines, samplers
+from support.rivals.baselines import DIMENSIONS, LampBlock, Technique
 
 from . import lamp_scenes, methods, paper_scenes, some_of
 from .methods import Method
@@ -38,14 +37,25 @@ PUBLISHED = {  # scene: competitor, then MAPE and FLIP of BSDF samples, the comp
     "corridor": ("bounding volume", (0.805, 0.587), (0.239, 0.179), (0.047, 0.045)),
 }
 AT_POINTS = (
-    Technique.COSINE, Technique.BOUNDING, Technique.SURFACE, Technique.PROJECTION, Technique.MIS, Technique.CUT)
+    Technique.COSINE,
+    Technique.BOUNDING,
+    Technique.SURFACE,
+    Technique.PROJECTION,
+    Technique.MIS,
+    Technique.CUT,
+)
 TURNS = 16  # pixels of a point
 BRIEF = dict(paper_scenes=["kitchen"], size=48, reference_seconds=0.5)
 
 
 def arguments(parser) -> None:
-    parser.add_argument("--paper-scenes", type=some_of(PUBLISHED), default=",".join(PUBLISHED), metavar="SCENES",
-                        help=f"of {', '.join(PUBLISHED)}, with commas between")
+    parser.add_argument(
+        "--paper-scenes",
+        type=some_of(PUBLISHED),
+        default=",".join(PUBLISHED),
+        metavar="SCENES",
+        help=f"of {', '.join(PUBLISHED)}, with commas between",
+    )
     methods.picture_arguments(parser)
 
 
@@ -74,19 +84,24 @@ def at_points(across: int) -> dict[str, float]:
         block = LampBlock(shape, np.array(thing.matrix_world), surface=True)
         # A block's lamp has 1 W/sr.
         lamps.append((block, lamp.density * block.built.row["volume"][0]))
-    numbers = np.concatenate([qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(seed)).random(SAMPLES)
-                              for seed in range(TURNS)])
+    numbers = np.concatenate(
+        [qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(seed)).random(SAMPLES) for seed in range(TURNS)]
+    )
     pixels = {technique: [] for technique in AT_POINTS}
     for place, normal in _seen(across):
         for technique in AT_POINTS:
-            values = sum(intensity * baselines.values(technique, block.blocks, 0, place, normal, numbers)[0]
-                         for block, intensity in lamps)
+            values = sum(
+                intensity * baselines.values(technique, block.blocks, 0, place, normal, numbers)[0]
+                for block, intensity in lamps
+            )
             pixels[technique].append(values.reshape(TURNS, SAMPLES).mean(axis=1))
     found = {technique: np.array(values) for technique, values in pixels.items()}
     truth = np.mean([found[technique].mean(axis=1) for technique in (Technique.MIS, Technique.CUT)], axis=0)
     floor = 0.01 * truth.mean()
-    return {technique.name.lower(): float(np.mean(np.abs(values - truth[:, None]) / (truth[:, None] + floor)))
-            for technique, values in found.items()}
+    return {
+        technique.name.lower(): float(np.mean(np.abs(values - truth[:, None]) / (truth[:, None] + floor)))
+        for technique, values in found.items()
+    }
 
 
 def measure(name: str, options, progress) -> list[dict]:
@@ -97,22 +112,30 @@ def measure(name: str, options, progress) -> list[dict]:
     by_paper = methods.by_paper()
     truth = methods.reference_of_scene(by_paper, 0, options)
     triangles = sum(len(mesh.loop_triangles) for mesh in _triangulated())
-    ours = [Method(sampling.value, sampling.value, plain=True) for sampling in LampSampling]
+    ours = [Method(sampler, sampler, plain=True) for sampler in samplers.SAMPLERS]
 
     def told(what: str) -> None:
         progress.show(f"{name}, {what}")
 
     methods.take_turns(ours, [SAMPLES], seeds, 0, options.device, told)
     methods.complete(truth, by_paper, ours, 0, options, told)
-    rows = [row | dict(triangles=triangles, reference=methods.doubt(truth, ours))
-            for method in ours for row in method.rows(name, 0, truth)]
+    rows = [
+        row | dict(triangles=triangles, reference=methods.doubt(truth, ours))
+        for method in ours
+        for row in method.rows(name, 0, truth)
+    ]
     if options.pictures:
         kept = {method.name: method.pictures[SAMPLES][0].pixels for method in ours}
         digest = methods.keep_pictures(options.pictures, name, kept | {"reference": truth.pixels})
         rows = [row | dict(renders=digest) for row in rows]
     progress.show(f"{name}, points")
-    return [*rows, *(dict(scene=name, technique=technique, samples=SAMPLES, mape_at_points=mape)
-                     for technique, mape in at_points(6 if options.quick else 24).items())]
+    return [
+        *rows,
+        *(
+            dict(scene=name, technique=technique, samples=SAMPLES, mape_at_points=mape)
+            for technique, mape in at_points(6 if options.quick else 24).items()
+        ),
+    ]
 
 
 def _triangulated():
@@ -127,14 +150,18 @@ def compared(rows: list[dict]) -> list[dict]:
     found = []
     for name, (competitor, bsdf, other, projection) in PUBLISHED.items():
         pictures = {row["method"]: row for row in rows if row["scene"] == name and "method" in row}
-        points = {row["technique"]: row["mape_at_points"] for row in rows
-                  if row["scene"] == name and "technique" in row}
+        points = {
+            row["technique"]: row["mape_at_points"] for row in rows if row["scene"] == name and "technique" in row
+        }
         if not pictures:
             continue
         row = dict(scene=name, competitor=competitor)
         for place, metric in enumerate(("mape", "flip")):
-            row |= {f"paper_{metric}_bsdf": bsdf[place], f"paper_{metric}_competitor": other[place],
-                    f"paper_{metric}_projection": projection[place]}
+            row |= {
+                f"paper_{metric}_bsdf": bsdf[place],
+                f"paper_{metric}_competitor": other[place],
+                f"paper_{metric}_projection": projection[place],
+            }
             row[f"paper_{metric}_bsdf_to_projection"] = bsdf[place] / projection[place]
             row[f"paper_{metric}_competitor_to_projection"] = other[place] / projection[place]
             for sampler in ("BSDF", "BOUNDING", "SURFACE", "MIS", "CUT"):
@@ -160,8 +187,10 @@ def run(options) -> tuple[dict, list[dict]]:
     def mean(key: str) -> float:
         return math.exp(np.mean([math.log(row[key]) for row in ratios]))
 
-    return dict(mape_ratio_bsdf_to_projection=mean("mape_bsdf_to_projection"),
-                mape_ratio_bounding_to_projection=mean("mape_bounding_to_projection"),
-                mape_ratio_surface_to_projection=mean("mape_surface_to_projection"),
-                mape_ratio_mis_to_cut=mean("mape_mis_to_projection") / mean("mape_cut_to_projection"),
-                mape_ratio_bounding_to_projection_at_points=mean("points_bounding_to_projection")), [*ratios, *rows]
+    return dict(
+        mape_ratio_bsdf_to_projection=mean("mape_bsdf_to_projection"),
+        mape_ratio_bounding_to_projection=mean("mape_bounding_to_projection"),
+        mape_ratio_surface_to_projection=mean("mape_surface_to_projection"),
+        mape_ratio_mis_to_cut=mean("mape_mis_to_projection") / mean("mape_cut_to_projection"),
+        mape_ratio_bounding_to_projection_at_points=mean("points_bounding_to_projection"),
+    ), [*ratios, *rows]

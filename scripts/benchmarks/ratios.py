@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sdf_lights.emitter import baselines
-from sdf_lights.emitter.baselines import DIMENSIONS, EVEN, LampBlock, Technique
 from sdf_lights.render.settings import LampSampling
+from support.rivals import baselines
+from support.rivals.baselines import DIMENSIONS, EVEN, LampBlock, Technique
 
 from . import estimators
 
@@ -41,6 +41,7 @@ RATIOS: dict[str, Ratio] = {}
 
 
 # --- samplers at points -----------------------------------------------------------------------------------------------
+
 
 @functools.lru_cache(maxsize=4)
 def _block(name: str) -> tuple[LampBlock, tuple, np.ndarray]:
@@ -70,8 +71,17 @@ def efficiency_ratio(name: str) -> float:
     return variance_ratio(name) * statistics.median(times[Technique.MIS]) / statistics.median(times[Technique.CUT])
 
 
-_QUICK = {"torus, above", "torus, inside", "torus, above, shell", "torus, 0.25 above", "frame, above", "frame, 0.1 from a bar",
-          "shell, above", "blob, near", "Menger sponge, above"}
+_QUICK = {
+    "torus, above",
+    "torus, inside",
+    "torus, above, shell",
+    "torus, 0.25 above",
+    "frame, above",
+    "frame, 0.1 from a bar",
+    "shell, above",
+    "blob, near",
+    "Menger sponge, above",
+}
 for _name, *_ in estimators.CASES:
     _key = _name.replace(",", "").replace(" ", "_").replace("=", "").lower()
     RATIOS[f"variance_{_key}"] = Ratio(functools.partial(variance_ratio, _name), quick=_name in _QUICK)
@@ -81,14 +91,15 @@ for _name, *_ in estimators.CASES:
 
 # --- the search for crossings -----------------------------------------------------------------------------------------
 
+
 @functools.lru_cache(maxsize=64)
 def _evaluations(name: str) -> dict[str, float]:
     """Evaluations of the field on a ray of a hard case, by each rule."""
-    from sdf_lights.emitter import marching
-    from sdf_lights.emitter.cover import RESOLUTION
-    from tests.emitter import oracle
-    from tests.emitter.hard_cases import HARD_CASES
-    from tests.emitter.rays import Traced
+    from sdf_lights.emitter.intersection.cover import RESOLUTION
+    from support.lamps import oracle
+    from support.lamps.hard_cases import HARD_CASES
+    from support.lamps.rays import Traced
+    from support.rivals import marching
 
     case = HARD_CASES[name]
     origins, toward = case.rays(case.shape, np.random.default_rng(5), RAYS)
@@ -99,8 +110,14 @@ def _evaluations(name: str) -> dict[str, float]:
     return found
 
 
-SMOOTH = ("smooth combination", "smooth combination, grazing", "smooth combination, from inside",
-          "smooth combination, from far away", "torus, stretched and twisted", "smooth combination of 10")
+SMOOTH = (
+    "smooth combination",
+    "smooth combination, grazing",
+    "smooth combination, from inside",
+    "smooth combination, from far away",
+    "torus, stretched and twisted",
+    "smooth combination of 10",
+)
 
 
 def evaluations_ratio(rule: str) -> float:
@@ -120,9 +137,10 @@ RATIOS["evaluations_of_10_to_200_parts"] = Ratio(evaluations_by_parts)
 
 # --- whole renders ----------------------------------------------------------------------------------------------------
 
+
 def _noise(name: str, sampling: LampSampling, bounces: int) -> float:
     """Mean absolute error of pixels of 16 samples, relative: a few bright ones do not decide it, so it repeats."""
-    from tests.scenes import SCENES
+    from support.scenes import SCENES
 
     from .hard_cases.stage import picture, settings
 
@@ -144,10 +162,18 @@ def picture_ratio(name: str, bounces: int) -> float:
 
 
 for _name, _bounces, _quick in (
-        ("torus_room", 0, True), ("torus_room", 2, False), ("frame_lamp", 0, True), ("inside_lamp", 0, True),
-        ("varying_lamps", 0, True), ("field_lamps", 0, True), ("glossy_metal", 1, True), ("panorama", 2, False)):
+    ("torus_room", 0, True),
+    ("torus_room", 2, False),
+    ("frame_lamp", 0, True),
+    ("inside_lamp", 0, True),
+    ("varying_lamps", 0, True),
+    ("field_lamps", 0, True),
+    ("glossy_metal", 1, True),
+    ("panorama", 2, False),
+):
     RATIOS[f"picture_{_name}_{_bounces}_bounces"] = Ratio(
-        functools.partial(picture_ratio, _name, _bounces), quick=_quick)
+        functools.partial(picture_ratio, _name, _bounces), quick=_quick
+    )
 
 
 def samples_ratio(bounces: int) -> float:
@@ -169,7 +195,8 @@ def samples_ratio(bounces: int) -> float:
                 times.append(made.work)
     ours, theirs = (
         statistics.median(long - short for short, long in zip(spent[cycles, few], spent[cycles, many]))
-        for cycles in (False, True))
+        for cycles in (False, True)
+    )
     return theirs / ours
 
 

@@ -27,8 +27,9 @@ class Parts:
 
     def __init__(self, options):
         # What is measured, not where it is written to.
-        given = {name: value for name, value in vars(options).items()
-                 if name not in ("json", "out", "modules", "defaults")}
+        given = {
+            name: value for name, value in vars(options).items() if name not in ("json", "out", "modules", "defaults")
+        }
         key = hashlib.sha256(repr(sorted(given.items())).encode() + _sources()).hexdigest()
         self._path = references.folder() / f"unfinished-{key[:16]}.json"
         self._found = json.loads(self._path.read_text(encoding="utf-8")) if self._path.is_file() else {}

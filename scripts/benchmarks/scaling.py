@@ -21,12 +21,12 @@ import math
 import statistics
 
 import bpy
-import numpy as np
-
 import host
+import numpy as np
 from scenery.materials import Graph
 from scenery.modelling import add
-from sdf_lights.render.settings import LampSampling
+
+from support.rivals import samplers
 
 from . import errors, lamp_meshes, lamp_scenes, machine, pictures, scenes, some_of
 from .lamp_scenes import INTENSITY, add_lamp, turned
@@ -46,8 +46,11 @@ def _kinds(volume: float) -> list[str]:
     radius = (volume * 0.75 / math.pi) ** (1.0 / 3.0)
     half = (volume / 24.0) ** (1.0 / 3.0)
     tube = (volume / (6.0 * math.pi**2)) ** (1.0 / 3.0)
-    return [f"sphere({radius:.6g})", f"box({half:.6g}, {half:.6g}, {3.0 * half:.6g})",
-            f"torus({3.0 * tube:.6g}, {tube:.6g})"]
+    return [
+        f"sphere({radius:.6g})",
+        f"box({half:.6g}, {half:.6g}, {3.0 * half:.6g})",
+        f"torus({3.0 * tube:.6g}, {tube:.6g})",
+    ]
 
 
 def lamps(size: int, count: int) -> None:
@@ -57,8 +60,9 @@ def lamps(size: int, count: int) -> None:
     kinds = _kinds(FILLED / count)
     for index in range(count):
         matrix = turned(*random.uniform(0.0, 360.0, 3), at=random.uniform(LOW, HIGH))
-        add_lamp(f"Lamp {index}", kinds[index % len(kinds)], None, matrix, INTENSITY / FILLED,
-                 0.3 + 0.7 * random.random(3))
+        add_lamp(
+            f"Lamp {index}", kinds[index % len(kinds)], None, matrix, INTENSITY / FILLED, 0.3 + 0.7 * random.random(3)
+        )
 
 
 def balls(size: int, count: int) -> None:
@@ -78,8 +82,12 @@ def triangles(size: int, count: int) -> None:
     rings = max(round(math.sqrt(count / 4.0)), 3)
     ball = lamp_meshes.mesh("Ball", lamp_meshes.sphere(0.4, 2 * rings, rings))
     graph = Graph("Ball")
-    add("Ball", ball, graph.finish(graph.node("ShaderNodeBsdfDiffuse", Color=(0.6, 0.6, 0.6))),
-        location=(-0.9, -1.8, 0.4))
+    add(
+        "Ball",
+        ball,
+        graph.finish(graph.node("ShaderNodeBsdfDiffuse", Color=(0.6, 0.6, 0.6))),
+        location=(-0.9, -1.8, 0.4),
+    )
 
 
 def resolution(_, count: int) -> None:
@@ -88,17 +96,20 @@ def resolution(_, count: int) -> None:
 
 
 CURVES = {  # what makes the scene, the numbers, and the two of them whose times are compared
-    "lamps": (lamps, (1, 10, 100, 1000), (1000, 10)), "parts": (balls, (1, 10, 100), (100, 10)),
+    "lamps": (lamps, (1, 10, 100, 1000), (1000, 10)),
+    "parts": (balls, (1, 10, 100), (100, 10)),
     "triangles": (triangles, (1_000, 30_000, 1_000_000, 10_000_000), (1_000_000, 1_000)),
-    "resolution": (resolution, (48, 96, 192), (192, 48))}
+    "resolution": (resolution, (48, 96, 192), (192, 48)),
+}
 QUICK = 1_000_000  # of anything, at most, in the quick form
 BRIEF = dict(curves=["lamps"])
 
 
 def arguments(parser) -> None:
     parser.add_argument(
-        "--curves", type=some_of(CURVES), default=",".join(CURVES), help=f"of {', '.join(CURVES)}, with commas between")
-    parser.add_argument("--sampler", choices=[sampling.value for sampling in LampSampling], default="CUT")
+        "--curves", type=some_of(CURVES), default=",".join(CURVES), help=f"of {', '.join(CURVES)}, with commas between"
+    )
+    parser.add_argument("--sampler", choices=samplers.SAMPLERS, default="CUT")
 
 
 def _variance(renders: list[pictures.Picture]) -> float:
@@ -117,7 +128,8 @@ def measure(build, count: int, size: int, repeats: int, options) -> dict:
 
     def render(samples: int, seed: int) -> pictures.Picture:
         scenes.plain_sdf_lights(scene, samples, BOUNCES, options.device)
-        scene.sdf_lights.seed, scene.sdf_lights.lamp_sampling = seed, options.sampler
+        scene.sdf_lights.seed = seed
+        scene.sdf_lights.lamp_sampling = samplers.register(options.sampler, f"{host.PACKAGE}.sdf_lights").value
         return pictures.render()
 
     def seconds(made: list[pictures.Picture]) -> float:
@@ -147,8 +159,7 @@ def run(options) -> tuple[dict, list[dict]]:
         found = {}
         for count in counts:
             progress.show(f"{count} {name}")
-            found[count] = parts.of(
-                f"{count} {name}", functools.partial(measure, build, count, size, repeats, options))
+            found[count] = parts.of(f"{count} {name}", functools.partial(measure, build, count, size, repeats, options))
             progress.step()
         # An error that all reach without much extrapolation.
         level = math.exp(statistics.fmean(math.log(error) for one in found.values() for error in one["errors"][-2:]))
@@ -156,8 +167,19 @@ def run(options) -> tuple[dict, list[dict]]:
         for count, one in found.items():
             samples = errors.interpolated(list(zip(one["errors"], LADDER)), level)
             times[count] = samples * one["each"]
-            rows.append(dict(curve=name, count=count, made_by=one["made_by"], rel_mse=level, samples=samples,
-                             seconds=times[count], each=one["each"], start=one["start"]) | {f"rel_mse_{n}": error for n, error in zip(LADDER, one["errors"])})
+            rows.append(
+                dict(
+                    curve=name,
+                    count=count,
+                    made_by=one["made_by"],
+                    rel_mse=level,
+                    samples=samples,
+                    seconds=times[count],
+                    each=one["each"],
+                    start=one["start"],
+                )
+                | {f"rel_mse_{n}": error for n, error in zip(LADDER, one["errors"])}
+            )
         summary[f"time_ratio_{most}_to_{few}_{name}"] = times[most] / times[few]
     parts.finish()
     progress.close()

@@ -7,9 +7,8 @@ from __future__ import annotations
 import math
 
 import bpy
-from mathutils import Vector
-
 import host
+from mathutils import Vector
 from scenery.modelling import add, box, plane, turned
 
 DIFFUSE = dict(  # name: colour, centre, half sizes, rotation about z in degrees
@@ -114,6 +113,7 @@ def plain_sdf_lights(scene, samples: int, bounces: int, device: str) -> None:
     """SDF Lights doing the same."""
     scene.render.engine = host.ENGINE
     settings = scene.sdf_lights
+    settings.origin = "OWN"  # whether Cycles was there before or not
     settings.device, settings.samples, settings.noise_threshold, settings.denoise = device, samples, 0.0, False
     settings.filter, settings.filter_width = "BOX", 1.0
     settings.indirect_paths, settings.guided_samples = 1, False

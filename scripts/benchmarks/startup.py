@@ -20,7 +20,6 @@ import tempfile
 import time
 
 import bpy
-
 import host
 
 from .progress import Progress
@@ -154,8 +153,9 @@ def measured(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict
     ]
     summary = dict(startup_seconds=first, startup_seconds_later=later)
     if options.cold:
-        rows.insert(1, dict(
-            start=f"F12 after the installation: compiles, under {COLD_LIMIT:g} s wanted", seconds=cold["first"]))
+        rows.insert(
+            1, dict(start=f"F12 after the installation: compiles, under {COLD_LIMIT:g} s wanted", seconds=cold["first"])
+        )
         summary["cold_compile_seconds"] = cold["first"] - first
     return summary, rows
 

@@ -71,10 +71,19 @@ def measure(bounces: int, options) -> list[dict]:
     for name in engines:
         differences = [long - short for short, long in zip(seconds[name, few], seconds[name, many])]
         taken = size * size * (many - few)
-        rows.append(dict(
-            engine=name, bounces=bounces, samples=many - few, pixels=size * size, repeats=repeats,
-            samples_per_second=taken / max(statistics.median(differences), 1e-9),
-            fastest=taken / max(min(differences), 1e-9), slowest=taken / max(max(differences), 1e-9), mean=means[name]))
+        rows.append(
+            dict(
+                engine=name,
+                bounces=bounces,
+                samples=many - few,
+                pixels=size * size,
+                repeats=repeats,
+                samples_per_second=taken / max(statistics.median(differences), 1e-9),
+                fastest=taken / max(min(differences), 1e-9),
+                slowest=taken / max(max(differences), 1e-9),
+                mean=means[name],
+            )
+        )
     return rows
 
 
@@ -123,15 +132,28 @@ def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
         gpu, cycles, cpu, gpu_by_projection, cpu_by_projection = rate
         ratios.append(gpu / cpu)
         ratios_by_projection.append(gpu_by_projection / cpu_by_projection)
-        rows.append(dict(scene=name, samples=many - few, pixels=size * size, repeats=repeats, gpu_samples_per_second=gpu,
-                         cycles_samples_per_second=cycles, cpu_samples_per_second=cpu,
-                         gpu_samples_per_second_by_projection=gpu_by_projection,
-                         cpu_samples_per_second_by_projection=cpu_by_projection, ratio=ratios[-1],
-                         ratio_by_projection=ratios_by_projection[-1], mean_gpu=means[engines[0]],
-                         mean_cpu=means[ON_CPU]))
-    return dict(gpu_to_cpu_samples_ratio=statistics.geometric_mean(ratios),
-                gpu_to_cpu_samples_ratio_min=min(ratios),
-                gpu_to_cpu_samples_ratio_by_projection=statistics.geometric_mean(ratios_by_projection)), rows
+        rows.append(
+            dict(
+                scene=name,
+                samples=many - few,
+                pixels=size * size,
+                repeats=repeats,
+                gpu_samples_per_second=gpu,
+                cycles_samples_per_second=cycles,
+                cpu_samples_per_second=cpu,
+                gpu_samples_per_second_by_projection=gpu_by_projection,
+                cpu_samples_per_second_by_projection=cpu_by_projection,
+                ratio=ratios[-1],
+                ratio_by_projection=ratios_by_projection[-1],
+                mean_gpu=means[engines[0]],
+                mean_cpu=means[ON_CPU],
+            )
+        )
+    return dict(
+        gpu_to_cpu_samples_ratio=statistics.geometric_mean(ratios),
+        gpu_to_cpu_samples_ratio_min=min(ratios),
+        gpu_to_cpu_samples_ratio_by_projection=statistics.geometric_mean(ratios_by_projection),
+    ), rows
 
 
 def run(options) -> tuple[dict, list[dict]]:

@@ -42,8 +42,12 @@ def _shapes(index: int, size: float) -> object:
 
     torus, sphere, box, frame = (SHAPES[name] for name in ("torus", "sphere", "box", "box_frame"))
     return (
-        torus(0.35 * size, 0.12 * size), SHAPES["menger_sponge"](), frame(0.4 * size),
-        Difference(box(0.4 * size), sphere(0.5 * size)), SHAPES["rounded_box"]())[index % 5]
+        torus(0.35 * size, 0.12 * size),
+        SHAPES["menger_sponge"](),
+        frame(0.4 * size),
+        Difference(box(0.4 * size), sphere(0.5 * size)),
+        SHAPES["rounded_box"](),
+    )[index % 5]
 
 
 def _lamps(count: int, size: float) -> list:
@@ -86,7 +90,8 @@ class _Canvas:
         with self._buffer.bind():
             self._buffer.clear(color=(0.0, 0.0, 0.0, 0.0))
             self._painter.draw(
-                [Drawn(lamp, finder.find(lamp.name, lamp.shape, wait=True)) for lamp in lamps], self._view)
+                [Drawn(lamp, finder.find(lamp.name, lamp.shape, wait=True)) for lamp in lamps], self._view
+            )
         given = time.perf_counter()
         self._mask.read()
         return 1e3 * (given - started), 1e3 * (time.perf_counter() - started)
@@ -111,11 +116,15 @@ def _frames(count: int, repeats: int) -> list[dict]:
         canvas.draw(lamps, finder)  # drivers finish compiling at the first use
         still = [canvas.draw(lamps, finder) for _ in range(repeats)]
         edits = [canvas.draw(_lamps(count, 1.0 + 0.01 * (turn + 1)), finder) for turn in range(repeats)]
-        rows.append(dict(
-            lamps=count, pixels="×".join(str(side // scale) for side in SIZE),
-            commands_ms=statistics.median(given for given, _ in still),
-            frame_ms=statistics.median(whole for _, whole in still),
-            frame_after_edit_ms=statistics.median(whole for _, whole in edits)))
+        rows.append(
+            dict(
+                lamps=count,
+                pixels="×".join(str(side // scale) for side in SIZE),
+                commands_ms=statistics.median(given for given, _ in still),
+                frame_ms=statistics.median(whole for _, whole in still),
+                frame_after_edit_ms=statistics.median(whole for _, whole in edits),
+            )
+        )
     return rows
 
 
@@ -132,7 +141,9 @@ def _edits(shading: str, repeats: int) -> list[dict]:
     return [
         {key: row[key] for key in ("shading", "edit")}
         | {f"{key}_ms": statistics.median(row[key]) for key in ("restart", "picture", "seen")}
-        | {f"{key}_ms": max(row[key]) for key in ("blocked", "worked")} for row in report["rows"]]
+        | {f"{key}_ms": max(row[key]) for key in ("blocked", "worked")}
+        for row in report["rows"]
+    ]
 
 
 def run(options) -> tuple[dict, list[dict]]:
@@ -141,8 +152,9 @@ def run(options) -> tuple[dict, list[dict]]:
     progress, parts, frames, edits = Progress(len(COUNTS) + len(SHADINGS)), Parts(options), [], []
     for count in COUNTS:
         progress.show(f"frames of {count} lamps")
-        frames += [row for row in parts.of(f"{count} lamps", functools.partial(_frames, count, repeats))
-                   if row not in frames]
+        frames += [
+            row for row in parts.of(f"{count} lamps", functools.partial(_frames, count, repeats)) if row not in frames
+        ]
         progress.step()
     for shading in SHADINGS:
         progress.show(f"edits, {shading.lower()}")
@@ -151,10 +163,14 @@ def run(options) -> tuple[dict, list[dict]]:
     parts.finish()
     progress.close()
     summary = {
-        f"viewport_{what}_{row['lamps']}": row[what] for row in frames if row.get("pixels") == "960×540"
-        for what in ("frame_ms", "frame_after_edit_ms")}
+        f"viewport_{what}_{row['lamps']}": row[what]
+        for row in frames
+        if row.get("pixels") == "960×540"
+        for what in ("frame_ms", "frame_after_edit_ms")
+    }
     traced = [row for row in edits if row.get("shading") == "RENDERED"]
     if traced:
         summary |= {
-            f"viewport_{what}": max(row[what] for row in traced) for what in ("restart_ms", "picture_ms", "worked_ms")}
+            f"viewport_{what}": max(row[what] for row in traced) for what in ("restart_ms", "picture_ms", "worked_ms")
+        }
     return summary, frames + edits

@@ -19,10 +19,11 @@ import bpy
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
+from window import ARGUMENTS, areas, override, report, run, until  # noqa: E402
+
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender.viewport import overlay, rendered  # noqa: E402
 from sdf_lights.render import interactive  # noqa: E402
-from window import ARGUMENTS, areas, override, report, run, until  # noqa: E402
 
 REPEATS, SHADING = int(ARGUMENTS[1]), ARGUMENTS[2]
 SUBDIVISIONS = 7  # of the grid's sides, by halving: 2 · 4⁹ triangles
@@ -47,7 +48,7 @@ class Clock:
 
     def after(self, shading: str, owner, name: str, stage: str) -> None:
         """In that shading, a stage is reached when ``owner.name`` returns, and the stages before it were."""
-        function, before = getattr(owner, name), self.STAGES[:self.STAGES.index(stage)]
+        function, before = getattr(owner, name), self.STAGES[: self.STAGES.index(stage)]
 
         def wrapper(*arguments, **keywords):
             result = function(*arguments, **keywords)
@@ -123,8 +124,13 @@ def edits(space):
     def power(step):
         bpy.data.lights["Lamp 0"].energy += 1.0
 
-    return {"view turned": turn, "power": power, "lamp moved": move("Lamp 1"), "shape": reshape,
-            "object moved": move("Cube")}
+    return {
+        "view turned": turn,
+        "power": power,
+        "lamp moved": move("Lamp 1"),
+        "shape": reshape,
+        "object moved": move("Cube"),
+    }
 
 
 def _small_turn():
@@ -152,8 +158,12 @@ def session():
     clock.after("RENDERED", rendered.RenderedView, "_show", "seen")
     clock.shading = space.shading.type = SHADING
     yield 3.0
-    yield from until(lambda: SHADING == "SOLID" or any(
-        view._render.picture and view._render.picture.samples > 1 for view in rendered._running))
+    yield from until(
+        lambda: (
+            SHADING == "SOLID"
+            or any(view._render.picture and view._render.picture.samples > 1 for view in rendered._running)
+        )
+    )
     for name, edit in edits(space).items():
         rows.append(dict(shading=SHADING, edit=name, **{key: [] for key in (*clock.STAGES, "blocked", "worked")}))
         for step in range(REPEATS):

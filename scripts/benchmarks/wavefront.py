@@ -18,9 +18,9 @@ import statistics
 from contextlib import contextmanager
 
 import bpy
+import host
 import numpy as np
 
-import host
 from sdf_lights.render.settings import LampSampling
 
 from . import lamp_scenes, pictures, scenes
@@ -39,12 +39,13 @@ ROUND = "fresh = integrator_advance(false)"
 def counting(source: str) -> tuple[str, int]:
     """A program whose picture is (rounds, those that shade, those that send a light ray), a sample."""
     for place, text in (
-            ("void path_clear_sample()", "vec3 rounds;\n\nvoid path_clear_sample()"),
-            ("path_row.index = index;", "path_row.index = index;\n            rounds = vec3(0.0);"),
-            (ROUND, f"rounds.x += 1.0;\n        {ROUND}"),
-            ("add_sample(index);", "sample_row.combined = rounds;\n            add_sample(index);"),
-            ("void surface_shade()\n{", "void surface_shade()\n{\n    rounds.y += 1.0;"),
-            ("void integrator_light_vertex()\n{", "void integrator_light_vertex()\n{\n    rounds.z += 1.0;")):
+        ("void path_clear_sample()", "vec3 rounds;\n\nvoid path_clear_sample()"),
+        ("path_row.index = index;", "path_row.index = index;\n            rounds = vec3(0.0);"),
+        (ROUND, f"rounds.x += 1.0;\n        {ROUND}"),
+        ("add_sample(index);", "sample_row.combined = rounds;\n            add_sample(index);"),
+        ("void surface_shade()\n{", "void surface_shade()\n{\n    rounds.y += 1.0;"),
+        ("void integrator_light_vertex()\n{", "void integrator_light_vertex()\n{\n    rounds.z += 1.0;"),
+    ):
         source = _replaced(source, place, text)
     return source, 0
 
@@ -74,11 +75,16 @@ def remembering(source: str) -> tuple[str, int]:
         lines += [f"void {name}_path(int thread, int threads)", "{"]
         for index, (kind, text) in enumerate(parts):
             place = f"state[{index} * threads + thread]"
-            lines.append(f"    {place} = {into[kind].format(text)};" if name == "store" else
-                         f"    {text} = {back[kind].format(place)};")
+            lines.append(
+                f"    {place} = {into[kind].format(text)};"
+                if name == "store"
+                else f"    {text} = {back[kind].format(place)};"
+            )
         lines.append("}")
     source = _replaced(source, "void main()", "\n".join([*lines, "", "void main()"]))
-    return _replaced(source, ROUND, f"store_path(thread, work.y);\n        load_path(thread, work.y);\n        {ROUND}"), len(parts)
+    return _replaced(
+        source, ROUND, f"store_path(thread, work.y);\n        load_path(thread, work.y);\n        {ROUND}"
+    ), len(parts)
 
 
 @contextmanager
@@ -130,12 +136,14 @@ def measure(name: str, size: int, bounces: int, options) -> dict:
                     picture = _render(samples, bounces)
             if turn:  # the first turn compiles
                 seconds[kind, samples].append(picture.seconds)
-    plain, memory = (max(statistics.median(np.subtract(seconds[kind, many], seconds[kind, few])), 1e-9)
-                     for kind in ("plain", "remembering"))
+    plain, memory = (
+        max(statistics.median(np.subtract(seconds[kind, many], seconds[kind, few])), 1e-9)
+        for kind in ("plain", "remembering")
+    )
     rounds, shaded, lit = counts.mean(0)
     row = dict(scene=name, bounces=bounces, rounds=rounds, shading=shaded / rounds, light_rays=lit / rounds)
     for group in GROUPS:
-        together = counts[:len(counts) // group * group, 0].reshape(-1, group)
+        together = counts[: len(counts) // group * group, 0].reshape(-1, group)
         row[f"busy_in_{group}"] = float(together.mean() / together.max(1).mean())
     return row | dict(memory_time_ratio=memory / plain)
 
@@ -146,11 +154,16 @@ def run(options) -> tuple[dict, list[dict]]:
     for name in names:
         for bounces in BOUNCES:
             progress.show(f"{name}, {bounces} bounces")
-            rows.append(parts.of(f"{name} {bounces}", functools.partial(
-                measure, name, 96 if options.quick else 128, bounces, options)))
+            rows.append(
+                parts.of(
+                    f"{name} {bounces}",
+                    functools.partial(measure, name, 96 if options.quick else 128, bounces, options),
+                )
+            )
             progress.step()
     parts.finish()
     progress.close()
     return dict(
         wavefront_gain_at_most=max(1.0 / (min(row["shading"], row["light_rays"]) * row["busy_in_8"]) for row in rows),
-        wavefront_memory_time_ratio=statistics.geometric_mean(row["memory_time_ratio"] for row in rows)), rows
+        wavefront_memory_time_ratio=statistics.geometric_mean(row["memory_time_ratio"] for row in rows),
+    ), rows

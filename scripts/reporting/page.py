@@ -92,8 +92,12 @@ samples. Efficiency is that of ours to the paper's sampler: the ratio of squared
 """
 
 MORE = {  # columns of hard cases beside the figure: title, and what it is
-    "rays": "rays", "too_fine_to_judge": "too fine to judge", "unresolved": "length unresolved",
-    "deviation": "of the whole picture", "standard_error": "its standard error"}
+    "rays": "rays",
+    "too_fine_to_judge": "too fine to judge",
+    "unresolved": "length unresolved",
+    "deviation": "of the whole picture",
+    "standard_error": "its standard error",
+}
 
 INTERVALS = """\
 Every shape and operator of the tests and the hard cases, judged by a march through the whole formula in finer steps.
@@ -136,35 +140,56 @@ it. Each is a test of the same name, too.
 """
 
 HARD = {  # kind of case: title, and where its limits are from
-    "rays": ("Rays", """\
+    "rays": (
+        "Rays",
+        """\
 Counts of crossings must be right: the search finds all zeros that are farther apart than its resolution, which is the
 limit of the lengths. Balls have closed forms; all else is judged by the tests' own march in much finer steps.
-"""),
-    "light": ("Size, place and form", """\
+""",
+    ),
+    "light": (
+        "Size, place and form",
+        """\
 A lamp lights a floor as a body of its density attracts it by Newton's law, so affine images of a ball have renders in
 closed form. A mean may be off by four standard errors, what float32 rounds, and what cuts do not know of volumes in
 boxes.
-"""),
-    "faces": ("Coincident faces", """\
+""",
+    ),
+    "faces": (
+        "Coincident faces",
+        """\
 Boxes that stand on a floor, fill a box or touch a wall; light must neither be lost where faces meet nor leak through.
-"""),
-    "single": ("Single precision", """\
+""",
+    ),
+    "single": (
+        "Single precision",
+        """\
 Fields as the GPU evaluates them, its pictures, and hits of triangles, against double precision: limits are what rounding
 may do. Pictures of both use the same random numbers; their means, and those of blocks, may differ by what seeds scatter,
 four standard errors for all means together, and by what a rounded number makes of a shape.
-"""),
-    "cost": ("Cost", """\
+""",
+    ),
+    "cost": (
+        "Cost",
+        """\
 Render times and evaluations with a hard lamp to those with an easy one. Limits are the ratios of the paper's times,
 for high-frequency noise and for a sparse frame. But our smooth field takes far fewer evaluations than its rule does, so
 evaluations are compared for noise, and of its time the limit is what is evaluated.
-"""),
-    "samples": ("A million samples a pixel", """\
+""",
+    ),
+    "samples": (
+        "A million samples a pixel",
+        """\
 Sums must not drift, and the error must fall at least as fast as that of independent samples.
-"""),
-    "motion": ("Flicker", """\
+""",
+    ),
+    "motion": (
+        "Flicker",
+        """\
 How much pixels of an animation change beyond what moves, at four samples a pixel. Light bounces once where no number is
 told. Independent frames have 1, with four standard errors; others may not be better than ours.
-"""),
+""",
+    ),
 }
 
 
@@ -205,17 +230,21 @@ def load(result: Result, by_clock: bool = False) -> str:
     text += f", with a load of {number(busy)} before the run"
     if busy <= 0.5 * machine["cores"]:
         return text + ", otherwise idle.\n"
-    return (f"{text}: **other work ran beside it.**\n" + (
-        "Times are those of the clock, so they are too long.\n" if by_clock else
-        "Times of renders are processor time by cores, which other work disturbs less than the clock.\n"))
+    return f"{text}: **other work ran beside it.**\n" + (
+        "Times are those of the clock, so they are too long.\n"
+        if by_clock
+        else "Times of renders are processor time by cores, which other work disturbs less than the clock.\n"
+    )
 
 
 def settings(result: Result) -> str:
     rows = [row for row in result.rows if "method" in row]
     samples = sorted({row["samples"] for row in result.of(method=PEERS[0]) or rows})
     seeds = sorted({row["seeds"] for row in rows})
-    return (f"{listed([str(count) for count in samples])} samples a pixel, {listed([str(count) for count in seeds])} "
-            f"{'seed' if seeds == [1] else 'seeds'} a point. {load(result)}")
+    return (
+        f"{listed([str(count) for count in samples])} samples a pixel, {listed([str(count) for count in seeds])} "
+        f"{'seed' if seeds == [1] else 'seeds'} a point. {load(result)}"
+    )
 
 
 def heading(title: str, result: Result, about: str) -> list[str]:
@@ -229,11 +258,15 @@ def shown(paths: list[pathlib.Path], about: str, page: pathlib.Path) -> list[str
 
 # --- error against time -----------------------------------------------------------------------------------------------
 
+
 def ratios(result: Result, method: str) -> list[tuple[str, str, float]]:
     """Scene, measure, and the error of a method to ours, at equal time, where both are known."""
-    return [(row["scene"], label, row[f"{metric} {method}"] / row[f"{metric} {OURS}"])
-            for metric, label in METRICS.items() for row in result.rows
-            if row.get(f"{metric} {method}") is not None and row.get(f"{metric} {OURS}")]
+    return [
+        (row["scene"], label, row[f"{metric} {method}"] / row[f"{metric} {OURS}"])
+        for metric, label in METRICS.items()
+        for row in result.rows
+        if row.get(f"{metric} {method}") is not None and row.get(f"{metric} {OURS}")
+    ]
 
 
 def verdict(result: Result) -> str:
@@ -244,12 +277,15 @@ def verdict(result: Result) -> str:
         if not found:
             continue
         who = METHODS[method][0].split(" (")[0]
-        lost = [f"{scene} by {metric} ({number(ratio)} times our error)"
-                for scene, metric, ratio in found if ratio < 1.0]
+        lost = [
+            f"{scene} by {metric} ({number(ratio)} times our error)" for scene, metric, ratio in found if ratio < 1.0
+        ]
         scene, metric, least = min(found, key=lambda one: one[2])
         sentences.append(
-            f"**{who} is better** in {listed(lost)}." if lost else
-            f"{who} is better nowhere; it comes closest in {scene} by {metric}, with {number(least)} times our error.")
+            f"**{who} is better** in {listed(lost)}."
+            if lost
+            else f"{who} is better nowhere; it comes closest in {scene} by {metric}, with {number(least)} times our error."
+        )
     return "\n".join(f"- {sentence}" for sentence in sentences) + "\n"
 
 
@@ -261,10 +297,27 @@ def equal_time(result: Result) -> str:
         for metric, label in METRICS.items():
             values = [row.get(f"{metric} {name}") for name in names]
             if any(value is not None for value in values):
-                rows.append([row["scene"], row["seconds"], label, *values,
-                             *(value / values[0] if None not in (value, values[0]) else None for value in values[1:])])
-    return table(["scene", "seconds", "measure", *(METHODS[name][0] for name in names), "paper's sampler / ours",
-                  "volume / ours", "mesh light / ours"], rows)
+                rows.append(
+                    [
+                        row["scene"],
+                        row["seconds"],
+                        label,
+                        *values,
+                        *(value / values[0] if None not in (value, values[0]) else None for value in values[1:]),
+                    ]
+                )
+    return table(
+        [
+            "scene",
+            "seconds",
+            "measure",
+            *(METHODS[name][0] for name in names),
+            "paper's sampler / ours",
+            "volume / ours",
+            "mesh light / ours",
+        ],
+        rows,
+    )
 
 
 def preparation(result: Result) -> str:
@@ -285,13 +338,27 @@ def preparation(result: Result) -> str:
             each = (many["seconds"] - few["seconds"]) / (many["samples"] - few["samples"])
             starts.append(max(few["seconds"] - each * few["samples"], 0.0))
             costs.append(many["rel_mse"] * each * many["samples"] if each > 0.0 else None)
-        rows.append([row["scene"], row["seconds"], *starts, *(
-            cost / costs[0] if cost is not None and costs[0] else None for cost in costs[1:])])
-    if not any(start is not None for row in rows for start in row[2:2 + len(names)]):
+        rows.append(
+            [
+                row["scene"],
+                row["seconds"],
+                *starts,
+                *(cost / costs[0] if cost is not None and costs[0] else None for cost in costs[1:]),
+            ]
+        )
+    if not any(start is not None for row in rows for start in row[2 : 2 + len(names)]):
         return ""
     return f"{PREPARATION}\n" + table(
-        ["scene", "equal time", *(f"{METHODS[name][0]}: before the first sample" for name in names),
-         "paper's sampler / ours", "volume / ours", "mesh light / ours"], rows)
+        [
+            "scene",
+            "equal time",
+            *(f"{METHODS[name][0]}: before the first sample" for name in names),
+            "paper's sampler / ours",
+            "volume / ours",
+            "mesh light / ours",
+        ],
+        rows,
+    )
 
 
 def references(result: Result) -> str:
@@ -299,23 +366,49 @@ def references(result: Result) -> str:
     found = [row for row in result.rows if "surface_reference" in row]
     if not found:
         return ""
-    rows = [[row["scene"], *(value for key in ("reference", "surface_reference") for value in (
-        math.sqrt(row[key]), row.get(f"{key}_renders"), row.get(f"{key}_seconds"))),
-        row["surface_mape"], row["surface_mean_ratio"]] for row in found]
-    heads = ["scene", "standard error of the lamp's reference / least error judged", "its renders", "their seconds",
-             "standard error of the mesh light's reference / least error judged", "its renders", "their seconds",
-             "mesh light's picture: MAPE", "and mean, to the lamp's"]
+    rows = [
+        [
+            row["scene"],
+            *(
+                value
+                for key in ("reference", "surface_reference")
+                for value in (math.sqrt(row[key]), row.get(f"{key}_renders"), row.get(f"{key}_seconds"))
+            ),
+            row["surface_mape"],
+            row["surface_mean_ratio"],
+        ]
+        for row in found
+    ]
+    heads = [
+        "scene",
+        "standard error of the lamp's reference / least error judged",
+        "its renders",
+        "their seconds",
+        "standard error of the mesh light's reference / least error judged",
+        "its renders",
+        "their seconds",
+        "mesh light's picture: MAPE",
+        "and mean, to the lamp's",
+    ]
     return f"{MESH_LIGHTS}\n{table(heads, rows)}\n{reached(found)}{REFERENCES}"
 
 
 def reached(rows: list[dict]) -> str:
     """Whether references are good enough, of rows that have the variance of one as part of the least relMSE."""
-    missed = [f"{row['scene']}{of} ({number(math.sqrt(row[key]))})"
-              for key, of in (("reference", ""), ("surface_reference", "'s mesh light")) for row in rows
-              if key in row and math.sqrt(row[key]) > TENTH]
-    return ((f"**The standard error of a reference is more than a tenth of the least error that it judges** in "
-             f"{listed(missed)}.\n") if missed else
-            "The standard error of every reference is at most a tenth of the least error that it judges.\n")
+    missed = [
+        f"{row['scene']}{of} ({number(math.sqrt(row[key]))})"
+        for key, of in (("reference", ""), ("surface_reference", "'s mesh light"))
+        for row in rows
+        if key in row and math.sqrt(row[key]) > TENTH
+    ]
+    return (
+        (
+            f"**The standard error of a reference is more than a tenth of the least error that it judges** in "
+            f"{listed(missed)}.\n"
+        )
+        if missed
+        else "The standard error of every reference is at most a tenth of the least error that it judges.\n"
+    )
 
 
 def means(result: Result) -> str:
@@ -327,8 +420,14 @@ def means(result: Result) -> str:
         if found:
             worst = max(found, key=lambda row: abs(row["mean_ratio"] - 1.0))
             error = worst["mean_ratio_error"]
-            rows.append([label, worst["scene"], f"{100.0 * (worst['mean_ratio'] - 1.0):+.2f} %",
-                         None if error is None else f"{100.0 * error:.2f} %"])
+            rows.append(
+                [
+                    label,
+                    worst["scene"],
+                    f"{100.0 * (worst['mean_ratio'] - 1.0):+.2f} %",
+                    None if error is None else f"{100.0 * error:.2f} %",
+                ]
+            )
     return table(["method", "scene", "largest deviation of a picture's mean", "its standard error"], rows)
 
 
@@ -336,17 +435,30 @@ def race(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]:
     """Section on error against time."""
     name = result.name
     strips = shown(
-        sorted(images.glob(f"report_pictures_{name}_*.png")), "Renders at equal time, and their errors", page)
+        sorted(images.glob(f"report_pictures_{name}_*.png")), "Renders at equal time, and their errors", page
+    )
     return [
         *heading(f"Error against time: {LIGHT[name][0].lower()}", result, settings(result)),
-        *(link for metric, label in METRICS.items() for link in shown(
-            [images / f"report_{name}_{metric}.png"], f"{label} against seconds, by scene and method", page)),
-        CURVES, equal_time(result), verdict(result), preparation(result), references(result), means(result),
+        *(
+            link
+            for metric, label in METRICS.items()
+            for link in shown(
+                [images / f"report_{name}_{metric}.png"], f"{label} against seconds, by scene and method", page
+            )
+        ),
+        CURVES,
+        equal_time(result),
+        verdict(result),
+        preparation(result),
+        references(result),
+        means(result),
         *(["Renders at equal time, one seed each, with the relative error of each pixel below:\n"] if strips else []),
-        *strips]
+        *strips,
+    ]
 
 
 # --- the paper --------------------------------------------------------------------------------------------------------
+
 
 def lamps(result: Result) -> list[str]:
     """A row for each scene and number of bounces, and where ours has more error than the paper's sampler."""
@@ -354,21 +466,56 @@ def lamps(result: Result) -> list[str]:
     found = [row for row in result.rows if paper in row]
     seeds = max((row["seeds"] for row in result.rows if "seeds" in row), default=0)
     title = "All scenes" if result.name == "lamps" else f"Some scenes with {seeds} seeds"
-    keys = (paper, f"{PAPER} guided / {OURS}", f"worst_999 {paper}", f"worst_mean {paper}", f"worst {paper}", "cycles",
-            "cycles denoised", "both denoised")
-    rows = [[row["scene"], row["bounces"], row["seconds"], *(row.get(key) for key in keys), math.sqrt(row["reference"])]
-            for row in found]
-    lost = [f"{row['scene']} with {row['bounces']} bounces by {label} ({number(row[key])} times our error)"
-            for key, label in ((paper, "relMSE"), (f"worst_999 {paper}", "the 99.9th percentile"),
-                               (f"worst_mean {paper}", "the greatest error"),
-                               (f"worst {paper}", "the greatest error of all seeds"))
-            for row in found if row.get(key, 1.0) < 1.0]
+    keys = (
+        paper,
+        f"{PAPER} guided / {OURS}",
+        f"worst_999 {paper}",
+        f"worst_mean {paper}",
+        f"worst {paper}",
+        "cycles",
+        "cycles denoised",
+        "both denoised",
+    )
+    rows = [
+        [row["scene"], row["bounces"], row["seconds"], *(row.get(key) for key in keys), math.sqrt(row["reference"])]
+        for row in found
+    ]
+    lost = [
+        f"{row['scene']} with {row['bounces']} bounces by {label} ({number(row[key])} times our error)"
+        for key, label in (
+            (paper, "relMSE"),
+            (f"worst_999 {paper}", "the 99.9th percentile"),
+            (f"worst_mean {paper}", "the greatest error"),
+            (f"worst {paper}", "the greatest error of all seeds"),
+        )
+        for row in found
+        if row.get(key, 1.0) < 1.0
+    ]
     return [
-        *heading(title, result, load(result)), ALL_SCENES if result.name == "lamps" else MORE_SEEDS,
-        f"**The paper's sampler is better** in {listed(lost)}.\n" if lost else "The paper's sampler is better nowhere.\n",
-        table(["scene", "bounces", "seconds", "paper's sampler", "paper's, guided", "paper's, 99.9th percentile",
-               "paper's, greatest", "paper's, of all seeds", "Cycles", "Cycles denoised", "both denoised",
-               "reference"], rows), summary(result)]
+        *heading(title, result, load(result)),
+        ALL_SCENES if result.name == "lamps" else MORE_SEEDS,
+        f"**The paper's sampler is better** in {listed(lost)}.\n"
+        if lost
+        else "The paper's sampler is better nowhere.\n",
+        table(
+            [
+                "scene",
+                "bounces",
+                "seconds",
+                "paper's sampler",
+                "paper's, guided",
+                "paper's, 99.9th percentile",
+                "paper's, greatest",
+                "paper's, of all seeds",
+                "Cycles",
+                "Cycles denoised",
+                "both denoised",
+                "reference",
+            ],
+            rows,
+        ),
+        summary(result),
+    ]
 
 
 def efficiencies(result: Result) -> dict[str, list[float]]:
@@ -382,8 +529,12 @@ def efficiencies(result: Result) -> dict[str, list[float]]:
 
 def slower(result: Result) -> str:
     """Where cuts do not pay."""
-    lost = [f"{scene} to {name} ({number(ratio)})" for scene, found in efficiencies(result).items()
-            for name, ratio in zip(("projection sampling", "the paper's sampler"), found) if ratio < 1.0]
+    lost = [
+        f"{scene} to {name} ({number(ratio)})"
+        for scene, found in efficiencies(result).items()
+        for name, ratio in zip(("projection sampling", "the paper's sampler"), found)
+        if ratio < 1.0
+    ]
     return f"**Cuts lose** in {listed(lost)}.\n" if lost else "Cuts pay in all of them.\n"
 
 
@@ -391,23 +542,55 @@ def paper(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]
     """Section on the paper's scenes."""
     found = [row for row in result.rows if "competitor" in row]
     pictures = [
-        [row["scene"], label, *(row[key.format(metric)] for key in (
-            "paper_{}_bsdf_to_projection", "{}_bsdf_to_projection", "{}_mis_to_projection", "{}_cut_to_projection"))]
-        for row in found for metric, label in METRICS.items() if metric != "rel_mse"]
+        [
+            row["scene"],
+            label,
+            *(
+                row[key.format(metric)]
+                for key in (
+                    "paper_{}_bsdf_to_projection",
+                    "{}_bsdf_to_projection",
+                    "{}_mis_to_projection",
+                    "{}_cut_to_projection",
+                )
+            ),
+        ]
+        for row in found
+        for metric, label in METRICS.items()
+        if metric != "rel_mse"
+    ]
     competitors = []
     for row in found:
         other = "surface" if row["competitor"] == "surface area" else "bounding"
         for name, label in (("surface", "surface"), ("bounding", "bounding box")):
-            published = [row[f"paper_{metric}_competitor_to_projection"] if name == other else None
-                         for metric in ("mape", "flip")]
-            competitors.append([
-                row["scene"], label, published[0], row.get(f"mape_{name}_to_projection"), published[1],
-                row.get(f"flip_{name}_to_projection"), row.get(f"points_{name}_to_projection")])
+            published = [
+                row[f"paper_{metric}_competitor_to_projection"] if name == other else None
+                for metric in ("mape", "flip")
+            ]
+            competitors.append(
+                [
+                    row["scene"],
+                    label,
+                    published[0],
+                    row.get(f"mape_{name}_to_projection"),
+                    published[1],
+                    row.get(f"flip_{name}_to_projection"),
+                    row.get(f"points_{name}_to_projection"),
+                ]
+            )
 
     def of_methods(column: str) -> str:
         methods = ("BSDF", "BOUNDING", "SURFACE", "PROJECTION", PAPER, OURS)
-        rows = [[row["scene"], *(next((known[column] for known in result.of(scene=row["scene"], method=method)), None)
-                                 for method in methods)] for row in found]
+        rows = [
+            [
+                row["scene"],
+                *(
+                    next((known[column] for known in result.of(scene=row["scene"], method=method)), None)
+                    for method in methods
+                ),
+            ]
+            for row in found
+        ]
         heads = ["scene", "BSDF", "bounding box", "surface", "projection", "paper's sampler", "cuts"]
         if any(f"paper_{column}_bsdf" in row for row in found):
             heads += ["paper: BSDF", "paper: its competitor", "paper: projection"]
@@ -416,44 +599,102 @@ def paper(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]
         return table(heads, rows)
 
     return [
-        *heading("The scenes of the paper", result, settings(result)), PAPER_SCENES,
-        table(["scene", "measure", "BSDF / projection: paper", "here", "paper's sampler with MIS / projection",
-               "cuts / projection"], pictures),
+        *heading("The scenes of the paper", result, settings(result)),
+        PAPER_SCENES,
+        table(
+            [
+                "scene",
+                "measure",
+                "BSDF / projection: paper",
+                "here",
+                "paper's sampler with MIS / projection",
+                "cuts / projection",
+            ],
+            pictures,
+        ),
         reached(list({row["scene"]: row for row in result.rows if "reference" in row}.values())),
-        PAPER_BSDF, PAPER_COMPETITORS,
-        table(["scene", "competitor", "MAPE / projection: paper", "here", "FLIP / projection: paper", "here",
-               "MAPE / projection, at points"], competitors),
+        PAPER_BSDF,
+        PAPER_COMPETITORS,
+        table(
+            [
+                "scene",
+                "competitor",
+                "MAPE / projection: paper",
+                "here",
+                "FLIP / projection: paper",
+                "here",
+                "MAPE / projection, at points",
+            ],
+            competitors,
+        ),
         "Equal samples hide what a sample costs. Efficiency is 1 / (relMSE × seconds), here of cuts to others:\n",
-        table(["scene", "cuts / projection", "cuts / paper's sampler"],
-              [[scene, *values] for scene, values in efficiencies(result).items()]),
-        slower(result), "MAPE of the pictures:\n", of_methods("mape"), "Their FLIP:\n", of_methods("flip"),
-        "Their seconds:\n", of_methods("seconds"),
-        *shown(sorted(images.glob("report_pictures_paper_*.png")), "Renders of equal samples, and their errors", page)]
+        table(
+            ["scene", "cuts / projection", "cuts / paper's sampler"],
+            [[scene, *values] for scene, values in efficiencies(result).items()],
+        ),
+        slower(result),
+        "MAPE of the pictures:\n",
+        of_methods("mape"),
+        "Their FLIP:\n",
+        of_methods("flip"),
+        "Their seconds:\n",
+        of_methods("seconds"),
+        *shown(sorted(images.glob("report_pictures_paper_*.png")), "Renders of equal samples, and their errors", page),
+    ]
 
 
 # --- the rest ---------------------------------------------------------------------------------------------------------
+
 
 def hard(result: Result) -> list[str]:
     """Section of cases with limits, a table for each kind."""
     rows = [row for row in result.rows if "measures" in row]
     failed = [row["case"] for row in rows if not row["holds"]]
     parts = [
-        *heading("Hard cases", result, load(result)), HARD_CASES,
-        f"**Limits that do not hold: {listed(failed)}.**\n" if failed else "All limits hold.\n"]
+        *heading("Hard cases", result, load(result)),
+        HARD_CASES,
+        f"**Limits that do not hold: {listed(failed)}.**\n" if failed else "All limits hold.\n",
+    ]
     for kind in dict.fromkeys(row.get("kind") for row in rows):
         title, text = HARD.get(kind, ("Others", ""))
         own = [row for row in rows if row.get("kind") == kind]
         more = [key for key in MORE if any(key in row for row in own)]
-        parts += [f"### {title}\n", text, table(
-            ["case", "what is measured", "figure", "limit", "", *(MORE[key] for key in more)],
-            [[row["case"], row["measures"], row["figure"], row["limit"], "" if row["holds"] else "**fails**",
-              *(whole(row.get(key)) for key in more)] for row in own])]
+        parts += [
+            f"### {title}\n",
+            text,
+            table(
+                ["case", "what is measured", "figure", "limit", "", *(MORE[key] for key in more)],
+                [
+                    [
+                        row["case"],
+                        row["measures"],
+                        row["figure"],
+                        row["limit"],
+                        "" if row["holds"] else "**fails**",
+                        *(whole(row.get(key)) for key in more),
+                    ]
+                    for row in own
+                ],
+            ),
+        ]
         timed = [row for row in own if "easy_ns_per_sample" in row]
         if timed:
-            parts += [TIMES, table(
-                ["case", "ns of a sample, hard", "easy", "hard / easy", "by the paper's rule"],
-                [[row["case"], row["hard_ns_per_sample"], row["easy_ns_per_sample"], row["figure"],
-                  row.get("published_time_ratio")] for row in timed])]
+            parts += [
+                TIMES,
+                table(
+                    ["case", "ns of a sample, hard", "easy", "hard / easy", "by the paper's rule"],
+                    [
+                        [
+                            row["case"],
+                            row["hard_ns_per_sample"],
+                            row["easy_ns_per_sample"],
+                            row["figure"],
+                            row.get("published_time_ratio"),
+                        ]
+                        for row in timed
+                    ],
+                ),
+            ]
     return parts
 
 
@@ -470,40 +711,114 @@ def figures(result: Result) -> list[str]:
 def estimators(result: Result) -> list[str]:
     """Section of samplers at points."""
     best = {row["case"]: row for row in result.of(technique="cut")}
-    rows = [[case, row["group"], other["error_64"], row["error_64"], other["ns"], row["ns"], row["gain_64"],
-             row["gain_256"]] for case, row in best.items() for other in result.of(case=case, technique="mis")]
-    return [*heading("Samplers at points", result, load(result)), ESTIMATORS,
-            table(["lamp and point", "kind", "error, paper's sampler", "error, ours", "ns of a sample, paper's sampler",
-                   "ns, ours", "efficiency, 64 samples", "efficiency, 256 samples"], rows) if rows else "",
-            summary(result)]
+    rows = [
+        [
+            case,
+            row["group"],
+            other["error_64"],
+            row["error_64"],
+            other["ns"],
+            row["ns"],
+            row["gain_64"],
+            row["gain_256"],
+        ]
+        for case, row in best.items()
+        for other in result.of(case=case, technique="mis")
+    ]
+    return [
+        *heading("Samplers at points", result, load(result)),
+        ESTIMATORS,
+        table(
+            [
+                "lamp and point",
+                "kind",
+                "error, paper's sampler",
+                "error, ours",
+                "ns of a sample, paper's sampler",
+                "ns, ours",
+                "efficiency, 64 samples",
+                "efficiency, 256 samples",
+            ],
+            rows,
+        )
+        if rows
+        else "",
+        summary(result),
+    ]
 
 
 def intervals(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]:
     """Section of rays and their crossings."""
     cases = [row for row in result.rows if "published_wrong" in row]
     wrong = [row["case"] for row in cases if row["certified"] and row["wrong"] > 0.0]
-    missed = sorted((row for row in cases if max(row["published_wrong"], row["published_coarse_wrong"]) > 0.0),
-                    key=lambda row: -max(row["published_wrong"], row["published_coarse_wrong"]))
+    missed = sorted(
+        (row for row in cases if max(row["published_wrong"], row["published_coarse_wrong"]) > 0.0),
+        key=lambda row: -max(row["published_wrong"], row["published_coarse_wrong"]),
+    )
     most = [row for row in missed if max(row["published_wrong"], row["published_coarse_wrong"]) >= MANY]
     names = [key for key, *_ in RULES]
-    found = [f"{number(int(sum(row['rays'] for row in cases)))} rays through {len(cases)} shapes. " + (
-        f"**With a proven bound, rays are wrong in {listed(wrong)}.**\n" if wrong else
-        "With a proven bound, no ray has a wrong number of crossings.\n")] if cases else []
+    found = (
+        [
+            f"{number(int(sum(row['rays'] for row in cases)))} rays through {len(cases)} shapes. "
+            + (
+                f"**With a proven bound, rays are wrong in {listed(wrong)}.**\n"
+                if wrong
+                else "With a proven bound, no ray has a wrong number of crossings.\n"
+            )
+        ]
+        if cases
+        else []
+    )
     return [
-        *heading("Crossings of rays", result, load(result)), INTERVALS, *found,
+        *heading("Crossings of rays", result, load(result)),
+        INTERVALS,
+        *found,
         *shown([images / "report_intervals.png"], "Evaluations on a ray, and the time of a ray by parts", page),
-        *([SMOOTH_CASES, table(
-            ["smooth case", *(label for _, label, *_ in RULES), "published / ours"],
-            [[row["case"], *(row[name] for name in names), row["published_evaluations"] / row["evaluations"]]
-             for row in cases if row["smooth"]])] if cases else []),
-        *([f"The published rule has a wrong number of crossings in {len(missed)} of these shapes, at our resolution in "
-           f"{sum(row['published_wrong'] > 0.0 for row in missed)}. Part of the rays that it marches along, where that "
-           f"is at least {number(MANY)}:\n", table(
-            ["case", "ours", "published rule, at our resolution", "published rule, coarse",
-             "sphere tracing, at our resolution"],
-            [[row["case"], row["wrong"], row["published_wrong"], row["published_coarse_wrong"], row["spheres_wrong"]]
-             for row in most])] if missed else []),
-        summary(result)]
+        *(
+            [
+                SMOOTH_CASES,
+                table(
+                    ["smooth case", *(label for _, label, *_ in RULES), "published / ours"],
+                    [
+                        [row["case"], *(row[name] for name in names), row["published_evaluations"] / row["evaluations"]]
+                        for row in cases
+                        if row["smooth"]
+                    ],
+                ),
+            ]
+            if cases
+            else []
+        ),
+        *(
+            [
+                f"The published rule has a wrong number of crossings in {len(missed)} of these shapes, at our resolution in "
+                f"{sum(row['published_wrong'] > 0.0 for row in missed)}. Part of the rays that it marches along, where that "
+                f"is at least {number(MANY)}:\n",
+                table(
+                    [
+                        "case",
+                        "ours",
+                        "published rule, at our resolution",
+                        "published rule, coarse",
+                        "sphere tracing, at our resolution",
+                    ],
+                    [
+                        [
+                            row["case"],
+                            row["wrong"],
+                            row["published_wrong"],
+                            row["published_coarse_wrong"],
+                            row["spheres_wrong"],
+                        ]
+                        for row in most
+                    ],
+                ),
+            ]
+            if missed
+            else []
+        ),
+        summary(result),
+    ]
 
 
 def throughput(result: Result) -> list[str]:
@@ -512,58 +827,133 @@ def throughput(result: Result) -> list[str]:
     for bounces in dict.fromkeys(row["bounces"] for row in result.rows if "engine" in row):
         rates = {row["engine"]: row for row in result.of(bounces=bounces) if "engine" in row}
         theirs = rates.get("Cycles")
-        rows += [[bounces, name, row["samples_per_second"], row["slowest"], row["fastest"],
-                  row["samples_per_second"] / theirs["samples_per_second"] if theirs else None, row["mean"]]
-                 for name, row in rates.items()]
+        rows += [
+            [
+                bounces,
+                name,
+                row["samples_per_second"],
+                row["slowest"],
+                row["fastest"],
+                row["samples_per_second"] / theirs["samples_per_second"] if theirs else None,
+                row["mean"],
+            ]
+            for name, row in rates.items()
+        ]
     started = [[row["start"], row["seconds"]] for row in result.rows if "start" in row and "seconds" in row]
     return [
         *heading("Samples a second", result, load(result, by_clock=True)),
-        *([THROUGHPUT, table(["bounces", "engine", "samples / s, median", "slowest turn", "fastest turn", "to Cycles",
-                              "mean of the picture"], rows)] if rows else []),
+        *(
+            [
+                THROUGHPUT,
+                table(
+                    [
+                        "bounces",
+                        "engine",
+                        "samples / s, median",
+                        "slowest turn",
+                        "fastest turn",
+                        "to Cycles",
+                        "mean of the picture",
+                    ],
+                    rows,
+                ),
+            ]
+            if rows
+            else []
+        ),
         *(["Seconds to the first pixels of the demo scene:\n", table(["", "seconds"], started)] if started else []),
-        summary(result)]
+        summary(result),
+    ]
 
 
 def scaling(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[str]:
     """Section of render time by numbers."""
-    rows = [[NUMBERS.get(row["curve"], row["curve"]), row["count"], row["samples"], row["each"], row["seconds"],
-             row["start"]] for row in result.rows]
+    rows = [
+        [
+            NUMBERS.get(row["curve"], row["curve"]),
+            row["count"],
+            row["samples"],
+            row["each"],
+            row["seconds"],
+            row["start"],
+        ]
+        for row in result.rows
+    ]
     return [
-        *heading("Scaling", result, load(result)), SCALING,
+        *heading("Scaling", result, load(result)),
+        SCALING,
         *shown([images / "report_scaling.png"], "Seconds at equal error, by numbers of things", page),
-        *([table(["of", "number", "samples at equal error", "seconds of a sample", "seconds at equal error",
-                  "seconds before the first sample"], rows)] if rows else []),
-        summary(result)]
+        *(
+            [
+                table(
+                    [
+                        "of",
+                        "number",
+                        "samples at equal error",
+                        "seconds of a sample",
+                        "seconds at equal error",
+                        "seconds before the first sample",
+                    ],
+                    rows,
+                )
+            ]
+            if rows
+            else []
+        ),
+        summary(result),
+    ]
 
 
 def overview(results: dict[str, Result]) -> list[str]:
     """Geometric means over all scenes."""
-    rows = [[light, label, *(results[name].summary.get(f"{metric}_ratio_{peer.lower().replace(' ', '_')}_{key}_{kind}")
-                             for peer in PEERS for kind in ("equal_time", "equal_samples"))]
-            for name, (light, key) in LIGHT.items() if name in results for metric, label in METRICS.items()]
+    rows = [
+        [
+            light,
+            label,
+            *(
+                results[name].summary.get(f"{metric}_ratio_{peer.lower().replace(' ', '_')}_{key}_{kind}")
+                for peer in PEERS
+                for kind in ("equal_time", "equal_samples")
+            ),
+        ]
+        for name, (light, key) in LIGHT.items()
+        if name in results
+        for metric, label in METRICS.items()
+    ]
     rows = [row for row in rows if any(value is not None for value in row[2:])]
     if not rows:
         return []
-    return ["Cycles' error to ours, geometric means over the scenes; above 1, ours is less:\n",
-            table(["", "measure", "volume, equal time", "volume, equal samples", "mesh light, equal time",
-                   "mesh light, equal samples"], rows)]
+    return [
+        "Cycles' error to ours, geometric means over the scenes; above 1, ours is less:\n",
+        table(
+            [
+                "",
+                "measure",
+                "volume, equal time",
+                "volume, equal samples",
+                "mesh light, equal time",
+                "mesh light, equal samples",
+            ],
+            rows,
+        ),
+    ]
 
 
 # Result: a sentence, in which the numbers of its summary stand by their names.
 SENTENCES = {
     "lamps": "Full renders at equal time, direct light and four bounces: the paper's sampler has {mse_ratio_paper_direct_geomean} and "
-             "{mse_ratio_paper_bounces_geomean} times our relMSE over S1 to S5, {mse_ratio_paper_direct_min} and "
-             "{mse_ratio_paper_bounces_min} times at least in all scenes; denoised, Cycles has "
-             "{mse_ratio_both_denoised_direct_geomean} and {mse_ratio_both_denoised_bounces_geomean} times our error.",
+    "{mse_ratio_paper_bounces_geomean} times our relMSE over S1 to S5, {mse_ratio_paper_direct_min} and "
+    "{mse_ratio_paper_bounces_min} times at least in all scenes; denoised, Cycles has "
+    "{mse_ratio_both_denoised_direct_geomean} and {mse_ratio_both_denoised_bounces_geomean} times our error.",
     "estimators": "Samplers at points: {efficiency_gain_geomean} times the efficiency of the paper's, in the geometric mean; "
-                  "{efficiency_gain_min} times at least.",
+    "{efficiency_gain_min} times at least.",
     "intervals": "Crossings of rays: a fraction of {wrong_crossing_fraction_certified} of {rays_certified} rays through "
-                 "shapes with a proven bound has a wrong number of them; the published rule takes "
-                 "{evaluations_ratio_paper_to_ours} times as many evaluations at the same resolution.",
+    "shapes with a proven bound has a wrong number of them; the published rule takes "
+    "{evaluations_ratio_paper_to_ours} times as many evaluations at the same resolution.",
     "throughput": "Samples a second: {samples_per_second_ratio_to_cycles_direct} times those of Cycles with direct light, "
-                  "{samples_per_second_ratio_to_cycles_4_bounces} times with four bounces.",
+    "{samples_per_second_ratio_to_cycles_4_bounces} times with four bounces.",
     "scaling": "Time at equal error: {time_ratio_1000_to_10_lamps} times as long for 1,000 lamps as for 10, "
-               "{time_ratio_1000000_to_1000_triangles} times for a million triangles as for a thousand.",
+    "{time_ratio_1000000_to_1000_triangles} times for a million triangles as for a thousand.",
     "hard": "Hard cases: {hard_cases_failed} of {hard_cases} limits do not hold.",
 }
 
@@ -592,17 +982,23 @@ def sentences(results: dict[str, Result]) -> list[str]:
 
 def machines(results: dict[str, Result]) -> str:
     keys = list(dict.fromkeys(key for result in results.values() for key in result.machine))
-    return table(["result", *keys], [[name, *(str(result.machine.get(key, "–")) for key in keys)]
-                                     for name, result in results.items()])
+    return table(
+        ["result", *keys],
+        [[name, *(str(result.machine.get(key, "–")) for key in keys)] for name, result in results.items()],
+    )
 
 
 def drawn(results: dict[str, Result], images: pathlib.Path) -> str:
     """Whether the images are of these results."""
     unknown, others = records.compared(results, images)
     return IMAGES + "".join(
-        f"{sentence} {listed([f'`{name}`' for name in names])}.\n" for sentence, names in (
+        f"{sentence} {listed([f'`{name}`' for name in names])}.\n"
+        for sentence, names in (
             ("These were drawn before they did, and may be of earlier renders:", unknown),
-            ("**These are of other results:**", others)) if names)
+            ("**These are of other results:**", others),
+        )
+        if names
+    )
 
 
 def text(results: dict[str, Result], images: pathlib.Path, page: pathlib.Path) -> str:

@@ -11,13 +11,13 @@ import numpy as np
 
 matplotlib.use("Agg")
 
-from matplotlib import pyplot  # noqa: E402  (the back end has to be chosen first)
-from matplotlib.colors import LogNorm  # noqa: E402
-from matplotlib.ticker import LogLocator, NullFormatter  # noqa: E402
-from PIL import Image, PngImagePlugin  # noqa: E402  (matplotlib's own)
+from matplotlib import pyplot
+from matplotlib.colors import LogNorm
+from matplotlib.ticker import LogLocator, NullFormatter
+from PIL import Image, PngImagePlugin
 
-from . import records  # noqa: E402
-from .results import METHODS, METRICS, NUMBERS, RULES, Result  # noqa: E402
+from . import records
+from .results import METHODS, METRICS, NUMBERS, RULES, Result
 
 ERRORS = (0.01, 1.0)  # range of the false colours
 DOTS = 90  # an inch
@@ -52,23 +52,38 @@ def against_time(result: Result, metric: str, path: pathlib.Path) -> bool:
     if not curves:
         return False
     figure, panels = pyplot.subplots(
-        1, len(scenes), figsize=(2.7 * len(scenes) + 0.6, 3.6), sharey=True, squeeze=False, layout="constrained")
+        1, len(scenes), figsize=(2.7 * len(scenes) + 0.6, 3.6), sharey=True, squeeze=False, layout="constrained"
+    )
     for panel, scene in zip(panels[0], scenes):
         for method, (label, colour, marker) in METHODS.items():
             rows = curves.get((scene, method))
             if not rows:
                 continue
             seconds = [row["seconds"] for row in rows]
-            panel.fill_between(seconds, [row[f"{metric}_low"] for row in rows], [row[f"{metric}_high"] for row in rows],
-                               color=colour, alpha=0.2, linewidth=0.0)
+            panel.fill_between(
+                seconds,
+                [row[f"{metric}_low"] for row in rows],
+                [row[f"{metric}_high"] for row in rows],
+                color=colour,
+                alpha=0.2,
+                linewidth=0.0,
+            )
             panel.plot(seconds, [row[metric] for row in rows], color=colour, marker=marker, markersize=4, label=label)
         panel.set(xscale="log", yscale="log", title=scene, xlabel="seconds")
-        panel.xaxis.set(major_locator=LogLocator(subs=(1.0, 3.0)), major_formatter="{x:g}", minor_formatter=NullFormatter())
+        panel.xaxis.set(
+            major_locator=LogLocator(subs=(1.0, 3.0)), major_formatter="{x:g}", minor_formatter=NullFormatter()
+        )
         panel.grid(True, which="both", alpha=0.15)
     panels[0, 0].set_ylabel(METRICS[metric])
     handles = {label: handle for panel in panels[0] for handle, label in zip(*panel.get_legend_handles_labels())}
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4 if len(scenes) > 3 else 2,
-                  frameon=False, fontsize=9)
+    figure.legend(
+        handles.values(),
+        handles.keys(),
+        loc="outside lower center",
+        ncols=4 if len(scenes) > 3 else 2,
+        frameon=False,
+        fontsize=9,
+    )
     _save(figure, path, result)
     return True
 
@@ -89,16 +104,26 @@ def crossings(result: Result, path: pathlib.Path) -> bool:
     places = np.arange(len(smooth))
     for key, label, colour, marker in RULES:
         left.scatter([row[key] for row in smooth], places, color=colour, marker=marker, label=label, zorder=2)
-    left.set(xscale="log", xlabel="evaluations of the field on a ray", yticks=places,
-             yticklabels=[row["case"] for row in smooth])
+    left.set(
+        xscale="log",
+        xlabel="evaluations of the field on a ray",
+        yticks=places,
+        yticklabels=[row["case"] for row in smooth],
+    )
     left.set_xlim(right=8.0 * left.get_xlim()[1])  # room for the legend
     left.legend(frameon=False, fontsize=9, loc="lower right")
     for (operation, spread), points in curves.items():
         count, nanoseconds = zip(*points)
         smooth_one = operation.startswith("smooth")
-        right.plot(count, np.array(nanoseconds) / 1e3, color=RULES[0][2] if smooth_one else "#e08214",
-                   linestyle="-" if spread.startswith("as many") else ":", marker="o", markersize=4,
-                   label=f"{operation}, {spread}")
+        right.plot(
+            count,
+            np.array(nanoseconds) / 1e3,
+            color=RULES[0][2] if smooth_one else "#e08214",
+            linestyle="-" if spread.startswith("as many") else ":",
+            marker="o",
+            markersize=4,
+            label=f"{operation}, {spread}",
+        )
     right.set(xscale="log", yscale="log", xlabel="primitives", ylabel="µs of a ray")
     right.legend(frameon=False, fontsize=9)
     for panel in (left, right):
@@ -113,16 +138,29 @@ def scaling(result: Result, path: pathlib.Path) -> bool:
     if not names:
         return False
     figure, panels = pyplot.subplots(
-        1, len(names), figsize=(2.7 * len(names) + 0.6, 3.4), squeeze=False, layout="constrained")
+        1, len(names), figsize=(2.7 * len(names) + 0.6, 3.4), squeeze=False, layout="constrained"
+    )
     for panel, name in zip(panels[0], names):
         rows = result.of(curve=name)
         counts = [row["count"] for row in rows]
-        panel.plot(counts, [row["seconds"] for row in rows], color="#1f6fb4", marker="o", markersize=4,
-                   label="samples, at equal error")
+        panel.plot(
+            counts,
+            [row["seconds"] for row in rows],
+            color="#1f6fb4",
+            marker="o",
+            markersize=4,
+            label="samples, at equal error",
+        )
         started = [(row["count"], row["start"]) for row in rows if row["start"] > 0.0]
         if started:
-            panel.plot(*zip(*started), color="#878787", marker="x", markersize=4, linestyle=":",
-                       label="before the first sample")
+            panel.plot(
+                *zip(*started),
+                color="#878787",
+                marker="x",
+                markersize=4,
+                linestyle=":",
+                label="before the first sample",
+            )
         panel.set(xscale="log", yscale="log", title=NUMBERS.get(name, name), xlabel="number")
         panel.grid(True, which="both", alpha=0.15)
     panels[0, 0].set_ylabel("seconds")
@@ -152,7 +190,8 @@ def pictures(file: pathlib.Path, methods: list[str], path: pathlib.Path, source:
         images = {name: kept[name].astype(float) for name in kept.files}
     known = [method for method in methods if method in images]
     figure, panels = pyplot.subplots(
-        2, len(known) + 1, figsize=(2.0 * (len(known) + 1) + 0.9, 4.4), squeeze=False, layout="constrained")
+        2, len(known) + 1, figsize=(2.0 * (len(known) + 1) + 0.9, 4.4), squeeze=False, layout="constrained"
+    )
     panels[0, 0].imshow(_shown(images["reference"]))
     panels[0, 0].set_title("reference", fontsize=9)
     for column, method in enumerate(known, 1):
@@ -160,8 +199,9 @@ def pictures(file: pathlib.Path, methods: list[str], path: pathlib.Path, source:
         truth = images[own if method == "Cycles mesh light" and own in images else "reference"]
         panels[0, column].imshow(_shown(images[method]))
         panels[0, column].set_title(METHODS[method][0].replace(": ", ":\n"), fontsize=9)
-        shown = panels[1, column].imshow(np.clip(_error(images[method], truth), *ERRORS), norm=LogNorm(*ERRORS),
-                                         cmap="inferno")
+        shown = panels[1, column].imshow(
+            np.clip(_error(images[method], truth), *ERRORS), norm=LogNorm(*ERRORS), cmap="inferno"
+        )
     for panel in panels.flat:
         panel.set_axis_off()
     figure.colorbar(shown, ax=panels[:, -1], label="relative error", shrink=0.8)

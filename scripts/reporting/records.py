@@ -23,7 +23,7 @@ def _chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:
     place = len(SIGNATURE)
     while place < len(data):
         size, kind = struct.unpack_from(">I4s", data, place)
-        yield kind, data[place + 8:place + 8 + size]
+        yield kind, data[place + 8 : place + 8 + size]
         place += size + 12
 
 
@@ -48,5 +48,7 @@ def compared(results: dict[str, Result], images: pathlib.Path) -> tuple[list[str
     """Names of the report's images that do not say what they were drawn from, and of those that say something else."""
     known = {of(result) for result in results.values()}
     said = {path.name: read(path) for path in sorted(images.glob("report_*.png"))}
-    return ([name for name, text in said.items() if text is None],
-            [name for name, text in said.items() if text is not None and text not in known])
+    return (
+        [name for name, text in said.items() if text is None],
+        [name for name, text in said.items() if text is not None and text not in known],
+    )

@@ -45,7 +45,11 @@ RULES = (  # key of the evaluations on a ray: label, colour, marker
     ("spheres_evaluations", "sphere tracing, at our resolution", "#2a8a4a", "^"),
 )
 NUMBERS = {  # of scaling
-    "lamps": "lamps", "parts": "balls in one lamp", "triangles": "triangles", "resolution": "pixels to a side"}
+    "lamps": "lamps",
+    "parts": "balls in one lamp",
+    "triangles": "triangles",
+    "resolution": "pixels to a side",
+}
 METRICS = {"rel_mse": "relMSE", "mape": "MAPE", "flip": "FLIP"}
 
 
@@ -78,8 +82,10 @@ def read(folder: pathlib.Path = RESULTS) -> dict[str, Result]:
     """All results in a folder by name, those of ``RUNS`` first and in their order."""
     found = {}
     order = list(RUNS)
-    paths = sorted(folder.glob("*.json"), key=lambda path: (
-        order.index(path.stem) if path.stem in order else len(order), path.stem))
+    paths = sorted(
+        folder.glob("*.json"),
+        key=lambda path: (order.index(path.stem) if path.stem in order else len(order), path.stem),
+    )
     for path in paths:
         data = json.loads(path.read_text(encoding="utf-8"))
         if {"command", "summary", "rows", "machine"} <= set(data):
@@ -107,5 +113,6 @@ def run(name: str, folder: pathlib.Path = RESULTS, quick: bool = False) -> int:
     arguments = [*RUNS[name], *(["--quick"] if quick else []), "--out", _named(folder / f"{name}.json")]
     if RUNS[name][0] in ("cycles", "paper"):
         arguments += ["--pictures", _named(pictures_of(folder))]
-    return subprocess.run([sys.executable, REPOSITORY / "scripts" / "bench.py", *arguments], cwd=REPOSITORY,
-                          stdout=subprocess.DEVNULL).returncode
+    return subprocess.run(
+        [sys.executable, REPOSITORY / "scripts" / "bench.py", *arguments], cwd=REPOSITORY, stdout=subprocess.DEVNULL
+    ).returncode

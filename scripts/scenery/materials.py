@@ -21,25 +21,39 @@ def image(name: str, pixels: np.ndarray, colour: bool):
 
 
 class Graph:
-    """A material's node tree, written down in a line a node."""
+    """A node tree, written down in a line a node: that of a new material, or of anything else that has one."""
 
-    def __init__(self, name: str):
-        self.material = bpy.data.materials.new(name)
-        if not self.material.use_nodes:
-            self.material.use_nodes = True
-        self.nodes, self.links = self.material.node_tree.nodes, self.material.node_tree.links
+    def __init__(self, name: str | bpy.types.ID):
+        self.material = bpy.data.materials.new(name) if isinstance(name, str) else name
+        if isinstance(self.material, bpy.types.NodeTree):
+            tree = self.material
+        else:
+            if not self.material.use_nodes:
+                self.material.use_nodes = True
+            tree = self.material.node_tree
+        self.nodes, self.links = tree.nodes, tree.links
         self.nodes.clear()
 
     def node(self, kind: str, output: str | int = 0, **inputs):
-        """The output socket of a new node; an input is a value or another node's output."""
+        """The output socket of a new node; an input is a value or another node's output, by name or by place: ``_0``.
+
+        What is no input is a setting: ``operation="SINE"``. Settings come first: they decide which sockets there are.
+        """
         node = self.nodes.new(kind)
+        settings = {name for name in inputs if name in node.bl_rna.properties}
+        for name in settings:
+            setattr(node, name, inputs[name])
         for name, value in inputs.items():
-            socket = node.inputs[int(name[1:]) if name[0] == "_" else name.replace("_", " ")]
-            if isinstance(value, bpy.types.NodeSocket):
-                self.links.new(value, socket)
-            else:
-                socket.default_value = (*value, 1.0) if socket.type == "RGBA" and len(value) == 3 else value
-        return node.outputs[output]
+            if name not in settings:
+                self.feed(_socket(node.inputs, int(name[1:]) if name[0] == "_" else name.replace("_", " ")), value)
+        return _socket(node.outputs, output)
+
+    def feed(self, socket, value) -> None:
+        """Link an input to another node's output, or give it a value."""
+        if isinstance(value, bpy.types.NodeSocket):
+            self.links.new(value, socket)
+        else:
+            socket.default_value = (*value, 1.0) if socket.type == "RGBA" and len(value) == 3 else value
 
     def texture(self, texture, **mapping):
         """Colour of an image texture on the active UV map, through a Mapping node if ``mapping`` is given."""
@@ -54,7 +68,8 @@ class Graph:
         return self.node("ShaderNodeBump", Height=height, Distance=distance, Strength=strength)
 
     def finish(self, closure, socket: str = "Surface"):
-        output = self.nodes.new("ShaderNodeOutputMaterial")
+        kind = {"WORLD": "World", "LIGHT": "Light"}.get(self.material.id_type, "Material")
+        output = self.nodes.new(f"ShaderNodeOutput{kind}")
         self.links.new(closure, output.inputs[socket])
         return self.material
 
@@ -63,3 +78,13 @@ def principled(name: str, base_color, roughness: float, **inputs):
     """A Principled material without textures."""
     graph = Graph(name)
     return graph.finish(graph.node("ShaderNodeBsdfPrincipled", Base_Color=base_color, Roughness=roughness, **inputs))
+
+
+def _socket(sockets, key: str | int):
+    """A socket by its name or place, among those that a node's settings have not taken away."""
+    there = [socket for socket in sockets if socket.enabled]
+    return (
+        there[key]
+        if isinstance(key, int)
+        else next(socket for socket in there if key in (socket.name, socket.identifier))
+    )

@@ -17,11 +17,44 @@ _CACHE = "SDF_LIGHTS_CACHE"
 def _modules():
     """Modules with ``CLASSES`` and, where there is more to do, ``register()`` and ``unregister()``, in order."""
     from . import (
-        emission_panel, engine, feedback, gizmos, live_text, nodes, operators, panels, passes, preferences,
-        preset_browser, properties, readout, viewport)
+        cycles,
+        emission_panel,
+        engine,
+        feedback,
+        gizmos,
+        live_text,
+        nodes,
+        operators,
+        panels,
+        passes,
+        preferences,
+        preset_browser,
+        properties,
+        readout,
+        sampling_presets,
+        scene_report,
+        viewport,
+    )
 
-    return (preferences, properties, *nodes.modules(), passes, viewport, engine, operators, readout, panels,
-            emission_panel, preset_browser, feedback, gizmos, live_text)
+    return (
+        preferences,
+        properties,
+        cycles,
+        *nodes.modules(),
+        passes,
+        viewport,
+        engine,
+        operators,
+        readout,
+        sampling_presets,
+        panels,
+        scene_report,
+        emission_panel,
+        preset_browser,
+        feedback,
+        gizmos,
+        live_text,
+    )
 
 
 def _nothing() -> None:

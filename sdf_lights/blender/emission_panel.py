@@ -30,7 +30,7 @@ def draw(layout, light, width: int) -> None:
     """The preset or text of the emission, its parameters, and what is wrong with it in lines of ``width`` letters."""
     lamp = light.sdf_lamp
     if parameters.emission_is_in_nodes(lamp):
-        layout.label(text="The node tree says it", icon="NODETREE")
+        layout.label(text="Set by the node tree", icon="NODETREE")
     else:
         _draw_pattern(layout, light)
     try:

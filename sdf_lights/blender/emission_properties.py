@@ -27,12 +27,22 @@ class SDFLIGHTS_LampEmission(bpy.types.PropertyGroup):
     """How bright a lamp is from point to point"""
 
     source: bpy.props.EnumProperty(
-        name="Emission", description="How bright the inside of the lamp is from point to point", items=source_items(),
-        default="UNIFORM", update=changed)
+        name="Emission",
+        description="Brightness at each point of the lamp",
+        items=source_items(),
+        default="UNIFORM",
+        update=changed,
+    )
     expression: bpy.props.StringProperty(
-        name="Expression", description="Brightness or colour as a formula of the point p, the depth below the surface "
+        name="Expression",
+        description="Brightness or colour as a formula of the point p, the depth below the surface "
         "and the height from 0 to 1, such as exp(-20 * depth) or blackbody(mix(4000, 1500, height))",
-        default="exp(-20 * depth)", update=changed)
+        default="exp(-20 * depth)",
+        update=changed,
+    )
     text: bpy.props.PointerProperty(
-        name="Text", description="Text block that holds the expression, for one of several lines", type=bpy.types.Text,
-        update=changed)
+        name="Text",
+        description="Text block with the expression, if it has several lines",
+        type=bpy.types.Text,
+        update=changed,
+    )

@@ -7,20 +7,25 @@ An instance lives for one render and keeps nothing, or for as long as a viewport
 touches Blender only to show progress, to ask whether to stop, and to hand over pixels.
 """
 
+import atexit
+import functools
 import os
+import sys
 
 import bpy
 
 from ..render.errors import RenderError
 from ..render.settings import Device
-from . import feedback
+from . import feedback, findings
 from .guard import guarded
 from .naming import ENGINE, LABEL
 from .passes import enabled_passes, register_passes
 from .viewport.engine import ViewportEngine
 
 # A preview is as large as a thumbnail and drawn while the user waits.
-PREVIEW = dict(device=Device.CPU, samples=64, noise_threshold=0.05, min_samples=8, time_limit=2.0, max_bounces=6, denoise=False)
+PREVIEW = dict(
+    device=Device.CPU, samples=64, noise_threshold=0.05, min_samples=8, time_limit=2.0, max_bounces=6, denoise=False
+)
 
 MEGABYTE = 1 << 20
 
@@ -39,41 +44,89 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
 
     def render(self, depsgraph):
         with guarded(self):
-            self._render(depsgraph)
+            try:
+                self._render(depsgraph)
+            except Exception:
+                if _strict() and bpy.app.binary_path:  # as a Python module, Blender tells its caller
+                    fail_at_exit()
+                raise
 
     def _render(self, depsgraph):
         # Not before something is rendered: this imports Numba and every kernel.
         from ..render import libraries, session
-        from .sync import sync
+        from .sync import sync, sync_camera
 
         if bpy.app.binary_path:
             libraries.add_search_folder(os.path.dirname(bpy.app.binary_path))
 
         self.update_stats("", "Synchronizing")
-        scene = sync(depsgraph)
+        layer = depsgraph.view_layer.name
+        views = self._views(layer)
+        self.active_view_set(views[0])
+        scene = sync(depsgraph, self)
         if self.is_preview:
             for name, value in PREVIEW.items():
                 setattr(scene.settings, name, value)
         reported = self._report_warnings(scene.warnings, 0)
-        with _Result(self, depsgraph.view_layer.name, scene) as result:
-            film = session.render(
-                scene, tuple(result.passes), cancelled=self.test_break, on_progress=self._show, on_update=result.update)
-            result.write(film)
+        strict = _strict() and not self.is_preview
+        if strict and scene.warnings:
+            raise RenderError(findings.failure(len(scene.warnings)))
+        for index, view in enumerate(views):
+            if index > 0:
+                if self.test_break():
+                    break
+                self.active_view_set(view)
+                scene.camera = sync_camera(depsgraph, lambda sentence: None, self)
+            with _Result(self, layer, view, scene) as result:
+                film = session.render(
+                    scene,
+                    tuple(result.passes),
+                    cancelled=self.test_break,
+                    on_update=result.update,
+                    on_progress=functools.partial(self._show, index / len(views), 1.0 / len(views)),
+                )
+                result.write(film)
         self._report_warnings(scene.warnings, reported)
         if not self.is_preview:
             feedback.record(depsgraph.scene.name, scene.warnings, film.made_by)
+        if strict and scene.warnings:
+            raise RenderError(findings.failure(len(scene.warnings)))
 
     def _report_warnings(self, warnings: list[str], first: int) -> int:
         """Report the warnings from number ``first`` on; returns how many there are. Thumbnails keep quiet."""
         if not self.is_preview:
-            for warning in warnings[first:]:
+            for warning in findings.in_order(warnings[first:]):
                 self.report({"WARNING"}, warning)
         return len(warnings)
 
-    def _show(self, progress) -> None:
-        self.update_progress(progress.fraction)
+    def _views(self, layer: str) -> list[str]:
+        """Names of the views to be rendered, such as two eyes; one without a name where there is nothing like that."""
+        result = self.begin_result(0, 0, 1, 1, layer=layer)
+        names = [view.name for view in result.views]
+        self.end_result(result, cancel=True)
+        return names or [""]
+
+    def _show(self, begin: float, part: float, progress) -> None:
+        """Tell of ``progress`` in what is ``part`` of the render, after ``begin`` of it."""
+        self.update_progress(begin + part * progress.fraction)
         self.update_memory_stats(memory_used=progress.memory / MEGABYTE, memory_peak=progress.memory / MEGABYTE)
         self.update_stats("", status(progress))
+
+
+def _strict() -> bool:
+    return bpy.app.background and findings.strict()
+
+
+@functools.cache
+def fail_at_exit() -> None:
+    """Let this process end with 1: Blender before 5.2 ends with 0 whatever happened to its renders."""
+
+    def leave() -> None:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(1)
+
+    atexit.register(leave)
 
 
 def status(progress) -> str:
@@ -97,16 +150,18 @@ def clock(seconds: float) -> str:
 
 
 class _Result:
-    """Blender's render result for one view layer, as a context: it is ended whatever happens."""
+    """Blender's render result for one view of one view layer, as a context: it is ended whatever happens."""
 
-    def __init__(self, engine: SDFLightsRenderEngine, layer: str, scene):
-        self._engine, self._layer, self._scene = engine, layer, scene
+    def __init__(self, engine: SDFLightsRenderEngine, layer: str, view: str, scene):
+        self._engine, self._layer, self._view, self._scene = engine, layer, view, scene
         self._result = None
         self.passes: dict[str, str] = {}  # names in the result by names in the table
 
     def __enter__(self):
         engine = self._engine
-        self._result = engine.begin_result(0, 0, engine.resolution_x, engine.resolution_y, layer=self._layer)
+        self._result = engine.begin_result(
+            0, 0, engine.resolution_x, engine.resolution_y, layer=self._layer, view=self._view
+        )
         if not self._result.layers:
             raise RenderError(f"View layer '{self._layer}' is not part of this render: enable its Use for Rendering.")
         width, height = self._result.resolution_x, self._result.resolution_y
@@ -114,8 +169,10 @@ class _Result:
         if (width, height) != (x1 - x0, y1 - y0):
             # Blender's rounding decides: a picture of another size could not be written.
             if x0 + width > self._scene.width or y0 + height > self._scene.height:
-                raise RenderError(f"Blender asks for {width} × {height} pixels of a frame of {self._scene.width} × "
-                                  f"{self._scene.height}: change the resolution or the render region a little.")
+                raise RenderError(
+                    f"Blender asks for {width} × {height} pixels of a frame of {self._scene.width} × "
+                    f"{self._scene.height}: change the resolution or the render region a little."
+                )
             self._scene.border = x0, y0, x0 + width, y0 + height
         self.passes = enabled_passes(self._result.layers[0].passes.keys())
         return self

@@ -57,8 +57,13 @@ def of_lamps(scene: bpy.types.Scene) -> list[tuple[str, str]]:
             found.append((obj.name, f"Lamp '{obj.name}': {error}"))
             continue
         if not shape.certified:
-            found.append((obj.name, f"Lamp '{obj.name}': no bound of its field is known, so thin parts may be "
-                                    "missing from the picture."))
+            found.append(
+                (
+                    obj.name,
+                    f"Lamp '{obj.name}': no bound of its field is known, so thin parts may be "
+                    "missing from the picture.",
+                )
+            )
         problem = viewport.proxy_error(obj.data)
         if problem:
             found.append((obj.name, f"Lamp '{obj.name}' in the viewport: {problem}"))
@@ -81,8 +86,9 @@ class SDFLIGHTS_OT_culprit_select(bpy.types.Operator):
     def execute(self, context):
         obj = context.view_layer.objects.get(self.name)
         if obj is None:
-            self.report({"WARNING"}, f"'{self.name}' is not in this view layer: choose another one, or enable its "
-                                     "collection.")
+            self.report(
+                {"WARNING"}, f"'{self.name}' is not in this view layer: choose another one, or enable its collection."
+            )
             return {"CANCELLED"}
         for other in context.selected_objects:
             other.select_set(False)

@@ -17,8 +17,10 @@ def sentence(error: BaseException) -> str:
         return str(error)
     if isinstance(error, MemoryError):
         return f"{LABEL} ran out of memory: render at a lower resolution or with fewer or smaller textures and meshes."
-    return (f"{LABEL} stopped at an unexpected error ({type(error).__name__}: {error}): "
-            "start Blender with --debug-python to see where, and report it.")
+    return (
+        f"{LABEL} stopped at an unexpected error ({type(error).__name__}: {error}): "
+        "start Blender with --debug-python to see where, and report it."
+    )
 
 
 @contextlib.contextmanager

@@ -28,8 +28,11 @@ def draw_problem(layout, error: Exception, width: int) -> None:
     wrong = error.__cause__
     sentences = [str(error)]
     if isinstance(wrong, ExpressionError):
-        sentences = [f"Line {wrong.line}, column {wrong.column}:", wrong.message,
-                     f"{wrong.cure[0].upper()}{wrong.cure[1:]}"]
+        sentences = [
+            f"Line {wrong.line}, column {wrong.column}:",
+            wrong.message,
+            f"{wrong.cure[0].upper()}{wrong.cure[1:]}",
+        ]
     _draw(layout, [line for sentence in sentences for line in textwrap.wrap(sentence, width)], "ERROR")
 
 

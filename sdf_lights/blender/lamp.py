@@ -46,7 +46,8 @@ def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
         values = getattr(lamp, name)
         read = {about.name: getattr(values, about.name) for about in PRIMITIVES[name].fields()}
         shape = PRIMITIVES[name](
-            **{key: value if isinstance(value, (int, float)) else tuple(value) for key, value in read.items()})
+            **{key: value if isinstance(value, (int, float)) else tuple(value) for key, value in read.items()}
+        )
     problem = shape.validate()
     if problem:
         raise RenderError(problem)
@@ -74,6 +75,8 @@ def pattern_of(lamp, owner: np.ndarray | None = None) -> Emission | None:
         return reading.emission_of(lamp.nodes, parameters.values(lamp), owner)
     declared = emission.declarations(lamp.emission)
     values = parameters.values_of(lamp.id_data, declared)
-    found = _emission(emission.text_of(lamp.emission), tuple(
-        (name.removeprefix(emission.PREFIX), value) for name, value in values.items()))
+    found = _emission(
+        emission.text_of(lamp.emission),
+        tuple((name.removeprefix(emission.PREFIX), value) for name, value in values.items()),
+    )
     return None if lamp.emission.source == "UNIFORM" else found

@@ -23,8 +23,13 @@ def _texts(light: bpy.types.Light) -> list[bpy.types.Text]:
 def changed_texts() -> set[int]:
     """Identities of text blocks that lamps use, whose text is not what it was at the last call."""
     used = {text for light in bpy.data.lights for text in _texts(light)}
-    used |= {node.text for tree in bpy.data.node_groups if tree.bl_idname == NODE_TREE
-             for node in tree.nodes if getattr(node, "text", None) is not None}
+    used |= {
+        node.text
+        for tree in bpy.data.node_groups
+        if tree.bl_idname == NODE_TREE
+        for node in tree.nodes
+        if getattr(node, "text", None) is not None
+    }
     now = {text.session_uid: hash(text.as_string()) for text in used}
     changed = {uid for uid, text in now.items() if _seen.get(uid, text) != text}
     _seen.clear()

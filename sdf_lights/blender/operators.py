@@ -42,6 +42,7 @@ def _profiles() -> dict[str, type]:
 
 
 def profile_items() -> list[tuple]:
+    """Items of an EnumProperty with every profile that numbers make."""
     return [(name.upper(), profile.label(), profile.summary().rstrip(".")) for name, profile in _profiles().items()]
 
 
@@ -65,8 +66,10 @@ def profile_expression(name: str, sweep: str) -> str:
             shown = ", ".join(_written(math.degrees(n) if word == "angle" else n) for n in numbers)
             lines.append(f"{key} = {word}({shown})  # {about.description}")
             named[key] = kind, about.name
-    inner, outer = (", ".join(f"{argument}={key}" for key, (owner, argument) in named.items() if owner is kind)
-                    for kind in (profile, solid))
+    inner, outer = (
+        ", ".join(f"{argument}={key}" for key, (owner, argument) in named.items() if owner is kind)
+        for kind in (profile, solid)
+    )
     return "\n".join([*lines, f"{sweep}({name}({inner}), {outer})", ""])
 
 
@@ -117,24 +120,33 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
     bl_options = {"REGISTER", "UNDO"}
 
     source: bpy.props.EnumProperty(
-        name="Source", description="What says the shape of the lamp",
-        items=[("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
-               ("EXPRESSION", "Expression", "Shapes put together by a few lines of text", 1),
-               ("EXAMPLE", "Example", "An expression to start from", 2),
-               ("PRESET", "Preset", "A lamp with a colour and a power", 3),
-               ("PROFILE", "Profile", "An outline that is extruded or turned about an axis", 4),
-               ("NODES", "Nodes", "Shapes put together by a node tree", 5)])
+        name="Source",
+        description="Where the shape of the lamp comes from",
+        items=[
+            ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
+            ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
+            ("EXAMPLE", "Example", "An expression to start from", 2),
+            ("PRESET", "Preset", "A lamp with a colour and a power", 3),
+            ("PROFILE", "Profile", "An outline that is extruded or turned about an axis", 4),
+            ("NODES", "Nodes", "Shapes combined by a node tree", 5),
+        ],
+    )
     shape: bpy.props.EnumProperty(name="Shape", description="Shape that glows", items=shape_items(), default="SPHERE")
     example: bpy.props.EnumProperty(name="Example", description="Expression to start from", items=example_items())
     preset: bpy.props.EnumProperty(name="Preset", description="Lamp to start from", items=preset_items())
     profile: bpy.props.EnumProperty(name="Profile", description="Outline of the solid", items=profile_items())
     sweep: bpy.props.EnumProperty(
-        name="Solid", description="How the outline becomes a solid",
-        items=[(name.upper(), SHAPES[name].label(), SHAPES[name].summary().rstrip(".")) for name in (
-            "extrusion", "revolution", "partial_revolution")])
+        name="Solid",
+        description="How the outline becomes a solid",
+        items=[
+            (name.upper(), SHAPES[name].label(), SHAPES[name].summary().rstrip("."))
+            for name in ("extrusion", "revolution", "partial_revolution")
+        ],
+    )
     tree: bpy.props.StringProperty(name="Node Tree", description="Node tree of the lamp; without a name a new one")
     power: bpy.props.FloatProperty(
-        name="Power", description="Power of the whole lamp", default=100.0, min=0.0, soft_max=1000.0, unit="POWER")
+        name="Power", description="Power of the whole lamp", default=100.0, min=0.0, soft_max=1000.0, unit="POWER"
+    )
 
     @classmethod
     def poll(cls, context):
@@ -183,8 +195,12 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "source")
-        for prop in {"PRIMITIVE": ("shape",), "EXAMPLE": ("example",), "PRESET": ("preset",),
-                     "PROFILE": ("profile", "sweep")}.get(self.source, ()):
+        for prop in {
+            "PRIMITIVE": ("shape",),
+            "EXAMPLE": ("example",),
+            "PRESET": ("preset",),
+            "PROFILE": ("profile", "sweep"),
+        }.get(self.source, ()):
             layout.prop(self, prop)
         if self.source == "NODES":
             layout.prop_search(self, "tree", bpy.data, "node_groups")
@@ -254,7 +270,8 @@ class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     emission: bpy.props.BoolProperty(
-        name="Emission", description="The text of the emission, not that of the shape", options={"SKIP_SAVE"})
+        name="Emission", description="Show the text of the emission, not that of the shape", options={"SKIP_SAVE"}
+    )
 
     def execute(self, context):
         lamp = light_of(context).sdf_lamp
@@ -266,8 +283,12 @@ class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
         if isinstance(wrong, ExpressionError):
             line = min(wrong.line, len(text.lines)) - 1
             text.cursor_set(line, character=min(wrong.column - 1, len(text.lines[line].body)))
-        found = [area for window in context.window_manager.windows for area in window.screen.areas
-                 if area.type == "TEXT_EDITOR"]
+        found = [
+            area
+            for window in context.window_manager.windows
+            for area in window.screen.areas
+            if area.type == "TEXT_EDITOR"
+        ]
         if not found:
             self.report({"INFO"}, "No text editor is open: change an area's type to Text Editor.")
         for area in found[:1]:
@@ -285,8 +306,13 @@ class SDFLIGHTS_OT_lamp_to_mesh(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     resolution: bpy.props.IntProperty(
-        name="Resolution", description="Cells along the longest side of the lamp", default=64, min=4, max=512,
-        soft_max=256)
+        name="Resolution",
+        description="Cells along the longest side of the lamp",
+        default=64,
+        min=4,
+        max=512,
+        soft_max=256,
+    )
     keep_original: bpy.props.BoolProperty(name="Keep Original", description="Keep the lamps, too", default=False)
 
     @classmethod
@@ -413,7 +439,8 @@ def _shapes_menu(index: int, title: str, shapes: list) -> type:
 
 
 _SHAPES_MENUS = [
-    _shapes_menu(index, title, shapes) for index, (title, shapes) in enumerate(grouped(PRIMITIVES.values()).items())]
+    _shapes_menu(index, title, shapes) for index, (title, shapes) in enumerate(grouped(PRIMITIVES.values()).items())
+]
 
 
 class SDFLIGHTS_MT_lamp_add(bpy.types.Menu):
@@ -446,14 +473,26 @@ def draw_convert(self, context):
         self.layout.operator(SDFLIGHTS_OT_lamp_to_mesh.bl_idname, icon="OUTLINER_OB_MESH")
         self.layout.operator(editor.SDFLIGHTS_OT_nodes_new.bl_idname, text="SDF Lamp to Nodes", icon="NODETREE")
         self.layout.operator(
-            editor.SDFLIGHTS_OT_nodes_to_expression.bl_idname, text="SDF Lamp to Expression", icon="TEXT")
+            editor.SDFLIGHTS_OT_nodes_to_expression.bl_idname, text="SDF Lamp to Expression", icon="TEXT"
+        )
 
 
 CLASSES = (
-    SDFLIGHTS_OT_lamp_add, SDFLIGHTS_OT_example_load, SDFLIGHTS_OT_preset_load, SDFLIGHTS_OT_expression_to_text,
-    SDFLIGHTS_OT_expression_show, SDFLIGHTS_OT_parameters_remove, SDFLIGHTS_OT_lamp_to_mesh, SDFLIGHTS_MT_examples,
-    SDFLIGHTS_MT_examples_add, SDFLIGHTS_MT_presets_add, SDFLIGHTS_MT_profiles_add, SDFLIGHTS_MT_nodes_add,
-    *_SHAPES_MENUS, SDFLIGHTS_MT_lamp_add)
+    SDFLIGHTS_OT_lamp_add,
+    SDFLIGHTS_OT_example_load,
+    SDFLIGHTS_OT_preset_load,
+    SDFLIGHTS_OT_expression_to_text,
+    SDFLIGHTS_OT_expression_show,
+    SDFLIGHTS_OT_parameters_remove,
+    SDFLIGHTS_OT_lamp_to_mesh,
+    SDFLIGHTS_MT_examples,
+    SDFLIGHTS_MT_examples_add,
+    SDFLIGHTS_MT_presets_add,
+    SDFLIGHTS_MT_profiles_add,
+    SDFLIGHTS_MT_nodes_add,
+    *_SHAPES_MENUS,
+    SDFLIGHTS_MT_lamp_add,
+)
 
 _ENTRIES = ((bpy.types.VIEW3D_MT_light_add, draw_menu), (bpy.types.VIEW3D_MT_object_convert, draw_convert))
 

@@ -13,24 +13,40 @@ import numpy as np
 from ..render.errors import RenderError
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import feedback, labels, parameters, readout, viewport
+from . import cycles, feedback, labels, parameters, readout, viewport
 from .context import LampTab, lamp_of
 from .lamp import pattern_of, shape_of
 from .naming import ENGINE, LABEL
 from .passes import owner_of, switches
 from .preferences import draw_back_end
 from .properties import PRIMITIVES
+from .sampling_presets import SDFLIGHTS_PT_sampling_presets, SDFLIGHTS_PT_viewport_sampling_presets
 
 # Blender's panels for every engine that say what is not so here, or that stand below in another form.
 _EXCLUDED = {
-    "DATA_PT_light", "DATA_PT_spot", "DATA_PT_falloff_curve", "NODE_DATA_PT_light", "NODE_DATA_PT_spot",
-    "RENDER_PT_freestyle", "RENDER_PT_simplify", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes",
-    "VIEWLAYER_PT_freestyle", "VIEWLAYER_PT_freestyle_lineset", "VIEWLAYER_PT_freestyle_linestyle"}
+    "DATA_PT_light",
+    "DATA_PT_spot",
+    "DATA_PT_falloff_curve",
+    "NODE_DATA_PT_light",
+    "NODE_DATA_PT_spot",
+    "RENDER_PT_freestyle",
+    "RENDER_PT_simplify",
+    "VIEWLAYER_PT_filter",
+    "VIEWLAYER_PT_layer_passes",
+    "VIEWLAYER_PT_freestyle",
+    "VIEWLAYER_PT_freestyle_lineset",
+    "VIEWLAYER_PT_freestyle_linestyle",
+}
 
 # Panels made for EEVEE that edit what this engine reads too.
 _EEVEE = {
-    "EEVEE_MATERIAL_PT_context_material", "EEVEE_MATERIAL_PT_surface", "EEVEE_WORLD_PT_surface", "MATERIAL_PT_preview",
-    "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"}
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+    "MATERIAL_PT_preview",
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
+}
 
 
 def stock_panels():
@@ -65,9 +81,18 @@ class _Panel:
 # -- render ------------------------------------------------------------------------------------------------------------
 
 
-def _settings_panel(name: str, label: str, properties: tuple[str, ...], parent: str = "", closed: bool = False,
-                    viewport: bool = False, header: str = "") -> type:
-    """A panel with some properties of ``scene.sdf_lights``, or of its viewport group; ``header`` is a switch."""
+def _settings_panel(
+    name: str,
+    label: str,
+    properties: tuple[str, ...],
+    parent: str = "",
+    closed: bool = False,
+    viewport: bool = False,
+    header: str = "",
+    presets: type | None = None,
+) -> type:
+    """A panel with some properties of ``scene.sdf_lights``, or of its viewport group; ``header`` is a switch, and
+    ``presets`` the panel of presets that opens from there."""
 
     def group(context):
         settings = context.scene.sdf_lights
@@ -86,7 +111,19 @@ def _settings_panel(name: str, label: str, properties: tuple[str, ...], parent: 
         namespace["bl_options"] = {"DEFAULT_CLOSED"}
     if header:
         namespace["draw_header"] = lambda self, context: self.layout.prop(group(context), header, text="")
+    if presets is not None:
+        namespace["draw_header_preset"] = lambda self, context: presets.draw_panel_header(self.layout)
     return type(name, (_Panel, bpy.types.Panel), namespace)
+
+
+class SDFLIGHTS_PT_sampling(_Panel, bpy.types.Panel):
+    bl_label = "Sampling"
+
+    def draw_properties(self, layout, context):
+        if context.scene.sdf_lights.origin == cycles.UNKNOWN:
+            cycles.settle_soon()
+        if hasattr(context.scene, "cycles"):
+            layout.operator(cycles.SDFLIGHTS_OT_cycles_settings_copy.bl_idname, icon="COPYDOWN")
 
 
 class SDFLIGHTS_PT_film(_Panel, bpy.types.Panel):
@@ -123,32 +160,75 @@ class SDFLIGHTS_PT_performance(_Panel, bpy.types.Panel):
 
 
 _RENDER = (
-    _settings_panel("SDFLIGHTS_PT_sampling", "Sampling", ()),
+    SDFLIGHTS_PT_sampling,
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_viewport", "Viewport", ("noise_threshold", "samples", "min_samples", "time_limit"),
-        "SDFLIGHTS_PT_sampling", viewport=True, closed=True),
+        "SDFLIGHTS_PT_sampling_viewport",
+        "Viewport",
+        ("noise_threshold", "samples", "min_samples", "time_limit"),
+        "SDFLIGHTS_PT_sampling",
+        viewport=True,
+        closed=True,
+        presets=SDFLIGHTS_PT_viewport_sampling_presets,
+    ),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_viewport_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_viewport", viewport=True,
-        closed=True, header="denoise"),
+        "SDFLIGHTS_PT_sampling_viewport_denoise",
+        "Denoise",
+        (),
+        "SDFLIGHTS_PT_sampling_viewport",
+        viewport=True,
+        closed=True,
+        header="denoise",
+    ),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_render", "Render", ("noise_threshold", "samples", "min_samples", "time_limit"),
-        "SDFLIGHTS_PT_sampling"),
+        "SDFLIGHTS_PT_sampling_render",
+        "Render",
+        ("noise_threshold", "samples", "min_samples", "time_limit"),
+        "SDFLIGHTS_PT_sampling",
+        presets=SDFLIGHTS_PT_sampling_presets,
+    ),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_render_denoise", "Denoise", (), "SDFLIGHTS_PT_sampling_render", closed=True,
-        header="denoise"),
+        "SDFLIGHTS_PT_sampling_render_denoise",
+        "Denoise",
+        (),
+        "SDFLIGHTS_PT_sampling_render",
+        closed=True,
+        header="denoise",
+    ),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_advanced", "Advanced", ("seed", "animate_seed", "guided_samples", "indirect_paths"),
-        "SDFLIGHTS_PT_sampling", closed=True),
+        "SDFLIGHTS_PT_sampling_advanced",
+        "Advanced",
+        ("seed", "animate_seed", "guided_samples", "indirect_paths"),
+        "SDFLIGHTS_PT_sampling",
+        closed=True,
+    ),
     _settings_panel("SDFLIGHTS_PT_light_paths", "Light Paths", (), closed=True),
     _settings_panel(
-        "SDFLIGHTS_PT_light_paths_bounces", "Max Bounces",
-        ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_bounces"),
-        "SDFLIGHTS_PT_light_paths"),
+        "SDFLIGHTS_PT_light_paths_bounces",
+        "Max Bounces",
+        (
+            "max_bounces",
+            "diffuse_bounces",
+            "glossy_bounces",
+            "transmission_bounces",
+            "volume_bounces",
+            "transparent_bounces",
+        ),
+        "SDFLIGHTS_PT_light_paths",
+    ),
     _settings_panel(
-        "SDFLIGHTS_PT_light_paths_clamping", "Clamping", ("clamp_direct", "clamp_indirect"), "SDFLIGHTS_PT_light_paths",
-        closed=True),
+        "SDFLIGHTS_PT_light_paths_clamping",
+        "Clamping",
+        ("clamp_direct", "clamp_indirect"),
+        "SDFLIGHTS_PT_light_paths",
+        closed=True,
+    ),
     _settings_panel(
-        "SDFLIGHTS_PT_light_paths_caustics", "Caustics", ("caustics",), "SDFLIGHTS_PT_light_paths", closed=True),
+        "SDFLIGHTS_PT_light_paths_caustics",
+        "Caustics",
+        ("caustics_reflective", "caustics_refractive"),
+        "SDFLIGHTS_PT_light_paths",
+        closed=True,
+    ),
     SDFLIGHTS_PT_film,
     SDFLIGHTS_PT_performance,
 )
@@ -168,12 +248,36 @@ def _passes_panel(label: str, light: bool) -> type:
         for item, text in switches(light):
             column.prop(owner_of(item, context.view_layer), item.switch, **({"text": text} if text else {}))
 
-    return type(f"SDFLIGHTS_PT_passes_{label.lower()}", (_Panel, bpy.types.Panel), {
-        "bl_label": label, "bl_context": "view_layer", "bl_parent_id": "SDFLIGHTS_PT_passes",
-        "draw_properties": draw_properties})
+    return type(
+        f"SDFLIGHTS_PT_passes_{label.lower()}",
+        (_Panel, bpy.types.Panel),
+        {
+            "bl_label": label,
+            "bl_context": "view_layer",
+            "bl_parent_id": "SDFLIGHTS_PT_passes",
+            "draw_properties": draw_properties,
+        },
+    )
 
 
 _PASSES = (SDFLIGHTS_PT_passes, _passes_panel("Data", False), _passes_panel("Light", True))
+
+
+class SDFLIGHTS_PT_override(_Panel, bpy.types.Panel):
+    bl_label = "Override"
+    bl_context = "view_layer"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_properties(self, layout, context):
+        view_layer = context.view_layer
+        layout.prop(view_layer, "material_override")
+        layout.prop(view_layer, "world_override")
+        layout.prop(view_layer, "samples")
+        column = layout.column()
+        column.active = view_layer.samples > 0
+        column.prop(context.scene.sdf_lights, "layer_samples")
+        if hasattr(view_layer, "cycles"):
+            layout.prop(view_layer.cycles, "use_denoising", text="Denoising")
 
 
 # -- light -------------------------------------------------------------------------------------------------------------
@@ -198,7 +302,7 @@ def draw_emission(layout, light) -> None:
 
 
 def draw_shape(layout, light, obj, width: int) -> None:
-    """What says the shape of an SDF lamp, and what is wrong with it in lines of ``width`` letters."""
+    """Where the shape of an SDF lamp comes from, and its problems, in lines of ``width`` letters."""
     lamp = light.sdf_lamp
     layout.prop(lamp, "source")
     if lamp.source == "EXPRESSION":
@@ -394,7 +498,11 @@ class SDFLIGHTS_PT_view3d(LampTab, bpy.types.Panel):
         layout.prop(obj.data.sdf_lamp, "use")
         if context.engine != ENGINE:
             labels.draw_sentence(
-                layout, f"Renders as a point light: choose {LABEL} in Render Properties", labels.letters(context), "INFO")
+                layout,
+                f"Renders as a point light: choose {LABEL} in Render Properties",
+                labels.letters(context),
+                "INFO",
+            )
 
 
 class SDFLIGHTS_PT_view3d_shape(_View3D, bpy.types.Panel):
@@ -425,8 +533,17 @@ class SDFLIGHTS_PT_view3d_readout(_View3D, bpy.types.Panel):
 # -- registration ------------------------------------------------------------------------------------------------------
 
 CLASSES = (
-    *_RENDER, *_PASSES, SDFLIGHTS_PT_light, SDFLIGHTS_PT_lamp, SDFLIGHTS_PT_object_visibility, SDFLIGHTS_PT_view3d,
-    SDFLIGHTS_PT_view3d_shape, SDFLIGHTS_PT_view3d_emission, SDFLIGHTS_PT_view3d_readout)
+    *_RENDER,
+    *_PASSES,
+    SDFLIGHTS_PT_override,
+    SDFLIGHTS_PT_light,
+    SDFLIGHTS_PT_lamp,
+    SDFLIGHTS_PT_object_visibility,
+    SDFLIGHTS_PT_view3d,
+    SDFLIGHTS_PT_view3d_shape,
+    SDFLIGHTS_PT_view3d_emission,
+    SDFLIGHTS_PT_view3d_readout,
+)
 
 
 def register():

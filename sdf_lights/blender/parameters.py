@@ -66,6 +66,7 @@ def path(declaration: Declaration) -> str:
 
 
 def exists(light: bpy.types.Light, declaration: Declaration) -> bool:
+    """Whether the light has the property of a declared parameter."""
     return PREFIX + declaration.name in light.keys()
 
 
@@ -80,8 +81,7 @@ def values_of(light: bpy.types.Light, declared: tuple[Declaration, ...]) -> dict
     for declaration in declared:
         value = light.get(PREFIX + declaration.name)
         try:
-            found[declaration.name] = declaration.held(
-                math.degrees(value) if declaration.kind == "angle" else value)
+            found[declaration.name] = declaration.held(math.degrees(value) if declaration.kind == "angle" else value)
         except (TypeError, ValueError, OverflowError):
             pass  # missing, or of another kind: a script can put anything there
     return found
@@ -138,14 +138,21 @@ def _ui(declaration: Declaration) -> dict:
     about = {"description": declaration.description, "subtype": "NONE"}
     if declaration.kind == "toggle":
         return about | {"default": bool(declaration.default)}
-    low, high = (_stored(declaration, (limit,) * 3 if declaration.kind == "vector" else limit)
-                 for limit in (declaration.minimum, declaration.maximum))
+    low, high = (
+        _stored(declaration, (limit,) * 3 if declaration.kind == "vector" else limit)
+        for limit in (declaration.minimum, declaration.maximum)
+    )
     if declaration.kind == "vector":
         low, high, about["subtype"] = low[0], high[0], "XYZ"
     if declaration.kind == "angle":
         about["subtype"] = "ANGLE"
-    return about | {"default": _stored(declaration, declaration.default), "min": low, "max": high, "soft_min": low,
-                    "soft_max": high}
+    return about | {
+        "default": _stored(declaration, declaration.default),
+        "min": low,
+        "max": high,
+        "soft_min": low,
+        "soft_max": high,
+    }
 
 
 def _differs(light: bpy.types.Light, declaration: Declaration) -> bool:

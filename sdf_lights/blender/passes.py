@@ -25,8 +25,12 @@ def _own_switches() -> dict:
     return {
         switch: bpy.props.BoolProperty(
             name=switch.removeprefix("use_pass_").replace("_", " ").title().replace("Sdf", "SDF"),
-            description="; ".join(item.description for item in items), default=False, update=_passes_changed)
-        for switch, items in switches.items()}
+            description="; ".join(item.description for item in items),
+            default=False,
+            update=_passes_changed,
+        )
+        for switch, items in switches.items()
+    }
 
 
 def _passes_changed(self, context):
@@ -36,7 +40,8 @@ def _passes_changed(self, context):
 
 
 SDFLIGHTS_ViewLayerSettings = group(
-    "SDFLIGHTS_ViewLayerSettings", "Passes of the SDF Lights render engine", _own_switches())
+    "SDFLIGHTS_ViewLayerSettings", "Passes of the SDF Lights render engine", _own_switches()
+)
 
 
 def owner_of(item: Pass, view_layer: bpy.types.ViewLayer):
@@ -45,6 +50,7 @@ def owner_of(item: Pass, view_layer: bpy.types.ViewLayer):
 
 
 def is_enabled(item: Pass, view_layer: bpy.types.ViewLayer) -> bool:
+    """Whether the switch of the pass is on in the view layer."""
     return item.switch is None or getattr(owner_of(item, view_layer), item.switch)
 
 
@@ -53,7 +59,8 @@ def register_passes(engine: bpy.types.RenderEngine, scene: bpy.types.Scene, view
     for item in PASSES:
         if is_enabled(item, view_layer):
             engine.register_pass(
-                scene, view_layer, blender_name(item), len(item.channels), item.channels, item.kind.value)
+                scene, view_layer, blender_name(item), len(item.channels), item.channels, item.kind.value
+            )
 
 
 def enabled_passes(names) -> dict[str, str]:

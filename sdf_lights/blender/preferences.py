@@ -17,7 +17,8 @@ def back_end() -> tuple[bool, str]:
         return True, "Numba is available: renders run as machine code on all processor cores."
     return False, (
         "Numba is missing: renders run in plain NumPy, about a hundred times slower; install the extension from the "
-        "zip made for this Blender version.")
+        "zip made for this Blender version."
+    )
 
 
 def draw_back_end(layout) -> None:

@@ -51,7 +51,8 @@ CLASSES = (SDFLIGHTS_PT_presets,)
 
 def register():
     bpy.types.WindowManager.sdf_lights_preset = bpy.props.EnumProperty(
-        name="Preset", description="Lamp to start from", items=items)
+        name="Preset", description="Lamp to start from", items=items
+    )
 
 
 def unregister():

@@ -16,7 +16,7 @@ import bpy
 from ..render.settings import Settings
 from ..sdf.catalogue import grouped
 from ..sdf.shapes import SHAPES, Shape
-from . import parameters
+from . import cycles, parameters
 from .emission_properties import SDFLIGHTS_LampEmission
 from .naming import NODE_TREE
 
@@ -51,8 +51,11 @@ def _setting(field: dataclasses.Field, default):
     """The bpy property of one field of ``Settings``."""
     about = field.metadata
     common = dict(
-        name=about["label"] or _label(field.name), description=about["description"], update=tag,
-        options={"ANIMATABLE"})
+        name=about["label"] or _label(field.name),
+        description=about["description"],
+        update=cycles.changed,
+        options={"HIDDEN"} if about["developer"] else {"ANIMATABLE"},
+    )
     if isinstance(default, enum.Enum):
         return bpy.props.EnumProperty(items=_items(type(default)), default=default.value, **common)
     if isinstance(default, bool):
@@ -75,25 +78,52 @@ def group(name: str, doc: str, annotations: dict) -> type:
 _FIELDS = {field.name: field for field in dataclasses.fields(Settings) if field.name not in BLENDERS_OWN}
 
 SDFLIGHTS_ViewportSettings = group(
-    "SDFLIGHTS_ViewportSettings", "Settings of rendering in the viewport",
-    {name: _setting(_FIELDS[name], default) for name, default in VIEWPORT.items()})
+    "SDFLIGHTS_ViewportSettings",
+    "Settings of rendering in the viewport",
+    {name: _setting(_FIELDS[name], default) for name, default in VIEWPORT.items()},
+)
 
 SDFLIGHTS_SceneSettings = group(
-    "SDFLIGHTS_SceneSettings", "Settings of the SDF Lights render engine",
+    "SDFLIGHTS_SceneSettings",
+    "Settings of the SDF Lights render engine",
     {name: _setting(field, field.default) for name, field in _FIELDS.items()}
-    | {"viewport": bpy.props.PointerProperty(type=SDFLIGHTS_ViewportSettings)})
+    | {
+        "viewport": bpy.props.PointerProperty(type=SDFLIGHTS_ViewportSettings),
+        "layer_samples": bpy.props.EnumProperty(
+            name="Layer Samples",
+            description="Use of the number of samples of a view layer",
+            update=cycles.changed,
+            items=[
+                ("USE", "Use", "It replaces that of the scene", 0),
+                ("BOUNDED", "Bounded", "It replaces that of the scene where it is lower", 1),
+                ("IGNORE", "Ignore", "Nothing", 2),
+            ],
+        ),
+        "origin": bpy.props.EnumProperty(
+            name="Origin", description="Where the settings come from", items=cycles.ORIGINS, options={"HIDDEN"}
+        ),
+    },
+)
 
 
 def settings_of(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
-    """``Settings`` as the scene has them, for the final render or the viewport."""
-    source = scene.sdf_lights
-    values = {name: getattr(source, name) for name in _FIELDS}
+    """``Settings`` as the scene has them, or as Cycles left them to us, for the final render or the viewport."""
+    source, pending = scene.sdf_lights, cycles.pending(scene)
+    values = {name: pending.get(name, getattr(source, name)) for name in _FIELDS}
     if viewport:
-        values |= {name: getattr(source.viewport, name) for name in VIEWPORT}
+        values |= {name: pending.get(f"viewport.{name}", getattr(source.viewport, name)) for name in VIEWPORT}
     for name, field in _FIELDS.items():
         if isinstance(field.default, enum.Enum):
             values[name] = type(field.default)(values[name])
     return Settings(**values, **{name: read(scene) for name, read in BLENDERS_OWN.items()})
+
+
+def layer_samples(scene: bpy.types.Scene, samples: int, asked: int) -> int:
+    """Samples of a view layer that asks for some of its own (0: it does not), where the scene has ``samples``."""
+    rule = cycles.pending(scene).get("layer_samples", scene.sdf_lights.layer_samples)
+    if asked <= 0 or rule == "IGNORE":
+        return samples
+    return min(asked, samples) if rule == "BOUNDED" else asked
 
 
 # -- lamps -------------------------------------------------------------------------------------------------------------
@@ -128,9 +158,12 @@ PRIMITIVES = {name: shape for name, shape in SHAPES.items() if _is_primitive(sha
 
 _SHAPE_GROUPS = {
     name: group(
-        f"SDFLIGHTS_Shape_{name}", f"Parameters of the shape {shape.label()}",
-        {about.name: parameter_property(about) for about in shape.fields()})
-    for name, shape in PRIMITIVES.items()}
+        f"SDFLIGHTS_Shape_{name}",
+        f"Parameters of the shape {shape.label()}",
+        {about.name: parameter_property(about) for about in shape.fields()},
+    )
+    for name, shape in PRIMITIVES.items()
+}
 
 
 def _summary(shape: type[Shape]) -> str:
@@ -157,46 +190,88 @@ def expression_changed(self, context):
     parameters.update(self.id_data)
 
 
-SDFLIGHTS_LampSettings = group("SDFLIGHTS_LampSettings", "What makes a light an SDF lamp", {
-    "use": bpy.props.BoolProperty(
-        name="SDF Lamp", description="The inside of a shape glows, in the SDF Lights engine; other engines render the "
-        "light as it is", default=False, update=tag),
-    "source": bpy.props.EnumProperty(
-        name="Source", description="What says the shape of the lamp", update=expression_changed, items=[
-            ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
-            ("EXPRESSION", "Expression", "Shapes put together by a few lines of text", 1),
-            ("NODES", "Nodes", "Shapes put together by a node tree", 2)]),
-    "shape": bpy.props.EnumProperty(
-        name="Shape", description="Shape that glows", items=shape_items(), default="SPHERE", update=tag),
-    "expression": bpy.props.StringProperty(
-        name="Expression", description="Shapes and what to do with them, such as union(torus(1, 0.3), sphere(0.5))",
-        default="union(torus(0.5, 0.1), sphere(0.2))", update=expression_changed),
-    "text": bpy.props.PointerProperty(
-        name="Text", description="Text block that holds the expression, for one of several lines", type=bpy.types.Text,
-        update=expression_changed),
-    "nodes": bpy.props.PointerProperty(
-        name="Nodes", description="Node tree whose Lamp Output is the shape", type=bpy.types.NodeTree,
-        poll=lambda self, tree: tree.bl_idname == NODE_TREE, update=expression_changed),
-    "normalize": bpy.props.BoolProperty(
-        name="Normalize", description="The power is that of the whole lamp, whatever its size and shape; "
-        "otherwise the radiance gained per metre stays the same", default=True, update=tag),
-    "density": bpy.props.FloatProperty(
-        name="Radiance per Metre",
-        description="Radiance (watts per square metre and steradian) that a ray gains in each metre inside the lamp",
-        default=1.0, min=0.0, soft_max=100.0, precision=3, update=tag),
-    "visible_camera": bpy.props.BoolProperty(
-        # Blender creates every light hidden from the camera, which is for lights without a shape of their own.
-        name="Camera", description="The camera sees the lamp itself; the object's own switch is for the light it is to "
-        "other engines", default=True, update=tag),
-    "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
-} | {name: bpy.props.PointerProperty(type=kind) for name, kind in _SHAPE_GROUPS.items()})
+SDFLIGHTS_LampSettings = group(
+    "SDFLIGHTS_LampSettings",
+    "Settings of an SDF lamp",
+    {
+        "use": bpy.props.BoolProperty(
+            name="SDF Lamp",
+            description="The inside of a shape glows, in the SDF Lights engine; other engines render the "
+            "light as it is",
+            default=False,
+            update=tag,
+        ),
+        "source": bpy.props.EnumProperty(
+            name="Source",
+            description="Where the shape of the lamp comes from",
+            update=expression_changed,
+            items=[
+                ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
+                ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
+                ("NODES", "Nodes", "Shapes combined by a node tree", 2),
+            ],
+        ),
+        "shape": bpy.props.EnumProperty(
+            name="Shape", description="Shape of the lamp", items=shape_items(), default="SPHERE", update=tag
+        ),
+        "expression": bpy.props.StringProperty(
+            name="Expression",
+            description="Formula of the shape, such as union(torus(1, 0.3), sphere(0.5))",
+            default="union(torus(0.5, 0.1), sphere(0.2))",
+            update=expression_changed,
+        ),
+        "text": bpy.props.PointerProperty(
+            name="Text",
+            description="Text block with the expression, if it has several lines",
+            type=bpy.types.Text,
+            update=expression_changed,
+        ),
+        "nodes": bpy.props.PointerProperty(
+            name="Nodes",
+            description="Node tree whose Lamp Output is the shape",
+            type=bpy.types.NodeTree,
+            poll=lambda self, tree: tree.bl_idname == NODE_TREE,
+            update=expression_changed,
+        ),
+        "normalize": bpy.props.BoolProperty(
+            name="Normalize",
+            description="Keep the power of the whole lamp when its size or shape changes. "
+            "Without it, the radiance per metre stays the same",
+            default=True,
+            update=tag,
+        ),
+        "density": bpy.props.FloatProperty(
+            name="Radiance per Metre",
+            description="Radiance (watts per square metre and steradian) that a ray gains in each metre inside the lamp",
+            default=1.0,
+            min=0.0,
+            soft_max=100.0,
+            precision=3,
+            update=tag,
+        ),
+        "visible_camera": bpy.props.BoolProperty(
+            # Blender creates every light hidden from the camera, which is for lights without a shape of their own.
+            name="Camera",
+            description="The camera sees the lamp itself. The switch of the object is for the light "
+            "that other engines show",
+            default=True,
+            update=tag,
+        ),
+        "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
+    }
+    | {name: bpy.props.PointerProperty(type=kind) for name, kind in _SHAPE_GROUPS.items()},
+)
 
 
 # -- registration ------------------------------------------------------------------------------------------------------
 
 CLASSES = (
-    SDFLIGHTS_ViewportSettings, SDFLIGHTS_SceneSettings, *_SHAPE_GROUPS.values(), SDFLIGHTS_LampEmission,
-    SDFLIGHTS_LampSettings)
+    SDFLIGHTS_ViewportSettings,
+    SDFLIGHTS_SceneSettings,
+    *_SHAPE_GROUPS.values(),
+    SDFLIGHTS_LampEmission,
+    SDFLIGHTS_LampSettings,
+)
 
 POINTERS = (
     (bpy.types.Scene, "sdf_lights", SDFLIGHTS_SceneSettings),

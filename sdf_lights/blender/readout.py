@@ -15,7 +15,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ..sdf import formula
+from ..graph import formula
 from ..sdf.emission import Emission
 from ..sdf.program import NoClosedForm
 from ..sdf.shapes import BOUND, EXACT, Shape
@@ -99,8 +99,9 @@ def estimate(shape: Shape, pattern: Emission | None, budget: float) -> Volume:
     return Volume(share * box, error, 1.0 if placed is None else glow / max(inside, 1))
 
 
-def power_of(light: bpy.types.Light, shape: Shape, matrix: np.ndarray, pattern: Emission | None = None,
-             wait: bool = False) -> float | None:
+def power_of(
+    light: bpy.types.Light, shape: Shape, matrix: np.ndarray, pattern: Emission | None = None, wait: bool = False
+) -> float | None:
     """Watts of a lamp with this shape and emission under a matrix (4 × 4); None if its volume is not known yet and not to
     be waited for."""
     exposed = 2.0**light.exposure
@@ -108,8 +109,11 @@ def power_of(light: bpy.types.Light, shape: Shape, matrix: np.ndarray, pattern: 
         return light.energy * exposed
     volume = volume_of(shape, pattern) or (estimate(shape, pattern, _BUDGET) if wait else None)
     scale = abs(float(np.linalg.det(matrix[:3, :3])))
-    return None if volume is None else (
-        4.0 * math.pi * light.sdf_lamp.density * exposed * volume.value * volume.glow * scale)
+    return (
+        None
+        if volume is None
+        else (4.0 * math.pi * light.sdf_lamp.density * exposed * volume.value * volume.glow * scale)
+    )
 
 
 @functools.lru_cache(maxsize=256)
@@ -131,8 +135,13 @@ def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emi
     """Lines about a lamp with this shape and emission under a matrix (4 × 4)."""
     scale = abs(float(np.linalg.det(matrix[:3, :3])))
     volume = volume_of(shape)
-    lines = ["Volume: …" if volume is None else f"Volume: {volume.value * scale:.4g} m³" if not volume.error
-             else f"Volume: about {volume.value * scale:.3g} m³ ± {_percent(volume)}"]
+    lines = [
+        "Volume: …"
+        if volume is None
+        else f"Volume: {volume.value * scale:.4g} m³"
+        if not volume.error
+        else f"Volume: about {volume.value * scale:.3g} m³ ± {_percent(volume)}"
+    ]
     power = power_of(light, shape, matrix, pattern)
     about = "about " if not light.sdf_lamp.normalize and pattern is not None else ""
     lines.append("Power: …" if power is None else f"Power: {about}{power:.4g} W")

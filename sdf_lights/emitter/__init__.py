@@ -2,10 +2,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An SDF lamp as a light: ray intervals, samples and densities. See README.md."""
 
-from .lamps import (
-    SCALARS, TABLES, LampError, build_lamp, direction_pdf, doubts, intensity, new_spans, pack_lamps, pack_scalars,
-    radiance, sample_direction, trace, unresolved, varies, way_inside)
+from .building.build import LampError, build_lamp
+from .building.pack import new_spans, pack_lamps, pack_scalars
+from .building.remarks import doubts, unresolved
+from .lamps import SCALARS, TABLES, attenuated_radiance, intensity, radiance, trace, varies
+from .sampling.projection import direction_pdf, sample_direction, way_inside
 
 __all__ = [
-    "SCALARS", "TABLES", "LampError", "build_lamp", "direction_pdf", "doubts", "intensity", "new_spans", "pack_lamps",
-    "pack_scalars", "radiance", "sample_direction", "trace", "unresolved", "varies", "way_inside"]
+    "SCALARS",
+    "TABLES",
+    "LampError",
+    "attenuated_radiance",
+    "build_lamp",
+    "direction_pdf",
+    "doubts",
+    "intensity",
+    "new_spans",
+    "pack_lamps",
+    "pack_scalars",
+    "radiance",
+    "sample_direction",
+    "trace",
+    "unresolved",
+    "varies",
+    "way_inside",
+]

@@ -32,8 +32,7 @@ _SIGNATURES = {
     "oidnSetDeviceBool": (None, [_POINTER, _TEXT, ctypes.c_bool]),
     "oidnNewFilter": (_POINTER, [_POINTER, _TEXT]),
     "oidnReleaseFilter": (None, [_POINTER]),
-    "oidnSetSharedFilterImage": (
-        None, [_POINTER, _TEXT, _POINTER, ctypes.c_int, _SIZE, _SIZE, _SIZE, _SIZE, _SIZE]),
+    "oidnSetSharedFilterImage": (None, [_POINTER, _TEXT, _POINTER, ctypes.c_int, _SIZE, _SIZE, _SIZE, _SIZE, _SIZE]),
     "oidnSetFilterBool": (None, [_POINTER, _TEXT, ctypes.c_bool]),
     "oidnSetFilterProgressMonitorFunction": (None, [_POINTER, _PROGRESS, _POINTER]),
     "oidnCommitFilter": (None, [_POINTER]),
@@ -84,7 +83,8 @@ class _Denoiser:
         try:
             for name, array in {**images, "output": output}.items():
                 self._api.oidnSetSharedFilterImage(
-                    handle, name.encode(), array.ctypes.data, _FLOAT3, width, height, 0, 0, 0)
+                    handle, name.encode(), array.ctypes.data, _FLOAT3, width, height, 0, 0, 0
+                )
             for name, value in options.items():
                 self._api.oidnSetFilterBool(handle, name.encode(), value)
             self._api.oidnSetFilterProgressMonitorFunction(handle, self._progress, None)
@@ -163,6 +163,7 @@ def denoise(
 def denoise_film(film: Film, cancelled: Callable[[], bool] = lambda: False) -> None:
     """Replace the film's Combined pass by a denoised one, unless cancelled; Noisy Image keeps what it was."""
     result = denoise(
-        film.read("Noisy Image")[..., :3], film.read("Denoising Albedo"), film.read("Denoising Normal"), cancelled)
+        film.read("Noisy Image")[..., :3], film.read("Denoising Albedo"), film.read("Denoising Normal"), cancelled
+    )
     if result is not None:
         film.replace_combined(result)

@@ -12,8 +12,19 @@ from .settings import START_BRANCHES
 
 # Values that a pixel sums up for each pass; "half" sums half of the samples of "combined", to estimate the noise.
 CHANNELS = {
-    "combined": 4, "half": 3, "lamps": 3, "emission": 3, "normal": 3, "albedo": 3, "diffuse_albedo": 3,
-    "position": 3, "depth": 1, "scattered": 3, "scattered_half": 3, "scattered_lamps": 3}
+    "combined": 4,
+    "half": 3,
+    "lamps": 3,
+    "emission": 3,
+    "normal": 3,
+    "albedo": 3,
+    "diffuse_albedo": 3,
+    "position": 3,
+    "depth": 1,
+    "scattered": 3,
+    "scattered_half": 3,
+    "scattered_lamps": 3,
+}
 # Where paths divide these hold what comes before, and others what branches bring, one term for each branch: samples whose paths
 # divide into many branches tell more.
 SCATTERED = {"combined": "scattered", "half": "scattered_half", "lamps": "scattered_lamps"}
@@ -52,8 +63,8 @@ class Film:
     - ``squares``: (pixels, 2) sums of the squares of what a sample had, as a sum of RGB, before its path divided, and of
       what its branches brought, each times its number of branches.
     - ``rate``: samples that a pixel takes for one that is set, where the back end can; ``next_update``: with how many samples
-      that is decided again (``effort.py``).
-    - ``branches``: into how many the paths of a pixel divide, where the back end lets them (``effort.py``).
+      that is decided again (``sample_allocation.py``).
+    - ``branches``: into how many the paths of a pixel divide, where the back end lets them (``sample_allocation.py``).
     - ``samples``: how many samples every active pixel has received whose rate is 1.
     - ``made_by``: what computed them, in words for the user.
     """
@@ -141,7 +152,9 @@ class Film:
             + self.sums[SCATTERED[name]].reshape(-1, 3) / np.maximum(branches, 1)[:, None]
             for name, count, branches in (
                 ("combined", self.count, self.divided[:, 0]),
-                ("half", half_count(self.count), self.divided[:, 1])))
+                ("half", half_count(self.count), self.divided[:, 1]),
+            )
+        )
 
     def _errors(self) -> tuple[np.ndarray, np.ndarray]:
         """Of each pixel (height, width): brightness I, the sum of RGB, and its estimated error |I − A|, A being the
@@ -162,12 +175,14 @@ class Film:
     def update_active(self, threshold: float) -> bool:
         """Stop sampling pixels whose error is below ``threshold``; False when none are left.
 
-        The error is |I − A| / √I of the exposed picture, between absolute and relative, as Cycles has it, and the
-        largest of the 3 × 3 neighbourhood, so that one lucky pixel does not stop early. A pixel that has stopped does
+        The error is |I − A| / √I of the exposed picture, between absolute and relative, and |I − A| / I above I = 1,
+        as Cycles has it, which calls a fifth of it the threshold; the largest of the 3 × 3 neighbourhood counts, so
+        that one lucky pixel does not stop early. A pixel that has stopped does
         not start again: its samples stay a prefix of its stratified pattern.
         """
         brightness, error = self._errors()
-        error = error * self.exposure**0.5 / np.sqrt(np.maximum(brightness, 1e-8))
+        exposed = self.exposure * np.maximum(brightness, 1e-8)
+        error = self.exposure * error / np.where(exposed < 1.0, np.sqrt(exposed), exposed)
         error[(self.count < LEAST_SAMPLES).reshape(error.shape)] = np.inf
         padded = np.pad(error, 1, mode="edge")
         rows = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
@@ -183,5 +198,7 @@ class Film:
         totals = zip(counts.sum(axis=0, dtype=np.int64), DISCARDED)
         kinds = " and ".join(f"{count} {kind}" for count, kind in totals if count)
         y, x = divmod(int(counts.sum(axis=1).argmax()), self.width)
-        return (f"{kinds} samples were left out, most of them at pixel ({x + self.window[0]}, {y + self.window[1]}): "
-                "look there for a material or a light with an extreme value.")
+        return (
+            f"{kinds} samples were left out, most of them at pixel ({x + self.window[0]}, {y + self.window[1]}): "
+            "look there for a material or a light with an extreme value."
+        )

@@ -18,11 +18,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from . import effort
+from . import sample_allocation
 from .denoise import denoise_film
 from .errors import RenderError
 from .film import Film
-from .scene import Camera, Projection, Ray, Scene
+from .interfaces import InteractiveBackEnd
+from .scene import Camera, Ray, Scene
 from .session import LARGEST_BATCH, choose_back_end
 
 # Seconds: how long the first coarse picture may take, how often a new one is published after that, and how long a batch
@@ -81,7 +82,7 @@ class InteractiveRender:
         self._pending: tuple[Scene, Change] | None = None
         self._stopping = self._held = self._paused = self._without_lamps = False
         self._owed = 0.0  # until when the first picture of a scene is waited for
-        self._renderer = None
+        self._renderer: InteractiveBackEnd | None = None
         self._picture: Picture | None = None
         self._pace = 0.0  # seconds a sample of a pixel takes; 0: not known yet
         self._next_denoising = FIRST_DENOISING
@@ -122,6 +123,7 @@ class InteractiveRender:
 
     @property
     def paused(self) -> bool:
+        """Whether sampling waits until this is False again."""
         return self._paused
 
     @paused.setter
@@ -242,13 +244,13 @@ class InteractiveRender:
         first, going_on = 0, True
         while going_on and self._wait_while_paused():
             self.status = f"Sample {first}/{settings.samples}"
-            count = min(self._batch(film), settings.samples - first, effort.samples_left(film))
+            count = min(self._batch(film), settings.samples - first, sample_allocation.samples_left(film))
             # Until every pixel has a sample, the coarse picture is the better one.
             if not self._sample(film, first, count, (lambda: self._publish(scene, film)) if first else lambda: None):
                 return
             first += count
             going_on = first < settings.samples and time.perf_counter() < deadline
-            effort.update(film, settings)
+            sample_allocation.update(film, settings)
             if settings.noise_threshold > 0.0 and first >= settings.min_samples:
                 going_on = film.update_active(settings.noise_threshold) and going_on
             if settings.denoise and (not going_on or first >= self._next_denoising):
@@ -316,8 +318,15 @@ class InteractiveRender:
         self._owed = 0.0
         number = self._picture.number + 1 if self._picture is not None else 1
         self._picture = Picture(
-            pixels, window, (scene.width, scene.height), scene.camera, number, divider, film.samples,
-            divider <= 1 or not self._without_lamps)
+            pixels,
+            window,
+            (scene.width, scene.height),
+            scene.camera,
+            number,
+            divider,
+            film.samples,
+            divider <= 1 or not self._without_lamps,
+        )
 
     def _at_resolution(self, scene: Scene, divider: int) -> tuple[Scene, Film]:
         """The scene with pixels that are ``divider`` times as large, and a film for it. Its frame may reach beyond the
@@ -331,23 +340,28 @@ class InteractiveRender:
             border = x0 // divider, y0 // divider, -(-x1 // divider), -(-y1 // divider)
         grown = width * divider / scene.width, height * divider / scene.height
         settings = dataclasses.replace(
-            scene.settings, samples=1, denoise=False, indirect_paths=scene.settings.indirect_paths or COARSE_BRANCHES)
+            scene.settings, samples=1, denoise=False, indirect_paths=scene.settings.indirect_paths or COARSE_BRANCHES
+        )
         lamps = scene.lamps
         if self._without_lamps:
             lamps = [dataclasses.replace(lamp, visibility=lamp.visibility & ~Ray.CAMERA) for lamp in lamps]
         part = dataclasses.replace(
-            scene, camera=_widened(scene.camera, *grown), width=width, height=height, border=border, settings=settings,
-            lamps=lamps)
+            scene,
+            camera=_widened(scene.camera, *grown),
+            width=width,
+            height=height,
+            border=border,
+            settings=settings,
+            lamps=lamps,
+        )
         return part, Film(part)
 
 
 def _widened(camera: Camera, across: float, up: float) -> Camera:
     """The camera with a frame that is larger by these factors to the right and to the top."""
+
     def grow(low: float, high: float, factor: float) -> tuple[float, float]:
         return low, low + factor * (high - low)
 
-    if camera.projection is Projection.EQUIRECTANGULAR:
-        return dataclasses.replace(
-            camera, longitude=grow(*camera.longitude, across), latitude=grow(*camera.latitude, up))
     left, right, bottom, top = camera.window
     return dataclasses.replace(camera, window=(*grow(left, right, across), *grow(bottom, top, up)))

@@ -48,14 +48,21 @@ _EMBREE = _Library(
     "Embree 4",
     {"linux": ("libembree4.so.4",), "win32": ("embree4.dll",), "darwin": ("libembree4.4.dylib", "libembree4.dylib")},
     {"linux": "libembree4.so*", "win32": "embree4.dll", "darwin": "libembree4*.dylib"},
-    "rtcIntersect1", "the CPU device cannot trace rays")
+    "rtcIntersect1",
+    "the CPU device cannot trace rays",
+)
 
 _DENOISE = _Library(
     "OpenImageDenoise 2",
-    {"linux": ("libOpenImageDenoise.so.2",), "win32": ("OpenImageDenoise.dll",),
-     "darwin": ("libOpenImageDenoise.2.dylib", "libOpenImageDenoise.dylib")},
+    {
+        "linux": ("libOpenImageDenoise.so.2",),
+        "win32": ("OpenImageDenoise.dll",),
+        "darwin": ("libOpenImageDenoise.2.dylib", "libOpenImageDenoise.dylib"),
+    },
     {"linux": "libOpenImageDenoise.so*", "win32": "OpenImageDenoise.dll", "darwin": "libOpenImageDenoise[.]*dylib"},
-    "oidnGetNumPhysicalDevices", "the picture stays noisy")
+    "oidnGetNumPhysicalDevices",
+    "the picture stays noisy",
+)
 
 
 def add_search_folder(path: str | os.PathLike) -> None:
@@ -143,7 +150,7 @@ def _candidates(library: _Library, failures: list[str]) -> Iterator[ctypes.CDLL 
             yield _open(name, failures)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def _load(library: _Library) -> ctypes.CDLL:
     failures: list[str] = []
     for candidate in _candidates(library, failures):
@@ -152,4 +159,5 @@ def _load(library: _Library) -> ctypes.CDLL:
     reason = f" ({failures[0]})" if failures else ""
     raise RenderError(
         f"{library.title} was not found, so {library.without}: use Blender 4.5 or newer from blender.org, or install "
-        f"{library.title} with the system's package manager{reason}.")
+        f"{library.title} with the system's package manager{reason}."
+    )

@@ -1,57 +1,128 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials as graphs of nodes, independent of Blender and of any back end.
+"""Materials: closures whose inputs are constants or formulas, independent of Blender and of any back end.
 
-``NODES`` is the one table of what a node is: sync maps Blender's nodes to it, back ends compile or evaluate it.
+``NODES`` is the one table of closures: sync maps Blender's nodes to it, back ends compile or evaluate it. All that
+gives values is a ``graph.formula.Formula`` (see ``nodes/``): over the variables of a surface, the parameters of the
+material, and functions that look things up in the scene.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-Value = "float | tuple[float, float, float] | Node"
+import numpy as np
+
+from ..graph.formula import Vector
+from .images import Texture
+from .medium import Medium
+
+Value = "float | tuple[float, float, float] | Formula | Vector | Node | None"
 
 WHITE = (1.0, 1.0, 1.0)
 GREY = (0.8, 0.8, 0.8)
 
 # kind -> inputs with their defaults. A 3-tuple is a colour or a vector; None for a normal means the shading normal,
-# None for a vector the active UV map, None for a closure black. A node may stand in the place of any value; a value
-# where a closure is expected emits it, a closure where a value is expected is that input's default.
+# None for a tangent one around the object's z axis (of hair: along the second edge of the triangle), None for a position
+# or direction that of the ray, None for a closure black. A value where a closure is expected emits it.
 NODES: dict[str, dict[str, object]] = {
-    # closures
     "diffuse": dict(color=GREY, roughness=0.0, normal=None),
-    "glossy": dict(color=GREY, roughness=0.5, normal=None),
-    "glass": dict(color=WHITE, roughness=0.0, ior=1.5, normal=None),
+    # settings of glossy: distribution ("MULTI_GGX", the default, | "GGX" | "BECKMANN" | "ASHIKHMIN_SHIRLEY"); of glass the
+    # first three, of refraction "GGX" (the default) or "BECKMANN", of principled "MULTI_GGX" or "GGX"
+    "glossy": dict(color=GREY, roughness=0.5, normal=None, anisotropy=0.0, rotation=0.0, tangent=None),
+    "glass": dict(color=WHITE, roughness=0.0, ior=1.5, normal=None, thin_film_thickness=0.0, thin_film_ior=1.33),
     "refraction": dict(color=WHITE, roughness=0.0, ior=1.45, normal=None),
     "transparent": dict(color=WHITE),
     "translucent": dict(color=GREY, normal=None),
     "emission": dict(color=WHITE, strength=1.0),
     "holdout": dict(),
-    # settings of glossy, glass, principled: distribution ("MULTI_GGX", the default, | "GGX")
     "principled": dict(
-        base_color=GREY, metallic=0.0, roughness=0.5, ior=1.5, alpha=1.0, normal=None, diffuse_roughness=0.0,
-        specular_ior_level=0.5, specular_tint=WHITE, transmission_weight=0.0,
-        coat_weight=0.0, coat_roughness=0.03, coat_ior=1.5, coat_tint=WHITE, coat_normal=None,
-        sheen_weight=0.0, sheen_roughness=0.5, sheen_tint=WHITE, emission_color=WHITE, emission_strength=0.0),
+        base_color=GREY,
+        metallic=0.0,
+        roughness=0.5,
+        ior=1.5,
+        alpha=1.0,
+        normal=None,
+        diffuse_roughness=0.0,
+        specular_ior_level=0.5,
+        specular_tint=WHITE,
+        transmission_weight=0.0,
+        coat_weight=0.0,
+        coat_roughness=0.03,
+        coat_ior=1.5,
+        coat_tint=WHITE,
+        coat_normal=None,
+        sheen_weight=0.0,
+        sheen_roughness=0.5,
+        sheen_tint=WHITE,
+        emission_color=WHITE,
+        emission_strength=0.0,
+        anisotropic=0.0,
+        anisotropic_rotation=0.0,
+        tangent=None,
+        thin_film_thickness=0.0,
+        thin_film_ior=1.33,
+        thin_wall=0.0,
+        subsurface_weight=0.0,
+        subsurface_radius=(1.0, 0.2, 0.1),
+        subsurface_scale=0.05,
+        subsurface_ior=1.4,
+        subsurface_anisotropy=0.0,
+    ),
+    # settings, of principled too: subsurface_method ("RANDOM_WALK", the default, | "RANDOM_WALK_LEGACY" | "RANDOM_WALK_SKIN"
+    # | "BURLEY"), subsurface_once (bool: after a diffuse bounce it is diffuse)
+    "subsurface": dict(
+        color=GREY, scale=0.05, radius=(1.0, 0.2, 0.1), ior=1.4, roughness=1.0, anisotropy=0.0, normal=None
+    ),
+    # settings: distribution as of glass, fresnel_type ("F82", the default, | "PHYSICAL_CONDUCTOR")
+    "metallic": dict(
+        base_color=(0.617, 0.577, 0.54),
+        edge_tint=(0.695, 0.726, 0.77),
+        ior=(2.757, 2.513, 2.231),
+        extinction=(3.867, 3.404, 3.009),
+        roughness=0.5,
+        anisotropy=0.0,
+        rotation=0.0,
+        normal=None,
+        tangent=None,
+        thin_film_thickness=0.0,
+        thin_film_ior=1.33,
+    ),
+    "sheen": dict(color=GREY, roughness=0.5, normal=None),  # settings: distribution ("MICROFIBER" | "ASHIKHMIN")
+    "toon": dict(color=GREY, size=0.5, smooth=0.0, normal=None),  # settings: component ("DIFFUSE" | "GLOSSY")
+    # settings: component ("REFLECTION" | "TRANSMISSION")
+    "hair": dict(color=GREY, offset=0.0, roughness_u=0.1, roughness_v=1.0, tangent=None),
+    # settings: model ("CHIANG" | "HUANG"), parametrization ("COLOR" | "MELANIN" | "ABSORPTION")
+    "principled_hair": dict(
+        color=(0.017513, 0.005763, 0.002059),
+        melanin=0.8,
+        melanin_redness=1.0,
+        tint=WHITE,
+        absorption_coefficient=(0.245531, 0.52, 1.365),
+        roughness=0.3,
+        radial_roughness=0.3,
+        coat=0.0,
+        ior=1.55,
+        offset=0.0349066,
+        random_color=0.0,
+        random_roughness=0.0,
+        random=0.0,
+        aspect_ratio=0.85,
+        r_lobe=1.0,
+        tt_lobe=1.0,
+        trt_lobe=1.0,
+    ),
+    "ray_portal": dict(color=WHITE, position=None, direction=None),
     "mix_closure": dict(factor=0.5, a=None, b=None),
     "add_closure": dict(a=None, b=None),
-    # values
-    # settings: image (index or None), interpolation ("Linear" | "Closest" | "Cubic"), extension ("REPEAT" | "EXTEND" |
-    # "CLIP" | "MIRROR"), projection ("FLAT" | "SPHERE" | "TUBE"), output ("color" | "alpha"), and associated (colour
-    # times alpha, which Blender gives where the Alpha output is not linked; False by default)
-    "image": dict(vector=None),
-    "uv": dict(),  # settings: uv_map ("" is the active one)
-    # settings: type ("POINT" | "TEXTURE" | "VECTOR" | "NORMAL")
-    "mapping": dict(vector=None, location=(0.0, 0.0, 0.0), rotation=(0.0, 0.0, 0.0), scale=WHITE),
-    "normal_map": dict(color=(0.5, 0.5, 1.0), strength=1.0),  # settings: uv_map, space ("TANGENT" | "OBJECT" | "WORLD")
-    "bump": dict(strength=1.0, distance=1.0, height=1.0, normal=None),  # settings: invert
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """One node: its kind (a key of ``NODES``), the inputs that differ from the defaults, and settings that are not
-    values. Nodes are compared by identity, so a node used twice is computed once."""
+    """One closure: its kind (a key of ``NODES``), the inputs that differ from the defaults, and settings that are not
+    values. Closures are compared by identity, so one that is used twice is computed once."""
 
     kind: str
     inputs: dict[str, object] = field(default_factory=dict)
@@ -66,10 +137,58 @@ class Node:
         return self.inputs.get(name, NODES[self.kind][name])
 
 
+@dataclass(frozen=True)
+class Attribute:
+    """Data of meshes or objects that a formula looks up (``nodes.lookups.attribute``).
+
+    ``kind`` is "uv" or "tangent" (``name`` is that of a UV map; "" is the active one), "generated" (position in the
+    box around the undeformed mesh, 0 to 1), "geometry" (``name`` is that of an attribute of the mesh), or "object",
+    "instancer", "view_layer" (``name`` is that of a property), "instancer_generated" and "instancer_uv" (where on the
+    instancer an instance is), "pointiness" (how convex a mesh is), "island" (a random number of each part) or "undisplaced"
+    (where a point was before ``displacement`` moved it).
+    """
+
+    kind: str
+    name: str = ""
+
+
+UNDISPLACED = Attribute("undisplaced")
+SHARP_FACE = Attribute("geometry", "sharp_face")
+"""Which faces are flat; displacement asks for it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Numbers that a formula looks up (``nodes.lookups.table``): (rows, columns) float64."""
+
+    values: np.ndarray
+
+
 @dataclass
 class Material:
-    """A surface: the closure that its graph ends in (None: black)."""
+    """A surface: the closure that its graph ends in (None: black), and the ``medium`` behind it.
+
+    A surface that is only there to bound its medium is a white ``transparent``.
+
+    Where there is a ``displacement``, formulas of a vector in the world, vertices are moved by it (see ``displacement.py``);
+    ``keeps_normals``: their normals stay, as ``normal`` follows what moves them. That is the shading normal in the place of the
+    surface's, where there is one: closures without a normal of their own have it, and those with one are bumps of it.
+
+    ``parameters`` are the values of the slots of its formulas: numbers, or what a function looks up, whose slot then
+    holds its place: an ``Attribute``, a ``Table`` or a ``Texture``.
+    """
 
     name: str
     surface: Node | None = None
     sample_emission: bool = True
+    parameters: list["float | Attribute | Table | Texture"] = field(default_factory=list)
+    medium: Medium | None = None
+    displacement: Vector | None = None
+    keeps_normals: bool = False
+    normal: Vector | None = None
+
+
+def attributes_of(materials: Iterable[Material]) -> list[Attribute]:
+    """Every attribute that the materials look up, in the order of their places."""
+    found = {value for material in materials for value in material.parameters if isinstance(value, Attribute)}
+    return sorted(found, key=lambda attribute: (attribute.kind, attribute.name))

@@ -15,7 +15,9 @@ import numpy as np
 
 from ..sdf.emission import Emission
 from ..sdf.shapes import Shape
-from .material import Material
+from .images import Image
+from .material import Attribute, Material
+from .medium import Medium
 from .settings import Settings
 
 RGB = tuple[float, float, float]
@@ -29,15 +31,25 @@ class Ray(enum.IntFlag):
     GLOSSY = 4
     TRANSMISSION = 8
     SHADOW = 16
-    ALL = 31
+    VOLUME = 32  # scattered in a medium
+    ALL = 63
+
+
+class Domain(enum.IntEnum):
+    """What the rows of an attribute belong to."""
+
+    CORNER = 0  # three rows a triangle
+    VERTEX = 1
+    TRIANGLE = 2
+    WHOLE = 3  # one row
 
 
 @dataclass
-class Image:
-    """Pixels of one texture: (height, width, 4) float32, scene-linear, alpha not premultiplied into colour."""
+class AttributeValues:
+    """An attribute of a mesh or an instance: ``values`` (rows, 1 to 4) float32."""
 
-    name: str
-    pixels: np.ndarray
+    domain: Domain
+    values: np.ndarray
 
 
 @dataclass
@@ -51,6 +63,7 @@ class Mesh:
     uvs: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (T, 3, 2) float32; "" is the active map
     tangents: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (T, 3, 4) float32, w = sign of bitangent
     slots: np.ndarray | None = None  # (T,) int32 material slot; None: all in slot 0
+    attributes: dict[Attribute, AttributeValues] = field(default_factory=dict)  # all others that materials look up
 
 
 @dataclass
@@ -63,6 +76,10 @@ class Instance:
     name: str = ""
     visibility: Ray = Ray.ALL
     holdout: bool = False
+    attributes: dict[Attribute, AttributeValues] = field(default_factory=dict)  # of the object, before the mesh's own
+    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  # what Object Info gives
+    index: int = 0
+    random: float = 0.0  # 0 to 1
 
 
 @dataclass
@@ -89,6 +106,8 @@ class Lamp:
 
 @dataclass
 class PointLight:
+    """``emission`` of a light: nodes, whose Emission closures its radiance is multiplied by."""
+
     name: str
     matrix: np.ndarray
     power: float
@@ -97,16 +116,21 @@ class PointLight:
     soft_falloff: bool = True
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
+    emission: Material | None = None
 
 
 @dataclass
 class SpotLight(PointLight):
+    """A point light whose intensity falls to 0 at the edge of a cone about its local −z."""
+
     angle: float = 0.785398  # full cone angle
     blend: float = 0.15
 
 
 @dataclass
 class SunLight:
+    """A light at infinite distance: one direction, or a disk of directions."""
+
     name: str
     matrix: np.ndarray  # shines along its local −z
     strength: float  # irradiance, W/m²
@@ -114,10 +138,13 @@ class SunLight:
     angle: float = 0.0  # angular diameter
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
+    emission: Material | None = None
 
 
 @dataclass
 class AreaLight:
+    """A rectangle or ellipse that shines to one side."""
+
     name: str
     matrix: np.ndarray  # shines along its local −z
     power: float
@@ -127,6 +154,7 @@ class AreaLight:
     spread: float = np.pi
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
+    emission: Material | None = None
 
 
 Light = PointLight | SpotLight | SunLight | AreaLight
@@ -134,35 +162,61 @@ Light = PointLight | SpotLight | SunLight | AreaLight
 
 @dataclass
 class World:
-    """Background radiance: ``color`` × ``strength``, times the equirectangular ``image`` where there is one."""
+    """Background radiance: ``color`` × ``strength``, times the equirectangular ``image`` where there is one, or times what
+    the Emission closures of ``emission`` give, whose position is the direction of the ray. ``medium`` fills all space."""
 
     color: RGB = (0.0, 0.0, 0.0)
     strength: float = 1.0
     image: int | None = None
     rotation: np.ndarray = field(default_factory=lambda: np.eye(3))  # world direction -> image direction
     visibility: Ray = Ray.ALL
+    emission: Material | None = None
+    medium: Medium | None = None
 
 
 class Projection(enum.IntEnum):
-    PERSPECTIVE = 0
-    ORTHOGRAPHIC = 1
-    EQUIRECTANGULAR = 2
+    """How a point (x, y) of ``Camera.window`` becomes a ray. From the third on they are panoramas."""
+
+    PERSPECTIVE = 0  # on the plane z = −1
+    ORTHOGRAPHIC = 1  # metres
+    EQUIRECTANGULAR = 2  # longitude and latitude
+    FISHEYE_EQUIDISTANT = 3  # the distance from (0, 0) is the angle θ from the viewing axis
+    FISHEYE_EQUISOLID = 4  # it is sin(θ / 2)
+    FISHEYE_POLYNOMIAL = 5  # millimetres r of a sensor; −θ is the polynomial of r with the coefficients ``Camera.lens``
+    MIRROR_BALL = 6  # a mirroring ball of radius 1, seen from infinitely far; its middle shows what is ahead
+    CUBEMAP_FACE = 7  # angles from the viewing axis, to the right and upwards
+    CYLINDER = 8  # longitude, and height on a cylinder of radius 1
+
+
+FULL_SPHERE = (-np.pi, np.pi, -np.pi / 2, np.pi / 2)  # window of an equirectangular camera that sees everything
+
+
+@dataclass
+class Eye:
+    """Where one of two eyes stands that turn with the direction they look in (spherical stereo)."""
+
+    offset: float  # metres to the right of the camera, half the distance of the eyes
+    convergence: float = np.inf  # metres at which both see the same
+    merge: tuple[float, float] | None = (
+        None  # angles above and below the horizon from which, and at which, both become one
+    )
 
 
 @dataclass
 class Camera:
     """Looks along its local −z, y up.
 
-    ``window`` is (left, right, bottom, top) of the whole frame on the plane z = −1 for a perspective camera, in
-    metres for an orthographic one: sensor fit, shift and pixel aspect are in it already.
+    ``window`` is (left, right, bottom, top) of the whole frame in the plane of its projection: sensor fit, shift and
+    pixel aspect are in it already.
     """
 
     matrix: np.ndarray  # camera to world, without scale
     projection: Projection = Projection.PERSPECTIVE
     window: tuple[float, float, float, float] = (-0.5, 0.5, -0.5, 0.5)
     clip: tuple[float, float] = (0.1, 1000.0)  # along the viewing axis (radius for panoramas)
-    latitude: tuple[float, float] = (-np.pi / 2, np.pi / 2)  # of panoramas
-    longitude: tuple[float, float] = (-np.pi, np.pi)
+    field: float = np.inf  # of a fisheye: angle from edge to edge, beyond which there is no picture
+    lens: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)  # of a polynomial fisheye: coefficients of r⁰ … r⁴
+    eye: Eye | None = None  # of panoramas
     aperture: float = 0.0  # lens radius in metres; 0: pinhole
     focus: float = 10.0  # distance of the plane in focus
     blades: int = 0  # fewer than 3: round

@@ -12,10 +12,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from .. import jit
-from . import effort
+from . import sample_allocation
 from .errors import RenderError
 from .film import Film
 from .gpu.device import DeviceError
+from .interfaces import BackEnd, InteractiveBackEnd
 from .scene import Scene
 from .settings import Device, Settings
 
@@ -62,7 +63,7 @@ def process_memory() -> int:
     return peak if sys.platform == "darwin" else peak * 1024
 
 
-def choose_back_end(scene: Scene):
+def choose_back_end(scene: Scene) -> Callable[..., InteractiveBackEnd]:
     """The renderer class for ``scene.settings.device`` among those that run on the processor; falls back to the NumPy
     reference, with a warning, where Numba cannot be imported."""
     if scene.settings.device is not Device.REFERENCE:
@@ -72,7 +73,8 @@ def choose_back_end(scene: Scene):
             return CpuRenderer
         scene.warnings.append(
             f"{jit.REASON}; the slow NumPy renderer takes over: install the extension from the zip made for this "
-            "Blender version.")
+            "Blender version."
+        )
     from .reference.renderer import ReferenceRenderer
 
     return ReferenceRenderer
@@ -108,13 +110,14 @@ def render(
     return _render(choose_back_end(scene), scene, passes, cancelled, on_progress, on_update)
 
 
-def _render(back_end, scene: Scene, passes: tuple[str, ...], cancelled, on_progress, on_update) -> Film:
+def _render(
+    back_end: Callable[..., BackEnd], scene: Scene, passes: tuple[str, ...], cancelled, on_progress, on_update
+) -> Film:
     """``render`` by one back end."""
     settings = scene.settings
     started = time.perf_counter()
     film = Film(scene, passes)
-    renderer = back_end(
-        scene, film, cancelled, lambda text: on_progress(Progress(text, memory=process_memory())))
+    renderer = back_end(scene, film, cancelled, lambda text: on_progress(Progress(text, memory=process_memory())))
     film.made_by = renderer.name
     sampling_started = time.perf_counter()
     next_update = sampling_started + FIRST_UPDATE
@@ -135,8 +138,11 @@ def _render(back_end, scene: Scene, passes: tuple[str, ...], cancelled, on_progr
         remaining = elapsed * (1.0 - done) / done if done > 0.0 and elapsed > 0.2 else None
         if remaining is not None:
             remaining = min(remaining, max(deadline - now, 0.0))
-        on_progress(Progress(
-            f"Sample {first}/{settings.samples}", done, first, now - started, remaining, process_memory(), noise))
+        on_progress(
+            Progress(
+                f"Sample {first}/{settings.samples}", done, first, now - started, remaining, process_memory(), noise
+            )
+        )
         if now > next_update:
             on_update(film)
             next_update = time.perf_counter() + UPDATE_INTERVAL
@@ -145,7 +151,7 @@ def _render(back_end, scene: Scene, passes: tuple[str, ...], cancelled, on_progr
         noise = film.noise() if first else None
         if not renderer.sample(first, count, stop, functools.partial(report, first, count, noise)):
             break
-        effort.update(film, settings)
+        sample_allocation.update(film, settings)
         if settings.noise_threshold > 0.0 and first + count >= settings.min_samples:
             if not film.update_active(settings.noise_threshold):
                 break
@@ -162,6 +168,9 @@ def _render(back_end, scene: Scene, passes: tuple[str, ...], cancelled, on_progr
         except RenderError as error:
             scene.warnings.append(str(error))
     elapsed = time.perf_counter() - started
-    on_progress(Progress(
-        f"Sample {film.samples}/{settings.samples}", 1.0, film.samples, elapsed, 0.0, process_memory(), film.noise()))
+    on_progress(
+        Progress(
+            f"Sample {film.samples}/{settings.samples}", 1.0, film.samples, elapsed, 0.0, process_memory(), film.noise()
+        )
+    )
     return film

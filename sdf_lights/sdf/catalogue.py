@@ -8,9 +8,17 @@ from collections.abc import Iterable
 
 # By the module that they are in, which groups them too, but by what their code has in common.
 _TITLES = {
-    "primitives": "Basic", "solids": "Round and Box-Like", "balls": "Pieces of Balls", "swept": "From Outlines",
-    "curved": "Eggs and Hearts", "tubes": "Bent Tubes", "coils": "Coils and Knots", "orbits": "Fractals",
-    "operators": "Sharp", "warps": "Bent and Twisted"}
+    "primitives": "Basic",
+    "solids": "Round and Box-Like",
+    "balls": "Pieces of Balls",
+    "swept": "From Outlines",
+    "curved": "Eggs and Hearts",
+    "tubes": "Bent Tubes",
+    "coils": "Coils and Knots",
+    "orbits": "Fractals",
+    "operators": "Sharp",
+    "warps": "Bent and Twisted",
+}
 
 
 def category(shape: type) -> str:

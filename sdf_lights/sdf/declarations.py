@@ -17,14 +17,18 @@ USAGE = {
     "integer": "name = integer(default, minimum, maximum)",
     "angle": "name = angle(default, minimum, maximum), in degrees",
     "toggle": "name = toggle(True)",
-    "vector": "name = vector((x, y, z), minimum, maximum)"}
+    "vector": "name = vector((x, y, z), minimum, maximum)",
+}
 """How each kind of parameter is declared."""
 
 LIMITS = {"angle": (-360.0, 360.0), "vector": (-10.0, 10.0)}
 """Limits of kinds that can be declared without them."""
 
-_TAKES = {"toggle": "True or False", "vector": "a vector of three numbers, and its limits or none",
-          "angle": "a number of degrees, and its limits or none"}
+_TAKES = {
+    "toggle": "True or False",
+    "vector": "a vector of three numbers, and its limits or none",
+    "angle": "a number of degrees, and its limits or none",
+}
 
 
 class Declaration(NamedTuple):
@@ -69,8 +73,11 @@ def declare(name: str, kind: str, given: list, description: str) -> Declaration:
     kinds = list(map(kind_of, given))
     first = {"toggle": "condition", "vector": "vector"}.get(kind, "number")
     lengths = [1] if kind == "toggle" else [1, 3] if kind in LIMITS else [3]
-    if kinds != [first, "number", "number"][:len(kinds)] or len(kinds) not in lengths or (
-            kind == "vector" and len(given[0]) != 3):
+    if (
+        kinds != [first, "number", "number"][: len(kinds)]
+        or len(kinds) not in lengths
+        or (kind == "vector" and len(given[0]) != 3)
+    ):
         raise Misuse(f"{kind} takes {_TAKES.get(kind, 'three numbers')}", cure)
     if kind == "toggle":
         return Declaration(name, kind, given[0].truth, 0.0, 1.0, description)

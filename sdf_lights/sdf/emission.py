@@ -17,12 +17,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import read_numpy
+from ..graph import numpy_evaluation
+from ..graph.formula import PARAMETER, POINT, VARIABLE, Formula, constant, maximum, minimum, order, select
+from ..graph.substitution import substitute
 from .declarations import Declaration
 from .evaluation import Evaluation
-from .formula import PARAMETER, POINT, POSITION, Formula, constant, maximum, minimum, order, select
 from .shapes.base import Shape, Slots
-from .substitution import substitute
 from .syntax import ExpressionError, parse
 from .values import Misuse, Work, components, kind_of, lifted
 
@@ -36,27 +36,28 @@ _CURE = "end with a line that is a brightness or a colour, such as exp(-20 * dep
 class Placed(NamedTuple):
     """An emission in a shape: formulas of the position alone, in the shape's own space."""
 
-    colour: tuple[Formula, Formula, Formula]  # red, green, blue; where they are negative or undefined they are 0
-    written: tuple[Formula, Formula, Formula]  # the same as the artist wrote them
+    colour: tuple[Formula, ...]  # red, green, blue; where they are negative or undefined they are 0
+    written: tuple[Formula, ...]  # the same as the artist wrote them
     parameters: np.ndarray  # of their slots
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Colours (…, 3) at points (…, 3)."""
-        return np.stack(read_numpy.evaluate_all(self.colour, points, self.parameters), axis=-1)
+        return np.stack(numpy_evaluation.evaluate_all(self.colour, points, self.parameters), axis=-1)
 
 
 @dataclass(frozen=True)
 class Emission:
     """A relative emission in three channels; its formulas have the ``INPUTS`` and then ``numbers`` in their slots."""
 
-    colour: tuple[Formula, Formula, Formula]
+    colour: tuple[Formula, ...]  # red, green, blue
     numbers: tuple[float, ...] = ()
 
     @property
     def varies(self) -> bool:
         """Whether it differs from point to point."""
-        return any(node.kind == POSITION or node.kind == PARAMETER and node.value < len(INPUTS)
-                   for node in order(*self.colour))
+        return any(
+            node.kind == VARIABLE or node.kind == PARAMETER and node.value < len(INPUTS) for node in order(*self.colour)
+        )
 
     def placed(self, shape: Shape) -> Placed:
         """The emission inside a shape.
@@ -99,7 +100,8 @@ class EmissionExpression:
         evaluation = Evaluation(given, self._remarks)
         name_inputs(evaluation)
         last, value = evaluation.last(
-            self._tree, "write a brightness, for instance exp(-20 * depth)", "how bright the lamp is", _CURE)
+            self._tree, "write a brightness, for instance exp(-20 * depth)", "how bright the lamp is", _CURE
+        )
         emission = evaluation.attempt(last, lambda: as_emission(value, evaluation.slots))
         return emission, evaluation.declarations
 
@@ -115,8 +117,7 @@ def as_emission(value, slots: Work) -> Emission:
     if len(channels) not in (1, 3):
         raise Misuse(f"the result is a {kind_of(value)}", _CURE)
     colour = tuple(c if isinstance(c, Formula) else constant(c) for c in channels)
-    return Emission(colour * (3 // len(colour)), tuple(map(float, slots.values[len(INPUTS):])))
+    return Emission(colour * (3 // len(colour)), tuple(map(float, slots.values[len(INPUTS) :])))
 
 
-__all__ = [
-    "INPUTS", "Emission", "EmissionExpression", "ExpressionError", "Placed", "as_emission", "name_inputs"]
+__all__ = ["INPUTS", "Emission", "EmissionExpression", "ExpressionError", "Placed", "as_emission", "name_inputs"]

@@ -19,15 +19,32 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 import numpy as np
 
 from . import (  # noqa: F401 (the words of these modules are in FUNCTIONS then)
-    declarations, formula, values, words_of_colours, words_of_shapes)
-from .formula import LONGEST_LOOP, POINT, Formula
+    builtin_colors,
+    builtin_shapes,
+    declarations,
+    values,
+)
+from ..graph import formula
+from ..graph.formula import LONGEST_LOOP, POINT, Formula
 from .functions import CONSTANTS, FUNCTIONS, as_shape
 from .shapes import Difference, Field, Intersection, Shape, ShapeError, Union
 from .shapes.base import Parametric
 from .syntax import DEEPEST, ExpressionError
 from .values import (
-    Condition, Live, Misuse, NeedsNumber, Work, choose, compute, has_field, kind_of, lifted, live, spread)
-from .words_of_numbers import modulo
+    Condition,
+    Live,
+    Misuse,
+    NeedsNumber,
+    Work,
+    choose,
+    compute,
+    has_field,
+    kind_of,
+    lifted,
+    live,
+    spread,
+)
+from .builtin_numbers import modulo
 
 MOST_PRIMITIVES = 2_000
 DEEPEST_SHAPE = 100
@@ -36,14 +53,30 @@ MOST_FIELDS = 16  # in a shape: finding the limits of each takes time
 _SHAPE_STEPS = 6  # that making a shape counts for
 
 _ARITHMETIC: dict[type, Callable] = {
-    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b, ast.Mod: modulo, ast.Pow: values.power}
+    ast.Add: lambda a, b: a + b,
+    ast.Sub: lambda a, b: a - b,
+    ast.Mult: lambda a, b: a * b,
+    ast.Div: lambda a, b: a / b,
+    ast.Mod: modulo,
+    ast.Pow: values.power,
+}
 _COMBINATIONS = {ast.BitOr: Union, ast.BitAnd: Intersection, ast.Sub: Difference}
-_SYMBOLS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Mod: "%", ast.Pow: "**", ast.BitOr: "|",
-            ast.BitAnd: "&"}
+_SYMBOLS = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.Mod: "%",
+    ast.Pow: "**",
+    ast.BitOr: "|",
+    ast.BitAnd: "&",
+}
 _COMPARISONS: dict[type, Callable] = {
-    ast.Lt: values.less, ast.LtE: values.less_equal,
-    ast.Gt: lambda a, b: values.less(b, a), ast.GtE: lambda a, b: values.less_equal(b, a)}
+    ast.Lt: values.less,
+    ast.LtE: values.less_equal,
+    ast.Gt: lambda a, b: values.less(b, a),
+    ast.GtE: lambda a, b: values.less_equal(b, a),
+}
 
 
 class Evaluation:
@@ -60,15 +93,20 @@ class Evaluation:
         self.loops = 0  # of the formula, that are being made
 
     def error(self, node: ast.AST, message: str, cure: str) -> ExpressionError:
+        """The error at the place of a node: what is wrong, and the cure."""
         return ExpressionError(message, getattr(node, "lineno", 1), getattr(node, "col_offset", 0) + 1, cure)
 
     def run(self, tree: ast.Module) -> Shape:
         """The shape that the last line says."""
         last, result = self.last(
-            tree, "write a shape, for instance sphere(0.5)", "what glows", "end with a line that is a shape")
+            tree, "write a shape, for instance sphere(0.5)", "what glows", "end with a line that is a shape"
+        )
         if not isinstance(result, (Shape, Formula)):
-            raise self.error(last, f"the last line is a {kind_of(result)}",
-                             "end with a line that is a shape, or a field that is negative inside")
+            raise self.error(
+                last,
+                f"the last line is a {kind_of(result)}",
+                "end with a line that is a shape, or a field that is negative inside",
+            )
         with np.errstate(all="ignore"):
             return self.finished(last, self.attempt(last, lambda: as_shape(result, self.slots)))
 
@@ -89,22 +127,30 @@ class Evaluation:
         shape = self.checked(node, shape)
         fields = list(itertools.islice(_fields(shape), MOST_FIELDS + 1))
         if len(fields) > MOST_FIELDS:
-            raise self.error(node, "the shape has too many parts that are fields",
-                             f"use at most {MOST_FIELDS}: make one field of several with min and max")
+            raise self.error(
+                node,
+                "the shape has too many parts that are fields",
+                f"use at most {MOST_FIELDS}: make one field of several with min and max",
+            )
         if not shape.bounded:
-            raise self.error(node, "the shape has no limits, or none that can be found",
-                             "intersect it with box(…), or give limits with field(…, bounds=…)")
+            raise self.error(
+                node,
+                "the shape has no limits, or none that can be found",
+                "intersect it with box(…), or give limits with field(…, bounds=…)",
+            )
         if len(fields) == 1 and fields[0] is shape and not np.any(shape.bounds()):
             raise self.error(node, "the field is positive everywhere", "make it negative inside the shape")
         return shape
 
     def step(self, node: ast.AST, count: int = 1) -> None:
+        """Count work on the expression. Raises ExpressionError where it is too much."""
         try:
             self.slots.step(count)
         except Misuse as misuse:
             raise self.error(node, str(misuse), misuse.cure) from None
 
     def operate(self, node: ast.AST, count: int) -> None:
+        """Count operations of a field. Raises ExpressionError where they are too many."""
         self.attempt(node, lambda: self.slots.operate(count))
 
     # -- statements ---------------------------------------------------------------------------------------------------
@@ -116,23 +162,32 @@ class Evaluation:
         self.nesting -= 1
 
     def block(self, statements: list[ast.stmt]) -> None:
+        """Run statements, one after the other."""
         for statement in statements:
             self.step(statement)
             run = _STATEMENTS.get(type(statement))
             if run is None:
-                raise self.error(statement, "this statement is not part of the language",
-                                 "write name = value, for name in range(count):, or a shape last")
+                raise self.error(
+                    statement,
+                    "this statement is not part of the language",
+                    "write name = value, for name in range(count):, or a shape last",
+                )
             run(self, statement)
 
     def no_effect(self, statement: ast.Expr) -> None:
-        raise self.error(statement, "this line has no effect",
-                         "give its value a name, or combine it into the last line")
+        """Refuse a line that is a value and not the last one."""
+        raise self.error(
+            statement, "this line has no effect", "give its value a name, or combine it into the last line"
+        )
 
     def misplaced_break(self, statement: ast.Break) -> None:
-        raise self.error(statement, "break does not stand here",
-                         "write if condition: break among the lines of the loop itself")
+        """Refuse a break that does not belong to a loop."""
+        raise self.error(
+            statement, "break does not stand here", "write if condition: break among the lines of the loop itself"
+        )
 
     def new_name(self, target: ast.expr, statement: ast.stmt) -> str:
+        """The name that a statement gives a value. Raises ExpressionError where that is none, or taken."""
         if not isinstance(target, ast.Name):
             raise self.error(statement, "only a name can be given a value", "write name = value")
         if target.id in declarations.USAGE or target.id == "range":
@@ -140,6 +195,7 @@ class Evaluation:
         return target.id
 
     def assign(self, statement: ast.Assign) -> None:
+        """``name = value``, or the declaration of a parameter."""
         if len(statement.targets) != 1:
             raise self.error(statement, "a line gives one name a value", "write name = value")
         name = self.new_name(statement.targets[0], statement)
@@ -163,19 +219,26 @@ class Evaluation:
             raise self.error(call, "a parameter cannot be declared in a block", "move the line to the top")
         for part in ast.walk(call):  # or the limits, and with them the user interface, would change as sliders move
             if isinstance(part, ast.Name) and self.names.get(part.id) is not CONSTANTS.get(part.id):
-                raise self.error(part, f"the numbers of a parameter cannot depend on {part.id:.40}",
-                                 f"write {declarations.USAGE[kind]}")
+                raise self.error(
+                    part,
+                    f"the numbers of a parameter cannot depend on {part.id:.40}",
+                    f"write {declarations.USAGE[kind]}",
+                )
         if call.keywords:
             raise self.error(call, f"{kind} takes no named arguments", f"write {declarations.USAGE[kind]}")
         given = [self.value(argument) for argument in call.args]
         declared = self.attempt(
-            call, lambda: declarations.declare(name, kind, given, self.remarks.get(call.lineno, "")))
+            call, lambda: declarations.declare(name, kind, given, self.remarks.get(call.lineno, ""))
+        )
         self.declarations[name] = declared
         try:
             return declared.live(declared.held(self.given.get(name, declared.default)))
         except (TypeError, ValueError, OverflowError):
-            raise self.error(call, f"the value given for {name} is not a {'vector' if kind == 'vector' else 'number'}",
-                             "set it to a number") from None
+            raise self.error(
+                call,
+                f"the value given for {name} is not a {'vector' if kind == 'vector' else 'number'}",
+                "set it to a number",
+            ) from None
 
     def branch(self, statement: ast.If) -> None:
         """Both sides are computed; what they give a value is chosen by the condition, point by point if need be."""
@@ -194,6 +257,7 @@ class Evaluation:
             self.names[name] = self.chosen(statement, condition, then[name], otherwise[name])
 
     def loop(self, statement: ast.For) -> None:
+        """``for name in range(count)``: one node of the formula if the states allow it, else round by round."""
         index = self.new_name(statement.target, statement)
         if statement.orelse:
             raise self.error(statement.orelse[0], "a loop has no else", "leave it out")
@@ -201,8 +265,11 @@ class Evaluation:
         inside = [node for part in statement.body for node in ast.walk(part) if isinstance(node, ast.Name)]
         written = {node.id for node in inside if isinstance(node.ctx, ast.Store)}
         read = {node.id for node in inside if isinstance(node.ctx, ast.Load)} | {
-            part.target.id for body in statement.body for part in ast.walk(body)
-            if isinstance(part, ast.AugAssign) and isinstance(part.target, ast.Name)}
+            part.target.id
+            for body in statement.body
+            for part in ast.walk(body)
+            if isinstance(part, ast.AugAssign) and isinstance(part.target, ast.Name)
+        }
         carried = [name for name in self.names if name in written and name != index]
         outside = {name: self.names[name] for name in self.names if name in read | written}
         shapes = any(isinstance(outside[name], Parametric) for name in carried)
@@ -217,8 +284,13 @@ class Evaluation:
 
     def count(self, node: ast.expr) -> float:
         """The number of rounds of a loop: at most a thousand, and that for all values of parameters."""
-        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "range"
-                and len(node.args) == 1 and not node.keywords):
+        if not (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id == "range"
+            and len(node.args) == 1
+            and not node.keywords
+        ):
             raise self.error(node, "a loop runs over a range", "write for name in range(count):")
         argument = node.args[0]
         count = self.value(argument)
@@ -226,8 +298,11 @@ class Evaluation:
             raise self.error(argument, f"the number of rounds is a {kind_of(count)}", "give a whole number")
         greatest = count.greatest if isinstance(count, Live) else count
         if greatest == math.inf:
-            raise self.error(argument, "the number of rounds has no greatest value",
-                             "give a whole number, or a parameter: count = integer(5, 1, 10)")
+            raise self.error(
+                argument,
+                "the number of rounds has no greatest value",
+                "give a whole number, or a parameter: count = integer(5, 1, 10)",
+            )
         if not isinstance(count, Live) and count != math.floor(count):
             raise self.error(argument, f"{count:g} is not a whole number of rounds", "give a whole number")
         if greatest > LONGEST_LOOP:
@@ -281,8 +356,11 @@ class Evaluation:
         before = self.names
         for name in carried:
             if kind_of(before[name]) not in ("number", "field", "vector"):
-                raise self.error(statement, f"{name} is a {kind_of(before[name])}, which a loop cannot carry on",
-                                 "carry on numbers, fields, vectors or shapes")
+                raise self.error(
+                    statement,
+                    f"{name} is a {kind_of(before[name])}, which a loop cannot carry on",
+                    "carry on numbers, fields, vectors or shapes",
+                )
         sizes = [len(before[name]) if isinstance(before[name], tuple) else 0 for name in carried]
         breaks = any(isinstance(node, ast.Break) for part in statement.body for node in ast.walk(part))
 
@@ -300,8 +378,11 @@ class Evaluation:
             for name, size in zip(carried, sizes):
                 now = self.names[name]
                 if isinstance(now, Parametric) or (len(now) if isinstance(now, tuple) else 0) != size:
-                    raise self.error(statement, f"{name} is a {kind_of(before[name])} before the loop, and a "
-                                     f"{kind_of(now)} after a round", "keep it of one kind, or choose another name")
+                    raise self.error(
+                        statement,
+                        f"{name} is a {kind_of(before[name])} before the loop, and a {kind_of(now)} after a round",
+                        "keep it of one kind, or choose another name",
+                    )
             steps = flat(self.names)
             if index:
                 steps.append(states[len(steps)] + 1.0)
@@ -321,6 +402,7 @@ class Evaluation:
     # -- values -------------------------------------------------------------------------------------------------------
 
     def value(self, node: ast.expr):
+        """The value of an expression: a scalar, a vector, a condition, a shape or a profile."""
         self.depth += 1
         try:
             if self.depth > 2 * DEEPEST:
@@ -328,17 +410,24 @@ class Evaluation:
             self.step(node)
             visit = _VISITS.get(type(node))
             if visit is None:
-                raise self.error(node, "this is not part of the language",
-                                 "use numbers, names, calls, vectors, comparisons and the operators + - * / % ** | &")
+                raise self.error(
+                    node,
+                    "this is not part of the language",
+                    "use numbers, names, calls, vectors, comparisons and the operators + - * / % ** | &",
+                )
             return self.checked(node, visit(self, node))
         finally:
             self.depth -= 1
 
     def checked(self, node: ast.expr, value):
+        """The value. Raises ExpressionError where it is not finite, or a shape that cannot be built."""
         if isinstance(value, Parametric):
             if isinstance(value, Shape) and (value.size > MOST_PRIMITIVES or value.depth > DEEPEST_SHAPE):
-                raise self.error(node, "the shape has too many parts", f"use at most {MOST_PRIMITIVES} shapes, "
-                                 f"and {DEEPEST_SHAPE} combinations inside one another")
+                raise self.error(
+                    node,
+                    "the shape has too many parts",
+                    f"use at most {MOST_PRIMITIVES} shapes, and {DEEPEST_SHAPE} combinations inside one another",
+                )
             problem = value.check()
             if problem:
                 message, _, cure = problem.rstrip(".").rpartition(": ")
@@ -351,6 +440,7 @@ class Evaluation:
         return value
 
     def constant(self, node: ast.Constant) -> float | Condition:
+        """A number, or True or False as a condition."""
         if type(node.value) is bool:
             return Condition(float(node.value))
         if type(node.value) not in (int, float):
@@ -358,6 +448,7 @@ class Evaluation:
         return self.attempt(node, lambda: float(node.value))
 
     def name(self, node: ast.Name):
+        """The value of a name."""
         if node.id in self.names:
             return self.names[node.id]
         if node.id in FUNCTIONS:
@@ -365,12 +456,14 @@ class Evaluation:
         raise self.unknown(node, FUNCTIONS | self.names)
 
     def unknown(self, node: ast.Name, known) -> ExpressionError:
+        """The error for a name without a value, with the known name that is most like it."""
         # Looking for what is alike takes time for each name, so not among thousands.
         close = difflib.get_close_matches(node.id[:40], itertools.islice(reversed(known), 200), 1)
         cure = f"did you mean {close[0]}" if close else "give it a value on a line above, or choose a known name"
         return self.error(node, f"{node.id:.40} is not a known name", cure)
 
     def call(self, node: ast.Call):
+        """The result of a word of the language, or of a shape called with a point: its field there."""
         # A name that was given a value still stands for a function where it is called, unless the value can be called.
         name = node.func.id if isinstance(node.func, ast.Name) else None
         if name not in FUNCTIONS and name not in declarations.USAGE or isinstance(self.names.get(name), Parametric):
@@ -404,8 +497,9 @@ class Evaluation:
         value = self.value(node.func)
         if not isinstance(value, Parametric):
             what = node.func.id if isinstance(node.func, ast.Name) else "this"
-            raise self.error(node, f"{what:.40} is a {kind_of(value)}, not a function",
-                             "leave out the brackets after it")
+            raise self.error(
+                node, f"{what:.40} is a {kind_of(value)}, not a function", "leave out the brackets after it"
+            )
         return value
 
     def limit(self, node: ast.expr, given: Iterable) -> None:
@@ -416,6 +510,7 @@ class Evaluation:
         self.step(node, size // 16)
 
     def attempt(self, node: ast.AST, work: Callable):
+        """The result of ``work``. Its errors become ExpressionErrors at the node."""
         try:
             return work()
         except NeedsNumber as misuse:
@@ -432,6 +527,7 @@ class Evaluation:
             raise self.error(node, "the value is undefined or too large", "use other numbers") from None
 
     def binary(self, node: ast.BinOp):
+        """The value of operators between operands: of a whole chain at once."""
         # The tree of a long chain a + b + c + … leans to the left: walked down its spine, it needs no recursion.
         spine = [node]
         while isinstance(spine[-1].left, ast.BinOp):
@@ -462,10 +558,12 @@ class Evaluation:
         return kind in _COMBINATIONS and kinds <= {"shape", "field"} and ("shape" in kinds or kind is not ast.Sub)
 
     def combination(self, node: ast.BinOp, operands: list) -> Shape:
+        """The shape that ``|``, ``&`` or ``-`` makes of two or more shapes or fields."""
         self.limit(node, operands)
         return self.attempt(node, lambda: _COMBINATIONS[type(node.op)](*(as_shape(o, self.slots) for o in operands)))
 
     def mismatch(self, node: ast.BinOp, left: str, right: str) -> ExpressionError:
+        """The error for an operator between kinds that it does not take."""
         symbol = _SYMBOLS.get(type(node.op), "this operator")
         cure = "use | & - between shapes, and + - * / % ** between numbers, fields and vectors"
         if {left, right} == {"shape", "field"}:
@@ -473,16 +571,17 @@ class Evaluation:
         return self.error(node, f"{symbol} does not work between a {left} and a {right}", cure)
 
     def arithmetic(self, node: ast.BinOp, left, right):
+        """The value of ``+ - * / % **`` between numbers, fields and vectors, component by component."""
         kinds = kind_of(left), kind_of(right)
         function = _ARITHMETIC.get(type(node.op))
         if function is None or not set(kinds) <= {"number", "field", "vector"}:
             raise self.mismatch(node, *kinds)
         if has_field(left) or has_field(right):
             self.operate(node, 3 if "vector" in kinds else 1)
-        return self.attempt(
-            node, lambda: spread(lambda *scalars: compute(self.slots, function, *scalars), left, right))
+        return self.attempt(node, lambda: spread(lambda *scalars: compute(self.slots, function, *scalars), left, right))
 
     def unary(self, node: ast.UnaryOp):
+        """The value of ``-``, ``+`` or ``not`` before an operand."""
         if isinstance(node.op, ast.Not):
             return self.chosen(node, self.condition(node.operand), Condition(0.0), Condition(1.0))
         value = self.value(node.operand)
@@ -493,16 +592,21 @@ class Evaluation:
         return spread(lambda scalar: compute(self.slots, operator.neg, scalar), value)
 
     def condition(self, node: ast.expr) -> Condition:
+        """The value of an expression. Raises ExpressionError where it is no condition."""
         value = self.value(node)
         if not isinstance(value, Condition):
             raise self.error(node, f"a {kind_of(value)} is not a condition", "compare it, as in a < b")
         return value
 
     def comparison(self, node: ast.Compare) -> Condition:
+        """The condition of ``<``, ``<=``, ``>`` or ``>=`` between two numbers or fields."""
         function = _COMPARISONS.get(type(node.ops[0]))
         if function is None or len(node.ops) > 1:
-            raise self.error(node, "this comparison is not part of the language",
-                             "compare two values with < <= > >=, and join comparisons with and")
+            raise self.error(
+                node,
+                "this comparison is not part of the language",
+                "compare two values with < <= > >=, and join comparisons with and",
+            )
         left, right = self.value(node.left), self.value(node.comparators[0])
         for value in (left, right):
             if kind_of(value) not in ("number", "field"):
@@ -512,6 +616,7 @@ class Evaluation:
         return compute(self.slots, function, left, right)
 
     def logic(self, node: ast.BoolOp) -> Condition:
+        """The condition of ``and`` or ``or`` between conditions."""
         result = self.condition(node.values[0])
         for operand in node.values[1:]:
             other = self.condition(operand)
@@ -520,31 +625,39 @@ class Evaluation:
         return result
 
     def selection(self, node: ast.IfExp):
+        """The value of ``then if condition else otherwise``."""
         condition = self.condition(node.test)
         then, otherwise = self.value(node.body), self.value(node.orelse)
         return self.chosen(node, condition, then, otherwise)
 
     def chosen(self, node: ast.AST, condition: Condition, then, otherwise):
+        """``then`` where the condition holds, else ``otherwise``, point by point if it is a field."""
         if then is otherwise:
             return then
         if has_field(condition) or has_field(then) or has_field(otherwise):
             # Of conditions, four: they are numbers for as long as it takes to choose.
-            self.operate(node, 4 if isinstance(then, Condition) else max(
-                len(values.components(value)) for value in (then, otherwise)))
+            self.operate(
+                node,
+                4 if isinstance(then, Condition) else max(len(values.components(value)) for value in (then, otherwise)),
+            )
         return self.attempt(node, lambda: choose(self.slots, condition, then, otherwise))
 
     def vector(self, node: ast.Tuple):
+        """A vector of two or three numbers or fields."""
         parts = tuple(self.value(element) for element in node.elts)
         if len(parts) not in (2, 3) or not all(kind_of(part) in ("number", "field") for part in parts):
             raise self.error(node, "a vector has two or three numbers or fields", "write vec3(x, y, z)")
         return parts
 
     def component(self, node: ast.Attribute):
+        """One or more components of a vector, as ``.x`` or ``.xy``."""
         value = self.value(node.value)
-        if kind_of(value) != "vector" or len(node.attr) > 3 or not set(node.attr) <= set("xyz"[:len(value)]):
-            raise self.error(node, f".{node.attr:.40} is not part of a {kind_of(value)}",
-                             "only vectors have parts: .x, .y, .z, .xy and so on; functions are written "
-                             "function(shape, …)")
+        if kind_of(value) != "vector" or len(node.attr) > 3 or not set(node.attr) <= set("xyz"[: len(value)]):
+            raise self.error(
+                node,
+                f".{node.attr:.40} is not part of a {kind_of(value)}",
+                "only vectors have parts: .x, .y, .z, .xy and so on; functions are written function(shape, …)",
+            )
         chosen = tuple(value["xyz".index(letter)] for letter in node.attr)
         return chosen if len(chosen) > 1 else chosen[0]
 
@@ -558,10 +671,22 @@ def _fields(shape: Shape) -> Iterator[Field]:
 
 
 _STATEMENTS = {
-    ast.Assign: Evaluation.assign, ast.AugAssign: Evaluation.assign_in_place, ast.For: Evaluation.loop,
-    ast.If: Evaluation.branch, ast.Expr: Evaluation.no_effect, ast.Break: Evaluation.misplaced_break}
+    ast.Assign: Evaluation.assign,
+    ast.AugAssign: Evaluation.assign_in_place,
+    ast.For: Evaluation.loop,
+    ast.If: Evaluation.branch,
+    ast.Expr: Evaluation.no_effect,
+    ast.Break: Evaluation.misplaced_break,
+}
 _VISITS = {
-    ast.Constant: Evaluation.constant, ast.Name: Evaluation.name, ast.Call: Evaluation.call,
-    ast.BinOp: Evaluation.binary, ast.UnaryOp: Evaluation.unary, ast.Tuple: Evaluation.vector,
-    ast.Attribute: Evaluation.component, ast.Compare: Evaluation.comparison, ast.BoolOp: Evaluation.logic,
-    ast.IfExp: Evaluation.selection}
+    ast.Constant: Evaluation.constant,
+    ast.Name: Evaluation.name,
+    ast.Call: Evaluation.call,
+    ast.BinOp: Evaluation.binary,
+    ast.UnaryOp: Evaluation.unary,
+    ast.Tuple: Evaluation.vector,
+    ast.Attribute: Evaluation.component,
+    ast.Compare: Evaluation.comparison,
+    ast.BoolOp: Evaluation.logic,
+    ast.IfExp: Evaluation.selection,
+}

@@ -48,5 +48,3 @@ class Expression:
 def evaluate(text: str, values: Mapping[str, object] | None = None) -> Shape:
     """The shape that the text says. Raises ``ExpressionError``."""
     return Expression(text).shape(values)
-
-

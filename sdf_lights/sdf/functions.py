@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a word of the expression language is: a Python function whose annotations say which values it takes.
 
-``FUNCTIONS`` and ``CONSTANTS`` are all that an expression can reach. The words are in ``words_of_shapes`` and
-``words_of_numbers``, colours in ``words_of_colours``; what the values are is said in ``values``.
+``FUNCTIONS`` and ``CONSTANTS`` are all that an expression can reach. The words are in ``builtin_shapes`` and
+``builtin_numbers``, colours in ``builtin_colors``; what the values are is said in ``values``.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from . import formula
-from .formula import Formula
+from ..graph import formula
+from ..graph.formula import Formula
 from .shapes import Box, Field, Shape
 from .shapes.base import Parametric
 from .values import Misuse, NeedsNumber, Work, compute, has_field, kind_of, spread
@@ -25,11 +25,20 @@ SHAPE_GROUPS = ("Shapes", "Profiles", "Solids from profiles", "Combinations", "O
 
 # What an argument can be, and how messages say so. Those of the first group have to be numbers, not fields.
 _WANTED = {
-    "number": "a number", "angle": "a number of degrees", "numbers": "a vector of three numbers or a number",
+    "number": "a number",
+    "angle": "a number of degrees",
+    "numbers": "a vector of three numbers or a number",
     "angles": "a vector of three numbers of degrees or one for all",
-    "scalar": "a number or a field", "vector": "a vector", "vector3": "a vector of three components",
-    "value": "a number, a field or a vector", "condition": "a condition such as a < b", "shape": "a shape",
-    "profile": "a profile such as circle(0.5)", "corner": "a vector of two numbers", "any": "a value"}
+    "scalar": "a number or a field",
+    "vector": "a vector",
+    "vector3": "a vector of three components",
+    "value": "a number, a field or a vector",
+    "condition": "a condition such as a < b",
+    "shape": "a shape",
+    "profile": "a profile such as circle(0.5)",
+    "corner": "a vector of two numbers",
+    "any": "a value",
+}
 _ANGLES = ("angle", "angles")
 
 
@@ -45,6 +54,7 @@ class Argument(NamedTuple):
     default: Any = REQUIRED
 
     def signature(self) -> str:
+        """As in ``name`` or ``name=default``, with angles in degrees."""
         if self.default is REQUIRED:
             return self.name
         return f"{self.name}={show(_map(math.degrees, self.default) if self.kind in _ANGLES else self.default)}"
@@ -77,6 +87,7 @@ class Function(NamedTuple):
 
     @property
     def makes_shape(self) -> bool:
+        """Whether its result is a shape."""
         return self.group in SHAPE_GROUPS
 
     def __call__(self, slots: Work, positional: list, named: dict[str, Any]):
@@ -85,20 +96,22 @@ class Function(NamedTuple):
             return self.other(slots, positional, named)
         repeated, given = self.bound(positional, named)
         return self.call(
-            slots, *(self._converted(self.arguments[0], value, slots) for value in repeated),
-            *(self._converted(a, given[a.name], slots) if a.name in given else a.default for a in self._single))
+            slots,
+            *(self._converted(self.arguments[0], value, slots) for value in repeated),
+            *(self._converted(a, given[a.name], slots) if a.name in given else a.default for a in self._single),
+        )
 
     @property
     def _single(self) -> tuple[Argument, ...]:
         """Arguments that get one value each."""
-        return self.arguments[self.variadic:]
+        return self.arguments[self.variadic :]
 
     def bound(self, positional: list, named: dict[str, Any]) -> tuple[list, dict[str, Any]]:
         """The values of an argument that may be given any number of times, and those of the others by name.
 
         Three numbers in a row become a vector where one is wanted. Raises ``Misuse``.
         """
-        repeated = []
+        repeated: list = []
         if self.variadic:
             if named and len(self.arguments) == 1:
                 raise Misuse(f"{self.name} takes no named arguments", f"write {self.signature()}")
@@ -122,8 +135,11 @@ class Function(NamedTuple):
             return positional
         gathered, rest = [], list(positional)
         for argument in arguments:
-            if argument.kind in ("numbers", "angles", "vector", "vector3") and len(rest) >= 3 and all(
-                    kind_of(v) in ("number", "field") for v in rest[:3]):
+            if (
+                argument.kind in ("numbers", "angles", "vector", "vector3")
+                and len(rest) >= 3
+                and all(kind_of(v) in ("number", "field") for v in rest[:3])
+            ):
                 gathered.append(tuple(rest[:3]))
                 del rest[:3]
             elif rest:
@@ -149,15 +165,22 @@ class Function(NamedTuple):
         kind, wanted = kind_of(value), argument.kind
         if wanted in ("number", "angle", "numbers", "angles", "corner"):
             if has_field(value):
-                raise NeedsNumber(f"{argument.name} of {self.name} differs from point to point, but must be a number",
-                                  "give it a number, or write the field of the shape with p yourself")
+                raise NeedsNumber(
+                    f"{argument.name} of {self.name} differs from point to point, but must be a number",
+                    "give it a number, or write the field of the shape with p yourself",
+                )
             given = _map(math.radians, value) if wanted in _ANGLES else value
             if kind == "number" and wanted != "corner":
                 return (given,) * 3 if wanted in ("numbers", "angles") else given
             if kind == "vector" and (wanted == "corner" or wanted in ("numbers", "angles") and len(value) == 3):
                 return given
-        elif wanted == "any" or wanted == kind or wanted == "scalar" and kind in ("number", "field") or (
-                wanted == "value" and kind in ("number", "field", "vector")):
+        elif (
+            wanted == "any"
+            or wanted == kind
+            or wanted == "scalar"
+            and kind in ("number", "field")
+            or (wanted == "value" and kind in ("number", "field", "vector"))
+        ):
             return value
         elif wanted == "vector3" and kind == "vector" and len(value) == 3:
             return value
@@ -165,8 +188,9 @@ class Function(NamedTuple):
             return (value,) * 3
         elif wanted == "shape" and kind == "field":
             return as_shape(value, slots)
-        raise Misuse(f"{argument.name} of {self.name} must be {_WANTED[wanted]}, not a {kind}",
-                     f"write {self.signature()}")
+        raise Misuse(
+            f"{argument.name} of {self.name} must be {_WANTED[wanted]}, not a {kind}", f"write {self.signature()}"
+        )
 
     def _wrong_count(self, positional: list) -> Misuse:
         return Misuse(f"{self.name} does not take {len(positional)} values", f"write {self.signature()}")
@@ -185,8 +209,17 @@ MATHEMATICS, POINTS, COLOURS = "Numbers, fields and vectors", "Points", "Colours
 GROUPS = (*SHAPE_GROUPS, "Fields", MATHEMATICS, POINTS, COLOURS)
 """Of words, in the order in which one looks for them."""
 
-_KINDS = {"float": "number", "Vec3": "numbers", "Scalar": "scalar", "Vector": "vector", "Vector3": "vector3",
-          "Value": "value", "Condition": "condition", "Shape": "shape", "Any": "any"}
+_KINDS = {
+    "float": "number",
+    "Vec3": "numbers",
+    "Scalar": "scalar",
+    "Vector": "vector",
+    "Vector3": "vector3",
+    "Value": "value",
+    "Condition": "condition",
+    "Shape": "shape",
+    "Any": "any",
+}
 
 
 def add(function: Function) -> None:
@@ -209,24 +242,42 @@ def word(group: str, usage: str = "", cost: int = 1):
         named = list(signature.parameters.values())
         raw = named[0].name == "slots"
         arguments = tuple(
-            Argument(p.name, _KINDS[p.annotation], REQUIRED if p.default is p.empty else p.default)
-            for p in named[raw:])
+            Argument(p.name, _KINDS[p.annotation], REQUIRED if p.default is p.empty else p.default) for p in named[raw:]
+        )
         variadic = any(p.kind is p.VAR_POSITIONAL for p in named)
         call = function if raw else lambda slots, *given: compute(slots, function, *given)
-        add(Function(
-            function.__name__.rstrip("_"), group, arguments, call, inspect.getdoc(function), variadic, usage, cost))
+        add(
+            Function(
+                function.__name__.rstrip("_"),
+                group,
+                arguments,
+                call,
+                inspect.getdoc(function) or "",
+                variadic,
+                usage,
+                cost,
+            )
+        )
         return function
 
     return wrap
 
 
-def spread_word(name: str, function: Callable, description: str, *arguments: str, variadic: bool = False,
-            cost: int = 1) -> None:
+def spread_word(
+    name: str, function: Callable, description: str, *arguments: str, variadic: bool = False, cost: int = 1
+) -> None:
     """Adds a function of scalars, which works on the components of vectors one by one."""
-    add(Function(
-        name, MATHEMATICS, tuple(Argument(a, "value") for a in arguments),
-        lambda slots, *given: spread(lambda *scalars: compute(slots, function, *scalars), *given), description,
-        variadic, cost=cost))
+    add(
+        Function(
+            name,
+            MATHEMATICS,
+            tuple(Argument(a, "value") for a in arguments),
+            lambda slots, *given: spread(lambda *scalars: compute(slots, function, *scalars), *given),
+            description,
+            variadic,
+            cost=cost,
+        )
+    )
 
 
 def of_shape(value: Formula, slots: Work) -> Formula:
@@ -236,8 +287,9 @@ def of_shape(value: Formula, slots: Work) -> Formula:
     if any(node.kind == formula.PARAMETER and node.value < slots.inputs for node in nodes):
         raise Misuse("a shape cannot be made of the depth or the height", "make it of the point p")
     if any(node.kind == formula.STATE for node in nodes):
-        raise NeedsNumber("a shape cannot differ from round to round of a loop of fields",
-                          "combine the fields with min and max")
+        raise NeedsNumber(
+            "a shape cannot differ from round to round of a loop of fields", "combine the fields with min and max"
+        )
     return value
 
 

@@ -12,8 +12,8 @@ import functools
 
 import numpy as np
 
-from . import read_interval, read_numpy
-from .formula import Formula
+from ..graph import interval_arithmetic, numpy_evaluation
+from ..graph.formula import Formula
 
 NEAREST, FARTHEST = 0.01, 163_840.0  # half sizes of the innermost and outermost cube of cells, in metres
 NEAR = 10.0  # half size of the cube that is searched more closely, where the large one is too much
@@ -41,14 +41,15 @@ def negative_region(formula: Formula, parameters: tuple[float, ...], operations:
     return box
 
 
-def _search(formula: Formula, parameters: tuple[float, ...], operations: int, farthest: float,
-            far_work: int) -> tuple[np.ndarray | None, float]:
+def _search(
+    formula: Formula, parameters: tuple[float, ...], operations: int, farthest: float, far_work: int
+) -> tuple[np.ndarray | None, float]:
     """The box, as above, and how far away points of the region were found."""
 
     def least(centers: np.ndarray, halves: np.ndarray) -> np.ndarray:
         shape = centers.shape[:-1]
         centers, halves = centers.reshape(-1, 3), np.broadcast_to(halves, centers.shape).reshape(-1, 3)
-        return read_interval.enclose(formula, centers - halves, centers + halves, parameters)[0].reshape(shape)
+        return interval_arithmetic.enclose(formula, centers - halves, centers + halves, parameters)[0].reshape(shape)
 
     centers, halves = _cells(farthest)
     work = operations * (_CALL + len(centers))
@@ -62,7 +63,7 @@ def _search(formula: Formula, parameters: tuple[float, ...], operations: int, fa
         kept = low <= 0.0
         centers, halves, low = centers[kept], halves[kept], low[kept]
         points = (centers[:, None] + halves[:, None] * _SAMPLES).reshape(-1, 3)
-        points = points[read_numpy.evaluate(formula, points, parameters) <= 0.0]
+        points = points[numpy_evaluation.evaluate(formula, points, parameters) <= 0.0]
         reached = np.abs(points).max(initial=reached)
         if reached > farthest / 2.0:
             return None, reached
@@ -112,5 +113,6 @@ def _cells(farthest: float) -> tuple[np.ndarray, np.ndarray]:
 
 def _hull(low: np.ndarray, high: np.ndarray, box: np.ndarray) -> np.ndarray:
     """The box (2, 3) around boxes, (n, 3) and (n, 3), and another."""
-    return np.array([np.minimum(low.min(axis=0, initial=np.inf), box[0]),
-                     np.maximum(high.max(axis=0, initial=-np.inf), box[1])])
+    return np.array(
+        [np.minimum(low.min(axis=0, initial=np.inf), box[0]), np.maximum(high.max(axis=0, initial=-np.inf), box[1])]
+    )

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 
-from .formula import Formula, Vector, apply, clamp
+from ..graph.formula import Formula, Vector, apply, clamp
 
 PERIOD = 289
 

@@ -28,11 +28,14 @@ import numpy as np
 
 from ..affine import inverse
 
-INSTRUCTION = np.dtype([
-    ("op", np.int64), ("arity", np.int64), ("inverse", np.float64, (3, 4)), ("parameters", np.float64, (4,))])
+INSTRUCTION = np.dtype(
+    [("op", np.int64), ("arity", np.int64), ("inverse", np.float64, (3, 4)), ("parameters", np.float64, (4,))]
+)
 
 
 class Op(enum.IntEnum):
+    """Operations of a program. Below ``UNION`` they push a primitive; the others combine the last two solids."""
+
     SPHERE = 0
     BOX = 1
     TORUS = 2
@@ -63,7 +66,7 @@ def primitive(op: Op, matrix: np.ndarray, parameters: tuple[float, ...]) -> np.n
         row["inverse"] = inverse(matrix)[:3]
     except np.linalg.LinAlgError:
         raise NoClosedForm(f"The transform of a {op.name.lower()} has no inverse.") from None
-    row["parameters"][0, :len(parameters)] = parameters
+    row["parameters"][0, : len(parameters)] = parameters
     return row
 
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The reference page of the expression language, made from the words' docstrings and the shapes' parameters.
 
-    python -m sdf_lights.sdf.reference > docs/expressions.md
+python -m sdf_lights.sdf.reference > docs/expressions.md
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import dataclasses
 import math
 import sys
 
+from ..graph.formula import LONGEST_LOOP
 from .catalogue import grouped
-from .emission_presets import presets
-from .examples import Example, examples
 from .declarations import LIMITS
+from .emission_presets import presets
 from .evaluation import MOST_PRIMITIVES
-from .formula import LONGEST_LOOP
+from .examples import Example, examples
 from .functions import COLOURS, CONSTANTS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
 from .shapes import SHAPES, Parameter
 from .shapes.profiles import PROFILES
@@ -29,30 +29,30 @@ _INTRODUCTION = f"""\
 
 <!-- Made by `python -m sdf_lights.sdf.reference`; edit the docstrings instead. -->
 
-An expression is a few lines of text that say a shape. The last line is the shape; the lines before it give names to
-numbers, vectors and shapes. `#` starts a remark.
+An expression is a few lines of text that describe a shape. The last line is the shape. The lines before it give names to
+numbers, vectors and shapes. `#` starts a comment.
 
     size = slider(1, 0.1, 3)              # becomes a slider of the lamp
     hole = sphere(1.35 * size)
     difference(box(size), hole) | torus(1.6 * size, 0.1)
 
-- Numbers: `+ - * / % **`. Vectors are written `vec3(x, y, z)` or `(x, y, z)`; arithmetic and functions work on each
-  component, a number counting for all three. `v.x`, `v.y` and `v.z` are the components; `v.xy`, `v.zyx` and the like
+- Numbers: `+ - * / % **`. A vector is `vec3(x, y, z)` or `(x, y, z)`. Arithmetic and functions work on each
+  component; a number counts for all three. `v.x`, `v.y` and `v.z` are the components. `v.xy`, `v.zyx` and the like
   are vectors of two or three of them.
 - Shapes: `a | b` is `union(a, b)`, `a & b` is `intersection(a, b)`, `a - b` is `difference(a, b)`. `-` binds
   most strongly, then `&`, then `|`.
-- Arguments go by position or by name: `torus(1, 0.2)`, `torus(minor_radius=0.2)`. Where a vector is wanted, three plain
-  numbers also do if all are there, `box(1, 2, 3)`, and one number stands for three equal ones, `box(1)`. Combinations
-  take any number of shapes, then their own numbers: `smooth_union(a, b, c, 0.1)` or `smooth_union(a, b, radius=0.1)`.
-- Lengths are in metres. Angles are in degrees, but in radians in `sin` and its like.
-- An expression has at most {LONGEST} characters, {DEEPEST} brackets inside one another and {MOST_PRIMITIVES} shapes.
+- Arguments have a position or a name: `torus(1, 0.2)`, `torus(minor_radius=0.2)`. A vector can also be three numbers,
+  `box(1, 2, 3)`, or one number for all three, `box(1)`. Combinations take any number of shapes, then their own
+  numbers: `smooth_union(a, b, c, 0.1)` or `smooth_union(a, b, radius=0.1)`.
+- Lengths are in metres. Angles are in degrees, except in `sin` and similar functions, which take radians.
+- An expression has at most {LONGEST} characters, {DEEPEST} nested brackets and {MOST_PRIMITIVES} shapes.
 
-A mistake is reported with its line, its column and a cure, and nothing is ever run as Python.
+A mistake is reported with its line, its column and a cure. Nothing is run as Python.
 
 ## Parameters
 
-A line of its own declares a parameter, which becomes a property of the lamp. What stands behind `#` on that line is its
-tooltip. Numbers and limits must not depend on other parameters. Moving a slider recompiles nothing.
+A line of its own declares a parameter, which becomes a property of the lamp. The comment on that line is its tooltip.
+Numbers and limits must not depend on other parameters. Moving a slider recompiles nothing.
 
 | | |
 |---|---|
@@ -64,19 +64,18 @@ tooltip. Numbers and limits must not depend on other parameters. Moving a slider
 
 ## The point
 
-`p` is the point of space at which the shape is asked for: a vector. A number made from it is a *field*: it has a value
-at each point. A field is a shape, the region in which it is negative, and a shape has a field:
+`p` is the point of space at which the shape is evaluated: a vector. A number that depends on it is a *field*: it has a
+value at each point. A field is a shape: the region in which it is negative. And a shape has a field:
 
     bumps = 0.05 * sin(20 * p.x) * sin(20 * p.y) * sin(20 * p.z)
     sphere(1)(p) + bumps
 
-- `shape(point)` is the field of a shape, read at a point: `box(1)(rotate_z(p, 90 * p.z))` is a twisted box,
-  `torus(1, 0.1)(p - (0, 0, 1))` a moved torus. `circle(1)(p.xz)` is that of a profile, in a plane.
-- A field where a shape is wanted, also as the last line, is the region in which it is negative. Its limits are found by
-  themselves; where they are not, put it in an intersection, `field & box(2)`, or write `field(value, bounds=2)`.
-- `p` can be given another value, such as `p = abs(p)`; what follows is then read there.
-- A field need not be a distance, but is traced faster the closer it comes to one. Shapes that can do without fields
-  are traced faster still.
+- `shape(point)` is the field of a shape at a point: `box(1)(rotate_z(p, 90 * p.z))` is a twisted box,
+  `torus(1, 0.1)(p - (0, 0, 1))` a moved torus. `circle(1)(p.xz)` is the field of a profile, in a plane.
+- A field can stand for a shape, also as the last line. Its limits are found automatically. If they cannot be found, use
+  an intersection, `field & box(2)`, or `field(value, bounds=2)`.
+- `p` can get another value, such as `p = abs(p)`. The lines below then use that point.
+- A field need not be a distance, but rays are faster the closer it is to one. Shapes without fields are faster still.
 
 ## Loops and conditions
 
@@ -89,27 +88,27 @@ at each point. A field is a shape, the region in which it is negative, and a sha
             break
     field(box(1)(q) / size, bounds=1.5)
 
-- `for i in range(count):` repeats the indented lines. `count` is a number or a parameter, at most {LONGEST_LOOP};
-  `i` is 0 in the first round. Names that had a value before the loop carry theirs on, and keep it afterwards; others
-  are forgotten. Loops that carry fields are loops of the compiled formula; loops that carry shapes put shapes together.
-- `break` ends a loop, at the points where its condition holds: `if length(q) > 4: break`.
-- `if`, `elif` and `else` choose between values of a name, `a if condition else b` and `select(condition, a, b)` between
-  two values. All sides are computed. A condition on the point chooses point by point, between fields and vectors.
-- Conditions: `a < b`, `<=`, `>`, `>=`, put together with `and`, `or`, `not`.
+- `for i in range(count):` repeats the indented lines. `count` is a number or a parameter, at most {LONGEST_LOOP}.
+  `i` is 0 in the first round. Names with a value before the loop keep it from round to round and after the loop. Other
+  names end with the loop. A loop over fields is a loop of the compiled formula. A loop over shapes combines shapes.
+- `break` ends a loop at the points where its condition holds: `if length(q) > 4: break`.
+- `if`, `elif` and `else` choose between values of a name. `a if condition else b` and `select(condition, a, b)` choose
+  between two values. All sides are computed. A condition on the point chooses at each point, between fields or vectors.
+- Conditions: `a < b`, `<=`, `>`, `>=`, combined with `and`, `or`, `not`.
 """
 
 _EMISSION = """\
 ## Emission
 
-An expression can also say how bright the inside of a lamp is from point to point. Then the last line is a number, a
-field or a colour, and there are two more names:
+An expression can also be the brightness at each point of a lamp. Its last line is then a number, a field or a colour, and
+it has two more names:
 
-- `depth` is how far a point is below the surface, in metres of the lamp's own space. It is the field of the shape
-  without its sign, so it is as exact as that.
+- `depth` is the depth of a point below the surface, in metres of the lamp's own space. It is the field of the shape
+  without its sign, and as exact as that.
 - `height` is 0 at the bottom of the lamp and 1 at its top, along its own z axis.
 
-Only relations matter: the lamp gives as much light as its power says. With a fixed density, that is multiplied. Where the
-last line is negative or undefined the lamp is dark. The presets are such expressions:
+Only ratios matter, as the power of the lamp sets its light. Without *Normalize*, the radiance per metre is multiplied. The lamp is
+dark where the last line is negative or undefined. The presets are such expressions:
 """
 
 _GROUPED = ("Shapes", "Combinations", "Operators")  # groups that are long
@@ -117,7 +116,8 @@ _TABLES = (MATHEMATICS, POINTS, COLOURS)  # groups that are a line a word
 _DISTANCE = {
     "exact": "The field is the exact distance to the surface.",
     "bound": "The field never exceeds the distance to the surface.",
-    "none": "The field is not a distance."}
+    "none": "The field is not a distance.",
+}
 
 
 def reference_page() -> str:

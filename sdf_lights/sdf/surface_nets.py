@@ -12,8 +12,8 @@ import math
 
 import numpy as np
 
-from . import read_numpy
-from .formula import Formula
+from ..graph import numpy_evaluation
+from ..graph.formula import Formula
 from .shapes import Shape
 
 _BLOCK = 8  # cells along each side of the blocks that are left out where the surface cannot be
@@ -41,12 +41,15 @@ def surface_net(shape: Shape, resolution: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _evaluated(formula: Formula, points: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-    parts = [read_numpy.evaluate(formula, points[i:i + _CHUNK], parameters) for i in range(0, len(points), _CHUNK)]
+    parts = [
+        numpy_evaluation.evaluate(formula, points[i : i + _CHUNK], parameters) for i in range(0, len(points), _CHUNK)
+    ]
     return np.nan_to_num(np.concatenate(parts), nan=1.0) if parts else np.zeros(0)
 
 
-def _sampled(shape: Shape, formula: Formula, parameters: np.ndarray, origin: np.ndarray, step: float,
-             cells: np.ndarray) -> np.ndarray:
+def _sampled(
+    shape: Shape, formula: Formula, parameters: np.ndarray, origin: np.ndarray, step: float, cells: np.ndarray
+) -> np.ndarray:
     """The field at the corners of the cells; where a block is known to be clear of the surface, any value of its sign."""
     blocks = -(-(cells + 1) // _BLOCK)
     index = np.stack(np.meshgrid(*map(np.arange, blocks), indexing="ij"), -1).reshape(-1, 3)
@@ -54,11 +57,10 @@ def _sampled(shape: Shape, formula: Formula, parameters: np.ndarray, origin: np.
     at_center = _evaluated(formula, centers, parameters)
     slope = shape.lipschitz if shape.certified else math.inf
     near = ~(np.abs(at_center) > slope * step * 0.5 * math.sqrt(3.0) * _BLOCK)
-    padded = np.repeat(np.repeat(np.repeat(
-        at_center.reshape(blocks), _BLOCK, axis=0), _BLOCK, axis=1), _BLOCK, axis=2)
+    padded = np.repeat(np.repeat(np.repeat(at_center.reshape(blocks), _BLOCK, axis=0), _BLOCK, axis=1), _BLOCK, axis=2)
     local = np.stack(np.meshgrid(*[np.arange(_BLOCK)] * 3, indexing="ij"), -1).reshape(-1, 3)
     for first in range(0, int(near.sum()), _CHUNK // _BLOCK**3):
-        chosen = index[near][first:first + _CHUNK // _BLOCK**3]
+        chosen = index[near][first : first + _CHUNK // _BLOCK**3]
         lattice = (chosen[:, None] * _BLOCK + local).reshape(-1, 3)
         padded[tuple(lattice.T)] = _evaluated(formula, origin + step * lattice, parameters)
     x, y, z = cells + 1
@@ -104,9 +106,13 @@ def _on_surface(field, base: np.ndarray, offset: np.ndarray, step: float) -> np.
     for _ in range(_STEPS):
         points = base + step * offset
         value = field(points)
-        gradient = np.stack([
-            (field(points + small * step * unit) - field(points - small * step * unit)) / (2.0 * small)
-            for unit in np.eye(3)], axis=-1)  # for each cell
+        gradient = np.stack(
+            [
+                (field(points + small * step * unit) - field(points - small * step * unit)) / (2.0 * small)
+                for unit in np.eye(3)
+            ],
+            axis=-1,
+        )  # for each cell
         square = (gradient**2).sum(axis=-1)
         with np.errstate(all="ignore"):
             move = np.where(square > 0.0, value / square, 0.0)

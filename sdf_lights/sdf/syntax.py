@@ -42,18 +42,30 @@ class Syntax(NamedTuple):
 
 
 _REFUSED = (
-    (re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|&<>: \t\n]"), "{!r} means nothing here",
-     "use letters, digits, ( ) , . : and + - * / % ** | & = < >"),
+    (
+        re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|&<>: \t\n]"),
+        "{!r} means nothing here",
+        "use letters, digits, ( ) , . : and + - * / % ** | & = < >",
+    ),
     (re.compile(r"\d{41}"), "the number has too many digits", "write 1e9 for 10 to the 9th"),
-    (re.compile(r"([-+][ \t]*){10}"), "there are too many signs in a row", "use one"))
+    (re.compile(r"([-+][ \t]*){10}"), "there are too many signs in a row", "use one"),
+)
 _TOKEN = re.compile(
     r"(?P<word>[A-Za-z_]\w*)|(?P<power>\*\*)|(?P<operator>[-+*/%|&<>]|\.\s*[A-Za-z_]\w*|\)\s*\()|(?P<open>\()"
-    r"|(?P<close>\))|(?P<end>\n)")
+    r"|(?P<close>\))|(?P<end>\n)"
+)
 _CURES = {
-    "[": "use ( ) instead", "]": "use ( ) instead", "{": "use ( ) instead", "}": "use ( ) instead",
-    "'": "there is no text in expressions", '"': "there is no text in expressions",
-    "^": "write ** for a power", ";": "write each statement on a line of its own",
-    "!": "compare with < <= > >=, and write not before a condition", "\\": "a line goes on by itself inside ( )"}
+    "[": "use ( ) instead",
+    "]": "use ( ) instead",
+    "{": "use ( ) instead",
+    "}": "use ( ) instead",
+    "'": "there is no text in expressions",
+    '"': "there is no text in expressions",
+    "^": "write ** for a power",
+    ";": "write each statement on a line of its own",
+    "!": "compare with < <= > >=, and write not before a condition",
+    "\\": "a line goes on by itself inside ( )",
+}
 
 
 def parse(text: str) -> Syntax:
@@ -74,15 +86,20 @@ def parse(text: str) -> Syntax:
         tree = ast.parse("\n".join(written))
     except SyntaxError as error:
         problem = re.sub(r"\W*(Perhaps|Maybe|Did) .*|\.$", "", error.msg or "invalid syntax")
-        line = min(max(error.lineno or 1, 1), len(lines))
-        raise ExpressionError(problem, line, max(error.offset or 1, 1) + moved[line - 1],
-                              "look for a missing bracket, comma or operator just before") from None
+        at = min(max(error.lineno or 1, 1), len(lines))
+        raise ExpressionError(
+            problem,
+            at,
+            max(error.offset or 1, 1) + moved[at - 1],
+            "look for a missing bracket, comma or operator just before",
+        ) from None
     except (ValueError, RecursionError, MemoryError, OverflowError):
-        raise ExpressionError("the expression is nested too deeply", 1, 1,
-                              "name parts of it on lines of their own") from None
+        raise ExpressionError(
+            "the expression is nested too deeply", 1, 1, "name parts of it on lines of their own"
+        ) from None
     if any(moved):
         for node in ast.walk(tree):
-            if hasattr(node, "lineno"):
+            if hasattr(node, "lineno") and hasattr(node, "col_offset"):
                 node.col_offset += moved[node.lineno - 1]
     return Syntax(tree, remarks)
 
@@ -93,8 +110,11 @@ def _guard(code: str) -> None:
     def error(at: int, message: str, cure: str) -> ExpressionError:
         return ExpressionError(message, code.count("\n", 0, at) + 1, at - code.rfind("\n", 0, at), cure)
 
-    refused = [(found.start(), problem.format(found[0]), _CURES.get(found[0], cure))
-               for pattern, problem, cure in _REFUSED if (found := pattern.search(code))]
+    refused = [
+        (found.start(), problem.format(found[0]), _CURES.get(found[0], cure))
+        for pattern, problem, cure in _REFUSED
+        if (found := pattern.search(code))
+    ]
     if refused:
         raise error(*min(refused))
     brackets = powers = alternatives = operators = choices = 0
@@ -102,8 +122,11 @@ def _guard(code: str) -> None:
         kind, word = found.lastgroup, found[0]
         if kind == "word":
             if keyword.iskeyword(word) and word not in KEYWORDS:
-                raise error(found.start(), f"{word} is not part of the language",
-                            "write lines such as name = value, and a shape last")
+                raise error(
+                    found.start(),
+                    f"{word} is not part of the language",
+                    "write lines such as name = value, and a shape last",
+                )
             operators += word in ("and", "or")
             choices += word in ("not", "if", "else")
             alternatives += word == "elif"
@@ -118,16 +141,25 @@ def _guard(code: str) -> None:
             operators += 1
             powers += kind == "power"
         if brackets > DEEPEST:
-            raise error(found.start(), "the brackets are nested too deeply",
-                        f"use at most {DEEPEST} inside one another, and name parts on lines of their own")
+            raise error(
+                found.start(),
+                "the brackets are nested too deeply",
+                f"use at most {DEEPEST} inside one another, and name parts on lines of their own",
+            )
         if operators > MOST_OPERATORS:
-            raise error(found.start(), "there are too many operators in one statement",
-                        f"use at most {MOST_OPERATORS}, or union(a, b, …) with commas")
+            raise error(
+                found.start(),
+                "there are too many operators in one statement",
+                f"use at most {MOST_OPERATORS}, or union(a, b, …) with commas",
+            )
         if powers > MOST_POWERS:
             raise error(found.start(), "there are too many powers", f"use at most {MOST_POWERS}")
         if choices > MOST_CHOICES:
-            raise error(found.start(), "there are too many choices in one statement",
-                        f"use not, if and else at most {MOST_CHOICES} times")
+            raise error(
+                found.start(),
+                "there are too many choices in one statement",
+                f"use not, if and else at most {MOST_CHOICES} times",
+            )
         if alternatives > MOST_ALTERNATIVES:
             raise error(found.start(), "there are too many alternatives", f"use elif at most {MOST_ALTERNATIVES} times")
 
@@ -145,7 +177,7 @@ def _indented(lines: list[str]) -> list[str]:
         code = line.lstrip()
         if brackets <= 0 and code:
             brackets = 0
-            indent = len(line[:-len(code)].expandtabs(4))
+            indent = len(line[: -len(code)].expandtabs(4))
             while blocks and indent <= blocks[-1]:
                 blocks.pop()
             code = " " * len(blocks) + code
@@ -154,6 +186,10 @@ def _indented(lines: list[str]) -> list[str]:
         if brackets <= 0 and code.rstrip().endswith(":"):
             blocks.append(indent)
             if len(blocks) > DEEPEST_BLOCK:
-                raise ExpressionError("blocks are nested too deeply", number, len(line) - len(line.lstrip()) + 1,
-                                      f"use at most {DEEPEST_BLOCK} inside one another")
+                raise ExpressionError(
+                    "blocks are nested too deeply",
+                    number,
+                    len(line) - len(line.lstrip()) + 1,
+                    f"use at most {DEEPEST_BLOCK} inside one another",
+                )
     return written

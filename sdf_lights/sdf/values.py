@@ -15,8 +15,8 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from . import formula
-from .formula import CONSTANT, OPERATIONS, Formula
+from ..graph import formula
+from ..graph.formula import CONSTANT, OPERATIONS, Formula
 from .shapes.base import Parametric, Slots
 from .shapes.profiles import Profile
 
@@ -88,6 +88,7 @@ class Live(float):
         return made
 
     def formula(self, slots: Slots) -> Formula:
+        """The parameter that stands for the number; it has one slot."""
         if self.slot is None:
             self.slot = slots(float(self))
         return self.slot
@@ -124,6 +125,7 @@ def components(value) -> tuple:
 
 
 def is_live(value) -> bool:
+    """Whether a value changes with the parameters of the expression."""
     return isinstance(value, Live) or isinstance(value, tuple) and any(isinstance(c, Live) for c in value)
 
 
@@ -193,20 +195,40 @@ def _operation(kind: str) -> Callable:
             return formula.apply(kind, *operands)
         return float(meaning(*operands))
 
+    run.__doc__ = f"The operation {kind!r} of formulas, on scalars."
     return run
 
 
-absolute, sqrt, sin, cos, tan, asin, acos, atan, exp, log, floor, power, atan2, minimum, maximum = map(_operation, (
-    "abs", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "floor", "power", "atan2", "minimum",
-    "maximum"))
+absolute, sqrt, sin, cos, tan, asin, acos, atan, exp, log, floor, power, atan2, minimum, maximum = map(
+    _operation,
+    (
+        "abs",
+        "sqrt",
+        "sin",
+        "cos",
+        "tan",
+        "asin",
+        "acos",
+        "atan",
+        "exp",
+        "log",
+        "floor",
+        "power",
+        "atan2",
+        "minimum",
+        "maximum",
+    ),
+)
 
 
 def less(a: Scalar, b: Scalar) -> Condition:
+    """The condition a < b."""
     truth = a < b
     return Condition(truth if isinstance(truth, Formula) else float(truth))
 
 
 def less_equal(a: Scalar, b: Scalar) -> Condition:
+    """The condition a ≤ b."""
     truth = a <= b
     return Condition(truth if isinstance(truth, Formula) else float(truth))
 
@@ -216,8 +238,10 @@ def choose(slots: Work, condition: Condition, then, otherwise):
     truth = condition.truth
     if isinstance(then, Parametric) or isinstance(otherwise, Parametric):
         if isinstance(truth, Formula):
-            raise Misuse("a condition on the point cannot choose between shapes",
-                         "choose between their fields, as in select(p.x > 0, a(p), b(p))")
+            raise Misuse(
+                "a condition on the point cannot choose between shapes",
+                "choose between their fields, as in select(p.x > 0, a(p), b(p))",
+            )
         return then if truth > 0.5 else otherwise
     if type(truth) is float:
         return then if truth > 0.5 else otherwise

@@ -11,10 +11,11 @@ import bpy
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
+from window import ARGUMENTS, areas, inside, move, override, picture, press, region_of, report, run, typed  # noqa: E402
+
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender.lamp import shape_of  # noqa: E402
 from sdf_lights.blender.nodes import reading  # noqa: E402
-from window import ARGUMENTS, areas, inside, move, override, picture, press, region_of, report, run, typed  # noqa: E402
 
 PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
 

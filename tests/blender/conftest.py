@@ -28,7 +28,10 @@ def blender_zip(blender_command, tmp_path_factory) -> pathlib.Path:
     """The extension's zip for the Blender with a window."""
     told = subprocess.run(
         [*blender_command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
-        capture_output=True, text=True, timeout=120)
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
     found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
     assert found, told.stdout + told.stderr
     folder = tmp_path_factory.mktemp("blender_zip")
@@ -181,14 +184,18 @@ def pictures(file, tmp_path):
         while image.seek_subimage(part, 0):
             spec, pixels = image.spec(), image.read_image(openimageio.FLOAT)
             window = np.zeros((spec.full_height, spec.full_width, spec.nchannels), np.float32)
-            window[spec.y:spec.y + spec.height, spec.x:spec.x + spec.width] = pixels
+            window[spec.y : spec.y + spec.height, spec.x : spec.x + spec.width] = pixels
             for i, channel in enumerate(spec.channelnames):
                 layer, name, component = channel.split(".")[-3:]
                 found.setdefault(layer, {}).setdefault(name, []).append((component, window[::-1, :, i]))
             part += 1
         order = "XYZWRGBA"
-        return {layer: {name: np.stack([values for _, values in sorted(
-            channels, key=lambda item: order.index(item[0]))], -1) for name, channels in passes.items()}
-            for layer, passes in found.items()}
+        return {
+            layer: {
+                name: np.stack([values for _, values in sorted(channels, key=lambda item: order.index(item[0]))], -1)
+                for name, channels in passes.items()
+            }
+            for layer, passes in found.items()
+        }
 
     return run

@@ -18,8 +18,9 @@ import numpy as np
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
-import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from window import ARGUMENTS, areas, override, report, run, until  # noqa: E402
+
+import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 
 PATIENCE = 60.0
 
@@ -47,7 +48,8 @@ def session():
     report["renders"] = is_rendering()
     started = time.monotonic()
     subprocess.run(
-        ["xdotool", "search", "--class", "blender", "windowfocus", "key", "Escape"], check=True, timeout=PATIENCE)
+        ["xdotool", "search", "--class", "blender", "windowfocus", "key", "Escape"], check=True, timeout=PATIENCE
+    )
     yield from until(lambda: not is_rendering(), PATIENCE)
     report["seconds"] = time.monotonic() - started
     path = str(pathlib.Path(ARGUMENTS[0]).with_suffix(".exr"))

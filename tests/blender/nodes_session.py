@@ -11,11 +11,11 @@ import numpy as np
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
+from window import ARGUMENTS, areas, drag, event, inside, move, override, picture, press, region_of, report, run, typed  # noqa: E402
+
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender.lamp import pattern_of, shape_of  # noqa: E402
 from sdf_lights.blender.nodes import link_search, reading  # noqa: E402
-from window import (  # noqa: E402
-    ARGUMENTS, areas, drag, event, inside, move, override, picture, press, region_of, report, run, typed)
 
 PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
 
@@ -142,8 +142,9 @@ def steps():
     yield from drag(socket_place(editor, interior.outputs["Height"]), socket_place(editor, input_of(ramp, "value")))
     ramp.value_color_1, ramp.value_color_2 = (1.0, 0.15, 0.03), (0.2, 0.4, 1.0)
     yield
-    report["colours"] = np.round(pattern_of(lamp()).placed(shape_of(lamp())).evaluate(
-        np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]])), 3).tolist()
+    report["colours"] = np.round(
+        pattern_of(lamp()).placed(shape_of(lamp())).evaluate(np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]])), 3
+    ).tolist()
     report["problems"] = problems(tree)
 
     # A muted node passes its shape on; M again brings it back. The lamp is twice as large by a Scale node.

@@ -11,24 +11,42 @@ from mathutils import Vector
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
+from window import (  # noqa: E402
+    ARGUMENTS,
+    areas,
+    button_of,
+    drag,
+    event,
+    inside,
+    move,
+    on_screen,
+    override,
+    picture,
+    press,
+    region_of,
+    report,
+    run,
+    typed,
+    until,
+)
+
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender import preset_browser, viewport  # noqa: E402
-from window import (  # noqa: E402
-    ARGUMENTS, areas, button_of, drag, event, inside, move, on_screen, override, picture, press, region_of, report, run,
-    typed, until)
 
 PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
 PATIENCE = 20.0
 
 
 def thicknesses():
-    return [round(obj.data.sdf_lamp.box_frame.thickness, 4) for obj in sorted(
-        bpy.context.scene.objects, key=lambda obj: obj.name)]
+    return [
+        round(obj.data.sdf_lamp.box_frame.thickness, 4)
+        for obj in sorted(bpy.context.scene.objects, key=lambda obj: obj.name)
+    ]
 
 
 def is_drawn():
     """Whether all lamps are drawn as they are."""
-    return not viewport._overlay.finder.busy and not any(viewport._overlay._labels.values())
+    return not viewport.drawn.overlay.finder.busy and not any(viewport.drawn.overlay._labels.values())
 
 
 def traces():
@@ -38,11 +56,17 @@ def traces():
         found += [item.idname for keymap in keys.keymaps for item in keymap.keymap_items if "sdf_lights" in item.idname]
     for name in dir(bpy.app.handlers):
         there = getattr(bpy.app.handlers, name)
-        found += [f"{name}: {function}" for function in there if "sdf_lights" in getattr(
-            function, "__module__", "")] if isinstance(there, list) else []
+        found += (
+            [f"{name}: {function}" for function in there if "sdf_lights" in getattr(function, "__module__", "")]
+            if isinstance(there, list)
+            else []
+        )
     for menu in ("NODE_MT_add", "VIEW3D_MT_light_add", "VIEW3D_MT_object_convert"):
-        found += [f"{menu}: {draw}" for draw in getattr(bpy.types, menu)._dyn_ui_initialize()
-                  if "sdf_lights" in draw.__module__]
+        found += [
+            f"{menu}: {draw}"
+            for draw in getattr(bpy.types, menu)._dyn_ui_initialize()
+            if "sdf_lights" in draw.__module__
+        ]
     for kind in (bpy.types.Scene, bpy.types.Light, bpy.types.ViewLayer, bpy.types.WindowManager):
         found += [name for name in kind.bl_rna.properties.keys() if name.startswith("sdf_")]
     return found

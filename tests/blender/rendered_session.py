@@ -17,10 +17,25 @@ import numpy as np
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
+from window import (  # noqa: E402
+    ARGUMENTS,
+    Eye,
+    areas,
+    drag,
+    inside,
+    move,
+    on_screen,
+    override,
+    press,
+    region_of,
+    report,
+    run,
+    threads,
+    until,
+)
+
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender.viewport import rendered  # noqa: E402
-from window import (  # noqa: E402
-    ARGUMENTS, Eye, areas, drag, inside, move, on_screen, override, press, region_of, report, run, threads, until)
 
 MOVES, UNDOS = 20, 200
 LAMP, FLOOR = (0.0, 0.0, 0.6), (0.9, -0.9, 0.0)  # places that the eye looks at
@@ -41,8 +56,14 @@ def picture(area=None):
 def is_sampled(area=None):
     """Whether the viewport shows samples at full resolution of the data as they are."""
     found, shown = view(area), picture(area)
-    return (found is not None and found._stale is None and shown is not None and shown.divider == 1
-            and shown.samples >= 2 and shown.camera is found._scene.camera)
+    return (
+        found is not None
+        and found._stale is None
+        and shown is not None
+        and shown.divider == 1
+        and shown.samples >= 2
+        and shown.camera is found._scene.camera
+    )
 
 
 def rendering():
@@ -127,7 +148,8 @@ def orbited(eye):
     report["orbit turned by"] = float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
     report["pictures while orbiting"] = numbers[-1] - numbers[0]
     report["picture after the orbit is of the view"] = bool(
-        np.allclose(picture().camera.matrix[:3, :3], after[:3, :3].T, atol=1e-5))
+        np.allclose(picture().camera.matrix[:3, :3], after[:3, :3].T, atol=1e-5)
+    )
     report["lamp after the orbit"] = eye.color(0)
 
 
@@ -230,11 +252,18 @@ def switched():
     """Other engines, editors and shadings, each while a render goes on."""
     area = areas()[0]
     for name, there, back in (
-            ("engine", lambda: setattr(bpy.context.scene.render, "engine", "BLENDER_WORKBENCH"),
-             lambda: setattr(bpy.context.scene.render, "engine", "SDF_LIGHTS")),
-            ("editor", lambda: setattr(area, "type", "TEXT_EDITOR"), lambda: setattr(area, "type", "VIEW_3D")),
-            ("shading", lambda: setattr(area.spaces.active.shading, "type", "SOLID"),
-             lambda: setattr(area.spaces.active.shading, "type", "RENDERED"))):
+        (
+            "engine",
+            lambda: setattr(bpy.context.scene.render, "engine", "BLENDER_WORKBENCH"),
+            lambda: setattr(bpy.context.scene.render, "engine", "SDF_LIGHTS"),
+        ),
+        ("editor", lambda: setattr(area, "type", "TEXT_EDITOR"), lambda: setattr(area, "type", "VIEW_3D")),
+        (
+            "shading",
+            lambda: setattr(area.spaces.active.shading, "type", "SOLID"),
+            lambda: setattr(area.spaces.active.shading, "type", "RENDERED"),
+        ),
+    ):
         yield from until(rendering)
         there()
         yield 1.0
@@ -261,8 +290,10 @@ def saved(eye):
     yield from until(is_sampled)
     yield 1.5
     report["lamp after loading"] = eye.color(0)
-    report["shape after loading"] = [bpy.data.objects["Red"].data.sdf_lamp.shape,
-                                     bpy.data.objects["Red"].data.sdf_lamp.sphere.radius]
+    report["shape after loading"] = [
+        bpy.data.objects["Red"].data.sdf_lamp.shape,
+        bpy.data.objects["Red"].data.sdf_lamp.sphere.radius,
+    ]
 
 
 # With a render under way: its threads must not keep Blender from ending.

@@ -11,10 +11,11 @@ import bpy
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
+from window import Eye, areas, override, report, run, until  # noqa: E402
+
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender import viewport  # noqa: E402
 from sdf_lights.blender.viewport import rendered  # noqa: E402
-from window import Eye, areas, override, report, run, until  # noqa: E402
 
 LAMP, BEHIND = (0.0, 0.0, 0.6), (1.6, 0.0, 0.6)  # of the two lamps; a wall is in front of the second
 
@@ -54,22 +55,26 @@ def scene():
 
 def is_still():
     """Whether all lamps are drawn as they are, in full resolution, and the path tracer has all its samples."""
-    return not viewport._overlay.finder.busy and not any(viewport._overlay._labels.values()) and all(
-        view._render.finished for view in rendered._running)
+    return (
+        not viewport.drawn.overlay.finder.busy
+        and not any(viewport.drawn.overlay._labels.values())
+        and all(view._render.finished for view in rendered._running)
+    )
 
 
 def meshes_after(space, eye):
     """What of the scene is gone through for the depth behind lamps, where overlays leave none."""
     bpy.context.scene.render.engine = "BLENDER_WORKBENCH"
     space.shading.type, space.overlay.show_overlays = "RENDERED", False
-    surfaces, cube = viewport._overlay._surfaces, bpy.data.objects["Cube"]
+    surfaces, cube = viewport.drawn.overlay._surfaces, bpy.data.objects["Cube"]
     report["meshes"] = rows = {}
     for name, change in {
-            "a start": lambda: None,
-            "a turn of the view": lambda: setattr(space.region_3d, "view_camera_zoom", 10.0),
-            "a move": lambda: setattr(cube.location, "z", 0.8),
-            "hiding one": lambda: cube.hide_set(True),
-            "a filter of the viewport": lambda: setattr(space, "show_object_viewport_mesh", False)}.items():
+        "a start": lambda: None,
+        "a turn of the view": lambda: setattr(space.region_3d, "view_camera_zoom", 10.0),
+        "a move": lambda: setattr(cube.location, "z", 0.8),
+        "hiding one": lambda: cube.hide_set(True),
+        "a filter of the viewport": lambda: setattr(space, "show_object_viewport_mesh", False),
+    }.items():
         before, drawn, redraws = list(surfaces._shown.values()), surfaces._drawn, eye.redraws
         change()
         areas()[0].tag_redraw()
@@ -77,8 +82,9 @@ def meshes_after(space, eye):
         yield 0.6
         yield from until(is_still)
         shown = list(surfaces._shown.values())[-1]
-        rows[name] = dict(drawn=surfaces._drawn is not drawn, listed=all(shown is not other for other in before),
-                          count=len(shown[1]))
+        rows[name] = dict(
+            drawn=surfaces._drawn is not drawn, listed=all(shown is not other for other in before), count=len(shown[1])
+        )
 
 
 def session():
@@ -110,7 +116,9 @@ def session():
                 areas()[0].tag_redraw()
                 yield from until(lambda: eye.redraws > redraws)
                 row[f"{'overlays' if overlays else 'no overlays'}, {'lamps' if lamps else 'no lamps'}"] = [
-                    eye.color(0), eye.color(1)]
+                    eye.color(0),
+                    eye.color(1),
+                ]
             space.overlay.show_overlays = True
             rows.append(row)
     yield from meshes_after(space, eye)

@@ -42,8 +42,10 @@ def test_muting_reroutes_frames_and_groups(seen):
 
 @pytest.mark.gui
 def test_nodes_say_what_is_wrong_and_follow_objects(seen):
-    assert seen["mistakes"] == ["No object is chosen: choose one, for instance an empty.",
-                                "Radius gets a vector, but takes a number: connect another output."]
+    assert seen["mistakes"] == [
+        "No object is chosen: choose one, for instance an empty.",
+        "Radius gets a vector, but takes a number: connect another output.",
+    ]
     assert seen["follows"] == [1.0, 4.0] and seen["left problems"] == []
     assert seen["after undo"][0] == []
 

@@ -5,7 +5,6 @@
 import pathlib
 
 import pytest
-
 from sessions import seen_by
 
 SESSION = pathlib.Path(__file__).with_name("panels_session.py")

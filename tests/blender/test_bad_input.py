@@ -45,8 +45,9 @@ def test_camera_that_is_nowhere(file, stage, change):
     assert "Traceback" not in str(caught.value)
 
 
-@pytest.mark.parametrize("place", [
-    dict(scale=(0.0, 0.0, 0.0)), dict(scale=(1.0, 0.0, 1.0)), dict(location=(0.0, NAN, 0.0))])
+@pytest.mark.parametrize(
+    "place", [dict(scale=(0.0, 0.0, 0.0)), dict(scale=(1.0, 0.0, 1.0)), dict(location=(0.0, NAN, 0.0))]
+)
 @pytest.mark.parametrize("kind", ["lamp", "light"])
 def test_lamp_without_extent_or_place(render, stage, add, lamp, kind, place):
     """Of Blender's lights only those with an area have an extent that a scale can take away."""

@@ -45,10 +45,18 @@ def test_panorama(file, synced):
     data.latitude_min, data.longitude_max = -0.5, 1.25
     camera = synced().camera
     assert camera.projection is Projection.EQUIRECTANGULAR
-    assert camera.latitude == pytest.approx((-0.5, np.pi / 2))
-    assert camera.longitude == pytest.approx((-np.pi, 1.25))
-    data.panorama_type = "FISHEYE_EQUIDISTANT"
-    assert any("Camera" in warning and "equirectangular" in warning for warning in synced().warnings)
+    assert camera.window == pytest.approx((-np.pi, 1.25, -0.5, np.pi / 2))
+
+
+def test_every_panorama_of_blender_is_known(file, synced):
+    data, found = file.camera.data, set()
+    data.type = "PANO"
+    for item in data.bl_rna.properties["panorama_type"].enum_items:
+        data.panorama_type = item.identifier
+        scene = synced()
+        assert not scene.warnings
+        found.add(scene.camera.projection)
+    assert found == {kind for kind in Projection if kind >= Projection.EQUIRECTANGULAR}
 
 
 def test_depth_of_field(file, synced, add):

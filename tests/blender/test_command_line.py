@@ -37,6 +37,20 @@ scene.sdf_lights.samples = 16
 bpy.ops.wm.save_as_mainfile(filepath={path!r})
 """
 
+# The same scene as somebody saved it who renders with Cycles, and with something that is not supported.
+CYCLES = """
+import bpy
+
+scene = bpy.context.scene
+scene.render.engine = "CYCLES"
+scene.property_unset("sdf_lights")
+cycles = scene.cycles
+cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising, cycles.film_exposure = 16, False, False, 4.0
+bpy.ops.wm.save_as_mainfile(filepath={path!r})
+scene.render.use_motion_blur = True
+bpy.ops.wm.save_as_mainfile(filepath={blurred!r})
+"""
+
 
 @pytest.mark.gui
 def test_frames_are_rendered_without_a_window(blender_command, blender_zip, tmp_path):
@@ -45,10 +59,18 @@ def test_frames_are_rendered_without_a_window(blender_command, blender_zip, tmp_
     environment["BLENDER_USER_RESOURCES"] = str(tmp_path / "resources")
     (tmp_path / "resources").mkdir()
 
+    def run(*arguments) -> subprocess.CompletedProcess:
+        return subprocess.run(
+            [*blender_command, *map(str, arguments)],
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=600,
+        )
+
     def blender(*arguments) -> None:
-        done = subprocess.run(
-            [*blender_command, *map(str, arguments)], env=environment, stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT, text=True, timeout=600)
+        done = run(*arguments)
         assert done.returncode == 0, done.stdout
         assert "Traceback" not in done.stdout and "Error" not in done.stdout, done.stdout
 
@@ -72,3 +94,21 @@ def test_frames_are_rendered_without_a_window(blender_command, blender_zip, tmp_
     # The lamp is nine times as large in the second frame, but for the pixels that its edge crosses.
     sizes = [np.count_nonzero(frame[:16].max(axis=2)) for frame in (first, second)]
     assert 0 < 4 * sizes[0] < sizes[1]
+
+    # A file of Cycles that was never opened in a window has its settings.
+    of_cycles, blurred = tmp_path / "cycles.blend", tmp_path / "blurred.blend"
+    script.write_text(CYCLES.format(path=str(of_cycles), blurred=str(blurred)), encoding="utf-8")
+    blender("--background", file, "--python-exit-code", "1", "--python", script)
+    blender(
+        "--background", of_cycles, "-E", "SDF_LIGHTS", "-o", tmp_path / "cycles_####", "-f", "1", "--", "--sdf-strict"
+    )
+    assert picture("cycles_0001.exr").mean() == pytest.approx(4.0 * single.mean(), rel=0.1)
+
+    # A strict render ends with 1, without a picture; any other one tells, and goes on.
+    arguments = "--background", blurred, "-E", "SDF_LIGHTS", "-o", tmp_path / "blurred_####", "-f", "1"
+    done = run(*arguments, "--", "--sdf-strict")
+    assert done.returncode == 1 and "motion blur is not supported" in done.stdout, done.stdout
+    assert "1 thing is not rendered as the scene says" in done.stdout
+    done = run(*arguments)
+    assert done.returncode == 0 and "motion blur is not supported" in done.stdout, done.stdout
+    assert picture("blurred_0001.exr").mean() > 0.0

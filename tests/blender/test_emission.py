@@ -36,6 +36,7 @@ class _Layout:
             return lambda owner, path, **options: self.drawn.append(("prop", path, options.get("text")))
         if name == "label":
             return lambda text="", icon="NONE": self.drawn.append(("label", text, icon))
+
         def take(*arguments, **_):
             self.drawn.append((name, *arguments))
             return types.SimpleNamespace()
@@ -161,7 +162,7 @@ def test_a_lamp_shows_its_emission(data, file, pictures):
     (layer,) = pictures().values()
     picture = layer["Combined"]
     height = picture.shape[0]
-    lower, upper = picture[:height // 2 - 1], picture[height // 2 + 1:]
+    lower, upper = picture[: height // 2 - 1], picture[height // 2 + 1 :]
     assert lower[..., 0].max() > 0.1 and upper[..., 2].max() > 0.1
     assert lower[..., 2].max() < 1e-6 and upper[..., 0].max() < 1e-6
 
@@ -170,8 +171,12 @@ def test_blackbody_is_that_of_blender(data):
     """Within half a per cent of the brightness, at all temperatures that Blender takes."""
     data.use_temperature = True
     temperatures = np.geomspace(800, 20000, 60)
-    ours = EmissionExpression("blackbody(p.x)").emission().placed(Sphere(0.5)).evaluate(
-        np.repeat(temperatures[:, None], 3, axis=1))
+    ours = (
+        EmissionExpression("blackbody(p.x)")
+        .emission()
+        .placed(Sphere(0.5))
+        .evaluate(np.repeat(temperatures[:, None], 3, axis=1))
+    )
     for temperature, colour in zip(temperatures, ours):
         data.temperature = temperature
         assert colour == pytest.approx(tuple(data.temperature_color), abs=0.008 if temperature < 1000 else 0.005)

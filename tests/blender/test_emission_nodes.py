@@ -70,7 +70,8 @@ TEXTS = [preset.text for preset in presets().values()] + [
     "exp(-20 * depth) + exp(-50 * abs(torus(0.3, 0.05)(p)))",
     "(0.2, 0.4, 0.6)",
     "2",
-    "glow = 0\nfor i in range(4):\n    glow += depth ** i\nglow"]
+    "glow = 0\nfor i in range(4):\n    glow += depth ** i\nglow",
+]
 
 
 @pytest.mark.parametrize("text", TEXTS)
@@ -208,7 +209,8 @@ def test_colours_go_in_and_out_of_groups(made, glow):
     alike(reading.emission_of(made, {}, None), wanted)
     group = groups.make_group(made, [ramp])
     assert [s.bl_idname for s in group.inputs] == ["SDFLIGHTS_NodeSocketNumber", "NodeSocketColor"] or (
-        [s.bl_idname for s in group.inputs] == ["NodeSocketFloat", "NodeSocketColor"])
+        [s.bl_idname for s in group.inputs] == ["NodeSocketFloat", "NodeSocketColor"]
+    )
     alike(reading.emission_of(made, {}, None), wanted)
     made.nodes.remove(color)
     group.inputs[1].default_value = (0.25, 0.5, 1.0, 1.0)

@@ -53,9 +53,13 @@ def test_diffuse_color_is_that_of_cycles(file, add, quad, material, pictures, de
     file.scene.cycles.samples, file.scene.cycles.use_denoising = 1, False
     found: dict = {"SDF_LIGHTS": [], "CYCLES": []}
     for kind, inputs in (
-            ("BsdfDiffuse", {"Roughness": 1.0}), ("BsdfTranslucent", {}), ("BsdfAnisotropic", {}), ("BsdfGlass", {}),
-            ("BsdfPrincipled", {"Metallic": 0.3, "Transmission Weight": 0.4, "Coat Weight": 0.5}),
-            ("BsdfPrincipled", {"Sheen Weight": 1.0, "Specular IOR Level": 0.0})):
+        ("BsdfDiffuse", {"Roughness": 1.0}),
+        ("BsdfTranslucent", {}),
+        ("BsdfAnisotropic", {}),
+        ("BsdfGlass", {}),
+        ("BsdfPrincipled", {"Metallic": 0.3, "Transmission Weight": 0.4, "Coat Weight": 0.5}),
+        ("BsdfPrincipled", {"Sheen Weight": 1.0, "Specular IOR Level": 0.0}),
+    ):
         made, tree, output = material(kind)
         node = tree.nodes.new(f"ShaderNode{kind}")
         node.inputs[0].default_value = color
@@ -196,9 +200,14 @@ def test_rendering_after_enabling_again(file, stage, registered, pictures):
     assert (combined(pictures()) == before).all()
 
 
-@pytest.mark.parametrize("changes", [
-    dict(samples=64, noise_threshold=0.2), dict(samples=64, noise_threshold=0.2, min_samples=32),
-    dict(samples=7, guided_samples=False)])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        dict(samples=64, noise_threshold=0.2),
+        dict(samples=64, noise_threshold=0.2, min_samples=32),
+        dict(samples=7, guided_samples=False),
+    ],
+)
 def test_sampling_is_that_of_a_session(file, stage, pictures, synced, changes):
     """Settings reach the renderer: each pixel gets as many samples as in a session with the same settings."""
     settings = file.scene.sdf_lights
@@ -208,9 +217,12 @@ def test_sampling_is_that_of_a_session(file, stage, pictures, synced, changes):
     file.layer.sdf_lights.use_pass_sample_count = True
     counts = pictures()["ViewLayer"]["Sample Count"]
     expected = Settings(
-        device=Device.CPU, noise_threshold=changes.get("noise_threshold", 0.0), samples=changes["samples"],
+        device=Device.CPU,
+        noise_threshold=changes.get("noise_threshold", 0.0),
+        samples=changes["samples"],
         min_samples=changes.get("min_samples", Settings().min_samples),
-        guided_samples=changes.get("guided_samples", True))
+        guided_samples=changes.get("guided_samples", True),
+    )
     scene = synced()
     # The frame seeds the pattern.
     scene.settings = dataclasses.replace(expected, seed=scene.settings.seed)

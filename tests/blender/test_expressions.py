@@ -84,8 +84,10 @@ def test_parameters_become_properties_with_limits_and_descriptions(written):
 
 
 def test_values_reach_the_shape(written, synced):
-    data = written("size = slider(1, 0.5, 3)\nopen = toggle(True)\nturn = angle(90)\n"
-                   "torus(size, turn / 900) if open else sphere(size)")
+    data = written(
+        "size = slider(1, 0.5, 3)\nopen = toggle(True)\nturn = angle(90)\n"
+        "torus(size, turn / 900) if open else sphere(size)"
+    )
     assert shape_of(data.sdf_lamp) == Torus(1.0, 0.1)
     data["sdf_size"] = 2.0
     assert shape_of(data.sdf_lamp) == Torus(2.0, 0.1)
@@ -180,8 +182,12 @@ def test_panel_shows_parameters_and_what_is_known_of_the_shape(written):
 def test_panel_shows_where_a_mistake_is_and_its_cure(written):
     data = written("size = slider(1, 0.5, 3)\nsphere(siez)")
     labels = [entry[1:] for entry in drawn(data) if entry[0] == "label"]
-    assert labels == [("Line 2, column 8:", "ERROR"), ("siez is not a known name", "BLANK1"),
-                      ("Did you mean size", "BLANK1"), ("There is no shape", "NONE")]
+    assert labels == [
+        ("Line 2, column 8:", "ERROR"),
+        ("siez is not a known name", "BLANK1"),
+        ("Did you mean size", "BLANK1"),
+        ("There is no shape", "NONE"),
+    ]
     with pytest.raises(RenderError, match="In its expression: Line 2, column 8"):
         shape_of(data.sdf_lamp)
 

@@ -55,8 +55,12 @@ def test_interrupt_stops_within_half_a_second_and_keeps_the_picture(blender_comm
     picture = str(tmp_path / "picture.exr")
     script.write_text(SCRIPT.format(repository=str(REPOSITORY), picture=picture), encoding="utf-8")
     done = subprocess.run(
-        [*blender_command, "--background", "--python", script], capture_output=True, text=True, timeout=600,
-        cwd=REPOSITORY)
+        [*blender_command, "--background", "--python", script],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        cwd=REPOSITORY,
+    )
     line = next((line for line in done.stdout.splitlines() if line.startswith("REPORT ")), None)
     assert line, done.stdout + done.stderr
     report = json.loads(line.removeprefix("REPORT "))

@@ -8,6 +8,7 @@ import pytest
 
 from sdf_lights.blender.properties import PRIMITIVES
 from sdf_lights.blender.viewport.lamps import collect
+from sdf_lights.render.reference.nodes import Graph
 from sdf_lights.render.scene import AreaLight, PointLight, Ray, SpotLight, SunLight
 from sdf_lights.sdf.shapes import Sphere, Torus, Union
 
@@ -123,7 +124,10 @@ def test_instances_of_a_lamp(file, synced, add, lamp):
     assert all(lamp.shape == Sphere(0.25) and lamp.matrix[0, 0] == 2.0 for lamp in found)
     shown = collect(bpy.context.evaluated_depsgraph_get()).lamps
     assert sorted((item.owner, item.lamp.matrix[0, 3]) for item in shown) == [
-        ("Placed 0", 0.0), ("Placed 1", 1.0), ("Placed 2", 22.0)]
+        ("Placed 0", 0.0),
+        ("Placed 1", 1.0),
+        ("Placed 2", 22.0),
+    ]
     assert len({item.key for item in shown}) == 3
 
 
@@ -159,9 +163,15 @@ def test_sun(synced, light):
     assert type(found) is SunLight and (found.strength, found.angle) == pytest.approx((3.0, 0.1))
 
 
-@pytest.mark.parametrize(("shape", "ellipse", "size"), [
-    ("SQUARE", False, (2.0, 2.0)), ("RECTANGLE", False, (2.0, 0.5)), ("DISK", True, (2.0, 2.0)),
-    ("ELLIPSE", True, (2.0, 0.5))])
+@pytest.mark.parametrize(
+    ("shape", "ellipse", "size"),
+    [
+        ("SQUARE", False, (2.0, 2.0)),
+        ("RECTANGLE", False, (2.0, 0.5)),
+        ("DISK", True, (2.0, 2.0)),
+        ("ELLIPSE", True, (2.0, 0.5)),
+    ],
+)
 def test_area(synced, light, shape, ellipse, size):
     light("AREA", shape=shape, size=2.0, size_y=0.5, spread=1.0)
     [found] = synced().lights
@@ -181,13 +191,21 @@ def test_colour_of_temperature_and_nodes(synced, light):
     assert scene.lights[0].color == pytest.approx((2.0, 1.0, 4.0)) and scene.warnings == []
     data.node_tree.links.new(data.node_tree.nodes.new("ShaderNodeTexNoise").outputs["Color"], emission.inputs["Color"])
     scene = synced()
-    assert scene.lights[0].color == pytest.approx((2.0, 1.0, 4.0))
-    assert any("Noise Texture" in warning and "'Light'" in warning for warning in scene.warnings)
+    assert scene.lights[0].color == pytest.approx((1.0, 0.5, 1.0)) and scene.warnings == []
+    assert Graph(scene.lights[0].emission).surface["strength"] == 4.0  # what varies is a graph
 
 
-@pytest.mark.parametrize(("kind", "changes"), [
-    ("POINT", dict(shadow_soft_size=0.0)), ("POINT", dict(shadow_soft_size=0.5)), ("SPOT", dict(shadow_soft_size=0.25)),
-    ("SUN", dict(angle=0.0)), ("SUN", dict(angle=1.5)), ("AREA", dict(shape="ELLIPSE", size=1.0, size_y=2.0))])
+@pytest.mark.parametrize(
+    ("kind", "changes"),
+    [
+        ("POINT", dict(shadow_soft_size=0.0)),
+        ("POINT", dict(shadow_soft_size=0.5)),
+        ("SPOT", dict(shadow_soft_size=0.25)),
+        ("SUN", dict(angle=0.0)),
+        ("SUN", dict(angle=1.5)),
+        ("AREA", dict(shape="ELLIPSE", size=1.0, size_y=2.0)),
+    ],
+)
 def test_power_without_normalize_is_that_of_cycles(file, synced, light, add, quad, pictures, kind, changes):
     """What the switch changes in a render of Cycles is what it changes in the power that sync reads."""
     pytest.importorskip("_cycles")

@@ -104,7 +104,8 @@ def test_presets_on_a_lamp_that_is_there(file, add, lamp):
 
 
 @pytest.mark.parametrize(
-    "text", ["sphere(0.5)", "box(0.5, 0.3, 0.2)", "torus(0.5, 0.15) - box(0.3)", "menger_sponge(0.5, 1)"])
+    "text", ["sphere(0.5)", "box(0.5, 0.3, 0.2)", "torus(0.5, 0.15) - box(0.3)", "menger_sponge(0.5, 1)"]
+)
 def test_lamps_become_meshes_of_the_same_volume(file, add, lamp, text):
     data = lamp(power=50.0)
     data.sdf_lamp.source, data.sdf_lamp.expression = "EXPRESSION", text

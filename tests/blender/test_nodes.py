@@ -11,7 +11,7 @@ import pytest
 from sdf_lights.blender import parameters
 from sdf_lights.blender.lamp import shape_of
 from sdf_lights.blender.naming import NODE_TREE
-from sdf_lights.blender.nodes import editor, groups, reading, tree, words, writing
+from sdf_lights.blender.nodes import add_menu, editor, groups, reading, tree, words, writing
 from sdf_lights.blender.properties import PRIMITIVES
 from sdf_lights.render.errors import RenderError
 from sdf_lights.sdf.examples import examples
@@ -68,10 +68,16 @@ def test_examples_become_nodes_and_text_again(file, name):
 
 
 def test_only_loops_and_blocks_have_no_nodes_of_their_own(file):
-    whole = {name for name, example in examples().items()
-             if any(n.bl_idname == "SDFLIGHTS_Node_expression" for n in writing.tree_of(name, example.text).nodes)}
-    assert whole == {name for name, example in examples().items() if any(
-        line.lstrip().startswith(("for ", "if ")) for line in example.text.splitlines())}
+    whole = {
+        name
+        for name, example in examples().items()
+        if any(n.bl_idname == "SDFLIGHTS_Node_expression" for n in writing.tree_of(name, example.text).nodes)
+    }
+    assert whole == {
+        name
+        for name, example in examples().items()
+        if any(line.lstrip().startswith(("for ", "if ")) for line in example.text.splitlines())
+    }
 
 
 @pytest.mark.parametrize("name", PRIMITIVES)
@@ -86,11 +92,11 @@ def test_every_primitive_as_node_says_the_shape(made, name):
 
 
 def test_every_word_has_a_node_in_a_menu(registered):
-    listed = [kind for kinds in editor._menus().values() for kind in kinds]
+    listed = [kind for kinds in add_menu.nodes_by_menu().values() for kind in kinds]
     assert len(listed) == len(set(listed))
     assert set(words.FUNCTION_NODES.values()) <= set(listed)
     assert set(SHAPES) <= {kind.function.name for kind in words.FUNCTION_NODES.values()}
-    titles = {name.partition("/")[0] for name in editor._menus()}
+    titles = {name.partition("/")[0] for name in add_menu.nodes_by_menu()}
     assert titles <= set(editor._ORDER)
 
 
@@ -100,8 +106,11 @@ SPHERES = "sphere(0.5), translate(sphere(0.4), (0.3, 0.1, 0.2)), translate(box(0
 @pytest.mark.parametrize("name", [n for n, f in FUNCTIONS.items() if f.group in ("Combinations", "Operators")])
 def test_every_operator_as_node(file, name):
     arguments = FUNCTIONS[name].arguments
-    parts = SPHERES if FUNCTIONS[name].variadic else ", ".join(
-        SPHERES.split(", t")[:1] * sum(a.kind == "shape" for a in arguments))
+    parts = (
+        SPHERES
+        if FUNCTIONS[name].variadic
+        else ", ".join(SPHERES.split(", t")[:1] * sum(a.kind == "shape" for a in arguments))
+    )
     text = f"{name}({parts}) & box(1.5)"
     alike(said(writing.tree_of("Tree", text)), evaluate(text))
 
@@ -269,7 +278,8 @@ def test_object_transform_is_relative_to_the_lamp(made, add, lamp, file, synced)
     holder.location.y += 5.0
     moved = synced().lamps[0]
     np.testing.assert_allclose(
-        moved.shape.bounds(np.array(moved.matrix)), np.array(wanted) + (1.0, 0.0, 0.0), atol=1e-5)
+        moved.shape.bounds(np.array(moved.matrix)), np.array(wanted) + (1.0, 0.0, 0.0), atol=1e-5
+    )
 
 
 def test_moving_an_object_of_the_tree_tags_the_lamp(made, add, lamp, file):
@@ -339,8 +349,10 @@ def test_expression_node_has_inputs_for_its_parameters(made):
     link(made, part, end(made))
     assert [s.name for s in part.inputs] == []
     block = bpy.data.texts.new("Part")
-    block.write("p = 2 * p\nsize = slider(1, 0.1, 3)\nturn = angle(90)\nr = 2 * size\n"
-                "twist(box(0.2, 0.1, 0.5), turn)(p) - r * 0.1\n")
+    block.write(
+        "p = 2 * p\nsize = slider(1, 0.1, 3)\nturn = angle(90)\nr = 2 * size\n"
+        "twist(box(0.2, 0.1, 0.5), turn)(p) - r * 0.1\n"
+    )
     part.text = block
     assert [s.identifier for s in part.inputs] == ["size", "turn"]
     alike(said(made), evaluate(block.as_string()))

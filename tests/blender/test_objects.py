@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes, instances and what else stands in a scene, as sync reads them."""
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -190,7 +191,7 @@ def test_particles_are_instances(file, synced, add, quad):
 def test_visibility(file, synced, add, quad):
     obj = add("Quad", quad())
     obj.visible_camera = obj.visible_shadow = False
-    assert instance(synced(), "Quad").visibility == Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION
+    assert instance(synced(), "Quad").visibility == Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION | Ray.VOLUME
     obj.hide_render = True
     assert synced().instances == []
 
@@ -204,7 +205,7 @@ def test_an_instance_is_as_visible_as_its_instancer(synced, add, quad):
     placed.instance_type, placed.instance_collection = "COLLECTION", source
     placed.visible_camera = False
     [item] = synced().instances
-    assert item.visibility == Ray.DIFFUSE | Ray.TRANSMISSION | Ray.SHADOW
+    assert item.visibility == Ray.DIFFUSE | Ray.TRANSMISSION | Ray.SHADOW | Ray.VOLUME
 
 
 def test_view_layers(file, synced, add, quad):
@@ -262,6 +263,41 @@ def test_flattened_objects_stay_visible_and_points_vanish(synced, add, quad):
     item = scene.instances[0]
     assert np.isfinite(np.linalg.inv(item.matrix)).all()
     assert np.ptp(world_positions(scene, item), axis=0) == pytest.approx([4.0, 6.0, 0.0], abs=1e-5)
+
+
+def test_meshes_in_edit_mode_are_rendered_as_they_are_edited(synced, add, quad, material):
+    """A file may be saved, and a frame rendered, while a mesh is edited."""
+    red, _, _ = material("Red")
+    data = quad()
+    data.materials.append(None)
+    data.materials.append(red)
+    data.polygons[0].material_index = 1
+    edited = add("Edited", data)
+    edited.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.5
+    add("Linked", data, location=(3.0, 0.0, 0.0))
+    bpy.context.view_layer.objects.active = edited
+    bpy.ops.object.mode_set(mode="EDIT")
+    work = bmesh.from_edit_mesh(data)
+    bmesh.ops.translate(work, verts=work.verts, vec=(0.0, 0.0, 2.0))
+    bmesh.update_edit_mesh(data)
+    scene = synced()
+    assert len(mesh_of(scene, "Edited").triangles) == 12 and len(mesh_of(scene, "Linked").triangles) == 2
+    assert world_positions(scene, instance(scene, "Edited"))[:, 2].max() == pytest.approx(2.0, abs=0.3)
+    assert world_positions(scene, instance(scene, "Linked"))[:, 2] == pytest.approx(2.0)
+    assert set(mesh_of(scene, "Linked").slots) == {1}
+    assert scene.materials[instance(scene, "Linked").materials[1]].name == "Red"
+
+
+@pytest.mark.parametrize("kind", ["text", "curve"])
+def test_text_and_curves_in_edit_mode_are_rendered(synced, add, kind):
+    if kind == "text":
+        bpy.ops.object.text_add()
+    else:
+        bpy.ops.curve.primitive_bezier_circle_add()
+        bpy.context.object.data.bevel_depth = 0.1
+    bpy.context.object.name = "Edited"
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert len(mesh_of(synced(), "Edited").triangles) > 10
 
 
 def test_unsupported_objects_are_named(synced, add):

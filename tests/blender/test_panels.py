@@ -46,7 +46,8 @@ def test_readout_of_an_emission_that_varies(file, lamp):
     readout._found[shape, pattern] = found = readout.estimate(shape, pattern, 0.3)
     assert found.glow == pytest.approx(0.5, abs=4.0 * 0.23 / math.sqrt(1000))
     assert readout.facts(shape, np.eye(4), light, pattern)[1] == (
-        f"Power: about {4 * math.pi * 3.0 * found.value * found.glow:.4g} W")
+        f"Power: about {4 * math.pi * 3.0 * found.value * found.glow:.4g} W"
+    )
 
 
 def test_feedback_tells_of_emissions(file, add, lamp):
@@ -58,8 +59,9 @@ def test_feedback_tells_of_emissions(file, add, lamp):
 
 
 def test_the_tab_is_there_for_lamps_with_every_engine(file, add, lamp):
-    panels = [getattr(bpy.types, name) for name in (
-        "SDFLIGHTS_PT_view3d", "SDFLIGHTS_PT_presets", "SDFLIGHTS_PT_feedback")]
+    panels = [
+        getattr(bpy.types, name) for name in ("SDFLIGHTS_PT_view3d", "SDFLIGHTS_PT_presets", "SDFLIGHTS_PT_feedback")
+    ]
     light = add("Lamp", lamp())
     other = add("Plain", bpy.data.lights.new("Plain", "POINT"))
     for engine, of_other in ((ENGINE, True), ("CYCLES", False), ("BLENDER_WORKBENCH", False)):

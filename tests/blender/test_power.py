@@ -35,14 +35,20 @@ def mean(pictures) -> np.ndarray:
     """Mean RGB of the picture, whose standard error is below a thousandth."""
     picture = pictures()["ViewLayer"]["Combined"][..., :3].reshape(-1, 3).astype(float)
     mean = picture.mean(axis=0)
-    assert (picture.std(axis=0) / len(picture)**0.5 < 1e-3 * mean).all()
+    assert (picture.std(axis=0) / len(picture) ** 0.5 < 1e-3 * mean).all()
     return mean
 
 
 @pytest.mark.parametrize("device", ["CPU", "REFERENCE"])
-@pytest.mark.parametrize(("shape", "rotation", "scale"), [
-    (BALL, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), (RING, (0.5, 1.0, -2.0), (2.0, 1.0, 0.25)),
-    (CUT, (1.0, -0.3, 0.7), (-1.0, 2.0, 0.5))], ids=["sphere", "torus", "CSG"])
+@pytest.mark.parametrize(
+    ("shape", "rotation", "scale"),
+    [
+        (BALL, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),
+        (RING, (0.5, 1.0, -2.0), (2.0, 1.0, 0.25)),
+        (CUT, (1.0, -0.3, 0.7), (-1.0, 2.0, 0.5)),
+    ],
+    ids=["sphere", "torus", "CSG"],
+)
 def test_far_away_a_lamp_is_a_point_light_of_cycles(file, floor, add, lamp, pictures, device, shape, rotation, scale):
     """Within half of a per cent."""
     data = lamp(power=POWER)

@@ -26,10 +26,21 @@ def traces() -> set[str]:
     for kind in (bpy.types.Scene, bpy.types.Light, bpy.types.ViewLayer):
         found |= {f"{kind.__name__}.{name}" for name in kind.bl_rna.properties.keys() if name.startswith("sdf_")}
     for base in (bpy.types.PropertyGroup, bpy.types.Panel, bpy.types.Operator, bpy.types.Menu, bpy.types.RenderEngine):
-        found |= {kind.__name__ for kind in base.__subclasses__()
-                  if "sdflights" in kind.__name__.lower() and getattr(kind, "is_registered", False)}
-    found |= {panel.__name__ for panel in bpy.types.Panel.__subclasses__()
-              if ENGINE in getattr(panel, "COMPAT_ENGINES", ())}
+        found |= {
+            kind.__name__
+            for kind in base.__subclasses__()
+            if "sdflights" in kind.__name__.lower() and getattr(kind, "is_registered", False)
+        }
+    found |= {
+        panel.__name__ for panel in bpy.types.Panel.__subclasses__() if ENGINE in getattr(panel, "COMPAT_ENGINES", ())
+    }
+    found |= {
+        str(handler)
+        for handlers in (bpy.app.handlers.load_post, bpy.app.handlers.save_pre)
+        for handler in handlers
+        if "sdf_lights" in handler.__module__
+    }
+    found |= set(bpy.utils.preset_paths("sdf_lights/sampling"))
     found |= {str(draw) for draw in bpy.types.VIEW3D_MT_light_add._dyn_ui_initialize() if "sdf" in draw.__module__}
     return found
 
@@ -53,10 +64,16 @@ def test_enabling_does_not_wait_for_numba():
         "import sdf_lights.blender as b; b.register(); "
         "spent = time.process_time() - started; found = 'numba' in sys.modules; started = time.process_time(); "
         "import numba; print(spent, time.process_time() - started, found, flush=True); "
-        "import os; os._exit(0)")  # Blender's own way out is slow
+        "import os; os._exit(0)"
+    )  # Blender's own way out is slow
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=REPOSITORY,
-        env=os.environ | {"PYTHONPATH": str(REPOSITORY)})
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        cwd=REPOSITORY,
+        env=os.environ | {"PYTHONPATH": str(REPOSITORY)},
+    )
     spent, numba, has_numba = done.stdout.split()[-3:]
     assert has_numba == "False"
     # Most of it is for making the classes of the shapes and nodes. Measured: 1.7 to 2.3 times what Numba alone takes.
@@ -80,11 +97,16 @@ def test_every_setting_has_a_property_with_its_limits(file):
 
 def test_settings_are_read_back(file):
     group, render = file.scene.sdf_lights, file.scene.render
-    group.samples, group.device, group.filter, group.caustics = 7, "CPU", "GAUSSIAN", False
+    group.samples, group.device, group.filter, group.caustics_reflective = 7, "CPU", "GAUSSIAN", False
     group.viewport.samples, group.viewport.denoise = 3, True
     render.film_transparent, render.threads_mode, render.threads = True, "FIXED", 5
     final, viewport = properties.settings_of(file.scene), properties.settings_of(file.scene, viewport=True)
-    assert (final.samples, final.device.value, final.filter.value, final.caustics) == (7, "CPU", "GAUSSIAN", False)
+    assert (final.samples, final.device.value, final.filter.value, final.caustics_reflective) == (
+        7,
+        "CPU",
+        "GAUSSIAN",
+        False,
+    )
     assert (final.transparent_film, final.threads, final.denoise) == (True, 5, False)
     assert (viewport.samples, viewport.denoise, viewport.device.value) == (3, True, "CPU")
 
@@ -123,8 +145,10 @@ def test_changes_from_python_tag_their_owner(file, add, lamp):
     bpy.app.handlers.depsgraph_update_post.append(listen)
     try:
         for owner, name, value in (
-                (data.sdf_lamp.sphere, "radius", 0.75), (data.sdf_lamp, "shape", "TORUS"),
-                (file.scene.sdf_lights, "samples", 9)):
+            (data.sdf_lamp.sphere, "radius", 0.75),
+            (data.sdf_lamp, "shape", "TORUS"),
+            (file.scene.sdf_lights, "samples", 9),
+        ):
             bpy.context.view_layer.update()
             heard.clear()
             setattr(owner, name, value)

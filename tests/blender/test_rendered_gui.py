@@ -84,7 +84,8 @@ def test_threads_end_with_what_they_render_for(seen):
 def test_escape_cancels_the_final_render_and_keeps_its_picture(blender_command, tmp_path):
     has_xdotool = "import shutil; print('xdotool:', shutil.which('xdotool'))"
     said = subprocess.run(
-        [*blender_command, "--background", "--python-expr", has_xdotool], capture_output=True, text=True)
+        [*blender_command, "--background", "--python-expr", has_xdotool], capture_output=True, text=True
+    )
     if "xdotool: /" not in said.stdout:
         pytest.skip("there is no xdotool to press Esc with")
     found = seen_by(blender_command, ESCAPE, tmp_path, size=SIZE, real_keys=True)

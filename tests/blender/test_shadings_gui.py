@@ -31,8 +31,9 @@ def test_a_lamp_is_there_and_ends_at_a_wall(seen, engine, shading):
     if (engine, shading) == ("BLENDER_WORKBENCH", "MATERIAL"):
         pytest.skip("Workbench has no Material Preview")
     row = seen[engine, shading]
-    without, with_overlays, alone = (row[name] for name in (
-        "overlays, no lamps", "overlays, lamps", "no overlays, lamps"))
+    without, with_overlays, alone = (
+        row[name] for name in ("overlays, no lamps", "overlays, lamps", "no overlays, lamps")
+    )
     path_traced = (engine, shading) == ("SDF_LIGHTS", "RENDERED")
     picture = shading in ("MATERIAL", "RENDERED")  # of which lamps are a part
     assert _glows(without[0]) == path_traced, "the switch among the overlays"

@@ -29,8 +29,9 @@ def test_matrices_of_a_camera_give_it_back(file, kind, fit, aspect):
     depsgraph.update()
     evaluated = file.camera.evaluated_get(depsgraph)
     expected = camera_of(evaluated, depsgraph, WIDTH, HEIGHT, lambda warning: None)
-    projection = matrix_of(file.camera.calc_matrix_camera(
-        depsgraph, x=WIDTH, y=HEIGHT, scale_x=aspect[0], scale_y=aspect[1]))
+    projection = matrix_of(
+        file.camera.calc_matrix_camera(depsgraph, x=WIDTH, y=HEIGHT, scale_x=aspect[0], scale_y=aspect[1])
+    )
     found = camera_from_matrices(np.linalg.inv(matrix_of(evaluated.matrix_world)), projection)
     assert found.projection is expected.projection
     np.testing.assert_allclose(found.window, expected.window, rtol=1e-4, atol=1e-5)

@@ -16,10 +16,11 @@ from sdf_lights.render.settings import Filter, Settings
 from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.emission_presets import presets
 from sdf_lights.sdf.shapes import SHAPES, Box, Sphere, Torus, Union
-from tests.sdf import samples
+from support.shapes import samples
 
 pytestmark = pytest.mark.skipif(
-    not hasattr(gpu, "init"), reason=f"Blender {bpy.app.version_string} draws in a window alone")
+    not hasattr(gpu, "init"), reason=f"Blender {bpy.app.version_string} draws in a window alone"
+)
 
 SIZE = 48
 NEAR, FAR = 0.05, 1000.0
@@ -57,10 +58,11 @@ def looking_at(low: np.ndarray, high: np.ndarray, direction=(0.5, -0.8, 0.4)) ->
 
 def traced(lamp: Lamp, camera: np.ndarray, half: float, samples: int) -> np.ndarray:
     settings = Settings(
-        samples=samples, noise_threshold=0.0, max_bounces=0, filter=Filter.BOX, filter_width=1.0, threads=2)
+        samples=samples, noise_threshold=0.0, max_bounces=0, filter=Filter.BOX, filter_width=1.0, threads=2
+    )
     scene = Scene(
-        Camera(camera, window=(-half, half, -half, half), clip=(NEAR, FAR)), SIZE, SIZE, lamps=[lamp],
-        settings=settings)
+        Camera(camera, window=(-half, half, -half, half), clip=(NEAR, FAR)), SIZE, SIZE, lamps=[lamp], settings=settings
+    )
     return session.render(scene, ()).read("Combined")[..., :3].astype(np.float64)
 
 
@@ -72,9 +74,14 @@ def drawn(painter, lamp: Lamp, camera: np.ndarray, half: float, finer: int = USU
     assert not facts.problem
     painter.compile(lamp)
     assert not painter.problem(lamp)
-    projection = np.array([
-        [1.0 / half, 0.0, 0.0, 0.0], [0.0, 1.0 / half, 0.0, 0.0],
-        [0.0, 0.0, -(FAR + NEAR) / (FAR - NEAR), -2.0 * FAR * NEAR / (FAR - NEAR)], [0.0, 0.0, -1.0, 0.0]])
+    projection = np.array(
+        [
+            [1.0 / half, 0.0, 0.0, 0.0],
+            [0.0, 1.0 / half, 0.0, 0.0],
+            [0.0, 0.0, -(FAR + NEAR) / (FAR - NEAR), -2.0 * FAR * NEAR / (FAR - NEAR)],
+            [0.0, 0.0, -1.0, 0.0],
+        ]
+    )
     size = SIZE * finer
     view = painting.View(np.linalg.inv(camera), projection, (size, size))
     glow, mask = (gpu.types.GPUTexture((size, size), format=kind) for kind in ("RGBA32F", "RGBA8"))
@@ -100,26 +107,36 @@ def difference(painter, shape, emission=None, points: Points = USUAL) -> float:
 
 
 QUICK = ["sphere", "torus", "box_frame", "gyroid", "menger_sponge", "smooth union", "twisted"]
-BOUNDED = [name for name, shape in samples.SHAPES_TO_TRY.items()
-           if (name in SHAPES or name in QUICK) and np.isfinite(shape.bounds()).all()]
+BOUNDED = [
+    name
+    for name, shape in samples.SHAPES_TO_TRY.items()
+    if (name in SHAPES or name in QUICK) and np.isfinite(shape.bounds()).all()
+]
 # A pixel has so many edges that the usual points alone differ by 2 % from more of them, in either picture.
 DUST = {"sierpinski_tetrahedron", "mandelbox"}
 
 
-@pytest.mark.parametrize("name", [
-    pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in BOUNDED])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in BOUNDED]
+)
 def test_looks_as_in_the_render(painter, name):
     assert difference(painter, samples.SHAPES_TO_TRY[name], points=MANY if name in DUST else USUAL) < 0.02
 
 
 EMISSIONS = {
-    "even": "(2, 1, 0.5)", "height": "height", "skin": "exp(-12 * depth)", "waves": "1 + sin(25 * p.x)",
+    "even": "(2, 1, 0.5)",
+    "height": "height",
+    "skin": "exp(-12 * depth)",
+    "waves": "1 + sin(25 * p.x)",
     "ramp": "exp(-4 * depth) * ramp(height, 0, (1, 0.2, 0), 0.4, (1, 0.8, 0.4), 1, (0.1, 0.2, 1))",
-    "negative": "p.x"} | {name: preset.text for name, preset in presets().items()}
+    "negative": "p.x",
+} | {name: preset.text for name, preset in presets().items()}
 
 
-@pytest.mark.parametrize("name", [
-    pytest.param(name, marks=[pytest.mark.slow] * (name not in ("even", "ramp", "waves"))) for name in EMISSIONS])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name not in ("even", "ramp", "waves"))) for name in EMISSIONS],
+)
 @pytest.mark.parametrize("shape", [Torus(0.6, 0.25), samples.SHAPES_TO_TRY["smooth union"]], ids=["torus", "union"])
 def test_emission_glows_as_in_the_render(painter, shape, name):
     emission = EmissionExpression(EMISSIONS[name]).emission()
@@ -133,13 +150,15 @@ def test_a_dark_emission_is_told(painter):
 
 
 MATRICES = {
-    "scaled": np.diag([2.0, 0.5, 1.0, 1.0]), "mirrored": np.diag([-1.0, 1.0, 1.0, 1.0]),
+    "scaled": np.diag([2.0, 0.5, 1.0, 1.0]),
+    "mirrored": np.diag([-1.0, 1.0, 1.0, 1.0]),
     "sheared": np.array([[1.0, 0.6, 0.0, 0.3], [0.0, 1.0, 0.0, -0.2], [0.2, 0.0, 1.5, 0.1], [0.0, 0.0, 0.0, 1.0]]),
-    "far away": np.array([[1.0, 0.0, 0.0, 1e4], [0.0, 1.0, 0.0, -1e4], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])}
+    "far away": np.array([[1.0, 0.0, 0.0, 1e4], [0.0, 1.0, 0.0, -1e4], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]),
+}
 
 
 def center(picture: np.ndarray) -> float:
-    return picture[SIZE // 2 - 1:SIZE // 2 + 1, SIZE // 2 - 1:SIZE // 2 + 1, 0].mean()
+    return picture[SIZE // 2 - 1 : SIZE // 2 + 1, SIZE // 2 - 1 : SIZE // 2 + 1, 0].mean()
 
 
 def chords(painter, matrix, depth=None, distance: float = 4.0, radius: float = 0.5) -> np.ndarray:
@@ -171,9 +190,10 @@ def test_objects_end_the_light(painter):
     size = SIZE * USUAL.finer
     ndc = (FAR + NEAR) / (FAR - NEAR) - 2.0 * FAR * NEAR / (FAR - NEAR) / 4.0
     values = np.ones((size, size), np.float32)
-    values[:, :size // 2] = 0.5 * ndc + 0.5
+    values[:, : size // 2] = 0.5 * ndc + 0.5
     texture = gpu.types.GPUTexture(
-        (size, size), format="R32F", data=gpu.types.Buffer("FLOAT", values.size, values.ravel()))
+        (size, size), format="R32F", data=gpu.types.Buffer("FLOAT", values.size, values.ravel())
+    )
     found = chords(painter, np.eye(4), Depth(texture, (0, 0), 1.0))[SIZE // 2, :, 0]
     assert found[SIZE // 2 - 2] == pytest.approx(0.5, rel=0.02)
     assert found[SIZE // 2 + 1] == pytest.approx(1.0, rel=0.02)

@@ -11,8 +11,9 @@ import bpy
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
-import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from window import Eye, areas, override, report, run, threads, until  # noqa: E402
+
+import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 
 UNDOS = 20
 

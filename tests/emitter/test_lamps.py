@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from sdf_lights.emitter import lamps
-from sdf_lights.emitter.lamps import LampError
+from sdf_lights.emitter.building import build, pack, remarks
+from sdf_lights.emitter.building.build import LampError
 from sdf_lights.jit import kernel
 from sdf_lights.sdf.shapes import SHAPES as REGISTRY
 from sdf_lights.sdf.shapes import Box, Cylinder, Difference, Ellipsoid, Intersection, Sphere, Torus, Transformed, Union
-
-from tests.chi2 import chi2_sphere, sphere_integral
-from tests.emitter.shapes_under_test import FIELDS, LAMPS, PLACEMENTS, FieldOf, moved, scaled, turned
-from tests.emitter.support import Lamps
+from support.chi2 import chi2_sphere, sphere_integral
+from support.lamps.shapes_under_test import FIELDS, LAMPS, PLACEMENTS, FieldOf, moved, scaled, turned
+from support.lamps.traced import Lamps
 
 PLACES = ("outside", "inside", "surface")
 
@@ -37,7 +37,7 @@ def place(lamp, where):
 @pytest.mark.parametrize("name", LAMPS)
 def test_density_integrates_to_one(name, where):
     """Over the sphere by jittered quadrature, within five of its standard errors and the error of the volume."""
-    lamp = Lamps(lamps.build_lamp(name, LAMPS[name], np.eye(4)))
+    lamp = Lamps(build.build_lamp(name, LAMPS[name], np.eye(4)))
     x = place(lamp, where)
     total, error = sphere_integral(lambda d: lamp.pdf(x, d), 60_000, seed=1, axis=lamp.row["center"] - x + 1e-9)
     assert error < 0.02
@@ -52,7 +52,7 @@ def test_density_integrates_to_one_under_affine_maps(name, placement, where):
     shape, matrix = LAMPS[name], PLACEMENTS[placement]
     low, high = shape.bounds()
     box = Transformed(Box(tuple(0.5 * (high - low))), moved(*(0.5 * (low + high))))
-    lamp, around = (Lamps(lamps.build_lamp(name, s, matrix)) for s in (shape, box))
+    lamp, around = (Lamps(build.build_lamp(name, s, matrix)) for s in (shape, box))
     x = place(lamp, where)
     directions = around.sample(x, np.random.default_rng(3).random((30_000, 3)))
     ratio = lamp.pdf(x, directions) / around.pdf(x, directions)
@@ -65,10 +65,18 @@ def test_density_integrates_to_one_under_affine_maps(name, placement, where):
 @pytest.mark.parametrize("name", LAMPS)
 def test_samples_have_their_density(name, where):
     """χ² at 99.999 % each."""
-    lamp = Lamps(lamps.build_lamp(name, LAMPS[name], PLACEMENTS["uneven"]))
+    lamp = Lamps(build.build_lamp(name, LAMPS[name], PLACEMENTS["uneven"]))
     x = place(lamp, where)
-    result = chi2_sphere(lambda u: lamp.sample(x, u), lambda d: lamp.pdf(x, d), 20_000, seed=2, confidence=0.99999,
-                         axis=lamp.row["center"] - x + 1e-9, bins=(8, 12), quadrature=20 if name in FIELDS else 48)
+    result = chi2_sphere(
+        lambda u: lamp.sample(x, u),
+        lambda d: lamp.pdf(x, d),
+        20_000,
+        seed=2,
+        confidence=0.99999,
+        axis=lamp.row["center"] - x + 1e-9,
+        bins=(8, 12),
+        quadrature=20 if name in FIELDS else 48,
+    )
     assert result.passed and result.lost == 0, result
 
 
@@ -76,7 +84,7 @@ def test_samples_have_their_density(name, where):
 @pytest.mark.parametrize("name", LAMPS)
 def test_every_sample_hits_the_lamp(name, placement):
     """Also stretched 10,000 : 1, far away and tiny: no direction has density zero, none is lost to rounding."""
-    lamp = Lamps(lamps.build_lamp(name, LAMPS[name], PLACEMENTS[placement]))
+    lamp = Lamps(build.build_lamp(name, LAMPS[name], PLACEMENTS[placement]))
     u = np.random.default_rng(5).random((2000, 3))
     for where in PLACES:
         x = place(lamp, where)
@@ -91,7 +99,7 @@ def test_chords_give_back_the_volume():
     """Crofton: the mean chord over all lines through a sphere around the lamp is V / (its cross-section)."""
     rng = np.random.default_rng(7)
     for name in ("torus", "nested", "twenty", "twisted"):
-        lamp = Lamps(lamps.build_lamp(name, LAMPS[name], PLACEMENTS["uneven"]))
+        lamp = Lamps(build.build_lamp(name, LAMPS[name], PLACEMENTS["uneven"]))
         n, reach = 15_000, lamp.row["reach"]
         d = rng.normal(size=(n, 3))
         d /= np.linalg.norm(d, axis=1, keepdims=True)
@@ -108,7 +116,7 @@ def test_chords_give_back_the_volume():
 def test_stretched_ellipsoid():
     """The density in the sphere's own space over |det| is the world's, if the direction is not renormalised."""
     matrix = turned(0.6, 2) @ scaled(2.0, 1.0, 0.5)
-    lamp = Lamps(lamps.build_lamp("stretched", Sphere(1.0), matrix))
+    lamp = Lamps(build.build_lamp("stretched", Sphere(1.0), matrix))
     x = np.array([0.5, -3.0, 0.8])
     directions = lamp.sample(x, np.random.default_rng(1).random((500, 3)))
     world = lamp.pdf(x, directions)
@@ -131,8 +139,8 @@ def test_stretched_ellipsoid():
 
 def test_an_ellipsoid_is_a_stretched_ball():
     radii = (0.9, 0.5, 0.3)
-    a = Lamps(lamps.build_lamp("a", Ellipsoid(radii), PLACEMENTS["sheared"]))
-    b = Lamps(lamps.build_lamp("b", Sphere(1.0), PLACEMENTS["sheared"] @ scaled(*radii)))
+    a = Lamps(build.build_lamp("a", Ellipsoid(radii), PLACEMENTS["sheared"]))
+    b = Lamps(build.build_lamp("b", Sphere(1.0), PLACEMENTS["sheared"] @ scaled(*radii)))
     assert a.row["volume"] == pytest.approx(b.row["volume"], rel=1e-14)
     u = np.random.default_rng(0).random((200, 3))
     x = place(a, "outside")
@@ -148,7 +156,7 @@ def _radiance(blocks, o, d, t_min, t_max, spans):
 
 
 def test_radiance_is_density_times_length():
-    lamp = Lamps(lamps.build_lamp("rod", Cylinder(0.5, 2.0), moved(0, 0, 5), density=3.0, color=(1.0, 0.5, 0.0)))
+    lamp = Lamps(build.build_lamp("rod", Cylinder(0.5, 2.0), moved(0, 0, 5), density=3.0, color=(1.0, 0.5, 0.0)))
     for t_min, t_max, length in ((0, np.inf, 2.0), (0, 5.5, 1.5), (4.5, 5.5, 1.0), (0, 3, 0.0), (7, np.inf, 0.0)):
         rgb = _radiance(lamp.blocks, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), float(t_min), float(t_max), lamp.spans)
         assert rgb == pytest.approx((3.0 * length, 1.5 * length, 0.0), rel=1e-14)
@@ -156,7 +164,7 @@ def test_radiance_is_density_times_length():
 
 def test_power_is_that_of_a_point_light_far_away():
     """∫ L dω is P/4π over the square of the distance, whatever the shape."""
-    lamp = Lamps(lamps.build_lamp("far", Torus(0.5, 0.2), turned(0.4, 0), power=40.0))
+    lamp = Lamps(build.build_lamp("far", Torus(0.5, 0.2), turned(0.4, 0), power=40.0))
     x = np.array([0.0, 200.0, 0.0])
     directions = lamp.sample(x, np.random.default_rng(2).random((20_000, 3)))
     weight = lamp.chord(x, directions) * lamp.row["emission"][0] / lamp.pdf(x, directions)
@@ -165,10 +173,18 @@ def test_power_is_that_of_a_point_light_far_away():
 
 def test_tables_of_several_lamps():
     """Lamps of one scene do not see one another's programs, terms or trees; equal shapes have them once."""
-    built = [lamps.build_lamp(name, LAMPS[name], matrix) for name, matrix in
-             (("frame", PLACEMENTS["turned"]), ("torus", np.eye(4)), ("blob", np.eye(4)), ("nested", PLACEMENTS["far"]),
-              ("blob", PLACEMENTS["turned"]), ("twenty_as_field", PLACEMENTS["uneven"]))]
-    tables = lamps.pack_lamps(built)
+    built = [
+        build.build_lamp(name, LAMPS[name], matrix)
+        for name, matrix in (
+            ("frame", PLACEMENTS["turned"]),
+            ("torus", np.eye(4)),
+            ("blob", np.eye(4)),
+            ("nested", PLACEMENTS["far"]),
+            ("blob", PLACEMENTS["turned"]),
+            ("twenty_as_field", PLACEMENTS["uneven"]),
+        )
+    ]
+    tables = pack.pack_lamps(built)
     rng = np.random.default_rng(1)
     together = Lamps(*built)
     for index, lamp in enumerate(built):
@@ -177,7 +193,7 @@ def test_tables_of_several_lamps():
         directions = alone.sample(np.zeros(3), rng.random((200, 3)))
         assert np.array_equal(alone.pdf(np.zeros(3), directions), together.pdf(np.zeros(3), directions))
     assert len(tables["lamp_nodes"]) == sum(len(lamp.tree.nodes) for lamp in (built[0], built[2], built[3], built[5]))
-    empty = lamps.pack_lamps([])
+    empty = pack.pack_lamps([])
     assert all(len(empty[name]) == 0 and empty[name].dtype == dtype for name, dtype in lamps.TABLES.items())
 
 
@@ -185,14 +201,14 @@ def test_little_is_left_unresolved():
     """Row ``lamp_rows`` of the spans sums what could not be resolved, of which the user is told, and what is inside."""
     rng = np.random.default_rng(6)
     for name in FIELDS:
-        lamp = Lamps(lamps.build_lamp(name, FIELDS[name], np.eye(4)))
+        lamp = Lamps(build.build_lamp(name, FIELDS[name], np.eye(4)))
         directions = lamp.sample(np.array([2.0, 1.0, 0.5]), rng.random((5000, 3)))
         chords = lamp.chord(np.array([2.0, 1.0, 0.5]), directions)
         left, inside = lamp.spans[lamp.blocks["lamp_rows"][0]]
         assert inside == pytest.approx(chords.sum(), rel=1e-9)
-        assert 0.0 <= left < lamps.NOTICEABLE * inside
-        assert not lamps.unresolved(lamp.built, lamp.spans[lamp.blocks["lamp_rows"][0]:])
-    sentence, = lamps.unresolved(lamp.built, np.array([[0.02, 0.98]]))
+        assert 0.0 <= left < remarks.NOTICEABLE * inside
+        assert not remarks.unresolved(lamp.built, lamp.spans[lamp.blocks["lamp_rows"][0] :])
+    (sentence,) = remarks.unresolved(lamp.built, np.array([[0.02, 0.98]]))
     assert sentence.startswith(f"Lamp “{name}”: 2 % of its length") and sentence.endswith(".")
 
 
@@ -223,6 +239,6 @@ BAD = {
 def test_bad_lamps_say_what_is_wrong(name):
     arguments = {"shape": Sphere(0.5), "matrix": np.eye(4), **BAD[name]}
     with pytest.raises(LampError) as caught:
-        lamps.build_lamp("Ceiling", **arguments)
+        build.build_lamp("Ceiling", **arguments)
     message = str(caught.value)
     assert message.startswith("Lamp “Ceiling”: ") and message.endswith(".") and "\n" not in message

@@ -11,14 +11,16 @@ import inspect
 import numpy as np
 import pytest
 
+from sdf_lights.graph import codegen_glsl
 from sdf_lights.render.film import Film
-from sdf_lights.render.gpu import program
+from sdf_lights.render.gpu import images as gpu_images
+from sdf_lights.render.gpu import program, replacements
 from sdf_lights.render.gpu.device import Device, DeviceError, device
 from sdf_lights.render.gpu.tables import Tables
 from sdf_lights.render.gpu.translate import BLOCK, FLOAT, INT, VECTOR, WORKSPACE, Translator, Tuple, Value, known
+from sdf_lights.render.kernels import textures
 from sdf_lights.render.settings import LampSampling
-from sdf_lights.sdf import read_glsl
-from tests import scenes
+from support import scenes
 
 GROUP = 64
 
@@ -48,16 +50,25 @@ def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
     """(n, numbers of a result) of a kernel without block or workspace; columns are (n,) numbers or (n, k) tuples."""
     found = device_or_skip()
     tables = Tables({"sobol": program.sampler.tables()}, {}, frozenset(), {})
-    translator = Translator(tables, program.natives(True), program.ROUNDING)
+    translator = Translator(
+        tables, replacements.together(replacements.ALWAYS, replacements.WITH_BOXES), replacements.ROUNDING
+    )
     arguments, inputs, loads = [], [], []
     for index, column in enumerate(columns):
         column = np.asarray(column)
         flat = column.reshape(len(column), -1)
         whole = column.dtype.kind in "iu"
         kind = INT if whole else FLOAT
-        reads = [f"{'int_at' if whole else 'float_at'}(thread * INPUTS + {len(inputs) + part})" for part in range(flat.shape[1])]
-        inputs += [flat[:, part].astype(np.int32).view(np.uint32) if whole else flat[:, part].astype(np.float32).view(np.uint32)
-                   for part in range(flat.shape[1])]
+        reads = [
+            f"{'int_at' if whole else 'float_at'}(thread * INPUTS + {len(inputs) + part})"
+            for part in range(flat.shape[1])
+        ]
+        inputs += [
+            flat[:, part].astype(np.int32).view(np.uint32)
+            if whole
+            else flat[:, part].astype(np.float32).view(np.uint32)
+            for part in range(flat.shape[1])
+        ]
         if column.ndim > 1:
             kind = Tuple((kind,) * flat.shape[1])
         glsl = translator.glsl_type(kind)
@@ -71,16 +82,35 @@ def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
         kind = value.type
     outputs = _parts(kind, "found")
     rows = len(columns[0])
-    source = "\n".join([
-        "#version 430 core", "layout(local_size_x = 64) in;", f"#define INPUTS {len(inputs)}",
-        "layout(std140, binding = 0) uniform Scene { int sobol_start; int rows; } scene;", program.glsl("maths.glsl"),
-        *read_glsl.helpers("angle"), program.glsl("random.glsl"), translator.structure_source(), *translator.globals,
-        *translator.functions, "layout(std430, binding = 1) writeonly buffer Found { float found_numbers[]; };",
-        "void main()", "{", "    int thread = int(gl_GlobalInvocationID.x);", "    if (thread >= scene.rows) {", "        return;",
-        "    }", *loads,
-        f"    {translator.glsl_type(kind)} found = {name}({', '.join(argument.text for argument in arguments)});",
-        *(f"    found_numbers[thread * {len(outputs)} + {index}] = float({part});" for index, part in enumerate(outputs)),
-        "}", ""])
+    source = "\n".join(
+        [
+            "#version 430 core",
+            "layout(local_size_x = 64) in;",
+            f"#define INPUTS {len(inputs)}",
+            "layout(std140, binding = 0) uniform Scene { int sobol_start; int rows; } scene;",
+            program.glsl("maths.glsl"),
+            *codegen_glsl.helpers("angle"),
+            program.glsl("random.glsl"),
+            translator.structure_source(),
+            *translator.globals,
+            *translator.functions,
+            "layout(std430, binding = 1) writeonly buffer Found { float found_numbers[]; };",
+            "void main()",
+            "{",
+            "    int thread = int(gl_GlobalInvocationID.x);",
+            "    if (thread >= scene.rows) {",
+            "        return;",
+            "    }",
+            *loads,
+            f"    {translator.glsl_type(kind)} found = {name}({', '.join(argument.text for argument in arguments)});",
+            *(
+                f"    found_numbers[thread * {len(outputs)} + {index}] = float({part});"
+                for index, part in enumerate(outputs)
+            ),
+            "}",
+            "",
+        ]
+    )
     words = np.stack(inputs, axis=1).ravel()
     uniforms = np.array([len(words), rows, 0, 0], np.int32)
     words = np.concatenate([words, program.sampler.tables()])
@@ -114,7 +144,9 @@ void main()
 """
 
 
-def with_lamp(kernel, shape, numbers: np.ndarray, sampling: LampSampling = LampSampling.CUT) -> tuple[np.ndarray, np.ndarray]:
+def with_lamp(
+    kernel, shape, numbers: np.ndarray, sampling: LampSampling = LampSampling.CUT
+) -> tuple[np.ndarray, np.ndarray]:
     """(n, k) numbers that a kernel gives for block, workspace and the vectors in the rows of ``numbers`` (n, 3 · vectors),
     in a scene with one lamp; and what was noted of its lengths (2,): unresolved, and inside. n is a multiple of ``GROUP``."""
     found = device_or_skip()
@@ -125,28 +157,35 @@ def with_lamp(kernel, shape, numbers: np.ndarray, sampling: LampSampling = LampS
     assert packed.cuts == (sampling is LampSampling.CUT)
     translator = packed.translator()
     given = [f"number(at + {place})" for place in range(0, numbers.shape[1], 3)]
-    name, value = translator.function(kernel, [known(BLOCK), known(WORKSPACE), *(Value(VECTOR, text) for text in given)])
+    name, value = translator.function(
+        kernel, [known(BLOCK), known(WORKSPACE), *(Value(VECTOR, text) for text in given)]
+    )
     parts = _parts(value.type, "found")
     assert len(parts) <= numbers.shape[1]
     main = _MAIN
     for word, text in {
-            "INPUTS": str(numbers.shape[1]), "RESULT": translator.glsl_type(value.type), "NAME": name,
-            "ARGUMENTS": ", ".join(given),
-            "OUTPUTS": " ".join(f"numbers[at + {index}] = {part};" for index, part in enumerate(parts))}.items():
+        "INPUTS": str(numbers.shape[1]),
+        "RESULT": translator.glsl_type(value.type),
+        "NAME": name,
+        "ARGUMENTS": ", ".join(given),
+        "OUTPUTS": " ".join(f"numbers[at + {index}] = {part};" for index, part in enumerate(parts)),
+    }.items():
         main = main.replace(word, text)
     source = packed.assembled(translator, main)
     words, second, uniforms = packed.tables.pack(packed.scalars)
 
     def run(context):
         shader = found.program(context, source)
-        buffers = [context.buffer(np.ascontiguousarray(array).tobytes()) for array in (
-            words, numbers.astype(np.float32), np.zeros(1, np.uint32), np.zeros(2, np.float32), second)]
+        buffers = [
+            context.buffer(np.ascontiguousarray(array).tobytes())
+            for array in (words, numbers.astype(np.float32), np.zeros(1, np.uint32), np.zeros(2, np.float32), second)
+        ]
         block = context.buffer(uniforms.tobytes())
         block.bind_to_uniform_block(0)
         for binding, buffer in enumerate(buffers):
             buffer.bind_to_storage_buffer(binding)
         shader.run(len(numbers) // GROUP)
-        values = np.frombuffer(buffers[1].read(), np.float32).reshape(numbers.shape)[:, :len(parts)].astype(float)
+        values = np.frombuffer(buffers[1].read(), np.float32).reshape(numbers.shape)[:, : len(parts)].astype(float)
         lengths = np.frombuffer(buffers[3].read(), np.float32).astype(float)
         for buffer in (*buffers, block):
             buffer.release()
@@ -165,3 +204,67 @@ def on_cpu(kernel, *columns: np.ndarray) -> np.ndarray:
 
 def _rounded(number):
     return int(number) if isinstance(number, (int, np.integer)) else float(np.float32(number))
+
+
+_LOOK_UP = """
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) buffer Numbers { float numbers[]; };
+void main()
+{
+    int at = int(gl_GlobalInvocationID.x) * 4;
+    vec4 found = NAME(PLACE, numbers[at], numbers[at + 1]);
+    for (int channel = 0; channel < 4; channel++) {
+        numbers[at + channel] = found[channel];
+    }
+}
+"""
+
+
+def with_textures(images: list, looked_up: list, place: int, uv: np.ndarray) -> np.ndarray:
+    """(n, 4) RGBA of a texture of ``looked_up`` at uv (n, 2), of these images."""
+    found = device_or_skip()
+    scene = scenes.SCENES["textured"](8, 6)
+    scene.images, scene.materials = images, []
+    tables = textures.pack_textures(scene, looked_up)
+    del tables["decoding"]
+    tables |= gpu_images.placed(images, tables["images"])
+    packed = Tables({"sobol": program.sampler.tables(), **tables}, {}, frozenset(), {})
+    translator = Translator(
+        packed, replacements.together(replacements.ALWAYS, replacements.WITH_BOXES), replacements.ROUNDING
+    )
+    arguments = [Value(FLOAT, "place"), Value(FLOAT, "u"), Value(FLOAT, "v")]
+    name, _ = translator.function(textures.texture_lookup, [known(BLOCK), known(WORKSPACE), *arguments])
+    main = _LOOK_UP.replace("NAME", name).replace("PLACE", f"{place}.0")
+    packed.used_scalars["sobol_start"] = "int"
+    source = "\n".join(
+        [
+            "#version 430 core",
+            packed.uniform_source(),
+            program.glsl("maths.glsl"),
+            packed.second_source(),
+            *codegen_glsl.helpers("angle"),
+            program.glsl("random.glsl"),
+            translator.structure_source(),
+            *translator.globals,
+            *translator.functions,
+            main,
+        ]
+    )
+    words, _, uniforms = packed.pack({})
+    numbers = np.zeros((-(-len(uv) // GROUP) * GROUP, 4), np.float32)
+    numbers[: len(uv), :2] = uv
+
+    def run(context):
+        shader = found.program(context, source)
+        buffers = [context.buffer(np.ascontiguousarray(array).tobytes()) for array in (words, numbers)]
+        block = context.buffer(uniforms.tobytes())
+        block.bind_to_uniform_block(0)
+        for binding, buffer in enumerate(buffers):
+            buffer.bind_to_storage_buffer(binding)
+        shader.run(len(numbers) // GROUP)
+        values = np.frombuffer(buffers[1].read(), np.float32).reshape(numbers.shape).astype(float)
+        for buffer in (*buffers, block):
+            buffer.release()
+        return values
+
+    return found.submit(run).result()[: len(uv)]

@@ -7,20 +7,23 @@ import pytest
 
 from sdf_lights import jit
 from sdf_lights.emitter import lamps
-from sdf_lights.emitter.interior import tree
+from sdf_lights.emitter.building import build
+from sdf_lights.emitter.tree.interior import tree
 from sdf_lights.jit import kernel
-from sdf_lights.render.cpu.workspace import spans_of
 from sdf_lights.render.gpu import crossings
+from sdf_lights.render.kernels.workspace import spans_of
 from sdf_lights.render.settings import LampSampling
 from sdf_lights.sdf.expression import Expression
-from tests.emitter.hard_cases import SMOOTH, scattered
-from tests.emitter.support import Lamps
+from support.lamps.hard_cases import SMOOTH, scattered
+from support.lamps.traced import Lamps
 from tests.gpu.support import with_lamp
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
-BLOB = ("smooth_union(translate(sphere(0.5), (-0.45, 0, 0)), translate(sphere(0.4), (0.4, 0.1, 0.2)), "
-        "translate(sphere(0.3), (0.1, -0.2, -0.5)), 0.25)")
+BLOB = (
+    "smooth_union(translate(sphere(0.5), (-0.45, 0, 0)), translate(sphere(0.4), (0.4, 0.1, 0.2)), "
+    "translate(sphere(0.3), (0.1, -0.2, -0.5)), 0.25)"
+)
 COUNT = 4096
 
 # Shape, and of rays: the mean error of the length inside, relative to the reach; the part with another number of
@@ -62,7 +65,7 @@ def rays(lamp: Lamps, far: float, rng) -> np.ndarray:
 @pytest.mark.parametrize("name", FIELDS)
 def test_intervals_are_those_of_the_cpu(name):
     shape, length_error, other, left = FIELDS[name]
-    lamp = Lamps(lamps.build_lamp(name, shape, np.eye(4)))
+    lamp = Lamps(build.build_lamp(name, shape, np.eye(4)))
     assert lamp.row["kind"] == lamps.FIELD
     reach = lamp.row["reach"]
     for far in (3.0, 0.3):

@@ -6,14 +6,17 @@ import numpy as np
 import pytest
 
 from sdf_lights import jit
-from sdf_lights.emitter import cut, lamps
-from sdf_lights.emitter.baselines import LampBlock
+from sdf_lights.emitter import lamps
+from sdf_lights.emitter.building import pack
+from sdf_lights.emitter.sampling import cut
+from sdf_lights.emitter.sampling.strategies import BOXES
 from sdf_lights.jit import kernel
-from sdf_lights.render.cpu.workspace import box_table, cut_of, spans_of
 from sdf_lights.render.gpu import lamps as gpu_lamps
+from sdf_lights.render.kernels.workspace import box_table, cut_of, spans_of
 from sdf_lights.sdf.expression import Expression
-from tests.chi2 import chi2_sphere, sphere_integral
-from tests.emitter.test_cut import POINTS, SHAPES, density, sample, unit
+from support.chi2 import chi2_sphere, sphere_integral
+from support.rivals.baselines import LampBlock
+from tests.emitter.sampling.test_cut import POINTS, SHAPES, density, sample, unit
 from tests.gpu.support import with_lamp
 from tests.gpu.test_session import balls
 
@@ -21,7 +24,10 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 
 ALL = 0.0  # tolerance
 TRACED = {  # by boxes of parts, and by a program that is written out
-    **SHAPES, "balls": Expression(f"union({balls(12)})").shape(), "shell": Expression("box(0.5) - sphere(0.6)").shape()}
+    **SHAPES,
+    "balls": Expression(f"union({balls(12)})").shape(),
+    "shell": Expression("box(0.5) - sphere(0.6)").shape(),
+}
 
 
 @kernel(cache=False)
@@ -33,8 +39,12 @@ class FlatCut:
     """The cut of a lamp for a point, on the CPU."""
 
     def __init__(self, shape, x, n):
-        self._lamp, self._x, self.rows = LampBlock(shape, np.eye(4)), tuple(map(float, x)), np.zeros(1, gpu_lamps.FLAT_CUT)
-        self._spans = lamps.new_spans(int(self._lamp.blocks["lamp_rows"][0]), 1)
+        self._lamp, self._x, self.rows = (
+            LampBlock(shape, np.eye(4)),
+            tuple(map(float, x)),
+            np.zeros(1, gpu_lamps.FLAT_CUT),
+        )
+        self._spans = pack.new_spans(int(self._lamp.blocks["lamp_rows"][0]), 1)
         self.store = gpu_lamps.flat_boxes(self._lamp.tables)
         _prepare(self._lamp.blocks, self._x, unit(n), self.store, self.rows)
 
@@ -42,8 +52,9 @@ class FlatCut:
         return sample(self._lamp.blocks, self._x, self._spans, self.store, self.rows, np.ascontiguousarray(u, float))
 
     def density(self, directions):
-        return density(self._lamp.blocks, self._x, self.store, self.rows, np.ascontiguousarray(directions, float),
-                       self._spans)
+        return density(
+            self._lamp.blocks, self._x, self.store, self.rows, np.ascontiguousarray(directions, float), self._spans
+        )
 
 
 def test_there_is_room_for_whole_vectors_of_boxes():
@@ -54,8 +65,8 @@ def test_there_is_room_for_whole_vectors_of_boxes():
 def test_boxes_hold_the_lamp(shape):
     store = FlatCut(SHAPES[shape], *POINTS["above"]).store[0]
     assert 1 < store["count"] <= gpu_lamps.LIMIT
-    clipped = store["solid"][:store["count"]] == 0
-    volume = store["volume"][:store["count"]]
+    clipped = store["solid"][: store["count"]] == 0
+    volume = store["volume"][: store["count"]]
     assert volume[clipped].sum() <= 1.0 + 1e-5 and volume.sum() >= 1.0 - 1e-5
 
 
@@ -69,10 +80,12 @@ def test_density_integrates_to_one(shape, point):
     assert abs(total - 1.0) < 4.0 * error + 1e-3
 
 
-@pytest.mark.parametrize("shape, point", [("torus", "close"), ("frame", "beside"), ("nested", "above"), ("blob", "above")])
+@pytest.mark.parametrize(
+    "shape, point", [("torus", "close"), ("frame", "beside"), ("nested", "above"), ("blob", "above")]
+)
 def test_directions_have_their_density(shape, point):
     found = FlatCut(SHAPES[shape], *POINTS[point])
-    assert found.rows["slot"][0] >= 0
+    assert found.rows["strategy"][0] == BOXES
     result = chi2_sphere(found.sample, found.density, n=100_000, seed=5, quadrature=48)
     assert result.passed, result
 
@@ -82,7 +95,7 @@ def drawn(block, workspace, x, n, u, d):
     """A direction by the cut for a point, its density, and that of another direction."""
     store, row, spans = box_table(workspace), cut_of(workspace), spans_of(workspace)
     gpu_lamps.prepare(block, 0, x, n, 0, 1, ALL, gpu_lamps.LIMIT, None, store, row)
-    w = cut.sample(block, 0, x, spans, store, row, u[0], u[1], u[2])
+    w = cut.sample(block, 0, x, store, row, u[0], u[1], u[2])
     own = cut.density(block, 0, w, store, row, spans, lamps.trace(block, 0, x, w, spans))
     other = cut.density(block, 0, d, store, row, spans, lamps.trace(block, 0, x, d, spans))
     return w[0], w[1], w[2], own, other

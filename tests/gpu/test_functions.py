@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from sdf_lights import jit, vec
-from sdf_lights.emitter import cut, emission, points, primitives
-from sdf_lights.render.cpu import sampler, textures
-from sdf_lights.render.cpu.lights import cone, ellipse, rectangle
-from sdf_lights.render.cpu.lights import triangle as triangles
-from sdf_lights.render.cpu.shading import diffuse, fresnel, microfacet
+from sdf_lights.emitter.emission import varying as emission
+from sdf_lights.emitter.intersection import primitives
+from sdf_lights.emitter.sampling import cut, points
+from sdf_lights.render.kernels import sampler, textures
+from sdf_lights.render.kernels.lights import cone, ellipse, rectangle
+from sdf_lights.render.kernels.lights import triangle as triangles
+from sdf_lights.render.kernels.shading import diffuse, fresnel, microfacet
 from tests.gpu.support import on_cpu, on_gpu
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
@@ -40,17 +42,37 @@ FUNCTIONS = {
     "cone": (cone.sample_cone, lambda r: [units(r), uniform(r, 0.01, 1.0), uniform(r), uniform(r)], 3e-6, 0.0),
     "disk": (points.disk_point, lambda r: [uniform(r), uniform(r)], 2e-6, 0.0),
     "ball": (points.ball_point, lambda r: [uniform(r), uniform(r), uniform(r)], 4e-6, 0.0),
-    "torus point": (points.torus_point, lambda r: [uniform(r), uniform(r), uniform(r), uniform(r, 0.5, 1.0),
-                                                   uniform(r, 0.01, 0.4)], 2e-4, 0.0),
+    "torus point": (
+        points.torus_point,
+        lambda r: [uniform(r), uniform(r), uniform(r), uniform(r, 0.5, 1.0), uniform(r, 0.01, 0.4)],
+        2e-4,
+        0.0,
+    ),
     "sphere span": (primitives.sphere_span, lambda r: [vectors(r, 0.4), units(r), uniform(r, 0.8, 1.0)], 1e-5, 0.0),
-    "box span": (primitives.box_span, lambda r: [vectors(r, 0.4), units(r), *(uniform(r, 0.5, 1.0) for _ in range(3))],
-                 1e-5, 1e-5),
-    "capsule span": (primitives.capsule_span, lambda r: [vectors(r, 0.2), units(r), uniform(r, 0.4, 1.0),
-                                                         uniform(r, 0.2, 1.0)], 1e-5, 1e-5),
-    "cylinder span": (primitives.cylinder_span, lambda r: [vectors(r, 0.2), units(r), uniform(r, 0.4, 1.0),
-                                                           uniform(r, 0.3, 1.0)], 1e-5, 1e-5),
-    "frustum span": (primitives.frustum_span, lambda r: [vectors(r, 0.1), units(r), uniform(r, 0.5, 1.0),
-                                                         uniform(r, 0.3, 0.5), uniform(r, 0.3, 1.0)], 2e-5, 2e-5),
+    "box span": (
+        primitives.box_span,
+        lambda r: [vectors(r, 0.4), units(r), *(uniform(r, 0.5, 1.0) for _ in range(3))],
+        1e-5,
+        1e-5,
+    ),
+    "capsule span": (
+        primitives.capsule_span,
+        lambda r: [vectors(r, 0.2), units(r), uniform(r, 0.4, 1.0), uniform(r, 0.2, 1.0)],
+        1e-5,
+        1e-5,
+    ),
+    "cylinder span": (
+        primitives.cylinder_span,
+        lambda r: [vectors(r, 0.2), units(r), uniform(r, 0.4, 1.0), uniform(r, 0.3, 1.0)],
+        1e-5,
+        1e-5,
+    ),
+    "frustum span": (
+        primitives.frustum_span,
+        lambda r: [vectors(r, 0.1), units(r), uniform(r, 0.5, 1.0), uniform(r, 0.3, 0.5), uniform(r, 0.3, 1.0)],
+        2e-5,
+        2e-5,
+    ),
     "place of a point": (emission.place_point, lambda r: [uniform(r)], 2e-6, 0.0),
     "dielectric": (fresnel.dielectric, lambda r: [uniform(r), uniform(r, 1.1, 2.0)], 2e-6, 0.0),
     "F82": (fresnel.f82, lambda r: [uniform(r), uniform(r), uniform(r, 0.0, 4.0)], 2e-6, 0.0),
@@ -58,19 +80,62 @@ FUNCTIONS = {
     "masking": (microfacet.masking, lambda r: [uniform(r, 0.01, 1.0), uniform(r, 0.01, 1.0)], 1e-6, 1e-5),
     "cosine": (diffuse.cosine_hemisphere, lambda r: [uniform(r), uniform(r)], 1e-3, 0.0),  # flat at the rim
     "sheen albedo": (diffuse.sheen_albedo, lambda r: [uniform(r), uniform(r, 0.05, 1.0)], 1e-5, 1e-4),
-    "rectangle pdf": (rectangle.rectangle_pdf, lambda r: [
-        uniform(r, -1.0, -0.2), uniform(r, 0.1, 1.0), uniform(r, -1.0, -0.2), uniform(r, 0.1, 1.0), uniform(r, 0.1, 1.0),
-        uniform(r, -0.2, 0.1), uniform(r, -0.2, 0.1)], 0.0, 1e-4),
-    "rectangle": (rectangle.sample_rectangle, lambda r: [
-        uniform(r, -1.0, -0.2), uniform(r, 0.1, 1.0), uniform(r, -1.0, -0.2), uniform(r, 0.1, 1.0), uniform(r, 0.3, 1.0),
-        uniform(r), uniform(r)], 1e-4, 1e-4),
-    "ellipse pdf": (ellipse.ellipse_pdf, lambda r: [
-        uniform(r, -0.5, 0.5), uniform(r, -0.5, 0.5), uniform(r, 0.3, 1.0), uniform(r, 0.3, 1.0), uniform(r, 0.3, 1.0),
-        uniform(r, -0.1, 0.1), uniform(r, -0.1, 0.1)], 0.0, 2e-3),
+    "rectangle pdf": (
+        rectangle.rectangle_pdf,
+        lambda r: [
+            uniform(r, -1.0, -0.2),
+            uniform(r, 0.1, 1.0),
+            uniform(r, -1.0, -0.2),
+            uniform(r, 0.1, 1.0),
+            uniform(r, 0.1, 1.0),
+            uniform(r, -0.2, 0.1),
+            uniform(r, -0.2, 0.1),
+        ],
+        0.0,
+        1e-4,
+    ),
+    "rectangle": (
+        rectangle.sample_rectangle,
+        lambda r: [
+            uniform(r, -1.0, -0.2),
+            uniform(r, 0.1, 1.0),
+            uniform(r, -1.0, -0.2),
+            uniform(r, 0.1, 1.0),
+            uniform(r, 0.3, 1.0),
+            uniform(r),
+            uniform(r),
+        ],
+        1e-4,
+        1e-4,
+    ),
+    "ellipse pdf": (
+        ellipse.ellipse_pdf,
+        lambda r: [
+            uniform(r, -0.5, 0.5),
+            uniform(r, -0.5, 0.5),
+            uniform(r, 0.3, 1.0),
+            uniform(r, 0.3, 1.0),
+            uniform(r, 0.3, 1.0),
+            uniform(r, -0.1, 0.1),
+            uniform(r, -0.1, 0.1),
+        ],
+        0.0,
+        2e-3,
+    ),
     "solid angle": (triangles.solid_angle, lambda r: [units(r), units(r), units(r)], 5e-6, 1e-4),
     "cubic": (textures._cubic, lambda r: [uniform(r), r.integers(0, 4, COUNT)], 1e-6, 0.0),
-    "place in a box": (cut._place_in, lambda r: [uniform(r, -1.0, 0.0), uniform(r, 0.5, 1.0), uniform(r, 0.5, 1.0),
-                                                 uniform(r, -0.3, 0.3), uniform(r)], 2e-6, 0.0),
+    "place in a box": (
+        cut._place_in,
+        lambda r: [
+            uniform(r, -1.0, 0.0),
+            uniform(r, 0.5, 1.0),
+            uniform(r, 0.5, 1.0),
+            uniform(r, -0.3, 0.3),
+            uniform(r),
+        ],
+        2e-6,
+        0.0,
+    ),
 }
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sdf_lights import jit
-from sdf_lights.emitter.intervals import _combine, regularize, rows_needed, solve
+from sdf_lights.emitter.intersection.intervals import _combine, regularize, rows_needed, solve
 from sdf_lights.emitter.lamps import LAMP
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.render.gpu import parts
@@ -20,10 +20,11 @@ BLOCK = block_dtype({"lamp_instructions": INSTRUCTION, "lamp_fields": parts.FIEL
 SHAPES = {
     "balls": f"union({balls(12)})",
     "kinds": "union(translate(box(0.2, 0.1, 0.3), -1, 0, 0), rotate_x(torus(0.3, 0.1), 40),"
-             " translate(capsule(0.1, 0.5), 1, 0, 0),"
-             " translate(cylinder(0.2, 0.5), 0, 1, 0), translate(rotate_y(cone(0.3, 0.6), 70), 0, -1, 0))",
+    " translate(capsule(0.1, 0.5), 1, 0, 0),"
+    " translate(cylinder(0.2, 0.5), 0, 1, 0), translate(rotate_y(cone(0.3, 0.6), 70), 0, -1, 0))",
     "nested": "union(translate(box(0.3) - sphere(0.36), -1, 0, 0), sphere(0.3), translate(sphere(0.3) & box(0.25), 1, 0, 0),"
-              " union(translate(sphere(0.2), 0, 0, 0.4), translate(menger_sponge(0.3, 2), 0, 1, 0)))"}
+    " union(translate(sphere(0.2), 0, 0, 0.4), translate(menger_sponge(0.3, 2), 0, 1, 0)))",
+}
 
 
 @kernel(cache=False)

@@ -13,11 +13,12 @@ from sdf_lights.render import session
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import lamps, program, renderer
 from sdf_lights.render.gpu.device import DeviceError
+from sdf_lights.render.material import Material, Node
 from sdf_lights.render.settings import Device, LampSampling
 from sdf_lights.sdf.expression import Expression
-from tests import scenes
+from support import scenes
+from support.scenes import Lamp, Scene, camera, settings, translation
 from tests.gpu.support import device_or_skip
-from tests.scenes import Lamp, Scene, camera, settings, translation
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -37,6 +38,28 @@ def test_the_gpu_renders_when_it_is_asked_to():
     assert film.samples == 4 and film.read("Combined")[..., :3].mean() > 0.0
 
 
+def test_the_gpu_says_that_it_leaves_subsurface_scattering_out():
+    """Such surfaces are opaque there, and a thin wall is as it is elsewhere."""
+    device_or_skip()
+
+    def picture(surface: Node) -> tuple[np.ndarray, list[str]]:
+        scene = scenes.SCENES["torus_room"](16, 12)
+        scene.materials[0] = Material("deep", surface)
+        scene.settings.device, scene.settings.samples = Device.GPU, 1
+        return session.render(scene, ()).read("Combined"), scene.warnings
+
+    color = {"color": (0.8, 0.6, 0.4)}
+    deep, told = picture(Node("subsurface", color))
+    opaque, nothing = picture(Node("diffuse", color))
+    assert len(told) == 1 and "subsurface" in told[0] and nothing == []
+    np.testing.assert_array_equal(deep, opaque)
+    inputs = {"base_color": (0.8, 0.6, 0.4), "subsurface_weight": 1.0}
+    deep, told = picture(Node("principled", inputs))
+    assert len(told) == 1 and deep[..., :3].mean() > 0.0
+    thin, told = picture(Node("principled", inputs | {"thin_wall": 1.0}))
+    assert told == [] and thin[..., :3].mean() > 0.0
+
+
 def test_automatic_is_the_cpu():
     _, film = render(Device.AUTOMATIC, samples=1)
     assert film.made_by == "CPU"
@@ -50,7 +73,8 @@ def test_the_cpu_takes_over_with_a_sentence(monkeypatch):
     scene, film = render(Device.GPU, samples=1)
     assert film.made_by == "CPU" and film.samples == 1
     assert scene.warnings == [
-        "The GPU cannot render this: there is no OpenGL 4.3 here (no driver). The CPU has rendered it."]
+        "The GPU cannot render this: there is no OpenGL 4.3 here (no driver). The CPU has rendered it."
+    ]
 
 
 def test_the_cpu_takes_over_in_the_middle(monkeypatch):
@@ -76,8 +100,13 @@ def test_samples_that_a_driver_cuts_short_are_taken_again():
         scene.world.strength = 0.0
         scene.lamps = [Lamp("bulb", Expression("mandelbulb()").shape(), translation(0.0, 0.0, 1.7), power=50.0)]
         scene.settings = settings(
-            max_bounces=0, samples=32, guided_samples=False, indirect_paths=1, device=device,
-            lamp_sampling=LampSampling.BSDF)
+            max_bounces=0,
+            samples=32,
+            guided_samples=False,
+            indirect_paths=1,
+            device=device,
+            lamp_sampling=LampSampling.BSDF,
+        )
         films.append(session.render(scene, ()))
     cpu, gpu = films
     assert gpu.made_by != "CPU" and (gpu.count == 32).all()
@@ -104,10 +133,9 @@ def refusal(scene) -> str:
     return str(told.value)
 
 
-@pytest.mark.parametrize("sampling", ["SURFACE", "BOUNDING"])
-def test_samplings_that_only_the_cpu_has(sampling):
+def test_samplings_that_only_the_cpu_has():
     scene = lit_by("sphere(0.5)")
-    scene.settings.lamp_sampling = LampSampling[sampling]
+    scene.settings.lamp_sampling = LampSampling.EXTERNAL
     assert refusal(scene) == "it has no such sampling of lamps"
 
 

@@ -14,15 +14,35 @@ from scipy import stats
 from sdf_lights import jit
 from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.reference.renderer import ReferenceRenderer
-from tests import scenes
+from support import scenes
+from support.blocks import means
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
-SEEDS, BLOCK, CONFIDENCE = 8, 4, 0.9999
-PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission",
-          "SDF Lamps")
-QUICK = ("torus_room", "blender_lights", "environment", "emissive_mesh", "glossy_metal", "glass", "textured", "instances",
-       "transparent", "inside_lamp", "field_lamps", "varying_lamps")
+SEEDS, CONFIDENCE = 8, 0.9999
+PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission", "SDF Lamps")
+QUICK = (
+    "torus_room",
+    "blender_lights",
+    "environment",
+    "skylight",
+    "emissive_mesh",
+    "glossy_metal",
+    "facets",
+    "rare",
+    "glass",
+    "subsurface",
+    "subsurface_profile",
+    "only_reflective_caustics",
+    "only_refractive_caustics",
+    "textured",
+    "probed",
+    "instances",
+    "transparent",
+    "inside_lamp",
+    "field_lamps",
+    "varying_lamps",
+)
 
 
 def pictures(renderer, name: str, samples: int) -> dict[str, np.ndarray]:
@@ -42,13 +62,6 @@ def pictures(renderer, name: str, samples: int) -> dict[str, np.ndarray]:
     return {item: np.array(values) for item, values in found.items()}
 
 
-def means(values: np.ndarray) -> list[np.ndarray]:
-    """Means of blocks and of the picture, (seeds, …)."""
-    seeds, height, width, channels = values.shape
-    blocks = values.reshape(seeds, height // BLOCK, BLOCK, width // BLOCK, BLOCK, channels).mean((2, 4))
-    return [blocks.reshape(seeds, -1), values.mean((1, 2))]
-
-
 def compare(name: str, samples: int) -> None:
     from sdf_lights.render.cpu.renderer import CpuRenderer
 
@@ -59,14 +72,16 @@ def compare(name: str, samples: int) -> None:
         for a, b in zip(means(cpu[item]), means(reference[item])):
             va, vb = (x.var(0, ddof=1) / SEEDS + 0.5 * rounding**2 for x in (a, b))
             t = (a.mean(0) - b.mean(0)) / np.sqrt(va + vb)
-            degrees = (va + vb)**2 / ((va**2 + vb**2) / (SEEDS - 1))
+            degrees = (va + vb) ** 2 / ((va**2 + vb**2) / (SEEDS - 1))
             # Half of the error allowed goes to the blocks, half to the picture; every pass gets the same.
             level = (1.0 - CONFIDENCE) / (2 * len(PASSES) * t.size)
             p = 2.0 * stats.t.sf(np.abs(t), degrees)
             if p.min() < level:
                 worst = int(p.argmin())
-                failures.append(f"{item}: {a.mean(0)[worst]:.5g} against {b.mean(0)[worst]:.5g} (t = {t[worst]:.1f}, "
-                                f"{np.count_nonzero(p < level)} of {t.size} means)")
+                failures.append(
+                    f"{item}: {a.mean(0)[worst]:.5g} against {b.mean(0)[worst]:.5g} (t = {t[worst]:.1f}, "
+                    f"{np.count_nonzero(p < level)} of {t.size} means)"
+                )
     assert not failures, "; ".join(failures)
 
 

@@ -87,10 +87,14 @@ def test_a_coarse_picture_of_the_same_frame_comes_first(render, scene):
 
 def test_coarse_pictures_may_leave_lamps_to_their_owner(render, scene):
     """What the lamps light is in them nevertheless."""
-    floor = Mesh("Floor", np.array([[-4, -4, -10], [4, -4, -10], [4, 4, -10], [-4, 4, -10]], np.float32),
-                 np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    floor = Mesh(
+        "Floor",
+        np.array([[-4, -4, -10], [4, -4, -10], [4, 4, -10], [-4, 4, -10]], np.float32),
+        np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+    )
     scene = dataclasses.replace(
-        scene, meshes=[floor], instances=[Instance(0, np.eye(4), (0,))], materials=[Material("White", Node("diffuse"))])
+        scene, meshes=[floor], instances=[Instance(0, np.eye(4), (0,))], materials=[Material("White", Node("diffuse"))]
+    )
     seen = []
     publish = render._publish
     render._publish = lambda *args: (publish(*args), seen.append(render.picture))

@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from sdf_lights.jit import kernel
-from sdf_lights.render.cpu.sampler import draw1, draw2, draw3, draw4, pixel_seed
+from sdf_lights.render.kernels.sampler import draw1, draw2, draw3, draw4, pixel_seed
 
 
 @kernel(cache=False)

@@ -10,14 +10,21 @@ import pytest
 
 pytest.importorskip("bpy")
 
-import bench  # noqa: E402
-from benchmarks import scaling  # noqa: E402
+import bench
+from benchmarks import scaling
 
 
 def test_lists_are_of_known_names():
     options = bench.parse(["lamps", "--only", "S2,gloss", "--samplers", "MIS,BSDF", "--bounces", "4", "--no-cycles"])
     assert options.only == ["S2", "gloss"] and options.samplers == ["MIS", "BSDF"]
     assert options.bounces == 4 and not options.cycles
+
+
+@pytest.mark.parametrize("arguments", [[], *([name] for name in (*bench.benchmarks.NAMES, "all"))], ids="".join)
+def test_every_benchmark_has_help(arguments, capsys):
+    with pytest.raises(SystemExit) as left:
+        bench.parse([*arguments, "--help"])
+    assert left.value.code == 0 and "usage: bench" in capsys.readouterr().out
 
 
 def test_all_has_the_arguments_of_each():

@@ -9,9 +9,9 @@ import pytest
 
 pytest.importorskip("bpy")
 
-import bench  # noqa: E402
-from benchmarks import check  # noqa: E402
-from benchmarks.ratios import RATIOS, Ratio  # noqa: E402
+import bench
+from benchmarks import check
+from benchmarks.ratios import RATIOS, Ratio
 
 
 @pytest.fixture

@@ -9,10 +9,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+import bench  # noqa: E402
 from benchmarks import cycles, lamp_meshes, lamp_scenes, pictures, references, scenes  # noqa: E402
 from benchmarks.methods import Method  # noqa: E402
-
-import bench  # noqa: E402
 
 
 @pytest.mark.parametrize("name", ["S1", "S4", "nested"])
@@ -24,8 +23,10 @@ def test_mesh_lights_have_the_power_of_the_lamps(name):
     assert not surfaces.hide_render and volumes.hide_render and len(surfaces.objects) == len(volumes.objects)
     for volume, surface in zip(volumes.objects, surfaces.objects):
         inside, area = lamp_meshes.measures(surface.data)
-        density, radiance = (thing.data.materials[0].node_tree.nodes["Emission"].inputs["Strength"].default_value
-                             for thing in (volume, surface))
+        density, radiance = (
+            thing.data.materials[0].node_tree.nodes["Emission"].inputs["Strength"].default_value
+            for thing in (volume, surface)
+        )
         assert math.pi * radiance * area == pytest.approx(4.0 * math.pi * density * inside, rel=1e-6)
 
 
@@ -58,12 +59,14 @@ def test_rows_have_the_band_of_the_seeds(tmp_path, monkeypatch):
     for _ in range(2):
         reference.add(lambda seed: (np.ones((4, 4, 3)), 0.0))
     method = Method("CUT", "CUT", pictures={4: [made(1.0, 0.1), made(3.0, 0.2), made(2.0, 0.3)]})
-    row, = method.rows("S1", 0, reference)
+    (row,) = method.rows("S1", 0, reference)
     assert (row["seeds"], row["clock"]) == (3, 2.0)
     assert [row[f"rel_mse{end}"] for end in ("_low", "", "_high")] == pytest.approx(
-        [error / 1.01 for error in (0.01, 0.14 / 3.0, 0.09)])
+        [error / 1.01 for error in (0.01, 0.14 / 3.0, 0.09)]
+    )
     assert [row[f"mape{end}"] for end in ("_low", "", "_high")] == pytest.approx(
-        [error / 1.01 for error in (0.1, 0.2, 0.3)])
+        [error / 1.01 for error in (0.1, 0.2, 0.3)]
+    )
     assert row["mean_ratio"] == pytest.approx(1.2)
 
 
@@ -75,15 +78,30 @@ def test_a_method_that_has_not_begun_has_no_error_at_that_time():
 
 
 def test_summary_is_the_geometric_mean_over_scenes():
-    found = [{"scene": scene, "bounces": 0, "samples": 64, "rel_mse CUT": 1.0, "rel_mse Cycles volume": ratio,
-              "rel_mse Cycles mesh light": mesh} for scene, ratio, mesh in (("S1", 4.0, 3.0), ("S2", 9.0, None))]
-    rows = [dict(scene=scene, bounces=0, samples=64, method=method, rel_mse=value, mape=None, flip=None)
-            for scene, value in (("S1", 2.0), ("S2", 8.0))
-            for method, value in (("CUT", 1.0), ("Cycles volume", value))]
+    found = [
+        {
+            "scene": scene,
+            "bounces": 0,
+            "samples": 64,
+            "rel_mse CUT": 1.0,
+            "rel_mse Cycles volume": ratio,
+            "rel_mse Cycles mesh light": mesh,
+        }
+        for scene, ratio, mesh in (("S1", 4.0, 3.0), ("S2", 9.0, None))
+    ]
+    rows = [
+        dict(scene=scene, bounces=0, samples=64, method=method, rel_mse=value, mape=None, flip=None)
+        for scene, value in (("S1", 2.0), ("S2", 8.0))
+        for method, value in (("CUT", 1.0), ("Cycles volume", value))
+    ]
     summary = cycles.summary_of(found, rows, "CUT")
-    assert summary == pytest.approx({
-        "rel_mse_ratio_cycles_volume_direct_equal_time": 6.0, "rel_mse_ratio_cycles_volume_direct_equal_samples": 4.0,
-        "rel_mse_ratio_cycles_mesh_light_direct_equal_time": 3.0})
+    assert summary == pytest.approx(
+        {
+            "rel_mse_ratio_cycles_volume_direct_equal_time": 6.0,
+            "rel_mse_ratio_cycles_volume_direct_equal_samples": 4.0,
+            "rel_mse_ratio_cycles_mesh_light_direct_equal_time": 3.0,
+        }
+    )
 
 
 @pytest.mark.parametrize("text", ["4", "16,4", "4,four", "0,4"])

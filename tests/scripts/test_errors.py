@@ -27,7 +27,8 @@ def test_variance_of_the_reference_is_what_it_adds_to_the_error():
     random = np.random.default_rng(1)
     noisy = REFERENCE + random.normal(0.0, 0.05, REFERENCE.shape)
     assert errors.rel_mse(REFERENCE, noisy) == pytest.approx(
-        errors.rel_variance(np.full(REFERENCE.shape, 0.05**2), REFERENCE), rel=0.05)
+        errors.rel_variance(np.full(REFERENCE.shape, 0.05**2), REFERENCE), rel=0.05
+    )
 
 
 def test_a_power_law_is_read_off_at_any_place():

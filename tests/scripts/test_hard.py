@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from benchmarks.hard_cases import CASES, Figure, attraction
 
-from tests import glsl
-from tests.scenes import rotation, scaling, translation
+from support import glsl
+from support.scenes import rotation, scaling, translation
 
 
-@pytest.mark.parametrize("name", [
-    pytest.param(name, marks=pytest.mark.slow if case.slow else ()) for name, case in CASES.items()])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if case.slow else ()) for name, case in CASES.items()]
+)
 def test_case(name):
     case = CASES[name]
     if case.blender:
@@ -41,8 +42,11 @@ def test_the_command_tells_what_holds_and_fails_where_something_does_not(tmp_pat
         raise ValueError("no such lamp")
 
     monkeypatch.setitem(CASES, "noise-evaluations", dataclasses.replace(cases["noise-evaluations"], measure=broken))
-    monkeypatch.setitem(CASES, "near-tangent-lengths", dataclasses.replace(
-        cases["near-tangent-lengths"], measure=lambda quick: Figure(np.float64(2.0), 1.0)))
+    monkeypatch.setitem(
+        CASES,
+        "near-tangent-lengths",
+        dataclasses.replace(cases["near-tangent-lengths"], measure=lambda quick: Figure(np.float64(2.0), 1.0)),
+    )
     assert bench.main(arguments) == 1
     result = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
     assert result["summary"]["hard_cases_failed"] == 2

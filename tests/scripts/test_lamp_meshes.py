@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from benchmarks import lamp_meshes  # noqa: E402
+from benchmarks import lamp_meshes
 
 BALL = 4.0 / 3.0 * math.pi
 FRAME = 8.0 * 0.8**3 - (BALL * 1.08**3 - 2.0 * math.pi * 0.28**2 * (3.0 * 1.08 - 0.28))
@@ -20,10 +20,20 @@ SOLIDS = {  # what makes the mesh, its volume, and how near it is to that
     "ball": (lambda: lamp_meshes.sphere(2.0, 32, 16), 8.0 * BALL, 1e-12),
     "sponge": (lambda: lamp_meshes.sponge(0.75, 2), 1.5**3 * (20.0 / 27.0) ** 2, 1e-12),
     "frame": (
-        lambda: lamp_meshes.difference(lamp_meshes.box((0.8,) * 3), lamp_meshes.sphere(1.08, 64, 32)), FRAME, 1e-2),
-    "isosurface": (lambda: lamp_meshes.isosurface(
-        lambda p: np.hypot(np.hypot(p[:, 0], p[:, 1]) - 1.0, p[:, 2]) - 0.35, (-1.35, -1.35, -0.35), (1.35, 1.35, 0.35),
-        40), 2.0 * math.pi**2 * 0.35**2, 1e-2),
+        lambda: lamp_meshes.difference(lamp_meshes.box((0.8,) * 3), lamp_meshes.sphere(1.08, 64, 32)),
+        FRAME,
+        1e-2,
+    ),
+    "isosurface": (
+        lambda: lamp_meshes.isosurface(
+            lambda p: np.hypot(np.hypot(p[:, 0], p[:, 1]) - 1.0, p[:, 2]) - 0.35,
+            (-1.35, -1.35, -0.35),
+            (1.35, 1.35, 0.35),
+            40,
+        ),
+        2.0 * math.pi**2 * 0.35**2,
+        1e-2,
+    ),
 }
 
 

@@ -8,6 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from benchmarks import lamp_scenes, lamps, pictures, scenes  # noqa: E402
+from benchmarks.methods import Method  # noqa: E402
 
 
 def test_each_lamp_has_its_volume():
@@ -25,7 +26,15 @@ def test_each_lamp_has_its_volume():
 def test_scenes_without_volumes_do_not_count_against_cycles():
     def row(scene: str, ratio: float, **more) -> dict:
         worst = {f"{error} MIS / CUT": 1.5 for error in lamps.WORST}
-        return {"scene": scene, "bounces": 4, "MIS / CUT": ratio, "MIS guided / CUT": 1.1, "slope": -0.6, **worst, **more}
+        return {
+            "scene": scene,
+            "bounces": 4,
+            "MIS / CUT": ratio,
+            "MIS guided / CUT": 1.1,
+            "slope": -0.6,
+            **worst,
+            **more,
+        }
 
     cycles = {"cycles": 40.0, "cycles denoised": 4.0, "both denoised": 10.0}
     for rows in ([row("skin", 1.2), row("wall", 3.0, **cycles)], [row("wall", 3.0, **cycles), row("skin", 1.2)]):
@@ -37,9 +46,21 @@ def test_scenes_without_volumes_do_not_count_against_cycles():
     assert "mse_ratio_cycles_bounces_min" not in lamps._summary([row("skin", 1.2)], "CUT")
 
 
+@pytest.mark.parametrize("sampler", ["BOUNDING", pytest.param("SURFACE", marks=pytest.mark.slow)])
+def test_samplers_to_compare_with_render_through_blender(sampler):
+    """The extension's copy of the program knows those that are registered: the mean of a picture, within a tenth of ours."""
+    lamp_scenes.SCENES["S2"].build(16)
+    found, ours = (Method(name, name, plain=True).render(64, 0, 0, "CPU").pixels.mean() for name in (sampler, "CUT"))
+    assert found == pytest.approx(ours, rel=0.1)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [  # the spark is one that Cycles hardly ever finds
-    name for name, about in lamp_scenes.SCENES.items() if about.volumes and name != "spark"])
+@pytest.mark.parametrize(
+    "name",
+    [  # the spark is one that Cycles hardly ever finds
+        name for name, about in lamp_scenes.SCENES.items() if about.volumes and name != "spark"
+    ],
+)
 def test_as_bright_as_in_cycles(name):
     size, blocks = 48, 6
     lamp_scenes.SCENES[name].build(size)

@@ -24,18 +24,40 @@ def race(volume: float = 0.5, mesh: float | None = 0.1, machine=MACHINE, flip: b
         if scene == "S2":
             errors |= {"Cycles volume": volume, "Cycles mesh light": mesh}
         metrics = ("rel_mse", "mape", "flip") if flip else ("rel_mse", "mape")
-        rows.append(dict(scene=scene, bounces=0, seconds=1.0, samples=64, reference=0.05, surface_reference=0.02,
-                         surface_mape=0.2, surface_mean_ratio=0.94)
-                    | {f"{metric} {name}": value for metric in metrics for name, value in errors.items()})
+        rows.append(
+            dict(
+                scene=scene,
+                bounces=0,
+                seconds=1.0,
+                samples=64,
+                reference=0.05,
+                surface_reference=0.02,
+                surface_mape=0.2,
+                surface_mean_ratio=0.94,
+            )
+            | {f"{metric} {name}": value for metric in metrics for name, value in errors.items()}
+        )
         for method, error in errors.items():
             for samples in (4, 16, 64):
-                row = dict(scene=scene, bounces=0, method=method, samples=samples, seeds=8, seconds=samples / 64.0,
-                           clock=1.0, mean_ratio=1.001, mean_ratio_error=0.001)
+                row = dict(
+                    scene=scene,
+                    bounces=0,
+                    method=method,
+                    samples=samples,
+                    seeds=8,
+                    seconds=samples / 64.0,
+                    clock=1.0,
+                    mean_ratio=1.001,
+                    mean_ratio_error=0.001,
+                )
                 value = (error or 1.0) * 64.0 / samples
                 for metric in ("rel_mse", "mape", "flip"):
                     known = metric in metrics
-                    row |= {metric: value if known else None, f"{metric}_low": 0.9 * value if known else None,
-                            f"{metric}_high": 1.1 * value if known else None}
+                    row |= {
+                        metric: value if known else None,
+                        f"{metric}_low": 0.9 * value if known else None,
+                        f"{metric}_high": 1.1 * value if known else None,
+                    }
                 rows.append(row)
     return results.Result("cycles_direct", "./scripts/bench cycles --bounces 0", {}, rows, machine)
 
@@ -70,9 +92,11 @@ def test_a_busy_machine_is_told():
 
 
 def test_limits_that_do_not_hold_are_named():
-    rows = [dict(case="stretch", measures="error of rays", figure=0.5, limit=0.1, holds=False),
-            dict(case="shells", measures="wrong crossings", figure=0.0, limit=0.0, holds=True),
-            dict(case="broken", measures="time", figure=None, limit=None, holds=False, error="it stopped")]
+    rows = [
+        dict(case="stretch", measures="error of rays", figure=0.5, limit=0.1, holds=False),
+        dict(case="shells", measures="wrong crossings", figure=0.0, limit=0.0, holds=True),
+        dict(case="broken", measures="time", figure=None, limit=None, holds=False, error="it stopped"),
+    ]
     text = "\n".join(page.hard(results.Result("hard", "./scripts/bench hard", {}, rows, MACHINE)))
     assert "**Limits that do not hold: stretch and broken.**" in text
     assert "| stretch | error of rays | 0.5 | 0.1 | **fails** |" in text
@@ -81,10 +105,29 @@ def test_limits_that_do_not_hold_are_named():
 
 
 def test_hard_cases_say_how_certain_and_how_slow_they_are():
-    rows = [dict(case="shells", kind="rays", measures="wrong", figure=0.0, limit=0.0, holds=True, rays=20000.0,
-                 too_fine_to_judge=0.25),
-            dict(case="noise", kind="cost", measures="time", figure=5.1, limit=10.0, holds=True,
-                 hard_ns_per_sample=510.0, easy_ns_per_sample=100.0, published_time_ratio=2.5)]
+    rows = [
+        dict(
+            case="shells",
+            kind="rays",
+            measures="wrong",
+            figure=0.0,
+            limit=0.0,
+            holds=True,
+            rays=20000.0,
+            too_fine_to_judge=0.25,
+        ),
+        dict(
+            case="noise",
+            kind="cost",
+            measures="time",
+            figure=5.1,
+            limit=10.0,
+            holds=True,
+            hard_ns_per_sample=510.0,
+            easy_ns_per_sample=100.0,
+            published_time_ratio=2.5,
+        ),
+    ]
     text = "\n".join(page.hard(results.Result("hard", "", {}, rows, MACHINE)))
     assert "| shells | wrong | 0 | 0 |  | 20,000 | 0.25 |" in text
     assert "| noise | 510 | 100 | 5.1 | 2.5 |" in text
@@ -99,8 +142,10 @@ def test_what_was_not_measured_is_told():
 
 
 def test_hard_cases_stand_under_their_kind():
-    rows = [dict(case=name, kind=kind, measures="what", figure=0.0, limit=1.0, holds=True)
-            for name, kind in (("far", "light"), ("leak", "faces"), ("new", "unheard of"))]
+    rows = [
+        dict(case=name, kind=kind, measures="what", figure=0.0, limit=1.0, holds=True)
+        for name, kind in (("far", "light"), ("leak", "faces"), ("new", "unheard of"))
+    ]
     parts = page.hard(results.Result("hard", "", {}, rows, MACHINE))
     titles = [part for part in parts if part.startswith("###")]
     assert titles == [f"### {page.HARD['light'][0]}\n", f"### {page.HARD['faces'][0]}\n", "### Others\n"]
@@ -122,16 +167,29 @@ def test_references_that_are_not_good_enough_are_named(variance, said):
 
 def crossings(wrong: float) -> results.Result:
     rules = ("evaluations", "published_evaluations", "published_coarse_evaluations", "spheres_evaluations")
-    rows = [dict(case=name, certified=True, smooth=smooth, rays=1000, wrong=wrong, published_wrong=0.0,
-                 published_coarse_wrong=0.25, spheres_wrong=0.0, **dict.fromkeys(rules, 20.0))
-            for name, smooth in (("ring", True), ("sponge", False))]
+    rows = [
+        dict(
+            case=name,
+            certified=True,
+            smooth=smooth,
+            rays=1000,
+            wrong=wrong,
+            published_wrong=0.0,
+            published_coarse_wrong=0.25,
+            spheres_wrong=0.0,
+            **dict.fromkeys(rules, 20.0),
+        )
+        for name, smooth in (("ring", True), ("sponge", False))
+    ]
     rows += [dict(spread="as dense", operation="union", primitives=n, ns_per_ray=100.0 * n) for n in (1, 10)]
     return results.Result("intervals", "./scripts/bench intervals", dict(rays_certified=2000), rows, MACHINE)
 
 
 def growth() -> results.Result:
-    rows = [dict(curve="lamps", count=count, made_by="CPU", samples=16.0, seconds=1e-3 * count, each=1e-3, start=start)
-            for count, start in ((1, 0.1), (10, -1e-4))]
+    rows = [
+        dict(curve="lamps", count=count, made_by="CPU", samples=16.0, seconds=1e-3 * count, each=1e-3, start=start)
+        for count, start in ((1, 0.1), (10, -1e-4))
+    ]
     return results.Result("scaling", "./scripts/bench scaling", dict(time_ratio_1000_to_10_lamps=10.0), rows, MACHINE)
 
 
@@ -157,23 +215,29 @@ def test_rays_that_are_wrong_are_told(tmp_path):
 
 
 def test_rates_stand_beside_those_of_cycles():
-    rows = [dict(engine=engine, bounces=0, samples_per_second=rate, slowest=rate, fastest=rate, mean=0.5)
-            for engine, rate in (("SDF Lights", 300.0), ("Cycles", 100.0))] + [dict(start="F12 again", seconds=0.5)]
+    rows = [
+        dict(engine=engine, bounces=0, samples_per_second=rate, slowest=rate, fastest=rate, mean=0.5)
+        for engine, rate in (("SDF Lights", 300.0), ("Cycles", 100.0))
+    ] + [dict(start="F12 again", seconds=0.5)]
     text = "\n".join(page.throughput(results.Result("throughput", "./scripts/bench throughput", {}, rows, MACHINE)))
     assert "| 0 | SDF Lights | 300 | 300 | 300 | 3 | 0.5 |" in text and "| F12 again | 0.5 |" in text
 
 
 def test_samplers_at_points_stand_side_by_side():
-    rows = [dict(case="torus, above", group="far", technique=name, ns=ns, error_64=error, gain_64=4.0, gain_256=5.0)
-            for name, ns, error in (("mis", 100.0, 0.1), ("cut", 200.0, 0.01))]
+    rows = [
+        dict(case="torus, above", group="far", technique=name, ns=ns, error_64=error, gain_64=4.0, gain_256=5.0)
+        for name, ns, error in (("mis", 100.0, 0.1), ("cut", 200.0, 0.01))
+    ]
     text = "\n".join(page.estimators(results.Result("estimators", "./scripts/bench estimators", {}, rows, MACHINE)))
     assert "| torus, above | far | 0.1 | 0.01 | 100 | 200 | 4 | 5 |" in text
 
 
 def test_what_results_come_to_is_said_where_all_of_it_is_known():
     known = dict(hard_cases=74, hard_cases_failed=1)
-    found = {"hard": results.Result("hard", "", known, [], MACHINE),
-             "scaling": results.Result("scaling", "", dict(time_ratio_1000_to_10_lamps=4.0), [], MACHINE)}
+    found = {
+        "hard": results.Result("hard", "", known, [], MACHINE),
+        "scaling": results.Result("scaling", "", dict(time_ratio_1000_to_10_lamps=4.0), [], MACHINE),
+    }
     assert page.sentences(found) == ["- Hard cases: 1 of 74 limits do not hold.\n"]
     assert page.sentences({}) == []
 
@@ -181,15 +245,27 @@ def test_what_results_come_to_is_said_where_all_of_it_is_known():
 def test_scenes_where_the_papers_sampler_is_better_are_named(tmp_path):
     def scene(name, ratio, worst):
         paper = "MIS / CUT"
-        return {"scene": name, "bounces": 0, "seconds": 0.5, paper: ratio, f"worst_999 {paper}": 1.5,
-                f"worst_mean {paper}": worst, f"worst {paper}": 3.0, "MIS guided / CUT": 1.25, "reference": 0.01}
+        return {
+            "scene": name,
+            "bounces": 0,
+            "seconds": 0.5,
+            paper: ratio,
+            f"worst_999 {paper}": 1.5,
+            f"worst_mean {paper}": worst,
+            f"worst {paper}": 3.0,
+            "MIS guided / CUT": 1.25,
+            "reference": 0.01,
+        }
 
     def section(*rows):
         return "\n".join(page.lamps(results.Result("lamps", "./scripts/bench lamps", {}, [*rows], MACHINE)))
 
     text = section(scene("S1", 4.0, 2.0) | {"cycles": 500.0}, scene("haze", 0.9, 0.8))
     assert "| S1 | 0 | 0.5 | 4 | 1.25 | 1.5 | 2 | 3 | 500 | – | – | 0.1 |" in text
-    assert "better** in haze with 0 bounces by relMSE (0.9 times our error) and haze with 0 bounces by the greatest" in text
+    assert (
+        "better** in haze with 0 bounces by relMSE (0.9 times our error) and haze with 0 bounces by the greatest"
+        in text
+    )
     assert "better nowhere" in section(scene("S1", 4.0, 2.0))
     again = results.Result("lamps_again", "./scripts/bench lamps", {}, [scene("S1", 4.0, 2.0), dict(seeds=20)], MACHINE)
     assert "## Some scenes with 20 seeds" in page.text({"lamps_again": again}, tmp_path, tmp_path / "report.md")
@@ -197,7 +273,14 @@ def test_scenes_where_the_papers_sampler_is_better_are_named(tmp_path):
 
 def test_numbers_have_three_figures():
     assert [page.number(value) for value in (1234.5, 12.345, 0.012345, 1.2e-7, 0.0, None, "text")] == [
-        "1,234", "12.3", "0.0123", "1.20e-07", "0", "–", "text"]
+        "1,234",
+        "12.3",
+        "0.0123",
+        "1.20e-07",
+        "0",
+        "–",
+        "text",
+    ]
 
 
 def test_the_page_has_its_command_beside_every_figure(tmp_path):
@@ -208,12 +291,20 @@ def test_the_page_has_its_command_beside_every_figure(tmp_path):
     kept.mkdir()
     pictures = {name: np.full((8, 8, 3), 0.5) for name in ("CUT", "Cycles volume", "Cycles mesh light", "reference")}
     np.savez(kept / "S1 0.npz", **pictures)
-    found = {"cycles_direct": race(), "throughput": results.Result(
-        "throughput", "./scripts/bench throughput", dict(samples_per_second_ratio_to_cycles=2.0), [], MACHINE)}
+    found = {
+        "cycles_direct": race(),
+        "throughput": results.Result(
+            "throughput", "./scripts/bench throughput", dict(samples_per_second_ratio_to_cycles=2.0), [], MACHINE
+        ),
+    }
     report.draw(found, images, kept)
     text = page.text(found, images, tmp_path / "docs" / "report.md")
-    for line in ("    ./scripts/bench cycles --bounces 0", "    ./scripts/bench throughput",
-                 "| `samples_per_second_ratio_to_cycles` | 2 |", "## Error against time: direct light"):
+    for line in (
+        "    ./scripts/bench cycles --bounces 0",
+        "    ./scripts/bench throughput",
+        "| `samples_per_second_ratio_to_cycles` | 2 |",
+        "## Error against time: direct light",
+    ):
         assert line in text
     links = re.findall(r"\]\((images/[^)]+)\)", text)
     assert len(links) == 4 and all((tmp_path / "docs" / link).is_file() for link in links)

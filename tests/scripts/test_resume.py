@@ -8,8 +8,8 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from benchmarks import gpucuts  # noqa: E402
-from benchmarks.resume import Parts  # noqa: E402
+from benchmarks import gpucuts
+from benchmarks.resume import Parts
 
 
 @pytest.fixture(autouse=True)

@@ -9,11 +9,11 @@ import pytest
 
 pytest.importorskip("bpy")
 
-import demo  # noqa: E402
-import host  # noqa: E402
-from benchmarks import startup  # noqa: E402
-from benchmarks.progress import Progress  # noqa: E402
-from benchmarks.resume import Parts  # noqa: E402
+import demo
+import host
+from benchmarks import startup
+from benchmarks.progress import Progress
+from benchmarks.resume import Parts
 
 OPTIONS = dict(repeats=2, quick=True, device="CPU")
 

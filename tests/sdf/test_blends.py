@@ -9,11 +9,21 @@ import numpy as np
 import pytest
 
 from sdf_lights.sdf.program import NoClosedForm
-from sdf_lights.sdf.shapes import SHAPES, Box, Cylinder, Difference, Ellipsoid, Intersection, Sphere, Torus, Transformed
-from sdf_lights.sdf.shapes import Union
+from sdf_lights.sdf.shapes import (
+    SHAPES,
+    Box,
+    Cylinder,
+    Difference,
+    Ellipsoid,
+    Intersection,
+    Sphere,
+    Torus,
+    Transformed,
+    Union,
+)
 from sdf_lights.sdf.shapes.blends import Blend, Morph, SmoothIntersection, SmoothUnion
 from sdf_lights.sdf.shapes.solids import HalfSpace
-from tests.sdf.samples import SHEAR, window
+from support.shapes.samples import SHEAR, window
 
 PROFILES = ("smooth", "cubic", "circular", "exponential", "round", "chamfer", "stairs")
 SHARP = {"union": Union, "intersection": Intersection, "difference": Difference}
@@ -60,9 +70,18 @@ def test_slopes_of_the_drop_keep_gradients_convex(blend):
     assert drop[0] == 0.0 and slopes.min() > -1e-11 and slopes.max() < 1.0 + 1e-11
 
 
-@pytest.mark.parametrize("profile, at_the_corner", [
-    ("smooth", 0.25), ("cubic", 1 / 6), ("circular", 1 - math.sqrt(0.5)), ("round", 1 - math.sqrt(0.5)),
-    ("exponential", math.log(2 / (1 + math.exp(-8))) / 8), ("chamfer", 0.5), ("stairs", 0.5)])
+@pytest.mark.parametrize(
+    "profile, at_the_corner",
+    [
+        ("smooth", 0.25),
+        ("cubic", 1 / 6),
+        ("circular", 1 - math.sqrt(0.5)),
+        ("round", 1 - math.sqrt(0.5)),
+        ("exponential", math.log(2 / (1 + math.exp(-8))) / 8),
+        ("chamfer", 0.5),
+        ("stairs", 0.5),
+    ],
+)
 def test_seams_between_perpendicular_planes(profile, at_the_corner):
     """Half spaces x ≤ 0 and y ≤ 0: the seam is filled as far as the diagonal point (t, t) with t the greatest drop."""
     union = SHAPES[f"{profile}_union"](HalfSpace((1.0, 0.0, 0.0)), HalfSpace((0.0, 1.0, 0.0)), radius=1.0)
@@ -90,9 +109,11 @@ def test_intersection_and_difference_are_unions_of_complements(blend):
         return HalfSpace(tuple(-c for c in half_space.normal), -half_space.offset)
 
     at = np.random.default_rng(2).uniform(-1.0, 1.0, (1000, 3))
-    expected = {"union": lambda: union(x, y).distance(at),
-                "intersection": lambda: -union(complement(x), complement(y)).distance(at),
-                "difference": lambda: -union(complement(x), y).distance(at)}[kind]()
+    expected = {
+        "union": lambda: union(x, y).distance(at),
+        "intersection": lambda: -union(complement(x), complement(y)).distance(at),
+        "difference": lambda: -union(complement(x), y).distance(at),
+    }[kind]()
     np.testing.assert_allclose(blend(x, y).distance(at), expected, atol=1e-14)
 
 
@@ -141,10 +162,14 @@ def test_only_the_same_blends_become_one():
         SmoothUnion(a, b).program()
 
 
-@pytest.mark.parametrize("shape, problem", [
-    (SmoothUnion(Box(), Sphere(), radius=0.0), "Smooth Union: radius is 0, but must be at least 1e-06."),
-    (SHAPES["stairs_union"](Box(), Sphere(), steps=2.5), "Stairs Union: steps is 2.5, but must be a whole number."),
-    (Morph(Box(), Sphere(), 1.5), "Morph: amount is 1.5, but must be at most 1.")])
+@pytest.mark.parametrize(
+    "shape, problem",
+    [
+        (SmoothUnion(Box(), Sphere(), radius=0.0), "Smooth Union: radius is 0, but must be at least 1e-06."),
+        (SHAPES["stairs_union"](Box(), Sphere(), steps=2.5), "Stairs Union: steps is 2.5, but must be a whole number."),
+        (Morph(Box(), Sphere(), 1.5), "Morph: amount is 1.5, but must be at most 1."),
+    ],
+)
 def test_what_is_wrong_is_said(shape, problem):
     assert shape.validate() == problem
 

@@ -12,8 +12,17 @@ from scipy.spatial import cKDTree
 from sdf_lights.sdf.shapes import BOUND, EXACT, Ellipsoid, Transformed
 from sdf_lights.sdf.shapes.coils import Helix, MobiusBand, Spiral, TorusKnot
 from sdf_lights.sdf.shapes.curved import Droplet, Egg, Heart, Superellipsoid, Vesica
-from sdf_lights.sdf.shapes.minimal_surfaces import FischerKochS, Gyroid, Lidinoid, Neovius, PeriodicSheet, SchoenFrd
-from sdf_lights.sdf.shapes.minimal_surfaces import SchoenIwp, SchwarzD, SchwarzP
+from sdf_lights.sdf.shapes.minimal_surfaces import (
+    FischerKochS,
+    Gyroid,
+    Lidinoid,
+    Neovius,
+    PeriodicSheet,
+    SchoenFrd,
+    SchoenIwp,
+    SchwarzD,
+    SchwarzP,
+)
 from sdf_lights.sdf.shapes.tubes import BezierTube, FigureEight, Horseshoe
 
 
@@ -45,16 +54,28 @@ def _egg_outline(shape: Egg) -> np.ndarray:
     lower = 0.5 * (bottom - top - height)
     # The centre of the side lies on the line of the lower centre's normal, at height 0 of it, and is as far from the
     # surface of one ball as from that of the other.
-    away = (height**2 - (bottom - top)**2) / (2.0 * (bottom - top))
+    away = (height**2 - (bottom - top) ** 2) / (2.0 * (bottom - top))
     seam = math.atan2(height, away)
-    return np.concatenate([
-        _arc((0.0, lower), bottom, -0.5 * math.pi, 0.0), _arc((-away, lower), away + bottom, 0.0, seam),
-        _arc((0.0, lower + height), top, seam, 0.5 * math.pi)])
+    return np.concatenate(
+        [
+            _arc((0.0, lower), bottom, -0.5 * math.pi, 0.0),
+            _arc((-away, lower), away + bottom, 0.0, seam),
+            _arc((0.0, lower + height), top, seam, 0.5 * math.pi),
+        ]
+    )
 
 
-@pytest.mark.parametrize("shape, outline", [
-    (Vesica(), _vesica_outline), (Vesica(0.05, 0.7), _vesica_outline), (Vesica(0.5, 0.5), _vesica_outline),
-    (Egg(), _egg_outline), (Egg(0.5, 0.05, 0.46), _egg_outline), (Egg(0.3, 0.29, 1.0), _egg_outline)])
+@pytest.mark.parametrize(
+    "shape, outline",
+    [
+        (Vesica(), _vesica_outline),
+        (Vesica(0.05, 0.7), _vesica_outline),
+        (Vesica(0.5, 0.5), _vesica_outline),
+        (Egg(), _egg_outline),
+        (Egg(0.5, 0.05, 0.46), _egg_outline),
+        (Egg(0.3, 0.29, 1.0), _egg_outline),
+    ],
+)
 def test_solids_of_arcs_are_exact(shape, outline):
     at = _around(shape, 3000, 1)
     in_plane = np.stack([np.hypot(at[:, 0], at[:, 1]), at[:, 2]], axis=1)
@@ -68,7 +89,8 @@ def test_solids_of_arcs_are_exact(shape, outline):
 def test_a_vesica_and_an_egg_between_other_shapes():
     at = _around(Vesica(), 1000, 2)
     np.testing.assert_allclose(
-        Vesica(0.5, 0.5).distance(at), Ellipsoid((0.5, 0.5, 0.5)).distance(at), rtol=0.0, atol=1e-15)
+        Vesica(0.5, 0.5).distance(at), Ellipsoid((0.5, 0.5, 0.5)).distance(at), rtol=0.0, atol=1e-15
+    )
     assert Vesica(0.5, 0.5).volume() == pytest.approx(math.pi / 6.0, rel=1e-14)
     assert Egg(0.5, 0.5 - 1e-6, 1e-3).volume() == pytest.approx(math.pi / 6.0, rel=2e-3)
 
@@ -107,7 +129,7 @@ def test_superellipsoids_by_definition(r, t):
     shape = Superellipsoid((a, b, c), r, t)
     at = _around(shape, 5000, 4)
     x, y, z = np.abs(at).T
-    inside = ((x / a)**r + (y / b)**r)**(t / r) + (z / c)**t <= 1.0
+    inside = ((x / a) ** r + (y / b) ** r) ** (t / r) + (z / c) ** t <= 1.0
     clear = np.abs(shape.distance(at)) > 1e-12
     np.testing.assert_array_equal(shape.distance(at)[clear] <= 0.0, inside[clear])
     if r == t == 2.0:
@@ -134,13 +156,15 @@ def _figure_eight(shape: FigureEight) -> np.ndarray:
     t = np.linspace(-0.5 * math.pi - slope, 0.5 * math.pi + slope, 20_000)
     arc = np.stack([d + r * np.cos(t), r * np.sin(t)], axis=1)
     straight = np.linspace(0.0, 1.0, 5000)[:, None] * arc[-1]
-    return np.pad(np.concatenate([sign * part for sign in itertools.product((1.0, -1.0), repeat=2)
-                                  for part in (arc, straight)]), ((0, 0), (0, 1)))
+    return np.pad(
+        np.concatenate([sign * part for sign in itertools.product((1.0, -1.0), repeat=2) for part in (arc, straight)]),
+        ((0, 0), (0, 1)),
+    )
 
 
 def _bezier(shape: BezierTube) -> np.ndarray:
     t = np.linspace(0.0, 1.0, 40_000)[:, None]
-    return (1.0 - t)**2 * shape.start + 2.0 * t * (1.0 - t) * np.array(shape.control) + t**2 * shape.end
+    return (1.0 - t) ** 2 * shape.start + 2.0 * t * (1.0 - t) * np.array(shape.control) + t**2 * shape.end
 
 
 def _hold_to_the_curve(shape, curve: np.ndarray, radius: float):
@@ -154,12 +178,19 @@ def _hold_to_the_curve(shape, curve: np.ndarray, radius: float):
     assert (field <= nearest + 1e-12).all() and (field >= nearest - slack).all()
 
 
-@pytest.mark.parametrize("shape, curve", [
-    (Horseshoe(), _horseshoe), (Horseshoe(0.4, 0.1, math.pi, 0.0), _horseshoe),
-    (Horseshoe(0.2, 0.05, 1.0, 0.6), _horseshoe), (Horseshoe(0.4, 0.05, 5.2, 0.1), _horseshoe),
-    (Horseshoe(0.4, 0.05, 0.0, 0.3), _horseshoe),
-    (FigureEight(), _figure_eight), (FigureEight(0.2, 0.201, 0.03), _figure_eight),
-    (FigureEight(0.05, 0.6, 0.02), _figure_eight)])
+@pytest.mark.parametrize(
+    "shape, curve",
+    [
+        (Horseshoe(), _horseshoe),
+        (Horseshoe(0.4, 0.1, math.pi, 0.0), _horseshoe),
+        (Horseshoe(0.2, 0.05, 1.0, 0.6), _horseshoe),
+        (Horseshoe(0.4, 0.05, 5.2, 0.1), _horseshoe),
+        (Horseshoe(0.4, 0.05, 0.0, 0.3), _horseshoe),
+        (FigureEight(), _figure_eight),
+        (FigureEight(0.2, 0.201, 0.03), _figure_eight),
+        (FigureEight(0.05, 0.6, 0.02), _figure_eight),
+    ],
+)
 def test_tubes_follow_their_curves(shape, curve):
     assert shape.validate() == ""
     _hold_to_the_curve(shape, curve(shape), shape.minor_radius)
@@ -172,12 +203,18 @@ BEZIERS = {
     "back on itself": BezierTube((-0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.0, 0.0), 0.1),
     "sharp": BezierTube((-0.05, 0.0, 0.0), (0.0, 2.0, 0.0), (0.05, 0.0, 0.0), 0.03),
     "a point": BezierTube((0.1, 0.2, 0.3), (0.1, 0.2, 0.3), (0.1, 0.2, 0.3), 0.2),
-    "closed": BezierTube((0.1, 0.2, 0.3), (0.7, 0.2, 0.3), (0.1, 0.2, 0.3), 0.2)}
+    "closed": BezierTube((0.1, 0.2, 0.3), (0.7, 0.2, 0.3), (0.1, 0.2, 0.3), 0.2),
+}
 
 
-@pytest.mark.parametrize("shape", [
-    BezierTube(), *BEZIERS.values(),
-    *(BezierTube(*np.random.default_rng(seed).uniform(-0.5, 0.5, (3, 3)).tolist(), 0.05) for seed in range(12))])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        BezierTube(),
+        *BEZIERS.values(),
+        *(BezierTube(*np.random.default_rng(seed).uniform(-0.5, 0.5, (3, 3)).tolist(), 0.05) for seed in range(12)),
+    ],
+)
 def test_bezier_tubes_are_as_far_as_their_curve(shape):
     _hold_to_the_curve(shape, _bezier(shape), shape.radius)
 
@@ -203,31 +240,58 @@ def test_when_a_bezier_tube_is_exact():
     assert BezierTube(*parabola, 0.501).exactness == BOUND
     length = 0.5 * math.sqrt(2.0) + 0.5 * math.asinh(1.0)
     assert BezierTube(*parabola, 0.1).volume() == pytest.approx(
-        math.pi * 0.01 * length + 4.0 / 3.0 * math.pi * 0.001, rel=1e-14)
+        math.pi * 0.01 * length + 4.0 / 3.0 * math.pi * 0.001, rel=1e-14
+    )
     almost = BEZIERS["almost straight"]
     assert almost.volume() == pytest.approx(BEZIERS["straight"].volume(), rel=1e-9)
 
 
-@pytest.mark.parametrize("shape, problem", [
-    (Vesica(0.6, 0.5), "Vesica: half width 0.6 is more than the half height 0.5: make it smaller, or use a lens."),
-    (Egg(0.3, 0.3, 0.5), "Egg: top radius 0.3 must be less than the bottom radius 0.3: make it smaller, or use a "
-                         "capsule."),
-    (Egg(0.5, 0.1, 0.3), "Egg: at height 0.3 one ball lies inside the other: make the height more than the difference "
-                         "of the radii, 0.4."),
-    (Droplet(0.5, 0.4), "Droplet: at height 0.4 the point lies in the ball: make the height more than the radius 0.5."),
-    (Horseshoe(0.4, 0.1, 5.0, 1.0), "Horseshoe: its ends run into each other: make the angle, the straight parts or "
-                                    "the minor radius smaller."),
-    (FigureEight(0.3, 0.3), "Figure Eight: half distance 0.3 must be more than the radius 0.3, for the straight parts "
-                            "to cross: make it larger."),
-    (Helix(0.1, 0.2, 3.0, 0.2), "Helix: minor radius 0.2 is too much for a wire at a distance of 0.1 from the axis: "
-                                "make it smaller."),
-    (Helix(0.01, 10.0, 1.0, 0.001), "Helix: the wire hardly turns around the axis: make it wider, or give it more "
-                                    "turns."),
-    (Spiral(0.3, 0.3, 0.0), "Spiral: its turns lie on one another: make the height larger, or one of the radii."),
-    (TorusKnot(0.3, 0.25, 0.06), "Torus Knot: the wire reaches the axis: make the major radius larger, or the torus "
-                                 "radius or the minor radius smaller."),
-    (MobiusBand(0.1, 0.3), "Mobius Band: at a radius of 0.1 the band reaches the axis: make the radius larger, or the "
-                           "width smaller.")])
+@pytest.mark.parametrize(
+    "shape, problem",
+    [
+        (Vesica(0.6, 0.5), "Vesica: half width 0.6 is more than the half height 0.5: make it smaller, or use a lens."),
+        (
+            Egg(0.3, 0.3, 0.5),
+            "Egg: top radius 0.3 must be less than the bottom radius 0.3: make it smaller, or use a capsule.",
+        ),
+        (
+            Egg(0.5, 0.1, 0.3),
+            "Egg: at height 0.3 one ball lies inside the other: make the height more than the difference "
+            "of the radii, 0.4.",
+        ),
+        (
+            Droplet(0.5, 0.4),
+            "Droplet: at height 0.4 the point lies in the ball: make the height more than the radius 0.5.",
+        ),
+        (
+            Horseshoe(0.4, 0.1, 5.0, 1.0),
+            "Horseshoe: its ends run into each other: make the angle, the straight parts or the minor radius smaller.",
+        ),
+        (
+            FigureEight(0.3, 0.3),
+            "Figure Eight: half distance 0.3 must be more than the radius 0.3, for the straight parts "
+            "to cross: make it larger.",
+        ),
+        (
+            Helix(0.1, 0.2, 3.0, 0.2),
+            "Helix: minor radius 0.2 is too much for a wire at a distance of 0.1 from the axis: make it smaller.",
+        ),
+        (
+            Helix(0.01, 10.0, 1.0, 0.001),
+            "Helix: the wire hardly turns around the axis: make it wider, or give it more turns.",
+        ),
+        (Spiral(0.3, 0.3, 0.0), "Spiral: its turns lie on one another: make the height larger, or one of the radii."),
+        (
+            TorusKnot(0.3, 0.25, 0.06),
+            "Torus Knot: the wire reaches the axis: make the major radius larger, or the torus "
+            "radius or the minor radius smaller.",
+        ),
+        (
+            MobiusBand(0.1, 0.3),
+            "Mobius Band: at a radius of 0.1 the band reaches the axis: make the radius larger, or the width smaller.",
+        ),
+    ],
+)
 def test_what_is_wrong_is_said_in_a_sentence(shape, problem):
     assert shape.validate() == problem
 
@@ -247,10 +311,16 @@ def _coil(shape: Helix | Spiral, turns: np.ndarray) -> np.ndarray:
 
 
 COILS = {
-    "helix": Helix(), "one turn": Helix(0.4, 0.3, 1.0, 0.05), "part of a turn": Helix(0.4, 0.3, 0.4, 0.05),
-    "two turns and a bit": Helix(0.4, 0.2, 2.2, 0.05), "steep": Helix(0.2, 0.9, 1.3, 0.05),
-    "tight": Helix(0.3, 0.11, 6.5, 0.05), "spiral": Spiral(), "flat": Spiral(0.1, 0.6, 0.0, 4.0, 0.03),
-    "narrow at the top": Spiral(0.5, 0.2, 0.7, 2.5, 0.05)}
+    "helix": Helix(),
+    "one turn": Helix(0.4, 0.3, 1.0, 0.05),
+    "part of a turn": Helix(0.4, 0.3, 0.4, 0.05),
+    "two turns and a bit": Helix(0.4, 0.2, 2.2, 0.05),
+    "steep": Helix(0.2, 0.9, 1.3, 0.05),
+    "tight": Helix(0.3, 0.11, 6.5, 0.05),
+    "spiral": Spiral(),
+    "flat": Spiral(0.1, 0.6, 0.0, 4.0, 0.03),
+    "narrow at the top": Spiral(0.5, 0.2, 0.7, 2.5, 0.05),
+}
 
 each_coil = pytest.mark.parametrize("shape", [pytest.param(s, id=n) for n, s in COILS.items()])
 
@@ -291,8 +361,10 @@ def test_a_coil_is_continuous_where_its_formula_changes(shape):
     low, high = shape.bounds()
     distance = rng.uniform(0.0, 1.2 * high[0], n)
     height = low[2] + (high[2] - low[2]) * rng.uniform(-0.2, 1.2, n)
-    angle = np.choose(rng.integers(0, 3, n), [
-        np.full(n, math.pi), np.full(n, math.pi * shape.turns), np.full(n, -math.pi * shape.turns)])
+    angle = np.choose(
+        rng.integers(0, 3, n),
+        [np.full(n, math.pi), np.full(n, math.pi * shape.turns), np.full(n, -math.pi * shape.turns)],
+    )
     at = np.stack([distance * np.cos(angle), distance * np.sin(angle), height], axis=1)
     at[:2000, :2] = 0.0
     between = _coil(shape, rng.uniform(-0.5, 0.5, 4000) * shape.turns)
@@ -316,14 +388,19 @@ def test_turns_can_be_counted():
 def test_volumes_of_coils():
     section, mean = math.pi * 0.05**2 * math.hypot(0.4, 0.2 / math.tau) / 0.4, 0.4
     assert Helix(0.4, 0.2, 2.0, 0.05).volume() == pytest.approx(
-        section * (2.0 * math.tau * mean + 4.0 / 3.0 * 0.05), rel=1e-14)
+        section * (2.0 * math.tau * mean + 4.0 / 3.0 * 0.05), rel=1e-14
+    )
     assert Helix(0.4, 0.09, 2.0, 0.05).volume() is None  # the turns run into each other
 
 
 KNOTS = {
-    "trefoil": TorusKnot(), "other trefoil": TorusKnot(0.4, 0.15, 0.05, 3.0, 2.0),
-    "ring": TorusKnot(0.4, 0.15, 0.05, 1.0, 0.0), "coil on a ring": TorusKnot(0.4, 0.15, 0.03, 1.0, 9.0),
-    "chain": TorusKnot(0.4, 0.15, 0.05, 2.0, 4.0), "fine": TorusKnot(0.5, 0.15, 0.02, 5.0, 7.0)}
+    "trefoil": TorusKnot(),
+    "other trefoil": TorusKnot(0.4, 0.15, 0.05, 3.0, 2.0),
+    "ring": TorusKnot(0.4, 0.15, 0.05, 1.0, 0.0),
+    "coil on a ring": TorusKnot(0.4, 0.15, 0.03, 1.0, 9.0),
+    "chain": TorusKnot(0.4, 0.15, 0.05, 2.0, 4.0),
+    "fine": TorusKnot(0.5, 0.15, 0.02, 5.0, 7.0),
+}
 
 each_knot = pytest.mark.parametrize("shape", [pytest.param(s, id=n) for n, s in KNOTS.items()])
 
@@ -403,11 +480,14 @@ SURFACES = {
     SchwarzD: lambda x, y, z: _cos(x) * _cos(y) * _cos(z) - _sin(x) * _sin(y) * _sin(z),
     Neovius: lambda x, y, z: 3.0 * _all(lambda a, b, c: _cos(a), x, y, z) + 4.0 * _cos(x) * _cos(y) * _cos(z),
     SchoenIwp: lambda x, y, z: _all(lambda a, b, c: 2.0 * _cos(a) * _cos(b) - _cos(2.0 * a), x, y, z),
-    SchoenFrd: lambda x, y, z: 4.0 * _cos(x) * _cos(y) * _cos(z) - _all(
-        lambda a, b, c: _cos(2.0 * a) * _cos(2.0 * b), x, y, z),
+    SchoenFrd: lambda x, y, z: (
+        4.0 * _cos(x) * _cos(y) * _cos(z) - _all(lambda a, b, c: _cos(2.0 * a) * _cos(2.0 * b), x, y, z)
+    ),
     FischerKochS: lambda x, y, z: _all(lambda a, b, c: _cos(2.0 * a) * _sin(b) * _cos(c), x, y, z),
-    Lidinoid: lambda x, y, z: 0.5 * _all(
-        lambda a, b, c: _sin(2.0 * a) * _cos(b) * _sin(c) - _cos(2.0 * a) * _cos(2.0 * b), x, y, z) + 0.15}
+    Lidinoid: lambda x, y, z: (
+        0.5 * _all(lambda a, b, c: _sin(2.0 * a) * _cos(b) * _sin(c) - _cos(2.0 * a) * _cos(2.0 * b), x, y, z) + 0.15
+    ),
+}
 
 each_surface = pytest.mark.parametrize("sheet", [pytest.param(s, id=s.name()) for s in SURFACES])
 
@@ -451,4 +531,4 @@ def test_the_slope_of_a_surface_is_proven_and_tight(sheet):
     found = math.sqrt(squared.max())
     assert found <= sheet.slope * (1.0 + 1e-12) and sheet.slope <= 1.01 * found
     if sheet not in (Gyroid, SchwarzP):  # these are shown by hand
-        assert found * math.cos(math.pi * 2 * degree / fine)**-1.5 <= sheet.slope
+        assert found * math.cos(math.pi * 2 * degree / fine) ** -1.5 <= sheet.slope

@@ -14,8 +14,19 @@ from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.expression import Declaration, Expression, ExpressionError, evaluate
 from sdf_lights.sdf.functions import FUNCTIONS
 from sdf_lights.sdf.reference import reference_page
-from sdf_lights.sdf.shapes import SHAPES, Box, BoxFrame, Difference, Intersection, Primitive, Sphere, Torus, Transformed
-from sdf_lights.sdf.shapes import Shape, Union
+from sdf_lights.sdf.shapes import (
+    SHAPES,
+    Box,
+    BoxFrame,
+    Difference,
+    Intersection,
+    Primitive,
+    Shape,
+    Sphere,
+    Torus,
+    Transformed,
+    Union,
+)
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 
@@ -25,20 +36,31 @@ def number(text: str) -> float:
     return evaluate(f"sphere({text})").radius
 
 
-@pytest.mark.parametrize("text, shape", [
-    ("difference(box(0.8), sphere(1.08))", Difference(Box(0.8), Sphere(1.08))),
-    ("box(0.8) - sphere(1.08)", Difference(Box(0.8), Sphere(1.08))),
-    ("sphere(1) | box(1) & torus(1, 0.2)", Union(Sphere(1.0), Intersection(Box(1.0), Torus(1.0, 0.2)))),
-    ("sphere() - box() - torus()", Difference(Sphere(), Box(), Torus())),
-    ("union(sphere(1), box(1), torus())", Union(Sphere(1.0), Box(1.0), Torus())),
-    ("box(1, 2, 3)", Box((1.0, 2.0, 3.0))), ("box((1, 2, 3))", Box((1.0, 2.0, 3.0))),
-    ("box(vec3(1, 2, 3))", Box((1.0, 2.0, 3.0))), ("box(vec3(2))", Box(2.0)),
-    ("box_frame(1, 2, 3)", BoxFrame((1.0, 2.0, 3.0))), ("box_frame(1, 2, 3, 0.1)", BoxFrame((1.0, 2.0, 3.0), 0.1)),
-    ("box_frame(1, 0.1)", BoxFrame(1.0, 0.1)), ("torus(minor_radius=0.2)", Torus(minor_radius=0.2)),
-    ("torus(1, minor_radius=0.2)", Torus(1.0, 0.2)), ("sphere()  # a remark, in any script: 灯 \"'[]{}", Sphere()),
-    ("\r\n  \r\nr = 2\r\nsphere(r)\r\n", Sphere(2.0)), ("sphere(\n  1 +\n  1)", Sphere(2.0)),
-    ("a = 1\na = a + 1\nsphere(a)", Sphere(2.0)), ("  a = 2\n sphere(a)", Sphere(2.0)),
-    ("step = 2\nsphere(step * step(0, 1))", Sphere(2.0))])
+@pytest.mark.parametrize(
+    "text, shape",
+    [
+        ("difference(box(0.8), sphere(1.08))", Difference(Box(0.8), Sphere(1.08))),
+        ("box(0.8) - sphere(1.08)", Difference(Box(0.8), Sphere(1.08))),
+        ("sphere(1) | box(1) & torus(1, 0.2)", Union(Sphere(1.0), Intersection(Box(1.0), Torus(1.0, 0.2)))),
+        ("sphere() - box() - torus()", Difference(Sphere(), Box(), Torus())),
+        ("union(sphere(1), box(1), torus())", Union(Sphere(1.0), Box(1.0), Torus())),
+        ("box(1, 2, 3)", Box((1.0, 2.0, 3.0))),
+        ("box((1, 2, 3))", Box((1.0, 2.0, 3.0))),
+        ("box(vec3(1, 2, 3))", Box((1.0, 2.0, 3.0))),
+        ("box(vec3(2))", Box(2.0)),
+        ("box_frame(1, 2, 3)", BoxFrame((1.0, 2.0, 3.0))),
+        ("box_frame(1, 2, 3, 0.1)", BoxFrame((1.0, 2.0, 3.0), 0.1)),
+        ("box_frame(1, 0.1)", BoxFrame(1.0, 0.1)),
+        ("torus(minor_radius=0.2)", Torus(minor_radius=0.2)),
+        ("torus(1, minor_radius=0.2)", Torus(1.0, 0.2)),
+        ("sphere()  # a remark, in any script: 灯 \"'[]{}", Sphere()),
+        ("\r\n  \r\nr = 2\r\nsphere(r)\r\n", Sphere(2.0)),
+        ("sphere(\n  1 +\n  1)", Sphere(2.0)),
+        ("a = 1\na = a + 1\nsphere(a)", Sphere(2.0)),
+        ("  a = 2\n sphere(a)", Sphere(2.0)),
+        ("step = 2\nsphere(step * step(0, 1))", Sphere(2.0)),
+    ],
+)
 def test_shapes(text, shape):
     assert evaluate(text) == shape
 
@@ -51,18 +73,54 @@ def test_every_primitive_has_its_name_and_defaults(name):
         assert evaluate(f"{name}()") == shape
 
 
-@pytest.mark.parametrize("text, value", [
-    ("1 + 2 * 3", 7.0), ("2 ** 3 ** 2", 512.0), ("-2 + 5", 3.0), ("7 % 4", 3.0), ("mod(-1, 4)", 3.0),
-    ("10 - 4 - 3", 3.0),
-    ("pi", math.pi), ("tau", math.tau), ("sin(pi / 2)", 1.0), ("cos(0)", 1.0), ("tan(pi / 4)", math.tan(math.pi / 4)),
-    ("asin(1)", math.pi / 2), ("acos(0)", math.acos(0.0)), ("atan(1)", math.pi / 4), ("atan2(1, 1)", math.pi / 4),
-    ("sqrt(9)", 3.0), ("exp(1)", math.e), ("log(e)", 1.0), ("pow(2, 10)", 1024.0), ("abs(-3)", 3.0), ("sign(5)", 1.0),
-    ("floor(2.7)", 2.0), ("ceil(2.1)", 3.0), ("fract(2.25)", 0.25), ("min(3, 1, 2)", 1.0), ("max(3, 1, 2)", 3.0),
-    ("clamp(5, 0, 2)", 2.0), ("mix(1, 3, 0.25)", 1.5), ("radians(180)", math.pi), ("degrees(pi)", 180.0),
-    ("dot((1, 2, 3), (4, 5, 6))", 32.0), ("length((3, 0, 4))", 5.0), ("cross((1, 0, 0), (0, 1, 0)).z", 1.0),
-    ("normalize((0, 5, 0)).y", 1.0), ("vec3(1, 2, 3).y", 2.0), ("((1, 2, 3) * 2 + (0, 0, 1)).z", 7.0),
-    ("max((1, 5, 2), 3).x", 3.0), ("(2 * vec3(1, 2, 3) / (1, 2, 3)).z", 2.0), ("1e3", 1000.0), ("0x10", 16.0),
-    ("1_000", 1000.0), ("mix(a=1, b=3, t=0.5)", 2.0), ("(-vec3(-1, 0, 0)).x", 1.0)])
+@pytest.mark.parametrize(
+    "text, value",
+    [
+        ("1 + 2 * 3", 7.0),
+        ("2 ** 3 ** 2", 512.0),
+        ("-2 + 5", 3.0),
+        ("7 % 4", 3.0),
+        ("mod(-1, 4)", 3.0),
+        ("10 - 4 - 3", 3.0),
+        ("pi", math.pi),
+        ("tau", math.tau),
+        ("sin(pi / 2)", 1.0),
+        ("cos(0)", 1.0),
+        ("tan(pi / 4)", math.tan(math.pi / 4)),
+        ("asin(1)", math.pi / 2),
+        ("acos(0)", math.acos(0.0)),
+        ("atan(1)", math.pi / 4),
+        ("atan2(1, 1)", math.pi / 4),
+        ("sqrt(9)", 3.0),
+        ("exp(1)", math.e),
+        ("log(e)", 1.0),
+        ("pow(2, 10)", 1024.0),
+        ("abs(-3)", 3.0),
+        ("sign(5)", 1.0),
+        ("floor(2.7)", 2.0),
+        ("ceil(2.1)", 3.0),
+        ("fract(2.25)", 0.25),
+        ("min(3, 1, 2)", 1.0),
+        ("max(3, 1, 2)", 3.0),
+        ("clamp(5, 0, 2)", 2.0),
+        ("mix(1, 3, 0.25)", 1.5),
+        ("radians(180)", math.pi),
+        ("degrees(pi)", 180.0),
+        ("dot((1, 2, 3), (4, 5, 6))", 32.0),
+        ("length((3, 0, 4))", 5.0),
+        ("cross((1, 0, 0), (0, 1, 0)).z", 1.0),
+        ("normalize((0, 5, 0)).y", 1.0),
+        ("vec3(1, 2, 3).y", 2.0),
+        ("((1, 2, 3) * 2 + (0, 0, 1)).z", 7.0),
+        ("max((1, 5, 2), 3).x", 3.0),
+        ("(2 * vec3(1, 2, 3) / (1, 2, 3)).z", 2.0),
+        ("1e3", 1000.0),
+        ("0x10", 16.0),
+        ("1_000", 1000.0),
+        ("mix(a=1, b=3, t=0.5)", 2.0),
+        ("(-vec3(-1, 0, 0)).x", 1.0),
+    ],
+)
 def test_numbers(text, value):
     assert number(text) == pytest.approx(value, rel=1e-15)
 
@@ -72,17 +130,21 @@ def test_named_arguments_go_by_name():
     assert number("pow(exponent=3, base=2)") == 8.0
 
 
-@pytest.mark.parametrize("text, point, moved", [
-    ("translate(sphere(), 1, 2, 3)", (0.1, 0.2, 0.3), (1.1, 2.2, 3.3)),
-    ("translate(sphere(), (1, 2, 3))", (0.1, 0.2, 0.3), (1.1, 2.2, 3.3)),
-    ("rotate(box(1, 2, 3), 90)", (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
-    ("rotate(box(1, 2, 3), 90, (2, 0, 0))", (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
-    ("rotate(box(1, 2, 3), 90, 0, 5, 0)", (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
-    ("rotate(box(1, 2, 3), (90, 0, 90))", (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
-    ("rotate(box(1, 2, 3), (90, 0, 90))", (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
-    ("scale(sphere(), 2)", (1.0, 2.0, 3.0), (2.0, 4.0, 6.0)),
-    ("scale(cone(), 1, 2, -3)", (1.0, 2.0, 3.0), (1.0, 4.0, -9.0)),
-    ("translate(scale(sphere(), 2), 1, 0, 0)", (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))])
+@pytest.mark.parametrize(
+    "text, point, moved",
+    [
+        ("translate(sphere(), 1, 2, 3)", (0.1, 0.2, 0.3), (1.1, 2.2, 3.3)),
+        ("translate(sphere(), (1, 2, 3))", (0.1, 0.2, 0.3), (1.1, 2.2, 3.3)),
+        ("rotate(box(1, 2, 3), 90)", (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        ("rotate(box(1, 2, 3), 90, (2, 0, 0))", (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+        ("rotate(box(1, 2, 3), 90, 0, 5, 0)", (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+        ("rotate(box(1, 2, 3), (90, 0, 90))", (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+        ("rotate(box(1, 2, 3), (90, 0, 90))", (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        ("scale(sphere(), 2)", (1.0, 2.0, 3.0), (2.0, 4.0, 6.0)),
+        ("scale(cone(), 1, 2, -3)", (1.0, 2.0, 3.0), (1.0, 4.0, -9.0)),
+        ("translate(scale(sphere(), 2), 1, 0, 0)", (1.0, 0.0, 0.0), (3.0, 0.0, 0.0)),
+    ],
+)
 def test_transforms(text, point, moved):
     shape = evaluate(text)
     assert isinstance(shape, Transformed) and shape.validate() == ""
@@ -93,7 +155,9 @@ def test_sliders():
     text = "a = slider(1, 0, 2)\nb = slider(0.1, 1 / 100, 3)\ntorus(1 + a, b)"
     lamp = Expression(text)
     assert lamp.parameters == (
-        Declaration("a", "slider", 1.0, 0.0, 2.0, ""), Declaration("b", "slider", 0.1, 0.01, 3.0, ""))
+        Declaration("a", "slider", 1.0, 0.0, 2.0, ""),
+        Declaration("b", "slider", 0.1, 0.01, 3.0, ""),
+    )
     assert lamp.shape() == Torus(2.0, 0.1)
     assert lamp.shape({"b": 0.5, "unknown": 7}) == Torus(2.0, 0.5)
     assert lamp.shape({"a": 9.0, "b": 0.0}) == Torus(3.0, 0.01)  # held to the limits
@@ -160,39 +224,139 @@ MISTAKES = [
     ("sphere((1, 2, 3).w)", 1, 8, ".w is not part of a vector", ".x"),
     ("sphere[0]", 1, 7, "'[' means nothing", "( )"),
     ("sphere(2^3)", 1, 9, "'^' means nothing", "**"),
-    ("sphere(1) # fine\n§", 2, 1, "'§' means nothing", "letters")]
+    ("sphere(1) # fine\n§", 2, 1, "'§' means nothing", "letters"),
+]
 
 ATTACKS = [
     # names and attributes that reach Python's insides
-    "__import__('os').system('true')", "().__class__.__bases__", "sphere().__class__", "sphere.__globals__",
-    "__builtins__", "eval(1)", "exec(1)", "open(1)", "getattr(sphere(), 1)", "vec3(1,2,3).__class__",
-    "sphere(__debug__)", "sphere(**a)", "sphere(*a)", "f = sphere\nf(1)", "union(sphere)", "print(1)", "help()",
-    "_guard", "type(1)",
+    "__import__('os').system('true')",
+    "().__class__.__bases__",
+    "sphere().__class__",
+    "sphere.__globals__",
+    "__builtins__",
+    "eval(1)",
+    "exec(1)",
+    "open(1)",
+    "getattr(sphere(), 1)",
+    "vec3(1,2,3).__class__",
+    "sphere(__debug__)",
+    "sphere(**a)",
+    "sphere(*a)",
+    "f = sphere\nf(1)",
+    "union(sphere)",
+    "print(1)",
+    "help()",
+    "_guard",
+    "type(1)",
     # the rest of Python
-    "import os", "from os import path", "lambda: 0", "[x for x in y]", "{1: 2}", "f'{1}'", "'text'", "b'x'", "1j",
-    "True", "None", "...", "a = b = 1", "a, b = 1, 2", "a += 1", "a: int = 1", "del a", "if 1: 2", "while 1: pass",
-    "1 if 1 else 2", "a := 1", "not 1", "~1", "1 < 2", "1 == 1", "1 and 2", "yield", "await a", "return 1",
-    "global a", "assert 1", "pass", "def f(): pass", "class A: pass", "@a", "raise 1", "try: pass", "with a: pass",
-    "match a:\n case 1: pass", "print 1", "a[0]", "a.b = 1", "sphere().radius", "type X = int", "(yield)",
-    "sphere(1);sphere(2)", "async def f(): pass",
+    "import os",
+    "from os import path",
+    "lambda: 0",
+    "[x for x in y]",
+    "{1: 2}",
+    "f'{1}'",
+    "'text'",
+    "b'x'",
+    "1j",
+    "True",
+    "None",
+    "...",
+    "a = b = 1",
+    "a, b = 1, 2",
+    "a += 1",
+    "a: int = 1",
+    "del a",
+    "if 1: 2",
+    "while 1: pass",
+    "1 if 1 else 2",
+    "a := 1",
+    "not 1",
+    "~1",
+    "1 < 2",
+    "1 == 1",
+    "1 and 2",
+    "yield",
+    "await a",
+    "return 1",
+    "global a",
+    "assert 1",
+    "pass",
+    "def f(): pass",
+    "class A: pass",
+    "@a",
+    "raise 1",
+    "try: pass",
+    "with a: pass",
+    "match a:\n case 1: pass",
+    "print 1",
+    "a[0]",
+    "a.b = 1",
+    "sphere().radius",
+    "type X = int",
+    "(yield)",
+    "sphere(1);sphere(2)",
+    "async def f(): pass",
     # numbers
-    "sphere(9**9**9**9)", "sphere(10**10**10)", "9" * 5000, "sphere(" + "9" * 5000 + ")", "sphere(1e999999999)",
-    "sphere(2**1e9)", "0x" + "f" * 9000, "1." + "0" * 9000, "1_" * 4900 + "1", "**".join("2" * 3000),
-    "**-".join("2" * 3000), "exp(exp(exp(9)))", "sphere(1e300 * 1e300)", "sphere(exp(1e9))", "mod(1e308, 1e-308)",
-    "sphere(10**9 * 10**9)", "translate(sphere(), 1e300)",
+    "sphere(9**9**9**9)",
+    "sphere(10**10**10)",
+    "9" * 5000,
+    "sphere(" + "9" * 5000 + ")",
+    "sphere(1e999999999)",
+    "sphere(2**1e9)",
+    "0x" + "f" * 9000,
+    "1." + "0" * 9000,
+    "1_" * 4900 + "1",
+    "**".join("2" * 3000),
+    "**-".join("2" * 3000),
+    "exp(exp(exp(9)))",
+    "sphere(1e300 * 1e300)",
+    "sphere(exp(1e9))",
+    "mod(1e308, 1e-308)",
+    "sphere(10**9 * 10**9)",
+    "translate(sphere(), 1e300)",
     # nesting, length
-    "(" * 9_900, "(" * 4900 + ")" * 4900, "(" * 50 + "1", "sphere(" * 1400, "sphere(" * 60 + "1" + ")" * 60,
-    ")" * 9_900, "-" * 9_900 + "1", "- " * 4900 + "1", "+-" * 4900 + "1", "-+ \t" * 2000, "not " * 2400 + "1",
-    "1" + "+1" * 4900, "a" + " . x" * 2400, "a" + " ( )" * 2400, "(1\n" + "+1\n" * 3000 + ")",
-    "(a\n" + ".x\n" * 3000 + ")", "(a\n" + ".\nx" * 3000 + ")", "(a" + "(\n)" * 3000 + ")",
-    "(a" + "\n()" * 3000 + ")", "1 if 1 else " * 800, "a." * 4900 + "a", "a" + ".x" * 4900, "a" + "()" * 4900,
-    "lambda:" * 1400, "," * 9_900, "(1,2,3)" + ".x" * 4900, "\n" * 9_900, "# " * 4900, "a=1\n" * 2400,
-    "((((((((((" * 4 + "a b" + "))))))))))" * 4, "(((((" * 9 + "=" + ")))))" * 9, "a(b=" * 49 + "1", "x" * 1_000_000,
+    "(" * 9_900,
+    "(" * 4900 + ")" * 4900,
+    "(" * 50 + "1",
+    "sphere(" * 1400,
+    "sphere(" * 60 + "1" + ")" * 60,
+    ")" * 9_900,
+    "-" * 9_900 + "1",
+    "- " * 4900 + "1",
+    "+-" * 4900 + "1",
+    "-+ \t" * 2000,
+    "not " * 2400 + "1",
+    "1" + "+1" * 4900,
+    "a" + " . x" * 2400,
+    "a" + " ( )" * 2400,
+    "(1\n" + "+1\n" * 3000 + ")",
+    "(a\n" + ".x\n" * 3000 + ")",
+    "(a\n" + ".\nx" * 3000 + ")",
+    "(a" + "(\n)" * 3000 + ")",
+    "(a" + "\n()" * 3000 + ")",
+    "1 if 1 else " * 800,
+    "a." * 4900 + "a",
+    "a" + ".x" * 4900,
+    "a" + "()" * 4900,
+    "lambda:" * 1400,
+    "," * 9_900,
+    "(1,2,3)" + ".x" * 4900,
+    "\n" * 9_900,
+    "# " * 4900,
+    "a=1\n" * 2400,
+    "((((((((((" * 4 + "a b" + "))))))))))" * 4,
+    "(((((" * 9 + "=" + ")))))" * 9,
+    "a(b=" * 49 + "1",
+    "x" * 1_000_000,
     "a = box(1)\n" + "a = displace(a, 0.1 * sin(9 * p.x))\n" * 250 + "a",
-    "(" * 1_000_000, "sphere()|" * 111_111, "\0" * 1_000_000,
+    "(" * 1_000_000,
+    "sphere()|" * 111_111,
+    "\0" * 1_000_000,
     # shapes without end
-    "s=sphere()\n" + "s=s|s\n" * 1600 + "s", "s=sphere()\n" + "s=s-s\n" * 1600 + "s",
-    "s=sphere()\n" + "s=s|s&s\n" * 1200 + "s", "s=sphere()\n" + "s=s|sphere()-s\n" * 640 + "s",
+    "s=sphere()\n" + "s=s|s\n" * 1600 + "s",
+    "s=sphere()\n" + "s=s-s\n" * 1600 + "s",
+    "s=sphere()\n" + "s=s|s&s\n" * 1200 + "s",
+    "s=sphere()\n" + "s=s|sphere()-s\n" * 640 + "s",
     "s=sphere()\nt=union(" + ",".join("s" * 1999) + ")\nunion(" + "t," * 2900 + "t)",
     "s=" + "|".join(["sphere()"] * 1000) + "\ns|s|s",
     "s=sphere()\nt=" + "|".join("s" * 999) + "\n" + "u=t|t\n" * 1300 + "q",
@@ -202,30 +366,92 @@ ATTACKS = [
     "for i in range(1000):\n for j in range(1000):\n  p = sin(p)\nlength(p)",
     "n = 1\nfor i in range(1000):\n for j in range(1000):\n  n = n + 1\nsphere(n)",
     "n = 1\n" + "".join(" " * k + f"for i{k} in range(9):\n" for k in range(8)) + " " * 8 + "n = n + 1\nsphere(n)",
-    "\n".join(" " * k + "if 1 < 2:" for k in range(130)), "s = length(p)\n" + "s=s*s+s\n" * 1200 + "q",
-    "s = p\n" + "s=s*s+s\n" * 1200 + "q", "s = p\n" + "s=rotate(s,s)\n" * 600 + "q",
-    "a = p\n" + "a=normalize(cross(a,a+1))\n" * 370 + "q", "a = p.x < 0\n" + "a=a and a or not a\n" * 450 + "q",
-    "a = 1\n" + "if p.x>0:\n a=a+1\n" * 450 + "q", "s = length(p)-1\n" + "s=field(s)(p)+field(s)(p+1)\n" * 300 + "q",
-    "s=" + "|".join(["sphere()"] * 900) + "\n" + "t=s(p)\n" * 300 + "q", "p" + ".xyz" * 900, "p" + ".xyz" * 2400,
-    "for i in range(900):\n s = sphere(1 + i)(p)\nq", "for i in range(100):\n" + " s = sphere(i + 1)(p)\n" * 100 + "q",
+    "\n".join(" " * k + "if 1 < 2:" for k in range(130)),
+    "s = length(p)\n" + "s=s*s+s\n" * 1200 + "q",
+    "s = p\n" + "s=s*s+s\n" * 1200 + "q",
+    "s = p\n" + "s=rotate(s,s)\n" * 600 + "q",
+    "a = p\n" + "a=normalize(cross(a,a+1))\n" * 370 + "q",
+    "a = p.x < 0\n" + "a=a and a or not a\n" * 450 + "q",
+    "a = 1\n" + "if p.x>0:\n a=a+1\n" * 450 + "q",
+    "s = length(p)-1\n" + "s=field(s)(p)+field(s)(p+1)\n" * 300 + "q",
+    "s=" + "|".join(["sphere()"] * 900) + "\n" + "t=s(p)\n" * 300 + "q",
+    "p" + ".xyz" * 900,
+    "p" + ".xyz" * 2400,
+    "for i in range(900):\n s = sphere(1 + i)(p)\nq",
+    "for i in range(100):\n" + " s = sphere(i + 1)(p)\n" * 100 + "q",
     "s = length(p) - 1\nfor i in range(900):\n s = union(s, sphere(i + 1))\nq",
-    *(f"s = sphere()\n{'s = ' + word + chr(10)}" * 98 + "q" for word in (
-        "bend(s)", "twist(s)", "taper(s)", "shell(s)", "onion(s, 0.001)", "mirror(s)", "offset(s, 0.001)", "s | s(p)",
-        "wave_displacement(s)", "smooth_union(s, sphere())", "morph(s, s)", "rotate(s, 10)")),
+    *(
+        f"s = sphere()\n{'s = ' + word + chr(10)}" * 98 + "q"
+        for word in (
+            "bend(s)",
+            "twist(s)",
+            "taper(s)",
+            "shell(s)",
+            "onion(s, 0.001)",
+            "mirror(s)",
+            "offset(s, 0.001)",
+            "s | s(p)",
+            "wave_displacement(s)",
+            "smooth_union(s, sphere())",
+            "morph(s, s)",
+            "rotate(s, 10)",
+        )
+    ),
     # blocks and conditions
-    "for " * 2400, "for a in " * 1000, "if " * 3000, "if 1: " * 1600, "elif 1:" * 1400, "else:" * 1900,
+    "for " * 2400,
+    "for a in " * 1000,
+    "if " * 3000,
+    "if 1: " * 1600,
+    "elif 1:" * 1400,
+    "else:" * 1900,
     "break\n" * 1600,
-    "if 1 < 2:\n a = 1\n" + "elif 1 < 2:\n a = 1\n" * 450, "x = " + "not " * 2400 + "1",
+    "if 1 < 2:\n a = 1\n" + "elif 1 < 2:\n a = 1\n" * 450,
+    "x = " + "not " * 2400 + "1",
     "x = (1 " + "if 1 else (1 " * 49,
-    "1<" * 4900 + "1", "1 and " * 1600 + "1", "a:b:c:d", ":" * 9000, "x = (i for i in p)", "f(i for i in p)",
+    "1<" * 4900 + "1",
+    "1 and " * 1600 + "1",
+    "a:b:c:d",
+    ":" * 9000,
+    "x = (i for i in p)",
+    "f(i for i in p)",
     "for i in p: p = p",
-    "for p.x in range(3): p = p", "for i, j in range(3): p = p", "for i in range(3): break", "p.__class__", "p.x.real",
-    "sphere().bounds(1)", "p(p)", "sphere(1)(p, p)", "toggle(True)", "a = slider(1, 0, 2) + 1", "True.real", "range(3)",
-    "a = range(3)", "p.x in p", "p is p", "not p", "p.x == p.x == p.x",
+    "for p.x in range(3): p = p",
+    "for i, j in range(3): p = p",
+    "for i in range(3): break",
+    "p.__class__",
+    "p.x.real",
+    "sphere().bounds(1)",
+    "p(p)",
+    "sphere(1)(p, p)",
+    "toggle(True)",
+    "a = slider(1, 0, 2) + 1",
+    "True.real",
+    "range(3)",
+    "a = range(3)",
+    "p.x in p",
+    "p is p",
+    "not p",
+    "p.x == p.x == p.x",
     # unicode
-    "ｓphere(1)", "sphеre(1)", "sphere(１)", "sphere(1)\u2028import os", "sphere\u200b(1)", "ª = 1", "𝐬phere(1)",
-    "\u202esphere(1)", "\ud800", "sphere(1\u00a0)", "\ufeffsphere(1)", "sphere(²)", "sphere(1)\x0c", "sphere(1)\x1a",
-    "sphere(1)\\\n", "\t\tsphere", "sphere(−1)", "# \ud800\n1"]
+    "ｓphere(1)",
+    "sphеre(1)",
+    "sphere(１)",
+    "sphere(1)\u2028import os",
+    "sphere\u200b(1)",
+    "ª = 1",
+    "𝐬phere(1)",
+    "\u202esphere(1)",
+    "\ud800",
+    "sphere(1\u00a0)",
+    "\ufeffsphere(1)",
+    "sphere(²)",
+    "sphere(1)\x0c",
+    "sphere(1)\x1a",
+    "sphere(1)\\\n",
+    "\t\tsphere",
+    "sphere(−1)",
+    "# \ud800\n1",
+]
 
 
 @pytest.mark.parametrize("text, line, column, message, cure", MISTAKES)
@@ -262,10 +488,53 @@ def test_attacks_end_in_an_error_within_a_tenth_of_a_second(text):
 def test_random_words_make_a_shape_or_an_error():
     rng = np.random.default_rng(19)
     names = list(FUNCTIONS)
-    words = ["a", "b", "a", "(", ")", "(", ")", ",", "1", "2.5", "0", "-1", "1e9", "+", "-", "*", "/",
-             "%", "**", "|", "&", "=", ".", ".x", "\n", "slider(", "sphere()", "box(1)", "(1, 2, 3)", "vec3(", "a = ",
-             "\nsphere(1)", "=", "_",
-             "p", "p.x", "(p)", "for i in range(3):\n  ", "if ", "<", " and ", "not ", "else ", "break", "(p) - 1"]
+    words = [
+        "a",
+        "b",
+        "a",
+        "(",
+        ")",
+        "(",
+        ")",
+        ",",
+        "1",
+        "2.5",
+        "0",
+        "-1",
+        "1e9",
+        "+",
+        "-",
+        "*",
+        "/",
+        "%",
+        "**",
+        "|",
+        "&",
+        "=",
+        ".",
+        ".x",
+        "\n",
+        "slider(",
+        "sphere()",
+        "box(1)",
+        "(1, 2, 3)",
+        "vec3(",
+        "a = ",
+        "\nsphere(1)",
+        "=",
+        "_",
+        "p",
+        "p.x",
+        "(p)",
+        "for i in range(3):\n  ",
+        "if ",
+        "<",
+        " and ",
+        "not ",
+        "else ",
+        "break",
+        "(p) - 1",
+    ]
     shapes = 0
     for _ in range(2500):
         text = " ".join(rng.choice(names if rng.random() < 0.3 else words) for _ in range(rng.integers(1, 9)))
@@ -322,9 +591,12 @@ def test_the_examples_of_the_reference_page_work():
     introduction, rest = reference_page().split("## Shapes\n")
     shapes, emissions = rest.split("## Examples\n")[1].split("## Emission\n")
     shapes, emissions = (
-        ["\n".join(line[4:] for line in block.splitlines())
-         for block in re.findall(r"(?:^    .*\n(?:^\n(?=    ))?)+", text, re.MULTILINE)]
-        for text in (introduction + shapes, emissions))
+        [
+            "\n".join(line[4:] for line in block.splitlines())
+            for block in re.findall(r"(?:^    .*\n(?:^\n(?=    ))?)+", text, re.MULTILINE)
+        ]
+        for text in (introduction + shapes, emissions)
+    )
     assert len(shapes) >= 15 and len(emissions) >= 5
     for text in shapes:
         low, high = evaluate(text).bounds()

@@ -13,13 +13,16 @@ from sdf_lights.sdf.shapes.folds import IcosahedralFold, Kaleidoscope, Mirror, O
 from sdf_lights.sdf.shapes.layers import Elongate, Offset, Onion, Round, Shell
 from sdf_lights.sdf.shapes.repetition import PolarRepetition
 from sdf_lights.sdf.shapes.solids import RoundedBox
-from tests.sdf.operated import CORNER, PAIR, SHEARED, moved
+from support.shapes.operated import CORNER, PAIR, SHEARED, moved
 
 FOLDS = {
     "mirror": (lambda child: Mirror(child, (1.0, -0.5, 2.0)), 2),
     "kaleidoscope, 1": (lambda child: Kaleidoscope(child, 1.0), 2),
     "kaleidoscope, 7": (lambda child: Kaleidoscope(child, 7.0), 14),
-    "tetrahedral": (TetrahedralFold, 24), "octahedral": (OctahedralFold, 48), "icosahedral": (IcosahedralFold, 120)}
+    "tetrahedral": (TetrahedralFold, 24),
+    "octahedral": (OctahedralFold, 48),
+    "icosahedral": (IcosahedralFold, 120),
+}
 each_fold = pytest.mark.parametrize("fold, order", FOLDS.values(), ids=FOLDS)
 AT = np.random.default_rng(1).uniform(-2.0, 2.0, (5000, 3))
 
@@ -77,7 +80,8 @@ def test_a_smooth_mirror_draws_its_halves_together():
     with pytest.raises(NoClosedForm):
         smooth.program()
     assert Mirror(child, (0.0, 0.0, 0.0)).validate() == (
-        "Mirror: the normal has no length: give at least one of its components a value other than 0.")
+        "Mirror: the normal has no length: give at least one of its components a value other than 0."
+    )
 
 
 # -- layers -----------------------------------------------------------------------------------------------------------
@@ -90,8 +94,9 @@ def test_layers_by_hand():
     radius = np.linalg.norm(AT, axis=1)
     np.testing.assert_allclose(Onion(Sphere(1.0), 0.2).distance(AT), np.abs(radius - 1.0) - 0.1, atol=1e-15)
     np.testing.assert_allclose(Shell(Sphere(1.0), 0.2).distance(AT), np.abs(radius - 0.9) - 0.1, atol=1e-15)
-    np.testing.assert_allclose(Elongate(Sphere(0.3), (0.0, 0.0, 0.5)).distance(AT), Capsule(0.3, 1.0).distance(AT),
-                               atol=1e-15)
+    np.testing.assert_allclose(
+        Elongate(Sphere(0.3), (0.0, 0.0, 0.5)).distance(AT), Capsule(0.3, 1.0).distance(AT), atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("child", [Sphere(0.5), CORNER, SHEARED, PAIR, Transformed(BoxFrame(), np.diag([1, 2, 3, 1]))])
@@ -121,8 +126,9 @@ def test_elongation_moves_parts_apart():
     np.testing.assert_allclose(shape.distance(outside), PAIR.distance(AT), atol=1e-14)
     between = AT * (0.29 / 2.0, 0.0, 0.0) + AT * (0.0, 1.0, 1.0)
     section = between * (0.0, 1.0, 1.0)
-    np.testing.assert_allclose(shape.distance(between + np.sign(section) * half * (0, 1, 1)), PAIR.distance(section),
-                               atol=1e-14)
+    np.testing.assert_allclose(
+        shape.distance(between + np.sign(section) * half * (0, 1, 1)), PAIR.distance(section), atol=1e-14
+    )
 
 
 def test_angles_of_the_kaleidoscope():

@@ -10,8 +10,17 @@ import pytest
 from scipy.spatial import cKDTree
 
 from sdf_lights.sdf.shapes import SHAPES
-from sdf_lights.sdf.shapes.fractals import CantorDust, DodecahedronFlake, IcosahedronFlake, Kifs, KochCurve
-from sdf_lights.sdf.shapes.fractals import KochSnowflake, MengerSponge, OctahedronFlake, SierpinskiTetrahedron
+from sdf_lights.sdf.shapes.fractals import (
+    CantorDust,
+    DodecahedronFlake,
+    IcosahedronFlake,
+    Kifs,
+    KochCurve,
+    KochSnowflake,
+    MengerSponge,
+    OctahedronFlake,
+    SierpinskiTetrahedron,
+)
 from sdf_lights.sdf.shapes.orbits import ApollonianGasket, JuliaQuaternion, Mandelbox, Mandelbulb
 
 
@@ -34,17 +43,23 @@ def same_set(shape, at: np.ndarray, inside) -> None:
 CORNERS = {
     SierpinskiTetrahedron: [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)],
     OctahedronFlake: [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)],
-    IcosahedronFlake: SHAPES["icosahedron"].corners, DodecahedronFlake: SHAPES["dodecahedron"].corners,
-    CantorDust: list(itertools.product((-1, 1), repeat=3))}
+    IcosahedronFlake: SHAPES["icosahedron"].corners,
+    DodecahedronFlake: SHAPES["dodecahedron"].corners,
+    CantorDust: list(itertools.product((-1, 1), repeat=3)),
+}
 
 
-@pytest.mark.parametrize("shape, solid, ratio", [
-    (SierpinskiTetrahedron(0.9, 3), SHAPES["tetrahedron"](0.9), 0.5),
-    (OctahedronFlake(0.6, 3), SHAPES["octahedron"](0.6), 0.5),
-    (IcosahedronFlake(0.5, 2), SHAPES["icosahedron"](0.5), (3.0 - math.sqrt(5.0)) / 2.0),
-    (DodecahedronFlake(0.7, 2), SHAPES["dodecahedron"](0.7), 2.0 / (5.0 + math.sqrt(5.0))),
-    (CantorDust((0.5, 0.4, 0.8), 0.3, 2), SHAPES["box"]((0.5, 0.4, 0.8)), 0.3)],
-    ids=["sierpinski", "octahedra", "icosahedra", "dodecahedra", "dust"])
+@pytest.mark.parametrize(
+    "shape, solid, ratio",
+    [
+        (SierpinskiTetrahedron(0.9, 3), SHAPES["tetrahedron"](0.9), 0.5),
+        (OctahedronFlake(0.6, 3), SHAPES["octahedron"](0.6), 0.5),
+        (IcosahedronFlake(0.5, 2), SHAPES["icosahedron"](0.5), (3.0 - math.sqrt(5.0)) / 2.0),
+        (DodecahedronFlake(0.7, 2), SHAPES["dodecahedron"](0.7), 2.0 / (5.0 + math.sqrt(5.0))),
+        (CantorDust((0.5, 0.4, 0.8), 0.3, 2), SHAPES["box"]((0.5, 0.4, 0.8)), 0.3),
+    ],
+    ids=["sierpinski", "octahedra", "icosahedra", "dodecahedra", "dust"],
+)
 def test_a_flake_is_the_union_of_its_copies_and_the_distance_to_it(shape, solid, ratio):
     corners = np.array(CORNERS[type(shape)], float)
     corners *= solid.half_size if isinstance(shape, CantorDust) else solid.radius / np.linalg.norm(corners[0])
@@ -112,9 +127,15 @@ def turn(p, axis: int, angle: float):
     return p
 
 
-@pytest.mark.parametrize("shape", [
-    Kifs(), Kifs(0.4, 3, 1.8, (0.1, 0.3, 0.5), (0.3, -0.7, 1.1), (0.0, 0.5, -0.2)),
-    Kifs(0.3, 8, 1.4, (0.2, -0.1, 0.5))], ids=["default", "turned", "slow"])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Kifs(),
+        Kifs(0.4, 3, 1.8, (0.1, 0.3, 0.5), (0.3, -0.7, 1.1), (0.0, 0.5, -0.2)),
+        Kifs(0.3, 8, 1.4, (0.2, -0.1, 0.5)),
+    ],
+    ids=["default", "turned", "slow"],
+)
 def test_the_kaleidoscope_is_its_rounds(shape):
     def inside(p):
         for _ in range(int(shape.levels)):
@@ -153,9 +174,16 @@ def test_the_mandelbulb_is_what_does_not_run_away(power, rounds):
     same_set(shape, at, [inside(p) for p in at * (limit / 0.5)])
 
 
-@pytest.mark.parametrize("c, w, rounds", [
-    ((-0.2, 0.6, 0.2, 0.2), 0.0, 8), ((-0.45, 0.447, 0.181, 0.306), 0.2, 6), ((0.0, 0.0, 0.0, 0.0), 0.3, 10),
-    ((-1.0, 0.2, 0.0, 0.0), 0.0, 12), ((0.3, -0.5, 0.1, -0.4), -0.1, 3)])
+@pytest.mark.parametrize(
+    "c, w, rounds",
+    [
+        ((-0.2, 0.6, 0.2, 0.2), 0.0, 8),
+        ((-0.45, 0.447, 0.181, 0.306), 0.2, 6),
+        ((0.0, 0.0, 0.0, 0.0), 0.3, 10),
+        ((-1.0, 0.2, 0.0, 0.0), 0.0, 12),
+        ((0.3, -0.5, 0.1, -0.4), -0.1, 3),
+    ],
+)
 def test_the_julia_set_is_what_does_not_run_away(c, w, rounds):
     shape = JuliaQuaternion(0.6, c[:3], c[3], w, rounds)
     limit = (1.0 + math.sqrt(1.0 + 4.0 * math.hypot(*c))) / 2.0
@@ -177,8 +205,10 @@ def test_the_julia_set_is_what_does_not_run_away(c, w, rounds):
     same_set(shape, at, [inside(p) for p in at * (limit / 0.6)])
 
 
-@pytest.mark.parametrize("scale, inner, rounds", [
-    (2.0, 0.5, 8), (-2.0, 0.5, 10), (-1.5, 0.5, 12), (3.0, 0.25, 4), (1.3, 0.9, 6), (-9.0, 1.0, 2)])
+@pytest.mark.parametrize(
+    "scale, inner, rounds",
+    [(2.0, 0.5, 8), (-2.0, 0.5, 10), (-1.5, 0.5, 12), (3.0, 0.25, 4), (1.3, 0.9, 6), (-9.0, 1.0, 2)],
+)
 def test_the_mandelbox_is_what_does_not_run_away(scale, inner, rounds):
     shape = Mandelbox(0.5, scale, inner, rounds)
     half = 2.0 * (scale + 1.0) / (scale - 1.0) if scale > 0.0 else 2.0
@@ -247,9 +277,18 @@ def test_the_gasket_is_the_packing_of_soddy():
 # -- bounds -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("shape, least", [
-    (Mandelbulb(), 0.3), (Mandelbulb(power=3), 0.2), (JuliaQuaternion(), 0.4), (Mandelbox(), 0.08),
-    (ApollonianGasket(), 0.5), (MengerSponge(), 0.6), (Kifs(), 0.7)])
+@pytest.mark.parametrize(
+    "shape, least",
+    [
+        (Mandelbulb(), 0.3),
+        (Mandelbulb(power=3), 0.2),
+        (JuliaQuaternion(), 0.4),
+        (Mandelbox(), 0.08),
+        (ApollonianGasket(), 0.5),
+        (MengerSponge(), 0.6),
+        (Kifs(), 0.7),
+    ],
+)
 def test_proven_bounds_are_not_idle(shape, least):
     """Median of the field over the distance to the nearest of many points inside, which is a little farther."""
     low, high = shape.bounds()
@@ -271,9 +310,18 @@ def _slopes(shape, pairs: int, seed: int) -> np.ndarray:
 
 
 OTHER_NUMBERS = [
-    Mandelbulb(power=2, rounds=10), Mandelbulb(power=3, rounds=8), Mandelbulb(power=16), Mandelbox(scale=-2, rounds=10),
-    Mandelbox(scale=2, rounds=8), Mandelbox(scale=1.2, inner_radius=0.1), JuliaQuaternion(constant=(-1.0, 0.2, 0.0)),
-    ApollonianGasket(rounds=10), Kifs(levels=12), MengerSponge(levels=6), KochSnowflake(levels=9)]
+    Mandelbulb(power=2, rounds=10),
+    Mandelbulb(power=3, rounds=8),
+    Mandelbulb(power=16),
+    Mandelbox(scale=-2, rounds=10),
+    Mandelbox(scale=2, rounds=8),
+    Mandelbox(scale=1.2, inner_radius=0.1),
+    JuliaQuaternion(constant=(-1.0, 0.2, 0.0)),
+    ApollonianGasket(rounds=10),
+    Kifs(levels=12),
+    MengerSponge(levels=6),
+    KochSnowflake(levels=9),
+]
 
 
 @pytest.mark.parametrize("shape", OTHER_NUMBERS, ids=lambda s: s.label())
@@ -300,14 +348,33 @@ def test_a_mandelbox_that_does_not_grow_is_refused():
     assert Mandelbox(scale=-1.0).validate() and not Mandelbox(scale=-1.1).validate()
 
 
-@pytest.mark.parametrize("shape", [
-    Mandelbulb(power=2, rounds=30), Mandelbulb(power=32, rounds=30), JuliaQuaternion(2.0, 2.0, 2.0, 2.0, 30),
-    Mandelbox(scale=10.0, rounds=30), Mandelbox(scale=-1.1, inner_radius=0.05, rounds=30), ApollonianGasket(rounds=30),
-    MengerSponge(levels=12), CantorDust(ratio=0.05, levels=12), DodecahedronFlake(levels=12), KochSnowflake(levels=12),
-    Kifs(levels=12, scale=10.0, center=(5.0, -3.0, 1.0))], ids=lambda s: s.label())
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Mandelbulb(power=2, rounds=30),
+        Mandelbulb(power=32, rounds=30),
+        JuliaQuaternion(2.0, 2.0, 2.0, 2.0, 30),
+        Mandelbox(scale=10.0, rounds=30),
+        Mandelbox(scale=-1.1, inner_radius=0.05, rounds=30),
+        ApollonianGasket(rounds=30),
+        MengerSponge(levels=12),
+        CantorDust(ratio=0.05, levels=12),
+        DodecahedronFlake(levels=12),
+        KochSnowflake(levels=12),
+        Kifs(levels=12, scale=10.0, center=(5.0, -3.0, 1.0)),
+    ],
+    ids=lambda s: s.label(),
+)
 def test_the_ends_of_the_limits_are_finite(shape):
     rng = np.random.default_rng(10)
-    at = np.concatenate([around(shape, 2000), np.zeros((1, 3)), 1e12 * rng.normal(size=(50, 3)),
-                         1e-300 * rng.normal(size=(50, 3)), *(t * np.eye(3) for t in (1e-9, 0.5, 1.0, -1.0, 1e6))])
+    at = np.concatenate(
+        [
+            around(shape, 2000),
+            np.zeros((1, 3)),
+            1e12 * rng.normal(size=(50, 3)),
+            1e-300 * rng.normal(size=(50, 3)),
+            *(t * np.eye(3) for t in (1e-9, 0.5, 1.0, -1.0, 1e6)),
+        ]
+    )
     assert shape.validate() == "" and np.isfinite(shape.distance(at)).all()
     assert np.isfinite(np.concatenate(shape.bounds())).all()

@@ -12,13 +12,14 @@ import re
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import formula as f
-from sdf_lights.sdf import read_glsl, read_interval, read_numpy
-from sdf_lights.sdf.gradient import gradient
-from tests import glsl
-from tests.sdf import samples
+from sdf_lights.graph import codegen_glsl, interval_arithmetic, numpy_evaluation
+from sdf_lights.graph import formula as f
+from sdf_lights.graph.gradient import gradient
+from support import glsl
+from support.shapes import samples
 
 x, y, z = f.POINT
+
 
 def _points(count: int = 300) -> np.ndarray:
     rng = np.random.default_rng(1)
@@ -33,12 +34,12 @@ def _check(formula, points, parameters=(), size: int = 1):
     points = points.astype(np.float32).astype(np.float64)
     points[np.abs(points) < glsl.PRECISION.tiny] = 0.0  # as GLSL may do
     parts = (formula,) if size == 1 else tuple(formula)
-    source = read_glsl.function(formula, "read")
+    source = codegen_glsl.function(formula, "read")
     values = glsl.evaluate(source, "read", points, parameters, size).reshape(len(points), size).astype(np.float64)
     known = 0
     for part, found in zip(parts, values.T):
-        low, high = read_interval.enclose(part, points, points, parameters, glsl.PRECISION)
-        expected = read_numpy.evaluate(part, points, parameters)
+        low, high = interval_arithmetic.enclose(part, points, points, parameters, glsl.PRECISION)
+        expected = numpy_evaluation.evaluate(part, points, parameters)
         # What is undefined in exact arithmetic, or may be after rounding, can have any value.
         bounded = np.isfinite(expected) & (low > -np.inf) & (high < np.inf)
         wrong = bounded & ~((low <= found) & (found <= high))
@@ -55,7 +56,7 @@ def operations():
         elif kind in f.CONDITIONS:
             yield kind, f.select(f.apply(kind, x, y), f.constant(1.0), f.constant(2.0)) + x
         else:
-            yield kind, f.apply(kind, *f.POINT[:operation.arity])
+            yield kind, f.apply(kind, *f.POINT[: operation.arity])
         if operation.arity == 2 and kind not in f.CONDITIONS:
             for number in (-2.0, 3.0, 2.5):
                 yield f"{kind} of {number}", f.apply(kind, f.constant(number), x) + y
@@ -70,7 +71,7 @@ def _escape(u, v, n):
 
 
 def _outer(a, total):
-    b, = f.iterate(f.parameter(0), (a * y,), lambda c: ((f.sin(c) + total * z - (x + y) * c,), abs(c) < 9.0), 6)
+    (b,) = f.iterate(f.parameter(0), (a * y,), lambda c: ((f.sin(c) + total * z - (x + y) * c,), abs(c) < 9.0), 6)
     return (b + a, total * b), f.minimum(a, total) < 5.0
 
 
@@ -101,14 +102,16 @@ def test_distances_have_the_precision_of_float32(name):
     """In plain terms, of shapes whose formulas are well conditioned: the error is that of the coordinates."""
     shape = samples.SHAPES_TO_TRY[name]
     points = samples.points(shape, 2000).astype(np.float32).astype(np.float64)
-    values = glsl.evaluate(read_glsl.function(shape.formula(), "field"), "field", points, shape.parameters())
+    values = glsl.evaluate(codegen_glsl.function(shape.formula(), "field"), "field", points, shape.parameters())
     size = np.abs(points).max(axis=1) + np.abs(shape.parameters()).max()
     assert (np.abs(values - shape.distance(points)) <= 4.0 * glsl.ULP * size).all()
 
 
-@pytest.mark.parametrize("formula", [
-    pytest.param(samples.SHAPES_TO_TRY[name].formula(), id=name) for name in ("torus", "box", "cone")] + [
-    pytest.param(formula, id=name) for name, formula in LOOPS.items() if name in ("escape", "parameter")])
+@pytest.mark.parametrize(
+    "formula",
+    [pytest.param(samples.SHAPES_TO_TRY[name].formula(), id=name) for name in ("torus", "box", "cone")]
+    + [pytest.param(formula, id=name) for name, formula in LOOPS.items() if name in ("escape", "parameter")],
+)
 def test_gradients_agree(formula):
     parameters = [0.5, 0.2, 0.3, 0.1]
     _check(gradient(formula), _points(), parameters, 3)
@@ -119,7 +122,7 @@ def test_far_and_tiny():
     """Squares of 1e10 and of 1e-18 do not leave the range of float32."""
     for size in (1e10, 1e18, 1e-18):
         points = size * np.random.default_rng(2).normal(size=(100, 3))
-        found = glsl.evaluate(read_glsl.function(f.length(x, y, z), "read"), "read", points)
+        found = glsl.evaluate(codegen_glsl.function(f.length(x, y, z), "read"), "read", points)
         np.testing.assert_allclose(found, np.linalg.norm(points, axis=1), rtol=1e-6)
 
 
@@ -127,7 +130,7 @@ def test_values_of_powers():
     """Also where pow is undefined in GLSL: negative numbers with whole exponents, and 0."""
     bases, exponents = np.meshgrid([-2.0, -1.0, -0.5, 0.0, 0.5, 2.0], [-3.0, -2.0, 0.0, 1.0, 2.0, 3.0, 17.0])
     points = np.stack([bases.ravel(), exponents.ravel(), 0.0 * bases.ravel()], axis=-1)
-    found = glsl.evaluate(read_glsl.function(f.apply("power", x, y), "read"), "read", points)
+    found = glsl.evaluate(codegen_glsl.function(f.apply("power", x, y), "read"), "read", points)
     with np.errstate(divide="ignore"):
         expected = np.clip(np.power(points[:, 0], points[:, 1]), None, np.finfo(np.float32).max)
     np.testing.assert_allclose(found, expected, rtol=2e-6)
@@ -136,54 +139,57 @@ def test_values_of_powers():
 def test_angles_are_those_of_numpy():
     directions = np.random.default_rng(3).normal(size=(1000, 3)).astype(np.float32)
     directions[:8, :2] = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (-1, -1)]
-    found = glsl.evaluate(read_glsl.function(f.apply("atan2", y, x), "read"), "read", directions)
+    found = glsl.evaluate(codegen_glsl.function(f.apply("atan2", y, x), "read"), "read", directions)
     expected = np.arctan2(directions[:, 1].astype(float), directions[:, 0])
     np.testing.assert_allclose(found, expected, rtol=4.0 * glsl.ULP, atol=0.0)
     near_one = np.stack([1.0 - 10.0 ** np.linspace(-7, 0, 500)] * 3, axis=-1).astype(np.float32)
     for kind, function in (("asin", np.arcsin), ("acos", np.arccos), ("atan", np.arctan)):
-        found = glsl.evaluate(read_glsl.function(f.apply(kind, x), "read"), "read", near_one)
+        found = glsl.evaluate(codegen_glsl.function(f.apply(kind, x), "read"), "read", near_one)
         np.testing.assert_allclose(found, function(near_one[:, 0].astype(float)), rtol=6.0 * glsl.ULP, atol=0.0)
 
 
 def test_text():
-    text = read_glsl.function(samples.SHAPES_TO_TRY["torus"].formula(), "torus", "lamp.k[{}]")
-    assert text == """\
+    text = codegen_glsl.function(samples.SHAPES_TO_TRY["torus"].formula(), "torus", "lamp.k[{}]")
+    assert (
+        text
+        == """\
 float torus(vec3 p)
 {
     float a0 = (sqrt(((p.x * p.x) + (p.y * p.y))) - lamp.k[0]);
     return (sqrt(((a0 * a0) + (p.z * p.z))) - lamp.k[1]);
 }
 """
-    assert text == read_glsl.function(samples.SHAPES_TO_TRY["torus"].formula(), "torus", "lamp.k[{}]")
+    )
+    assert text == codegen_glsl.function(samples.SHAPES_TO_TRY["torus"].formula(), "torus", "lamp.k[{}]")
 
 
 def test_functions_share_a_shader():
     """Each brings its own helpers, under names of its own."""
     angle = f.apply("atan2", y, x)
-    source = read_glsl.function(angle, "first") + read_glsl.function(2.0 * angle, "second")
+    source = codegen_glsl.function(angle, "first") + codegen_glsl.function(2.0 * angle, "second")
     source += "\nfloat both(vec3 p)\n{\n    return first(p) + second(p);\n}\n"
     np.testing.assert_allclose(glsl.evaluate(source, "both", np.array([(1.0, 1.0, 0.0)])), 0.75 * np.pi, rtol=1e-6)
 
 
 def test_numbers_are_written_for_float32():
     for value in (0.0, -0.0, 1.0, -1.5, 0.1, 1e-5, 1e9, 123456789.0, 1e-30, -3e38):
-        text = read_glsl.literal(value)
+        text = codegen_glsl.literal(value)
         assert np.float32(text) == np.float32(value) and re.fullmatch(r"-?\d+\.\d+(e[+-]\d+)?", text)
-    assert float(read_glsl.literal(1e-300)) > 0.0 and np.isfinite(np.float32(read_glsl.literal(np.inf)))
+    assert float(codegen_glsl.literal(1e-300)) > 0.0 and np.isfinite(np.float32(codegen_glsl.literal(np.inf)))
 
 
 @pytest.mark.parametrize("name", ["", "1a", "a b", "gl_a", "a__b", "a;", "ä"])
 def test_names_have_to_be_names(name):
     with pytest.raises(ValueError, match="no name for a GLSL function"):
-        read_glsl.function(x, name)
+        codegen_glsl.function(x, name)
     with pytest.raises(ValueError, match="1 to 4 values"):
-        read_glsl.function((x,) * 5, "read")
+        codegen_glsl.function((x,) * 5, "read")
 
 
 def test_deep_formulas_are_written_without_nesting():
     deep = x
     for i in range(1000):
         deep = f.sqrt(deep * deep * 0.25 + y) if i % 3 else deep + 0.1
-    source = read_glsl.function(deep, "read")
+    source = codegen_glsl.function(deep, "read")
     assert max(map(len, source.splitlines())) < 1500
     _check(deep, np.abs(_points(50)))

@@ -5,26 +5,26 @@
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import formula as f
-from sdf_lights.sdf import read_native, read_numpy
-from sdf_lights.sdf.gradient import gradient
+from sdf_lights.graph import codegen_native, numpy_evaluation
+from sdf_lights.graph import formula as f
+from sdf_lights.graph.gradient import gradient
 from sdf_lights.sdf.shapes.base import EXACT
-from tests.sdf import samples
+from support.shapes import samples
 
 x, y, z = f.POINT
 
 
 def _read(formula, points, parameters):
-    return np.stack([read_numpy.evaluate(part, points, parameters) for part in gradient(formula)], axis=-1)
+    return np.stack([numpy_evaluation.evaluate(part, points, parameters) for part in gradient(formula)], axis=-1)
 
 
 def _differences(formula, points, parameters, step):
     """Central differences (n, 3), and how far those to both sides are apart (n, 3)."""
     found, bend = [], []
-    here = read_numpy.evaluate(formula, points, parameters)
+    here = numpy_evaluation.evaluate(formula, points, parameters)
     for axis in range(3):
         offset = step * np.eye(3)[axis]
-        after, before = (read_numpy.evaluate(formula, points + sign * offset, parameters) for sign in (1.0, -1.0))
+        after, before = (numpy_evaluation.evaluate(formula, points + sign * offset, parameters) for sign in (1.0, -1.0))
         found.append((after - before) / (2.0 * step))
         bend.append(np.abs(after - 2.0 * here + before) / step)
     return np.stack(found, axis=-1), np.stack(bend, axis=-1)
@@ -34,13 +34,19 @@ def operations():
     """Each operation where it is smooth, with inner derivatives along all axes."""
     u, v = x * y + 0.5 * z, y - x * z
     inside = f.sin(u) * 0.9
-    operands = {"sqrt": (u * u + 0.1,), "asin": (inside,), "acos": (inside,), "log": (u * u + 0.1,),
-                "power": (u * u + 0.1, v), "divide": (u, v * v + 0.5)}
+    operands = {
+        "sqrt": (u * u + 0.1,),
+        "asin": (inside,),
+        "acos": (inside,),
+        "log": (u * u + 0.1,),
+        "power": (u * u + 0.1, v),
+        "divide": (u, v * v + 0.5),
+    }
     for kind, operation in f.OPERATIONS.items():
         if kind == "select":
             yield kind, f.select(u < v, u * v, v - u)
         elif kind not in f.CONDITIONS:
-            yield kind, f.apply(kind, *operands.get(kind, (u, v)[:operation.arity]))
+            yield kind, f.apply(kind, *operands.get(kind, (u, v)[: operation.arity]))
     yield "power of a negative number", f.apply("power", u, 17.0)
     yield "power of a parameter", f.apply("power", abs(u) + 0.1, f.parameter(0))
 
@@ -50,7 +56,7 @@ def _escape(u, v, n):
 
 
 def _inner(a, total):
-    b, = f.iterate(2, (a * y,), lambda c: ((f.sin(c) + total * z,), None), 2)
+    (b,) = f.iterate(2, (a * y,), lambda c: ((f.sin(c) + total * z,), None), 2)
     return (b + a, total * b), None
 
 
@@ -126,17 +132,20 @@ def test_gradients_of_gradients():
     second = gradient(gradient(f.sin(x * y)).x).x
     points = np.random.default_rng(3).normal(size=(50, 3))
     u, v = points[:, 0], points[:, 1]
-    np.testing.assert_allclose(read_numpy.evaluate(second, points), -v * v * np.sin(u * v), atol=1e-12)
+    np.testing.assert_allclose(numpy_evaluation.evaluate(second, points), -v * v * np.sin(u * v), atol=1e-12)
 
 
-@pytest.mark.skipif(not read_native.AVAILABLE, reason="no Numba")
+@pytest.mark.skipif(not codegen_native.AVAILABLE, reason="no Numba")
 def test_gradients_are_read_natively():
     for name in ("torus", "three"):
         shape = samples.SHAPES_TO_TRY[name]
         points = samples.points(shape, 200)[:200]
         for part in gradient(shape.formula()):
-            np.testing.assert_allclose(read_native.evaluate(part, points, shape.parameters()),
-                                       read_numpy.evaluate(part, points, shape.parameters()), atol=1e-9)
+            np.testing.assert_allclose(
+                codegen_native.evaluate(part, points, shape.parameters()),
+                numpy_evaluation.evaluate(part, points, shape.parameters()),
+                atol=1e-9,
+            )
 
 
 def test_deep_formulas():

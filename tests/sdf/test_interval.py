@@ -8,9 +8,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import formula as f
-from sdf_lights.sdf import read_interval, read_native, read_numpy
-from tests.sdf import samples
+from sdf_lights.graph import codegen_native, interval_arithmetic, numpy_evaluation
+from sdf_lights.graph import formula as f
+from support.shapes import samples
 
 x, y, z = f.POINT
 INFINITY = float("inf")
@@ -25,7 +25,7 @@ def operations():
         elif kind in f.CONDITIONS:
             yield kind, f.select(f.apply(kind, x, y), f.constant(1.0), f.constant(2.0))
         else:
-            yield kind, f.apply(kind, *f.POINT[:operation.arity])
+            yield kind, f.apply(kind, *f.POINT[: operation.arity])
         if operation.arity == 2 and kind not in f.CONDITIONS:
             for number in (-2.0, -0.5, 0.0, 2.0, 3.0, 2.5):
                 yield f"{kind} of {number}", f.apply(kind, f.constant(number), x)
@@ -40,7 +40,7 @@ def _julia(*states):
 
 
 def _nested(u, total):
-    inner, = f.iterate(3, (u,), lambda v: ((abs(v) - 0.5 * total,), None), 3)
+    (inner,) = f.iterate(3, (u,), lambda v: ((abs(v) - 0.5 * total,), None), 3)
     return (inner * 1.25, total + inner * x), f.minimum(u, y) < 2.0
 
 
@@ -50,6 +50,7 @@ LOOPS = {
     "nested": sum(f.iterate(f.parameter(0), (x, 0.5), _nested, 4)),
     "no rounds": f.iterate(-1.0, (x + y,), lambda u: ((u * 2.0,), None), 4)[0],
 }
+
 
 def _floor(a):
     return f.apply("floor", a)
@@ -87,8 +88,11 @@ def boxes(count: int = 200, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
     center = rng.normal(size=(count, 3)) * 10.0 ** rng.uniform(-4, 1, (count, 1))
     center[::7] = rng.integers(-2, 3, (len(center[::7]), 3)) / 2.0
     center[1::31] *= 10.0 ** rng.uniform(-300, 150, (len(center[1::31]), 1))
-    half = 10.0 ** rng.uniform(-17, 1.5, (count, 1)) * rng.uniform(0, 1, (count, 3)) * np.maximum(
-        1.0, np.abs(center).max(axis=1, keepdims=True))
+    half = (
+        10.0 ** rng.uniform(-17, 1.5, (count, 1))
+        * rng.uniform(0, 1, (count, 3))
+        * np.maximum(1.0, np.abs(center).max(axis=1, keepdims=True))
+    )
     half[::5] = 0.0
     half[1::5, 1] = 0.0
     low, high = center - half, center + half
@@ -114,9 +118,9 @@ def points_in(low: np.ndarray, high: np.ndarray, rng) -> np.ndarray:
 
 
 def _evaluate(formula, points, parameters, natively: bool):
-    yield read_numpy.evaluate(formula, points, parameters)
-    if natively and read_native.AVAILABLE:
-        yield read_native.evaluate(formula, points, parameters)
+    yield numpy_evaluation.evaluate(formula, points, parameters)
+    if natively and codegen_native.AVAILABLE:
+        yield codegen_native.evaluate(formula, points, parameters)
 
 
 @pytest.mark.parametrize("name", FORMULAS)
@@ -125,7 +129,7 @@ def test_every_value_is_inside(name):
     low, high = boxes()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        least, most = read_interval.enclose(formula, low, high, parameters)
+        least, most = interval_arithmetic.enclose(formula, low, high, parameters)
     assert least.shape == most.shape == (len(low),) and (least <= most).all()
     rng = np.random.default_rng(4)
     defined = 0
@@ -146,7 +150,7 @@ def test_exact_results_are_inside(kind):
     points = rng.normal(size=(2000, 3)) * 10.0 ** rng.uniform(-100, 100, (2000, 1))
     points[:, 1] *= 10.0 ** rng.uniform(-30, 30, 2000)
     points[::3] = points[::3, [0, 0, 2]] * rng.uniform(0.5, 2.0, (len(points[::3]), 3))
-    least, most = read_interval.enclose(f.apply(kind, x, y), points, points)
+    least, most = interval_arithmetic.enclose(f.apply(kind, x, y), points, points)
     for (u, v, _), low, high in zip(points, least, most):
         exact = f.OPERATIONS[kind].meaning(Fraction(u), Fraction(v))
         assert low <= exact <= high
@@ -164,7 +168,7 @@ def test_bounds_of_small_boxes_are_tight(name):
     widths = []
     for size in (1e-6, 1e-8):
         half = size * np.abs(points).max()
-        least, most = read_interval.enclose(shape.formula(), points - half, points + half, shape.parameters())
+        least, most = interval_arithmetic.enclose(shape.formula(), points - half, points + half, shape.parameters())
         widths.append((most - least) / half)
     # Folds and loops use a coordinate many times over, and each use adds to the width.
     typical = np.median(widths, axis=1)
@@ -173,30 +177,35 @@ def test_bounds_of_small_boxes_are_tight(name):
 
 def test_what_is_undefined_has_bounds_all_the_same():
     low, high = np.array([(-2.0, -1.0, 0.0), (-2.0, 4.0, 0.0)]), np.array([(-1.0, -1.0, 0.0), (4.0, 4.0, 0.0)])
-    least, most = read_interval.enclose(f.sqrt(x), low, high)
+    least, most = interval_arithmetic.enclose(f.sqrt(x), low, high)
     np.testing.assert_array_equal(least, [-INFINITY, 0.0])
     np.testing.assert_allclose(most, [INFINITY, 2.0])
-    assert read_interval.enclose(f.constant(0.0) / f.constant(0.0) + x, low, high)[1].min() == INFINITY
+    assert interval_arithmetic.enclose(f.constant(0.0) / f.constant(0.0) + x, low, high)[1].min() == INFINITY
     # √x < 3 wherever there is a root, but NaN < 3 does not hold either: the other side may come out.
-    least, most = read_interval.enclose(f.select(f.sqrt(x) < 3.0, 1.0, 2.0) + 0.0 * y, low, high)
+    least, most = interval_arithmetic.enclose(f.select(f.sqrt(x) < 3.0, 1.0, 2.0) + 0.0 * y, low, high)
     np.testing.assert_array_equal([least, most], [(1.0, 1.0), (2.0, 2.0)])
 
 
 def test_bounds_know_what_a_square_is():
     box = np.full((1, 3), -2.0), np.full((1, 3), 1.0)
     for formula, bounds in [
-            (x * x, (0.0, 4.0)), (f.apply("power", x, 2.0), (0.0, 4.0)), (f.apply("power", x, 3.0), (-8.0, 1.0)),
-            (f.apply("power", x, -2.0), (0.25, INFINITY)), (f.length(x, y, z), (0.0, 12.0**0.5)),
-            (f.apply("sin", 10.0 * x), (-1.0, 1.0)), (f.cos(x), (np.cos(2.0), 1.0)),
-            (f.apply("atan2", y, x), (-np.pi, np.pi)),
-            (f.apply("atan2", y + 3.0, x), (np.arctan2(1, 1), np.arctan2(1, -2)))]:
-        np.testing.assert_allclose(np.ravel(read_interval.enclose(formula, *box)), bounds, atol=1e-12)
+        (x * x, (0.0, 4.0)),
+        (f.apply("power", x, 2.0), (0.0, 4.0)),
+        (f.apply("power", x, 3.0), (-8.0, 1.0)),
+        (f.apply("power", x, -2.0), (0.25, INFINITY)),
+        (f.length(x, y, z), (0.0, 12.0**0.5)),
+        (f.apply("sin", 10.0 * x), (-1.0, 1.0)),
+        (f.cos(x), (np.cos(2.0), 1.0)),
+        (f.apply("atan2", y, x), (-np.pi, np.pi)),
+        (f.apply("atan2", y + 3.0, x), (np.arctan2(1, 1), np.arctan2(1, -2))),
+    ]:
+        np.testing.assert_allclose(np.ravel(interval_arithmetic.enclose(formula, *box)), bounds, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", REMAINDERS)
 def test_bounds_know_what_a_remainder_is(name):
     formula, expected = REMAINDERS[name]
-    low, high = read_interval.enclose(formula, np.full((1, 3), -20.0), np.full((1, 3), 30.0), [3.0])
+    low, high = interval_arithmetic.enclose(formula, np.full((1, 3), -20.0), np.full((1, 3), 30.0), [3.0])
     np.testing.assert_allclose([low[0], high[0]], expected, atol=1e-5)
 
 
@@ -204,7 +213,7 @@ def test_numbers_stay_exact():
     """An exponent that is computed is still whole, so negative numbers have powers."""
     formula = f.apply("power", x, f.parameter(0) - 1.0)
     box = np.full((1, 3), -2.0), np.full((1, 3), -1.0)
-    np.testing.assert_allclose(np.ravel(read_interval.enclose(formula, *box, [4.0])), (-8.0, -1.0))
+    np.testing.assert_allclose(np.ravel(interval_arithmetic.enclose(formula, *box, [4.0])), (-8.0, -1.0))
 
 
 def test_whole_numbers_stay_whole():
@@ -213,12 +222,12 @@ def test_whole_numbers_stay_whole():
     for _ in range(6):
         hashed = (34.0 * hashed + 1.0) * hashed
         hashed = hashed - 289.0 * _floor((hashed + 0.5) * (1.0 / 289.0))
-    low, high = read_interval.enclose(hashed, np.full((1, 3), 17.25), np.full((1, 3), 17.75))
-    assert low == high == read_numpy.evaluate(hashed, np.full((1, 3), 17.5))
+    low, high = interval_arithmetic.enclose(hashed, np.full((1, 3), 17.25), np.full((1, 3), 17.75))
+    assert low == high == numpy_evaluation.evaluate(hashed, np.full((1, 3), 17.5))
 
 
 def test_no_boxes():
-    low, high = read_interval.enclose(f.length(x, y), np.zeros((0, 3)), np.zeros((0, 3)))
+    low, high = interval_arithmetic.enclose(f.length(x, y), np.zeros((0, 3)), np.zeros((0, 3)))
     assert low.shape == high.shape == (0,)
 
 
@@ -226,6 +235,6 @@ def test_deep_formulas():
     deep = x
     for i in range(10_000):
         deep = deep + float(i % 7)
-    low, high = read_interval.enclose(deep, np.zeros((1, 3)), np.ones((1, 3)))
+    low, high = interval_arithmetic.enclose(deep, np.zeros((1, 3)), np.ones((1, 3)))
     total = sum(i % 7 for i in range(10_000))
     assert low <= total <= total + 1 <= high <= low + 1.001

@@ -7,10 +7,10 @@ import warnings
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import formula as f
-from sdf_lights.sdf import lipschitz, read_interval, read_numpy
+from sdf_lights.graph import formula as f
+from sdf_lights.graph import interval_arithmetic, lipschitz, numpy_evaluation
 from sdf_lights.sdf.shapes.base import EXACT
-from tests.sdf import samples
+from support.shapes import samples
 
 x, y, z = f.POINT
 
@@ -50,8 +50,12 @@ def test_no_slope_is_steeper_than_its_bound(name):
 
 def _direct(shape) -> bool:
     """Exact, and neither a loop nor a root found by iteration: of those the rounds' bounds multiply."""
-    return (shape.exactness == EXACT and shape.lipschitz == 1.0 and shape.name() != "bezier_tube"
-            and not any(node.kind == f.ITERATE for node in f.order(shape.formula())))
+    return (
+        shape.exactness == EXACT
+        and shape.lipschitz == 1.0
+        and shape.name() != "bezier_tube"
+        and not any(node.kind == f.ITERATE for node in f.order(shape.formula()))
+    )
 
 
 @pytest.mark.parametrize("name", [name for name, shape in samples.SHAPES_TO_TRY.items() if _direct(shape)])
@@ -71,14 +75,32 @@ def _bound(formula, low=-1.0, high=1.0, parameters=()):
     return lipschitz.lipschitz(formula, np.full((1, 3), low), np.full((1, 3), high), parameters)[0]
 
 
-@pytest.mark.parametrize("formula, bound", [
-    (f.constant(3.0) + f.parameter(0), 0.0), (3.0 * x - 4.0 * y, 5.0), (x * x, 2.0), (f.length(x, y, z), 1.0),
-    (f.length(f.length(x, y) - 0.5, z), 1.0), (f.sqrt(f.minimum(x * x + y * y, x * x + z * z)), 1.0),
-    (f.sqrt(4.0 * (x * x + y * y) / 16.0), 0.5), (abs(abs(x) - 0.5), 1.0), (f.sin(x), 1.0), (f.sqrt(x + 1.0), np.inf),
-    (f.apply("atan2", y, x), np.inf), (f.apply("atan2", y, x + 2.0), 1.0), (1.0 / x, np.inf), (1.0 / (x + 2.0), 1.0),
-    (f.maximum(x, 0.0) + f.minimum(x, 0.0), 1.0), (f.sqrt(x * x + 1.0), 2.0**-0.5), (x - f.apply("floor", x), 1.0),
-    (f.apply("exp", x), np.e), (f.apply("log", x + 2.0), 1.0), (f.select(x < 0.5, 2.0 * x, 3.0 * y), 3.0),
-    (f.length(0.6 * x + 0.8 * y, 0.8 * x - 0.6 * y), 1.0)])
+@pytest.mark.parametrize(
+    "formula, bound",
+    [
+        (f.constant(3.0) + f.parameter(0), 0.0),
+        (3.0 * x - 4.0 * y, 5.0),
+        (x * x, 2.0),
+        (f.length(x, y, z), 1.0),
+        (f.length(f.length(x, y) - 0.5, z), 1.0),
+        (f.sqrt(f.minimum(x * x + y * y, x * x + z * z)), 1.0),
+        (f.sqrt(4.0 * (x * x + y * y) / 16.0), 0.5),
+        (abs(abs(x) - 0.5), 1.0),
+        (f.sin(x), 1.0),
+        (f.sqrt(x + 1.0), np.inf),
+        (f.apply("atan2", y, x), np.inf),
+        (f.apply("atan2", y, x + 2.0), 1.0),
+        (1.0 / x, np.inf),
+        (1.0 / (x + 2.0), 1.0),
+        (f.maximum(x, 0.0) + f.minimum(x, 0.0), 1.0),
+        (f.sqrt(x * x + 1.0), 2.0**-0.5),
+        (x - f.apply("floor", x), 1.0),
+        (f.apply("exp", x), np.e),
+        (f.apply("log", x + 2.0), 1.0),
+        (f.select(x < 0.5, 2.0 * x, 3.0 * y), 3.0),
+        (f.length(0.6 * x + 0.8 * y, 0.8 * x - 0.6 * y), 1.0),
+    ],
+)
 def test_bounds_of_simple_formulas(formula, bound):
     assert bound * (1.0 - 1e-12) <= _bound(formula, parameters=[1.0]) <= bound * (1.0 + 1e-9)
 
@@ -93,7 +115,7 @@ def test_bounds_of_the_gradient_have_it_between_them():
 
 def test_loops():
     """A fold that is repeated, and points that leave a loop early."""
-    folded, = f.iterate(f.parameter(0), (x,), lambda u: ((abs(u) - 0.5,), None), 5)
+    (folded,) = f.iterate(f.parameter(0), (x,), lambda u: ((abs(u) - 0.5,), None), 5)
     assert _bound(folded, parameters=[3.0]) == pytest.approx(1.0)
     grown = f.iterate(4, (x, 1.0), lambda u, n: ((2.0 * u, n + 1.0), abs(u) < 1.0), 4)[0]
     assert _bound(grown, 0.3, 0.4) == pytest.approx(4.0)  # 0.3 … 0.8 go on, 1.2 … 1.6 do not
@@ -101,9 +123,16 @@ def test_loops():
     assert _bound(grown, 2.0, 3.0) == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("formula, bound, loose", [
-    (f.length(x, y, z), 1.0, 1.01), (x * x * y, 5.0**0.5, 1.1), (f.sin(3.0 * x) * f.cos(2.0 * y), 3.0, 1.1),
-    (x * (1.0 - x), 3.0, 1.1), (f.sqrt(x), np.inf, 1.0)])
+@pytest.mark.parametrize(
+    "formula, bound, loose",
+    [
+        (f.length(x, y, z), 1.0, 1.01),
+        (x * x * y, 5.0**0.5, 1.1),
+        (f.sin(3.0 * x) * f.cos(2.0 * y), 3.0, 1.1),
+        (x * (1.0 - x), 3.0, 1.1),
+        (f.sqrt(x), np.inf, 1.0),
+    ],
+)
 def test_global_bounds(formula, bound, loose):
     found = lipschitz.global_lipschitz(formula, (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
     assert bound * (1.0 - 1e-9) <= found <= bound * loose
@@ -138,6 +167,6 @@ def test_no_slope_is_steeper_than_the_global_bound(name):
 def test_slopes_of_boxes_without_values():
     """Where a formula has no value nothing is known of its slope, and nothing is claimed."""
     assert _bound(f.sqrt(x), -2.0, -1.0) == np.inf
-    low, high = read_interval.enclose(f.sqrt(x), np.full((1, 3), -2.0), np.full((1, 3), -1.0))
+    low, high = interval_arithmetic.enclose(f.sqrt(x), np.full((1, 3), -2.0), np.full((1, 3), -1.0))
     assert (low, high) == (-np.inf, np.inf)
-    assert np.isnan(read_numpy.evaluate(f.sqrt(x), np.full((1, 3), -1.5))).all()
+    assert np.isnan(numpy_evaluation.evaluate(f.sqrt(x), np.full((1, 3), -1.5))).all()

@@ -9,20 +9,27 @@ import pickle
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import formula as f
-from sdf_lights.sdf import read_native, read_numpy, read_text
+from sdf_lights.graph import codegen_native, formula_text, numpy_evaluation
+from sdf_lights.graph import formula as f
 
 x, y, z = f.POINT
 k, k1 = f.parameter(0), f.parameter(1)
 POINTS = np.random.default_rng(1).normal(size=(203, 3))
 
-each_reading = pytest.mark.parametrize("reading", [
-    pytest.param(read_numpy, id="numpy"),
-    pytest.param(read_native, id="native", marks=pytest.mark.skipif(not read_native.AVAILABLE, reason="no Numba"))])
+each_reading = pytest.mark.parametrize(
+    "reading",
+    [
+        pytest.param(numpy_evaluation, id="numpy"),
+        pytest.param(
+            codegen_native, id="native", marks=pytest.mark.skipif(not codegen_native.AVAILABLE, reason="no Numba")
+        ),
+    ],
+)
 
 
 def mandelbrot(count) -> tuple[f.Formula, ...]:
     """Last a, last b and rounds of z ← z² + c, from 0, with c = x + iy, while |z| < 2."""
+
     def step(a, b, n):
         return (a * a - b * b + x, 2.0 * a * b + y, n + 1.0), a * a + b * b < 4.0
 
@@ -38,9 +45,21 @@ def agrees(reading, formula: f.Formula, values: np.ndarray, parameters=()) -> No
 
 
 @each_reading
-@pytest.mark.parametrize("count, rounds", [
-    (6.0, 6), (6.9, 6), (30.0, 30), (1000.0, 30), (math.inf, 30), (0.0, 0), (0.99, 0), (-3.0, 0), (-math.inf, 0),
-    (math.nan, 0)])
+@pytest.mark.parametrize(
+    "count, rounds",
+    [
+        (6.0, 6),
+        (6.9, 6),
+        (30.0, 30),
+        (1000.0, 30),
+        (math.inf, 30),
+        (0.0, 0),
+        (0.99, 0),
+        (-3.0, 0),
+        (-math.inf, 0),
+        (math.nan, 0),
+    ],
+)
 def test_rounds_and_stopping_are_those_of_a_python_loop(reading, count, rounds):
     def python(cx, cy, _):
         value, n = 0j, 0
@@ -55,7 +74,8 @@ def test_rounds_and_stopping_are_those_of_a_python_loop(reading, count, rounds):
     steady = n < 12
     for result, value in zip(results, (real, imaginary)):
         np.testing.assert_allclose(
-            reading.evaluate(result, POINTS, [count])[steady], value[steady], rtol=1e-9, atol=1e-9)
+            reading.evaluate(result, POINTS, [count])[steady], value[steady], rtol=1e-9, atol=1e-9
+        )
 
 
 @each_reading
@@ -99,9 +119,18 @@ def test_loops_side_by_side_keep_their_states_apart(reading):
     values = reading.evaluate(one - two, POINTS[kept])
     np.testing.assert_allclose(values, expected(python)[kept], rtol=1e-12, atol=1e-12)
 
-    (nested,) = f.iterate(2.0, (z,), lambda b: (
-        (f.iterate(1.0, (b,), lambda a: ((a * a + x,), None), 2)[0]
-         - f.iterate(2.0, (b,), lambda a: ((0.1 * (a * a),), None), 2)[0],), None), 5)
+    (nested,) = f.iterate(
+        2.0,
+        (z,),
+        lambda b: (
+            (
+                f.iterate(1.0, (b,), lambda a: ((a * a + x,), None), 2)[0]
+                - f.iterate(2.0, (b,), lambda a: ((0.1 * (a * a),), None), 2)[0],
+            ),
+            None,
+        ),
+        5,
+    )
 
     def python_nested(px, _, b):
         for _ in range(2):
@@ -155,18 +184,22 @@ def test_small_bodies(reading):
     agrees(reading, f.iterate(4.0, (x, y), lambda a, b: ((b, a), None), 9)[0], POINTS[:, 0])
     agrees(reading, f.iterate(5.0, (x, y), lambda a, b: ((b, a), None), 9)[0], POINTS[:, 1])
     agrees(reading, f.iterate(5.0, (x,), lambda a: ((2.0,), None), 9)[0], np.full(len(POINTS), 2.0))
-    agrees(reading, f.iterate(k, (x,), lambda a: ((y,), a < 0.0), 9)[0],
-           np.where(POINTS[:, 0] < 0.0, POINTS[:, 1], POINTS[:, 0]), [3.0])
+    agrees(
+        reading,
+        f.iterate(k, (x,), lambda a: ((y,), a < 0.0), 9)[0],
+        np.where(POINTS[:, 0] < 0.0, POINTS[:, 1], POINTS[:, 0]),
+        [3.0],
+    )
     assert f.iterate(5.0, (), lambda: ((), None), 9) == ()
     assert f.iterate(0.5, (x, 1.0), lambda a, b: ((b, a), None), 9) == (x, f.constant(1.0))
 
 
-@pytest.mark.skipif(not read_native.AVAILABLE, reason="no Numba")
+@pytest.mark.skipif(not codegen_native.AVAILABLE, reason="no Numba")
 @pytest.mark.parametrize("count", [1, 8, 13])
 def test_lanes_stop_on_their_own(count):
     at = np.stack([np.arange(count) * 1.0, np.zeros(count), np.zeros(count)], axis=-1)
     (steps,) = f.iterate(20.0, (0.0,), lambda n: ((n + 1.0,), n < x), 20)
-    np.testing.assert_array_equal(read_native.evaluate(steps, at), np.arange(count))
+    np.testing.assert_array_equal(codegen_native.evaluate(steps, at), np.arange(count))
 
 
 def test_the_same_loop_is_the_same_object():
@@ -188,11 +221,15 @@ def test_parameters_of_a_body_count():
     assert f.slots(nested) == 9
 
 
-@pytest.mark.parametrize("count, initial, body, limit, problem", [
-    (x, (y,), lambda a: ((a,), None), 3, "depend on the position"),
-    (k, (y,), lambda a: ((a, a), None), 3, "one value for each state"),
-    (k, (y,), lambda a: ((a,), a), 3, "comparison or None"),
-    (k, (y,), lambda a: (f.iterate(a, (a,), lambda b: ((b,), None), 3), None), 3, "states of a loop")])
+@pytest.mark.parametrize(
+    "count, initial, body, limit, problem",
+    [
+        (x, (y,), lambda a: ((a,), None), 3, "depend on a variable"),
+        (k, (y,), lambda a: ((a, a), None), 3, "one value for each state"),
+        (k, (y,), lambda a: ((a,), a), 3, "comparison or None"),
+        (k, (y,), lambda a: (f.iterate(a, (a,), lambda b: ((b,), None), 3), None), 3, "states of a loop"),
+    ],
+)
 def test_what_cannot_be_a_loop(count, initial, body, limit, problem):
     with pytest.raises(TypeError, match=problem):
         f.iterate(count, initial, body, limit)
@@ -214,24 +251,30 @@ def test_a_body_that_fails_leaves_nothing_behind():
 def test_text():
     # Nothing that commutes: which of two orders is written depends on what was built before.
     a, b = f.iterate(k, (0.0, x), lambda a, b: ((a * a - b, b / a - a * a), a * a - b < 4.0), 30)
-    assert read_text.text(a - b) == "\n".join([
-        "s0, s1 = 0, x",
-        "repeat k0 times, at most 30:",
-        "    a0 = s0 * s0",
-        "    a1 = a0 - s1",
-        "    stop unless a1 < 4",
-        "    s0, s1 = a1, s1 / s0 - a0",
-        "s0 - s1"])
+    assert formula_text.text(a - b) == "\n".join(
+        [
+            "s0, s1 = 0, x",
+            "repeat k0 times, at most 30:",
+            "    a0 = s0 * s0",
+            "    a1 = a0 - s1",
+            "    stop unless a1 < 4",
+            "    s0, s1 = a1, s1 / s0 - a0",
+            "s0 - s1",
+        ]
+    )
     (nested,) = f.iterate(2.0, (z,), lambda b: (f.iterate(k, (b,), lambda a: ((a / b,), None), 3), None), 5)
     (after,) = f.iterate(1.0, (nested,), lambda b: ((b / nested,), None), 5)
-    assert read_text.text(after) == "\n".join([
-        "s0 = z",
-        "repeat 2 times, at most 5:",
-        "    s1 = s0",
-        "    repeat k0 times, at most 3:",
-        "        s1 = s1 / s0",
-        "    s0 = s1",
-        "s2 = s0",
-        "repeat 1 times, at most 5:",
-        "    s2 = s2 / s0",
-        "s2"])
+    assert formula_text.text(after) == "\n".join(
+        [
+            "s0 = z",
+            "repeat 2 times, at most 5:",
+            "    s1 = s0",
+            "    repeat k0 times, at most 3:",
+            "        s1 = s1 / s0",
+            "    s0 = s1",
+            "s2 = s0",
+            "repeat 1 times, at most 5:",
+            "    s2 = s2 / s0",
+            "s2",
+        ]
+    )

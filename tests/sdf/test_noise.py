@@ -5,10 +5,10 @@
 import numpy as np
 import pytest
 
-from sdf_lights.sdf.formula import POINT, Vector
-from sdf_lights.sdf.lipschitz import lipschitz
+from sdf_lights.graph.formula import POINT, Vector
+from sdf_lights.graph.lipschitz import lipschitz
+from sdf_lights.graph.numpy_evaluation import evaluate
 from sdf_lights.sdf.noise import STEEPEST, value_noise
-from sdf_lights.sdf.read_numpy import evaluate
 
 
 @pytest.mark.parametrize("size, loose", [(0.02, 1.5), (0.1, 3.0), (0.3, 7.0), (1.0, 25.0)])

@@ -5,13 +5,30 @@
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import read_numpy
+from sdf_lights.graph import numpy_evaluation
 from sdf_lights.sdf.program import Op
-from sdf_lights.sdf.shapes import BOUND, EXACT, Box, BoxFrame, Cylinder, Difference, Ellipsoid, Exclusive, Family
-from sdf_lights.sdf.shapes import Intersection, Operator, Primitive, ShapeError, Sphere, Torus, Transformed, Union
+from sdf_lights.sdf.shapes import (
+    BOUND,
+    EXACT,
+    Box,
+    BoxFrame,
+    Cylinder,
+    Difference,
+    Ellipsoid,
+    Exclusive,
+    Family,
+    Intersection,
+    Operator,
+    Primitive,
+    ShapeError,
+    Sphere,
+    Torus,
+    Transformed,
+    Union,
+)
 from sdf_lights.sdf.shapes.operators import guarded, level_bounds
-from tests.sdf.operated import OPERATED, SHEAR
-from tests.sdf.samples import COMPOSITES, MIRROR, points, rotation, window
+from support.shapes.operated import OPERATED, SHEAR
+from support.shapes.samples import COMPOSITES, MIRROR, points, rotation, window
 
 each_composite = pytest.mark.parametrize("shape", [pytest.param(s, id=n) for n, s in (COMPOSITES | OPERATED).items()])
 
@@ -28,13 +45,13 @@ def run(terms, at):
     """Values of every term of a list at points, in order: (terms, points)."""
     stack, values = [], []
     for term in terms:
-        operands = stack[len(stack) - term.arity:]
-        del stack[len(stack) - term.arity:]
+        operands = stack[len(stack) - term.arity :]
+        del stack[len(stack) - term.arity :]
         coordinates = at
         if term.arity:
             coordinates = np.zeros_like(at)
-            coordinates[:, :term.arity] = np.transpose(operands)
-        values.append(read_numpy.evaluate(term.formula, coordinates, term.parameters))
+            coordinates[:, : term.arity] = np.transpose(operands)
+        values.append(numpy_evaluation.evaluate(term.formula, coordinates, term.parameters))
         stack.append(values[-1])
     assert len(stack) == 1
     return np.array(values)
@@ -44,8 +61,8 @@ def _operands(terms):
     """For each term, the indices of its operands."""
     stack, operands = [], []
     for index, term in enumerate(terms):
-        operands.append(stack[len(stack) - term.arity:])
-        del stack[len(stack) - term.arity:]
+        operands.append(stack[len(stack) - term.arity :])
+        del stack[len(stack) - term.arity :]
         stack.append(index)
     return operands
 
@@ -66,10 +83,15 @@ def test_terms_keep_their_promises(shape):
         if term.arity == 2 and np.isfinite(term.reach):
             x, y = at_a[operands]
             lesser, greater = np.minimum(x, y), np.maximum(x, y)
-            expected = {Family.UNION: lesser, Family.INTERSECTION: greater, Family.DIFFERENCE: np.maximum(x, -y),
-                        Family.EXCLUSIVE: np.maximum(lesser, -greater)}[term.family]
+            expected = {
+                Family.UNION: lesser,
+                Family.INTERSECTION: greater,
+                Family.DIFFERENCE: np.maximum(x, -y),
+                Family.EXCLUSIVE: np.maximum(lesser, -greater),
+            }[term.family]
             distance = {Family.DIFFERENCE: np.abs(x + y), Family.EXCLUSIVE: np.abs(np.abs(x) - np.abs(y))}.get(
-                term.family, np.abs(x - y))
+                term.family, np.abs(x - y)
+            )
             apart_enough = distance > term.reach
             np.testing.assert_array_equal(at_a[index][apart_enough], expected[apart_enough])
 
@@ -79,8 +101,12 @@ def test_sharp_sets_by_their_members(shape):
     at = points(shape, 3000)
     fields = np.array([child.distance(at) for child in shape.children])
     inside = fields <= 0.0
-    expected = {Union: inside.any(axis=0), Intersection: inside.all(axis=0),
-                Difference: inside[0] & ~inside[1:].any(axis=0), Exclusive: inside.sum(axis=0) % 2 == 1}[type(shape)]
+    expected = {
+        Union: inside.any(axis=0),
+        Intersection: inside.all(axis=0),
+        Difference: inside[0] & ~inside[1:].any(axis=0),
+        Exclusive: inside.sum(axis=0) % 2 == 1,
+    }[type(shape)]
     clear = (np.abs(fields) > 1e-12 * (1.0 + np.linalg.norm(at, axis=1))).all(axis=0)
     np.testing.assert_array_equal((shape.distance(at) <= 0.0)[clear], expected[clear])
     # Whatever it does with the signs, the nearest of all surfaces is never left out.
@@ -144,8 +170,9 @@ def test_properties_pass_through_operators():
     assert not Transformed(Union(Box(), Sphere()), SHEAR).exact_outside
 
 
-@pytest.mark.parametrize("shape", [
-    *SETS.values(), Transformed(BoxFrame(0.5, 0.3), SHEAR), Box(), Transformed(Torus(), MIRROR)])
+@pytest.mark.parametrize(
+    "shape", [*SETS.values(), Transformed(BoxFrame(0.5, 0.3), SHEAR), Box(), Transformed(Torus(), MIRROR)]
+)
 @pytest.mark.parametrize("level", [-0.05, 0.0, 0.4])
 def test_level_bounds_contain_what_is_below_the_level(shape, level):
     shape = guarded(shape)

@@ -12,23 +12,53 @@ from scipy.spatial import cKDTree
 from sdf_lights.sdf.program import NoClosedForm
 from sdf_lights.sdf.shapes import BOUND, EXACT, SHAPES, ShapeError, Sphere
 from sdf_lights.sdf.shapes.polygons import MOST_POINTS, Plus, Polygon, Polygonal, Rectangle, RegularPolygon, Star
-from sdf_lights.sdf.shapes.profiles import PROFILES, Almond, Circle, Ellipse, HeartOutline, Moon, Profile, Ring
-from sdf_lights.sdf.shapes.profiles import RoundedRectangle
+from sdf_lights.sdf.shapes.profiles import (
+    PROFILES,
+    Almond,
+    Circle,
+    Ellipse,
+    HeartOutline,
+    Moon,
+    Profile,
+    Ring,
+    RoundedRectangle,
+)
 from sdf_lights.sdf.shapes.swept import Extrusion, PartialRevolution, Revolution
+from support.shapes.samples import SHEAR
 from tests.sdf import test_shapes as promises
-from tests.sdf.samples import SHEAR
 
 # Straight and inward corners, an edge along x, and corners at the same height.
-BAY = Polygon((0.5, 0.0), (0.1, 0.12), (0.05, 0.5), (-0.2, 0.15), (-0.5, 0.3), (-0.5, 0.0), (-0.5, -0.3), (-0.2, -0.2),
-              (-0.1, -0.2), (0.1, -0.5), (0.1, -0.1))
+BAY = Polygon(
+    (0.5, 0.0),
+    (0.1, 0.12),
+    (0.05, 0.5),
+    (-0.2, 0.15),
+    (-0.5, 0.3),
+    (-0.5, 0.0),
+    (-0.5, -0.3),
+    (-0.2, -0.2),
+    (-0.1, -0.2),
+    (0.1, -0.5),
+    (0.1, -0.1),
+)
 PENTAGRAM = Polygon(*((math.sin(0.8 * math.pi * k), math.cos(0.8 * math.pi * k)) for k in range(5)))
 
 PROFILES_TO_TRY = {name: profile() for name, profile in PROFILES.items() if profile is not Polygon} | {
-    "triangle": RegularPolygon(3.0, 0.4), "64 sides": RegularPolygon(64.0, 0.5), "thin star": Star(3.0, 0.5, 0.1),
-    "star of 7": Star(7.0, 0.5, 0.4), "star with outward corners": Star(5.0, 0.5, 0.48), "thick plus": Plus(0.5, 0.45),
-    "small moon": Moon(0.3, 0.5, 0.4), "bitten disk": Moon(0.5, 0.3, 0.6), "disk as almond": Almond(0.4, 0.4),
-    "thin almond": Almond(0.01, 0.5), "stadium": RoundedRectangle(0.8, 0.4, 0.2), "thick ring": Ring(0.2, 0.35),
-    "bay": BAY, "pentagram": PENTAGRAM}
+    "triangle": RegularPolygon(3.0, 0.4),
+    "64 sides": RegularPolygon(64.0, 0.5),
+    "thin star": Star(3.0, 0.5, 0.1),
+    "star of 7": Star(7.0, 0.5, 0.4),
+    "star with outward corners": Star(5.0, 0.5, 0.48),
+    "thick plus": Plus(0.5, 0.45),
+    "small moon": Moon(0.3, 0.5, 0.4),
+    "bitten disk": Moon(0.5, 0.3, 0.6),
+    "disk as almond": Almond(0.4, 0.4),
+    "thin almond": Almond(0.01, 0.5),
+    "stadium": RoundedRectangle(0.8, 0.4, 0.2),
+    "thick ring": Ring(0.2, 0.35),
+    "bay": BAY,
+    "pentagram": PENTAGRAM,
+}
 
 each_profile = pytest.mark.parametrize("profile", [pytest.param(p, id=n) for n, p in PROFILES_TO_TRY.items()])
 
@@ -72,8 +102,9 @@ def test_a_field_is_the_distance_or_less(profile):
         assert np.quantile(nearest - field, 0.99) < 0.01
 
 
-@pytest.mark.parametrize("profile", [
-    pytest.param(p, id=n) for n, p in PROFILES_TO_TRY.items() if isinstance(p, Polygonal)])
+@pytest.mark.parametrize(
+    "profile", [pytest.param(p, id=n) for n, p in PROFILES_TO_TRY.items() if isinstance(p, Polygonal)]
+)
 def test_straight_edges_are_where_the_outline_says(profile):
     at = _around(profile, 2000, 2)
     field, corners = profile.distance(at), profile.outline()
@@ -213,22 +244,33 @@ def test_points_of_polygons():
 
 def _solids(profile: Profile) -> dict:
     solids = {
-        "extruded": Extrusion(profile, 0.4), "rounded": Extrusion(profile, 0.4, 0.05),
-        "revolved": Revolution(profile, 1.2), "through the axis": Revolution(profile, 0.2),
-        "about its middle": Revolution(profile, 0.0), "partly": PartialRevolution(profile, 1.1, 2.0),
-        "mostly": PartialRevolution(profile, 0.1, 5.0)}
+        "extruded": Extrusion(profile, 0.4),
+        "rounded": Extrusion(profile, 0.4, 0.05),
+        "revolved": Revolution(profile, 1.2),
+        "through the axis": Revolution(profile, 0.2),
+        "about its middle": Revolution(profile, 0.0),
+        "partly": PartialRevolution(profile, 1.1, 2.0),
+        "mostly": PartialRevolution(profile, 0.1, 5.0),
+    }
     return {name: solid for name, solid in solids.items() if solid.validate() == ""}
 
 
-SOLIDS = [pytest.param(solid, id=f"{name} {how}") for name, profile in PROFILES_TO_TRY.items()
-          for how, solid in _solids(profile).items()]
+SOLIDS = [
+    pytest.param(solid, id=f"{name} {how}")
+    for name, profile in PROFILES_TO_TRY.items()
+    for how, solid in _solids(profile).items()
+]
 
 
 def _hold_promises(shape):
     for promise in (
-            promises.test_every_value_is_finite, promises.test_the_lipschitz_bound_holds,
-            promises.test_what_is_exact_or_a_bound_has_slope_1, promises.test_the_field_never_exceeds_the_distance,
-            promises.test_bounds_contain_and_primitives_touch_them, promises.test_the_terms_are_the_field):
+        promises.test_every_value_is_finite,
+        promises.test_the_lipschitz_bound_holds,
+        promises.test_what_is_exact_or_a_bound_has_slope_1,
+        promises.test_the_field_never_exceeds_the_distance,
+        promises.test_bounds_contain_and_primitives_touch_them,
+        promises.test_the_terms_are_the_field,
+    ):
         promise(shape)
     if shape.exactness == EXACT:
         promises.test_an_exact_field_is_the_distance(shape)
@@ -288,22 +330,39 @@ def test_prisms_say_what_is_wrong_in_their_own_name(name):
     assert shape(**{wrong[name]: 0.0 if name == "heart_prism" else 5.0}).validate().startswith(shape.label() + ":")
 
 
-@pytest.mark.parametrize("shape, problem", [
-    (Extrusion(Circle(-1.0)), "Circle: radius is -1, but must be at least 1e-06."),
-    (Extrusion(Star(2.5)), "Star: points is 2.5, but must be at least 3."),
-    (Extrusion(Star(3.5)), "Star: points is 3.5, but must be a whole number."),
-    (Extrusion(Circle(), 0.2, 0.11), "Extrusion: rounding 0.11 is more than half of the height 0.2: make the rounding "
-                                     "smaller."),
-    (Extrusion(Moon(0.5, 0.2, 0.1)), "Moon: at an offset of 0.1 the circles do not cross: make it more than 0.3 and "
-                                     "less than 0.7."),
-    (Extrusion(Polygon((0, 0), (1, 1))), f"Polygon: it has 2 points: give it at least 3 and at most {MOST_POINTS}."),
-    (Extrusion(Polygon((0, 0), (1, 1), (2, 2))), "Polygon: all its points lie on one straight line: move one of them "
-                                                 "aside."),
-    (Extrusion(Polygon((0, 0), (1, math.nan), (2, 2))), "Polygon: a point has a coordinate that is not a finite "
-                                                        "number: give it an ordinary one."),
-    (Revolution(Polygon((-2, 0), (-1, 0), (-1, 1)), 0.5), "Revolution: the whole profile is beyond the axis: make the "
-                                                          "offset more than 0.5 larger."),
-    (Revolution(Ellipse(0.0)), "Ellipse: radius x is 0, but must be at least 1e-06.")])
+@pytest.mark.parametrize(
+    "shape, problem",
+    [
+        (Extrusion(Circle(-1.0)), "Circle: radius is -1, but must be at least 1e-06."),
+        (Extrusion(Star(2.5)), "Star: points is 2.5, but must be at least 3."),
+        (Extrusion(Star(3.5)), "Star: points is 3.5, but must be a whole number."),
+        (
+            Extrusion(Circle(), 0.2, 0.11),
+            "Extrusion: rounding 0.11 is more than half of the height 0.2: make the rounding smaller.",
+        ),
+        (
+            Extrusion(Moon(0.5, 0.2, 0.1)),
+            "Moon: at an offset of 0.1 the circles do not cross: make it more than 0.3 and less than 0.7.",
+        ),
+        (
+            Extrusion(Polygon((0, 0), (1, 1))),
+            f"Polygon: it has 2 points: give it at least 3 and at most {MOST_POINTS}.",
+        ),
+        (
+            Extrusion(Polygon((0, 0), (1, 1), (2, 2))),
+            "Polygon: all its points lie on one straight line: move one of them aside.",
+        ),
+        (
+            Extrusion(Polygon((0, 0), (1, math.nan), (2, 2))),
+            "Polygon: a point has a coordinate that is not a finite number: give it an ordinary one.",
+        ),
+        (
+            Revolution(Polygon((-2, 0), (-1, 0), (-1, 1)), 0.5),
+            "Revolution: the whole profile is beyond the axis: make the offset more than 0.5 larger.",
+        ),
+        (Revolution(Ellipse(0.0)), "Ellipse: radius x is 0, but must be at least 1e-06."),
+    ],
+)
 def test_what_is_wrong_is_said_in_a_sentence(shape, problem):
     assert shape.validate() == problem
 

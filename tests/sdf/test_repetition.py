@@ -11,10 +11,14 @@ from sdf_lights.sdf.program import NoClosedForm
 from sdf_lights.sdf.shapes import EXACT, Box, Cylinder, Intersection, Sphere, Torus, Transformed, Union
 from sdf_lights.sdf.shapes.repetition import PolarRepetition, Repetition
 from sdf_lights.sdf.shapes.solids import InfiniteCylinder
-from tests.sdf.operated import CORNER, PAIR, SHEARED, moved
+from support.shapes.operated import CORNER, PAIR, SHEARED, moved
 
-CHILDREN = {"exact": moved(Box((0.3, 0.4, 0.2)), 0.6, 0.2, 0.1), "exact outside": moved(PAIR, 0.6, 0.1, 0.0),
-            "bound": moved(CORNER, 0.6, 0.3, 0.0), "sheared": moved(SHEARED, 0.9, 0.2, 0.0)}
+CHILDREN = {
+    "exact": moved(Box((0.3, 0.4, 0.2)), 0.6, 0.2, 0.1),
+    "exact outside": moved(PAIR, 0.6, 0.1, 0.0),
+    "bound": moved(CORNER, 0.6, 0.3, 0.0),
+    "sheared": moved(SHEARED, 0.9, 0.2, 0.0),
+}
 each_child = pytest.mark.parametrize("child", CHILDREN.values(), ids=CHILDREN)
 
 
@@ -49,8 +53,9 @@ def at_borders(shape, spacing, count=3000):
 
 
 @each_child
-@pytest.mark.parametrize("count, spacing", [((4, 3, 2), (0.9, 1.1, 1.5)), ((3, 1, 5), (0.45, 0.3, 0.2)),
-                                            ((1, 1, 1), (1.0, 1.0, 1.0))])
+@pytest.mark.parametrize(
+    "count, spacing", [((4, 3, 2), (0.9, 1.1, 1.5)), ((3, 1, 5), (0.45, 0.3, 0.2)), ((1, 1, 1), (1.0, 1.0, 1.0))]
+)
 def test_few_copies_are_their_union(child, count, spacing):
     shape, brute = Repetition(child, count, spacing), grid(child, count, spacing)
     assert shape.validate() == ""
@@ -132,13 +137,21 @@ def test_what_is_endless_along_another_axis_can_be_repeated():
     np.testing.assert_allclose(poles.distance(at), grid(Cylinder(0.1, 100.0), (3, 3, 1), (1, 1, 1)).distance(at))
 
 
-@pytest.mark.parametrize("shape, problem", [
-    (Repetition(Sphere(5.0), (0, 0, 0), (0.1, 0.1, 0.1)),
-     "Repetition: more than 1000 copies overlap each other: make the spacing larger, or the count or the shape "
-     "smaller."),
-    (Repetition(InfiniteCylinder(0.1), (1, 1, 0)),
-     "Repetition: a shape without end is repeated without end: give a count, or intersect it with a box."),
-    (Repetition(Sphere(-1.0)), "Sphere: radius is -1, but must be at least 1e-06."),
-    (Repetition(Sphere(), (1.5, 1.0, 1.0)), "Repetition: count is 1.5, but must be a whole number.")])
+@pytest.mark.parametrize(
+    "shape, problem",
+    [
+        (
+            Repetition(Sphere(5.0), (0, 0, 0), (0.1, 0.1, 0.1)),
+            "Repetition: more than 1000 copies overlap each other: make the spacing larger, or the count or the shape "
+            "smaller.",
+        ),
+        (
+            Repetition(InfiniteCylinder(0.1), (1, 1, 0)),
+            "Repetition: a shape without end is repeated without end: give a count, or intersect it with a box.",
+        ),
+        (Repetition(Sphere(-1.0)), "Sphere: radius is -1, but must be at least 1e-06."),
+        (Repetition(Sphere(), (1.5, 1.0, 1.0)), "Repetition: count is 1.5, but must be a whole number."),
+    ],
+)
 def test_what_is_wrong_is_said(shape, problem):
     assert shape.validate() == problem

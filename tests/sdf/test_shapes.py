@@ -9,14 +9,32 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from sdf_lights.sdf import read_native, read_numpy
+from sdf_lights.graph import codegen_native, numpy_evaluation
 from sdf_lights.sdf.program import INSTRUCTION, NoClosedForm, Op
-from sdf_lights.sdf.shapes import BOUND, EXACT, NONE, SHAPES, Box, BoxFrame, Capsule, Cone, Cylinder, Difference
-from sdf_lights.sdf.shapes import Ellipsoid, Intersection, Primitive, Shape, ShapeError, Sphere, Torus, Transformed
-from sdf_lights.sdf.shapes import Union
+from sdf_lights.sdf.shapes import (
+    BOUND,
+    EXACT,
+    NONE,
+    SHAPES,
+    Box,
+    BoxFrame,
+    Capsule,
+    Cone,
+    Cylinder,
+    Difference,
+    Ellipsoid,
+    Intersection,
+    Primitive,
+    Shape,
+    ShapeError,
+    Sphere,
+    Torus,
+    Transformed,
+    Union,
+)
 from sdf_lights.sdf.shapes.polygons import Polygon
 from sdf_lights.sdf.shapes.profiles import PROFILES, Profile
-from tests.sdf.samples import MIRROR, PRIMITIVES, SHAPES_TO_TRY, SHEAR, points, rotation, surface, varied, window
+from support.shapes.samples import MIRROR, PRIMITIVES, SHAPES_TO_TRY, SHEAR, points, rotation, surface, varied, window
 
 
 def each(shapes: dict[str, Shape]):
@@ -60,11 +78,11 @@ def test_everything_is_tried():
 # -- readings ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(not read_native.AVAILABLE, reason="no Numba")
+@pytest.mark.skipif(not codegen_native.AVAILABLE, reason="no Numba")
 @each_shape
 def test_native_code_agrees_with_numpy(shape):
     at = points(shape)
-    native = read_native.evaluate(shape.formula(), at, shape.parameters())
+    native = codegen_native.evaluate(shape.formula(), at, shape.parameters())
     error = np.abs(native - shape.distance(at)) / _scale(shape, at)
     assert error.max() < 1e-14
 
@@ -87,8 +105,11 @@ def _other_numbers(shape: Shape) -> Shape:
         return Transformed(_other_numbers(shape.child), np.array(shape.matrix) @ np.diag([1.2, 0.9, 1.1, 1.0]))
     if "children" in {field.name for field in dataclasses.fields(shape)}:
         return type(shape)(*map(_other_numbers, shape.children), **numbers)
-    parts = {field.name: _other_numbers(getattr(shape, field.name)) for field in dataclasses.fields(shape)
-             if field.metadata.get("part")}
+    parts = {
+        field.name: _other_numbers(getattr(shape, field.name))
+        for field in dataclasses.fields(shape)
+        if field.metadata.get("part")
+    }
     return dataclasses.replace(shape, **parts, **numbers)
 
 
@@ -218,8 +239,11 @@ def test_bounds_contain_and_primitives_touch_them(shape):
 def test_size_does_not_matter(shape):
     at = points(shape)
     for factor in (2.0**-13, 2.0**20):
-        lengths = {about.name: np.multiply(getattr(shape, about.name), factor) for about in shape.fields()
-                   if about.unit == "LENGTH"}
+        lengths = {
+            about.name: np.multiply(getattr(shape, about.name), factor)
+            for about in shape.fields()
+            if about.unit == "LENGTH"
+        }
         scaled = dataclasses.replace(shape, **lengths)
         if scaled.validate() == "":
             error = np.abs(scaled.distance(factor * at) / factor - shape.distance(at)) / _scale(shape, at)
@@ -229,15 +253,24 @@ def test_size_does_not_matter(shape):
 # -- volume -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("shape, volume", [
-    (Sphere(2.0), 33.510321638291124), (Ellipsoid((1.0, 2.0, 3.0)), 25.132741228718345), (Box((1.0, 2.0, 3.0)), 48.0),
-    (Torus(1.0, 0.35), 2.418053078266907), (Cylinder(2.0, 3.0), 37.69911184307752), (Cone(1.0, 3.0), math.pi),
-    (Capsule(1.0, 3.0), 13.613568165555769),
-    # Twelve bars: 4 of each length between the corner cubes, and 8 cubes.
-    (BoxFrame((1.0, 1.5, 2.0), 0.25), 0.25**2 * 4 * (1.5 + 2.5 + 3.5) + 8 * 0.25**3),
-    (BoxFrame((1.0, 1.0, 1.0), 1.0), 8.0),
-    (Transformed(Box(0.5), SHEAR), abs(np.linalg.det(SHEAR))), (Transformed(Sphere(1.0), MIRROR), 4 / 3 * math.pi),
-    (Union(Sphere(2.0)), 33.510321638291124)])
+@pytest.mark.parametrize(
+    "shape, volume",
+    [
+        (Sphere(2.0), 33.510321638291124),
+        (Ellipsoid((1.0, 2.0, 3.0)), 25.132741228718345),
+        (Box((1.0, 2.0, 3.0)), 48.0),
+        (Torus(1.0, 0.35), 2.418053078266907),
+        (Cylinder(2.0, 3.0), 37.69911184307752),
+        (Cone(1.0, 3.0), math.pi),
+        (Capsule(1.0, 3.0), 13.613568165555769),
+        # Twelve bars: 4 of each length between the corner cubes, and 8 cubes.
+        (BoxFrame((1.0, 1.5, 2.0), 0.25), 0.25**2 * 4 * (1.5 + 2.5 + 3.5) + 8 * 0.25**3),
+        (BoxFrame((1.0, 1.0, 1.0), 1.0), 8.0),
+        (Transformed(Box(0.5), SHEAR), abs(np.linalg.det(SHEAR))),
+        (Transformed(Sphere(1.0), MIRROR), 4 / 3 * math.pi),
+        (Union(Sphere(2.0)), 33.510321638291124),
+    ],
+)
 def test_volume_by_hand(shape, volume):
     assert shape.volume() == pytest.approx(volume, rel=1e-14)
 
@@ -299,8 +332,9 @@ def _inside_program(program, at):
         else:
             assert row["arity"] == 2
             b, a = stack.pop(), stack.pop()
-            stack.append({
-                Op.UNION: a | b, Op.INTERSECTION: a & b, Op.DIFFERENCE: a & ~b, Op.EXCLUSIVE: a ^ b}[row["op"]])
+            stack.append(
+                {Op.UNION: a | b, Op.INTERSECTION: a & b, Op.DIFFERENCE: a & ~b, Op.EXCLUSIVE: a ^ b}[row["op"]]
+            )
     (result,) = stack
     return result
 
@@ -341,13 +375,13 @@ def _evaluated(terms, at):
     stack = []
     for term in terms:
         if term.arity:
-            operands = stack[-term.arity:]
-            del stack[-term.arity:]
+            operands = stack[-term.arity :]
+            del stack[-term.arity :]
             # Operands take the place of the coordinates; there are at most three.
             at_operands = np.stack([*operands, *[np.zeros(len(at))] * (3 - term.arity)], axis=-1)
-            stack.append(read_numpy.evaluate(term.formula, at_operands, term.parameters))
+            stack.append(numpy_evaluation.evaluate(term.formula, at_operands, term.parameters))
         else:
-            stack.append(read_numpy.evaluate(term.formula, at, term.parameters))
+            stack.append(numpy_evaluation.evaluate(term.formula, at, term.parameters))
     (result,) = stack
     return result
 
@@ -374,22 +408,36 @@ def test_the_terms_are_the_field(shape):
 # -- parameters -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("shape, problem", [
-    (Sphere(-1.0), "Sphere: radius is -1, but must be at least 1e-06."),
-    (Sphere(math.nan), "Sphere: radius is nan, but must be a finite number."),
-    (Box((1.0, 0.0, 1.0)), "Box: half size is 0, but must be at least 1e-06."),
-    (Cylinder(1.0, 1e30), "Cylinder: height is 1e+30, but must be at most 1e+09."),
-    (Torus(0.5, 0.6), "Torus: minor radius 0.6 is more than the major radius 0.5, so the tube overlaps itself: "
-                      "make the minor radius smaller."),
-    (BoxFrame(0.5, 0.6), "Box Frame: thickness 0.6 is more than the least half size 0.5, so the bars overlap: "
-                         "make the thickness smaller."),
-    (Union(), "Union: it has no shapes to combine: give it at least one."),
-    (Difference(Sphere(), Union(Box(), Sphere(0.0))), "Sphere: radius is 0, but must be at least 1e-06."),
-    (Transformed(Sphere(), np.diag([1.0, 0.0, 1.0, 1.0])),
-     "Transformed: the matrix flattens the shape: give it a scale other than zero along every axis."),
-    (Transformed(Sphere(), np.full((4, 4), np.nan)),
-     "Transformed: the matrix has a number that is not finite: give the shape an ordinary transform."),
-    (Transformed(Sphere(-1.0), np.eye(4)), "Sphere: radius is -1, but must be at least 1e-06.")])
+@pytest.mark.parametrize(
+    "shape, problem",
+    [
+        (Sphere(-1.0), "Sphere: radius is -1, but must be at least 1e-06."),
+        (Sphere(math.nan), "Sphere: radius is nan, but must be a finite number."),
+        (Box((1.0, 0.0, 1.0)), "Box: half size is 0, but must be at least 1e-06."),
+        (Cylinder(1.0, 1e30), "Cylinder: height is 1e+30, but must be at most 1e+09."),
+        (
+            Torus(0.5, 0.6),
+            "Torus: minor radius 0.6 is more than the major radius 0.5, so the tube overlaps itself: "
+            "make the minor radius smaller.",
+        ),
+        (
+            BoxFrame(0.5, 0.6),
+            "Box Frame: thickness 0.6 is more than the least half size 0.5, so the bars overlap: "
+            "make the thickness smaller.",
+        ),
+        (Union(), "Union: it has no shapes to combine: give it at least one."),
+        (Difference(Sphere(), Union(Box(), Sphere(0.0))), "Sphere: radius is 0, but must be at least 1e-06."),
+        (
+            Transformed(Sphere(), np.diag([1.0, 0.0, 1.0, 1.0])),
+            "Transformed: the matrix flattens the shape: give it a scale other than zero along every axis.",
+        ),
+        (
+            Transformed(Sphere(), np.full((4, 4), np.nan)),
+            "Transformed: the matrix has a number that is not finite: give the shape an ordinary transform.",
+        ),
+        (Transformed(Sphere(-1.0), np.eye(4)), "Sphere: radius is -1, but must be at least 1e-06."),
+    ],
+)
 def test_what_is_wrong_is_said_in_a_sentence(shape, problem):
     assert shape.validate() == problem
 
@@ -400,8 +448,12 @@ def test_what_is_wrong_is_said_in_a_sentence(shape, problem):
 def test_other_numbers_keep_the_promises(shape, seed):
     other = varied(shape, seed)
     promises = [
-        test_every_value_is_finite, test_numbers_do_not_change_the_formula, test_what_is_exact_or_a_bound_has_slope_1,
-        test_bounds_contain_and_primitives_touch_them, test_the_terms_are_the_field]
+        test_every_value_is_finite,
+        test_numbers_do_not_change_the_formula,
+        test_what_is_exact_or_a_bound_has_slope_1,
+        test_bounds_contain_and_primitives_touch_them,
+        test_the_terms_are_the_field,
+    ]
     if other.certified and math.isfinite(other.lipschitz):
         promises += [test_the_lipschitz_bound_holds, test_the_field_never_exceeds_the_distance]
     if other.exactness == EXACT:
@@ -419,10 +471,20 @@ def test_good_parameters_are_accepted(shape):
     assert shape.validate() == ""
 
 
-@pytest.mark.parametrize("make", [
-    lambda: Sphere("wide"), lambda: Box((1.0, 2.0)), lambda: Union(Sphere(), 1.0), lambda: Union(1.0),
-    lambda: Transformed(Sphere(), np.eye(3)),
-    lambda: Transformed(1.0), lambda: Sphere(None), lambda: Sphere(10**400), lambda: Transformed(Sphere(), "matrix")])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Sphere("wide"),
+        lambda: Box((1.0, 2.0)),
+        lambda: Union(Sphere(), 1.0),
+        lambda: Union(1.0),
+        lambda: Transformed(Sphere(), np.eye(3)),
+        lambda: Transformed(1.0),
+        lambda: Sphere(None),
+        lambda: Sphere(10**400),
+        lambda: Transformed(Sphere(), "matrix"),
+    ],
+)
 def test_what_is_not_a_number_or_a_shape_is_refused(make):
     with pytest.raises(ShapeError):
         make()
@@ -471,4 +533,3 @@ def test_disjoint_parts_have_a_box_without_extent():
     apart[0, 3] = 10.0
     low, high = Intersection(Sphere(), Transformed(Sphere(), apart)).bounds()
     assert (high >= low).all() and np.prod(high - low) == 0.0
-

@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import read_numpy, read_text
-from sdf_lights.sdf.formula import OPERATIONS
-from tests.sdf import samples
+from sdf_lights.graph import formula_text, numpy_evaluation
+from sdf_lights.graph.formula import OPERATIONS
+from support.shapes import samples
 
 _MEANING = {kind: operation.meaning for kind, operation in OPERATIONS.items()}
 
@@ -26,8 +26,8 @@ def _as_python(text: str) -> str:
 @pytest.mark.parametrize("name", samples.SHAPES_TO_TRY)
 def test_the_text_of_a_shape_computes_its_field(name):
     shape = samples.SHAPES_TO_TRY[name]
-    names = {**_MEANING, "rounds": read_numpy.rounds}
-    exec(_as_python(read_text.text(shape.formula())), names)
+    names = {**_MEANING, "rounds": numpy_evaluation.rounds}
+    exec(_as_python(formula_text.text(shape.formula())), names)
     at = samples.points(shape)[::150]
     with np.errstate(all="ignore"):
         found = [names["value"](*point, shape.parameters()) for point in at]

@@ -5,14 +5,38 @@
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import formula as f
-from sdf_lights.sdf import read_native, read_numpy
+from sdf_lights.graph import codegen_native, numpy_evaluation
+from sdf_lights.graph import formula as f
 
-pytestmark = pytest.mark.skipif(not read_native.AVAILABLE, reason="no Numba")
+pytestmark = pytest.mark.skipif(not codegen_native.AVAILABLE, reason="no Numba")
 
 ULP = 2.0**-52
-SPECIAL = np.array([0.0, -0.0, 1.0, -1.0, 0.5, -0.5, np.pi, -np.pi, np.pi / 2, 1e5, -1e5, 1e-308, 5e-324, 1e308, 710.0,
-                    -750.0, np.inf, -np.inf, np.nan, 0.66, 2.0**0.5, 0.5**0.5])
+SPECIAL = np.array(
+    [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        0.5,
+        -0.5,
+        np.pi,
+        -np.pi,
+        np.pi / 2,
+        1e5,
+        -1e5,
+        1e-308,
+        5e-324,
+        1e308,
+        710.0,
+        -750.0,
+        np.inf,
+        -np.inf,
+        np.nan,
+        0.66,
+        2.0**0.5,
+        0.5**0.5,
+    ]
+)
 
 
 def wide(rng, low: float, high: float, signed: bool = True) -> np.ndarray:
@@ -22,7 +46,8 @@ def wide(rng, low: float, high: float, signed: bool = True) -> np.ndarray:
 
 
 CASES = {  # operands, and errors relative to the result and in units of 1
-    "sin": (lambda r: [wide(r, -8, 5)], 5 * ULP, 5 * ULP), "cos": (lambda r: [wide(r, -8, 5)], 5 * ULP, 5 * ULP),
+    "sin": (lambda r: [wide(r, -8, 5)], 5 * ULP, 5 * ULP),
+    "cos": (lambda r: [wide(r, -8, 5)], 5 * ULP, 5 * ULP),
     "tan": (lambda r: [r.uniform(-1.5, 1.5, 20_000)], 5 * ULP, 0.0),
     "asin": (lambda r: [np.clip(wide(r, -8, 0.1), -1, 1)], 5 * ULP, 0.0),
     "acos": (lambda r: [np.clip(wide(r, -8, 0.1), -1, 1)], 5 * ULP, 0.0),
@@ -30,13 +55,14 @@ CASES = {  # operands, and errors relative to the result and in units of 1
     "exp": (lambda r: [r.uniform(-699, 699, 20_000)], 5 * ULP, 0.0),
     "log": (lambda r: [np.concatenate([wide(r, -300, 300, False), r.uniform(0.9, 1.1, 20_000)])], 5 * ULP, ULP / 8),
     "atan2": (lambda r: [wide(r, -20, 20), wide(r, -20, 20)], 5 * ULP, 0.0),
-    "power": (lambda r: [wide(r, -2, 2, False), r.uniform(-5, 5, 20_000)], 1e-14, 0.0)}
+    "power": (lambda r: [wide(r, -2, 2, False), r.uniform(-5, 5, 20_000)], 1e-14, 0.0),
+}
 
 
 def read(kind: str, operands: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     points = np.stack([*operands, *[operands[0]] * (3 - len(operands))], axis=-1)
-    formula = f.apply(kind, *f.POINT[:len(operands)])
-    return read_native.evaluate(formula, points), read_numpy.evaluate(formula, points)
+    formula = f.apply(kind, *f.POINT[: len(operands)])
+    return codegen_native.evaluate(formula, points), numpy_evaluation.evaluate(formula, points)
 
 
 @pytest.mark.parametrize("kind", CASES)

@@ -8,22 +8,29 @@ import math
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import read_numpy
-from sdf_lights.sdf.formula import CONSTANT, OPERATIONS, POINT, POSITION, Vector, order
+from sdf_lights.graph import numpy_evaluation
+from sdf_lights.graph.formula import CONSTANT, OPERATIONS, POINT, VARIABLE, Vector, axis_of, order
 from sdf_lights.sdf.noise import PERIOD, STEEPEST, value_noise
 from sdf_lights.sdf.shapes import BOUND, Box, Cylinder, Ellipsoid, Sphere, Transformed, Union
 from sdf_lights.sdf.shapes.base import Slots
 from sdf_lights.sdf.shapes.displacement import NoiseDisplacement, WaveDisplacement
 from sdf_lights.sdf.shapes.solids import HalfSpace
 from sdf_lights.sdf.shapes.warps import Bend, Taper, Twist
-from tests.sdf.operated import CORNER, PAIR, SHEARED, moved
+from support.shapes.operated import CORNER, PAIR, SHEARED, moved
 
 CHILDREN = {"box": Box((0.3, 0.2, 0.4)), "corner": CORNER, "pair": moved(PAIR, 0.2, 0.3, 0.1), "sheared": SHEARED}
-WARPS = {"twist": lambda c: Twist(c, 3.0), "strong twist": lambda c: Twist(c, -20.0), "bend": lambda c: Bend(c, 2.0),
-         "strong bend": lambda c: Bend(c, c.bounds()[1][2] + 0.3), "taper": lambda c: Taper(c, 1.2, 0.3),
-         "spread": lambda c: Taper(c, 0.1, 2.0)}
-DISPLACED = {"waves": lambda c: WaveDisplacement(c, 0.08, (0.2, 0.4, 1e9), (0.3, 0.0, 0.2)),
-             "noise": lambda c: NoiseDisplacement(c, 0.1, 0.3, 4.0, 5.0)}
+WARPS = {
+    "twist": lambda c: Twist(c, 3.0),
+    "strong twist": lambda c: Twist(c, -20.0),
+    "bend": lambda c: Bend(c, 2.0),
+    "strong bend": lambda c: Bend(c, c.bounds()[1][2] + 0.3),
+    "taper": lambda c: Taper(c, 1.2, 0.3),
+    "spread": lambda c: Taper(c, 0.1, 2.0),
+}
+DISPLACED = {
+    "waves": lambda c: WaveDisplacement(c, 0.08, (0.2, 0.4, 1e9), (0.3, 0.0, 0.2)),
+    "noise": lambda c: NoiseDisplacement(c, 0.1, 0.3, 4.0, 5.0),
+}
 each_child = pytest.mark.parametrize("child", CHILDREN.values(), ids=CHILDREN)
 each_warp = pytest.mark.parametrize("warp", WARPS.values(), ids=WARPS)
 
@@ -35,7 +42,7 @@ def around(shape, count, beyond=0.3, seed=1):
 
 def unwarped(shape, at):
     slots = Slots()
-    return np.stack([read_numpy.evaluate(q, at, slots.values) for q in shape._unwarped(POINT, slots)], axis=-1)
+    return np.stack([numpy_evaluation.evaluate(q, at, slots.values) for q in shape._unwarped(POINT, slots)], axis=-1)
 
 
 def greatest_slope(shape, pairs=40_000):
@@ -100,8 +107,12 @@ def test_the_bend_makes_rings():
     # A bend of no account at all, to the last digits.
     at = around(CORNER, 1000, 0.0)
     straight = Bend(CORNER, 1e8)
-    assert np.abs(straight.distance(at) - np.minimum(CORNER.distance(at), straight._margin))[
-        CORNER.distance(at) < 0.0].max() < 1e-7
+    assert (
+        np.abs(straight.distance(at) - np.minimum(CORNER.distance(at), straight._margin))[
+            CORNER.distance(at) < 0.0
+        ].max()
+        < 1e-7
+    )
 
 
 def test_the_taper_scales_its_ends():
@@ -112,14 +123,22 @@ def test_the_taper_scales_its_ends():
     np.testing.assert_allclose(cone.bounds()[1], (0.5, 0.5, 1.0))
 
 
-@pytest.mark.parametrize("shape, problem", [
-    (Twist(HalfSpace()), "Twist: the shape has no end: intersect it with a box first."),
-    (Bend(Sphere(0.5), 0.4), "Bend: the shape, 0.5 high, reaches the centre of the circle of radius 0.4: make the "
-                             "radius larger."),
-    (Bend(Box((5.0, 0.1, 0.1)), 1.0), "Bend: the shape is longer than the circle of radius 1 is round: make the radius "
-                                      "larger."),
-    (Taper(Sphere(), 0.0, 1.0), "Taper: bottom is 0, but must be at least 0.01."),
-    (Bend(Sphere(-1.0), 0.4), "Sphere: radius is -1, but must be at least 1e-06.")])
+@pytest.mark.parametrize(
+    "shape, problem",
+    [
+        (Twist(HalfSpace()), "Twist: the shape has no end: intersect it with a box first."),
+        (
+            Bend(Sphere(0.5), 0.4),
+            "Bend: the shape, 0.5 high, reaches the centre of the circle of radius 0.4: make the radius larger.",
+        ),
+        (
+            Bend(Box((5.0, 0.1, 0.1)), 1.0),
+            "Bend: the shape is longer than the circle of radius 1 is round: make the radius larger.",
+        ),
+        (Taper(Sphere(), 0.0, 1.0), "Taper: bottom is 0, but must be at least 0.01."),
+        (Bend(Sphere(-1.0), 0.4), "Sphere: radius is -1, but must be at least 1e-06."),
+    ],
+)
 def test_what_is_wrong_is_said(shape, problem):
     assert shape.validate() == problem
 
@@ -142,8 +161,14 @@ def test_waves_are_as_steep_as_they_say():
     slots = Slots()
     pattern = wave._pattern(POINT, slots)
     at = np.random.default_rng(1).uniform(-1.0, 1.0, (200_000, 3))
-    columns = [(read_numpy.evaluate(pattern, at + 1e-6 * e, slots.values)
-                - read_numpy.evaluate(pattern, at - 1e-6 * e, slots.values)) / 2e-6 for e in np.eye(3)]
+    columns = [
+        (
+            numpy_evaluation.evaluate(pattern, at + 1e-6 * e, slots.values)
+            - numpy_evaluation.evaluate(pattern, at - 1e-6 * e, slots.values)
+        )
+        / 2e-6
+        for e in np.eye(3)
+    ]
     assert 0.98 < np.linalg.norm(columns, axis=0).max() / wave._steepest() < 1.0 + 1e-6
 
 
@@ -155,26 +180,28 @@ def test_noise_stays_within_one_and_is_as_steep_as_it_says():
     corners = np.array(list(itertools.product((-1.0, 1.0), repeat=8))).reshape(-1, 2, 2, 2)
     grid = np.linspace(0.0, 0.5, 26)  # the other half of each axis is its mirror image
     fade = grid**3 * (grid * (6.0 * grid - 15.0) + 10.0)
-    weight, slope = np.stack([1.0 - fade, fade]), 30.0 * grid**2 * (1.0 - grid)**2 * np.array([[-1.0], [1.0]])
-    squared = sum(np.einsum("nijk,ia,jb,kc->nabc", corners, *factors, optimize=True)**2 for factors in (
-        (slope, weight, weight), (weight, slope, weight), (weight, weight, slope)))
+    weight, slope = np.stack([1.0 - fade, fade]), 30.0 * grid**2 * (1.0 - grid) ** 2 * np.array([[-1.0], [1.0]])
+    squared = sum(
+        np.einsum("nijk,ia,jb,kc->nabc", corners, *factors, optimize=True) ** 2
+        for factors in ((slope, weight, weight), (weight, slope, weight), (weight, weight, slope))
+    )
     assert math.sqrt(squared.max()) == pytest.approx(STEEPEST, abs=1e-12)
 
     at = np.random.default_rng(1).uniform(-400.0, 400.0, (200_000, 3))
-    noise = read_numpy.evaluate(value_noise(POINT), at)
+    noise = numpy_evaluation.evaluate(value_noise(POINT), at)
     assert -1.0 <= noise.min() < -0.98 and 0.98 < noise.max() <= 1.0 and abs(noise.mean()) < 0.01
 
 
 def test_noise_is_random_numbers_at_whole_points():
     at = np.stack(np.meshgrid(*[np.arange(-8.0, 8.0)] * 3), axis=-1).reshape(-1, 3)
-    values = read_numpy.evaluate(value_noise(POINT, 3.0), at)
+    values = numpy_evaluation.evaluate(value_noise(POINT, 3.0), at)
     lattice = (values + 1.0) * (PERIOD - 1.0) / 2.0
     np.testing.assert_allclose(lattice, np.round(lattice), atol=1e-9)
     assert len(np.unique(np.round(lattice))) == PERIOD
     for offset in (1, 16, 256):  # neighbours along z, x and y have nothing to do with each other
         assert abs(np.corrcoef(values[:-offset], values[offset:])[0, 1]) < 0.1
-    assert abs(np.corrcoef(values, read_numpy.evaluate(value_noise(POINT, 4.0), at))[0, 1]) < 0.1
-    np.testing.assert_allclose(read_numpy.evaluate(value_noise(POINT, 3.0), at + PERIOD), values, atol=1e-12)
+    assert abs(np.corrcoef(values, numpy_evaluation.evaluate(value_noise(POINT, 4.0), at))[0, 1]) < 0.1
+    np.testing.assert_allclose(numpy_evaluation.evaluate(value_noise(POINT, 3.0), at + PERIOD), values, atol=1e-12)
 
 
 def test_noise_needs_no_more_than_single_precision_for_its_integers():
@@ -185,12 +212,12 @@ def test_noise_needs_no_more_than_single_precision_for_its_integers():
     for node in order(formula):
         if node.kind == CONSTANT:
             values[node] = np.float32(node.value)
-        elif node.kind == POSITION:
-            values[node] = at[:, node.value]
+        elif node.kind == VARIABLE:
+            values[node] = at[:, axis_of(node)]
         else:
             values[node] = OPERATIONS[node.kind].meaning(*(values[o] for o in node.operands))
         assert values[node].dtype == np.float32
-    assert np.abs(values[formula] - read_numpy.evaluate(formula, at)).max() < 3e-5
+    assert np.abs(values[formula] - numpy_evaluation.evaluate(formula, at)).max() < 3e-5
 
 
 def test_octaves_add_detail_and_keep_the_amplitude():
@@ -199,10 +226,10 @@ def test_octaves_add_detail_and_keep_the_amplitude():
         shape = NoiseDisplacement(Sphere(), 1.0, 0.5, octaves)
         slots = Slots()
         pattern = shape._pattern(POINT, slots)
-        values = read_numpy.evaluate(pattern, at, slots.values)
+        values = numpy_evaluation.evaluate(pattern, at, slots.values)
         assert np.abs(values).max() <= 1.0
         first = 0.5 / (1.0 - 0.5**octaves)
-        coarse = first * read_numpy.evaluate(value_noise(Vector(*(2.0 * q for q in POINT))), at)
+        coarse = first * numpy_evaluation.evaluate(value_noise(Vector(*(2.0 * q for q in POINT))), at)
         assert np.abs(values - coarse).max() <= 1.0 - first + 1e-12
 
 

@@ -7,17 +7,19 @@ import pathlib
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import formula as f
-from sdf_lights.sdf import read_glsl, read_numpy
-from tests import glsl
-from tests.sdf import samples
+from sdf_lights.graph import codegen_glsl, numpy_evaluation
+from sdf_lights.graph import formula as f
+from support import glsl
+from support.shapes import samples
 
 SOURCE = (pathlib.Path(__file__).resolve().parents[2] / "shaders_glsl" / "intervals.glsl").read_text()
 ROOM = 16
 LEAST = 1e-4
 SAMPLES = 3000
 
-_SHADER = glsl.VERSION + """
+_SHADER = (
+    glsl.VERSION
+    + """
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Rays { vec4 rays[]; };
 layout(std430, binding = 1) readonly buffer Parameters { float k[]; };
@@ -47,19 +49,21 @@ void main()
     }
 }
 """
+)
 
 
 class Found:
     """Of n rays: ``count``, ``unresolved``, ``dropped`` and ``evaluations`` (n,); ``spans`` (n, room, 2)."""
 
-    def __init__(self, formula, parameters, origins, directions, bounds, *, lipschitz=1.0, room=ROOM, steps=2000,
-                 least=LEAST):
+    def __init__(
+        self, formula, parameters, origins, directions, bounds, *, lipschitz=1.0, room=ROOM, steps=2000, least=LEAST
+    ):
         gl, n = glsl.context(), len(origins)
-        shader = gl.compute_shader(_SHADER % (room, read_glsl.function(formula, "field"), SOURCE))
+        shader = gl.compute_shader(_SHADER % (room, codegen_glsl.function(formula, "field"), SOURCE))
         rays = np.zeros((n, 2, 4), np.float32)
         rays[:, 0, :3], rays[:, 1, :3] = origins, directions
         numbers = np.zeros(max(len(parameters), 1), np.float32)
-        numbers[:len(parameters)] = parameters
+        numbers[: len(parameters)] = parameters
         buffers = gl.buffer(rays), gl.buffer(numbers), gl.buffer(reserve=n * (room + 2) * 8)
         for binding, buffer in enumerate(buffers):
             buffer.bind_to_storage_buffer(binding)
@@ -104,20 +108,38 @@ def _rays(shape, count: int = 100):
 def _marched(formula, parameters, origins, directions, end: float):
     """Length inside, number of stretches, and the shortest stretch or gap in samples, of each ray: (n,), (n,), (n,)."""
     t = np.linspace(0.0, end, SAMPLES)
-    values = read_numpy.evaluate(formula, origins[:, None] + t[:, None] * directions[:, None], parameters)
+    values = numpy_evaluation.evaluate(formula, origins[:, None] + t[:, None] * directions[:, None], parameters)
     inside = values <= 0.0
     a, b = values[:, :-1], values[:, 1:]
     with np.errstate(all="ignore"):
-        part = np.where(inside[:, :-1] == inside[:, 1:], inside[:, 1:], np.where(inside[:, 1:], b, a) / np.where(
-            inside[:, 1:], b - a, a - b))
+        part = np.where(
+            inside[:, :-1] == inside[:, 1:],
+            inside[:, 1:],
+            np.where(inside[:, 1:], b, a) / np.where(inside[:, 1:], b - a, a - b),
+        )
     count = inside[:, 0] + (inside[:, 1:] & ~inside[:, :-1]).sum(axis=1)
     changes = [np.flatnonzero(row) for row in inside[:, 1:] != inside[:, :-1]]
     shortest = np.array([np.diff(change).min(initial=SAMPLES) for change in changes])
     return part.sum(axis=1) * t[1], count, shortest
 
 
-NAMES = ["sphere", "torus", "box", "capsule", "link", "hollow box", "three", "nested", "box_frame", "menger_sponge",
-         "smooth union", "exponential union", "xor", "octahedron", "gyroid"]
+NAMES = [
+    "sphere",
+    "torus",
+    "box",
+    "capsule",
+    "link",
+    "hollow box",
+    "three",
+    "nested",
+    "box_frame",
+    "menger_sponge",
+    "smooth union",
+    "exponential union",
+    "xor",
+    "octahedron",
+    "gyroid",
+]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -143,6 +165,7 @@ def test_every_stretch_is_found(name):
 
 def _slabs():
     """Three slabs, one of them thin, with a field that is three times the distance."""
+
     def slab(center, half):
         return f.maximum(abs(x - center) - half, abs(y) - 2.0, abs(z) - 2.0)
 
@@ -201,7 +224,7 @@ def test_fewer_evaluations_than_plain_sphere_tracing():
     found = Found(formula, parameters, origins, directions, (0.0, end))
     t, evaluations, running = np.zeros(len(origins)), np.zeros(len(origins)), np.ones(len(origins), bool)
     while running.any():
-        distance = np.abs(read_numpy.evaluate(formula, origins + t[:, None] * directions, parameters))
+        distance = np.abs(numpy_evaluation.evaluate(formula, origins + t[:, None] * directions, parameters))
         evaluations += running
         t = np.where(running, t + np.maximum(distance, LEAST), t)
         running &= t < end

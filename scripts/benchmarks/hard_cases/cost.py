@@ -17,19 +17,19 @@ import time
 
 import numpy as np
 
-from sdf_lights.emitter import marching
-from sdf_lights.emitter.cover import RESOLUTION
+from sdf_lights.emitter.intersection.cover import RESOLUTION
 from sdf_lights.render import session
 from sdf_lights.render.scene import Camera, Lamp, Scene
 from sdf_lights.sdf.shapes import Box, BoxFrame, Shape, Sphere, Transformed
 from sdf_lights.sdf.shapes.blends import SmoothUnion
 from sdf_lights.sdf.shapes.displacement import NoiseDisplacement
 from sdf_lights.sdf.shapes.orbits import Mandelbulb
-from tests.emitter import oracle
-from tests.emitter.hard_cases import around
-from tests.emitter.rays import AsField, Traced
-from tests.emitter.shapes_under_test import moved
-from tests.scenes import SCENES, camera, look_at, rotation, translation
+from support.lamps import oracle
+from support.lamps.hard_cases import around
+from support.lamps.rays import AsField, Traced
+from support.lamps.shapes_under_test import moved
+from support.rivals import marching
+from support.scenes import SCENES, look_at, rotation, translation
 
 from . import Figure, case
 from .stage import settings
@@ -136,16 +136,22 @@ def by_evaluations(hard: Shape, quick: bool, close: bool = False) -> Figure:
 def noise_evaluations(quick):
     """evaluations on a ray through a noisy field, to those of the paper's rule through the smooth one; 5 in the paper"""
     noisy, smooth = evaluations(NOISY), evaluations(SMOOTH)
-    return Figure(noisy["ours"] / smooth["fine"], NOISE,
-                  dict(ours_to_ours=noisy["ours"] / smooth["ours"], rule_to_rule=noisy["fine"] / smooth["fine"]))
+    return Figure(
+        noisy["ours"] / smooth["fine"],
+        NOISE,
+        dict(ours_to_ours=noisy["ours"] / smooth["ours"], rule_to_rule=noisy["fine"] / smooth["fine"]),
+    )
 
 
 @case("finer-noise-evaluations")
 def finer_noise_evaluations(quick):
     """the same with noise three times finer, of one more octave"""
     noisy, smooth = evaluations(FINER), evaluations(SMOOTH)
-    return Figure(noisy["ours"] / smooth["fine"], NOISE,
-                  dict(ours_to_ours=noisy["ours"] / smooth["ours"], rule_to_rule=noisy["fine"] / smooth["fine"]))
+    return Figure(
+        noisy["ours"] / smooth["fine"],
+        NOISE,
+        dict(ours_to_ours=noisy["ours"] / smooth["ours"], rule_to_rule=noisy["fine"] / smooth["fine"]),
+    )
 
 
 @case("noise-cost", slow=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from sdf_lights.render.scene import Camera, Instance, Lamp, Projection, Scene
 from sdf_lights.sdf.shapes import Box
-from tests.scenes import box, diffuse, look_at, quad, scaling, translation
+from support.scenes import box, diffuse, look_at, quad, scaling, translation
 
 from . import Figure, attraction, case
 from .stage import ALBEDO, FLOAT32, deviation, floor, from_above, picture, places, settings
@@ -84,8 +84,20 @@ def boxed(quick):
     camera = Camera(look_at((distance, -distance, 2.0), (0.1, 0.2, 0.3)), window=(-0.15, 0.15, -0.15, 0.15))
     made = []
     for instances in ([], [Instance(0, matrix, (0, 0, 0), "box")]):
-        made.append(picture(Scene(camera, PIXELS, PIXELS, meshes=[box()], materials=[diffuse((0.0,) * 3)],
-                                  instances=instances, lamps=lamps, settings=settings(64 if quick else 1024))))
+        made.append(
+            picture(
+                Scene(
+                    camera,
+                    PIXELS,
+                    PIXELS,
+                    meshes=[box()],
+                    materials=[diffuse((0.0,) * 3)],
+                    instances=instances,
+                    lamps=lamps,
+                    settings=settings(64 if quick else 1024),
+                )
+            )
+        )
     # A ray stops at the float32 box, which is within a rounding of its coordinates, seen along the ray, of the lamp's face;
     # grazing pixels see more of that, but not ten times.
     reach = 2.0 * distance * FLOAT32 * 10.0
@@ -102,6 +114,18 @@ def wall(quick):
     for height in (2.0, -2.0):
         eye = np.array((0.0, 0.0, height))
         camera = Camera(look_at(eye, ORIGIN, (0.0, 1.0, 0.0)), Projection.ORTHOGRAPHIC, (-1.0, 1.0, -1.0, 1.0))
-        made.append(picture(Scene(camera, PIXELS, PIXELS, meshes=[quad(), box()], materials=[diffuse((ALBEDO,) * 3)],
-                                  instances=[slab], lamps=lamps, settings=settings(64 if quick else 1024, bounces=2))))
+        made.append(
+            picture(
+                Scene(
+                    camera,
+                    PIXELS,
+                    PIXELS,
+                    meshes=[quad(), box()],
+                    materials=[diffuse((ALBEDO,) * 3)],
+                    instances=[slab],
+                    lamps=lamps,
+                    settings=settings(64 if quick else 1024, bounces=2),
+                )
+            )
+        )
     return Figure(float(made[1].max() / made[0].max()), 0.0)

@@ -8,15 +8,25 @@ import math
 
 import numpy as np
 
-from sdf_lights.emitter.lamps import build_lamp
+from sdf_lights.emitter.building.build import build_lamp
 from sdf_lights.render.scene import Camera, Lamp, Scene
 from sdf_lights.sdf.shapes import Difference, Sphere
-from tests.emitter.shapes_under_test import sheared
-from tests.scenes import look_at, rotation, scaling, translation
+from support.lamps.shapes_under_test import sheared
+from support.scenes import look_at, rotation, scaling, translation
 
 from . import Figure, attraction, case
 from .stage import (
-    ALBEDO, FLOAT32, STANDARD_ERRORS, deviation, floor, from_above, picture, places, settings, volumes_unknown)
+    ALBEDO,
+    FLOAT32,
+    STANDARD_ERRORS,
+    deviation,
+    floor,
+    from_above,
+    picture,
+    places,
+    settings,
+    volumes_unknown,
+)
 
 PIXELS = 16
 POWER = 40.0  # W
@@ -48,8 +58,7 @@ def under(matrices: list[np.ndarray], quick: bool, size: float = 1.0, at=ORIGIN,
     expected = sum(attraction.of_ellipsoid(matrix, points, (0.0, 0.0, 1.0)) for matrix in matrices)
     expected *= ALBEDO / math.pi * attraction.intensity(POWER)
     # The light of what is above falls off with no more than the cube of the distance.
-    return deviation(found, expected.reshape(found.shape),
-                     rounding(lamps, expected.mean(), at) + 3.0 * lost / size)
+    return deviation(found, expected.reshape(found.shape), rounding(lamps, expected.mean(), at) + 3.0 * lost / size)
 
 
 def ball(radius: float, *at: float) -> np.ndarray:
@@ -108,8 +117,13 @@ def mirrored(quick):
     return under([matrix], quick)
 
 
-NESTED = [ball(0.6, 0.1, -0.1, 1.1), ball(0.2, 0.2, -0.1, 1.2), ball(0.5, 0.5, 0.1, 1.0),
-          translation(-0.2, 0.1, 1.2) @ scaling(0.9, 0.1, 0.1), ball(0.6, 0.1, -0.1, 1.1)]
+NESTED = [
+    ball(0.6, 0.1, -0.1, 1.1),
+    ball(0.2, 0.2, -0.1, 1.2),
+    ball(0.5, 0.5, 0.1, 1.0),
+    translation(-0.2, 0.1, 1.2) @ scaling(0.9, 0.1, 0.1),
+    ball(0.6, 0.1, -0.1, 1.1),
+]
 
 
 @case("nested-lamps-on-a-floor")
@@ -121,6 +135,7 @@ def nested_lamps_on_a_floor(quick):
 @case("nested-lamps-seen")
 def nested_lamps_seen(quick):
     """largest error of a pixel that sees the same lamps, relative to the sum of what it sees of each"""
+
     def seen(matrices):
         camera = Camera(look_at((0.1, -4.0, 1.1), (0.1, 0.0, 1.1)), window=(-0.4, 0.4, -0.4, 0.4))
         lamps = [Lamp("lamp", BALL, matrix, POWER) for matrix in matrices]

@@ -15,7 +15,7 @@ import functools
 import numpy as np
 
 from sdf_lights.render.settings import LampSampling
-from tests.scenes import SCENES, torus_lamp
+from support.scenes import SCENES, torus_lamp
 
 from . import Figure, case
 from .stage import STANDARD_ERRORS, picture, settings
@@ -40,8 +40,12 @@ def truth(quick: bool, bounces: int) -> np.ndarray:
     """(frames, height, width) of converged renders."""
     # What noise these have adds to the flicker, so with more bounces, where samples are dear, fewer do: 2 % at most.
     samples = QUICK_TRUE_SAMPLES if quick or bounces > BOUNCES else TRUE_SAMPLES
-    return np.array([frame(index, samples, 10_000 + index, LampSampling.CUT, bounces)
-                     for index in range(QUICK_FRAMES if quick else FRAMES)])
+    return np.array(
+        [
+            frame(index, samples, 10_000 + index, LampSampling.CUT, bounces)
+            for index in range(QUICK_FRAMES if quick else FRAMES)
+        ]
+    )
 
 
 def changes(pictures: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -53,8 +57,15 @@ def changes(pictures: np.ndarray, known: np.ndarray) -> np.ndarray:
 def flicker(quick: bool, sampling: LampSampling, same_seed: bool, bounces: int) -> tuple[np.ndarray, float]:
     """``changes`` at few samples, and what they should be on average for independent frames."""
     known = truth(quick, bounces)
-    first, second = (np.array([frame(index, SAMPLES, seed if same_seed else seed + 2 * index, sampling, bounces)
-                               for index in range(len(known))]) for seed in (0, 1))
+    first, second = (
+        np.array(
+            [
+                frame(index, SAMPLES, seed if same_seed else seed + 2 * index, sampling, bounces)
+                for index in range(len(known))
+            ]
+        )
+        for seed in (0, 1)
+    )
     # Two seeds of the same frame differ by twice its variance, too.
     return changes(first, known), float(np.mean((first - second) ** 2) / known.mean() ** 2)
 
@@ -62,13 +73,15 @@ def flicker(quick: bool, sampling: LampSampling, same_seed: bool, bounces: int) 
 def _judged(quick: bool, same_seed: bool, bounces: int = BOUNCES) -> Figure:
     found, independent = flicker(quick, LampSampling.CUT, same_seed, bounces)
     error = float(found.std(ddof=1) / np.sqrt(len(found)) / independent)
-    return Figure(float(found.mean() / independent), 1.0 + STANDARD_ERRORS * error,
-                  dict(rms_change=float(np.sqrt(found.mean()))))
+    return Figure(
+        float(found.mean() / independent), 1.0 + STANDARD_ERRORS * error, dict(rms_change=float(np.sqrt(found.mean())))
+    )
 
 
 def _to_the_paper(quick: bool, bounces: int = BOUNCES) -> Figure:
-    ours, theirs = (flicker(quick, sampling, False, bounces)[0].mean()
-                    for sampling in (LampSampling.CUT, LampSampling.MIS))
+    ours, theirs = (
+        flicker(quick, sampling, False, bounces)[0].mean() for sampling in (LampSampling.CUT, LampSampling.MIS)
+    )
     return Figure(float(ours / theirs), 1.0)
 
 
@@ -115,8 +128,9 @@ def _to_cycles(quick: bool, bounces: int) -> Figure:
     from benchmarks import lamp_scenes, pictures, scenes
 
     lamp_scenes.SCENES["S1"].build(48)
-    movers = [thing for name in (lamp_scenes.LAMPS, lamp_scenes.VOLUMES)
-              for thing in bpy.data.collections[name].objects]
+    movers = [
+        thing for name in (lamp_scenes.LAMPS, lamp_scenes.VOLUMES) for thing in bpy.data.collections[name].objects
+    ]
     scene, start = bpy.context.scene, [thing.matrix_world.copy() for thing in movers]
 
     def made(index: int, samples: int, seed: int, cycles: bool) -> np.ndarray:
@@ -135,8 +149,10 @@ def _to_cycles(quick: bool, bounces: int) -> Figure:
 
     count = 4 if quick else FRAMES
     known = np.array([made(index, QUICK_TRUE_SAMPLES, 10_000 + index, False) for index in range(count)])
-    ours, theirs = (changes(np.array([made(index, SAMPLES, index, cycles) for index in range(count)]), known).mean()
-                    for cycles in (False, True))
+    ours, theirs = (
+        changes(np.array([made(index, SAMPLES, index, cycles) for index in range(count)]), known).mean()
+        for cycles in (False, True)
+    )
     return Figure(float(ours / theirs), 1.0, dict(ours=float(ours), cycles=float(theirs)))
 
 

@@ -15,14 +15,14 @@ import zlib
 
 import numpy as np
 
-from sdf_lights.emitter.cover import RESOLUTION
+from sdf_lights.emitter.intersection.cover import RESOLUTION
 from sdf_lights.sdf.shapes import BoxFrame, Sphere, Transformed
 from sdf_lights.sdf.shapes.displacement import NoiseDisplacement
 from sdf_lights.sdf.shapes.orbits import Mandelbulb
-from tests.emitter import oracle
-from tests.emitter.hard_cases import HARD_CASES, SMOOTH, Case, directions, grazing, inside
-from tests.emitter.rays import AsField, Traced
-from tests.emitter.shapes_under_test import scaled, turned
+from support.lamps import oracle
+from support.lamps.hard_cases import HARD_CASES, SMOOTH, Case, directions, grazing, inside
+from support.lamps.rays import AsField, Traced
+from support.lamps.shapes_under_test import scaled, turned
 
 from . import Figure, case
 
@@ -40,6 +40,7 @@ def skimming(shape, rng, n):
 
 def close_up(distances):
     """Rays like those of a camera 1e-4 to 1e-2 in front of the surface, relative to the size."""
+
     def rays(shape, rng, n):
         origins, along = grazing(shape, rng, n)
         low, high = shape.bounds()
@@ -82,7 +83,9 @@ def near_tangent_crossings(quick):
     wrong, _, length = tangents(quick)
     # The size is that of the bounding box's half diagonal. What is shorter than the resolution may be lost.
     sure = (length == 0.0) | (length > RESOLUTION * np.sqrt(3.0))
-    return Figure(float(np.mean(wrong[sure] != 0.0)), 0.0, dict(rays=int(sure.sum()), of_all=float(np.mean(wrong != 0.0))))
+    return Figure(
+        float(np.mean(wrong[sure] != 0.0)), 0.0, dict(rays=int(sure.sum()), of_all=float(np.mean(wrong != 0.0)))
+    )
 
 
 @case("near-tangent-lengths")
@@ -101,16 +104,18 @@ def judged(name: str, quick: bool) -> tuple[oracle.Verdict, int, float]:
     traced = Traced(chosen.shape)
     assert chosen.shape.certified and traced.tree.certified, f"{name}: its bounds are not proven"
     found = traced.trace(origins, toward)
-    verdict = oracle.judge(chosen.shape, origins, toward, found[:, 0].astype(int), found[:, 1],
-                           oracle.find(chosen.shape, origins, toward))
+    verdict = oracle.judge(
+        chosen.shape, origins, toward, found[:, 0].astype(int), found[:, 1], oracle.find(chosen.shape, origins, toward)
+    )
     return verdict, count, float(found[:, 2].sum() / max(found[:, 1].sum(), 1e-300))
 
 
 def register(key: str, name: str, what: str, slow: bool) -> None:
     def crossings(quick):
         verdict, count, unresolved = judged(name, quick)
-        return Figure(float(verdict.wrong), 0.0,
-                      dict(rays=count, too_fine_to_judge=float(verdict.below), unresolved=unresolved))
+        return Figure(
+            float(verdict.wrong), 0.0, dict(rays=count, too_fine_to_judge=float(verdict.below), unresolved=unresolved)
+        )
 
     def lengths(quick):
         verdict, count, _ = judged(name, quick)
@@ -123,23 +128,24 @@ def register(key: str, name: str, what: str, slow: bool) -> None:
 
 
 for _key, _name, _what, _slow in (
-        ("grazing-torus", "torus, grazing", "almost tangent to a torus", False),
-        ("grazing-blend", "smooth combination, grazing", "almost tangent to a smooth combination", False),
-        ("thin-shells", "onions 1e-4 thick", "four shells 1e-4 thick", False),
-        ("thin-shells-grazing", "onions 1e-4 thick, grazing", "almost tangent to four shells 1e-4 thick", False),
-        ("size-1e-3", "smooth combination, size 1e-3", "a smooth combination 1e-3 large", False),
-        ("size-1e4", "smooth combination, size 1e4", "a smooth combination 1e4 large", False),
-        ("from-far-away", "smooth combination, from far away", "from 10,000 diagonals away", False),
-        ("stretched-1-to-10000", "stretched 1 : 10,000", "a smooth combination stretched by 100, 1 and 0.01", False),
-        ("sheared-and-mirrored", "smooth combination, sheared and mirrored", "sheared, stretched and mirrored", False),
-        ("coincident-faces", "coincident faces", "faces that coincide in unions and differences", False),
-        ("coincident-faces-blended", "coincident faces, smooth", "coincident faces in a smooth union", False),
-        ("sparse-frame", "sparse frame", "a frame of bars 1 : 150", False),
-        ("thin-spokes", "thin spokes", "24 spokes 1 : 100", False),
-        ("sponge", "Menger sponge of 5 levels", "Menger's sponge of 5 levels", False),
-        ("noise", "noise", "a ball displaced by three octaves of noise", True),
-        ("noise-from-inside", "noise, from inside", "the same, from inside", True),
-        ("high-frequency-noise", "high-frequency noise", "four octaves of noise from 1/25 of its size on", True),
-        ("mandelbulb", "Mandelbulb", "a Mandelbulb", True),
-        ("mandelbulb-close-up", "Mandelbulb, close", "a Mandelbulb 1e-4 to 1e-2 of its size away", True)):
+    ("grazing-torus", "torus, grazing", "almost tangent to a torus", False),
+    ("grazing-blend", "smooth combination, grazing", "almost tangent to a smooth combination", False),
+    ("thin-shells", "onions 1e-4 thick", "four shells 1e-4 thick", False),
+    ("thin-shells-grazing", "onions 1e-4 thick, grazing", "almost tangent to four shells 1e-4 thick", False),
+    ("size-1e-3", "smooth combination, size 1e-3", "a smooth combination 1e-3 large", False),
+    ("size-1e4", "smooth combination, size 1e4", "a smooth combination 1e4 large", False),
+    ("from-far-away", "smooth combination, from far away", "from 10,000 diagonals away", False),
+    ("stretched-1-to-10000", "stretched 1 : 10,000", "a smooth combination stretched by 100, 1 and 0.01", False),
+    ("sheared-and-mirrored", "smooth combination, sheared and mirrored", "sheared, stretched and mirrored", False),
+    ("coincident-faces", "coincident faces", "faces that coincide in unions and differences", False),
+    ("coincident-faces-blended", "coincident faces, smooth", "coincident faces in a smooth union", False),
+    ("sparse-frame", "sparse frame", "a frame of bars 1 : 150", False),
+    ("thin-spokes", "thin spokes", "24 spokes 1 : 100", False),
+    ("sponge", "Menger sponge of 5 levels", "Menger's sponge of 5 levels", False),
+    ("noise", "noise", "a ball displaced by three octaves of noise", True),
+    ("noise-from-inside", "noise, from inside", "the same, from inside", True),
+    ("high-frequency-noise", "high-frequency noise", "four octaves of noise from 1/25 of its size on", True),
+    ("mandelbulb", "Mandelbulb", "a Mandelbulb", True),
+    ("mandelbulb-close-up", "Mandelbulb, close", "a Mandelbulb 1e-4 to 1e-2 of its size away", True),
+):
     register(_key, _name, _what, _slow)

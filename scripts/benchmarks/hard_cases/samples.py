@@ -13,7 +13,7 @@ from sdf_lights.render.cpu.renderer import CpuRenderer
 from sdf_lights.render.film import Film
 from sdf_lights.render.scene import Lamp
 from sdf_lights.sdf.shapes import Sphere
-from tests.scenes import rotation, scaling, translation
+from support.scenes import rotation, scaling, translation
 
 from . import Figure, attraction, case
 from .stage import ALBEDO, STANDARD_ERRORS, floor, from_above, places, settings, volumes_unknown
@@ -60,9 +60,13 @@ def mean(quick):
     _, found = errors(quick)
     scatter = float(found[-1].std(ddof=1) / math.sqrt(found.shape[1]))
     unknown = volumes_unknown(LAMP, np.zeros(3), UP) / (
-        attraction.intensity(POWER) * attraction.of_ellipsoid(MATRIX, np.zeros((1, 3)), UP)[0])
-    return Figure(abs(float(found[-1].mean())), STANDARD_ERRORS * math.hypot(scatter, unknown) + ROUNDING,
-                  dict(standard_error=scatter, volumes_unknown=unknown))
+        attraction.intensity(POWER) * attraction.of_ellipsoid(MATRIX, np.zeros((1, 3)), UP)[0]
+    )
+    return Figure(
+        abs(float(found[-1].mean())),
+        STANDARD_ERRORS * math.hypot(scatter, unknown) + ROUNDING,
+        dict(standard_error=scatter, volumes_unknown=unknown),
+    )
 
 
 @case("million-samples-slope", slow=True)

@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from sdf_lights.graph import codegen_glsl, interval_arithmetic, numpy_evaluation
 from sdf_lights.render import session
 from sdf_lights.render.scene import Lamp
 from sdf_lights.render.settings import Device
-from sdf_lights.sdf import read_glsl, read_interval, read_numpy
 from sdf_lights.sdf.shapes import Difference, Shape, Sphere
 from sdf_lights.sdf.shapes.orbits import Mandelbulb
-from tests import glsl
-from tests.emitter.hard_cases import FACES, HARD_CASES, around
-from tests.render.test_agreement import means
-from tests.scenes import SCENES
+from support import glsl
+from support.blocks import means
+from support.lamps.hard_cases import FACES, HARD_CASES, around
+from support.scenes import SCENES
 
 from . import Figure, case
 from .cost import MATRIX
@@ -32,9 +32,20 @@ from .light import THIN, ball
 from .rays import MORE
 from .stage import FLOAT32, STANDARD_ERRORS, floor, from_above, settings
 
-SHAPES = ("smooth combination", "smooth combination, size 1e-3", "smooth combination, size 1e4",
-          "smooth combination, sheared and mirrored", "stretched 1 : 10,000", "torus, stretched and twisted",
-          "onions 1e-4 thick", "coincident faces", "thin spokes", "Menger sponge of 5 levels", "noise", "Mandelbulb")
+SHAPES = (
+    "smooth combination",
+    "smooth combination, size 1e-3",
+    "smooth combination, size 1e4",
+    "smooth combination, sheared and mirrored",
+    "stretched 1 : 10,000",
+    "torus, stretched and twisted",
+    "onions 1e-4 thick",
+    "coincident faces",
+    "thin spokes",
+    "Menger sponge of 5 levels",
+    "noise",
+    "Mandelbulb",
+)
 POINTS, QUICK_POINTS = 3000, 300
 WIDTH, HEIGHT = 32, 24  # pixels of a picture
 SEEDS, QUICK_SEEDS = 16, 8
@@ -55,11 +66,14 @@ def shapes(quick):
         along = np.random.default_rng(3).random((len(origins), 1)) * 2.0 * np.linalg.norm(origins, axis=1)[:, None]
         points = (origins + along * toward).astype(np.float32).astype(float)
         formula, numbers = shape.formula(), shape.parameters()
-        found = glsl.evaluate(read_glsl.function(formula, "field"), "field", points, numbers).astype(float)
-        low, high = read_interval.enclose(formula, points, points, numbers, glsl.PRECISION)
-        exact = read_numpy.evaluate(formula, points, numbers)
+        found = glsl.evaluate(codegen_glsl.function(formula, "field"), "field", points, numbers).astype(float)
+        low, high = interval_arithmetic.enclose(formula, points, points, numbers, glsl.PRECISION)
+        exact = numpy_evaluation.evaluate(formula, points, numbers)
         known = np.isfinite(exact) & (low > -np.inf) & (high < np.inf)
-        above, below = (found - exact) / np.maximum(high - exact, 1e-300), (exact - found) / np.maximum(exact - low, 1e-300)
+        above, below = (
+            (found - exact) / np.maximum(high - exact, 1e-300),
+            (exact - found) / np.maximum(exact - low, 1e-300),
+        )
         worst[name] = float(np.where(found == exact, 0.0, np.maximum(above, below))[known].max())
     return Figure(max(worst.values()), 1.0, dict(shapes=len(worst)))
 
@@ -86,7 +100,9 @@ def compared(shape: Shape, thinnest: float, quick: bool) -> Figure:
 
     ``thinnest``: part of the shape, relative to the numbers that it is the difference of.
     """
-    double, single = (np.concatenate(means(pictures(shape, device, quick)), axis=1) for device in (Device.CPU, Device.GPU))
+    double, single = (
+        np.concatenate(means(pictures(shape, device, quick)), axis=1) for device in (Device.CPU, Device.GPU)
+    )
     truth, differences = double.mean(axis=0), single - double
     seeds, count = differences.shape
     errors = differences.std(axis=0, ddof=1) / np.sqrt(seeds)
@@ -94,8 +110,11 @@ def compared(shape: Shape, thinnest: float, quick: bool) -> Figure:
     chance = 2.0 * stats.norm.sf(STANDARD_ERRORS)
     allowed = errors * stats.t.isf(0.5 * chance / count, seeds - 1) + 2.0 * FLOAT32 / thinnest * truth
     off = differences.mean(axis=0)
-    return Figure(float(np.max(np.abs(off) / allowed)), 1.0,
-                  dict(deviation=abs(off[-1]) / truth[-1], standard_error=errors[-1] / truth[-1]))
+    return Figure(
+        float(np.max(np.abs(off) / allowed)),
+        1.0,
+        dict(deviation=abs(off[-1]) / truth[-1], standard_error=errors[-1] / truth[-1]),
+    )
 
 
 @case("float32-picture-csg", opengl=True)

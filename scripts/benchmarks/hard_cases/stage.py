@@ -6,14 +6,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from sdf_lights.emitter import interior, moments
-from sdf_lights.emitter.lamps import build_lamp
-from sdf_lights.emitter.similar import similar
+from sdf_lights.emitter.building.build import build_lamp
+from sdf_lights.emitter.sampling.similar import similar
+from sdf_lights.emitter.tree import interior, moments
+from sdf_lights.graph import numpy_evaluation
 from sdf_lights.render import session
 from sdf_lights.render.scene import Camera, Instance, Lamp, Projection, Scene
 from sdf_lights.render.settings import Device, Filter, LampSampling, Settings
-from sdf_lights.sdf import read_numpy
-from tests.scenes import diffuse, look_at, quad, scaling, translation
+from support.scenes import diffuse, look_at, quad, scaling, translation
 
 from . import Figure
 
@@ -25,23 +25,44 @@ FILL_POINTS = 32  # in each box, to tell how full boxes are
 
 def settings(samples: int, seed: int = 0, sampling: LampSampling = LampSampling.CUT, bounces: int = 0) -> Settings:
     """Plain means of as many ``samples`` for each pixel, on the processor."""
-    return Settings(device=Device.CPU, samples=samples, seed=seed, noise_threshold=0.0, lamp_sampling=sampling,
-                    guided_samples=False, filter=Filter.BOX, max_bounces=bounces, diffuse_bounces=bounces,
-                    glossy_bounces=bounces)
+    return Settings(
+        device=Device.CPU,
+        samples=samples,
+        seed=seed,
+        noise_threshold=0.0,
+        lamp_sampling=sampling,
+        guided_samples=False,
+        filter=Filter.BOX,
+        max_bounces=bounces,
+        diffuse_bounces=bounces,
+        glossy_bounces=bounces,
+    )
 
 
 def from_above(at, height: float, width: float) -> Camera:
     """Orthographic, ``height`` over the point ``at`` or below it, that sees a square of ``width`` metres of a floor."""
     half = 0.5 * width
     eye = np.asarray(at, float) + (0.0, 0.0, height)
-    return Camera(look_at(eye, at, (0.0, 1.0, 0.0)), Projection.ORTHOGRAPHIC, (-half, half, -half, half),
-                  (1e-3 * abs(height), 2.0 * abs(height)))
+    return Camera(
+        look_at(eye, at, (0.0, 1.0, 0.0)),
+        Projection.ORTHOGRAPHIC,
+        (-half, half, -half, half),
+        (1e-3 * abs(height), 2.0 * abs(height)),
+    )
 
 
 def floor(camera: Camera, pixels: int, at, half: float, lamps: list[Lamp], settings: Settings) -> Scene:
     """A horizontal diffuse square of half size ``half`` round ``at``."""
-    return Scene(camera, pixels, pixels, meshes=[quad()], materials=[diffuse((ALBEDO,) * 3)], lamps=lamps,
-                 instances=[Instance(0, translation(*at) @ scaling(half, half, 1.0), (0,), "floor")], settings=settings)
+    return Scene(
+        camera,
+        pixels,
+        pixels,
+        meshes=[quad()],
+        materials=[diffuse((ALBEDO,) * 3)],
+        lamps=lamps,
+        instances=[Instance(0, translation(*at) @ scaling(half, half, 1.0), (0,), "floor")],
+        settings=settings,
+    )
 
 
 def places(at, width: float, pixels: int) -> np.ndarray:
@@ -85,7 +106,7 @@ def volumes_unknown(lamp: Lamp, point, normal) -> float:
     filled = np.zeros(len(boxes))
     for _ in range(FILL_POINTS):
         inside = boxes[:, :3] + rng.random((len(boxes), 3)) * (boxes[:, 3:] - boxes[:, :3]) + tree.center
-        filled += read_numpy.evaluate(shape.formula(), inside, shape.parameters()) <= 0.0
+        filled += numpy_evaluation.evaluate(shape.formula(), inside, shape.parameters()) <= 0.0
     bounds = np.full(len(boxes), 1.0 / (2.0 * side**4)), filled / FILL_POINTS / side**3
     variance = min(float(np.sum((weights * volumes) ** 2 * bound)) for bound in bounds)
     return float(built.row["emission"][0, 0] * np.sqrt(variance))

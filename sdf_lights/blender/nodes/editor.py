@@ -10,9 +10,6 @@ import bpy
 import numpy as np
 
 from ...render.errors import RenderError
-from ...sdf.catalogue import category
-from ...sdf.functions import COLOURS, MATHEMATICS, POINTS
-from ...sdf.shapes import SHAPES
 from ...sdf.syntax import ExpressionError
 from .. import emission as lamp_emission
 from .. import parameters
@@ -20,44 +17,12 @@ from ..context import LampOperator, light_of
 from ..lamp import pattern_of, shape_of
 from ..naming import NODE_TREE
 from ..properties import PRIMITIVES
-from . import emission, reading, scene, values, writing
+from . import reading, writing
+from .add_menu import nodes_by_menu
 from .groups import SDFLIGHTS_MT_group_add
 from .link_search import SDFLIGHTS_OT_link_search
-from .words import FUNCTION_NODES
 
 # -- Add menu ----------------------------------------------------------------------------------------------------------
-
-
-def _menu_of(node: type) -> str:
-    function = node.function
-    shape = SHAPES.get(function.name) if function.makes_shape else None
-    if shape is not None:
-        kind = "Combine" if function.variadic else "Operators" if function.group == "Operators" else "Shapes"
-        return f"{kind}/{category(shape)}"
-    if function.group in ("Fields", MATHEMATICS, POINTS, COLOURS):
-        return {"Fields": "Fields", MATHEMATICS: "Math", POINTS: "Points", COLOURS: "Emission"}[function.group]
-    return function.group
-
-
-def _menus() -> dict[str, list[type]]:
-    """Nodes by menu; a name with a stroke is a submenu."""
-    found: dict[str, list[type]] = {
-        "Input": [values.SDFLIGHTS_Node_parameter, values.SDFLIGHTS_Node_number, values.SDFLIGHTS_Node_vector,
-                  values.SDFLIGHTS_Node_position, scene.SDFLIGHTS_Node_expression],
-        "Output": [scene.SDFLIGHTS_Node_output]}
-    for node in FUNCTION_NODES.values():
-        found.setdefault(_menu_of(node), []).append(node)
-    found["Transforms"][:0] = [scene.SDFLIGHTS_Node_object, scene.SDFLIGHTS_Node_place]
-    found["Emission"][:0] = emission.CLASSES
-    found["Fields"][:0] = [values.SDFLIGHTS_Node_distance, values.SDFLIGHTS_Node_field]
-    found["Math"][:0] = [values.SDFLIGHTS_Node_math, values.SDFLIGHTS_Node_compare, values.SDFLIGHTS_Node_boolean,
-                         values.SDFLIGHTS_Node_combine, values.SDFLIGHTS_Node_separate]
-    return found
-
-
-def node_classes() -> list[type]:
-    """All nodes of the Add menu, but groups."""
-    return [node for nodes in _menus().values() for node in nodes]
 
 
 def _menu_class(name: str, title: str, nodes: list[type], inner: list[tuple[str, str]] = ()) -> type:
@@ -71,13 +36,25 @@ def _menu_class(name: str, title: str, nodes: list[type], inner: list[tuple[str,
     return type(name, (bpy.types.Menu,), {"bl_label": title, "bl_idname": name, "draw": draw})
 
 
-_ORDER = ("Input", "Output", "Shapes", "Solids from profiles", "Profiles", "Combine", "Operators", "Transforms",
-          "Fields", "Points", "Math", "Emission")
+_ORDER = (
+    "Input",
+    "Output",
+    "Shapes",
+    "Solids from profiles",
+    "Profiles",
+    "Combine",
+    "Operators",
+    "Transforms",
+    "Fields",
+    "Points",
+    "Math",
+    "Emission",
+)
 
 
 def _menu_classes() -> tuple[list[type], list[type]]:
     """All menus, and those of the first level."""
-    menus, made, top = _menus(), [], []
+    menus, made, top = nodes_by_menu(), [], []
     for title in _ORDER:
         inner = []
         for name in menus:
@@ -123,8 +100,10 @@ def expression_of(light: bpy.types.Light) -> str:
     group, named = getattr(lamp, name), {}
     for about in PRIMITIVES[name].fields():
         value = getattr(group, about.name)
-        shown = [reading.number(v if about.unit != "ANGLE" else np.degrees(v)) for v in (
-            value if about.size == 3 else (value,))]
+        shown = [
+            reading.number(v if about.unit != "ANGLE" else np.degrees(v))
+            for v in (value if about.size == 3 else (value,))
+        ]
         named[about.name] = ast.Tuple(shown, ast.Load()) if about.size == 3 else shown[0]
     return ast.unparse(ast.fix_missing_locations(ast.Expr(reading.word(name, **named))))
 
@@ -217,8 +196,12 @@ class SDFLIGHTS_OT_nodes_show(LampOperator, bpy.types.Operator):
 
 def show(context, tree: bpy.types.NodeTree) -> bool:
     """Shows the tree in the first node editor that has no pin, one of this type before others."""
-    found = [area.spaces.active for window in context.window_manager.windows for area in window.screen.areas
-             if area.type == "NODE_EDITOR"]
+    found = [
+        area.spaces.active
+        for window in context.window_manager.windows
+        for area in window.screen.areas
+        if area.type == "NODE_EDITOR"
+    ]
     found.sort(key=lambda space: space.tree_type != NODE_TREE)
     for space in found:
         if not space.pin:

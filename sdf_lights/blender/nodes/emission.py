@@ -8,9 +8,9 @@ import ast
 
 import bpy
 
+from ...sdf.builtin_colors import MOST_STOPS
 from ...sdf.emission import INPUTS
 from ...sdf.emission_presets import presets
-from ...sdf.words_of_colours import MOST_STOPS
 from ..emission import EXPRESSION
 from ..emission_properties import source_items
 from ..properties import tag
@@ -43,8 +43,15 @@ class SDFLIGHTS_Node_color(ValueNode, bpy.types.Node):
     gives = _COLOR
 
     value: bpy.props.FloatVectorProperty(
-        name="Color", description="The colour", size=3, subtype="COLOR", default=(1.0, 1.0, 1.0), min=0.0, soft_max=1.0,
-        update=tag)
+        name="Color",
+        description="The colour",
+        size=3,
+        subtype="COLOR",
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        soft_max=1.0,
+        update=tag,
+    )
 
     def draw_settings(self, layout):
         layout.prop(self, "value", text="")
@@ -61,8 +68,10 @@ RAMPS = {"LINEAR": "ramp", "EASE": "ramp_ease", "CONSTANT": "ramp_constant"}
 
 def _ramp_inputs(stops: int) -> tuple[tuple[str, str, str], ...]:
     pairs = ((("position", "Position", sockets.NUMBER), ("color", "Color", sockets.COLOR)) for _ in range(stops))
-    return (("value", "Value", sockets.NUMBER), *(
-        (f"{name}_{i}", label, kind) for i, pair in enumerate(pairs, 1) for name, label, kind in pair))
+    return (
+        ("value", "Value", sockets.NUMBER),
+        *((f"{name}_{i}", label, kind) for i, pair in enumerate(pairs, 1) for name, label, kind in pair),
+    )
 
 
 def _stops_changed(self, context):
@@ -78,25 +87,55 @@ class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
     takes = _ramp_inputs(2)
     gives = _COLOR
 
-    __annotations__ = {
-        "value_value": bpy.props.FloatProperty(
-            name="Value", description="What is looked up where nothing is connected", default=0.5, precision=3,
-            update=tag),
-        "interpolation": bpy.props.EnumProperty(
-            name="Interpolation", description="What is between two stops", update=tag, items=[
-                ("LINEAR", "Linear", "Straight from each colour to the next", 0),
-                ("EASE", "Ease", "Smooth at the stops", 1),
-                ("CONSTANT", "Constant", "The colour of each stop up to the next", 2)]),
-        "stops": bpy.props.IntProperty(
-            name="Stops", description="Number of colours", default=2, min=1, max=MOST_STOPS, update=_stops_changed),
-    } | {
-        f"value_position_{i}": bpy.props.FloatProperty(
-            name="Position", description="Value that has the colour below", default=float(i > 1), soft_min=0.0,
-            soft_max=1.0, precision=3, update=tag) for i in range(1, MOST_STOPS + 1)
-    } | {
-        f"value_color_{i}": bpy.props.FloatVectorProperty(
-            name="Color", description="Colour at the position above", size=3, subtype="COLOR",
-            default=(float(i > 1),) * 3, min=0.0, soft_max=1.0, update=tag) for i in range(1, MOST_STOPS + 1)}
+    __annotations__ = (
+        {
+            "value_value": bpy.props.FloatProperty(
+                name="Value",
+                description="Value that is looked up if nothing is connected",
+                default=0.5,
+                precision=3,
+                update=tag,
+            ),
+            "interpolation": bpy.props.EnumProperty(
+                name="Interpolation",
+                description="Interpolation between two stops",
+                update=tag,
+                items=[
+                    ("LINEAR", "Linear", "Straight from each colour to the next", 0),
+                    ("EASE", "Ease", "Smooth at the stops", 1),
+                    ("CONSTANT", "Constant", "The colour of each stop up to the next", 2),
+                ],
+            ),
+            "stops": bpy.props.IntProperty(
+                name="Stops", description="Number of colours", default=2, min=1, max=MOST_STOPS, update=_stops_changed
+            ),
+        }
+        | {
+            f"value_position_{i}": bpy.props.FloatProperty(
+                name="Position",
+                description="Value that has the colour below",
+                default=float(i > 1),
+                soft_min=0.0,
+                soft_max=1.0,
+                precision=3,
+                update=tag,
+            )
+            for i in range(1, MOST_STOPS + 1)
+        }
+        | {
+            f"value_color_{i}": bpy.props.FloatVectorProperty(
+                name="Color",
+                description="Colour at the position above",
+                size=3,
+                subtype="COLOR",
+                default=(float(i > 1),) * 3,
+                min=0.0,
+                soft_max=1.0,
+                update=tag,
+            )
+            for i in range(1, MOST_STOPS + 1)
+        }
+    )
 
     def wanted_inputs(self):
         return _ramp_inputs(self.stops)
@@ -123,6 +162,7 @@ class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
 
 # -- patterns ----------------------------------------------------------------------------------------------------------
 
+
 class SDFLIGHTS_Node_pattern(ExpressionNode, bpy.types.Node):
     """An emission to start from, or one in the expression language. Parameters that it declares are inputs"""
 
@@ -133,11 +173,18 @@ class SDFLIGHTS_Node_pattern(ExpressionNode, bpy.types.Node):
     makes = EMISSION
 
     pattern: bpy.props.EnumProperty(
-        name="Pattern", description="Emission to start from", default="SHELL", update=text_changed,
-        items=[item for item in source_items() if item[0] != "UNIFORM"])
+        name="Pattern",
+        description="Emission to start from",
+        default="SHELL",
+        update=text_changed,
+        items=[item for item in source_items() if item[0] != "UNIFORM"],
+    )
     expression: bpy.props.StringProperty(
-        name="Expression", description="A brightness or a colour, such as exp(-20 * depth)", default="exp(-20 * depth)",
-        update=text_changed)
+        name="Expression",
+        description="A brightness or a colour, such as exp(-20 * depth)",
+        default="exp(-20 * depth)",
+        update=text_changed,
+    )
     text: text_property("emission")
 
     def draw_settings(self, layout):

@@ -34,8 +34,11 @@ class SDFLIGHTS_NodeGroup(LampNode, bpy.types.NodeCustomGroup):
 
     def match_interface(self):
         """Gives the node the sockets of the group's interface; links and values of those that stay are kept."""
-        items = [item for item in self.node_tree.interface.items_tree
-                 if item.item_type == "SOCKET"] if self.node_tree is not None else []
+        items = (
+            [item for item in self.node_tree.interface.items_tree if item.item_type == "SOCKET"]
+            if self.node_tree is not None
+            else []
+        )
         for found, side in ((self.inputs, "INPUT"), (self.outputs, "OUTPUT")):
             wanted = [item for item in items if item.in_out == side]
             kinds = {item.identifier: item.socket_type for item in wanted}
@@ -124,8 +127,11 @@ def copy_nodes(nodes, tree: bpy.types.NodeTree) -> dict[str, bpy.types.Node]:
         copy = tree.nodes.new(node.bl_idname)
         made[node.name] = copy
         for prop in node.bl_rna.properties:
-            if not prop.is_readonly and prop.identifier not in {"parent", "select", "name"} and (
-                    hasattr(copy, prop.identifier)):
+            if (
+                not prop.is_readonly
+                and prop.identifier not in {"parent", "select", "name"}
+                and (hasattr(copy, prop.identifier))
+            ):
                 setattr(copy, prop.identifier, getattr(node, prop.identifier))
         if hasattr(copy, "match_interface"):
             copy.match_interface()
@@ -138,8 +144,10 @@ def copy_nodes(nodes, tree: bpy.types.NodeTree) -> dict[str, bpy.types.Node]:
         for socket in node.inputs:
             for link in ordered(socket):
                 if link.from_node.name in made:
-                    tree.links.new(output(made[link.from_node.name], link.from_socket),
-                                   by_identifier(made[node.name].inputs, socket))
+                    tree.links.new(
+                        output(made[link.from_node.name], link.from_socket),
+                        by_identifier(made[node.name].inputs, socket),
+                    )
     return made
 
 
@@ -150,10 +158,12 @@ def ordered(socket) -> list:
 
 
 def by_identifier(found, socket):
+    """The one of the sockets that has the identifier of ``socket``."""
     return next(other for other in found if other.identifier == socket.identifier)
 
 
 def output(node, socket):
+    """The output of a node that has the identifier of ``socket``."""
     return by_identifier(node.outputs, socket)
 
 
@@ -165,8 +175,11 @@ class SDFLIGHTS_OT_group_make(_GroupOperator, bpy.types.Operator):
 
     def execute(self, context):
         tree = editor_of(context).edit_tree
-        chosen = [node for node in tree.nodes if node.select and node.bl_idname not in (
-            OUTPUT, "NodeGroupInput", "NodeGroupOutput")]
+        chosen = [
+            node
+            for node in tree.nodes
+            if node.select and node.bl_idname not in (OUTPUT, "NodeGroupInput", "NodeGroupOutput")
+        ]
         if not chosen:
             self.report({"WARNING"}, "No nodes are selected that can be in a group: select some.")
             return {"CANCELLED"}
@@ -193,8 +206,7 @@ def make_group(tree: bpy.types.NodeTree, chosen: list) -> bpy.types.Node:
                     continue
                 key = (link.from_node.name, link.from_socket.identifier)
                 if key not in known:
-                    item = group.interface.new_socket(
-                        socket.name, in_out="INPUT", socket_type=sockets.in_group(socket))
+                    item = group.interface.new_socket(socket.name, in_out="INPUT", socket_type=sockets.in_group(socket))
                     known[key] = item.identifier
                     joined.append((link.from_socket, item.identifier, True))
                 inner = next(s for s in start.outputs if s.identifier == known[key])
@@ -203,10 +215,10 @@ def make_group(tree: bpy.types.NodeTree, chosen: list) -> bpy.types.Node:
         for socket in node.outputs:
             outer = [link.to_socket for link in socket.links if link.to_node.name not in names]
             if outer:
-                item = group.interface.new_socket(
-                    socket.name, in_out="OUTPUT", socket_type=sockets.in_group(socket))
-                group.links.new(output(made[node.name], socket),
-                                next(s for s in end.inputs if s.identifier == item.identifier))
+                item = group.interface.new_socket(socket.name, in_out="OUTPUT", socket_type=sockets.in_group(socket))
+                group.links.new(
+                    output(made[node.name], socket), next(s for s in end.inputs if s.identifier == item.identifier)
+                )
                 joined += [(to, item.identifier, False) for to in outer]
     node = tree.nodes.new(GROUP)
     node.node_tree = group
@@ -310,8 +322,7 @@ class SDFLIGHTS_MT_group_add(bpy.types.Menu):
                 _add(layout, kind, label)
         layout.separator()
         for tree in bpy.data.node_groups:
-            if tree.bl_idname == NODE_TREE and len(tree.interface.items_tree) and (
-                    space.edit_tree not in within(tree)):
+            if tree.bl_idname == NODE_TREE and len(tree.interface.items_tree) and (space.edit_tree not in within(tree)):
                 operator = _add(layout, GROUP, tree.name)
                 setting = operator.settings.add()
                 setting.name, setting.value = "node_tree", f"bpy.data.node_groups[{tree.name!r}]"
@@ -323,12 +334,21 @@ def _add(layout, kind: str, label: str):
     return operator
 
 
-_KEYS = ((SDFLIGHTS_OT_group_make, "G", dict(ctrl=True)), (SDFLIGHTS_OT_group_ungroup, "G", dict(ctrl=True, alt=True)),
-         (SDFLIGHTS_OT_group_edit, "TAB", {}))
+_KEYS = (
+    (SDFLIGHTS_OT_group_make, "G", dict(ctrl=True)),
+    (SDFLIGHTS_OT_group_ungroup, "G", dict(ctrl=True, alt=True)),
+    (SDFLIGHTS_OT_group_edit, "TAB", {}),
+)
 _keymaps: list[tuple] = []
 
-CLASSES = (SDFLIGHTS_NodeGroup, SDFLIGHTS_OT_group_new, SDFLIGHTS_OT_group_make, SDFLIGHTS_OT_group_ungroup,
-           SDFLIGHTS_OT_group_edit, SDFLIGHTS_MT_group_add)
+CLASSES = (
+    SDFLIGHTS_NodeGroup,
+    SDFLIGHTS_OT_group_new,
+    SDFLIGHTS_OT_group_make,
+    SDFLIGHTS_OT_group_ungroup,
+    SDFLIGHTS_OT_group_edit,
+    SDFLIGHTS_MT_group_add,
+)
 
 
 def register():

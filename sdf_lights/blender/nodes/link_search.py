@@ -14,6 +14,7 @@ from typing import NamedTuple
 import bpy
 
 from . import sockets
+from .add_menu import node_classes
 from .groups import editor_of
 from .tree import GROUP, trees, within
 
@@ -51,7 +52,7 @@ def choices(socket: bpy.types.NodeSocket) -> list[_Choice]:
             return sockets.kind_takes(kind, sockets.carried_by(wanted))
         return sockets.kind_takes(wanted, sockets.carried_by(kind))
 
-    for node in _node_classes():
+    for node in node_classes():
         for identifier, name, kind in node.takes if socket.is_output else node.gives:
             if fits(kind):
                 found.append(_Choice(node.bl_idname, label(node.bl_label, name), identifier, kind))
@@ -64,12 +65,6 @@ def choices(socket: bpy.types.NodeSocket) -> list[_Choice]:
                     found.append(_Choice(GROUP, label(group.name, item.name), item.identifier, kind, group.name))
     found.sort(key=lambda choice: (choice.carries != wanted, choice.label))
     return found
-
-
-def _node_classes() -> list[type]:
-    from .editor import node_classes
-
-    return node_classes()
 
 
 def add_linked(socket: bpy.types.NodeSocket, choice: _Choice, location: tuple[float, float]) -> bpy.types.Node:
@@ -105,10 +100,10 @@ class SDFLIGHTS_OT_link_search(bpy.types.Operator):
 
     node: bpy.props.StringProperty(name="Node", description="Node that the link is from", options={"SKIP_SAVE"})
     socket: bpy.props.StringProperty(name="Socket", description="Identifier of its socket", options={"SKIP_SAVE"})
-    from_input: bpy.props.BoolProperty(
-        name="From Input", description="The socket is an input", options={"SKIP_SAVE"})
+    from_input: bpy.props.BoolProperty(name="From Input", description="The socket is an input", options={"SKIP_SAVE"})
     location: bpy.props.FloatVectorProperty(
-        name="Location", description="Place of the new node", size=2, options={"SKIP_SAVE"})
+        name="Location", description="Place of the new node", size=2, options={"SKIP_SAVE"}
+    )
     choice: bpy.props.EnumProperty(name="Choice", description="Node and socket to link to", items=_items)
 
     @classmethod
@@ -160,8 +155,10 @@ def socket_at(tree: bpy.types.NodeTree, place: tuple[int, int]) -> bpy.types.Nod
 
 
 def _links(tree: bpy.types.NodeTree) -> set[tuple]:
-    return {(link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.identifier)
-            for link in tree.links}
+    return {
+        (link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.identifier)
+        for link in tree.links
+    }
 
 
 class SDFLIGHTS_OT_link_drag(bpy.types.Operator):
@@ -228,8 +225,12 @@ class SDFLIGHTS_OT_link_watch(bpy.types.Operator):
             socket = socket_at(tree, context.region.view2d.view_to_region(*self._start, clip=False))
             if socket is not None:
                 bpy.ops.sdf_lights.link_search(
-                    "INVOKE_DEFAULT", node=socket.node.name, socket=socket.identifier, from_input=not socket.is_output,
-                    location=self._drop)
+                    "INVOKE_DEFAULT",
+                    node=socket.node.name,
+                    socket=socket.identifier,
+                    from_input=not socket.is_output,
+                    location=self._drop,
+                )
         return {"FINISHED"}
 
 

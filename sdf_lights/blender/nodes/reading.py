@@ -34,7 +34,7 @@ from ...sdf.syntax import KEYWORDS, ExpressionError, parse
 from ...sdf.values import Condition, Live
 from ..naming import NODE_TREE
 from . import sockets
-from .tree import GROUP, OUTPUT, LampNode, output_of
+from .tree import GROUP, OUTPUT, LampNode, finds_problems, output_of
 
 SHAPE, EMISSION = "shape", "emission"
 """Inputs of the Lamp Output."""
@@ -69,11 +69,13 @@ class Line(NamedTuple):
 
 def word(name: str, *arguments: ast.expr, **named: ast.expr) -> ast.Call:
     """The call of a word of the language."""
-    return ast.Call(ast.Name(name, ast.Load()), list(arguments),
-                    [ast.keyword(key, value) for key, value in named.items()])
+    return ast.Call(
+        ast.Name(name, ast.Load()), list(arguments), [ast.keyword(key, value) for key, value in named.items()]
+    )
 
 
 def is_word(value: ast.expr, name: str) -> bool:
+    """Whether it is a call of the word ``name``."""
     return isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == name
 
 
@@ -84,8 +86,13 @@ class Writer:
     of the rest of the tree, which these have to agree with.
     """
 
-    def __init__(self, tree: bpy.types.NodeTree, owner: np.ndarray | None, makes: str = SHAPE,
-                 declarations: Mapping[str, Declaration] | None = None):
+    def __init__(
+        self,
+        tree: bpy.types.NodeTree,
+        owner: np.ndarray | None,
+        makes: str = SHAPE,
+        declarations: Mapping[str, Declaration] | None = None,
+    ):
         self.makes = makes
         self._declared = dict(declarations or {})
         self.owner = np.eye(4) if owner is None else owner
@@ -174,8 +181,10 @@ class Writer:
                     found.append(self.literal(held(source)))
                 continue
             if not sockets.takes(socket, sockets.carried(source)):
-                raise Broken(f"{socket.name or 'An input'} gets {sockets.carried(source) or 'something else'}, but "
-                             f"takes {sockets.carried(socket)}: connect another output")
+                raise Broken(
+                    f"{socket.name or 'An input'} gets {sockets.carried(source) or 'something else'}, but "
+                    f"takes {sockets.carried(socket)}: connect another output"
+                )
             results = self._results.get(_key((path, node)))
             if results is None or source.identifier not in results:
                 raise Broken("")
@@ -189,6 +198,7 @@ class Writer:
         return next(iter(self.inputs(socket)), None)
 
     def needed(self, socket: bpy.types.NodeSocket) -> ast.expr:
+        """What is linked to the socket. Raises ``Broken`` where nothing is."""
         found = self.input(socket)
         if found is None:
             raise Broken(f"Nothing is connected to {socket.name}: connect {sockets.carried(socket)}")
@@ -234,7 +244,7 @@ class Writer:
         return ast.Name(declaration.name, ast.Load())
 
     def _name(self, hint: str) -> str:
-        stem = re.sub(r"\W+", "_", hint.lower(), flags=re.ASCII).strip("_")[:LONGEST_NAME - 6] or "value"
+        stem = re.sub(r"\W+", "_", hint.lower(), flags=re.ASCII).strip("_")[: LONGEST_NAME - 6] or "value"
         stem = f"{stem}_" if stem[-1].isdigit() else stem
         stem = f"n_{stem}" if stem[0].isdigit() else stem
         number = 1
@@ -305,8 +315,11 @@ def _by_identifier(found, identifier: str):
 
 def held(socket: bpy.types.NodeSocket):
     """The value that an input has by itself: a number or a tuple of numbers."""
-    value = getattr(socket.node, sockets.property_of(socket.identifier)) if sockets.held_by_node(
-        socket) else socket.default_value
+    value = (
+        getattr(socket.node, sockets.property_of(socket.identifier))
+        if sockets.held_by_node(socket)
+        else socket.default_value
+    )
     if socket.type == "RGBA":
         return tuple(value)[:3]
     return value if isinstance(value, (bool, int, float)) else tuple(value)
@@ -328,8 +341,14 @@ class _Script:
         self.output, self.makes = writer.output, writer.makes
         self.declarations = tuple(writer.declarations.values())
         parts = [(line.owner, line.target, line.text, line.makes, *map(ast.dump, line.parts())) for line in self.lines]
-        self._key = (self.makes, self.output, tuple(parts), tuple(map(repr, self.values)), self.declarations,
-                     self.result and ast.dump(self.result))
+        self._key = (
+            self.makes,
+            self.output,
+            tuple(parts),
+            tuple(map(repr, self.values)),
+            self.declarations,
+            self.result and ast.dump(self.result),
+        )
 
     def __hash__(self):
         return hash(self._key)
@@ -358,12 +377,16 @@ def _evaluated(script: _Script, given: tuple) -> tuple[Shape | Emission | None, 
                 continue
             try:
                 evaluation.names[line.target] = (
-                    evaluation.value(line.value) if line.value is not None else _included(evaluation, line))
+                    evaluation.value(line.value) if line.value is not None else _included(evaluation, line)
+                )
             except ExpressionError as error:
                 failed.add(line.target)
                 problems.setdefault(line.owner, _sentence(error, line))
-    if script.result is None or problems or any(
-            isinstance(n, ast.Name) and n.id in failed for n in ast.walk(script.result)):
+    if (
+        script.result is None
+        or problems
+        or any(isinstance(n, ast.Name) and n.id in failed for n in ast.walk(script.result))
+    ):
         return None, problems
     try:
         if script.makes == EMISSION:
@@ -401,8 +424,12 @@ def _included(evaluation: Evaluation, line: Line):
     try:
         body = [part for part in tree.body if not is_declaration(part)]
         if not body or not isinstance(body[-1], ast.Expr):
-            raise ExpressionError("the last line does not say what glows", 1, 1, (
-                "end with a line that is a shape" if line.makes == SHAPE else "end with a line that is a brightness"))
+            raise ExpressionError(
+                "the last line does not say what glows",
+                1,
+                1,
+                ("end with a line that is a shape" if line.makes == SHAPE else "end with a line that is a brightness"),
+            )
         evaluation.block(body[:-1])
         result = evaluation.value(body[-1].value)
         if line.makes == EMISSION:
@@ -418,6 +445,7 @@ def _number(value):
 
 
 def is_declaration(part: ast.stmt) -> bool:
+    """Whether it gives a parameter its name."""
     return isinstance(part, ast.Assign) and any(is_word(part.value, name) for name in declared.USAGE)
 
 
@@ -438,6 +466,7 @@ def _writers(tree: bpy.types.NodeTree, owner: np.ndarray | None) -> tuple[Writer
     return shape, Writer(tree, owner, EMISSION, shape.declarations)
 
 
+@finds_problems
 def problems_of(tree: bpy.types.NodeTree) -> list[tuple[tuple[int, str], str]]:
     """What is wrong with nodes, by tree and node: all that can be said at once."""
     found = {}
@@ -473,8 +502,7 @@ def shape_of(tree: bpy.types.NodeTree | None, given: Mapping[str, object], owner
 def has_emission(tree: bpy.types.NodeTree | None) -> bool:
     """Whether a tree says the emission too: a link leads to that input of its output."""
     output = output_of(tree) if tree is not None and tree.bl_idname == NODE_TREE else None
-    return output is not None and any(
-        socket.identifier == EMISSION and _links(socket) for socket in output.inputs)
+    return output is not None and any(socket.identifier == EMISSION and _links(socket) for socket in output.inputs)
 
 
 def emission_of(tree: bpy.types.NodeTree, given: Mapping[str, object], owner: np.ndarray | None) -> Emission | None:
@@ -518,8 +546,13 @@ def _text(writer: Writer, values: Mapping[str, object]) -> str:
         if line.value is not None:
             body.append(ast.Assign([ast.Name(line.target, ast.Store())], constants.visit(line.value)))
         else:
-            body += _renamed(line, {
-                declaration.name: _limited(declaration, value, writer, constants) for declaration, value in line.given})
+            body += _renamed(
+                line,
+                {
+                    declaration.name: _limited(declaration, value, writer, constants)
+                    for declaration, value in line.given
+                },
+            )
     body.append(ast.Expr(constants.visit(writer.result)))
     body = _inlined(body)
     lines = [ast.unparse(ast.fix_missing_locations(statement)) for statement in body]
@@ -538,8 +571,11 @@ def number(value: float) -> ast.expr:
 def _limited(declaration: Declaration, value: ast.expr, writer: Writer, constants: "_Constants") -> ast.expr:
     """A value that an expression gets for a parameter, held to the limits where it could leave them."""
     known = writer.declarations.get(getattr(value, "id", ""))
-    if declaration.kind in ("toggle", "vector") or known is not None and (
-            declaration.minimum <= known.minimum and known.maximum <= declaration.maximum):
+    if (
+        declaration.kind in ("toggle", "vector")
+        or known is not None
+        and (declaration.minimum <= known.minimum and known.maximum <= declaration.maximum)
+    ):
         return constants.visit(value)
     written = constants.visit(value)
     try:
@@ -560,8 +596,15 @@ class _Constants(ast.NodeTransformer):
 
 def _declaration(declaration: Declaration, values: Mapping[str, object]) -> str:
     value = values.get(declaration.name, declaration.default)
-    shown = [ast.unparse(ast.Tuple([number(c) for c in value], ast.Load()) if isinstance(value, tuple)
-                         else ast.Constant(value > 0.5) if declaration.kind == "toggle" else number(value))]
+    shown = [
+        ast.unparse(
+            ast.Tuple([number(c) for c in value], ast.Load())
+            if isinstance(value, tuple)
+            else ast.Constant(value > 0.5)
+            if declaration.kind == "toggle"
+            else number(value)
+        )
+    ]
     if declaration.kind != "toggle":
         shown += [ast.unparse(number(limit)) for limit in (declaration.minimum, declaration.maximum)]
     return f"{declaration.kind}({', '.join(shown)})"
@@ -572,12 +615,14 @@ def _renamed(line: Line, names: Mapping[str, ast.expr]) -> list[ast.stmt]:
     body = [part for part in parse(line.text).tree.body if not is_declaration(part)]
     stored = {n.id for part in body for n in ast.walk(part) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     stored |= set(names)
-    called = {n.func.id for part in body for n in ast.walk(part)
-              if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
+    called = {
+        n.func.id for part in body for n in ast.walk(part) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)
+    }
     clash = min(stored & called & set(FUNCTIONS), default="")
     if clash:  # which of the two is meant depends on the value
         raise RenderError(
-            f"In its nodes, an expression gives {clash} a value, which is a word too: choose another name.")
+            f"In its nodes, an expression gives {clash} a value, which is a word too: choose another name."
+        )
 
     class Rename(ast.NodeTransformer):
         def visit_Name(self, node):
@@ -600,8 +645,12 @@ def _inlined(statements: list[ast.stmt]) -> list[ast.stmt]:
     for n in (n for statement in statements for n in ast.walk(statement)):
         if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load):
             uses[n.id] = uses.get(n.id, 0) + 1
-    stored = [n.id for statement in statements for n in ast.walk(statement)
-              if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
+    stored = [
+        n.id
+        for statement in statements
+        for n in ast.walk(statement)
+        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+    ]
     known: dict[str, ast.expr] = {}
 
     class Inline(ast.NodeTransformer):
@@ -614,10 +663,15 @@ def _inlined(statements: list[ast.stmt]) -> list[ast.stmt]:
         statement = Inline().visit(statement)
         if not blocks and isinstance(statement, ast.Assign):
             name = statement.targets[0].id
-            plain = all(n.id in FUNCTIONS or n.id not in stored
-                        for n in ast.walk(statement.value) if isinstance(n, ast.Name))
-            if uses.get(name) == 1 and stored.count(name) == 1 and plain and (
-                    len(ast.unparse(statement.value)) <= _WIDEST):
+            plain = all(
+                n.id in FUNCTIONS or n.id not in stored for n in ast.walk(statement.value) if isinstance(n, ast.Name)
+            )
+            if (
+                uses.get(name) == 1
+                and stored.count(name) == 1
+                and plain
+                and (len(ast.unparse(statement.value)) <= _WIDEST)
+            ):
                 known[name] = statement.value
                 continue
         written.append(statement)
@@ -626,4 +680,3 @@ def _inlined(statements: list[ast.stmt]) -> list[ast.stmt]:
 
 RESERVED = KEYWORDS | set(declared.USAGE) | {"range", "p", *CONSTANTS}
 """Names that a parameter cannot have."""
-

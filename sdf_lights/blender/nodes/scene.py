@@ -45,8 +45,8 @@ class SDFLIGHTS_Node_object(ValueNode, bpy.types.Node):
     gives = (("result", "Shape", sockets.SHAPE), ("location", "Location", sockets.VECTOR))
 
     object: bpy.props.PointerProperty(
-        name="Object", description="Object that the transform comes from, for instance an empty",
-        type=bpy.types.Object, update=tag)
+        name="Object", description="Object with the transform, for instance an empty", type=bpy.types.Object, update=tag
+    )
 
     def draw_settings(self, layout):
         layout.prop(self, "object", text="")
@@ -66,7 +66,8 @@ class SDFLIGHTS_Node_object(ValueNode, bpy.types.Node):
         shape = self.socket("shape")
         if shape.is_linked:
             results["result"] = writer.assign(
-                self.label or "placed", word("transform", writer.needed(shape), x=x, y=y, z=z, offset=location))
+                self.label or "placed", word("transform", writer.needed(shape), x=x, y=y, z=z, offset=location)
+            )
         return results
 
 
@@ -76,33 +77,53 @@ class SDFLIGHTS_Node_place(ValueNode, bpy.types.Node):
     bl_idname = "SDFLIGHTS_Node_place"
     bl_label = "Transform"
     bl_width_default = 180.0
-    takes = (*_SHAPE, ("translation", "Translation", sockets.VECTOR), ("rotation", "Rotation", sockets.VECTOR),
-             ("scale", "Scale", sockets.VECTOR))
+    takes = (
+        *_SHAPE,
+        ("translation", "Translation", sockets.VECTOR),
+        ("rotation", "Rotation", sockets.VECTOR),
+        ("scale", "Scale", sockets.VECTOR),
+    )
     gives = (("result", "Shape", sockets.SHAPE),)
 
     value_translation: bpy.props.FloatVectorProperty(
-        name="Translation", description="How far the shape is moved", size=3, subtype="TRANSLATION", update=tag)
+        name="Translation", description="Vector by which the shape is moved", size=3, subtype="TRANSLATION", update=tag
+    )
     value_rotation: bpy.props.FloatVectorProperty(
-        name="Rotation", description="Angles about x, then y, then z", size=3, subtype="EULER", update=tag)
+        name="Rotation", description="Angles about x, then y, then z", size=3, subtype="EULER", update=tag
+    )
     value_scale: bpy.props.FloatVectorProperty(
-        name="Scale", description="Factor along x, y and z; a negative one mirrors", size=3, subtype="XYZ",
-        default=(1.0, 1.0, 1.0), update=tag)
+        name="Scale",
+        description="Factor along x, y and z; a negative one mirrors",
+        size=3,
+        subtype="XYZ",
+        default=(1.0, 1.0, 1.0),
+        update=tag,
+    )
 
     def written(self, writer):
         result = writer.needed(self.socket("shape"))
-        for name, call, left_out in (("scale", "scale", (1.0,) * 3), ("rotation", "rotate", (0.0,) * 3),
-                                     ("translation", "translate", (0.0,) * 3)):
+        for name, call, left_out in (
+            ("scale", "scale", (1.0,) * 3),
+            ("rotation", "rotate", (0.0,) * 3),
+            ("translation", "translate", (0.0,) * 3),
+        ):
             socket = self.socket(name)
             if not socket.is_linked and tuple(held(socket)) == left_out:
                 continue
             value = writer.input(socket)
             result = writer.assign(
-                self.label or call, word(call, result, writer.degrees(value) if name == "rotation" else value))
+                self.label or call, word(call, result, writer.degrees(value) if name == "rotation" else value)
+            )
         return {"result": result}
 
 
-_OF_KIND = {"slider": "NodeSocketFloat", "integer": "NodeSocketInt", "angle": "NodeSocketFloatAngle",
-            "toggle": "NodeSocketBool", "vector": "NodeSocketVector"}
+_OF_KIND = {
+    "slider": "NodeSocketFloat",
+    "integer": "NodeSocketInt",
+    "angle": "NodeSocketFloatAngle",
+    "toggle": "NodeSocketBool",
+    "vector": "NodeSocketVector",
+}
 
 
 class ExpressionNode(ValueNode):
@@ -150,7 +171,8 @@ class ExpressionNode(ValueNode):
             socket = there.get(declaration.name)
             if socket is None:  # the text has changed since
                 value = writer.literal(
-                    declaration.default > 0.5 if declaration.kind == "toggle" else declaration.default)
+                    declaration.default > 0.5 if declaration.kind == "toggle" else declaration.default
+                )
             else:
                 value = writer.needed(socket)
                 value = writer.degrees(value) if declaration.kind == "angle" else value
@@ -159,12 +181,17 @@ class ExpressionNode(ValueNode):
 
 
 def text_property(makes: str):
+    """The property of a text block with a shape or an emission."""
     return bpy.props.PointerProperty(
-        name="Text", description=f"Text block that holds the {makes}, for one of several lines", type=bpy.types.Text,
-        update=text_changed)
+        name="Text",
+        description=f"Text block with the {makes}, if it has several lines",
+        type=bpy.types.Text,
+        update=text_changed,
+    )
 
 
 def text_changed(self, context):
+    """Callback of the text: the inputs of the node follow what it declares."""
     self.match_interface()
 
 
@@ -184,8 +211,11 @@ class SDFLIGHTS_Node_expression(ExpressionNode, bpy.types.Node):
     gives = (("result", "Shape", sockets.SHAPE),)
 
     expression: bpy.props.StringProperty(
-        name="Expression", description="A shape, such as union(torus(1, 0.3), sphere(0.5))",
-        default="union(torus(0.5, 0.1), sphere(0.2))", update=text_changed)
+        name="Expression",
+        description="A shape, such as union(torus(1, 0.3), sphere(0.5))",
+        default="union(torus(0.5, 0.1), sphere(0.2))",
+        update=text_changed,
+    )
     text: text_property("expression")
 
     def draw_settings(self, layout):
@@ -202,6 +232,4 @@ def stored(declaration, value):
     return {"integer": int, "toggle": bool, "vector": tuple}.get(declaration.kind, float)(value)
 
 
-CLASSES = (
-    SDFLIGHTS_Node_output, SDFLIGHTS_Node_object, SDFLIGHTS_Node_place,
-    SDFLIGHTS_Node_expression)
+CLASSES = (SDFLIGHTS_Node_output, SDFLIGHTS_Node_object, SDFLIGHTS_Node_place, SDFLIGHTS_Node_expression)

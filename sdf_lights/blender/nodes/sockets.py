@@ -9,7 +9,8 @@ the parameter, and can be animated. Interfaces of groups offer Blender's own soc
 import bpy
 
 SHAPE, PROFILE, NUMBER, VECTOR, COLOR, CONDITION, ANY = (
-    f"SDFLIGHTS_NodeSocket{name}" for name in ("Shape", "Profile", "Number", "Vector", "Color", "Condition", "Any"))
+    f"SDFLIGHTS_NodeSocket{name}" for name in ("Shape", "Profile", "Number", "Vector", "Color", "Condition", "Any")
+)
 
 _KINDS = {  # label, colour as Blender has it for the same kind of data, what links bring
     SHAPE: ("Shape", (0.0, 0.84, 0.64, 1.0), "a shape"),
@@ -18,22 +19,31 @@ _KINDS = {  # label, colour as Blender has it for the same kind of data, what li
     VECTOR: ("Vector", (0.39, 0.39, 0.78, 1.0), "a vector"),
     COLOR: ("Color", (0.78, 0.78, 0.16, 1.0), "a colour"),
     CONDITION: ("Condition", (0.8, 0.65, 0.84, 1.0), "a condition"),
-    ANY: ("Value", (0.63, 0.63, 0.63, 1.0), "a value")}
+    ANY: ("Value", (0.63, 0.63, 0.63, 1.0), "a value"),
+}
 
 BLENDERS = {"VALUE": "a number", "INT": "a number", "BOOLEAN": "a condition", "VECTOR": "a vector", "RGBA": "a colour"}
 """Blender's own sockets by type, which interfaces of groups and text nodes use, and what they carry."""
 
 _SAME = {"VALUE": NUMBER, "INT": NUMBER, "BOOLEAN": CONDITION, "VECTOR": VECTOR, "RGBA": COLOR}
 
-_IN_GROUPS = {NUMBER: "NodeSocketFloat", ANY: "NodeSocketFloat", VECTOR: "NodeSocketVector",
-              COLOR: "NodeSocketColor", CONDITION: "NodeSocketBool"}
+_IN_GROUPS = {
+    NUMBER: "NodeSocketFloat",
+    ANY: "NodeSocketFloat",
+    VECTOR: "NodeSocketVector",
+    COLOR: "NodeSocketColor",
+    CONDITION: "NodeSocketBool",
+}
 
 # What each kind of socket takes. Blender's are numbers, vectors and conditions of the language.
 _TAKES = {
     SHAPE: {"a shape", "a number", "a value"},  # of a field, the region where it is negative
-    PROFILE: {"a profile"}, NUMBER: {"a number", "a value"},
-    VECTOR: {"a vector", "a number", "a value", "a colour"}, COLOR: {"a colour", "a vector", "a number", "a value"},
-    CONDITION: {"a condition"}}
+    PROFILE: {"a profile"},
+    NUMBER: {"a number", "a value"},
+    VECTOR: {"a vector", "a number", "a value", "a colour"},
+    COLOR: {"a colour", "a vector", "a number", "a value"},
+    CONDITION: {"a condition"},
+}
 
 
 def carried(socket: bpy.types.NodeSocket) -> str:
@@ -82,6 +92,7 @@ def property_of(identifier: str) -> str:
 
 
 def held_by_node(socket: bpy.types.NodeSocket) -> bool:
+    """Whether the value of the socket is a property of its node."""
     return socket.bl_idname in _KINDS and property_of(socket.identifier) in socket.node.bl_rna.properties
 
 
@@ -96,14 +107,24 @@ def _draw(self, context, layout, node, text):
 
 def _socket(name: str) -> type:
     label, color, _ = _KINDS[name]
-    return type(name, (bpy.types.NodeSocket,), {
-        "bl_idname": name, "bl_label": label, "draw": _draw, "draw_color_simple": classmethod(lambda cls: color)})
+    return type(
+        name,
+        (bpy.types.NodeSocket,),
+        {"bl_idname": name, "bl_label": label, "draw": _draw, "draw_color_simple": classmethod(lambda cls: color)},
+    )
 
 
 def _interface(name: str) -> type:
-    return type(f"{name}Interface", (bpy.types.NodeTreeInterfaceSocket,), {
-        "bl_idname": f"{name}Interface", "bl_socket_idname": name, "bl_label": _KINDS[name][0],
-        "draw": lambda self, context, layout: None})
+    return type(
+        f"{name}Interface",
+        (bpy.types.NodeTreeInterfaceSocket,),
+        {
+            "bl_idname": f"{name}Interface",
+            "bl_socket_idname": name,
+            "bl_label": _KINDS[name][0],
+            "draw": lambda self, context, layout: None,
+        },
+    )
 
 
 OFFERED = (SHAPE, PROFILE, "NodeSocketFloat", "NodeSocketInt", "NodeSocketBool", "NodeSocketVector", "NodeSocketColor")

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Callable
 
 import bpy
 
@@ -20,7 +21,7 @@ _MARGIN = 3  # letters that the icon takes
 
 
 class SDFLIGHTS_NodeTree(bpy.types.NodeTree):
-    """Shapes put together by nodes: what glows in a lamp"""
+    """Nodes that make the shape and the emission of a lamp"""
 
     bl_idname = NODE_TREE
     bl_label = "SDF Lamp"
@@ -46,6 +47,7 @@ _registered = False
 
 
 def set_registered(registered: bool) -> None:
+    """Note whether the classes of nodes are registered."""
     global _registered
     _registered = registered
 
@@ -83,6 +85,16 @@ class LampNode:
 # -- problems, as the node editor shows them ---------------------------------------------------------------------------
 
 _problems: dict[tuple[int, str], str] | None = None
+_finders: list[Callable] = []
+
+
+def finds_problems(function: Callable) -> Callable:
+    """Decorator of a function that is given a tree, and gives ((uid of a tree, name of a node), sentence) for what is wrong.
+
+    What reads trees knows this module, so this module is told of it and imports nothing.
+    """
+    _finders.append(function)
+    return function
 
 
 def forget() -> None:
@@ -95,17 +107,16 @@ def problem_of(node: bpy.types.Node) -> str:
     """What is wrong with a node in one of the trees that use it; an empty string if nothing is."""
     global _problems
     if _problems is None:
-        from .reading import problems_of
-
         _problems = {}
         for tree in trees():
             if output_of(tree) is not None:
-                for (uid, name), problem in problems_of(tree):
+                for (uid, name), problem in (found for find in _finders for found in find(tree)):
                     _problems.setdefault((uid, name), problem)
     return _problems.get((node.id_data.session_uid, node.name), "")
 
 
 def trees() -> list[bpy.types.NodeTree]:
+    """All node trees of SDF lamps in the file."""
     return [tree for tree in bpy.data.node_groups if tree.bl_idname == NODE_TREE]
 
 
@@ -130,8 +141,11 @@ def within(tree: bpy.types.NodeTree) -> list[bpy.types.NodeTree]:
 
 def lamps_with_nodes() -> list[bpy.types.Light]:
     """Lights whose shape comes from a node tree."""
-    return [light for light in bpy.data.lights
-            if light.sdf_lamp.use and light.sdf_lamp.source == "NODES" and light.sdf_lamp.nodes is not None]
+    return [
+        light
+        for light in bpy.data.lights
+        if light.sdf_lamp.use and light.sdf_lamp.source == "NODES" and light.sdf_lamp.nodes is not None
+    ]
 
 
 @bpy.app.handlers.persistent
@@ -150,9 +164,17 @@ def _changed(scene, depsgraph):
         forget()
     for light in lamps_with_nodes():
         used = within(light.sdf_lamp.nodes)
-        if changed & {tree.session_uid for tree in used} or moved and moved & {
-                node.object.session_uid for tree in used for node in tree.nodes
-                if node.bl_idname == OBJECT and node.object is not None and node.object.data != light}:
+        if (
+            changed & {tree.session_uid for tree in used}
+            or moved
+            and moved
+            & {
+                node.object.session_uid
+                for tree in used
+                for node in tree.nodes
+                if node.bl_idname == OBJECT and node.object is not None and node.object.data != light
+            }
+        ):
             light.update_tag()
 
 
@@ -166,8 +188,12 @@ def _loaded(*_):
                 node.match_interface()
 
 
-HANDLERS = ((bpy.app.handlers.depsgraph_update_post, _changed), (bpy.app.handlers.load_post, _loaded),
-            (bpy.app.handlers.undo_post, _loaded), (bpy.app.handlers.redo_post, _loaded))
+HANDLERS = (
+    (bpy.app.handlers.depsgraph_update_post, _changed),
+    (bpy.app.handlers.load_post, _loaded),
+    (bpy.app.handlers.undo_post, _loaded),
+    (bpy.app.handlers.redo_post, _loaded),
+)
 
 CLASSES = (SDFLIGHTS_NodeTree,)
 

@@ -39,13 +39,15 @@ class ValueNode(LampNode):
                     found.new(kind, label, identifier=identifier)
 
     def socket(self, identifier: str) -> bpy.types.NodeSocket:
+        """The input with this identifier."""
         return next(socket for socket in self.inputs if socket.identifier == identifier)
 
 
 def _value(label: str, **options):
     """Property for an input of one number."""
     return bpy.props.FloatProperty(
-        name=label, description=f"{label} where nothing is connected", precision=3, update=tag, **options)
+        name=label, description=f"{label} if nothing is connected", precision=3, update=tag, **options
+    )
 
 
 class SDFLIGHTS_Node_position(ValueNode, bpy.types.Node):
@@ -83,7 +85,8 @@ class SDFLIGHTS_Node_vector(ValueNode, bpy.types.Node):
     gives = (("result", "Vector", sockets.VECTOR),)
 
     value: bpy.props.FloatVectorProperty(
-        name="Vector", description="The numbers", size=3, subtype="XYZ", precision=3, update=tag)
+        name="Vector", description="The numbers", size=3, subtype="XYZ", precision=3, update=tag
+    )
 
     def draw_settings(self, layout):
         layout.column(align=True).prop(self, "value", text="")
@@ -95,8 +98,12 @@ class SDFLIGHTS_Node_vector(ValueNode, bpy.types.Node):
 # -- parameters of the lamp --------------------------------------------------------------------------------------------
 
 _KIND_ITEMS = [
-    ("slider", "Float", "A number", 0), ("integer", "Integer", "A whole number", 1),
-    ("angle", "Angle", "An angle", 2), ("toggle", "Boolean", "A switch", 3), ("vector", "Vector", "Three numbers", 4)]
+    ("slider", "Float", "A number", 0),
+    ("integer", "Integer", "A whole number", 1),
+    ("angle", "Angle", "An angle", 2),
+    ("toggle", "Boolean", "A switch", 3),
+    ("vector", "Vector", "Three numbers", 4),
+]
 
 
 def _kind_changed(self, context):
@@ -118,24 +125,32 @@ class SDFLIGHTS_Node_parameter(ValueNode, bpy.types.Node):
     gives = (("result", "Value", sockets.NUMBER),)
 
     parameter: bpy.props.StringProperty(
-        name="Name", description="Name of the property of the lamp: letters, digits and _", default="size", update=tag)
-    kind: bpy.props.EnumProperty(name="Type", description="Type of the property", items=_KIND_ITEMS,
-                                 update=_kind_changed)
-    default: bpy.props.FloatProperty(name="Default", description="Value until a lamp has its own", default=1.0,
-                                     precision=3, update=tag)
-    default_angle: bpy.props.FloatProperty(name="Default", description="Value until a lamp has its own",
-                                           subtype="ANGLE", update=tag)
+        name="Name", description="Name of the property of the lamp: letters, digits and _", default="size", update=tag
+    )
+    kind: bpy.props.EnumProperty(
+        name="Type", description="Type of the property", items=_KIND_ITEMS, update=_kind_changed
+    )
+    default: bpy.props.FloatProperty(
+        name="Default", description="Value until a lamp has its own", default=1.0, precision=3, update=tag
+    )
+    default_angle: bpy.props.FloatProperty(
+        name="Default", description="Value until a lamp has its own", subtype="ANGLE", update=tag
+    )
     default_vector: bpy.props.FloatVectorProperty(
-        name="Default", description="Value until a lamp has its own", size=3, subtype="XYZ", precision=3, update=tag)
+        name="Default", description="Value until a lamp has its own", size=3, subtype="XYZ", precision=3, update=tag
+    )
     default_toggle: bpy.props.BoolProperty(name="Default", description="Value until a lamp has its own", update=tag)
     minimum: bpy.props.FloatProperty(name="Minimum", description="Least value", default=0.0, precision=3, update=tag)
-    maximum: bpy.props.FloatProperty(name="Maximum", description="Greatest value", default=10.0, precision=3,
-                                     update=tag)
-    minimum_angle: bpy.props.FloatProperty(name="Minimum", description="Least value", default=-2.0 * math.pi,
-                                           subtype="ANGLE", update=tag)
-    maximum_angle: bpy.props.FloatProperty(name="Maximum", description="Greatest value", default=2.0 * math.pi,
-                                           subtype="ANGLE", update=tag)
-    tooltip: bpy.props.StringProperty(name="Tooltip", description="What the property is for", update=tag)
+    maximum: bpy.props.FloatProperty(
+        name="Maximum", description="Greatest value", default=10.0, precision=3, update=tag
+    )
+    minimum_angle: bpy.props.FloatProperty(
+        name="Minimum", description="Least value", default=-2.0 * math.pi, subtype="ANGLE", update=tag
+    )
+    maximum_angle: bpy.props.FloatProperty(
+        name="Maximum", description="Greatest value", default=2.0 * math.pi, subtype="ANGLE", update=tag
+    )
+    tooltip: bpy.props.StringProperty(name="Tooltip", description="Tooltip of the property", update=tag)
 
     def draw_settings(self, layout):
         column = layout.column()
@@ -153,15 +168,23 @@ class SDFLIGHTS_Node_parameter(ValueNode, bpy.types.Node):
         """Raises ``Broken`` where the properties do not go together."""
         name = self.parameter.strip()
         if not (name.isidentifier() and name.isascii()) or name in RESERVED or name in FUNCTIONS:
-            raise Broken(f"'{name}' cannot be the name of a parameter: use letters, digits and _, and no word of the "
-                         "expression language")
+            raise Broken(
+                f"'{name}' cannot be the name of a parameter: use letters, digits and _, and no word of the "
+                "expression language"
+            )
         if self.kind == "toggle":
             return declarations.declare(name, "toggle", [Condition(float(self.default_toggle))], self._remark())
         angle = self.kind == "angle"
-        default = tuple(map(_plain, self.default_vector)) if self.kind == "vector" else _plain(
-            math.degrees(self.default_angle) if angle else self.default)
-        limits = [_plain(math.degrees(limit)) for limit in (self.minimum_angle, self.maximum_angle)] if angle else [
-            _plain(self.minimum), _plain(self.maximum)]
+        default = (
+            tuple(map(_plain, self.default_vector))
+            if self.kind == "vector"
+            else _plain(math.degrees(self.default_angle) if angle else self.default)
+        )
+        limits = (
+            [_plain(math.degrees(limit)) for limit in (self.minimum_angle, self.maximum_angle)]
+            if angle
+            else [_plain(self.minimum), _plain(self.maximum)]
+        )
         if self.kind == "integer":
             default, limits = float(round(default)), [float(round(limit)) for limit in limits]
         try:
@@ -183,8 +206,14 @@ def _plain(value: float) -> float:
 
 # -- arithmetic --------------------------------------------------------------------------------------------------------
 
-OPERATORS = {"ADD": ast.Add, "SUBTRACT": ast.Sub, "MULTIPLY": ast.Mult, "DIVIDE": ast.Div, "MODULO": ast.Mod,
-             "POWER": ast.Pow}
+OPERATORS = {
+    "ADD": ast.Add,
+    "SUBTRACT": ast.Sub,
+    "MULTIPLY": ast.Mult,
+    "DIVIDE": ast.Div,
+    "MODULO": ast.Mod,
+    "POWER": ast.Pow,
+}
 _A_AND_B = (("a", "A", sockets.ANY), ("b", "B", sockets.ANY))
 
 
@@ -198,8 +227,11 @@ class SDFLIGHTS_Node_math(ValueNode, bpy.types.Node):
     value_a: _value("A")
     value_b: _value("B")
     operation: bpy.props.EnumProperty(
-        name="Operation", description="What is done with the two values", update=tag,
-        items=[(name, name.title(), "", index) for index, name in enumerate(OPERATORS)])
+        name="Operation",
+        description="Operation on the two values",
+        update=tag,
+        items=[(name, name.title(), "", index) for index, name in enumerate(OPERATORS)],
+    )
 
     def draw_settings(self, layout):
         layout.prop(self, "operation", text="")
@@ -227,9 +259,14 @@ class SDFLIGHTS_Node_compare(ValueNode, bpy.types.Node):
     value_a: _value("A")
     value_b: _value("B")
     operation: bpy.props.EnumProperty(
-        name="Operation", description="How A is compared with B", update=tag,
-        items=[(name, name.replace("_", " or ").title() + " Than" * (not name.endswith("EQUAL")), "", index)
-               for index, name in enumerate(COMPARISONS)])
+        name="Operation",
+        description="Comparison of A with B",
+        update=tag,
+        items=[
+            (name, name.replace("_", " or ").title() + " Than" * (not name.endswith("EQUAL")), "", index)
+            for index, name in enumerate(COMPARISONS)
+        ],
+    )
 
     def draw_settings(self, layout):
         layout.prop(self, "operation", text="")
@@ -249,9 +286,15 @@ class SDFLIGHTS_Node_boolean(ValueNode, bpy.types.Node):
     gives = (("result", "Condition", sockets.CONDITION),)
 
     operation: bpy.props.EnumProperty(
-        name="Operation", description="How the conditions are put together", update=tag,
-        items=[("AND", "And", "Both hold", 0), ("OR", "Or", "At least one holds", 1),
-               ("NOT", "Not", "The first does not hold", 2)])
+        name="Operation",
+        description="Combination of the conditions",
+        update=tag,
+        items=[
+            ("AND", "And", "Both hold", 0),
+            ("OR", "Or", "At least one holds", 1),
+            ("NOT", "Not", "The first does not hold", 2),
+        ],
+    )
 
     def draw_settings(self, layout):
         layout.prop(self, "operation", text="")
@@ -280,8 +323,10 @@ class SDFLIGHTS_Node_combine(ValueNode, bpy.types.Node):
     value_y: _value("Y")
     value_z: _value("Z")
     plane: bpy.props.BoolProperty(
-        name="In the Plane", description="A vector of two components, as profiles and corners of polygons have them",
-        update=lambda self, context: self.plane_changed())
+        name="In the Plane",
+        description="Give the vector two components, for profiles and corners of polygons",
+        update=lambda self, context: self.plane_changed(),
+    )
 
     def plane_changed(self):
         self.socket("z").enabled = not self.plane
@@ -335,10 +380,18 @@ class SDFLIGHTS_Node_field(ValueNode, bpy.types.Node):
     gives = (("result", "Shape", sockets.SHAPE),)
 
     value_bounds: bpy.props.FloatVectorProperty(
-        name="Bounds", description="Half of the size of the box along x, y and z", size=3, subtype="XYZ",
-        default=(1.0, 1.0, 1.0), min=0.0, precision=3, update=tag)
+        name="Bounds",
+        description="Half of the size of the box along x, y and z",
+        size=3,
+        subtype="XYZ",
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        precision=3,
+        update=tag,
+    )
     use_bounds: bpy.props.BoolProperty(
-        name="Bounds", description="Cut the shape to a box", update=lambda self, context: self.bounds_changed())
+        name="Bounds", description="Cut the shape to a box", update=lambda self, context: self.bounds_changed()
+    )
 
     def init(self, context):
         super().init(context)
@@ -357,6 +410,15 @@ class SDFLIGHTS_Node_field(ValueNode, bpy.types.Node):
 
 
 CLASSES = (
-    SDFLIGHTS_Node_position, SDFLIGHTS_Node_number, SDFLIGHTS_Node_vector, SDFLIGHTS_Node_parameter,
-    SDFLIGHTS_Node_math, SDFLIGHTS_Node_compare, SDFLIGHTS_Node_boolean, SDFLIGHTS_Node_combine,
-    SDFLIGHTS_Node_separate, SDFLIGHTS_Node_distance, SDFLIGHTS_Node_field)
+    SDFLIGHTS_Node_position,
+    SDFLIGHTS_Node_number,
+    SDFLIGHTS_Node_vector,
+    SDFLIGHTS_Node_parameter,
+    SDFLIGHTS_Node_math,
+    SDFLIGHTS_Node_compare,
+    SDFLIGHTS_Node_boolean,
+    SDFLIGHTS_Node_combine,
+    SDFLIGHTS_Node_separate,
+    SDFLIGHTS_Node_distance,
+    SDFLIGHTS_Node_field,
+)

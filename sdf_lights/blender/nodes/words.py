@@ -14,12 +14,12 @@ import ast
 import bpy
 
 from ...sdf import evaluation  # noqa: F401 (all words are in FUNCTIONS then)
+from ...sdf.builtin_colors import COLDEST, HOTTEST
 from ...sdf.functions import COLOURS, FUNCTIONS, POINTS, REQUIRED, Argument, Function
 from ...sdf.shapes import SHAPES, Family
 from ...sdf.shapes.base import LARGEST, Parameter
 from ...sdf.shapes.operators import SetOperation
 from ...sdf.shapes.profiles import PROFILES
-from ...sdf.words_of_colours import COLDEST, HOTTEST
 from ..properties import parameter_property
 from . import sockets
 from .tree import LampNode
@@ -27,21 +27,42 @@ from .tree import LampNode
 _ELSEWHERE = {"vec2", "vec3", "distance", "field", "ramp", "ramp_ease", "ramp_constant"}
 
 _SOCKETS = {
-    "shape": sockets.SHAPE, "profile": sockets.PROFILE, "condition": sockets.CONDITION, "any": sockets.ANY,
-    "value": sockets.ANY, "number": sockets.NUMBER, "angle": sockets.NUMBER, "scalar": sockets.NUMBER,
-    "numbers": sockets.VECTOR, "angles": sockets.VECTOR, "vector": sockets.VECTOR, "vector3": sockets.VECTOR,
-    "corner": sockets.VECTOR}
+    "shape": sockets.SHAPE,
+    "profile": sockets.PROFILE,
+    "condition": sockets.CONDITION,
+    "any": sockets.ANY,
+    "value": sockets.ANY,
+    "number": sockets.NUMBER,
+    "angle": sockets.NUMBER,
+    "scalar": sockets.NUMBER,
+    "numbers": sockets.VECTOR,
+    "angles": sockets.VECTOR,
+    "vector": sockets.VECTOR,
+    "vector3": sockets.VECTOR,
+    "corner": sockets.VECTOR,
+}
 
 _NUMBERS = {"dot", "length", "noise"}  # of a vector
 _VECTORS = {"cross", "normalize"}
 
 # Where a zero would make no sense. Arguments of the language that have to be given have no default there.
-_DEFAULTS = {"temperature": 3000.0, "factor": (1.0, 1.0, 1.0), "divisor": 1.0, "high": 1.0, "exponent": 1.0,
-             "count": 6.0, "period": 1.0, "normal": (0.0, 0.0, 1.0), "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0),
-             "z": (0.0, 0.0, 1.0)}
+_DEFAULTS = {
+    "temperature": 3000.0,
+    "factor": (1.0, 1.0, 1.0),
+    "divisor": 1.0,
+    "high": 1.0,
+    "exponent": 1.0,
+    "count": 6.0,
+    "period": 1.0,
+    "normal": (0.0, 0.0, 1.0),
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+}
 
 
 def label_of(function: Function) -> str:
+    """Name of the word in menus."""
     found = SHAPES.get(function.name) or PROFILES.get(function.name)
     return found.label() if found and function.makes_shape else function.name.replace("_", " ").title()
 
@@ -51,11 +72,12 @@ def _parameters(function: Function) -> dict[str, Parameter]:
     shape = (SHAPES | PROFILES).get(function.name) if function.makes_shape else None
     known = {about.name: about for about in shape.fields()} if shape else {}
     found = {}
-    for argument in function.arguments[function.variadic:]:
+    for argument in function.arguments[function.variadic :]:
         if argument.name in known:
             found[argument.name] = known[argument.name]
         elif _SOCKETS[argument.kind] not in (sockets.SHAPE, sockets.PROFILE, sockets.CONDITION) and not (
-                argument.kind == "any" or argument.name == "point"):
+            argument.kind == "any" or argument.name == "point"
+        ):
             found[argument.name] = _described(argument)
     return found
 
@@ -71,8 +93,7 @@ def _described(argument: Argument) -> Parameter:
     unit = "LENGTH" if argument.name == "offset" else "ANGLE" if argument.kind in ("angle", "angles") else "NONE"
     low, high, soft = (COLDEST, HOTTEST, HOTTEST) if argument.name == "temperature" else (-LARGEST, LARGEST, 10.0)
     description = f"{label} where nothing is connected"
-    return Parameter(
-        argument.name, label, description, unit, default, low, high, soft, 3 if vector else 1, False)
+    return Parameter(argument.name, label, description, unit, default, low, high, soft, 3 if vector else 1, False)
 
 
 class _WordNode(LampNode):
@@ -112,7 +133,7 @@ class _WordNode(LampNode):
             positional += writer.inputs(many)
             if not positional:
                 positional.append(writer.needed(many))
-        for argument in function.arguments[function.variadic:]:
+        for argument in function.arguments[function.variadic :]:
             socket = given.get(argument.name)
             if socket is None:
                 continue
@@ -130,15 +151,20 @@ class _WordNode(LampNode):
                 positional.append(value)
             else:
                 named[argument.name] = value
-        call = ast.Call(ast.Name(function.name, ast.Load()), positional,
-                        [ast.keyword(name, value) for name, value in named.items()])
+        call = ast.Call(
+            ast.Name(function.name, ast.Load()), positional, [ast.keyword(name, value) for name, value in named.items()]
+        )
         return {"result": writer.assign(self.label or function.name, call)}
 
 
 def _is_difference(function: Function) -> bool:
     shape = SHAPES.get(function.name)
-    return function.makes_shape and shape is not None and issubclass(shape, SetOperation) and (
-        shape.family == Family.DIFFERENCE)
+    return (
+        function.makes_shape
+        and shape is not None
+        and issubclass(shape, SetOperation)
+        and (shape.family == Family.DIFFERENCE)
+    )
 
 
 def _inputs(function: Function) -> list[tuple[str, str, str]]:
@@ -175,11 +201,21 @@ def _result(function: Function) -> tuple[str, str]:
 def _node(name: str, function: Function) -> type:
     description = function.description.split("\n\n")[0].replace("\n", " ").replace("`", "").rstrip(".")
     annotations = {sockets.property_of(key): parameter_property(about) for key, about in _parameters(function).items()}
-    return type(f"SDFLIGHTS_Node_{name}", (_WordNode, bpy.types.Node), {
-        "__doc__": description, "__annotations__": annotations, "function": function,
-        "takes": tuple(_inputs(function)), "gives": (("result", *_result(function)),),
-        "bl_idname": f"SDFLIGHTS_Node_{name}", "bl_label": label_of(function), "bl_description": description,
-        "bl_width_default": 160.0})
+    return type(
+        f"SDFLIGHTS_Node_{name}",
+        (_WordNode, bpy.types.Node),
+        {
+            "__doc__": description,
+            "__annotations__": annotations,
+            "function": function,
+            "takes": tuple(_inputs(function)),
+            "gives": (("result", *_result(function)),),
+            "bl_idname": f"SDFLIGHTS_Node_{name}",
+            "bl_label": label_of(function),
+            "bl_description": description,
+            "bl_width_default": 160.0,
+        },
+    )
 
 
 def _functions() -> dict[str, Function]:

@@ -229,8 +229,11 @@ class _Builder:
         if node in self._recorder.found:
             return kind_of(self._recorder.found[node]) == "shape"
         # A link of a chain of operators, which the evaluation walks without asking for its value.
-        return isinstance(node.op, (ast.BitOr, ast.BitAnd)) or isinstance(node.op, ast.Sub) and (
-            self._makes_shape(node.left) or self._makes_shape(node.right))
+        return (
+            isinstance(node.op, (ast.BitOr, ast.BitAnd))
+            or isinstance(node.op, ast.Sub)
+            and (self._makes_shape(node.left) or self._makes_shape(node.right))
+        )
 
     def _math(self, operation: str, a, b):
         node = self._new(values.SDFLIGHTS_Node_math)
@@ -290,12 +293,12 @@ class _Builder:
         nodes = [*node.args, *(keyword.value for keyword in node.keywords)]
         found = [self._recorder.found[part] for part in nodes]
         parts = {id(value): self.part(part) for value, part in zip(found, nodes)}
-        positional = found[:len(node.args)]
+        positional = found[: len(node.args)]
         if function.other is not None and kind_of(positional[0]) not in ("shape", "profile"):
             function = function.other
         if name in ("vec2", "vec3"):
             return self._vector_of(int(name[-1]), [parts[id(value)] for value in positional], positional)
-        named = {keyword.arg: value for keyword, value in zip(node.keywords, found[len(node.args):])}
+        named = {keyword.arg: value for keyword, value in zip(node.keywords, found[len(node.args) :])}
         repeated, given = function.bound(positional, named)
 
         def made(value):
@@ -304,8 +307,9 @@ class _Builder:
         arguments = {key: made(value) for key, value in given.items()}
         if name == "distance":
             if kind_of(given["shape"]) == "vector":
-                return self._call_of(FUNCTIONS["length"], [], {
-                    "vector": self._math("SUBTRACT", arguments["shape"], arguments["point"])})
+                return self._call_of(
+                    FUNCTIONS["length"], [], {"vector": self._math("SUBTRACT", arguments["shape"], arguments["point"])}
+                )
             return self._field(arguments["shape"], arguments["point"])
         if name == "field":
             return self._shape_of_field(arguments)
@@ -381,8 +385,11 @@ class _Builder:
         """Gives an input a value or a link."""
         socket = next(s for s in node.inputs if s.identifier == identifier)
         if isinstance(part, bpy.types.NodeSocket):
-            if part.node.bl_idname == values.SDFLIGHTS_Node_parameter.bl_idname and part.node.kind == "angle" and (
-                    not _takes_angle(node, identifier)):
+            if (
+                part.node.bl_idname == values.SDFLIGHTS_Node_parameter.bl_idname
+                and part.node.kind == "angle"
+                and (not _takes_angle(node, identifier))
+            ):
                 part = self._call_of(FUNCTIONS["degrees"], [], {"radians": part})
             self._tree.links.new(part, socket)
         elif not sockets.held_by_node(socket) or isinstance(part, bool):
@@ -407,12 +414,21 @@ class _Builder:
 
 def _takes_angle(node, identifier: str) -> bool:
     function = getattr(node, "function", None)
-    return function is not None and (function.name == "degrees" or any(
-        argument.name == identifier and argument.kind in ("angle", "angles") for argument in function.arguments))
+    return function is not None and (
+        function.name == "degrees"
+        or any(argument.name == identifier and argument.kind in ("angle", "angles") for argument in function.arguments)
+    )
 
 
 _PARTS = {
-    ast.Constant: _Builder._constant, ast.Name: _Builder._name, ast.Tuple: _Builder._vector,
-    ast.Attribute: _Builder._component, ast.BinOp: _Builder._binary, ast.UnaryOp: _Builder._unary,
-    ast.BoolOp: _Builder._logic, ast.Compare: _Builder._comparison, ast.IfExp: _Builder._selection,
-    ast.Call: _Builder._call}
+    ast.Constant: _Builder._constant,
+    ast.Name: _Builder._name,
+    ast.Tuple: _Builder._vector,
+    ast.Attribute: _Builder._component,
+    ast.BinOp: _Builder._binary,
+    ast.UnaryOp: _Builder._unary,
+    ast.BoolOp: _Builder._logic,
+    ast.Compare: _Builder._comparison,
+    ast.IfExp: _Builder._selection,
+    ast.Call: _Builder._call,
+}

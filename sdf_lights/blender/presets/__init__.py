@@ -32,6 +32,7 @@ class Preset(NamedTuple):
 
     @property
     def picture(self) -> pathlib.Path:
+        """Path of its picture."""
         return FOLDER / f"{self.name}.png"
 
 
@@ -40,6 +41,10 @@ def presets() -> dict[str, Preset]:
     """Every preset by name, in the order of the file."""
     with open(FOLDER / "presets.toml", "rb") as file:
         read = tomllib.load(file)
-    return {name: Preset(name, **about | {"expression": about["expression"].strip(),
-                                          "color": tuple(about.get("color", (1.0, 1.0, 1.0)))})
-            for name, about in read.items()}
+    return {
+        name: Preset(
+            name,
+            **about | {"expression": about["expression"].strip(), "color": tuple(about.get("color", (1.0, 1.0, 1.0)))},
+        )
+        for name, about in read.items()
+    }

@@ -9,24 +9,27 @@ from dataclasses import replace
 
 import bpy
 
+from ...render.displacement import Habits, displace
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
-from ..properties import settings_of
+from .. import cycles
+from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
 from .images import Images
 from .materials import Materials
 from .objects import LIGHTS, sync_objects
+from .unmodelled import report_unmodelled
 from .world import world_of
 
-__all__ = ["frame_settings", "shows_in", "sync", "sync_lights", "sync_viewport"]
+__all__ = ["frame_settings", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
 
 # Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
 _FRAME_STRIDE = 0x9E3779B1
 
 
-def sync(depsgraph: bpy.types.Depsgraph) -> Scene:
-    """The scene of a dependency graph, for a final render.
+def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None = None) -> Scene:
+    """The scene of a dependency graph, for a final render: that of ``engine``, of whose views the active one is seen.
 
     What cannot be used is left out or replaced, with a sentence in ``Scene.warnings``. Raises RenderError where there
     is nothing to render at all, such as no camera.
@@ -35,12 +38,29 @@ def sync(depsgraph: bpy.types.Depsgraph) -> Scene:
     warnings: list[str] = []
     warn = Warnings(warnings)
     width, height = frame_size(blender_scene.render)
-    camera = blender_scene.camera and blender_scene.camera.evaluated_get(depsgraph)
     scene = Scene(
-        camera_of(camera, depsgraph, width, height, warn), width, height,
-        border_of(blender_scene.render, width, height), settings=frame_settings(blender_scene), warnings=warnings)
+        sync_camera(depsgraph, warn, engine),
+        width,
+        height,
+        border_of(blender_scene.render, width, height),
+        warnings=warnings,
+        settings=layer_settings(blender_scene, depsgraph.view_layer_eval),
+    )
+    warn(cycles.missing(blender_scene))
     _fill(depsgraph, scene, warn)
+    report_unmodelled(depsgraph, _world(depsgraph), scene.settings.max_bounces, warn)
     return scene
+
+
+def sync_camera(
+    depsgraph: bpy.types.Depsgraph, warn: Callable[[str], None], engine: bpy.types.RenderEngine | None = None
+) -> Camera:
+    """The camera of a final render, in the active view of ``engine``."""
+    blender_scene = depsgraph.scene_eval
+    chosen = (engine.camera_override if engine is not None else None) or blender_scene.camera
+    return camera_of(
+        chosen and chosen.evaluated_get(depsgraph), depsgraph, *frame_size(blender_scene.render), warn, engine
+    )
 
 
 def sync_viewport(depsgraph: bpy.types.Depsgraph, space: bpy.types.SpaceView3D) -> Scene:
@@ -52,8 +72,11 @@ def sync_viewport(depsgraph: bpy.types.Depsgraph, space: bpy.types.SpaceView3D) 
 
 def sync_lights(depsgraph: bpy.types.Depsgraph, scene: Scene, space: bpy.types.SpaceView3D) -> Scene:
     """``scene``, as ``sync_viewport`` gave it, with its lamps and lights read again."""
-    result = replace(scene, lamps=[], lights=[], warnings=list(scene.warnings))
-    sync_objects(depsgraph, result, None, Warnings(result.warnings), LIGHTS, shows_in(space))
+    result = replace(scene, lamps=[], lights=[], images=list(scene.images), warnings=list(scene.warnings))
+    warn = Warnings(result.warnings)
+    images = Images(result, warn, depsgraph.scene_eval.frame_current)
+    sync_objects(depsgraph, result, None, images, warn, LIGHTS, shows_in(space))
+    images.load()
     return result
 
 
@@ -65,13 +88,26 @@ def frame_settings(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
     return settings
 
 
+def layer_settings(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Settings:
+    """The settings of a view layer for the final render, with the seed of the current frame."""
+    settings = frame_settings(scene)
+    settings.samples = layer_samples(scene, settings.samples, view_layer.samples)
+    settings.denoise &= getattr(getattr(view_layer, "cycles", None), "use_denoising", True)
+    return settings
+
+
 def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: Callable = lambda item: True) -> None:
     view_layer = depsgraph.view_layer_eval
-    images = Images(scene, warn)
+    images = Images(scene, warn, depsgraph.scene_eval.frame_current)
     materials = Materials(scene, images, warn, view_layer.material_override)
-    world = getattr(view_layer, "world_override", None) or depsgraph.scene_eval.world
-    scene.world = world_of(world, images, warn)
-    sync_objects(depsgraph, scene, materials, warn, shows=shows)
+    scene.world = world_of(_world(depsgraph), images, warn)
+    sync_objects(depsgraph, scene, materials, images, warn, shows=shows)
+    images.load()
+    displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))
+
+
+def _world(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
+    return getattr(depsgraph.view_layer_eval, "world_override", None) or depsgraph.scene_eval.world
 
 
 def shows_in(space: bpy.types.SpaceView3D) -> Callable[[bpy.types.DepsgraphObjectInstance], bool]:

@@ -9,24 +9,29 @@ import numpy as np
 
 from ...render.scene import Ray
 
-# Blender's Ray Visibility. `visible_volume_scatter` has no kind of ray here: nothing scatters in volumes.
+# Blender's Ray Visibility.
 _VISIBILITY = {
-    "visible_camera": Ray.CAMERA.value, "visible_diffuse": Ray.DIFFUSE.value, "visible_glossy": Ray.GLOSSY.value,
-    "visible_transmission": Ray.TRANSMISSION.value, "visible_shadow": Ray.SHADOW.value}
+    "visible_camera": Ray.CAMERA.value,
+    "visible_diffuse": Ray.DIFFUSE.value,
+    "visible_glossy": Ray.GLOSSY.value,
+    "visible_transmission": Ray.TRANSMISSION.value,
+    "visible_shadow": Ray.SHADOW.value,
+    "visible_volume_scatter": Ray.VOLUME.value,
+}
 
 # A scale below this part of the largest counts as zero.
 FLAT = 1e-9
 
 
 class Warnings:
-    """Collects sentences for the user, each once, in order."""
+    """Collects sentences for the user, each once, in order; empty ones are none."""
 
     def __init__(self, sentences: list[str]):
         self._sentences = sentences
         self._known = set(sentences)
 
     def __call__(self, sentence: str) -> None:
-        if sentence not in self._known:
+        if sentence and sentence not in self._known:
             self._known.add(sentence)
             self._sentences.append(sentence)
 
@@ -37,6 +42,7 @@ def matrix_of(value) -> np.ndarray:
 
 
 def is_finite(matrix: np.ndarray) -> bool:
+    """Whether all entries of a matrix are finite."""
     return bool(np.isfinite(matrix).all())
 
 
@@ -60,5 +66,6 @@ def node_tree_of(data: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTr
 
 
 def rgb(value) -> tuple[float, float, float]:
+    """The first three components as floats."""
     red, green, blue = value[:3]
     return float(red), float(green), float(blue)

@@ -1,151 +1,320 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's images as scene-linear pixels."""
+"""Blender's images: which pixels a texture shows, and where they come from.
+
+Files are read by OpenImageIO in their own type, so Blender need not load them; packed ones from a copy of their file.
+Blender's own pixels, which it hands out as floats, are asked for only where there is no file: generated and painted
+images, movies, and formats that OpenImageIO does not know.
+"""
 
 from __future__ import annotations
 
-import functools
+import contextlib
 import os
+import re
+import tempfile
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import bpy
-import mathutils
 import numpy as np
 
-from ...render.scene import Image, Scene
+from ...render.images import Image, Texture
+from ...render.scene import Scene
+from .colorspaces import OTHER, SRGB, UNKNOWN, conversion, kind_of
 from .common import Warnings
+from .pixels import File, Form, exists
 
-# What an image without pixels looks like: nobody overlooks it, and Cycles shows the same.
-MISSING = (1.0, 0.0, 1.0, 1.0)
+# From 5.1 on, Cycles goes by the image's setting alone; before, by what the file says of its alpha.
+_SETTING_DECIDES = bpy.app.version >= (5, 1, 0)
 
-CHUNK = 1 << 15  # numbers that are decoded at a time: few enough for the cache, and a multiple of four
+_TILE_TOKENS = {
+    "<UDIM>": lambda tile: f"{tile:04d}",
+    "<UVTILE>": lambda tile: f"u{(tile - 1001) % 10 + 1}_v{(tile - 1001) // 10 + 1}",
+}
 
-_LINEAR = {"Linear Rec.709", "Linear", "Linear BT.709", "Working Space", "scene_linear"}
+FILE, PACKED, BLENDER = "file", "packed", "Blender"  # where pixels come from
+
+CHUNK = 1 << 20  # of Blender's numbers, which are turned into bytes so many at a time
 
 
 class Images:
-    """Puts each image into the scene once, or twice where it is wanted with and without its alpha."""
+    """Puts each image into the scene once, each frame of a sequence and each tile apart. ``frame`` is the scene's.
 
-    def __init__(self, scene: Scene, warn: Warnings):
-        self._scene, self._warn = scene, warn
-        self._known: dict[tuple[int, bool], int] = {}
+    Files are read when all are known: see ``load``.
+    """
 
-    def index(self, image: bpy.types.Image, associated: bool = False) -> int:
-        """Index of the image in the scene; ``associated``: its colour is multiplied by its alpha, as ``pixels_of``."""
+    def __init__(self, scene: Scene, warn: Warnings, frame: int = 1):
+        self._scene, self._warn, self._frame = scene, warn, frame
+        self._known: dict[tuple, int | None] = {}
+        self._pending: list[Callable[[], str | None]] = []
+
+    def index(self, image: bpy.types.Image, user: bpy.types.ImageUser | None = None) -> int | None:
+        """Index of the image in the scene, at the frame of ``user``; of its first tile; None if it is missing."""
+        texture = self.texture(image, user)
+        return texture.tiles[0][1] if texture.tiles else texture.image
+
+    def texture(
+        self,
+        image: bpy.types.Image | None,
+        user: bpy.types.ImageUser | None = None,
+        *,
+        interpolation: str = "Linear",
+        extension: str = "REPEAT",
+        alpha: bool = False,
+        tiled: bool = True,
+    ) -> Texture:
+        """How a node looks up ``image``. ``alpha``: whether its Alpha output is used, which makes colours straight.
+        ``tiled``: not of box projections, which see the first tile alone."""
+        if image is None:
+            return Texture()
         # The original has the pixels that were painted or generated last; evaluated copies share them or have none.
         image = image.original or image
-        key = image.as_pointer(), associated
+        straight = alpha and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not image.colorspace_settings.is_data
+        tiles, index = (), None
+        if image.source == "TILED":
+            numbers = [tile.number for tile in image.tiles] if tiled else [1001]
+            found = [(number, self._index(image, user, number)) for number in numbers]
+            tiles = tuple((number, index) for number, index in found if index is not None)
+            if not tiled:
+                index, tiles = dict(tiles).get(1001), ()
+        else:
+            index = self._index(image, user, 0)
+        return Texture(index, interpolation, extension, straight, tiles)
+
+    def load(self) -> None:
+        """Read the files of all images, some at a time."""
+        jobs, self._pending = self._pending, []
+        if jobs:
+            with ThreadPoolExecutor(min(len(jobs), os.cpu_count() or 1)) as pool:
+                for sentence in pool.map(lambda job: job(), jobs):
+                    if sentence:
+                        self._warn(sentence)
+
+    def _index(self, image: bpy.types.Image, user, tile: int) -> int | None:
+        frame = frame_of(image, user, self._frame)
+        key = image.as_pointer(), frame, tile
         if key not in self._known:
-            self._scene.images.append(Image(image.name, pixels_of(image, associated, self._warn)))
-            self._known[key] = len(self._scene.images) - 1
+            made = self._image(image, frame, tile)
+            if made is not None:
+                self._scene.images.append(made)
+            self._known[key] = None if made is None else len(self._scene.images) - 1
         return self._known[key]
 
+    def _image(self, image: bpy.types.Image, frame: int, tile: int) -> Image | None:
+        """The image; its pixels may come later."""
+        if image.source == "VIEWER":
+            self._warn(
+                f"Image '{image.name}' is a picture of Blender's own, which cannot be a texture: it is shown in "
+                "magenta; save it, and use the file."
+            )
+            return None
+        if kind_of(image.colorspace_settings) == UNKNOWN:
+            self._warn(
+                f"Image '{image.name}' is in the colour space {image.colorspace_settings.name}, which cannot be "
+                "converted here: it is taken as sRGB."
+            )
+        if not _in_memory_only(image):
+            packed = _packed_file(image, tile)
+            path = "" if packed else path_of(image, frame, tile)
+            if packed is None and not exists(path):
+                self._warn(
+                    f"Image '{image.name}' has no pixels ({path or 'no file'}): it is shown in magenta; "
+                    "find the file with File > External Data > Find Missing Files."
+                )
+                return None
+            made = self._from_file(image, path, packed)
+            if made is not None:
+                return made
+        return self._from_blender(image, frame, tile)
 
-def has_alpha(image: bpy.types.Image) -> bool:
-    """Whether Blender understands the image's alpha as how much of the colour is there."""
-    return (image.alpha_mode in {"STRAIGHT", "PREMUL"} and not image.colorspace_settings.is_data
-            and (not image.has_data or image.depth in {16, 32, 64, 128}))
+    def _from_file(self, image: bpy.types.Image, path: str, packed) -> Image | None:
+        """An image whose pixels ``load`` will read; None where OpenImageIO cannot read the file, or it would give others."""
+        data = None
+        if packed is not None:
+            path, data = image.filepath, bytes(packed.data)
+        try:
+            with _file_with(path, data) as copy:
+                file = File(copy)
+        except (ImportError, OSError):
+            return None
+        if packed is not None and file.dtype == np.uint8 and image.alpha_mode == "PREMUL" and file.channels == 4:
+            return None  # Blender may have divided them by alpha, or may not, and Cycles shows what it has
+        form, encoded = _form(image, FILE if packed is None else PACKED, file)
+        made = Image(image.name, np.zeros((0, 0, 4), np.uint8), encoded)
 
+        def read() -> str | None:
+            try:
+                with _file_with(path, data) as copy:
+                    made.pixels = File(copy).read(form)
+            except (OSError, MemoryError) as error:
+                return (
+                    f"Image '{made.name}' could not be read ({error or 'no memory'}): it is shown in magenta; "
+                    "save its file again."
+                )
+            return None
 
-def pixels_of(image: bpy.types.Image, associated: bool, warn: Warnings) -> np.ndarray:
-    """(height, width, 4) float32, scene-linear, row 0 at the bottom.
+        self._pending.append(read)
+        return made
 
-    Alpha is straight, or, with ``associated``, multiplied into colour: before sRGB is decoded, as in Cycles.
-    """
-    if image.source == "TILED":
-        warn(f"Image '{image.name}' is made of UDIM tiles, which are not supported: its first tile is used everywhere.")
-    elif image.source in {"MOVIE", "SEQUENCE"}:
-        warn(f"Image '{image.name}' is a movie or a sequence, which is not supported: "
-             "one frame of it is used throughout.")
-    count, (width, height) = len(image.pixels), image.size  # asking for pixels loads the file, and so sets the size
-    if not count or not width or not height:
-        warn(f"Image '{image.name}' has no pixels ({image.filepath or 'no file'}): it is shown in magenta; "
-             "find the file with File > External Data > Find Missing Files.")
-        return np.array(MISSING, np.float32).reshape(1, 1, 4)
-    pixels = _read(image, height, width)
-    alpha = pixels[..., 3:]
-    if image.is_float:
-        # Blender has brought floats to scene-linear already, with colour multiplied by alpha.
-        if image.alpha_mode != "CHANNEL_PACKED" and not associated:
-            np.divide(pixels[..., :3], alpha, out=pixels[..., :3], where=(alpha > 0.0) & (alpha < 1.0))
-    else:
-        _linearize(pixels, image, associated, warn)
-    if not np.isfinite(pixels).all():
-        warn(f"Image '{image.name}' has pixels that are not finite numbers: they are taken as 0.")
-        pixels[~np.isfinite(pixels)] = 0.0
-    return pixels
-
-
-def _read(image: bpy.types.Image, height: int, width: int) -> np.ndarray:
-    """(height, width, 4) pixels as Blender has them, in the image's encoding if they are bytes."""
-    raw = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(raw)
-    pixels = raw = raw.reshape(height, width, -1)
-    channels = raw.shape[2]
-    if channels != 4:
-        pixels = np.ones((height, width, 4), np.float32)
-        if channels < 3:  # grey, or grey and alpha
-            pixels[..., :3] = raw[..., :1]
-            pixels[..., 4 - (channels - 1):] = raw[..., 1:]
+    def _from_blender(self, image: bpy.types.Image, frame: int, tile: int) -> Image | None:
+        """An image of Blender's own pixels."""
+        if tile:
+            return self._from_saved_tile(image, tile)
+        with _at_frame(image, frame):
+            count, (width, height) = len(image.pixels), image.size  # asking for pixels loads them, and so sets the size
+            if not count or not width or not height:
+                self._warn(
+                    f"Image '{image.name}' has no pixels ({image.filepath or 'no file'}): it is shown in magenta; "
+                    "find the file with File > External Data > Find Missing Files."
+                )
+                return None
+            numbers = np.empty(count, np.float32)
+            image.pixels.foreach_get(numbers)
+        stored = count // (width * height)
+        numbers = numbers.reshape(height, width, stored)
+        if image.is_float:
+            # Blender has brought floats to scene-linear already.
+            multiplies = _SETTING_DECIDES and image.alpha_mode == "STRAIGHT" and not image.colorspace_settings.is_data
+            form, encoded = Form(drops_alpha=image.alpha_mode == "NONE", multiplies=int(multiplies)), False
         else:
-            pixels[..., :3] = raw
-    if image.alpha_mode == "NONE":
-        pixels[..., 3] = 1.0
-    return pixels
+            form, encoded = _form(image, BLENDER, None)
+            numbers = _as_bytes(numbers)
+        bad = numbers.dtype.kind == "f" and not np.isfinite(numbers).all()
+        if bad:
+            self._warn(f"Image '{image.name}' has pixels that are not finite numbers: they are taken as 0.")
+        rows = max(CHUNK // (width * stored), 1)
+        pixels = np.empty((height, width, form.channels(stored)), form.dtype(numbers.dtype))
+        for first in range(0, height, rows):
+            pixels[first : first + rows] = form.apply(numbers[first : first + rows])
+        return Image(image.name, pixels, encoded)
+
+    def _from_saved_tile(self, image: bpy.types.Image, tile: int) -> Image | None:
+        """A tile that was generated or painted. Only the first can be asked for pixels, but all can be saved."""
+        with tempfile.TemporaryDirectory() as folder:
+            with contextlib.suppress(RuntimeError):  # one tile without pixels is enough for it
+                image.save(filepath=os.path.join(folder, "<UDIM>"), save_copy=True)
+            found = [entry.path for entry in os.scandir(folder) if entry.name.startswith(f"{tile:04d}")]
+            try:
+                file = File(found[0])
+                form, encoded = _form(image, BLENDER, file)
+                return Image(image.name, file.read(form), encoded)
+            except (ImportError, IndexError, OSError):
+                self._warn(
+                    f"Image '{image.name}' has no pixels for tile {tile}, which is shown in magenta: save the "
+                    "image, or fill the tile."
+                )
+                return None
 
 
-def _linearize(pixels: np.ndarray, image: bpy.types.Image, associated: bool, warn: Warnings) -> None:
-    """From the encoding of an image of bytes to scene-linear, in place."""
-    space = image.colorspace_settings
-    is_linear = space.is_data or space.name in _LINEAR
-    if is_linear or space.name != "sRGB" and _convert(pixels, space.name):
-        if associated:
-            _associate(pixels)
+def _form(image: bpy.types.Image, source: str, file: File | None) -> tuple[Form, bool]:
+    """What becomes of an image's pixels, and whether they stay encoded. ``file`` is None of Blender's own bytes.
+
+    Files Cycles reads itself; what is packed it has from Blender, which makes floats of all that is finer than bytes,
+    scene-linear and multiplied by alpha, and bytes that are not multiplied. From 5.1 on Cycles multiplies those floats
+    once more.
+    """
+    settings, mode = image.colorspace_settings, image.alpha_mode
+    kind = kind_of(settings)
+    if kind == UNKNOWN:
+        kind = SRGB
+    uses_alpha = not settings.is_data and mode in {"STRAIGHT", "PREMUL"}
+    is_fine = source != FILE and file is not None and file.dtype != np.uint8
+    if source == FILE and file.stored_channels != 4:  # Cycles leaves grey with alpha as it is
+        by_cycles = False
+    elif _SETTING_DECIDES:
+        by_cycles = mode == "STRAIGHT"
+    else:
+        by_cycles = file.alpha_is_straight if source == FILE else not is_fine
+    by_blender = is_fine and mode == "STRAIGHT"
+    multiplies = by_cycles + by_blender if uses_alpha else 0
+    converted = kind == OTHER or kind == SRGB and is_fine
+    form = Form(
+        drops_alpha=mode == "NONE",
+        multiplies=multiplies,
+        associated=uses_alpha and not multiplies,
+        conversion=conversion(settings) if converted else None,
+    )
+    return form, kind == SRGB and not converted
+
+
+def _in_memory_only(image: bpy.types.Image) -> bool:
+    """Whether the pixels that count are Blender's own, and in no file."""
+    if image.source == "FILE":
+        return image.is_dirty
+    if image.source == "TILED":
+        return image.is_dirty or any(tile.is_generated_tile for tile in image.tiles)
+    return image.source in {"GENERATED", "MOVIE"}
+
+
+def _packed_file(image: bpy.types.Image, tile: int) -> bpy.types.PackedFile | None:
+    for packed in image.packed_files:
+        if packed.packed_file is not None and (not tile or packed.tile_number == tile):
+            return packed.packed_file
+    return None
+
+
+@contextlib.contextmanager
+def _file_with(path: str, data: bytes | None) -> Iterator[str]:
+    """Path of a file: the given one, or a temporary one of the same kind with ``data``."""
+    if data is None:
+        yield path
         return
-    if space.name != "sRGB":
-        warn(f"Image '{image.name}' is in the colour space {space.name}, which cannot be converted here: "
-             "it is taken as sRGB.")
-    if associated:
-        _associate(pixels)
-    _decode_srgb(pixels)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = os.path.join(folder, "packed" + os.path.splitext(path)[1])
+        with open(copy, "wb") as file:
+            file.write(data)
+        yield copy
 
 
-def _associate(pixels: np.ndarray) -> None:
-    """Multiply colour by alpha, in place."""
-    alpha = pixels[..., 3:]
-    if (alpha != 1.0).any():
-        pixels[..., :3] *= alpha
+def _as_bytes(numbers: np.ndarray) -> np.ndarray:
+    """Blender's floats of an image of bytes, as bytes."""
+    flat = numbers.reshape(-1)
+    result = np.empty(flat.size, np.uint8)
+    for first in range(0, flat.size, CHUNK):
+        result[first : first + CHUNK] = flat[first : first + CHUNK] * np.float32(255.0) + np.float32(0.5)
+    return result.reshape(numbers.shape)
 
 
-def _decode_srgb(pixels: np.ndarray) -> None:
-    """Decode the colour of pixels made of bytes, in place."""
-    table, flat = _srgb_table(), pixels.reshape(-1)
-    for first in range(0, len(flat), CHUNK):
-        chunk = flat[first:first + CHUNK]
-        alpha = chunk[3::4].copy()
-        # Bytes have 256 values, so a table is exact. Alpha goes along because that is faster than leaving it out.
-        scaled = chunk * np.float32(255.0)
-        scaled += np.float32(0.5)
-        np.take(table, scaled.astype(np.uint8), out=chunk, mode="clip")
-        chunk[3::4] = alpha
+def frame_of(image: bpy.types.Image, user: bpy.types.ImageUser | None, frame: int) -> int:
+    """Number of the frame of a movie or sequence that a node shows at the scene's ``frame``; 0 of other images."""
+    if image.source not in {"MOVIE", "SEQUENCE"} or user is None or not user.frame_duration:
+        return 0
+    count, place = user.frame_duration, frame - user.frame_start + 1
+    if user.use_cyclic:
+        place = place % count or count
+    return min(max(place, 0), count) + user.frame_offset
 
 
-@functools.lru_cache(maxsize=1)
-def _srgb_table() -> np.ndarray:
-    return np.array([mathutils.Color([i / 255.0] * 3).from_srgb_to_scene_linear().r for i in range(256)], np.float32)
+def path_of(image: bpy.types.Image, frame: int, tile: int) -> str:
+    """Absolute path of the file with a frame or a tile of an image."""
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    if tile:
+        for token, text in _TILE_TOKENS.items():
+            path = path.replace(token, text(tile))
+    if image.source == "SEQUENCE":
+        folder, name = os.path.split(path)
+        stem, extension = os.path.splitext(name)
+        digits = re.fullmatch(r"(.*?)(\d+)(\D*)", stem, re.DOTALL)
+        if digits:
+            before, number, after = digits.groups()
+            name = f"{before}{frame:0{len(number)}d}{after}{extension}"
+            path = os.path.join(folder, name)
+    return os.path.normpath(path) if path else ""
 
 
-def _convert(pixels: np.ndarray, space: str) -> bool:
-    """Convert by OpenColorIO with Blender's configuration; False where OpenImageIO or the colour space is missing."""
+@contextlib.contextmanager
+def _at_frame(image: bpy.types.Image, frame: int) -> Iterator[None]:
+    """While this lasts, a movie's pixels are those of a frame: of the one that was looked at last, as any texture does."""
+    if image.source != "MOVIE":
+        yield
+        return
+    texture = bpy.data.textures.new("SDF Lights movie", "IMAGE")
     try:
-        import OpenImageIO
-    except ImportError:
-        return False
-    config = os.environ.get("OCIO") or os.path.join(
-        bpy.utils.resource_path("LOCAL"), "datafiles", "colormanagement", "config.ocio")
-    color = np.ascontiguousarray(pixels[..., :3])
-    source = OpenImageIO.ImageBuf(color)
-    result = OpenImageIO.ImageBufAlgo.colorconvert(source, space, "scene_linear", unpremult=False, colorconfig=config)
-    if result.has_error:
-        return False
-    pixels[..., :3] = result.get_pixels(OpenImageIO.FLOAT)
-    return True
+        texture.image = image
+        texture.image_user.frame_duration = max(frame, 1)
+        texture.image_user.frame_current = frame
+        texture.evaluate((0.0, 0.0, 0.0))
+        yield
+    finally:
+        bpy.data.textures.remove(texture)

@@ -9,37 +9,50 @@ import math
 import bpy
 import numpy as np
 
+from ...affine import inverse
 from ...render.errors import RenderError
+from ...render.material import Material
 from ...render.scene import RGB, AreaLight, Lamp, Light, PointLight, Ray, SpotLight, SunLight
 from ..lamp import pattern_of, shape_of
-from .common import Warnings, is_flat, rgb
-from .nodes import emission_of
+from .common import FLAT, Warnings, is_flat, rgb
+from .images import Images
+from .nodes import Reader, emission_of
 
 
-def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: Warnings,
-             owner: np.ndarray | None = None) -> Lamp | Light | None:
+def light_of(
+    obj: bpy.types.Object,
+    matrix: np.ndarray,
+    visibility: Ray,
+    warn: Warnings,
+    images: Images,
+    owner: np.ndarray | None = None,
+    random: float = 0.0,
+) -> Lamp | Light | None:
     """The lamp or light of a Light object; None where it gives no light.
 
     ``owner`` is the matrix of the object itself, from which a lamp's nodes see other objects, where it is an instance.
+    ``random`` is the number that Object Info gives.
 
     Without ``normalize``, Blender's power is that of one square metre of the light's surface (found by renders of
     Cycles: a test repeats them). Raises RenderError, with a sentence that names the object, where it cannot be used.
     """
     data, name = obj.data, obj.name
-    color = _color(data, warn)
+    color, emission = _color(obj, data, matrix, images, warn, random)
     power = data.energy * 2.0**data.exposure
     if not all(map(math.isfinite, (*color, power))):
         raise RenderError(
-            f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again.")
+            f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again."
+        )
     if data.sdf_lamp.use:
         return _lamp(name, data, matrix, matrix if owner is None else owner, power, color, visibility)
     if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
         return None  # a portal only guides sampling in Cycles
-    common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow)
+    common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow, emission=emission)
     if data.type == "SUN":
         solid = math.pi * math.sin(0.5 * data.angle) ** 2  # ∫ cosine over the sun's disk
         return SunLight(
-            name, matrix, power * solid if solid > 0.0 and not data.normalize else power, angle=data.angle, **common)
+            name, matrix, power * solid if solid > 0.0 and not data.normalize else power, angle=data.angle, **common
+        )
     if data.type == "AREA":
         return _area(name, data, matrix, power, common)
     radius = data.shadow_soft_size
@@ -51,21 +64,58 @@ def light_of(obj: bpy.types.Object, matrix: np.ndarray, visibility: Ray, warn: W
     return PointLight(name, matrix, power, **common)
 
 
-def _color(data: bpy.types.Light, warn: Warnings) -> RGB:
-    """Colour of the light, times its temperature's, times what its nodes emit."""
+def _color(
+    obj: bpy.types.Object, data: bpy.types.Light, matrix: np.ndarray, images: Images, warn: Warnings, random: float
+) -> tuple[RGB, Material | None]:
+    """Colour of the light, times its temperature's, times what its nodes emit, and these nodes where that varies."""
     color = np.array(rgb(data.color))
     if data.use_temperature:
         color *= rgb(data.temperature_color)
-    if data.use_nodes and data.node_tree is not None:
-        color *= emission_of(data.node_tree, f"Light '{data.name}'", warn)
-    return rgb(color)
+    emission = None
+    if data.use_nodes and data.node_tree is not None and not data.sdf_lamp.use:
+        reader = Reader(
+            data.node_tree, f"Light '{data.name}'", images, warn, "LIGHT", light=_settings(obj, data, matrix, random)
+        )
+        factor, emission = emission_of(reader, f"Light '{data.name}'")
+        color *= factor
+    return rgb(color), emission
 
 
-def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, owner: np.ndarray, power: float, color: RGB,
-          visibility: Ray) -> Lamp:
+def _settings(obj: bpy.types.Object, data: bpy.types.Light, matrix: np.ndarray, random: float) -> dict[str, object]:
+    """What its nodes ask of a light: see ``Reader``."""
+    scale = np.maximum(np.linalg.norm(matrix[:3, :3], axis=0), 1e-30)
+    unscaled = matrix.copy()
+    unscaled[:3, :3] /= scale
+    if abs(np.linalg.det(unscaled)) < FLAT:  # it has no space of its own to look things up in
+        unscaled = np.eye(4)
+    shape: tuple = ("POINT",)
+    if data.type == "SPOT":
+        shape = "SPOT", data.spot_size
+    elif data.type == "SUN":
+        shape = "SUN", data.angle
+    elif data.type == "AREA":
+        shape = "AREA", *np.maximum(_sides(data) * scale[:2], 1e-30)
+    info = (*matrix[:3, 3], *obj.color, obj.original.pass_index, random)
+    return dict(
+        light_matrix=inverse(unscaled)[:3],
+        light_normals=matrix[:3, :3].T,
+        light_shape=shape,
+        object_info=info,
+        owners=(obj, data),
+    )
+
+
+def _sides(data: bpy.types.AreaLight) -> np.ndarray:
+    return np.array((data.size, data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size))
+
+
+def _lamp(
+    name: str, data: bpy.types.Light, matrix: np.ndarray, owner: np.ndarray, power: float, color: RGB, visibility: Ray
+) -> Lamp:
     if is_flat(matrix):
         raise RenderError(
-            f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale.")
+            f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale."
+        )
     lamp = data.sdf_lamp
     try:
         shape, emission = shape_of(lamp, owner), pattern_of(lamp, owner)
@@ -78,12 +128,18 @@ def _lamp(name: str, data: bpy.types.Light, matrix: np.ndarray, owner: np.ndarra
 
 def _area(name: str, data: bpy.types.AreaLight, matrix: np.ndarray, power: float, common: dict) -> AreaLight:
     ellipse = data.shape in {"DISK", "ELLIPSE"}
-    size = (data.size, data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size)
+    size = tuple(_sides(data).tolist())
     # Stretched by the object as Blender does it: each axis by its own length.
     stretch = float(np.prod(np.linalg.norm(matrix[:3, :2], axis=0)))
     area = size[0] * size[1] * stretch * (math.pi / 4 if ellipse else 1.0)
     if area <= 0.0:
         raise RenderError(f"Area light '{name}' has no area: it is left out; set its size and its scale.")
     return AreaLight(
-        name, matrix, power if data.normalize else power * area, ellipse=ellipse, size=size, spread=data.spread,
-        **common)
+        name,
+        matrix,
+        power if data.normalize else power * area,
+        ellipse=ellipse,
+        size=size,
+        spread=data.spread,
+        **common,
+    )

@@ -10,15 +10,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ...render.material import Attribute
 from ...render.scene import Mesh, Scene
+from ...render.tangents import tangents
+from .attributes import READERS, read
 from .common import Warnings
-
-
-def read(collection, name: str, dtype, width: int = 1) -> np.ndarray:
-    """Property ``name`` of every item of a bpy collection: (items,) or (items, width)."""
-    values = np.empty(len(collection) * width, dtype)
-    collection.foreach_get(name, values)
-    return values if width == 1 else values.reshape(-1, width)
 
 
 @dataclass
@@ -27,6 +23,7 @@ class _Known:
 
     index: int
     corners: np.ndarray  # (T, 3) corner of Blender's mesh for each corner of each triangle
+    faces: np.ndarray  # (T,) face of Blender's mesh that each triangle is a part of
 
 
 class Meshes:
@@ -35,9 +32,24 @@ class Meshes:
     def __init__(self, scene: Scene, warn: Warnings):
         self._scene, self._warn = scene, warn
         self._known: dict[int, _Known | None] = {}
+        self._edited: dict[int, bpy.types.Mesh] = {}
 
-    def index(self, data: bpy.types.Mesh, slots: int, uv_maps: Iterable[str], tangents: Iterable[str]) -> int | None:
-        """Index of the mesh in the scene, with at least these UV maps and tangents; None where there are no triangles.
+    def evaluated(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
+        """The evaluated mesh of an object of a dependency graph, as arrays can be read from it.
+
+        A mesh in Edit Mode has none: its geometry is in the editor's own structure, of which Blender makes a mesh that
+        lives as long as the evaluated object. Asked to preserve all layers, it would make the mesh as it was before.
+        """
+        if not obj.data.is_editmode:
+            return obj.data
+        key = obj.original.as_pointer()
+        if key not in self._edited:
+            owner = obj.original.evaluated_get(depsgraph)
+            self._edited[key] = owner.to_mesh()
+        return self._edited[key]
+
+    def index(self, data: bpy.types.Mesh, slots: int, attributes: Iterable[Attribute]) -> int | None:
+        """Index of the mesh in the scene, with at least these attributes; None where there are no triangles.
 
         Faces whose slot is past the number of ``slots`` use the last one, as in Blender.
         Evaluated data stays where it is as long as its dependency graph, so its address tells it apart; names do not.
@@ -49,13 +61,19 @@ class Meshes:
         if known is None:
             return None
         mesh = self._scene.meshes[known.index]
-        for name in {*uv_maps, *tangents} - mesh.uvs.keys():
-            layer = uv_layer(data, name)
-            if layer is not None:
-                mesh.uvs[name] = read(layer.uv, "vector", np.float32, 2)[known.corners]
-        for name in set(tangents) - mesh.tangents.keys():
-            if name in mesh.uvs:
-                mesh.tangents[name] = self._tangents(data, mesh, known.corners, name)
+        for attribute in attributes:
+            if attribute.kind in ("uv", "tangent") and attribute.name not in mesh.uvs:
+                layer = uv_layer(data, attribute.name)
+                if layer is not None:
+                    mesh.uvs[attribute.name] = read(layer.uv, "vector", np.float32, 2)[known.corners]
+            if attribute.kind == "tangent" and attribute.name in mesh.uvs and attribute.name not in mesh.tangents:
+                mesh.tangents[attribute.name] = tangents(
+                    mesh.positions, mesh.triangles, mesh.normals, mesh.uvs[attribute.name]
+                )
+            if attribute.kind in READERS and attribute not in mesh.attributes:
+                found = READERS[attribute.kind](data, mesh, known.corners, known.faces, attribute.name)
+                if found is not None:
+                    mesh.attributes[attribute] = found
         return known.index
 
     def _add(self, data: bpy.types.Mesh, slot_count: int) -> _Known | None:
@@ -70,8 +88,10 @@ class Meshes:
 
         finite = np.isfinite(positions).all(axis=1)
         if not finite.all():
-            self._warn(f"Mesh '{data.name}' has vertices whose coordinates are not finite numbers: "
-                       "the faces at them are left out; delete those vertices.")
+            self._warn(
+                f"Mesh '{data.name}' has vertices whose coordinates are not finite numbers: "
+                "the faces at them are left out; delete those vertices."
+            )
             whole = finite[triangles].all(axis=1)
             corners, triangles, faces = corners[whole], triangles[whole], faces[whole]
             positions = np.where(finite[:, None], positions, np.float32(0.0))
@@ -88,19 +108,7 @@ class Meshes:
             mesh.slots = read(slots.data, "value", np.int32)[faces]
             np.clip(mesh.slots, 0, slot_count - 1, out=mesh.slots)
         self._scene.meshes.append(mesh)
-        return _Known(len(self._scene.meshes) - 1, corners)
-
-    def _tangents(self, data: bpy.types.Mesh, mesh: Mesh, corners: np.ndarray, name: str) -> np.ndarray:
-        """(T, 3, 4) tangents of a UV map, by Blender's MikkTSpace where all faces have three or four corners."""
-        try:
-            data.calc_tangents(uvmap=uv_layer(data, name).name)
-        except RuntimeError:  # faces of more than four corners
-            return triangle_tangents(mesh, name)
-        tangents = np.empty((len(data.loops), 4), np.float32)
-        tangents[:, :3] = read(data.loops, "tangent", np.float32, 3)
-        tangents[:, 3] = read(data.loops, "bitangent_sign", np.float32)
-        data.free_tangents()
-        return tangents[corners]
+        return _Known(len(self._scene.meshes) - 1, corners, faces)
 
 
 def uv_layer(data: bpy.types.Mesh, name: str):
@@ -108,17 +116,3 @@ def uv_layer(data: bpy.types.Mesh, name: str):
     if name:
         return data.uv_layers.get(name)
     return next((layer for layer in data.uv_layers if layer.active_render), None)
-
-
-def triangle_tangents(mesh: Mesh, name: str) -> np.ndarray:
-    """(T, 3, 4) tangents constant over each triangle: the direction in which u grows, and the sign of the bitangent."""
-    a, b, c = mesh.positions[mesh.triangles].transpose(1, 0, 2)
-    uv = mesh.uvs[name]
-    (u1, v1), (u2, v2) = (uv[:, 1] - uv[:, 0]).T, (uv[:, 2] - uv[:, 0]).T
-    area = u1 * v2 - u2 * v1
-    tangent = ((b - a) * v2[:, None] - (c - a) * v1[:, None]) * np.sign(area)[:, None]
-    size = np.linalg.norm(tangent, axis=1, keepdims=True)
-    result = np.zeros((len(a), 3, 4), np.float32)
-    result[..., :3] = (tangent / np.where(size > 0.0, size, 1.0))[:, None]
-    result[..., 3] = np.where(area < 0.0, -1.0, 1.0)[:, None]
-    return result

@@ -1,25 +1,51 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's shader nodes as ``render.material`` nodes.
+"""Blender's shader nodes as ``render.material``: closures as its nodes, values as formulas.
 
-``_TABLE`` says which node is which, and which socket is which input; a few nodes need a function. Groups, reroutes and
-muted nodes dissolve. What replaces a node that is not supported is told in README.md beside this package.
+``_TABLE`` says which closure is which, and which socket is which input. Nodes of values are defined in ``render.nodes``,
+and see themselves through ``_Inputs``. Groups, reroutes and muted nodes dissolve. What replaces a node that is not
+supported is told in README.md beside this package.
 """
 
 from __future__ import annotations
 
+import pathlib
 from collections.abc import Callable
 from typing import NamedTuple
 
 import bpy
+import mathutils
 import numpy as np
 
-from ...render.material import NODES, Node
-from ...vec import average, luminance
-from .common import Warnings, rgb
-from .images import Images, has_alpha
+from ...graph.folding import Folding
+from ...graph.formula import CONSTANT, Formula, Vector, constant, parameter
+from ...render.images import Texture
+from ...render.material import NODES, Attribute, Material, Node, Table
+from ...render.nodes import DEFINITIONS
+from ...render.nodes.colors import luminance_weights
+from ...render.nodes.definition import mean
+from ...render.nodes.geometry import generated, to_object, transformed_normal, uv
+from ...render.nodes.variables import INCOMING, NORMAL, POSITION
+from . import zones
+from .attributes import property_of
+from .common import Warnings, matrix_of, rgb
+from .images import Images
+from .zones import Stack, by_identifier
 
-Stack = tuple[bpy.types.Node, ...]  # group nodes that the walk is inside of, outermost first
+
+def _incoming(node) -> Vector:
+    """The way to the viewer, in the space of the object or the light."""
+    turn = node.setting("light_normals")
+    return to_object(INCOMING, "NORMAL") if turn is None else transformed_normal(node, turn, INCOMING)
+
+
+# What an unlinked Vector socket of a texture is; of all others the Generated coordinates.
+_IMPLICIT = {"ShaderNodeTexImage": uv, "ShaderNodeTexEnvironment": lambda node: POSITION, "ShaderNodeTexIES": _incoming}
+# Nodes of which it is zero, though they hide its value as textures do.
+_NO_COORDINATES = {"ShaderNodeMapRange", "ShaderNodeVectorRotate", "ShaderNodeTexWhiteNoise"}
+
+
+BLACK = (0.0, 0.0, 0.0)
 
 
 class _Missing:
@@ -28,33 +54,94 @@ class _Missing:
 
 MISSING = _Missing()
 
+_ONLY_EEVEE = " (EEVEE alone has it: a path tracer knows no shade before its paths end)"
+
 
 class _Entry(NamedTuple):
     kind: str
     inputs: dict[str, str]  # of the node here -> identifier of Blender's socket
     settings: Callable[[bpy.types.Node], dict] = lambda node: {}
-    ignored: dict[str, float] = {}  # sockets that are not supported, with the value at which that does not matter
 
 
 def _distribution(node) -> dict:
-    # Only multiple scattering differs from a plain GGX: older distributions are taken as GGX, their nearest kin.
-    return {"distribution": "MULTI_GGX" if node.distribution == "MULTI_GGX" else "GGX"}
+    return {"distribution": node.distribution}
+
+
+def _subsurface(method: str) -> dict:
+    """Settings of scattering below a surface, which Cycles changed in 5.0 and 5.2."""
+    once = method == "BURLEY" or bpy.app.version < (5, 0)
+    if method == "RANDOM_WALK" and bpy.app.version < (5, 2):
+        method = "RANDOM_WALK_LEGACY"
+    return {"subsurface_method": method, "subsurface_once": once}
 
 
 _PRINCIPLED = {name: name.replace("_", " ").title() for name in NODES["principled"]} | {
-    "ior": "IOR", "specular_ior_level": "Specular IOR Level", "coat_ior": "Coat IOR"}
+    "ior": "IOR",
+    "specular_ior_level": "Specular IOR Level",
+    "coat_ior": "Coat IOR",
+    "thin_film_ior": "Thin Film IOR",
+    "subsurface_ior": "Subsurface IOR",
+}
+_PRINCIPLED_HAIR = {name: name.replace("_", " ").title() for name in NODES["principled_hair"]} | {
+    "ior": "IOR",
+    "r_lobe": "R lobe",
+    "tt_lobe": "TT lobe",
+    "trt_lobe": "TRT lobe",
+}
+_ROUGH = dict(roughness="Roughness", normal="Normal", anisotropy="Anisotropy", rotation="Rotation", tangent="Tangent")
+_FILM = dict(thin_film_thickness="Thin Film Thickness", thin_film_ior="Thin Film IOR")
 
 _TABLE = {
-    "ShaderNodeBsdfPrincipled": _Entry("principled", _PRINCIPLED, _distribution, {
-        "Subsurface Weight": 0.0, "Anisotropic": 0.0, "Thin Film Thickness": 0.0, "Thin Wall": 0.0}),
+    "ShaderNodeBsdfPrincipled": _Entry(
+        "principled", _PRINCIPLED, lambda node: _distribution(node) | _subsurface(node.subsurface_method)
+    ),
+    "ShaderNodeSubsurfaceScattering": _Entry(
+        "subsurface",
+        dict(
+            color="Color",
+            scale="Scale",
+            radius="Radius",
+            ior="IOR",
+            roughness="Roughness",
+            anisotropy="Anisotropy",
+            normal="Normal",
+        ),
+        lambda node: _subsurface(node.falloff),
+    ),
     "ShaderNodeBsdfDiffuse": _Entry("diffuse", dict(color="Color", roughness="Roughness", normal="Normal")),
     "ShaderNodeBsdfAnisotropic": _Entry(  # "Glossy BSDF", whose anisotropy is zero at first
-        "glossy", dict(color="Color", roughness="Roughness", normal="Normal"), _distribution, {"Anisotropy": 0.0}),
+        "glossy", dict(color="Color", **_ROUGH), _distribution
+    ),
     "ShaderNodeBsdfGlass": _Entry(
-        "glass", dict(color="Color", roughness="Roughness", ior="IOR", normal="Normal"), _distribution,
-        {"Thin Film Thickness": 0.0}),
+        "glass", dict(color="Color", roughness="Roughness", ior="IOR", normal="Normal", **_FILM), _distribution
+    ),
     "ShaderNodeBsdfRefraction": _Entry(
-        "refraction", dict(color="Color", roughness="Roughness", ior="IOR", normal="Normal")),
+        "refraction", dict(color="Color", roughness="Roughness", ior="IOR", normal="Normal"), _distribution
+    ),
+    "ShaderNodeBsdfMetallic": _Entry(
+        "metallic",
+        dict(base_color="Base Color", edge_tint="Edge Tint", ior="IOR", extinction="Extinction", **_ROUGH, **_FILM),
+        lambda node: _distribution(node) | {"fresnel_type": node.fresnel_type},
+    ),
+    "ShaderNodeBsdfSheen": _Entry(
+        "sheen",
+        dict(color="Color", roughness="Roughness", normal="Normal"),
+        lambda node: {"distribution": node.distribution},
+    ),
+    "ShaderNodeBsdfToon": _Entry(
+        "toon",
+        dict(color="Color", size="Size", smooth="Smooth", normal="Normal"),
+        lambda node: {"component": node.component},
+    ),
+    "ShaderNodeBsdfHair": _Entry(
+        "hair",
+        dict(color="Color", offset="Offset", roughness_u="RoughnessU", roughness_v="RoughnessV", tangent="Tangent"),
+        lambda node: {"component": node.component.upper()},
+    ),
+    "ShaderNodeBsdfHairPrincipled": _Entry(
+        "principled_hair", _PRINCIPLED_HAIR, lambda node: {"model": node.model, "parametrization": node.parametrization}
+    ),
+    "ShaderNodeBsdfRayPortal": _Entry("ray_portal", dict(color="Color", position="Position", direction="Direction")),
     "ShaderNodeBsdfTransparent": _Entry("transparent", dict(color="Color")),
     "ShaderNodeBsdfTranslucent": _Entry("translucent", dict(color="Color", normal="Normal")),
     "ShaderNodeEmission": _Entry("emission", dict(color="Color", strength="Strength")),
@@ -62,26 +149,37 @@ _TABLE = {
     "ShaderNodeHoldout": _Entry("holdout", {}),
     "ShaderNodeMixShader": _Entry("mix_closure", dict(factor="Fac", a="Shader", b="Shader_001")),
     "ShaderNodeAddShader": _Entry("add_closure", dict(a="Shader", b="Shader_001")),
-    "ShaderNodeMapping": _Entry(
-        "mapping", dict(vector="Vector", location="Location", rotation="Rotation", scale="Scale"),
-        lambda node: {"type": node.vector_type}),
-    "ShaderNodeNormalMap": _Entry(
-        "normal_map", dict(color="Color", strength="Strength"),
-        lambda node: {"uv_map": node.uv_map, "space": node.space.removeprefix("BLENDER_")}),
-    "ShaderNodeBump": _Entry(
-        "bump", dict(strength="Strength", distance="Distance", height="Height", normal="Normal"),
-        lambda node: {"invert": node.invert}),
 }
 _TABLE["ShaderNodeBsdfGlossy"] = _TABLE["ShaderNodeBsdfAnisotropic"]
 
 
 class Reader:
-    """Reads one node tree. ``owner`` names it in warnings: "Material 'Wood'"."""
+    """Reads one node tree. ``owner`` names it in warnings: "Material 'Wood'".
 
-    def __init__(self, tree: bpy.types.NodeTree, owner: str, images: Images | None, warn: Warnings):
-        self.tree, self._owner, self._images, self._warn = tree, owner, images, warn
+    ``parameters`` are the values of the slots of all formulas that it has read. ``domain`` is "SURFACE", "WORLD" (whose
+    position is the direction of the ray) or "LIGHT". ``light`` has settings that nodes of lights ask for: "light_matrix" (3, 4)
+    leads from the world to the light, without its scale; "light_normals" (3, 3) does so for normals, with it, as in Cycles;
+    "light_shape": see ``projections.light_place``; "object_info": what ``lookups.OBJECT_INFO`` gives; "owners": whose
+    properties are its attributes.
+    """
+
+    def __init__(
+        self,
+        tree: bpy.types.NodeTree,
+        owner: str,
+        images: Images | None,
+        warn: Warnings,
+        domain: str = "SURFACE",
+        material_index: int = 0,
+        light: dict[str, object] | None = None,
+    ):
+        self.tree, self._owner, self.images, self._warn = tree, owner, images, warn
+        self.domain, self.material_index = domain, material_index
+        self.light = light or {}
+        self.parameters: list[float | Attribute | Table | Texture] = []
         self._links: dict[int, dict] = {}
         self._values: dict[tuple, object] = {}
+        self._constants: dict[tuple, Formula | Vector] = {}
 
     # -- walking -------------------------------------------------------------------------------------------------------
 
@@ -99,20 +197,20 @@ class Reader:
             link = self._link(socket)
             if link is None:
                 return None, receiver, stack
+            if len(stack) > zones.DEEPEST:
+                self.report(link.from_node, "its groups or zones are nested too deeply, so it is left out")
+                return None, receiver, stack
             node, output = link.from_node, link.from_socket
             if node.bl_idname == "NodeReroute":
                 socket = node.inputs[0]
                 continue
             if node.mute:
                 socket = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
-            elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
-                inside = next((inner for inner in node.node_tree.nodes
-                               if inner.bl_idname == "NodeGroupOutput" and inner.is_active_output), None)
-                socket = inside and _by_identifier(inside.inputs, output.identifier)
-                stack += (node,)
-            elif node.bl_idname == "NodeGroupInput" and stack:
-                socket = _by_identifier(stack[-1].inputs, output.identifier)
-                stack = stack[:-1]
+            elif node.bl_idname in zones.PASSES:
+                found = zones.PASSES[node.bl_idname](self, node, output, stack)
+                if found is None:
+                    return node, output, stack
+                socket, stack = found
             else:
                 return node, output, stack
             if socket is None:
@@ -124,17 +222,28 @@ class Reader:
         tree = socket.id_data
         links = self._links.get(tree.as_pointer())
         if links is None:
-            links = {link.to_socket.as_pointer(): link for link in tree.links if link.is_valid and not link.is_muted}
+            links = {
+                link.to_socket.as_pointer(): link
+                for link in tree.links
+                if link.is_valid and not link.is_muted and not link.to_socket.is_unavailable
+            }
             self._links[tree.as_pointer()] = links
         return links.get(socket.as_pointer())
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
     def read(self, socket, like, stack: Stack = ()):
-        """Value of an input: a number, a 3-tuple or a ``Node``, for an input whose default is ``like``.
+        """Value of an input of a closure: a formula, a vector or a ``Node``, for an input whose default is ``like``.
 
-        None where ``like`` is None and nothing is linked: the input then has its default.
+        None where ``like`` is None and nothing is linked: the input then has its default. A value where a shader is
+        expected is one that emits it.
         """
+        value = self._read(socket, like, stack)
+        if socket.type == "SHADER" and isinstance(value, (Formula, Vector)):
+            return Node("emission", {"color": _converted(value, "VECTOR", BLACK)})
+        return value
+
+    def _read(self, socket, like, stack: Stack):
         node, end, inner = self.resolve(socket, stack)
         if node is not None:
             value = self._value(node, end, inner)
@@ -143,78 +252,104 @@ class Reader:
             end = socket
         if like is None and (end is socket or end.hide_value):
             return None
-        return _converted(constant(end), end.type, like)
+        value = self._constant(end, inner)
+        return None if value is None else _converted(value, end.type, like)
+
+    def number_of(self, socket, stack: Stack) -> float | None:
+        """The number at an input; None where it varies."""
+        value, kind = self.value(socket, stack)
+        return None if value is None else numbers_of(self, _converted(value, kind, 0.0))
+
+    def value(self, socket, stack: Stack) -> tuple[Formula | Vector | None, str]:
+        """What an input of a value node has, and the type of the socket that it comes from; None where that is not
+        a value."""
+        node, end, inner = self.resolve(socket, stack)
+        if node is not None:
+            value = self._value(node, end, inner)
+            if value is not MISSING and isinstance(value, (Formula, Vector)):
+                return value, end.type
+            end = socket
+        return self._constant(end, inner), end.type
+
+    def _constant(self, socket, stack: Stack) -> Formula | Vector | None:
+        """A socket's own value, as parameters."""
+        key = socket.as_pointer(), zones.key_of(stack)
+        if key not in self._constants:
+            self._constants[key] = self.parametric(constant_of(socket))
+        return self._constants[key]
+
+    def parametric(self, value) -> Formula | Vector | None:
+        """A number, three of them, or a place, as parameters."""
+        if value is None:
+            return None
+        if isinstance(value, tuple):
+            return Vector(*map(self.parametric, value))
+        self.parameters.append(value)
+        return parameter(len(self.parameters) - 1)
 
     def _value(self, node, output, stack: Stack):
-        """What a node gives at an output, computed once."""
-        key = (node.as_pointer(), output.identifier, tuple(group.as_pointer() for group in stack))
+        """What a node gives at an output. All outputs of a node are computed at once, unless it is a closure."""
+        groups = zones.key_of(stack)
+        key = (node.as_pointer(), output.identifier, groups)
         if key not in self._values:
-            self._values[key] = self._node(node, output, stack)
+            definition = DEFINITIONS.get(node.bl_idname)
+            number = zones.constant_of(node, output, stack)
+            if number is not None:
+                self._values[key] = self.parametric(number)
+            elif definition is None:
+                self._values[key] = self._closure(node, output, stack)
+            else:
+                inputs = _Inputs(self, node, stack, output)
+                for identifier, value in definition(inputs).items():
+                    self._values[node.as_pointer(), identifier, groups] = value
+                self._values.setdefault(key, MISSING)
         return self._values[key]
 
-    def _node(self, node, output, stack: Stack):
-        if node.bl_idname in {"ShaderNodeRGB", "ShaderNodeValue"}:
-            return constant(output)
-        special = {
-            "ShaderNodeTexImage": self._image, "ShaderNodeUVMap": self._uv, "ShaderNodeTexCoord": self._coordinates,
-        }.get(node.bl_idname)
-        if special:
-            return special(node, output, stack)
+    def _closure(self, node, output, stack: Stack):
         entry = _TABLE.get(node.bl_idname)
         if entry is None:
             return self._unsupported(node, output, stack)
-        if node.bl_idname == "ShaderNodeNormalMap" and node.space.startswith("BLENDER_"):
-            self.report(node, "the swapped axes of its space are not supported, so it is read without them")
-        for identifier, harmless in entry.ignored.items():
-            socket = _by_identifier(node.inputs, identifier)
-            if socket is not None and (self.resolve(socket, stack)[0] is not None or socket.default_value != harmless):
-                self.report(node, f"{identifier} is not supported and is taken as {harmless:g}")
         inputs = {}
         for name, identifier in entry.inputs.items():
-            socket = _by_identifier(node.inputs, identifier)
+            socket = by_identifier(node.inputs, identifier)
             value = None if socket is None else self.read(socket, NODES[entry.kind][name], stack)
             if value is not None:
                 inputs[name] = value
         return Node(entry.kind, inputs, entry.settings(node))
 
-    def _image(self, node, output, stack: Stack):
-        image = node.image
-        projection = node.projection
-        if projection == "BOX":
-            self.report(node, "box projection is not supported, so it is read as flat")
-            projection = "FLAT"
-        index = None
-        if image is not None:
-            # Blender gives colour times alpha where nothing asks for alpha by itself.
-            associated = output.identifier == "Color" and not node.outputs["Alpha"].is_linked and has_alpha(image)
-            index = self._images.index(image, associated)
-        # "Smart" interpolation is cubic in Cycles.
-        interpolation = "Cubic" if node.interpolation == "Smart" else node.interpolation
-        settings = dict(image=index, interpolation=interpolation, extension=node.extension, projection=projection,
-                        output=output.identifier.lower())
-        vector = self.read(node.inputs["Vector"], None, stack)
-        return Node("image", {} if vector is None else {"vector": vector}, settings)
-
-    def _uv(self, node, output, stack: Stack):
-        if node.from_instancer:
-            self.report(node, "coordinates from the instancer are not supported, so it gives those of the mesh")
-        return Node("uv", settings={"uv_map": node.uv_map})
-
-    def _coordinates(self, node, output, stack: Stack):
-        if output.identifier == "UV":
-            return Node("uv", settings={"uv_map": ""})
-        return self._unsupported(node, output, stack)
-
     def _unsupported(self, node, output, stack: Stack):
         if output.type != "SHADER":
-            self.report(node, "not supported, so what it is linked to uses its own value")
-            return MISSING
+            return self._passed_on(node, output, stack)
         socket = next((socket for socket in node.inputs if socket.name in {"Color", "Base Color"}), None)
         if socket is None:
             self.report(node, "not supported, so it is black")
             return None
         self.report(node, "not supported, so it is a Diffuse BSDF of the same colour")
-        return Node("diffuse", {"color": self.read(socket, (0.0, 0.0, 0.0), stack)})
+        return Node("diffuse", {"color": self.read(socket, BLACK, stack)})
+
+    def _passed_on(self, node, output, stack: Stack):
+        """The first input of the same kind, as a muted node gives it."""
+        socket = next((socket for socket in node.inputs if socket.enabled and socket.type == output.type), None)
+        value = None if socket is None else self.value(socket, stack)[0]
+        if value is None:
+            why = _ONLY_EEVEE if node.bl_idname == "ShaderNodeShaderToRGB" else ""
+            self.report(node, f"not supported{why}, so what it is linked to uses its own value")
+            return MISSING
+        self.report(node, f"not supported, so its input {socket.name} is passed on, as if it was muted")
+        return value
+
+    def attribute_value(self, node) -> list[float] | None:
+        """Numbers of what an Attribute node names, of a light or of the view layer; None where there is nothing."""
+        owners = self.light.get("owners", ())
+        if node.attribute_type == "VIEW_LAYER":
+            owners = bpy.context.view_layer, bpy.context.scene, bpy.context.scene.world
+        elif node.attribute_type == "GEOMETRY":
+            owners = ()
+        found = next(
+            (found for found in (property_of(owner, node.attribute_name) for owner in owners) if found is not None),
+            None,
+        )
+        return None if found is None else found[0].tolist()
 
     def report(self, node, what: str) -> None:
         """Warn about a node, by the name that the node editor shows."""
@@ -223,47 +358,200 @@ class Reader:
         self._warn(f"{self._owner}: node {name}: {what}.")
 
 
-def _by_identifier(sockets, identifier: str):
-    return next((socket for socket in sockets if socket.identifier == identifier), None)
+class _Inputs:
+    """A node of values as its definition sees it: ``render.nodes.NodeInputs``."""
+
+    def __init__(self, reader: Reader, node, stack: Stack, output):
+        self._reader, self._node, self._stack = reader, node, stack
+        self.wanted = {socket.identifier for socket in node.outputs if socket.is_linked} | {output.identifier}
+
+    def _socket(self, identifier: str):
+        return by_identifier(self._node.inputs, identifier)
+
+    def _read(self, identifier: str) -> tuple[Formula | Vector, str]:
+        socket = self._socket(identifier)
+        value, kind = (None, "VALUE") if socket is None else self._reader.value(socket, self._stack)
+        return (constant(0.0), "VALUE") if value is None else (value, kind)
+
+    def number(self, socket: str) -> Formula:
+        return _converted(*self._read(socket), 0.0)
+
+    def vector(self, socket: str) -> Vector:
+        if (
+            socket == "Vector"
+            and not self.is_linked(socket)
+            and self._socket(socket) is not None
+            and self._socket(socket).hide_value
+            and self._node.bl_idname not in _NO_COORDINATES
+        ):
+            found = self.coordinates()
+        else:
+            found = _converted(*self._read(socket), BLACK)
+        return self._mapped(found) if socket == "Vector" else found
+
+    color = vector
+
+    def normal(self, socket: str) -> Vector:
+        return self.vector(socket) if self.is_linked(socket) else NORMAL
+
+    def coordinates(self) -> Vector:
+        """What an unlinked Vector input of a texture stands for."""
+        if self._reader.domain == "WORLD":
+            return POSITION
+        return _IMPLICIT.get(self._node.bl_idname, generated)(self)
+
+    def _mapped(self, vector: Vector) -> Vector:
+        """A vector with the texture mapping that some nodes have of their own."""
+        mapping = getattr(self._node, "texture_mapping", None)
+        if mapping is None:
+            return vector
+        matrix = texture_matrix(mapping)
+        if matrix is None:
+            return vector
+        rows = [[self.parameter(float(entry)) for entry in row] for row in matrix]
+        return Vector(*(row[0] * vector.x + row[1] * vector.y + row[2] * vector.z + row[3] for row in rows))
+
+    def has(self, socket: str) -> bool:
+        return self._socket(socket) is not None
+
+    def is_linked(self, socket: str) -> bool:
+        found = self._socket(socket)
+        return found is not None and self._reader.resolve(found, self._stack)[0] is not None
+
+    def own(self, output: str) -> Formula | Vector:
+        return self._reader.parametric(constant_of(by_identifier(self._node.outputs, output)))
+
+    def setting(self, name: str):
+        if name == "working_space":
+            return working_space()
+        if name == "scene_time":
+            scene = bpy.context.scene
+            frame = scene.frame_current_final
+            return frame * scene.render.fps_base / scene.render.fps, frame
+        if name == "object_matrix":
+            other = self._node.object
+            return None if other is None else matrix_of(other.matrix_world.inverted_safe())[:3]
+        if name == "occlusion_distance":
+            world = bpy.context.scene.world
+            return 10.0 if world is None else world.light_settings.distance
+        if name == "material_index":
+            return self._reader.material_index
+        if name == "domain":
+            return self._reader.domain
+        if name in ("light_matrix", "light_normals", "light_shape", "object_info"):
+            return self._reader.light.get(name)
+        if name == "attribute_value":
+            return self._reader.attribute_value(self._node)
+        if name == "blender_version":
+            return bpy.app.version[:2]
+        if name == "ies_text":
+            return ies_text(self._node)
+        return getattr(self._node, name, None)
+
+    def parameter(self, value: float | Attribute) -> Formula:
+        return self._reader.parametric(value)
+
+    def table(self, values: np.ndarray) -> Formula:
+        return self._reader.parametric(Table(np.asarray(values, np.float64)))
+
+    def image(self, straight: bool = False, tiled: bool = True) -> Formula:
+        node = self._node
+        # What shows the world in all directions repeats.
+        extension = getattr(node, "extension", "REPEAT")
+        return self._reader.parametric(
+            self._reader.images.texture(
+                node.image,
+                node.image_user,
+                interpolation=node.interpolation,
+                extension=extension,
+                alpha=straight,
+                tiled=tiled,
+            )
+        )
+
+    def report(self, sentence: str) -> None:
+        self._reader.report(self._node, sentence)
 
 
-def constant(socket):
+def ies_text(node) -> str:
+    """The IES file of a node, from a text of the file or from disk; nothing where there is none."""
+    if node.mode == "INTERNAL":
+        return "" if node.ies is None else node.ies.as_string()
+    path = bpy.path.abspath(node.filepath, library=node.id_data.library)
+    try:
+        return pathlib.Path(path).read_text(encoding="latin-1")
+    except (OSError, ValueError):
+        return ""
+
+
+_AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
+
+
+def texture_matrix(mapping) -> np.ndarray | None:
+    """(3, 4) matrix of a texture node's own mapping; None where it does nothing."""
+    axes = [_AXES[getattr(mapping, f"mapping_{axis}")] for axis in "xyz"]
+    location, rotation, size = (tuple(getattr(mapping, name)) for name in ("translation", "rotation", "scale"))
+    if axes == [0, 1, 2] and not any(location) and not any(rotation) and size == (1.0, 1.0, 1.0):
+        return None
+    swizzle = np.zeros((3, 3))
+    for row, column in enumerate(axes):
+        if column is not None:
+            swizzle[row, column] = 1.0
+    turn = np.array(mathutils.Euler(rotation, "XYZ").to_matrix(), np.float64)
+    kind = mapping.vector_type
+    inverse = np.divide(1.0, size, out=np.zeros(3), where=np.array(size) != 0.0)
+    if kind == "TEXTURE":
+        linear = np.diag(inverse) @ turn.T
+        return np.column_stack([linear @ swizzle, -linear @ np.array(location)])
+    linear = turn @ np.diag(inverse if kind == "NORMAL" else size)
+    return np.column_stack([linear @ swizzle, location if kind == "POINT" else np.zeros(3)])
+
+
+def working_space() -> str | None:
+    """Name of the linear colour space that the file works in, which can be chosen since Blender 5.0."""
+    return getattr(getattr(bpy.data, "colorspace", None), "working_space", None)
+
+
+def constant_of(socket):
     """A socket's own value: a float, a 3-tuple, or None for a shader."""
     value = getattr(socket, "default_value", None)
-    if value is None or isinstance(value, str):
+    if value is None or isinstance(value, (str, bpy.types.ID)):
         return None
     return rgb(value) if hasattr(value, "__len__") else float(value)
 
 
 def _converted(value, socket_type: str, like):
-    """A constant as Blender converts it between sockets: colours to numbers by luminance, vectors by mean.
-
-    Nodes stay as they are; back ends convert what they compute.
-    """
-    if isinstance(value, tuple) and isinstance(like, float):
-        return float(luminance(value) if socket_type == "RGBA" else average(value))
-    if isinstance(value, float) and isinstance(like, tuple):
-        return (value, value, value)
+    """A value as Blender converts it between sockets: colours to numbers by luminance, vectors by mean."""
+    if isinstance(value, Vector) and isinstance(like, float):
+        if socket_type == "RGBA":
+            return value.dot(luminance_weights(working_space()))
+        return mean(value)
+    if isinstance(value, Formula) and isinstance(like, tuple):
+        return Vector(value, value, value)
     return value
 
 
-def emission_of(tree: bpy.types.NodeTree, owner: str, warn: Warnings) -> np.ndarray:
-    """RGB that the node tree of a light or world emits: Emission's colour times its strength, or a sum of several.
+def numbers_of(reader: Reader, value):
+    """A value of formulas as a float or a 3-tuple; None where it is not the same everywhere."""
+    if value is None or isinstance(value, Node):
+        return None
+    if isinstance(value, (float, tuple)) and not isinstance(value, Vector):
+        return value
+    folding = Folding([entry if isinstance(entry, float) else 0.0 for entry in reader.parameters])
+    folded = [folding.fold(formula) for formula in (value if isinstance(value, Vector) else (value,))]
+    if any(formula.kind != CONSTANT for formula in folded):
+        return None
+    return tuple(formula.value for formula in folded) if len(folded) == 3 else folded[0].value
 
-    Only constants count: the factor is one for the whole light.
-    """
-    reader = Reader(tree, owner, None, warn)
+
+def emission_of(reader: Reader, name: str) -> tuple[np.ndarray, Material | None]:
+    """What the node tree of a light or a world emits: RGB where that is the same everywhere, else white and its nodes."""
     output = reader.output()
-    if output is None:
-        return np.zeros(3)
-    surface = reader.read(output.inputs["Surface"], None)
+    surface = None if output is None else reader.read(output.inputs["Surface"], None)
     if surface is None:
-        return np.zeros(3)
-    if not isinstance(surface, Node) or surface.kind != "emission":
-        warn(f"{owner}: only an Emission node linked to its output is supported: its nodes are left out of account.")
-        return np.ones(3)
-    color, strength = surface["color"], surface["strength"]
-    if isinstance(color, Node) or isinstance(strength, Node):
-        warn(f"{owner}: textures on lights are not supported: they are taken as 1.")
-        color, strength = (np.ones(3) if isinstance(value, Node) else value for value in (color, strength))
-    return np.array(color) * strength
+        return np.zeros(3), None
+    if isinstance(surface, Node) and surface.kind == "emission":
+        color, strength = (numbers_of(reader, surface[name]) for name in ("color", "strength"))
+        if color is not None and strength is not None:
+            return np.array(color) * strength, None
+    return np.ones(3), Material(name, surface, parameters=reader.parameters)

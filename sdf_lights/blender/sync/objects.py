@@ -11,16 +11,23 @@ import bpy
 import numpy as np
 
 from ...render.errors import RenderError
-from ...render.scene import Instance, Lamp, Ray, Scene
+from ...render.material import Attribute
+from ...render.scene import AttributeValues, Domain, Instance, Lamp, Ray, Scene
+from .attributes import property_of, random_number
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
+from .images import Images
 from .lights import light_of
 from .materials import Materials
 from .mesh import Meshes
 
 # Curves, text, surfaces and metaballs are not here: Blender lists their evaluated meshes as instances of their own.
 _UNSUPPORTED = {
-    "CURVES": "hair curves", "POINTCLOUD": "a point cloud", "VOLUME": "a volume", "GREASEPENCIL": "Grease Pencil",
-    "GPENCIL": "Grease Pencil"}
+    "CURVES": "hair curves",
+    "POINTCLOUD": "a point cloud",
+    "VOLUME": "a volume",
+    "GREASEPENCIL": "Grease Pencil",
+    "GPENCIL": "Grease Pencil",
+}
 
 # A flattened instance is given this part of its largest scale as thickness, so that its matrix has an inverse.
 _THICKNESS = 1e-6
@@ -31,15 +38,20 @@ LIGHTS = frozenset({"LIGHT"})
 
 
 def sync_objects(
-    depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials | None, warn: Warnings,
-    kinds: frozenset[str] = ALL, shows: Callable[[bpy.types.DepsgraphObjectInstance], bool] = lambda item: True,
+    depsgraph: bpy.types.Depsgraph,
+    scene: Scene,
+    materials: Materials | None,
+    images: Images,
+    warn: Warnings,
+    kinds: frozenset[str] = ALL,
+    shows: Callable[[bpy.types.DepsgraphObjectInstance], bool] = lambda item: True,
 ) -> None:
     """Append every mesh, instance, lamp and light of the dependency graph to ``scene``: those of the ``kinds`` that it
     ``shows``. Lights need no ``materials``.
 
     An object that cannot be used is left out with a warning that names it; the rest is rendered.
     """
-    reader = _Reader(depsgraph, scene, materials, warn)
+    reader = _Reader(depsgraph, scene, materials, images, warn)
     for item in depsgraph.object_instances:
         # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
         if item.object.type in kinds and item.show_self and shows(item):
@@ -56,10 +68,12 @@ class _Flags(NamedTuple):
 class _Reader:
     """Reads instances; what many instances have in common is asked of Blender once."""
 
-    def __init__(self, depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials | None, warn: Warnings):
+    def __init__(
+        self, depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials | None, images: Images, warn: Warnings
+    ):
         self._depsgraph = depsgraph
         self._view_layer = depsgraph.view_layer  # the original, which knows original objects
-        self._scene, self._materials, self._warn = scene, materials, warn
+        self._scene, self._materials, self._images, self._warn = scene, materials, images, warn
         self._meshes = Meshes(scene, warn)
         self._flags: dict[int, _Flags] = {}
         self._shown: dict[tuple[int, int], tuple[int | None, tuple[int, ...]]] = {}
@@ -68,40 +82,83 @@ class _Reader:
         obj = item.object
         kind = obj.type
         if kind in _UNSUPPORTED:
-            self._warn(f"Object '{obj.original.name}' is {_UNSUPPORTED[kind]}, which is not supported: it is left out; "
-                       "convert it to a mesh.")
+            self._warn(
+                f"Object '{obj.original.name}' is {_UNSUPPORTED[kind]}, which is not supported: it is left out; "
+                "convert it to a mesh."
+            )
             return
         matrix = matrix_of(item.matrix_world)
         if not is_finite(matrix):
-            self._warn(f"Object '{obj.original.name}' has a transform that is not made of finite numbers: "
-                       "it is left out; clear its location, rotation and scale.")
+            self._warn(
+                f"Object '{obj.original.name}' has a transform that is not made of finite numbers: "
+                "it is left out; clear its location, rotation and scale."
+            )
             return
         flags = self._flags_of(obj)
         if item.is_instance and item.parent is not None:
             instancer = self._flags_of(item.parent)
             flags = _Flags(flags.visibility & instancer.visibility, flags.holdout or instancer.holdout)
         if kind == "MESH":
-            self._mesh(obj, matrix, flags)
+            self._mesh(item, obj, matrix, flags)
         else:
-            self._light(obj, matrix, flags)
+            self._light(obj, matrix, flags, random_number(item))
 
-    def _mesh(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags) -> None:
+    def _mesh(
+        self, item: bpy.types.DepsgraphObjectInstance, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags
+    ) -> None:
         matrix = invertible(matrix)
         if matrix is None:
             return
         original = obj.original
-        key = original.as_pointer(), obj.data.as_pointer()
+        mesh = self._meshes.evaluated(obj, self._depsgraph)
+        key = original.as_pointer(), mesh.as_pointer()
         if key not in self._shown:
             slots = tuple(self._materials.index(material) for material in slot_materials(obj))
-            self._shown[key] = self._meshes.index(obj.data, len(slots), *self._materials.needs(slots)), slots
+            self._shown[key] = self._meshes.index(mesh, len(slots), self._materials.needs(slots)), slots
         index, slots = self._shown[key]
-        if index is not None:
-            self._scene.instances.append(Instance(index, matrix, slots, original.name, flags.visibility, flags.holdout))
+        if index is None:
+            return
+        self._scene.instances.append(
+            Instance(
+                index,
+                matrix,
+                slots,
+                original.name,
+                flags.visibility,
+                flags.holdout,
+                self._attributes(item, self._materials.needs(slots)),
+                tuple(obj.color),
+                original.pass_index,
+                random_number(item),
+            )
+        )
 
-    def _light(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags) -> None:
+    def _attributes(self, item: bpy.types.DepsgraphObjectInstance, wanted: set[Attribute]) -> dict:
+        """What materials look up that is the same all over an instance."""
+        found = {}
+        for attribute in wanted:
+            if attribute.kind in ("instancer_generated", "instancer_uv"):
+                if item.is_instance:
+                    place = np.array(item.orco if attribute.kind == "instancer_generated" else item.uv, np.float32)
+                    place = 0.5 * place - 0.5 if attribute.kind == "instancer_generated" else place
+                    found[attribute] = AttributeValues(Domain.WHOLE, place[None])
+                continue
+            owners = {
+                "object": (item.object, item.object.data),
+                "instancer": (item.parent, item.object) if item.is_instance else (item.object, item.object.data),
+                "view_layer": (self._depsgraph.view_layer, self._depsgraph.scene, self._depsgraph.scene.world),
+            }.get(attribute.kind, ())
+            values = next(
+                (value for value in (property_of(owner, attribute.name) for owner in owners) if value is not None), None
+            )
+            if values is not None:
+                found[attribute] = AttributeValues(Domain.WHOLE, values)
+        return found
+
+    def _light(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags, random: float) -> None:
         try:
             owner = matrix_of(obj.original.evaluated_get(self._depsgraph).matrix_world)
-            light = light_of(obj, matrix, flags.visibility, self._warn, owner)
+            light = light_of(obj, matrix, flags.visibility, self._warn, self._images, owner, random)
         except RenderError as error:
             self._warn(str(error))
             return

@@ -1,28 +1,33 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world: a colour, or an equirectangular picture that may be turned."""
+"""The world: a colour, an equirectangular picture that may be turned, or what its nodes make of a direction."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import bpy
 import mathutils
 import numpy as np
 
+from ...render.images import MISSING
 from ...render.scene import Ray, World
 from .common import Warnings, node_tree_of, rgb
 from .images import Images
-from .nodes import Reader
+from .nodes import Reader, emission_of, numbers_of, texture_matrix
+from .volumes import medium_of
 
 _RAYS = {
-    "camera": Ray.CAMERA, "diffuse": Ray.DIFFUSE, "glossy": Ray.GLOSSY, "transmission": Ray.TRANSMISSION}
+    "camera": Ray.CAMERA,
+    "diffuse": Ray.DIFFUSE,
+    "glossy": Ray.GLOSSY,
+    "transmission": Ray.TRANSMISSION,
+    "scatter": Ray.VOLUME,
+}
 
 
 def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> World:
-    """The world; black where the scene has none.
-
-    Understood are a Background (or Emission) node linked to the output, with constants, or with an Environment Texture
-    whose Vector is direct or turned by a Mapping node. Whatever else is linked gives way to the socket's own value.
-    """
+    """The world; black where the scene has none."""
     if world is None:
         return World()
     visibility = Ray.ALL
@@ -33,52 +38,68 @@ def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> W
     if tree is None:
         return World(rgb(world.color), visibility=visibility)
     owner = f"World '{world.name}'"
-    reader = Reader(tree, owner, images, warn)
+    reader = Reader(tree, owner, images, warn, "WORLD")
     output = reader.output()
-    node, _, stack = (None, None, ()) if output is None else reader.resolve(output.inputs["Surface"])
-    if node is None:
+    if output is None:
         return World(visibility=visibility)
+    medium = medium_of(reader, output, owner, warn)
+    return replace(_background(reader, output, owner, images, visibility), medium=medium)
+
+
+def _background(reader: Reader, output, owner: str, images: Images, visibility: Ray) -> World:
+    color, emission = emission_of(reader, owner)
+    if emission is None:
+        return World(rgb(color), visibility=visibility)
+    return _picture(reader, output, images, visibility) or World(
+        (1.0, 1.0, 1.0), visibility=visibility, emission=emission
+    )
+
+
+def _picture(reader: Reader, output, images: Images, visibility: Ray) -> World | None:
+    """A world that is an equirectangular picture, perhaps turned: sampled by its own pixels. None: it is more."""
+    node, _, stack = reader.resolve(output.inputs["Surface"])
     if node.bl_idname not in {"ShaderNodeBackground", "ShaderNodeEmission"}:
-        warn(f"{owner}: only a Background node linked to its output is supported: the world's viewport colour is used.")
-        return World(rgb(world.color), visibility=visibility)
-    strength = reader.read(node.inputs["Strength"], 1.0, stack)
-    if not isinstance(strength, float):
-        warn(f"{owner}: a texture on the strength of the background is not supported: the strength is taken as "
-             f"{node.inputs['Strength'].default_value:g}.")
-        strength = node.inputs["Strength"].default_value
+        return None
+    strength = numbers_of(reader, reader.read(node.inputs["Strength"], 1.0, stack))
     texture, _, inner = reader.resolve(node.inputs["Color"], stack)
-    if texture is not None and texture.bl_idname == "ShaderNodeTexEnvironment" and texture.image is not None:
-        if texture.projection == "EQUIRECTANGULAR":
-            return World((1.0, 1.0, 1.0), strength, images.index(texture.image),
-                         _rotation(reader, texture.inputs["Vector"], inner), visibility)
-        reader.report(texture, "mirror ball projection is not supported, so the background has its own colour")
-        return World(rgb(node.inputs["Color"].default_value), strength, visibility=visibility)
-    color = reader.read(node.inputs["Color"], (0.0, 0.0, 0.0), stack)
-    if not isinstance(color, tuple):
-        warn(f"{owner}: only an Environment Texture is supported as a picture of the world: "
-             "the background has its own colour.")
-        color = rgb(node.inputs["Color"].default_value)
-    return World(color, strength, visibility=visibility)
+    if (
+        strength is None
+        or texture is None
+        or texture.bl_idname != "ShaderNodeTexEnvironment"
+        or texture.image is None
+        or texture.projection != "EQUIRECTANGULAR"
+        or texture.interpolation != "Linear"
+        or texture_matrix(texture.texture_mapping) is not None
+    ):
+        return None
+    rotation = _rotation(reader, texture.inputs["Vector"], inner)
+    if rotation is None:
+        return None
+    image = images.index(texture.image, texture.image_user)
+    return World(MISSING[:3] if image is None else (1.0, 1.0, 1.0), strength, image, rotation, visibility)
 
 
-def _rotation(reader: Reader, socket, stack) -> np.ndarray:
-    """Rotation from world directions to the picture's, (3, 3), that the nodes at a Vector socket make."""
+def _rotation(reader: Reader, socket, stack) -> np.ndarray | None:
+    """Rotation from world directions to the picture's, (3, 3), that the nodes at a Vector socket make; None: they do
+    something else."""
     node, output, inner = reader.resolve(socket, stack)
     if node is None:
         return np.eye(3)
     if node.bl_idname == "ShaderNodeMapping":
         angles, scale, location = (
-            reader.read(node.inputs[name], (0.0, 0.0, 0.0), inner) for name in ("Rotation", "Scale", "Location"))
-        if not isinstance(angles, tuple):
-            reader.report(node, "a texture as rotation is not supported, so nothing is turned")
-            angles = (0.0, 0.0, 0.0)
-        if scale != (1.0, 1.0, 1.0) or location != (0.0, 0.0, 0.0) and node.vector_type in {"POINT", "TEXTURE"}:
-            reader.report(node, "only its rotation is supported")
+            numbers_of(reader, reader.read(node.inputs[name], (0.0, 0.0, 0.0), inner))
+            for name in ("Rotation", "Scale", "Location")
+        )
+        before = _rotation(reader, node.inputs["Vector"], inner)
+        if (
+            angles is None
+            or before is None
+            or scale != (1.0, 1.0, 1.0)
+            or location != (0.0, 0.0, 0.0)
+            and node.vector_type in {"POINT", "TEXTURE"}
+        ):
+            return None
         rotation = np.array(mathutils.Euler(angles, "XYZ").to_matrix(), np.float64)
-        if node.vector_type == "TEXTURE":
-            rotation = rotation.T
-        return rotation @ _rotation(reader, node.inputs["Vector"], inner)
+        return (rotation.T if node.vector_type == "TEXTURE" else rotation) @ before
     is_direction = node.bl_idname == "ShaderNodeTexCoord" and output.identifier in {"Generated", "Object"}
-    if not is_direction or node.object is not None:
-        reader.report(node, "not supported here, so the picture is not turned by it")
-    return np.eye(3)
+    return np.eye(3) if is_direction and node.object is None else None

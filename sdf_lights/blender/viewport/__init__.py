@@ -11,11 +11,10 @@ import traceback
 import bpy
 from bpy.app.handlers import persistent
 
-from . import picking, properties
+from . import drawn, picking, properties
 
 CLASSES = (*properties.CLASSES, *picking.CLASSES)
 
-_overlay = None  # made at the first redraw: there is no graphics context in the background
 _failures: dict[str, str] = {}  # by the draw handler
 _handles: list = []
 
@@ -24,7 +23,7 @@ def proxy_error(light: bpy.types.Light) -> str:
     """Why the lamp is not shown in the viewport, or only its box: a sentence, or an empty string."""
     if _failures:
         return next(iter(_failures.values()))
-    return _overlay.errors.get(light.name_full, "") if _overlay is not None else ""
+    return drawn.overlay.errors.get(light.name_full, "") if drawn.overlay is not None else ""
 
 
 def _guarded(draw):
@@ -43,32 +42,31 @@ def _guarded(draw):
 
 
 def _before_scene():
-    global _overlay
-    if _overlay is None:
+    if drawn.overlay is None:
         from .overlay import Overlay
 
-        _overlay = Overlay()
-    _overlay.before_scene()
+        drawn.overlay = Overlay()
+    drawn.overlay.before_scene()
 
 
 def _after_scene():
-    _overlay.after_scene(bpy.context)
+    drawn.overlay.after_scene(bpy.context)
 
 
 def _labels():
-    _overlay.labels(bpy.context)
+    drawn.overlay.labels(bpy.context)
 
 
 @persistent
 def _updated(_, depsgraph):
-    if _overlay is not None:
-        _overlay.changed(depsgraph)
+    if drawn.overlay is not None:
+        drawn.overlay.changed(depsgraph)
 
 
 @persistent
 def _changed(*_):
-    if _overlay is not None:
-        _overlay.changed(None)
+    if drawn.overlay is not None:
+        drawn.overlay.changed(None)
 
 
 @persistent
@@ -76,8 +74,8 @@ def _forget(*_):
     if _stop is None:  # bpy as a module says that it exits when Python has been taken down
         return
     _stop()
-    if _overlay is not None:
-        _overlay.forget()
+    if drawn.overlay is not None:
+        drawn.overlay.forget()
 
 
 @persistent
@@ -86,11 +84,6 @@ def _stop(*_):
     rendered = sys.modules.get(f"{__name__}.rendered")
     if rendered is not None:
         rendered.stop_all()
-
-
-def shown_lamps(context) -> list:
-    """The lamps (``lamps.Placed``) in a viewport, drawn by the overlay or by the path tracer."""
-    return _overlay.shown(context) if _overlay is not None else []
 
 
 def render_warnings() -> list[str]:
@@ -102,7 +95,11 @@ def render_warnings() -> list[str]:
 _HANDLERS = [
     ("depsgraph_update_post", _updated),
     *((name, _changed) for name in ("frame_change_post", "undo_post", "redo_post", "load_post")),
-    ("undo_pre", _stop), ("redo_pre", _stop), ("load_pre", _forget), ("exit_pre", _forget)]
+    ("undo_pre", _stop),
+    ("redo_pre", _stop),
+    ("load_pre", _forget),
+    ("exit_pre", _forget),
+]
 
 
 def register():
@@ -118,7 +115,6 @@ def register():
 
 
 def unregister():
-    global _overlay
     for handle in _handles:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
     _handles.clear()
@@ -127,7 +123,7 @@ def unregister():
             getattr(bpy.app.handlers, name).remove(function)
     atexit.unregister(_forget)
     _forget()
-    _overlay = None
+    drawn.overlay = None
     _failures.clear()
     picking.unregister()
     properties.unregister()

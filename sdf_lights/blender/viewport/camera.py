@@ -19,14 +19,14 @@ Border = tuple[int, int, int, int]
 
 def view_camera(context, depsgraph: bpy.types.Depsgraph, width: int, height: int) -> tuple[Camera, Border | None]:
     """Camera of the viewport of ``context``, of that many pixels, and the pixels (x0, y0, x1, y1) to render."""
-    data, space = context.region_data, context.space_data
+    data = context.region_data
     view, projection = matrix_of(data.view_matrix), matrix_of(data.window_matrix)
     obj = _looked_through(context, depsgraph)
     if obj is not None and obj.data.type == "PANO":
         frame = _frame(obj, depsgraph, projection)
         camera = camera_of(obj, depsgraph, width, height, lambda warning: None)
-        camera.longitude, camera.latitude = (
-            _beyond(frame[axis], limits) for axis, limits in enumerate((camera.longitude, camera.latitude)))
+        left, right, bottom, top = camera.window
+        camera.window = *_beyond(frame[0], (left, right)), *_beyond(frame[1], (bottom, top))
         return camera, _border(context, frame, width, height)
     camera = camera_from_matrices(view, projection)
     if obj is None:
@@ -77,7 +77,7 @@ def _frame(obj: bpy.types.Object, depsgraph, projection: np.ndarray) -> np.ndarr
 
 
 def _beyond(frame: np.ndarray, limits: tuple[float, float]) -> tuple[float, float]:
-    """Angles at −1 and 1, for a panorama whose ``limits`` are at the edges of the frame."""
+    """Edges of the window at −1 and 1, for a panorama whose ``limits`` are at the edges of the frame."""
     rate = (limits[1] - limits[0]) / (frame[1] - frame[0])
     return tuple(limits[0] + rate * (edge - frame[0]) for edge in (-1.0, 1.0))
 
@@ -89,7 +89,7 @@ def _border(context, frame: np.ndarray, width: int, height: int) -> Border | Non
     source = render if through_camera and render.use_border else space
     if source is space and (through_camera or not space.use_render_border):
         return None
-    names = ("border" if source is render else "render_border")
+    names = "border" if source is render else "render_border"
     parts = np.array([[getattr(source, f"{names}_{end}_{axis}") for end in ("min", "max")] for axis in "xy"])
     edges = 0.5 * (frame[:, :1] + parts * (frame[:, 1:] - frame[:, :1])) + 0.5
     pixels = np.rint(edges * [[width], [height]]).astype(int)

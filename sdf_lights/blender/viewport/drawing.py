@@ -16,8 +16,14 @@ def draw_rectangle(shader: gpu.types.GPUShader, place: Place, blend: str, textur
     """Fill a rectangle by a shader of ``shaders`` that takes these textures and values."""
     x0, y0, x1, y1 = (2.0 * edge - 1.0 for edge in place)
     batch = batch_for_shader(
-        shader, "TRIS", {"position": [(x0, y0), (x1, y0), (x0, y1), (x1, y1)],
-                         "texcoord": [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]}, indices=[(0, 1, 2), (1, 3, 2)])
+        shader,
+        "TRIS",
+        {
+            "position": [(x0, y0), (x1, y0), (x0, y1), (x1, y1)],
+            "texcoord": [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)],
+        },
+        indices=[(0, 1, 2), (1, 3, 2)],
+    )
     gpu.state.blend_set(blend)
     gpu.state.depth_test_set("NONE")
     try:

@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ... import jit
+from ...graph.lipschitz import global_lipschitz
 from ...sdf.emission import Emission
-from ...sdf.lipschitz import global_lipschitz
 from ...sdf.shapes import Shape
 
 KEPT = 512  # shapes whose facts are remembered
@@ -51,6 +51,7 @@ DARK = "its emission is zero everywhere inside, so it gives no light: make its l
 
 
 def varies(emission: Emission | None) -> bool:
+    """Whether the brightness differs from point to point."""
     return emission is not None and emission.varies
 
 
@@ -106,7 +107,7 @@ def _inside(shape: Shape, emission: Emission | None, low: np.ndarray, high: np.n
         except ValueError as error:
             return Facts(low, high, problem=f"{error}.")
         return Facts(low, high, volume=lamp.volume, mean=lamp.emission, rate=_typical_rate(emission, low, high))
-    from ...emitter.lamps import LampError, build_lamp
+    from ...emitter.building.build import LampError, build_lamp
 
     try:
         lamp = build_lamp("", shape, identity, density=1.0, emission=emission)
@@ -130,7 +131,9 @@ class FactFinder:
         self._on_news = on_news
         self._lock = threading.Lock()
         self._known: OrderedDict[Lit, Facts] = OrderedDict()
-        self._wanted: OrderedDict[str, Lit] = OrderedDict()  # by lamp: of a slider that moves only the last place counts
+        self._wanted: OrderedDict[str, Lit] = (
+            OrderedDict()
+        )  # by lamp: of a slider that moves only the last place counts
         self._last: dict[str, Facts] = {}
         self._thread: threading.Thread | None = None
 
@@ -155,6 +158,7 @@ class FactFinder:
 
     @property
     def busy(self) -> bool:
+        """Whether its thread is at work."""
         with self._lock:
             return self._thread is not None
 
@@ -198,7 +202,8 @@ class FactFinder:
                     facts = measured(*lit)
                 except Exception as error:
                     facts = NO_FACTS._replace(
-                        problem=f"measuring its shape failed ({type(error).__name__}: {error}): simplify it.")
+                        problem=f"measuring its shape failed ({type(error).__name__}: {error}): simplify it."
+                    )
                 self._keep(lit, facts)
             self._on_news()
 

@@ -20,11 +20,11 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix, Vector
 
-from ..naming import ENGINE
 from ...render.scene import Lamp, Ray
+from ..naming import ENGINE
 from . import rendered, shaders
 from .drawing import draw_rectangle
-from .facts import Facts, FactFinder
+from .facts import FactFinder, Facts
 from .lamps import Collected, Placed, collect
 from .painter import EDGES, Depth, Drawn, Painter, View, code_of, radiance_per_metre
 from .surfaces import Surfaces
@@ -77,6 +77,7 @@ class Overlay:
         self._surfaces.changed(depsgraph is None or any(update.is_updated_geometry for update in depsgraph.updates))
 
     def forget(self) -> None:
+        """Drop all that is kept between redraws, as when another file is opened."""
         self.finder.stop()
         self._surfaces.changed(True)
         self._collected.clear()
@@ -93,9 +94,11 @@ class Overlay:
     # -- drawing -------------------------------------------------------------------------------------------------
 
     def before_scene(self) -> None:
+        """Before Blender draws the scene: note the frame buffer of its colours."""
         self._scene_buffer = gpu.state.active_framebuffer_get()
 
     def after_scene(self, context) -> None:
+        """After Blender has drawn the scene: draw the lamps into its colours."""
         scene_buffer, self._scene_buffer = self._scene_buffer, None
         region, space = context.region, context.space_data
         settings = context.scene.sdf_lights_overlay
@@ -125,7 +128,8 @@ class Overlay:
             _draw_boxes(boxes, view)
             self._labels[region.as_pointer()] = [
                 (item.lamp.matrix[:3, :3] @ (0.5 * (facts.low + facts.high)) + item.lamp.matrix[:3, 3], text)
-                for item, facts, text in boxes]
+                for item, facts, text in boxes
+            ]
 
     def labels(self, context) -> None:
         """Words beside the boxes of lamps that are not drawn otherwise."""
@@ -201,8 +205,11 @@ class Overlay:
         return drawn, boxes
 
     def _is_moving(self, region, view: View, drawn: list[Drawn]) -> bool:
-        shown = (view.view.tobytes(), view.projection.tobytes(),
-                 *(hash((item.lamp.matrix.tobytes(), item.lamp.shape, item.lamp.emission)) for item in drawn))
+        shown = (
+            view.view.tobytes(),
+            view.projection.tobytes(),
+            *(hash((item.lamp.matrix.tobytes(), item.lamp.shape, item.lamp.emission)) for item in drawn),
+        )
         last, since = self._views.get(region.as_pointer(), (shown, 0.0))
         now = time.perf_counter()
         if shown != last:
@@ -230,8 +237,14 @@ class Overlay:
             theme = context.preferences.themes[0].view_3d
             width = OUTLINE_WIDTH * context.preferences.system.ui_scale / (np.array(size) * scale)
             draw_rectangle(
-                shaders.outline_shader(), place, "ALPHA", {"mask": mask}, width=tuple(width),
-                selected_color=(*theme.object_selected, 1.0), active_color=(*theme.object_active, 1.0))
+                shaders.outline_shader(),
+                place,
+                "ALPHA",
+                {"mask": mask},
+                width=tuple(width),
+                selected_color=(*theme.object_selected, 1.0),
+                active_color=(*theme.object_active, 1.0),
+            )
 
 
 def _shows_lamps(space) -> bool:
@@ -244,13 +257,15 @@ def _shows_lamps(space) -> bool:
 def _sees_through(space) -> bool:
     shading = space.shading
     return (shading.type == "SOLID" and shading.show_xray) or (
-        shading.type == "WIREFRAME" and shading.show_xray_wireframe)
+        shading.type == "WIREFRAME" and shading.show_xray_wireframe
+    )
 
 
 def _view_of(context, buffer) -> View:
     data, (_, _, width, height) = context.region_data, buffer.viewport_get()
-    view, projection = (np.array([tuple(row) for row in matrix], np.float64)
-                        for matrix in (data.view_matrix, data.window_matrix))
+    view, projection = (
+        np.array([tuple(row) for row in matrix], np.float64) for matrix in (data.view_matrix, data.window_matrix)
+    )
     return View(view, projection, (width, height))
 
 
@@ -326,6 +341,7 @@ def _draw_boxes(boxes, view: View) -> None:
 
 
 def tag_viewports() -> None:
+    """Have every 3D viewport drawn again."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":

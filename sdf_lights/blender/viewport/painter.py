@@ -33,8 +33,19 @@ KEPT = 256
 
 _CUBE = [(x, y, z) for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)]
 _FACES = [
-    (0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6),
-    (1, 3, 5), (3, 7, 5)]
+    (0, 2, 1),
+    (1, 2, 3),
+    (4, 5, 6),
+    (5, 7, 6),
+    (0, 1, 4),
+    (1, 5, 4),
+    (2, 6, 3),
+    (3, 6, 7),
+    (0, 4, 2),
+    (2, 4, 6),
+    (1, 3, 5),
+    (3, 7, 5),
+]
 EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if bin(a ^ b).count("1") == 1]
 
 
@@ -47,6 +58,7 @@ class View(NamedTuple):
 
     @property
     def perspective(self) -> bool:
+        """Whether the projection is a perspective."""
         return self.projection[3, 3] == 0.0
 
     @property
@@ -155,7 +167,8 @@ def code_of(lamp: Lamp) -> shaders.LampCode:
     """What the shader of a lamp is made from: the same for all numbers."""
     placed = _varying(lamp)
     return shaders.LampCode(
-        lamp.shape.formula(), len(lamp.shape.parameters()), len(_numbers(lamp)), placed and placed.colour)
+        lamp.shape.formula(), len(lamp.shape.parameters()), len(_numbers(lamp)), placed and placed.colour
+    )
 
 
 def emission_scale(lamp: Lamp, facts: Facts) -> np.ndarray:
@@ -201,6 +214,6 @@ def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
     block[6] = *(item.exposure * scale), facts.rate
     block[7, :2] = item.mask
     block[8:11, :3] = lamp.matrix[:3, :3].T
-    block[shaders.HEADER:].ravel()[:len(numbers)] = numbers
+    block[shaders.HEADER :].ravel()[: len(numbers)] = numbers
     limit = np.finfo(np.float32).max
     return np.clip(block, -limit, limit).astype(np.float32)

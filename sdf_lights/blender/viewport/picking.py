@@ -16,6 +16,7 @@ from mathutils import Vector
 from ... import affine
 from ...render.errors import RenderError
 from ...render.scene import Lamp
+from .drawn import shown_lamps
 
 POINTS = 2048  # of the ray in the lamp's box, at which its field is looked at
 ICON = 12.0  # pixels around the origin of what has an icon instead of a surface, at a UI scale of 1
@@ -45,8 +46,11 @@ class SDFLIGHTS_OT_lamp_pick(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
     extend: bpy.props.BoolProperty(
-        name="Extend", description="Select or deselect the lamp, and leave all else as it is", default=False,
-        options={"SKIP_SAVE"})
+        name="Extend",
+        description="Select or deselect the lamp without changing the rest of the selection",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context):
@@ -76,8 +80,6 @@ def _select_mouse(context) -> str:
 
 def _under(context, place: tuple[float, float]) -> bpy.types.Object | None:
     """The object of the lamp whose body is first at a place of the region."""
-    from . import shown_lamps
-
     region, data = context.region, context.region_data
     origin = np.array(region_2d_to_origin_3d(region, data, place))
     direction = np.array(region_2d_to_vector_3d(region, data, place))

@@ -9,6 +9,7 @@ from ..naming import ENGINE
 
 
 def redraw(self, context):
+    """Callback of the settings: every 3D viewport is drawn again."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
@@ -17,23 +18,41 @@ def redraw(self, context):
 
 class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
     show_lamps: bpy.props.BoolProperty(
-        name="SDF Lamps", description="Show the glow of SDF lamps in the viewport, whatever the render engine",
-        default=True, update=redraw)
+        name="SDF Lamps",
+        description="Show the glow of SDF lamps in the viewport, with any render engine",
+        default=True,
+        update=redraw,
+    )
     brightness: bpy.props.EnumProperty(
-        name="Brightness", description="How bright lamps are in Solid and Wireframe shading, where nothing is lit",
-        default="SHAPE", update=redraw, items=[
+        name="Brightness",
+        description="Brightness of lamps in Solid and Wireframe shading",
+        default="SHAPE",
+        update=redraw,
+        items=[
             ("SHAPE", "Shape", "As bright as shows the shape best, whatever the power", 0),
-            ("LIGHT", "Light", "As bright as in the render", 1)])
+            ("LIGHT", "Light", "As bright as in the render", 1),
+        ],
+    )
     resolution: bpy.props.EnumProperty(
-        name="Resolution", description="Pixels that lamps are drawn with, as a part of those of the viewport",
-        default="1", update=redraw, items=[
-            ("1", "Full", "Every pixel", 1), ("2", "Half", "Every second pixel, in both directions", 2),
-            ("4", "Quarter", "Every fourth pixel, in both directions", 4)])
+        name="Resolution",
+        description="Resolution of lamps, as a fraction of that of the viewport",
+        default="1",
+        update=redraw,
+        items=[
+            ("1", "Full", "Every pixel", 1),
+            ("2", "Half", "Every second pixel, in both directions", 2),
+            ("4", "Quarter", "Every fourth pixel, in both directions", 4),
+        ],
+    )
     coarse_motion: bpy.props.BoolProperty(
-        name="Coarser in Motion", description="Draw lamps with a quarter of the pixels while the view or a lamp moves",
-        default=True, update=redraw)
+        name="Coarser in Motion",
+        description="Draw lamps with a quarter of the pixels while the view or a lamp moves",
+        default=True,
+        update=redraw,
+    )
     pause: bpy.props.BoolProperty(
-        name="Pause", description="Stop the render in the viewport for a while", default=False, update=redraw)
+        name="Pause", description="Stop the render in the viewport for a while", default=False, update=redraw
+    )
 
 
 class SDFLIGHTS_PT_overlay(bpy.types.Panel):

@@ -49,7 +49,8 @@ class RenderedView:
     def news(self) -> bool:
         """Whether there is something to redraw for."""
         return self._stale is None and (
-            self._render.picture is not self.drawn or self._render.status != self._drawn_status)
+            self._render.picture is not self.drawn or self._render.status != self._drawn_status
+        )
 
     @property
     def busy(self) -> bool:
@@ -63,6 +64,7 @@ class RenderedView:
 
     @property
     def warnings(self) -> list[str]:
+        """Warnings of the render, and its error if it has failed."""
         return self._render.warnings + ([self._render.error] if self._render.error else [])
 
     def data_changed(self, depsgraph: bpy.types.Depsgraph) -> None:
@@ -97,7 +99,9 @@ class RenderedView:
             change = Change.ALL
         settings = frame_settings(depsgraph.scene_eval, viewport=True)
         if self._scene is not None and (settings.device, settings.threads) != (
-                self._scene.settings.device, self._scene.settings.threads):
+            self._scene.settings.device,
+            self._scene.settings.threads,
+        ):
             change = Change.ALL
         if change is Change.ALL:
             self._find_libraries()
@@ -109,8 +113,7 @@ class RenderedView:
         self._render.paused = depsgraph.scene.sdf_lights_overlay.pause
         self._render.coarse_lamps = not depsgraph.scene.sdf_lights_overlay.show_lamps
         camera, border = view_camera(context, depsgraph, region.width, region.height)
-        view = replace(
-            scene, camera=camera, width=region.width, height=region.height, border=border, settings=settings)
+        view = replace(scene, camera=camera, width=region.width, height=region.height, border=border, settings=settings)
         if change is None and self._scene is not None and _same_view(view, self._scene):
             return
         if view.border is not None and (view.border[2] <= view.border[0] or view.border[3] <= view.border[1]):
@@ -150,6 +153,7 @@ class RenderedView:
         self._scene, self._stale = None, Change.ALL
 
     def close(self) -> None:
+        """Stop the render for good."""
         self.stop()
         _running.discard(self)
         _by_region.pop(self._region, None)
@@ -164,8 +168,11 @@ def _same_view(a: Scene, b: Scene) -> bool:
 
 def filters(space: bpy.types.SpaceView3D) -> tuple:
     """What a viewport shows of the scene, that no update of data tells of."""
-    return (space.local_view is not None, space.use_local_collections, *(
-        getattr(space, name) for name in dir(space) if name.startswith("show_object_viewport_")))
+    return (
+        space.local_view is not None,
+        space.use_local_collections,
+        *(getattr(space, name) for name in dir(space) if name.startswith("show_object_viewport_")),
+    )
 
 
 def change_of(depsgraph: bpy.types.Depsgraph) -> Change | None:
@@ -231,7 +238,8 @@ def _poll() -> float | None:
     if any(view.news for view in views):
         for window in bpy.context.window_manager.windows:
             for area in window.screen.areas:
-                if area.type == "VIEW_3D" and any(space.type == "VIEW_3D" and space.shading.type == "RENDERED"
-                                                  for space in area.spaces):
+                if area.type == "VIEW_3D" and any(
+                    space.type == "VIEW_3D" and space.shading.type == "RENDERED" for space in area.spaces
+                ):
                     area.tag_redraw()
     return POLL if any(view.busy or view.news for view in views) else None

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import gpu
 
-from ...sdf import read_glsl
-from ...sdf.formula import Formula
+from ...graph import codegen_glsl
+from ...graph.formula import Formula
 
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
 
@@ -48,6 +48,7 @@ class ShaderError(Exception):
 
 @functools.cache
 def source(name: str) -> str:
+    """Text of a hand-written shader in ``shaders_glsl/``."""
     return (FOLDER / name).read_text(encoding="utf-8")
 
 
@@ -87,12 +88,13 @@ def lamp_shader(code: LampCode) -> gpu.types.GPUShader:
     info.define("INTERVALS_SUM", "emitted")
     info.define("CROSSING_ERROR", "(0.1 * lamp.low.w)")
     info.vertex_source(source("proxy_vertex.glsl"))
-    functions = _NUMBER + read_glsl.function(code.field, "field", "number({})")
+    functions = _NUMBER + codegen_glsl.function(code.field, "field", "number({})")
     if code.colour is not None:
         info.define("VARIES", "1")
-        functions += read_glsl.function(code.colour, "colour", f"number({{}} + {code.parameters})")
-    info.fragment_source("".join(
-        [functions, *map(source, ("proxy_emission.glsl", "intervals.glsl", "proxy_fragment.glsl"))]))
+        functions += codegen_glsl.function(code.colour, "colour", f"number({{}} + {code.parameters})")
+    info.fragment_source(
+        "".join([functions, *map(source, ("proxy_emission.glsl", "intervals.glsl", "proxy_fragment.glsl"))])
+    )
     return _created(info)
 
 
@@ -158,4 +160,5 @@ def _created(info: gpu.types.GPUShaderCreateInfo) -> gpu.types.GPUShader:
     except Exception as error:
         raise ShaderError(
             f"the graphics driver refused its shader ({error}): its shape may be too complex for this graphics card; "
-            "simplify it.") from error
+            "simplify it."
+        ) from error

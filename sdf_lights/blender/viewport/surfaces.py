@@ -38,6 +38,7 @@ class Surfaces:
         self._stale = self._stale or geometry
 
     def depth(self, context, view: View, scale: int) -> Depth:
+        """Depth of the meshes as seen in ``view``, drawn anew only where the view or the scene has changed."""
         space = context.space_data
         shows = space.as_pointer(), rendered.filters(space)
         wanted = view.view.tobytes(), view.projection.tobytes(), view.size, shows

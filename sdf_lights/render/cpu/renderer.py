@@ -11,12 +11,12 @@ from collections.abc import Callable
 
 from ... import emitter as lamps
 from ... import jit
-from .. import effort
+from .. import sample_allocation
 from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
 from .block import PackedScene, Workspace
-from .branches import render_tile
+from .path_splitting import render_tile
 
 TILE = 32
 POLL_SECONDS = 0.05
@@ -91,7 +91,7 @@ class CpuRenderer:
         if not self.ready:
             return False
         film, begun = self._film, 0.0
-        before = effort.first_pixels(film, self._settings) if first == 0 else None
+        before = sample_allocation.first_pixels(film, self._settings) if first == 0 else None
         if before is not None:
             begun, active = before.mean(), film.active.copy()
             film.active &= before
@@ -99,7 +99,7 @@ class CpuRenderer:
             film.active[:] = active
             if not done:
                 return False
-            effort.divide(film)
+            sample_allocation.divide(film)
         if not self._take(first + count, stop, lambda part: report(begun + (1.0 - begun) * part)):
             return False
         film.samples = first + count

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...affine import inverse
 from ...jit import kernel
-from ..cpu.rays import world_positions
+from ..kernels.rays import world_positions
 from ..scene import Instance, Scene
 
 BINS = 16
@@ -25,16 +25,32 @@ MOST_IN_LEAF = 16  # items that a reference to a leaf can count
 
 # Boxes of the two children of a node, and their references: index of a node, or the complement of
 # MOST_IN_LEAF × first item + (number of items − 1).
-NODE = np.dtype([
-    ("left_low", np.float32, 3), ("left", np.int32), ("left_high", np.float32, 3), ("right", np.int32),
-    ("right_low", np.float32, 3), ("unused", np.int32), ("right_high", np.float32, 3), ("unused_too", np.int32)])
+NODE = np.dtype(
+    [
+        ("left_low", np.float32, 3),
+        ("left", np.int32),
+        ("left_high", np.float32, 3),
+        ("right", np.int32),
+        ("right_low", np.float32, 3),
+        ("unused", np.int32),
+        ("right_high", np.float32, 3),
+        ("unused_too", np.int32),
+    ]
+)
 
 # A triangle, or an instance of a mesh with a tree of its own: its primitive is −1, and the first two numbers of ``b`` are, bit
 # by bit, its tree's first node and the index of its place. That is an item, too, in no tree: the three rows of the matrix
 # from the world to the mesh.
-ITEM = np.dtype([
-    ("a", np.float32, 3), ("instance", np.int32), ("b", np.float32, 3), ("primitive", np.int32),
-    ("c", np.float32, 3), ("mask", np.int32)])
+ITEM = np.dtype(
+    [
+        ("a", np.float32, 3),
+        ("instance", np.int32),
+        ("b", np.float32, 3),
+        ("primitive", np.int32),
+        ("c", np.float32, 3),
+        ("mask", np.int32),
+    ]
+)
 
 _ROUNDING = np.float32(2.0**-22)  # by which the box of an instance grows, relative to its distance from the origin
 
@@ -222,12 +238,13 @@ class Hierarchy:
         self._item_count += len(items)
         return root
 
-
     def _add_places(self, scene: Scene) -> None:
         """Let the items of instances know their places, which come after all others."""
         rows = np.flatnonzero(self.items["primitive"] < 0)
         inverses = np.array([inverse(scene.instances[index].matrix) for index in self.items["instance"][rows]])
-        self.items["b"][rows, 1] = (len(self.items) + np.arange(len(rows), dtype=np.int32)).astype(np.int32).view(np.float32)
+        self.items["b"][rows, 1] = (
+            (len(self.items) + np.arange(len(rows), dtype=np.int32)).astype(np.int32).view(np.float32)
+        )
         places = np.ascontiguousarray(inverses[:, :3, :], np.float32).reshape(-1, 12).view(ITEM)
         self.items = np.concatenate([self.items, places[:, 0]])
 

@@ -6,7 +6,7 @@ Threads that go together take as many turns of a loop as the longest of them, an
 for all. So there are three loops one after the other, each with one thing to do: down the tree, to the stretches of the
 ray in boxes on the boundary; along those, with one evaluation of the field a turn; and to the zeros between two values.
 
-The field is evaluated as a whole. That has the signs of a box's list (``emitter.fields``), and is nowhere farther from
+The field is evaluated as a whole. That has the signs of a box's list (``intersection.fields``), and is nowhere farther from
 zero, so the bounds of the list's slopes say as much of its zeros. A box in which the field is monotonic along the ray
 is taken as a whole. Everything is in tree space, and lengths are in the unit of the ray's parameter, which is |d|.
 """
@@ -17,9 +17,9 @@ import math
 
 import numpy as np
 
-from ...emitter.cover import SIGN, estimate, first_estimate, narrow, signed
-from ...emitter.crossings import WAITING, down, rates
-from ...emitter.interior import BOUNDARY, INSIDE
+from ...emitter.intersection.cover import SIGN, estimate, first_estimate, narrow, signed
+from ...emitter.tree.crossings import WAITING, down, rates
+from ...emitter.tree.interior import BOUNDARY, INSIDE
 from ...jit import kernel, stack_array, table
 from ...vec import length, madd
 
@@ -40,8 +40,9 @@ NOTHING, SIDE, VALUE = 0, 1, 2  # what is known of the field where a ray has com
 
 # A node of an interior tree in few words, which GPUs wait for. ``what``: state, axis, whether the gradient is bounded,
 # and the place of the children plus one. ``slopes``: of each axis two float16, bounds of the gradient.
-FLAT_NODE = np.dtype([
-    ("what", np.int64), ("split", np.float64), ("lipschitz", np.float64), ("slopes", np.uint32, (3,))])
+FLAT_NODE = np.dtype(
+    [("what", np.int64), ("split", np.float64), ("lipschitz", np.float64), ("slopes", np.uint32, (3,))]
+)
 BOUNDED, SHIFT = 16, 5
 PLACE = 1 << SHIFT  # from which on there are children
 
@@ -95,8 +96,8 @@ def _locate(o, d, brackets, found, precision, spans):
 
 @kernel
 def crossings(block, row, o, d, start, end, spans):
-    """In the place of ``emitter.crossings.crossings``."""
-    nodes = lamp_walk(block)[row.first_node:]
+    """In the place of ``tree.crossings.crossings``."""
+    nodes = lamp_walk(block)[row.first_node :]
     speed = length(d)
     size = length((row.high[0], row.high[1], row.high[2])) / speed
     least = LEAST_STEP * size
@@ -125,7 +126,8 @@ def crossings(block, row, o, d, start, end, spans):
                 fall, rise = math.inf, math.inf
             if state == BOUNDARY and what >= PLACE and fall > 0.0 and rise > 0.0:
                 index, high, depth = down(
-                    (what >> SHIFT) - 1, what >> 2 & 3, node.split, ray, low, high, waiting, depth)
+                    (what >> SHIFT) - 1, what >> 2 & 3, node.split, ray, low, high, waiting, depth
+                )
                 continue
             torn = state != BOUNDARY and certain >= 0 and certain != state
             if state == BOUNDARY or torn:
@@ -230,8 +232,13 @@ def flat_nodes(nodes: np.ndarray) -> np.ndarray:
     found["split"], found["lipschitz"] = nodes["split"], nodes["lipschitz"]
     bounds = nodes["gradient"]
     bounded = (np.abs(bounds) < LARGEST_HALF).all(axis=(1, 2)) & (bounds[:, 0] <= bounds[:, 1]).all(axis=1)
-    halves = np.stack([_half(np.where(bounded[:, None], sign * bounds[:, side], 0.0)) * np.float16(sign)
-                       for side, sign in ((0, -1), (1, 1))], axis=2)  # nodes, axes, sides
+    halves = np.stack(
+        [
+            _half(np.where(bounded[:, None], sign * bounds[:, side], 0.0)) * np.float16(sign)
+            for side, sign in ((0, -1), (1, 1))
+        ],
+        axis=2,
+    )  # nodes, axes, sides
     found["slopes"] = np.ascontiguousarray(halves).view(np.uint32)[:, :, 0]
     children = nodes["first"].astype(np.int64) + 1 << SHIFT
     found["what"] = children + bounded * BOUNDED + (nodes["axis"] << 2) + nodes["state"]

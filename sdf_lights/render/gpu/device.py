@@ -39,6 +39,7 @@ class Device:
         self.largest_texture = int(facts["GL_MAX_TEXTURE_SIZE"])  # texels of a side
 
     def submit(self, function, *arguments) -> Future:
+        """Run ``function(context, *arguments)`` in the thread of the context."""
         return self._pool.submit(function, self.context, *arguments)
 
     def program(self, context, source: str):
@@ -70,6 +71,7 @@ class Device:
 
 
 def megabytes(size: int) -> str:
+    """A number of bytes in words, rounded up."""
     return f"{-(-size // (1 << 20))} MB"
 
 

@@ -12,38 +12,48 @@ import math
 
 import numpy as np
 
-from ...emitter import cut as cuts
-from ...emitter.cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, part_in_two, put, spread_variance
-from ...emitter.cut_tables import placements
-from ...emitter.emission import GOLDEN, lamp_glows, place_point, point_count
-from ...emitter.lamps import direction_pdf, intensity, lamps, sample_direction, way_inside
-from ...emitter.primitives import box_span
+from ...emitter.emission.varying import GOLDEN, lamp_glows, place_point, point_count
+from ...emitter.intersection.primitives import box_span
+from ...emitter.lamps import intensity, lamps
+from ...emitter.sampling import cut as cuts
+from ...emitter.sampling.cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, part_in_two, put, spread_variance
+from ...emitter.sampling.cut_tables import placements
+from ...emitter.sampling.projection import direction_pdf, sample_direction, way_inside
+from ...emitter.sampling.strategies import BOXES as BY_BOXES
+from ...graph.formula import Formula, order
 from ...jit import kernel
-from ...sdf.formula import Formula, order
 from ...vec import ZERO, dot, length, madd, mul, sub, transform_point, transform_vector, vec
-from ..cpu import lights
-from ..cpu.lamp_tree import found_table, tree_table
-from ..cpu.lights.records import LIGHT_CUT
-from ..cpu.lights.records import MOST_NODES as MOST_NODES_IN_CUT
-from ..cpu.lights.tree import _estimate
-from ..cpu.path import path_table
-from ..cpu.workspace import cut_of
+from ..kernels import lights
+from ..kernels.lamp_tree import found_table, tree_table
+from ..kernels.lights.records import LIGHT_CUT
+from ..kernels.lights.records import MOST_NODES as MOST_NODES_IN_CUT
+from ..kernels.lights.tree import estimate
+from ..kernels.path import path_table
+from ..kernels.workspace import cut_of
 
 LIMIT = 16  # boxes of a lamp
 
 # A ``LIGHT_CUT`` of one node, in the place of the CPU's table of the workspace, and a cut where none is asked for.
 ROWS = {
-    "light_cut": np.dtype([
-        (name, LIGHT_CUT[name].base, 2 if LIGHT_CUT[name].shape == (MOST_NODES_IN_CUT,) else LIGHT_CUT[name].shape)
-        for name in LIGHT_CUT.names])}
-WITHOUT_BOXES = np.dtype([("lamp", "i8"), ("slot", "i8"), ("points", "i8"), ("beta", "f8")])
+    "light_cut": np.dtype(
+        [
+            (name, LIGHT_CUT[name].base, 2 if LIGHT_CUT[name].shape == (MOST_NODES_IN_CUT,) else LIGHT_CUT[name].shape)
+            for name in LIGHT_CUT.names
+        ]
+    )
+}
+WITHOUT_BOXES = np.dtype([("lamp", "i8"), ("strategy", "i8"), ("points", "i8"), ("bsdf_mis_scale", "f8")])
 
 
 def _fewer(dtype: np.dtype) -> np.dtype:
     """A record with room for ``LIMIT`` boxes."""
     counts = {MOST_BOXES: LIMIT, MOST_BOXES + 1: LIMIT + 1, MOST_ENTRIES: 2 * LIMIT}
-    return np.dtype([(name, dtype[name].base, tuple(counts.get(count, count) for count in dtype[name].shape))
-                     for name in dtype.names])
+    return np.dtype(
+        [
+            (name, dtype[name].base, tuple(counts.get(count, count) for count in dtype[name].shape))
+            for name in dtype.names
+        ]
+    )
 
 
 FLAT_BOXES, FLAT_CUT = _fewer(BOXES), _fewer(cuts.CUT)
@@ -94,54 +104,30 @@ def flat_boxes(tables: dict[str, np.ndarray]) -> np.ndarray:
 
 
 @kernel
-def prepare(block, lamp, x, n, both, lobes, tolerance, limit, keys, store, cut):
+def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, store, cut):
     """In the place of ``cut.prepare``: the boxes of the lamp, whatever the point."""
     place = placements(block)[lamp]
     if cuts.needless(block, lamp, place, x, n, 1, tolerance, cut):
         return
     boxes = store[lamp]
     if boxes.rough > cuts.MOST_ROUGH:
-        cuts.project(block, lamp, x, lobes, cut)
+        cuts.project(block, lamp, x, has_glossy, cut)
         return
     origin, normal = cuts.local(block, lamp, place, x, n)
-    cuts.fit(block, place, boxes, lamp, origin, normal, both, cut)
-    if cut.slot >= 0:
+    cuts.fit(block, place, boxes, lamp, origin, normal, two_sided, cut)
+    if cut.strategy == BY_BOXES:
         left = 0.0
         for k in range(boxes.count):
             way = sub((boxes.centroid[0, k], boxes.centroid[1, k], boxes.centroid[2, k]), vec(cut.origin))
             square = dot(way, transform_vector(boxes.metric, way))
             left += cut.weight[k] * spread_variance(boxes.extent[k] / max(square, 1e-30))
-        cut.beta = cuts.share(left / cut.mass[0])
+        cut.bsdf_mis_scale = cuts.share(left / cut.mass[0])
 
 
 @kernel
-def no_surface_direction(block, lamp, x, spans, u1, u2, u3):
-    """In the place of ``surfaces.sample``, a sampling that ``GpuScene`` refuses."""
-    return ZERO
-
-
-@kernel
-def no_surface_density(block, lamp, x, d, spans, count):
-    """Likewise."""
-    return 0.0
-
-
-@kernel
-def no_bounding_direction(block, lamp, x, u1, u2, u3):
-    """Likewise, of ``bounding``."""
-    return ZERO
-
-
-@kernel
-def no_bounding_density(block, lamp, x, d):
-    """Likewise."""
-    return 0.0
-
-
-@kernel
-def prepare_lamp(block, workspace, lamp, chance, x, n):
+def prepare_lamp(block, workspace, lamp, pmf, x, n):
     """In the place of ``next_event.prepare_lamp``, where cuts are asked for and do not pay."""
-    cuts.project(block, lamp, x, path_table(workspace)[0].lobes, cut_of(workspace))
+    cuts.project(block, lamp, x, path_table(workspace)[0].has_glossy, cut_of(workspace))
 
 
 @kernel
@@ -157,7 +143,7 @@ def keep_lamp(block, workspace, lamp):
 
 
 @kernel
-def sample(block, lamp, x, spans, store, cut, u1, u2, u3):
+def sample(block, lamp, x, store, cut, u1, u2, u3):
     """In the place of ``cut.sample``."""
     return sample_direction(block, lamp, x, ZERO, u1, u2, u3)
 
@@ -169,7 +155,7 @@ def density(block, lamp, d, store, cut, spans, count):
 
 
 @kernel
-def no_light(block, workspace, lamp, chance, u, u1, u2, u3):
+def no_light(block, workspace, lamp, pmf, u, u1, u2, u3):
     """In the place of ``next_event.light_lamp``, where there is no lamp."""
 
 
@@ -192,9 +178,9 @@ def only_probability(block, x, n, emitter, cut):
 
 
 @kernel
-def prepare_light_cut(nodes, x, n, cut):
-    """In the place of ``tree._prepare``: the root alone, from which ``select`` goes down."""
-    value, _ = _estimate(nodes[0], x, n)
+def fit_light_cut(nodes, x, n, cut):
+    """In the place of ``tree.fit_cut``: the root alone, from which ``select`` goes down."""
+    value, _ = estimate(nodes[0], x, n)
     if not 0.0 < value < math.inf:
         value = 1.0
     cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, 0, 0, value, value

@@ -20,10 +20,12 @@ class Array:
 
     @property
     def stride(self) -> int:
+        """Words from one element to the next."""
         return 1 if isinstance(self.inner, str) or (self.packed and isinstance(self.inner, Record)) else self.inner.size
 
     @property
     def size(self) -> int:
+        """Words of all elements."""
         return self.count * self.stride
 
     @property
@@ -33,6 +35,7 @@ class Array:
 
     @property
     def element(self) -> str:
+        """Type of an element."""
         return self.inner
 
 
@@ -59,10 +62,12 @@ class Record:
 
     @cached_property
     def size(self) -> int:
+        """Words of the record."""
         return sum(1 if isinstance(inner, str) else inner.size for _, inner in self.fields.values())
 
 
 def scalar_of(dtype: np.dtype) -> str:
+    """GLSL type of a NumPy number."""
     return "float" if dtype.kind == "f" else "uint" if dtype == np.uint32 else "int"
 
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...affine import inverse
-from ...emitter.intervals import _combine, _write_spans, solve
+from ...emitter.intersection.intervals import _combine, _write_spans, solve
+from ...emitter.intersection.membership import DIFFERENCE, INTERSECTION, UNION
+from ...emitter.intersection.primitives import box_span
 from ...emitter.lamps import instructions
-from ...emitter.membership import DIFFERENCE, INTERSECTION, UNION
-from ...emitter.primitives import box_span
 from ...jit import kernel, table
 from ...sdf.program import INSTRUCTION, Op
 from ...vec import sub, vec
@@ -30,9 +30,15 @@ ROOM = 1e-5  # by which boxes are larger, of their own size and of that of all: 
 
 # How to read a lamp's field: a formula, its first parameter, and the origin of tree space in the formula's; and the
 # parts of a closed lamp.
-FIELD = np.dtype([
-    ("formula", np.int64), ("parameters", np.int64), ("center", np.float64, (3,)), ("first_part", np.int64),
-    ("part_count", np.int64)])
+FIELD = np.dtype(
+    [
+        ("formula", np.int64),
+        ("parameters", np.int64),
+        ("center", np.float64, (3,)),
+        ("first_part", np.int64),
+        ("part_count", np.int64),
+    ]
+)
 
 part_table = table("lamp_parts", PART)
 field_table = table("lamp_fields", FIELD)
@@ -103,11 +109,11 @@ def parts_of(program: np.ndarray) -> np.ndarray:
 @kernel
 def solve_all(block, row, p, d, spans):
     """In the place of ``emitter.lamps.solve_all``: what the ray does not come near is left out."""
-    program = instructions(block)[row.first_instruction:row.first_instruction + row.instruction_count]
+    program = instructions(block)[row.first_instruction : row.first_instruction + row.instruction_count]
     field = field_table(block)[row.first_term]
     if field.part_count == 0:
         return solve(program, p, d, spans)
-    parts = part_table(block)[field.first_part:]
+    parts = part_table(block)[field.first_part :]
     near = 0
     for index in range(field.part_count):
         part = parts[index]
@@ -118,7 +124,7 @@ def solve_all(block, row, p, d, spans):
     count = 0
     for place in range(near):
         part = parts[int(spans[row.rows + place, 0])]
-        more = solve(program[part.first:part.first + part.count], p, d, spans[count:])
+        more = solve(program[part.first : part.first + part.count], p, d, spans[count:])
         if more > 0:
             merged = _combine(spans, 0, count, count, more, UNION, count + more)
             for k in range(merged):
@@ -183,7 +189,9 @@ class WrittenOut:
         if len(programs) != 1:
             return None
         ops = set(programs[0]["op"].tolist())
-        few = 1 < len(programs[0]) <= cls.MOST and not len(parts_of(programs[0])) and not ops & {Op.SPONGE, Op.EXCLUSIVE}
+        few = (
+            1 < len(programs[0]) <= cls.MOST and not len(parts_of(programs[0])) and not ops & {Op.SPONGE, Op.EXCLUSIVE}
+        )
         return cls(programs[0]) if few else None
 
     def native(self, first: int) -> Native:
@@ -200,13 +208,22 @@ class WrittenOut:
             for index, (row, (place, most)) in enumerate(zip(self.program, self._places)):
                 if row["arity"] == 0:
                     own = function.translator.tables.row(
-                        "lamp_instructions", first + index, f"{program.text} + {size * index}")
+                        "lamp_instructions", first + index, f"{program.text} + {size * index}"
+                    )
                     count = said(_write_spans, own, o, d, spans, known(place))
                 else:
                     (second, count_second, most_second), (one, count_one, most_one) = stack.pop(), stack.pop()
                     combine = combine_two if max(most_one, most_second) == 1 else _combine
-                    count = said(combine, spans, known(one), count_one, known(second), count_second,
-                                 known(int(row["op"])), known(place))
+                    count = said(
+                        combine,
+                        spans,
+                        known(one),
+                        count_one,
+                        known(second),
+                        count_second,
+                        known(int(row["op"])),
+                        known(place),
+                    )
                 stack.append((place, count, most))
             return stack[0][1]
 

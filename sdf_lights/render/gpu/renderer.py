@@ -10,7 +10,7 @@ from concurrent.futures import Future, wait
 
 import numpy as np
 
-from ...emitter.lamps import unresolved
+from ...emitter.building.remarks import unresolved
 from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
@@ -85,22 +85,30 @@ class GpuRenderer:
 
     def _buffer(self, context, array: np.ndarray):
         if array.nbytes > self._device.largest_buffer:
-            raise DeviceError(f"the scene needs {megabytes(array.nbytes)} in one buffer, and it allows "
-                              f"{megabytes(self._device.largest_buffer)}")
-        return self._kept(self._device.allocate(
-            context, array.nbytes, context.buffer, np.ascontiguousarray(array).view(np.uint8).reshape(-1)))
+            raise DeviceError(
+                f"the scene needs {megabytes(array.nbytes)} in one buffer, and it allows "
+                f"{megabytes(self._device.largest_buffer)}"
+            )
+        return self._kept(
+            self._device.allocate(
+                context, array.nbytes, context.buffer, np.ascontiguousarray(array).view(np.uint8).reshape(-1)
+            )
+        )
 
     def _texture(self, context, array: np.ndarray):
         """Records of whole groups of four words, as rows of a texture of unsigned integers."""
         width = 1 << TEXTURE_BITS
         rows = -(-array.nbytes // (16 * width))
         if max(rows, width) > self._device.largest_texture:
-            raise DeviceError(f"the scene's triangles need {megabytes(array.nbytes)} in one texture, and it allows "
-                              f"{megabytes(16 * width * self._device.largest_texture)}")
+            raise DeviceError(
+                f"the scene's triangles need {megabytes(array.nbytes)} in one texture, and it allows "
+                f"{megabytes(16 * width * self._device.largest_texture)}"
+            )
         words = np.zeros((rows, width, 4), np.uint32)
-        words.reshape(-1)[:array.nbytes // 4] = array.view(np.uint32).reshape(-1)
-        return self._kept(self._device.allocate(
-            context, words.nbytes, context.texture, (width, rows), 4, words, dtype="u4"))
+        words.reshape(-1)[: array.nbytes // 4] = array.view(np.uint32).reshape(-1)
+        return self._kept(
+            self._device.allocate(context, words.nbytes, context.texture, (width, rows), 4, words, dtype="u4")
+        )
 
     def _kept(self, made):
         """Something on the GPU, which is to be released at the end."""
@@ -147,7 +155,7 @@ class GpuRenderer:
         for name, array in film.sums.items():
             if name in self._places:
                 rows = array.reshape(len(film.active), -1)
-                part = sums[:, self._places[name]:self._places[name] + rows.shape[1]]
+                part = sums[:, self._places[name] : self._places[name] + rows.shape[1]]
                 if name in ("position", "depth"):  # of the first sample that met a surface
                     rows[pixels[fresh]] = part[fresh]
                 else:
@@ -165,7 +173,7 @@ class GpuRenderer:
         active = np.flatnonzero(self._film.active)
         total, done = len(active) * count, 0
         for start in range(0, len(active), SLAB):
-            pixels = active[start:start + SLAB]
+            pixels = active[start : start + SLAB]
             self._call(self._begin, pixels)
             place, stopped = 0, False
             while place < len(pixels) and not stopped:
@@ -203,6 +211,7 @@ class GpuRenderer:
 
     def finish(self) -> None:
         """Warn of lamps that rays could not resolve, and free what the render needed; the film stays."""
+
         def release(context) -> np.ndarray:
             lengths = np.frombuffer(self._lengths.read(), np.float32).reshape(-1, 2) if self.ready else np.zeros((0, 2))
             for made in self._made:

@@ -34,8 +34,14 @@ class Tables:
     first has none are in a second one.
     """
 
-    def __init__(self, tables: dict[str, np.ndarray], scalars: dict[str, float], settled: frozenset[str],
-                 workspace: dict[str, tuple[np.dtype, int]], room: float = np.inf):
+    def __init__(
+        self,
+        tables: dict[str, np.ndarray],
+        scalars: dict[str, float],
+        settled: frozenset[str],
+        workspace: dict[str, tuple[np.dtype, int]],
+        room: float = np.inf,
+    ):
         self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
         self.used_scalars: dict[str, str] = {}
         self._near: dict[str, int] = {}  # first word of each table that is in the uniform block
@@ -44,7 +50,9 @@ class Tables:
         self._single = {name for name in sizes if len(tables[name]) == 1 and tables[name].dtype.names}
         # Places in programs come first, what is large last.
         for name in sorted(sizes, key=lambda name: (name not in self._single, name != PLACED, name in LARGE)):
-            wanted = name in self._single or 0 < sizes[name] and (sizes[name] <= SMALL or name in LARGE or name == PLACED)
+            wanted = (
+                name in self._single or 0 < sizes[name] and (sizes[name] <= SMALL or name in LARGE or name == PLACED)
+            )
             if wanted and used + sizes[name] <= NEAR_WORDS:
                 self._near[name] = used
                 used += sizes[name]
@@ -63,6 +71,7 @@ class Tables:
     # For the translator
 
     def scalar(self, name: str):
+        """The value of a scalar of the block: a number if the program is made for it, else a uniform."""
         number = self._scalars[name]
         if name in self._settled:
             return known(number)
@@ -99,7 +108,7 @@ class Tables:
 
     def row(self, name: str, index: int, text: str) -> Value:
         """A row of a table that is known to be that with this index, of which more is known than of all of them."""
-        array = self._tables[name][index:index + 1]
+        array = self._tables[name][index : index + 1]
         own = f"{name}_{index}"
         self._rows[own] = array
         return Value(Ref(layout_of(array.dtype, own), reader=self.reader(name)), text)
@@ -136,8 +145,11 @@ class Tables:
                 single = count == 1 and isinstance(inner, Record)
                 lines.append(f"{kind} {prefix}{name}{'_row' if single else f'_rows[{count}]'};")
                 if single:
-                    cleared += [f"    {prefix}{name}_row.{safe_name(field)} = {scalar}(0);"
-                                for field, (_, scalar) in inner.fields.items() if isinstance(scalar, str)]
+                    cleared += [
+                        f"    {prefix}{name}_row.{safe_name(field)} = {scalar}(0);"
+                        for field, (_, scalar) in inner.fields.items()
+                        if isinstance(scalar, str)
+                    ]
         lines += ["void clear_workspace()", "{", *cleared, "}"]
         return "\n".join(lines) + "\n"
 
@@ -152,25 +164,33 @@ class Tables:
     def uniform_source(self) -> str:
         """The uniform block ``scene``, and functions that read tables there."""
         members = "".join(f" {kind} {name};" for name, kind in sorted(self.used_scalars.items()))
-        return "\n".join([
-            f"layout(std140, binding = 0) uniform Scene {{{members} uvec4 near[{NEAR_WORDS // 4}]; }} scene;",
-            f"uint {NEAR}uint_at(int place) {{ return scene.near[place >> 2][place & 3]; }}",
-            f"int {NEAR}int_at(int place) {{ return int({NEAR}uint_at(place)); }}",
-            f"float {NEAR}float_at(int place) {{ return uintBitsToFloat({NEAR}uint_at(place)); }}",
-            f"vec3 {NEAR}vector_at(int place)", "{",
-            f"    return vec3({', '.join(f'{NEAR}float_at(place + {axis})' for axis in range(3))});", "}"])
+        return "\n".join(
+            [
+                f"layout(std140, binding = 0) uniform Scene {{{members} uvec4 near[{NEAR_WORDS // 4}]; }} scene;",
+                f"uint {NEAR}uint_at(int place) {{ return scene.near[place >> 2][place & 3]; }}",
+                f"int {NEAR}int_at(int place) {{ return int({NEAR}uint_at(place)); }}",
+                f"float {NEAR}float_at(int place) {{ return uintBitsToFloat({NEAR}uint_at(place)); }}",
+                f"vec3 {NEAR}vector_at(int place)",
+                "{",
+                f"    return vec3({', '.join(f'{NEAR}float_at(place + {axis})' for axis in range(3))});",
+                "}",
+            ]
+        )
 
     def second_source(self) -> str:
         """The second buffer, where there is one, and functions that read tables there."""
         if not self._second:
             return ""
         vector = ", ".join(f"{SECOND}float_at(place + {axis})" for axis in range(3))
-        return "\n".join([
-            f"layout(std430, binding = {SECOND_BINDING}) readonly buffer Second {{ uint second_words[]; }};",
-            f"uint {SECOND}uint_at(int place) {{ return second_words[place]; }}",
-            f"int {SECOND}int_at(int place) {{ return int(second_words[place]); }}",
-            f"float {SECOND}float_at(int place) {{ return uintBitsToFloat(second_words[place]); }}",
-            f"vec3 {SECOND}vector_at(int place) {{ return vec3({vector}); }}"])
+        return "\n".join(
+            [
+                f"layout(std430, binding = {SECOND_BINDING}) readonly buffer Second {{ uint second_words[]; }};",
+                f"uint {SECOND}uint_at(int place) {{ return second_words[place]; }}",
+                f"int {SECOND}int_at(int place) {{ return int(second_words[place]); }}",
+                f"float {SECOND}float_at(int place) {{ return uintBitsToFloat(second_words[place]); }}",
+                f"vec3 {SECOND}vector_at(int place) {{ return vec3({vector}); }}",
+            ]
+        )
 
     def pack(self, more: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """All tables in two arrays of words, and the words of the uniform block, where ``more`` are scalars that are no
@@ -181,7 +201,7 @@ class Tables:
             words = words_of(array).ravel()
             numbers[name + "_start"], numbers[name + "_rows"] = self._near.get(name, used), len(array)
             if name in self._near:
-                near[self._near[name]:self._near[name] + words.size] = words
+                near[self._near[name] : self._near[name] + words.size] = words
                 continue
             if name in self._second:
                 numbers[name + "_start"] = used_second
@@ -190,8 +210,10 @@ class Tables:
                 continue
             parts.append(words)
             used += words.size
-        scalars = [np.array(numbers[name], np.float32 if kind == "float" else np.int32).view(np.uint32)
-                   for name, kind in sorted(self.used_scalars.items())]
+        scalars = [
+            np.array(numbers[name], np.float32 if kind == "float" else np.int32).view(np.uint32)
+            for name, kind in sorted(self.used_scalars.items())
+        ]
         scalars += [np.uint32(0)] * (-len(scalars) % 4)
         return np.concatenate(parts), np.concatenate(second), np.concatenate([np.array(scalars, np.uint32), near])
 

@@ -28,8 +28,9 @@ class Lobe:
         vars(self).update(parameters)
 
     def select(self, rows: np.ndarray) -> "Lobe":
-        return type(self)(**{
-            name: value[rows] if isinstance(value, np.ndarray) else value for name, value in vars(self).items()})
+        return type(self)(
+            **{name: value[rows] if isinstance(value, np.ndarray) else value for name, value in vars(self).items()}
+        )
 
     def kind(self, wi: np.ndarray) -> np.ndarray:
         """Kind of ray that goes on along wi; 0: the same ray goes straight through."""
@@ -117,8 +118,8 @@ class Sheen(Lobe):
     def evaluate(self, wo, wi):
         t, b = self._frame(wo)
         z = np.maximum(dot(self.normal, wi), 0.0)
-        square = (self.a * dot(t, wi) + self.b * z)**2 + (self.a * dot(b, wi))**2 + z * z
-        pdf = z / np.pi * (self.a / np.maximum(square, 1e-300))**2
+        square = (self.a * dot(t, wi) + self.b * z) ** 2 + (self.a * dot(b, wi)) ** 2 + z * z
+        pdf = z / np.pi * (self.a / np.maximum(square, 1e-300)) ** 2
         return np.repeat(pdf[:, None], 3, 1), pdf
 
     def direction(self, rng, wo):
@@ -153,7 +154,8 @@ def dielectric(cosine: np.ndarray, ior: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def f0_of_ior(ior):
-    return ((ior - 1.0) / (ior + 1.0))**2
+    """Reflectance at normal incidence."""
+    return ((ior - 1.0) / (ior + 1.0)) ** 2
 
 
 def remapped_dielectric(cosine, ior, f0):
@@ -165,8 +167,8 @@ def remapped_dielectric(cosine, ior, f0):
 def f82(cosine, f0, tint):
     """F82-Tint of Kutz, Hasan and Edmondson 2021: Schlick's curve, ``tint`` times it at the cosine 1/7."""
     c = np.clip(np.abs(cosine), 0.0, 1.0)[:, None]
-    edge = (f0 + (1 - f0) * (6 / 7)**5) * (1 - tint) / (1 / 7 * (6 / 7)**6)
-    return np.clip(f0 + (1 - f0) * (1 - c)**5 - edge * c * (1 - c)**6, 0.0, 1.0)
+    edge = (f0 + (1 - f0) * (6 / 7) ** 5) * (1 - tint) / (1 / 7 * (6 / 7) ** 6)
+    return np.clip(f0 + (1 - f0) * (1 - c) ** 5 - edge * c * (1 - c) ** 6, 0.0, 1.0)
 
 
 NONE, DIELECTRIC, F82 = "none", "dielectric", "f82"
@@ -222,14 +224,26 @@ class Microfacet(Lobe):
         r, t = self.fresnel(ho)
         total = (r + t).mean(1)
         usable &= total > 0.0
-        a2 = np.where(usable, self.alpha**2, 1.0)
-        distribution = a2 / (np.pi * (1.0 + np.minimum(hn * hn, 1.0) * (a2 - 1.0))**2)
+        with np.errstate(all="ignore"):  # of rows that are not usable
+            density, lo, li = self.density(h), self.masking(wo), self.masking(wi)
         jacobian = np.where(through, self.ior**2 * np.abs(ho * hi) / np.where(usable, square, 1.0), 0.25)
-        common = np.where(usable, distribution * jacobian / np.where(usable, co, 1.0), 0.0)
-        lo, li = masking(a2, co), masking(a2, ci)
+        common = np.where(usable, density * jacobian / np.where(usable, co, 1.0), 0.0)
+        lo, li, hn = (np.where(usable, x, 0.0) for x in (lo, li, np.abs(hn)))
         value = np.where(through[:, None], t, r)
-        pdf = common * value.mean(1) / np.where(usable, total, 1.0) / (1.0 + lo)
-        return value * (common / (1.0 + lo + li))[:, None], pdf
+        share = value.mean(1) / np.where(usable, total, 1.0)
+        return value * (common / (1.0 + lo + li))[:, None], common * share * self.visible(co, hn, lo)
+
+    def density(self, h):
+        """Distribution of normals D (N,)."""
+        return self.alpha**2 / (np.pi * (1.0 + np.minimum(dot(h, self.normal) ** 2, 1.0) * (self.alpha**2 - 1.0)) ** 2)
+
+    def masking(self, w):
+        """Smith's Λ (N,)."""
+        return masking(self.alpha**2, dot(w, self.normal))
+
+    def visible(self, co, hn, lo):
+        """By how much the density of ``_normals`` exceeds D · |wo · h| / (wo · n)."""
+        return 1.0 / (1.0 + lo)
 
     def _normals(self, rng, wo):
         """Microfacet normals as visible from wo."""

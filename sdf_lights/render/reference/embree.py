@@ -13,12 +13,27 @@ import numpy as np
 
 from ..libraries import load_embree
 from ..scene import Scene
-from .geometry import Hits
+from .hits import Hits
 
 LANES = 16
 # Fields of RTCRayHit16, each 16 values of 4 bytes; some more for versions with longer hits.
 (ORIGIN, NEAR, DIRECTION, TIME, FAR, MASK, ID, FLAGS, NORMAL, U, V, PRIMITIVE, GEOMETRY, INSTANCE, FIELDS) = (
-    0, 3, 4, 7, 8, 9, 10, 11, 12, 15, 16, 17, 18, 19, 24)
+    0,
+    3,
+    4,
+    7,
+    8,
+    9,
+    10,
+    11,
+    12,
+    15,
+    16,
+    17,
+    18,
+    19,
+    24,
+)
 NOTHING = 0xFFFFFFFF
 
 TRIANGLES, INSTANCES = 0, 121
@@ -28,12 +43,18 @@ ROBUST = 4
 
 _POINTER, _INT, _UINT, _SIZE = ctypes.c_void_p, ctypes.c_int, ctypes.c_uint, ctypes.c_size_t
 _SIGNATURES = {
-    "rtcNewDevice": (_POINTER, ctypes.c_char_p), "rtcReleaseDevice": (None, _POINTER),
+    "rtcNewDevice": (_POINTER, ctypes.c_char_p),
+    "rtcReleaseDevice": (None, _POINTER),
     "rtcGetDeviceError": (_INT, _POINTER),
-    "rtcNewScene": (_POINTER, _POINTER), "rtcReleaseScene": (None, _POINTER), "rtcCommitScene": (None, _POINTER),
-    "rtcSetSceneFlags": (None, _POINTER, _INT), "rtcNewGeometry": (_POINTER, _POINTER, _INT),
-    "rtcReleaseGeometry": (None, _POINTER), "rtcCommitGeometry": (None, _POINTER),
-    "rtcAttachGeometryByID": (None, _POINTER, _POINTER, _UINT), "rtcSetGeometryMask": (None, _POINTER, _UINT),
+    "rtcNewScene": (_POINTER, _POINTER),
+    "rtcReleaseScene": (None, _POINTER),
+    "rtcCommitScene": (None, _POINTER),
+    "rtcSetSceneFlags": (None, _POINTER, _INT),
+    "rtcNewGeometry": (_POINTER, _POINTER, _INT),
+    "rtcReleaseGeometry": (None, _POINTER),
+    "rtcCommitGeometry": (None, _POINTER),
+    "rtcAttachGeometryByID": (None, _POINTER, _POINTER, _UINT),
+    "rtcSetGeometryMask": (None, _POINTER, _UINT),
     "rtcSetSharedGeometryBuffer": (None, _POINTER, _INT, _UINT, _INT, _POINTER, _SIZE, _SIZE, _SIZE),
     "rtcSetGeometryInstancedScene": (None, _POINTER, _POINTER),
     "rtcSetGeometryTransform": (None, _POINTER, _UINT, _INT, _POINTER),
@@ -107,10 +128,10 @@ class EmbreeRays:
         words = packets * FIELDS * LANES
         memory = np.zeros(4 * (words + 2 * LANES) + 64, np.uint8)
         start = -memory.ctypes.data % 64
-        words32 = memory[start:start + 4 * (words + 2 * LANES)].view(np.uint32)
+        words32 = memory[start : start + 4 * (words + 2 * LANES)].view(np.uint32)
         valid = words32[:LANES]
         valid[:] = NOTHING
-        rays = words32[2 * LANES:].reshape(packets, FIELDS, LANES)
+        rays = words32[2 * LANES :].reshape(packets, FIELDS, LANES)
         floats = rays.view(np.float32)
 
         def lanes(values, fill=0.0):
@@ -131,6 +152,9 @@ class EmbreeRays:
 
         found = values(rays, GEOMETRY) != NOTHING
         return Hits(
-            np.where(found, values(floats, FAR), np.inf), np.where(found, values(rays, INSTANCE), -1).astype(int),
-            np.where(found, values(rays, PRIMITIVE), -1).astype(int), values(floats, U).astype(float),
-            values(floats, V).astype(float))
+            np.where(found, values(floats, FAR), np.inf),
+            np.where(found, values(rays, INSTANCE).astype(int), -1),
+            np.where(found, values(rays, PRIMITIVE).astype(int), -1),
+            values(floats, U).astype(float),
+            values(floats, V).astype(float),
+        )

@@ -13,33 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene import Scene
+from .embree import EmbreeRays
+from .hits import Hits
 from .vectors import dot, normalize
 
 LEAF = 2
 FAR_AWAY = 1e200
 CHUNK = 8192
 EMBREE_TRIANGLES = 200  # NumPy is 10 times slower than Embree from about here on
-
-
-@dataclass
-class Hits:
-    """Nearest hit of every ray: ``distance`` (inf: none), indices of instance and of triangle within its mesh, and
-    barycentric coordinates of the second and third vertex."""
-
-    distance: np.ndarray
-    instance: np.ndarray
-    triangle: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-
-    @property
-    def found(self) -> np.ndarray:
-        return np.isfinite(self.distance)
-
-    @classmethod
-    def none(cls, count: int) -> "Hits":
-        nowhere = np.full(count, -1)
-        return cls(np.full(count, np.inf), nowhere, nowhere, np.zeros(count), np.zeros(count))
 
 
 @dataclass
@@ -57,6 +38,11 @@ class Surface:
     barycentric: np.ndarray  # (N, 3)
     smooth: np.ndarray  # (N,) bool: ns is interpolated
     distance: np.ndarray
+    # Of the ray that arrived: scene.Ray, whether it left a mirror, bounces (N, 5) as in the variables of formulas.
+    ray_kind: np.ndarray
+    ray_singular: np.ndarray
+    depth: np.ndarray
+    ray_pdf: np.ndarray  # density with which it was scattered; 0: singular, or the camera
 
     def select(self, rows: np.ndarray) -> "Surface":
         return Surface(**{name: value[rows] for name, value in vars(self).items()})
@@ -77,8 +63,9 @@ class Triangles:
         for level in range(depth):
             order = self.order.reshape(1 << level, -1)
             there = order >= 0
-            spread = (np.where(there[..., None], centre[order], -np.inf).max(1)
-                      - np.where(there[..., None], centre[order], np.inf).min(1))
+            spread = np.where(there[..., None], centre[order], -np.inf).max(1) - np.where(
+                there[..., None], centre[order], np.inf
+            ).min(1)
             key = np.take_along_axis(centre[order], spread.argmax(1)[:, None, None], 2)[..., 0]
             # Half of the triangles go to each side, and half of the empty places with them.
             rank = np.argsort(key, 1, kind="stable")
@@ -101,8 +88,10 @@ class Triangles:
 
     def nearest(self, origins, directions, far, masks):
         """(distance, triangle, u, v) of the nearest hit closer than ``far``; triangle −1 where there is none."""
-        parts = [self._nearest(*(array[i:i + CHUNK] for array in (origins, directions, far, masks)))
-                 for i in range(0, len(origins), CHUNK)]
+        parts = [
+            self._nearest(*(array[i : i + CHUNK] for array in (origins, directions, far, masks)))
+            for i in range(0, len(origins), CHUNK)
+        ]
         if not parts:
             return np.zeros(0), np.zeros(0, int), np.zeros(0), np.zeros(0)
         return tuple(np.concatenate(part) for part in zip(*parts))
@@ -155,11 +144,10 @@ def moller_trumbore(o: np.ndarray, d: np.ndarray, corners: np.ndarray):
     return np.where(hit, dot(e2, q) * inverse, np.inf), u, v
 
 
-class Geometry:
-    """All instances of a scene: rays against them, and what a hit looks like."""
+class Placed:
+    """All instances of a scene: what a hit looks like."""
 
-    def __init__(self, scene: Scene, use_embree: bool | None = None):
-        """``use_embree``: None takes Embree for more than ``EMBREE_TRIANGLES`` triangles, where it is found."""
+    def __init__(self, scene: Scene):
         self.scene = scene
         self.matrices = np.array([i.matrix for i in scene.instances], float).reshape(-1, 4, 4)
         linear = self.matrices[:, :3, :3]
@@ -171,20 +159,75 @@ class Geometry:
         self.first = np.concatenate([[0], np.cumsum(counts)[:-1]])  # of each mesh in the arrays that follow
         empty = np.zeros((0, 3, 3))
         self.corners = np.concatenate(
-            [empty] + [np.asarray(m.positions, float)[m.triangles].reshape(-1, 3, 3) for m in scene.meshes])
-        self.normals = np.concatenate([empty] + [
-            np.zeros((len(m.triangles), 3, 3)) if m.normals is None else np.asarray(m.normals, float)
-            for m in scene.meshes])
-        self.smooth = np.concatenate([np.zeros(0, bool)] + [
-            np.full(len(m.triangles), m.normals is not None) for m in scene.meshes])
-        self.slots = np.concatenate([np.zeros(0, int)] + [
-            np.zeros(len(m.triangles), int) if m.slots is None else m.slots for m in scene.meshes])
+            [empty] + [np.asarray(m.positions, float)[m.triangles].reshape(-1, 3, 3) for m in scene.meshes]
+        )
+        self.normals = np.concatenate(
+            [empty]
+            + [
+                np.zeros((len(m.triangles), 3, 3)) if m.normals is None else np.asarray(m.normals, float)
+                for m in scene.meshes
+            ]
+        )
+        self.smooth = np.concatenate(
+            [np.zeros(0, bool)] + [np.full(len(m.triangles), m.normals is not None) for m in scene.meshes]
+        )
+        self.slots = np.concatenate(
+            [np.zeros(0, int)] + [np.zeros(len(m.triangles), int) if m.slots is None else m.slots for m in scene.meshes]
+        )
         width = max([len(i.materials) for i in scene.instances], default=1)
         # A slot that does not exist shows the last material, as in Blender.
         self.materials = np.array(
             [[i.materials[min(slot, len(i.materials) - 1)] for slot in range(width)] for i in scene.instances]
         ).reshape(-1, width)
         self.triangle_count = int(counts[self.mesh_of].sum()) if len(self.mesh_of) else 0
+
+    def material(self, instance: np.ndarray, triangle: np.ndarray) -> np.ndarray:
+        """Index of the material of triangles."""
+        slot = self.slots[self.first[self.mesh_of[instance]] + triangle]
+        return self.materials[instance, slot.clip(0, self.materials.shape[1] - 1)]
+
+    def surface(self, hits: Hits, directions: np.ndarray) -> Surface:
+        """The surface at ``hits``, all of which exist, as rays along ``directions`` meet it."""
+        row = self.first[self.mesh_of[hits.instance]] + hits.triangle
+        matrix = self.matrices[hits.instance]
+        barycentric = np.stack([1.0 - hits.u - hits.v, hits.u, hits.v], -1)
+        corners = self.corners[row]
+        local = np.einsum("nk,nkj->nj", barycentric, corners)
+        position = np.einsum("nij,nj->ni", matrix[:, :3, :3], local) + matrix[:, :3, 3]
+        # Normals take the inverse transpose, which keeps the outside outside under mirroring.
+        to_world = self.normal_matrices[hits.instance]
+        ng = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        ng = normalize(np.einsum("nij,nj->ni", to_world, ng))
+        smooth = self.smooth[row]
+        ns = np.einsum("nk,nkj->nj", barycentric, self.normals[row])
+        ns = np.where(smooth[:, None], normalize(np.einsum("nij,nj->ni", to_world, ns)), ng)
+        wo = -directions
+        backfacing = dot(ng, wo) < 0.0
+        side = np.where(backfacing, -1.0, 1.0)[:, None]
+        return Surface(
+            position,
+            ng * side,
+            ns * side,
+            wo,
+            backfacing,
+            hits.instance,
+            hits.triangle,
+            barycentric,
+            smooth,
+            hits.distance,
+            np.zeros(len(wo), int),
+            np.zeros(len(wo), bool),
+            np.zeros((len(wo), 5), int),
+            np.zeros(len(wo)),
+        )
+
+
+class Geometry(Placed):
+    """All instances of a scene: rays against them, and what a hit looks like."""
+
+    def __init__(self, scene: Scene, use_embree: bool | None = None):
+        """``use_embree``: None takes Embree for more than ``EMBREE_TRIANGLES`` triangles, where it is found."""
+        super().__init__(scene)
         if use_embree is None:
             use_embree = self.triangle_count > EMBREE_TRIANGLES
         self.rays = self._embree() if use_embree else None
@@ -195,8 +238,6 @@ class Geometry:
         self.epsilon = (1e-6 if self.rays else 1e-11) * self.size
 
     def _embree(self):
-        from .embree import EmbreeRays
-
         try:
             return EmbreeRays(self.scene)
         except Exception as error:
@@ -238,31 +279,3 @@ class Geometry:
     def offset(self, position: np.ndarray, ng: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Origins for rays that leave a surface, moved to the side they leave on."""
         return position + self.epsilon * np.where(dot(ng, direction) < 0.0, -1.0, 1.0)[:, None] * ng
-
-    def material(self, instance: np.ndarray, triangle: np.ndarray) -> np.ndarray:
-        """Index of the material of triangles."""
-        slot = self.slots[self.first[self.mesh_of[instance]] + triangle]
-        return self.materials[instance, slot.clip(0, self.materials.shape[1] - 1)]
-
-    def surface(self, hits: Hits, directions: np.ndarray) -> Surface:
-        """The surface at ``hits``, all of which exist, as rays along ``directions`` meet it."""
-        row = self.first[self.mesh_of[hits.instance]] + hits.triangle
-        matrix = self.matrices[hits.instance]
-        barycentric = np.stack([1.0 - hits.u - hits.v, hits.u, hits.v], -1)
-        corners = self.corners[row]
-        local = np.einsum("nk,nkj->nj", barycentric, corners)
-        position = np.einsum("nij,nj->ni", matrix[:, :3, :3], local) + matrix[:, :3, 3]
-        # Normals take the inverse transpose, which keeps the outside outside under mirroring.
-        to_world = self.normal_matrices[hits.instance]
-        ng = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        ng = normalize(np.einsum("nij,nj->ni", to_world, ng))
-        smooth = self.smooth[row]
-        ns = np.einsum("nk,nkj->nj", barycentric, self.normals[row])
-        ns = np.where(smooth[:, None], normalize(np.einsum("nij,nj->ni", to_world, ns)), ng)
-        wo = -directions
-        backfacing = dot(ng, wo) < 0.0
-        side = np.where(backfacing, -1.0, 1.0)[:, None]
-        return Surface(
-            position, ng * side, ns * side, wo, backfacing, hits.instance, hits.triangle, barycentric, smooth,
-            hits.distance)
-

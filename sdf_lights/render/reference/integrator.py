@@ -16,10 +16,13 @@ import numpy as np
 
 from ..scene import Ray, Scene
 from .camera import Camera
-from .geometry import Geometry, Hits, Surface
+from .geometry import Geometry, Surface
+from .hits import Hits
 from .lamps import SdfLamp
 from .lights import Emitter, Sky, Triangles, blender_light
 from .materials import Materials, Shading
+from .rare import THROUGH_PORTAL
+from .subsurface import INSIDE, pass_below
 from .vectors import dot
 
 SPLIT = 8
@@ -48,6 +51,10 @@ class Paths:
 
     def select(self, rows: np.ndarray) -> "Paths":
         return Paths(**{name: value[rows] for name, value in vars(self).items()})
+
+
+def _together(parts: list[Paths]) -> Paths:
+    return Paths(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0])})
 
 
 def competes(visibility: Ray) -> bool:
@@ -82,7 +89,7 @@ class Integrator:
                 self.lamps.append(SdfLamp(lamp))
             except ValueError as error:
                 scene.warnings.append(f"The SDF lamp {lamp.name!r} is left out: {error}.")
-        self.lights: list[Emitter] = [blender_light(light) for light in scene.lights]
+        self.lights: list[Emitter] = [blender_light(light, scene) for light in scene.lights]
         self.sky = Sky(scene.world, scene)
         self.triangles = self._emissive_triangles()
         # What light sampling chooses from.
@@ -117,8 +124,18 @@ class Integrator:
         samples = Samples(count)
         origin, direction, near, far = self.camera.rays(x, y, rng)
         paths = Paths(
-            np.arange(count), origin, origin + near[:, None] * direction, direction, near, far, np.ones((count, 3)),
-            np.zeros(count), np.full(count, int(Ray.CAMERA)), np.zeros((count, 5), int), np.zeros(count, bool))
+            np.arange(count),
+            origin,
+            origin + near[:, None] * direction,
+            direction,
+            near,
+            far,
+            np.repeat(np.where(far < 0.0, 0.0, 1.0)[:, None], 3, 1),
+            np.zeros(count),
+            np.full(count, int(Ray.CAMERA)),
+            np.zeros((count, 5), int),
+            np.zeros(count, bool),
+        )
         while len(paths.sample):
             if stop():
                 return None
@@ -135,10 +152,15 @@ class Integrator:
         paths, end = paths.select(found), end[found]
         hits = Hits(*(array[found] for array in vars(hits).values()))
         surface = self.geometry.surface(hits, paths.direction)
+        surface.ray_kind, surface.depth, surface.ray_pdf = paths.kind, paths.bounces, paths.pdf
+        surface.ray_singular = (paths.pdf <= 0.0) & (paths.kind != Ray.CAMERA)
 
         camera = paths.kind == Ray.CAMERA
         held = self.holdout[surface.instance]
-        shading = self.materials.shade(surface, end * self.camera.pixel_angle)
+        shading = self.materials.shade(surface, end * self.camera.pixel_angle + self.camera.pixel_width, rng)
+        shading.darken_microfacets(
+            paths.kind == Ray.DIFFUSE, self.settings.caustics_reflective, self.settings.caustics_refractive
+        )
         weight = np.where(held, 1.0, shading.holdout) * camera * paths.throughput.mean(1)
         samples.alpha[paths.sample] -= weight
         rows = np.flatnonzero(~held)
@@ -148,7 +170,7 @@ class Integrator:
         self._record(paths, surface, shading, end, samples)
         bright = ~paths.last & shading.scatters
         self._sample_lights(paths.select(bright), surface.select(bright), shading.select(bright), samples, rng)
-        return self._scatter(paths, surface, shading, end, rng)
+        return self._scatter(paths, surface, shading, end, samples, rng)
 
     # --- emission that a ray meets ------------------------------------------------------------------------------------
 
@@ -185,6 +207,7 @@ class Integrator:
             self._contribute(paths, radiance * weight[:, None], paths.bounces[:, 0], samples, lamp=True)
         for light in self.lights:
             distance, radiance, pdf = light.hit(paths.origin, paths.direction)
+            radiance = light.modulated(radiance, paths.origin, paths.direction, distance, paths.kind)
             met = (distance > paths.near) & ((distance < end) | ~np.isfinite(end) & np.isfinite(distance))
             met &= (paths.kind & light.visibility) != 0
             weight = met * self._weight(paths.pdf, pdf, light.visibility)
@@ -199,7 +222,9 @@ class Integrator:
             return
         visible = (paths.kind & self.sky.visibility) != 0
         weight = visible * self._weight(paths.pdf, self.sky.pdf(paths.direction), self.sky.visibility)
-        self._contribute(paths, self.sky.radiance(paths.direction) * weight[:, None], paths.bounces[:, 0], samples)
+        self._contribute(
+            paths, self.sky.radiance(paths.direction, paths.kind) * weight[:, None], paths.bounces[:, 0], samples
+        )
 
     def _gather_surface(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples):
         weight = np.ones(len(end))
@@ -240,6 +265,7 @@ class Integrator:
             hits = Hits(distance, emitter.instances[index], emitter.triangles[index], u, v)
         else:
             wi, distance, radiance, pdf = emitter.sample(rng, x)
+            radiance = emitter.modulated(radiance, x, wi, distance, 0)
         scattered, scatter_pdf = shading.evaluate(wi)
         rows = np.flatnonzero(scattered.max(1) > 0.0)
         paths, surface, x, wi = paths.select(rows), surface.select(rows), x[rows], wi[rows]
@@ -249,7 +275,7 @@ class Integrator:
             pdf = emitter.pdf(spans, count)
             last = np.zeros(count)
             np.maximum.at(last, spans.ray, spans.far)
-            light = self._march(surface, wi, last, functools.partial(emitter.radiance, spans, x, wi))
+            light = self._march(paths, surface, wi, last, functools.partial(emitter.radiance, spans, x, wi))
         else:
             pdf, distance = pdf[rows], distance[rows]
             if hits is not None:
@@ -259,21 +285,22 @@ class Integrator:
                 radiance = radiance[rows]
             light = radiance
             if emitter.cast_shadow:
-                light = light * self._march(surface, wi, distance - 4.0 * self.geometry.epsilon)
+                light = light * self._march(paths, surface, wi, distance - 4.0 * self.geometry.epsilon)
         if not competes(emitter.visibility) or getattr(emitter, "singular", False):
             scatter_pdf = np.zeros(count)
         density = pdf * self._share + scatter_pdf
         light = scattered * light * np.where(pdf > 0.0, 1.0 / np.where(pdf > 0.0, density, 1.0), 0.0)[:, None]
         self._contribute(paths, light, paths.bounces[:, 0] + 1, samples, lamp=spans is not None)
 
-    def _march(self, surface: Surface, wi: np.ndarray, end: np.ndarray, radiance=None) -> np.ndarray:
-        """Transmittance (N, 3) of transparent surfaces from ``surface`` to the distance ``end`` along ``wi``; with
+    def _march(self, paths: Paths, surface: Surface, wi: np.ndarray, end: np.ndarray, radiance=None) -> np.ndarray:
+        """Transmittance (N, 3) of transparent surfaces, as many as the ``paths`` have left, from ``surface`` to the distance ``end`` along ``wi``; with
         ``radiance(start, end)``, that along the way instead, each part of it times the transmittance up to there."""
         count = len(end)
         transmittance, light = np.ones((count, 3)), np.zeros((count, 3))
         near, alive = np.zeros(count), np.arange(count)
         start = self.geometry.offset(surface.position, surface.ng, wi)
-        for _ in range(self.settings.transparent_bounces + 1):
+        left = np.maximum(self.settings.transparent_bounces - paths.bounces[:, 4], 0)
+        for passed in range(left.max(initial=0) + 1):
             mask = np.full(len(alive), int(Ray.SHADOW))
             hits = self.geometry.intersect(start[alive], wi[alive], (end - near)[alive], mask)
             found = hits.found
@@ -285,42 +312,86 @@ class Integrator:
                 light += transmittance * radiance(begin, reached)
             hits, alive = Hits(*(array[found] for array in vars(hits).values())), alive[found]
             blocker = self.geometry.surface(hits, wi[alive])
-            transmittance[alive] *= self.materials.transparency(blocker)
+            transmittance[alive] *= self.materials.transparency(blocker) * (passed < left[alive])[:, None]
             through = transmittance[alive].max(1) > 0.0
             alive = alive[through]
             near[alive] = reached[alive]
             start[alive] = self.geometry.offset(blocker.position[through], blocker.ng[through], wi[alive])
             if not len(alive):
                 break
-        transmittance[alive] = 0.0  # more surfaces than are allowed
         return transmittance if radiance is None else light
 
     # --- scattering ---------------------------------------------------------------------------------------------------
 
-    def _scatter(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, rng) -> Paths:
+    def _emerge(self, paths: Paths, surface: Surface, entered: list, wi, weight, samples: Samples, rng) -> Paths:
+        """The paths that go on from where light leaves that has ``entered`` surfaces along wi, and is lit there."""
+        emerged = [paths.select(np.zeros(0, int))]
+        for rows, lobe in entered:
+            alive = ~paths.last[rows] & (weight[rows].max(1) > 0.0)
+            rows, lobe = rows[alive], lobe.select(np.flatnonzero(alive))
+            part = paths.select(rows)
+            hits, direction, throughput = pass_below(
+                self.geometry, lobe, surface.select(rows), wi[rows], part.throughput * weight[rows], rng
+            )
+            part.throughput = throughput
+            found = np.flatnonzero(hits.found)
+            hits, part = Hits(*(array[found] for array in vars(hits).values())), part.select(found)
+            exits = self.geometry.surface(hits, -direction[found])
+            exits.ray_kind, exits.depth = np.zeros(len(found), int), part.bounces
+            shading = self.materials.exits(exits, np.zeros(len(found)))
+            self._sample_lights(part, exits, shading, samples, rng)
+            emerged.append(self._scatter(part, exits, shading, np.zeros(len(found)), samples, rng))
+        return _together(emerged)
+
+    def _scatter(
+        self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples, rng
+    ) -> Paths:
         """The paths that go on from their surfaces. Those that only gather emission go straight on or not at all."""
         wi, weight, pdf, kind = shading.sample(rng)
-        straight = paths.last | (kind == 0)
-        weight = np.where(paths.last[:, None], shading.transparency, weight)
+        below = ~paths.last & ((kind & INSIDE) != 0)
+        if below.any():
+            emerged = self._emerge(paths, surface, shading.entered, wi, weight, samples, rng)
+            weight = np.where(below[:, None], 0.0, weight)
+            return _together([self._go_on(paths, surface, shading, end, wi, weight, pdf, kind, rng), emerged])
+        return self._go_on(paths, surface, shading, end, wi, weight, pdf, kind, rng)
+
+    def _go_on(self, paths: Paths, surface: Surface, shading: Shading, end, wi, weight, pdf, kind, rng) -> Paths:
+        """The paths that are scattered along wi, or go straight on."""
+        # Paths that only gather emission go straight on, or by chance where there is a portal.
+        gathers = paths.last & ~shading.portal
+        straight, through = gathers | (kind == 0), ~gathers & (kind == THROUGH_PORTAL)
+        passes = straight | through
+        weight = np.where(gathers[:, None], shading.transparency, weight)
+        weight = np.where((paths.last & ~passes)[:, None], 0.0, weight)
         throughput = paths.throughput * weight
         bounces = paths.bounces.copy()
         for column, bit in enumerate((Ray.ALL, Ray.DIFFUSE, Ray.GLOSSY, Ray.TRANSMISSION)):
-            bounces[:, column] += ~straight & ((kind & bit) != 0)
-        bounces[:, 4] += straight
+            bounces[:, column] += ~passes & ((kind & bit) != 0)
+        bounces[:, 4] += passes
         settings = self.settings
-        limits = np.array([settings.max_bounces, settings.diffuse_bounces, settings.glossy_bounces,
-                           settings.transmission_bounces])
-        alive = (throughput.max(1) > 0.0) & (bounces[:, 4] <= settings.transparent_bounces)
-        if not settings.caustics:
-            alive &= straight | (paths.bounces[:, 1] == 0) | ((kind & Ray.DIFFUSE) != 0)
-        last = paths.last | (bounces[:, :4] > limits).any(1)
-        roulette = ~straight & ~last & (bounces[:, 0] >= FIRST_ROULETTE)
+        limits = np.array(
+            [settings.max_bounces, settings.diffuse_bounces, settings.glossy_bounces, settings.transmission_bounces]
+        )
+        passed_all = bounces[:, 4] >= settings.transparent_bounces
+        alive = (throughput.max(1) > 0.0) & ~(paths.last & (paths.bounces[:, 4] >= settings.transparent_bounces))
+        last = paths.last | (bounces[:, :4] > limits).any(1) | (passes & passed_all)
+        roulette = ~passes & ~last & (bounces[:, 0] >= FIRST_ROULETTE)
         survival = np.where(roulette, np.clip(throughput.max(1), 1e-300, 1.0), 1.0)
         alive &= rng.random(len(survival)) < survival
         throughput = throughput / survival[:, None]
         direction = np.where(straight[:, None], paths.direction, wi)
+        away = through & (((shading.exit - surface.position) ** 2).sum(1) > 1e-9)
+        start = np.where(away[:, None], shading.exit, self.geometry.offset(surface.position, surface.ng, direction))
         return Paths(
-            paths.sample, np.where(straight[:, None], paths.origin, surface.position),
-            self.geometry.offset(surface.position, surface.ng, direction), direction,
-            np.where(straight, end, 0.0), np.where(straight, paths.far, np.inf), throughput,
-            np.where(straight, paths.pdf, pdf), np.where(straight, paths.kind, kind), bounces, last).select(alive)
+            paths.sample,
+            np.where(straight[:, None], paths.origin, np.where(through[:, None], shading.exit, surface.position)),
+            start,
+            direction,
+            np.where(straight, end, 0.0),
+            np.where(straight, paths.far, np.inf),
+            throughput,
+            np.where(passes & shading.portal, 0.0, np.where(straight, paths.pdf, pdf)),
+            np.where(passes, paths.kind, kind),
+            bounces,
+            last,
+        ).select(alive)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...sdf.lipschitz import global_lipschitz
+from ...graph.lipschitz import global_lipschitz
 from ..scene import Lamp, Ray
 
 # As a share of the diagonal of the shape's box: parts of a ray shorter than this can be missed.
@@ -57,15 +57,21 @@ class SdfLamp:
         self._low, self._high = low - 1e-9 * (high - low), high + 1e-9 * (high - low)
         self._diagonal = float(np.linalg.norm(high - low))
         # Where no bound exists at all, nothing is certified, and rays are followed in steps of RESOLUTION.
-        self._lipschitz = lamp.shape.lipschitz if np.isfinite(lamp.shape.lipschitz) else global_lipschitz(
-            lamp.shape.formula(), self._low, self._high, lamp.shape.parameters())
+        self._lipschitz = (
+            lamp.shape.lipschitz
+            if np.isfinite(lamp.shape.lipschitz)
+            else global_lipschitz(lamp.shape.formula(), self._low, self._high, lamp.shape.parameters())
+        )
         self.volume = self._local_volume() * abs(np.linalg.det(self._linear))
         if not self.volume > 0.0:
             raise ValueError("it has no volume")
         emission = lamp.emission.placed(lamp.shape) if lamp.emission is not None else None
         self._varying = emission if emission is not None and lamp.emission.varies else None
-        mean = np.ones(3) if emission is None else (
-            emission.evaluate(np.zeros(3)) if self._varying is None else self._mean_emission())
+        mean = (
+            np.ones(3)
+            if emission is None
+            else (emission.evaluate(np.zeros(3)) if self._varying is None else self._mean_emission())
+        )
         if not mean.max() > 0.0:
             raise ValueError("its emission is zero everywhere")
         scale = lamp.density if lamp.density is not None else lamp.power / (4.0 * np.pi * self.volume * mean.mean())
@@ -93,21 +99,29 @@ class SdfLamp:
         """Mean (3,) of the relative emission over the volume."""
         spans, origins, directions = self._columns(side)
         return self._integrals(origins, directions, spans.ray, spans.near, spans.far).sum(0) / np.sum(
-            spans.far - spans.near)
+            spans.far - spans.near
+        )
 
     # --- emission -----------------------------------------------------------------------------------------------------
 
-    def radiance(self, spans: Spans, origins: np.ndarray, directions: np.ndarray, start: np.ndarray,
-                 end: np.ndarray) -> np.ndarray:
+    def radiance(
+        self, spans: Spans, origins: np.ndarray, directions: np.ndarray, start: np.ndarray, end: np.ndarray
+    ) -> np.ndarray:
         """Line integral (N, 3) of the emission along each ray between the distances ``start`` and ``end``."""
         if self._varying is None:
             return self.emission * spans.length(start, end)[:, None]
         near, far = np.maximum(spans.near, start[spans.ray]), np.minimum(spans.far, end[spans.ray])
         rows = near < far
-        found = self._integrals((origins - self._origin) @ self._inverse.T, directions @ self._inverse.T,
-                                spans.ray[rows], near[rows], far[rows])
+        found = self._integrals(
+            (origins - self._origin) @ self._inverse.T,
+            directions @ self._inverse.T,
+            spans.ray[rows],
+            near[rows],
+            far[rows],
+        )
         return self.scale * np.stack(
-            [np.bincount(spans.ray[rows], channel, len(origins)) for channel in found.T], axis=1)
+            [np.bincount(spans.ray[rows], channel, len(origins)) for channel in found.T], axis=1
+        )
 
     def _integrals(self, origins, directions, ray, near, far) -> np.ndarray:
         """Integral (spans, 3) of the relative emission over each span, of rays in the shape's own space."""
@@ -151,8 +165,10 @@ class SdfLamp:
             # Where the field is undefined nothing is certified, and outside.
             radius = np.nan_to_num(np.abs(value)) / (self._lipschitz * speed[ray])
             inside = value <= 0.0
-            low, high = (np.concatenate(part) for part in (
-                (low, np.minimum(middle + radius, high)), (np.maximum(middle - radius, low), high)))
+            low, high = (
+                np.concatenate(part)
+                for part in ((low, np.minimum(middle + radius, high)), (np.maximum(middle - radius, low), high))
+            )
             low_in, high_in = (np.concatenate(part) for part in ((low_in, inside), (inside, high_in)))
             ray = np.tile(ray, 2)
             short = high - low <= RESOLUTION * self._diagonal / speed[ray]

@@ -11,21 +11,41 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..images import colors
 from ..scene import AreaLight, PointLight, Ray, Scene, SpotLight, SunLight, World
-from .images import lookup
+from .emission import Emission
+from .images import interpolated
 from .vectors import disk, dot, luminance, normalize, to_world, uniform_cone, uniform_sphere
 
 
 class Emitter:
+    """A light of the reference: ``sample`` draws directions towards it, ``hit`` finds it along rays.
+
+    ``singular``: rays cannot hit it.
+    """
+
     singular = False
+    nodes: Emission | None = None  # what multiplies its radiance
 
     def __init__(self, visibility: Ray, cast_shadow: bool = True):
         self.visibility, self.cast_shadow = Ray(visibility), cast_shadow
 
+    def modulated(self, radiance, origins, directions, distance, kind):
+        """``radiance`` (N, 3) that rays of a kind of ``scene.Ray`` meet (0 in light sampling), times what its nodes give there."""
+        if self.nodes is None:
+            return radiance
+        far = ~np.isfinite(distance) | (distance >= BACKGROUND)
+        length = np.where(far, 0.0, distance)
+        place = np.where(far[:, None], directions, origins + length[:, None] * directions)
+        normal = np.broadcast_to(self.normal, directions.shape) if isinstance(self, Area) else -directions
+        return radiance * self.nodes.at(place, -directions, normal, kind, length)
+
     def sample(self, rng: np.random.Generator, x: np.ndarray):
+        """For points x (N, 3): (directions wi, distances, radiance (N, 3), pdf per solid angle)."""
         raise NotImplementedError
 
     def hit(self, origins: np.ndarray, directions: np.ndarray):
+        """For rays: (distances, inf where there is no hit; radiance (N, 3); pdf of ``sample`` at the origin)."""
         return np.full(len(origins), np.inf), np.zeros(origins.shape), np.zeros(len(origins))
 
 
@@ -130,8 +150,12 @@ class Area(Emitter):
         if self.singular:
             height = (x - self.center) @ self.normal
             lit = self._inside(x - self.center) & (height > 0.0)
-            return (np.broadcast_to(-self.normal, x.shape), height, np.broadcast_to(np.pi * self.radiance, x.shape),
-                    np.where(lit, 1.0, 0.0))
+            return (
+                np.broadcast_to(-self.normal, x.shape),
+                height,
+                np.broadcast_to(np.pi * self.radiance, x.shape),
+                np.where(lit, 1.0, 0.0),
+            )
         place = self.half * (disk(rng, len(x)) if self.ellipse else 2.0 * rng.random((len(x), 2)) - 1.0)
         towards = self.center + place[:, :1] * self.u + place[:, 1:] * self.v - x
         distance = np.maximum(np.linalg.norm(towards, axis=1), 1e-300)
@@ -172,8 +196,8 @@ class Sun(Emitter):
         half = min(0.5 * light.angle, 0.5 * np.pi)
         self.singular = half == 0.0
         if not self.singular:
-            self.one_minus_cos = 2.0 * np.sin(0.5 * half)**2
-            self.radiance = self.irradiance / (np.pi * np.sin(half)**2)
+            self.one_minus_cos = 2.0 * np.sin(0.5 * half) ** 2
+            self.radiance = self.irradiance / (np.pi * np.sin(half) ** 2)
 
     def sample(self, rng, x):
         axis = np.broadcast_to(self.direction, x.shape)
@@ -189,8 +213,17 @@ class Sun(Emitter):
             return super().hit(origins, directions)
         difference = directions - self.direction
         found = 0.5 * dot(difference, difference) <= self.one_minus_cos
-        return (np.where(found, BACKGROUND, np.inf), np.where(found[:, None], self.radiance, 0.0),
-                np.where(found, 1.0 / (2.0 * np.pi * self.one_minus_cos), 0.0))
+        return (
+            np.where(found, BACKGROUND, np.inf),
+            np.where(found[:, None], self.radiance, 0.0),
+            np.where(found, 1.0 / (2.0 * np.pi * self.one_minus_cos), 0.0),
+        )
+
+
+def direction_of(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Unit directions (N, 3) of equirectangular coordinates."""
+    angle, latitude = (0.5 - u) * 2.0 * np.pi, (v - 0.5) * np.pi
+    return np.stack([np.cos(latitude) * np.cos(angle), np.cos(latitude) * np.sin(angle), np.sin(latitude)], -1)
 
 
 BACKGROUND = 1e30  # distance of what is infinitely far away
@@ -203,9 +236,16 @@ class Sky(Emitter):
         super().__init__(world.visibility)
         self.color = world.strength * np.asarray(world.color, float)
         self.rotation = np.asarray(world.rotation, float)
-        self.pixels = None
-        if world.image is not None and 0 <= world.image < len(scene.images):
-            self.pixels = np.asarray(scene.images[world.image].pixels, float)
+        self.pixels = self.points = None
+        if world.emission is not None:
+            self.points = Emission(world.emission, scene)
+            rows = 64
+            v, u = (np.mgrid[0:rows, 0 : 2 * rows] + 0.5).reshape(2, -1) / [[rows], [2 * rows]]
+            directions = direction_of(u, v)
+            self.pixels = self.points.radiance(directions, 0).reshape(rows, 2 * rows, 3)
+            self._build_table()
+        elif world.image is not None and 0 <= world.image < len(scene.images):
+            self.pixels = colors(scene.images[world.image]).astype(float)
             self._build_table()
 
     @property
@@ -216,19 +256,28 @@ class Sky(Emitter):
         rows, columns = self.pixels.shape[:2]
         bright = np.maximum(luminance(self.pixels[..., :3]), 0.0)
         # Interpolation carries light into neighbouring texels, and every direction keeps some probability.
-        spread = sum(np.roll(np.pad(bright, ((1, 1), (0, 0)), "edge"), (i, j), (0, 1))[1:-1]
-                     for i in (-1, 0, 1) for j in (-1, 0, 1)) / 9.0
+        spread = (
+            sum(
+                np.roll(np.pad(bright, ((1, 1), (0, 0)), "edge"), (i, j), (0, 1))[1:-1]
+                for i in (-1, 0, 1)
+                for j in (-1, 0, 1)
+            )
+            / 9.0
+        )
         spread += 0.1 * spread.mean() + 1e-12
         edges = np.sin((np.arange(rows + 1) / rows - 0.5) * np.pi)
         weights = spread * np.diff(edges)[:, None]
         self.table = np.cumsum(weights.ravel() / weights.sum())
         self.density = spread / weights.sum() * columns / (2.0 * np.pi)  # by solid angle
 
-    def radiance(self, directions: np.ndarray) -> np.ndarray:
+    def radiance(self, directions: np.ndarray, kind: np.ndarray | int = 0) -> np.ndarray:
+        """``kind``: ``scene.Ray`` of the rays; 0 in light sampling."""
+        if self.points is not None:
+            return self.color * self.points.radiance(directions, kind)
         if self.pixels is None:
             return np.broadcast_to(self.color, directions.shape)
         u, v = self._coordinates(directions)
-        return self.color * lookup(self.pixels, u, v, "Linear", "REPEAT")[:, :3]
+        return self.color * interpolated(self.pixels, u, v, "Linear", "REPEAT")[:, :3]
 
     def _coordinates(self, directions):
         x, y, z = self.rotation @ directions.T
@@ -294,7 +343,10 @@ class Triangles(Emitter):
         return np.where(cosine > 1e-9, distance**2 / (np.maximum(cosine, 1e-9) * self.area), 0.0)
 
 
-def blender_light(light) -> Emitter:
-    """The emitter of a light of the scene."""
+def blender_light(light, scene: Scene | None = None) -> Emitter:
+    """The emitter of a light; its nodes may look things up in its ``scene``."""
     kinds = {AreaLight: Area, SunLight: Sun}
-    return kinds.get(type(light), Ball)(light)
+    emitter = kinds.get(type(light), Ball)(light)
+    if light.emission is not None:
+        emitter.nodes = Emission(light.emission, scene)
+    return emitter

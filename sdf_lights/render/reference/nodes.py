@@ -1,200 +1,348 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Value nodes of a material's graph over arrays of points, evaluated by recursion."""
+"""Formulas of a material over arrays of points, with look-ups in the scene."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from ..material import NODES, Node
-from .geometry import Geometry, Surface
+from ...graph.folding import Folding
+from ...graph.formula import CONSTANT, Formula, Vector
+from ...graph.functions import Function
+from ...graph.numpy_evaluation import Inputs, evaluate_inputs
+from ..ies import intensity
+from ..images import Texture
+from ..kernels.geometry import attribute_values
+from ..material import NODES, Attribute, Material, Node, Table
+from ..scene import Domain, Projection
+from ..sky import kernels
+from . import probes
+from .camera import Camera
+from .geometry import Placed, Surface
 from .images import lookup
-from .vectors import dot, luminance, normalize
+from .vectors import normalize
 
 # Bump mapping takes differences over this part of a pixel, as Blender does, or over this many metres where a pixel's
 # width is unknown.
 BUMP_FILTER, BUMP_DISTANCE = 0.1, 1e-4
-COLOR, VECTOR, NUMBER = "color", "vector", "number"
 
 
-class Points:
-    """Points on surfaces that share a material, and the values of its nodes there.
+class Graph:
+    """The closures of a material with numbers for its parameters; of attributes, tables and textures these are places in
+    lists."""
 
-    ``shift`` 1 and 2 evaluate a graph a step along the first or the second edge of the triangle: bump mapping's
-    differences.
-    """
+    def __init__(self, material: Material):
+        self.places: list[Attribute | Table | Texture] = []
+        numbers = []
+        for value in material.parameters:
+            if isinstance(value, (Attribute, Table, Texture)):
+                self.places.append(value)
+                value = len(self.places) - 1
+            numbers.append(float(value) if np.isfinite(value) else 0.0)
+        self._folding = Folding(numbers)
+        self._nodes: dict[int, Node] = {}
+        self.surface, self.normal = self._folded(material.surface), self._folded(material.normal)
+        self.formulas = list(dict.fromkeys(self._formulas()))
 
-    def __init__(self, surface: Surface, geometry: Geometry, images: list, footprint: np.ndarray):
-        self.surface, self.geometry, self.images = surface, geometry, images
-        self.count = len(surface.distance)
+    def _folded(self, value):
+        """A value of an input with constants for what is constant."""
+        if isinstance(value, Node):
+            if id(value) not in self._nodes:
+                inputs = {name: self._folded(entry) for name, entry in value.inputs.items()}
+                self._nodes[id(value)] = Node(value.kind, inputs, value.settings)
+            return self._nodes[id(value)]
+        if isinstance(value, Vector):
+            folded = tuple(map(self._folding.fold, value))
+            constant = all(formula.kind == CONSTANT for formula in folded)
+            return tuple(formula.value for formula in folded) if constant else Vector(*folded)
+        if isinstance(value, Formula):
+            folded = self._folding.fold(value)
+            return folded.value if folded.kind == CONSTANT else folded
+        return value
+
+    def nodes(self) -> Iterator[Node]:
+        """Every closure that can be reached."""
+        pending, seen = [self.surface], set()
+        while pending:
+            node = pending.pop()
+            if isinstance(node, Node) and id(node) not in seen:
+                seen.add(id(node))
+                yield node
+                pending.extend(node.inputs.values())
+
+    def _formulas(self) -> Iterator[Formula]:
+        for value in [self.surface, self.normal, *(value for node in self.nodes() for value in node.inputs.values())]:
+            if isinstance(value, Vector):
+                yield from value
+            elif isinstance(value, Formula):
+                yield value
+
+
+class Points(Inputs):
+    """Points on surfaces that share a material, and the values of its formulas there. Without ``rng`` nodes send no rays."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        surface: Surface,
+        geometry: Placed,
+        images: list,
+        footprint: np.ndarray,
+        rng: np.random.Generator | None = None,
+    ):
+        self.graph, self.surface, self.geometry, self.images = graph, surface, geometry, images
+        self.count, self.rng = len(surface.distance), rng
         self.mesh = geometry.mesh_of[surface.instance]
         self.step = np.where(footprint > 0.0, BUMP_FILTER * footprint, BUMP_DISTANCE)
-        self._values: dict[tuple[int, int], tuple[str, np.ndarray]] = {}
+        self._values = dict(zip(graph.formulas, evaluate_inputs(graph.formulas, self)))
 
-    # --- inputs -------------------------------------------------------------------------------------------------------
+    # --- inputs of closures -------------------------------------------------------------------------------------------
 
-    def input(self, node: Node, name: str, shift: int = 0) -> np.ndarray:
+    def input(self, node: Node, name: str) -> np.ndarray:
         """Values of an input, (N,) or (N, 3) as its default is."""
-        default = NODES[node.kind][name]
-        return self.value(node[name], 1 if isinstance(default, float) else 3, shift)
+        return self.value(node[name], 1 if isinstance(NODES[node.kind][name], float) else 3)
 
-    def value(self, value, width: int, shift: int = 0) -> np.ndarray:
-        if not isinstance(value, Node):
-            array = np.asarray(value, float)
-            if width == 1:
-                return np.full(self.count, float(array.mean()))
-            return np.broadcast_to(array, (self.count, 3))
-        kind, array = self._node(value, shift)
-        if width == 3:
-            return np.repeat(array[:, None], 3, 1) if kind == NUMBER else array
-        return array if kind == NUMBER else luminance(array) if kind == COLOR else array.mean(1)
+    def value(self, value, width: int) -> np.ndarray:
+        if isinstance(value, Vector):
+            array = np.stack([np.broadcast_to(self._values[formula], self.count) for formula in value], -1)
+            return array if width == 3 else array.mean(-1)
+        if isinstance(value, Formula):
+            array = np.broadcast_to(self._values[value], self.count)
+            return array if width == 1 else np.repeat(array[:, None], 3, 1)
+        if isinstance(value, Node):  # a closure where a value is wanted has none: black
+            value = 0.0
+        array = np.asarray(value, float)
+        return np.full(self.count, float(array.mean())) if width == 1 else np.broadcast_to(array, (self.count, 3))
 
     def normal(self, node: Node, name: str = "normal") -> np.ndarray:
         """Unit normals of an input; the shading normal where it has none."""
         if node[name] is None:
             return self.surface.ns
-        given = normalize(self.value(node[name], 3))
-        return np.where((dot(given, given) > 0.5)[:, None], given, self.surface.ns)
+        return self.unit_or_own(self.value(node[name], 3))
 
-    def _node(self, node: Node, shift: int) -> tuple[str, np.ndarray]:
-        key = id(node), shift
-        if key not in self._values:
-            method = getattr(self, "_" + node.kind, None)
-            # A closure where a value is wanted has none: black.
-            self._values[key] = method(node, shift) if method else (COLOR, np.zeros((self.count, 3)))
-        return self._values[key]
+    def unit_or_own(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (N, 3) as unit normals; the shading normal where they vanish."""
+        given = normalize(vectors)
+        square = (given * given).sum(-1)
+        return np.where((square > 0.5)[:, None], given, self.surface.ns)
 
-    # --- attributes of the mesh ---------------------------------------------------------------------------------------
+    # --- variables ----------------------------------------------------------------------------------------------------
 
-    def _corners(self, attribute: str, name: str, width: int) -> np.ndarray:
-        """Corner values (N, 3, width) of "uvs" or "tangents"; the active map where ``name`` is missing, or zeros."""
-        result = np.zeros((self.count, 3, width))
-        for mesh in np.unique(self.mesh):
-            maps = getattr(self.geometry.scene.meshes[mesh], attribute)
-            values = maps.get(name, maps.get(""))
-            if values is not None:
-                rows = self.mesh == mesh
-                result[rows] = values[self.surface.triangle[rows]]
-        return result
+    def variable(self, name: str, component: int) -> np.ndarray:
+        surface = self.surface
+        if name in ("dpdu", "dpdv"):
+            return self.edges()[:, int(name == "dpdv"), component]
+        values = {
+            "position": surface.position,
+            "incoming": surface.wo,
+            "true_normal": surface.ng,
+            "normal": surface.ns,
+            "barycentric": surface.barycentric[:, 1:],
+            "backfacing": surface.backfacing[:, None],
+            "bump_step": self.step[:, None],
+            "ray_length": surface.distance[:, None],
+            "ray_kind": surface.ray_kind[:, None],
+            "ray_singular": surface.ray_singular[:, None],
+            "depth": surface.depth,
+        }.get(name)
+        if name == "object_normal":
+            values = self._object_normal()
+        return super().variable(name, component) if values is None else values[:, component].astype(float)
 
-    def _edges(self) -> np.ndarray:
+    def edges(self) -> np.ndarray:
         """World edges (N, 2, 3) of the triangles from their first vertex."""
         corners = self.geometry.corners[self.geometry.first[self.mesh] + self.surface.triangle]
         matrix = self.geometry.matrices[self.surface.instance][:, :3, :3]
         return np.einsum("nij,nkj->nki", matrix, corners[:, 1:] - corners[:, :1])
 
-    def uv(self, name: str, shift: int) -> np.ndarray:
-        corners = self._corners("uvs", name, 2)
-        uv = np.einsum("nk,nkj->nj", self.surface.barycentric, corners)
-        if shift:
-            length = np.linalg.norm(self._edges()[:, shift - 1], axis=1)
-            share = self.step / np.maximum(length, 1e-30)
-            uv = uv + share[:, None] * (corners[:, shift] - corners[:, 0])
-        return np.concatenate([uv, np.zeros((self.count, 1))], 1)
+    def _object_normal(self) -> np.ndarray:
+        row = self.geometry.first[self.mesh] + self.surface.triangle
+        smooth = np.einsum("nk,nkj->nj", self.surface.barycentric, self.geometry.normals[row])
+        corners = self.geometry.corners[row]
+        flat = normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+        return np.where(self.surface.smooth[:, None], smooth, flat)
 
-    # --- nodes --------------------------------------------------------------------------------------------------------
+    # --- functions ----------------------------------------------------------------------------------------------------
 
-    def _uv(self, node, shift):
-        return VECTOR, self.uv(str(node.settings.get("uv_map") or ""), shift)
+    def call(self, function: Function, operands: list) -> tuple[np.ndarray, ...]:
+        if not function.scene:
+            return super().call(function, operands)
+        operands = [np.broadcast_to(operand, self.count) for operand in operands]
+        return tuple(getattr(self, "_" + function.name)(function.static, *operands))
 
-    def _coordinates(self, node, shift):
-        return self.uv("", shift) if node["vector"] is None else self.value(node["vector"], 3, shift)
+    def _attribute(self, static, place, u, v):
+        attribute = self.graph.places[int(place[0])]
+        (missing_alpha,) = static
+        result = np.broadcast_to([0.0, 0.0, 0.0, float(missing_alpha), 0.0], (self.count, 5)).copy()
+        scene = self.geometry.scene
+        for instance in np.unique(self.surface.instance):
+            rows = self.surface.instance == instance
+            mesh = scene.meshes[scene.instances[instance].mesh]
+            found = scene.instances[instance].attributes.get(attribute) or attribute_values(mesh, attribute)
+            if found is None:
+                continue
+            triangle = self.surface.triangle[rows]
+            values = np.asarray(found.values, float)
+            if found.domain == Domain.VERTEX:
+                values = values[mesh.triangles[triangle]]
+            elif found.domain == Domain.CORNER:
+                values = values.reshape(len(mesh.triangles), 3, -1)[triangle]
+            else:
+                values = np.repeat(values[triangle if found.domain == Domain.TRIANGLE else triangle * 0][:, None], 3, 1)
+            share = np.stack([1.0 - u[rows] - v[rows], u[rows], v[rows]], -1)
+            values = np.einsum("nk,nkj->nj", share, values)
+            result[rows, :4] = _four(values)
+            result[rows, 4] = values[:, 0] if values.shape[1] <= 2 else values[:, :3].mean(1)
+        return result.T
 
-    def _mapping(self, node, shift):
-        kind = node.settings.get("type", "POINT")
-        vector = self._coordinates(node, shift)
-        location, angles, size = (self.input(node, name, shift) for name in ("location", "rotation", "scale"))
-        turn = euler(angles)
-        inverse = np.divide(1.0, size, out=np.zeros(size.shape), where=size != 0.0)
-        if kind == "TEXTURE":
-            return VECTOR, np.einsum("nji,nj->ni", turn, vector - location) * inverse
-        vector = np.einsum("nij,nj->ni", turn, vector * (inverse if kind == "NORMAL" else size))
-        if kind == "NORMAL":
-            return VECTOR, normalize(vector)
-        return VECTOR, vector + location if kind == "POINT" else vector
+    def _attribute_here(self, static, place):
+        return self._attribute((1,), place, *self.surface.barycentric[:, 1:].T)
 
-    def _image(self, node, shift):
-        settings = node.settings
-        index = settings.get("image")
-        alpha = settings.get("output", "color") == "alpha"
-        known = isinstance(index, int) and 0 <= index < len(self.images) and self.images[index].pixels.size > 0
-        if known:
-            u, v = project(self._coordinates(node, shift), settings.get("projection", "FLAT"))
-            rgba = lookup(self.images[index].pixels, u, v, settings.get("interpolation", "Linear"),
-                          settings.get("extension", "REPEAT"))
-        else:
-            rgba = np.broadcast_to([1.0, 0.0, 1.0, 1.0], (self.count, 4))
-        if alpha:
-            return NUMBER, rgba[:, 3]
-        if settings.get("associated", False):
-            a = rgba[:, 3:]
-            return COLOR, rgba[:, :3] / np.where((a > 0.0) & (a < 1.0), a, 1.0)
-        return COLOR, rgba[:, :3]
+    def _moved(self, matrices: np.ndarray, vector, point: bool):
+        matrix = matrices[self.surface.instance]
+        moved = np.einsum("nij,nj->ni", matrix[:, :3, :3], np.stack(vector, -1))
+        return (moved + matrix[:, :3, 3] * point).T
 
-    def _normal_map(self, node, shift):
-        surface, geometry = self.surface, self.geometry
-        x = 2.0 * self.input(node, "color", shift) - 1.0
-        strength = np.maximum(self.input(node, "strength", shift), 0.0)[:, None]
-        to_world = geometry.normal_matrices[surface.instance]
-        space = node.settings.get("space", "TANGENT")
-        usable = np.ones(self.count, bool)
-        if space == "TANGENT":
-            tangent = np.einsum("nk,nkj->nj", surface.barycentric,
-                                self._corners("tangents", str(node.settings.get("uv_map") or ""), 4))
-            usable = tangent[:, 3] != 0.0
-            row = geometry.first[self.mesh] + surface.triangle
-            smooth = np.einsum("nk,nkj->nj", surface.barycentric, geometry.normals[row])
-            corners = geometry.corners[row]
-            flat = normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-            base = np.where(surface.smooth[:, None], smooth, flat)
-            # MikkTSpace: interpolated vectors are used as they are, unnormalised, where the map was baked.
-            side = tangent[:, 3:] * np.cross(base, tangent[:, :3])
-            local = (x[:, :1] * tangent[:, :3] + x[:, 1:2] * side) * strength
-            local = local + (1.0 + (x[:, 2:] - 1.0) * np.minimum(strength, 1.0)) * base
-            mapped = normalize(np.einsum("nij,nj->ni", to_world, local))
-            strength = 1.0
-        elif space == "OBJECT":
-            mapped = normalize(np.einsum("nij,nj->ni", to_world, x))
-        else:
-            mapped = normalize(x)
-        usable &= dot(mapped, mapped) > 0.5
-        mapped = mapped * np.where(surface.backfacing, -1.0, 1.0)[:, None]
-        return VECTOR, np.where(usable[:, None], normalize(surface.ns + strength * (mapped - surface.ns)), surface.ns)
+    def _to_object_point(self, static, *vector):
+        return self._moved(np.linalg.inv(self.geometry.matrices), vector, True)
 
-    def _bump(self, node, shift):
-        """The normal of the surface that is ``distance`` · height higher. Mikkelsen 2010, equation 4."""
-        n = self.normal(node)
-        height, up, right = (self.input(node, "height", i) for i in range(3))
-        strength = np.maximum(self.input(node, "strength", shift), 0.0)[:, None]
-        distance = self.input(node, "distance", shift) * (-1.0 if node.settings.get("invert", False) else 1.0)
-        edges = normalize(self._edges())
-        a, b = np.cross(edges[:, 1], n), np.cross(n, edges[:, 0])
-        determinant = dot(edges[:, 0], a)
-        gradient = (a * (up - height)[:, None] + b * (right - height)[:, None]) / self.step[:, None]
-        bumped = normalize(np.abs(determinant)[:, None] * n - (np.sign(determinant) * distance)[:, None] * gradient)
-        return VECTOR, np.where((dot(bumped, bumped) > 0.5)[:, None], normalize(n + strength * (bumped - n)), n)
+    def _to_object_vector(self, static, *vector):
+        return self._moved(np.linalg.inv(self.geometry.matrices), vector, False)
+
+    def _to_object_normal(self, static, *vector):
+        return normalize(self._moved(self.geometry.matrices.transpose(0, 2, 1), vector, False).T).T
+
+    def _from_object_point(self, static, *vector):
+        return self._moved(self.geometry.matrices, vector, True)
+
+    def _from_object_vector(self, static, *vector):
+        return self._moved(self.geometry.matrices, vector, False)
+
+    def _from_object_normal(self, static, *vector):
+        return normalize(self._moved(np.linalg.inv(self.geometry.matrices).transpose(0, 2, 1), vector, False).T).T
+
+    def _object_info(self, static):
+        used, place = np.unique(self.surface.instance, return_inverse=True)
+        instances = [self.geometry.scene.instances[index] for index in used]
+        rows = [(*np.asarray(i.matrix)[:3, 3], *i.color, i.index, i.random) for i in instances]
+        return np.array(rows, float).reshape(-1, 9)[place.ravel()].T
+
+    def _seen(self, *vector):
+        """As the camera sees it: x to the right, y up, z into the picture."""
+        matrix = np.asarray(self.geometry.scene.camera.matrix, float)[:3, :3]
+        return (np.stack(vector, -1) @ matrix * (1.0, 1.0, -1.0)).T
+
+    def _to_camera_vector(self, static, *vector):
+        return self._camera_axes() @ self._seen(*vector)
+
+    def _camera_axes(self) -> np.ndarray:
+        """(3, 3) from what ``_seen`` gives to the camera space of nodes."""
+        projection = self.geometry.scene.camera.projection
+        if projection is Projection.MIRROR_BALL:
+            return np.array([(1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)])
+        if projection not in (Projection.PERSPECTIVE, Projection.ORTHOGRAPHIC):
+            return np.array([(0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+        return np.eye(3)
+
+    def _to_camera_point(self, static, *point):
+        matrix = np.asarray(self.geometry.scene.camera.matrix, float)
+        return self._to_camera_vector(static, *(axis - offset for axis, offset in zip(point, matrix[:3, 3])))
+
+    def _from_camera_vector(self, static, x, y, z):
+        matrix = np.asarray(self.geometry.scene.camera.matrix, float)[:3, :3]
+        x, y, z = self._camera_axes().T @ np.stack(np.broadcast_arrays(x, y, z))
+        return (np.stack([x, y, -z], -1) @ matrix.T).T
+
+    def _from_camera_point(self, static, x, y, z):
+        matrix = np.asarray(self.geometry.scene.camera.matrix, float)
+        return self._from_camera_vector(static, x, y, z) + matrix[:3, 3:]
+
+    def _to_window(self, static, *point):
+        position = np.asarray(self.geometry.scene.camera.matrix, float)[:3, 3]
+        seen = self._seen(*(axis - offset for axis, offset in zip(point, position))).T
+        x, y = Camera(self.geometry.scene).window_place(seen * (1.0, 1.0, -1.0))
+        return x, y, np.zeros(self.count)
+
+    def _table(self, static, start, rows, position):
+        columns, extrapolates = static
+        values = _four(np.asarray(self.graph.places[int(start[0])].values, float).reshape(-1, columns))
+        x = position * (len(values) - 1)
+        inside = np.clip(x, 0.0, len(values) - 1.0)
+        row = np.minimum(inside.astype(int), len(values) - 2)
+        share = (x if extrapolates else inside) - row
+        return (values[row] + share[:, None] * (values[row + 1] - values[row])).T
+
+    def _image(self, static, place, u, v):
+        used = place >= 0.0
+        result = np.zeros((self.count, 4))
+        if used.any():
+            texture = self.graph.places[int(place[used][0])]
+            result[used] = lookup(self.images, texture, u[used], v[used])
+        return result.T
+
+    def _sky(self, static, place, x, y, z):
+        kind, with_sun = static
+        result = np.empty((self.count, 3))
+        values = np.ravel(self.graph.places[int(place[0])].values)
+        kernels.fill(kind, bool(with_sun), values, np.stack([x, y, z], -1), result)
+        return result.T
+
+    def _ies(self, static, place, x, y, z):
+        values = np.ravel(self.graph.places[int(place[0])].values)
+        return (np.array([intensity(values, 0, direction) for direction in zip(x, y, z)], float),)
+
+    def _wireframe(self, static, *point):
+        corners = self.geometry.corners[self.geometry.first[self.mesh] + self.surface.triangle]
+        matrix = self.geometry.matrices[self.surface.instance]
+        corners = np.einsum("nij,nkj->nki", matrix[:, :3, :3], corners) + matrix[:, None, :3, 3]
+        to = np.stack(point, -1)[:, None] - corners
+        along = normalize((np.roll(corners, -1, 1) - corners).reshape(-1, 3)).reshape(-1, 3, 3)
+        across = to - (to * along).sum(-1, keepdims=True) * along
+        return (np.linalg.norm(across, axis=-1).min(1),)
+
+    def _occlusion(self, static, distance, samples, *direction):
+        if self.rng is None:
+            return (np.ones(self.count),)
+        return (
+            probes.occlusion(
+                self.geometry,
+                self.surface,
+                self.rng,
+                bool(static[0]),
+                distance,
+                samples,
+                normalize(np.stack(direction, -1)),
+            ),
+        )
+
+    def _bevel(self, static, radius, samples, *normal):
+        own = np.stack(normal, -1)
+        return (
+            own if self.rng is None else probes.bevel(self.geometry, self.surface, self.rng, radius, samples, own)
+        ).T
+
+    def _raycast(self, static, x, y, z, dx, dy, dz, distance, *place):
+        if self.rng is None:
+            return np.concatenate([np.zeros((2, self.count)), distance[None], np.zeros((7, self.count))])
+        shift = np.linalg.norm(np.stack(place, -1) - self.surface.position, axis=-1)
+        return probes.raycast(
+            self.geometry,
+            self.surface,
+            bool(static[0]),
+            np.stack([x, y, z], -1),
+            np.stack([dx, dy, dz], -1),
+            distance,
+            shift,
+        )
 
 
-def euler(angles: np.ndarray) -> np.ndarray:
-    """Rotations (N, 3, 3) about x, then y, then z."""
-    result = np.broadcast_to(np.eye(3), (len(angles), 3, 3))
-    for axis in range(3):
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        turn = np.zeros((len(angles), 3, 3))
-        c, s = np.cos(angles[:, axis]), np.sin(angles[:, axis])
-        turn[:, axis, axis], turn[:, i, i], turn[:, j, j], turn[:, i, j], turn[:, j, i] = 1.0, c, c, -s, s
-        result = turn @ result
-    return result
-
-
-def project(vector: np.ndarray, projection: str) -> tuple[np.ndarray, np.ndarray]:
-    """Image coordinates; a sphere and a tube stand about the middle of the unit cube."""
-    if projection not in ("SPHERE", "TUBE"):
-        return vector[:, 0], vector[:, 1]
-    x, y, z = (2.0 * vector - 1.0).T
-    u = np.where((x != 0.0) | (y != 0.0), 0.5 - np.arctan2(x, y) / (2.0 * np.pi), 0.0)
-    if projection == "TUBE":
-        return u, 0.5 * (z + 1.0)
-    length = np.sqrt(x * x + y * y + z * z)
-    polar = np.arccos(np.clip(z / np.where(length > 0.0, length, 1.0), -1.0, 1.0))
-    return u, np.where(length > 0.0, 1.0 - polar / np.pi, 0.0)
+def _four(values: np.ndarray) -> np.ndarray:
+    """(N, 4) of (N, 1 to 4): a single number is grey, and what is missing of alpha is 1."""
+    count, width = values.shape
+    if width == 4:
+        return values
+    if width == 1:
+        return np.concatenate([np.repeat(values, 3, 1), np.ones((count, 1))], 1)
+    return np.concatenate([values, np.zeros((count, 3 - width)), np.ones((count, 1))], 1)

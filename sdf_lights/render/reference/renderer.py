@@ -17,15 +17,21 @@ WAVE = 8192
 
 
 class ReferenceRenderer:
-    """Renders ``scene`` into ``film``; the same methods as ``cpu.renderer.CpuRenderer``.
+    """Renders ``scene`` into ``film``; an ``interfaces.InteractiveBackEnd``.
 
     ``use_embree`` as in ``Geometry``: None takes Embree for all but small scenes.
     """
 
     name = "NumPy reference"
 
-    def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool] = lambda: False,
-                 say: Callable[[str], None] = lambda text: None, use_embree: bool | None = None):
+    def __init__(
+        self,
+        scene: Scene,
+        film: Film,
+        cancelled: Callable[[], bool] = lambda: False,
+        say: Callable[[str], None] = lambda text: None,
+        use_embree: bool | None = None,
+    ):
         say("Building the scene")
         self._film, self._seed = film, scene.settings.seed
         self._use_embree = use_embree

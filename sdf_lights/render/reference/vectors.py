@@ -8,6 +8,7 @@ import numpy as np
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar products, over the last axis."""
     return np.einsum("...i,...i->...", a, b)
 
 
@@ -18,6 +19,7 @@ def normalize(a: np.ndarray) -> np.ndarray:
 
 
 def reflect(wo: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """``wo`` mirrored at the unit normals ``n``."""
     return 2.0 * dot(wo, n)[..., None] * n - wo
 
 
@@ -53,6 +55,7 @@ def cosine_hemisphere(rng: np.random.Generator, n: np.ndarray) -> np.ndarray:
 
 
 def uniform_sphere(rng: np.random.Generator, count: int) -> np.ndarray:
+    """Uniform directions, (count, 3)."""
     z, angle = 1.0 - 2.0 * rng.random(count), 2.0 * np.pi * rng.random(count)
     s = np.sqrt(np.maximum(0.0, 1.0 - z * z))
     return np.stack([s * np.cos(angle), s * np.sin(angle), z], -1)

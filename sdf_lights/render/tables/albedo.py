@@ -33,7 +33,7 @@ SHAPES = {
 OFFSETS = dict(zip(SHAPES, np.cumsum([0] + [int(np.prod(shape)) for shape in SHAPES.values()])))
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def load() -> np.ndarray:
     """All tables in one flat float64 array, at ``OFFSETS``."""
     with np.load(pathlib.Path(__file__).with_name("albedo.npz")) as tables:

@@ -14,7 +14,7 @@ import pathlib
 import numpy as np
 
 from ...jit import kernel
-from ..cpu.shading import fresnel, microfacet
+from ..kernels.shading import fresnel, microfacet
 from .albedo import SCALE, SHAPES
 
 _LOWEST = 1e-4  # of roughness and cosine, which are singular at 0
@@ -34,7 +34,7 @@ def _albedos(roughness, cosine, ior, count):
     f0 = fresnel.f0_of_ior(ior)
     everything, glass, dielectric, schlick = 0.0, 0.0, 0.0, 0.0
     for i in range(count):
-        h = microfacet.visible_normal(wo, alpha, (i * _GOLDEN) % 1.0, (i + 0.5) / count)
+        h = microfacet.visible_normal(wo, alpha, alpha, (i * _GOLDEN) % 1.0, (i + 0.5) / count)
         cosine_h = wo[0] * h[0] + wo[2] * h[2]
         f, cosine_t = fresnel.dielectric(cosine_h, ior)
         up = 2.0 * cosine_h * h[2] - cosine
@@ -51,14 +51,17 @@ def _albedos(roughness, cosine, ior, count):
 
 
 def axis(size: int) -> np.ndarray:
+    """Roughnesses of the entries of an axis, (size,)."""
     return np.clip(np.linspace(0.0, 1.0, size), _LOWEST, 1.0)
 
 
 def cosine_of_axis(t: float) -> float:
+    """Cosine at a place in [0, 1] of its axis."""
     return max(t * t, _LOWEST)
 
 
 def ior_of_axis(z: float) -> float:
+    """Index of refraction at a place in [0, 1] of its axis."""
     return float(fresnel.ior_of_f0(min(max(z, _LOWEST), _HIGHEST_Z) ** 4))
 
 
@@ -82,6 +85,7 @@ def entry(name: str, index: tuple[int, ...], count: int = 1 << 13) -> float:
 
 
 def generate() -> dict[str, np.ndarray]:
+    """All tables, by name, as uint16 of which ``SCALE`` is 1."""
     tables = {}
     for name, shape in SHAPES.items():
         values = [entry(name, index) for index in np.ndindex(shape)]

@@ -9,9 +9,32 @@ from .field import Field
 from .operators import Difference, Exclusive, Intersection, Operator, SetOperation, Transformed, Union
 from . import coils, curved, minimal_surfaces, swept, tubes
 from . import fractals, orbits
-from . import blends, displacement, folds, layers, repetition, warps  # noqa: F401 (all in SHAPES)
+from . import blends, displacement, folds, layers, repetition, warps  # all in SHAPES
 
 __all__ = [
-    "BOUND", "EXACT", "NONE", "SHAPES", "Family", "Parameter", "Shape", "ShapeError", "Term",
-    "Difference", "Exclusive", "Intersection", "Operator", "SetOperation", "Transformed", "Union",
-    "Box", "BoxFrame", "Capsule", "Cone", "Cylinder", "Ellipsoid", "Primitive", "Sphere", "Torus"]
+    "BOUND",
+    "EXACT",
+    "NONE",
+    "SHAPES",
+    "Family",
+    "Parameter",
+    "Shape",
+    "ShapeError",
+    "Term",
+    "Difference",
+    "Exclusive",
+    "Intersection",
+    "Operator",
+    "SetOperation",
+    "Transformed",
+    "Union",
+    "Box",
+    "BoxFrame",
+    "Capsule",
+    "Cone",
+    "Cylinder",
+    "Ellipsoid",
+    "Primitive",
+    "Sphere",
+    "Torus",
+]

@@ -14,13 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, clamp, length, maximum, minimum, select
+from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select
 from ..program import Op, combine, primitive
 from . import support
 from .base import LARGEST, Slots, number
 from .cuts import half_space, placed, within_cone
 from .primitives import Primitive
-
 
 
 def _cap_volume(radius: float, height: float) -> float:
@@ -54,15 +53,20 @@ class SolidAngle(Primitive):
 
     radius: float = number(0.75, "Radius of the ball")
     angle: float = number(
-        math.radians(80.0), "Angle across the opening of the cone; above 180° the ball lacks a cone",
-        unit="ANGLE", minimum=0.001, maximum=2.0 * math.pi - 0.001, soft_maximum=2.0 * math.pi - 0.001)
+        math.radians(80.0),
+        "Angle across the opening of the cone; above 180° the ball lacks a cone",
+        unit="ANGLE",
+        minimum=0.001,
+        maximum=2.0 * math.pi - 0.001,
+        soft_maximum=2.0 * math.pi - 0.001,
+    )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         sine, cosine = slot(math.sin(0.5 * self.angle)), slot(math.cos(0.5 * self.angle))
         return circular_sector(length(p.x, p.y), p.z, slot(self.radius), sine, cosine)
 
     def volume(self) -> float:
-        return 4.0 / 3.0 * math.pi * self.radius**3 * math.sin(0.25 * self.angle)**2
+        return 4.0 / 3.0 * math.pi * self.radius**3 * math.sin(0.25 * self.angle) ** 2
 
     def support(self, directions):
         return np.maximum(0.0, support.of_cap(directions, self.radius, self.radius * math.cos(0.5 * self.angle)))
@@ -78,7 +82,8 @@ class CutSphere(Primitive):
 
     radius: float = number(0.5, "Radius of the ball")
     cut: float = number(
-        -0.25, "Height of the plane above the centre of the ball; what is below is cut off", minimum=-LARGEST)
+        -0.25, "Height of the plane above the centre of the ball; what is below is cut off", minimum=-LARGEST
+    )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         radius, cut, rim = slot(self.radius), slot(self.cut), slot(_chord(self.radius, self.cut))
@@ -89,8 +94,10 @@ class CutSphere(Primitive):
 
     def relation(self) -> str:
         if abs(self.cut) >= self.radius:
-            return (f"Cut Sphere: the cut at {self.cut:g} does not meet the ball of radius {self.radius:g}: "
-                    "move the cut closer to 0.")
+            return (
+                f"Cut Sphere: the cut at {self.cut:g} does not meet the ball of radius {self.radius:g}: "
+                "move the cut closer to 0."
+            )
         return ""
 
     def volume(self) -> float:
@@ -132,7 +139,8 @@ class CutHollowSphere(Primitive):
 
     radius: float = number(0.5, "Radius of the ball, to the middle of the wall")
     cut: float = number(
-        0.1, "Height of the rim above the centre of the ball; what is above is cut off", minimum=-LARGEST)
+        0.1, "Height of the rim above the centre of the ball; what is above is cut off", minimum=-LARGEST
+    )
     thickness: float = number(0.1, "Thickness of the wall", soft_maximum=1.0)
 
     def build(self, p: Vector, slot: Slots) -> Formula:
@@ -144,17 +152,21 @@ class CutHollowSphere(Primitive):
 
     def relation(self) -> str:
         if abs(self.cut) >= self.radius:
-            return (f"Cut Hollow Sphere: the cut at {self.cut:g} does not meet the ball of radius {self.radius:g}: "
-                    "move the cut closer to 0.")
+            return (
+                f"Cut Hollow Sphere: the cut at {self.cut:g} does not meet the ball of radius {self.radius:g}: "
+                "move the cut closer to 0."
+            )
         rim = _chord(self.radius, self.cut)
         if 0.5 * self.thickness > rim:
-            return (f"Cut Hollow Sphere: thickness {self.thickness:g} is more than the width of the opening, "
-                    f"{2.0 * rim:g}, so the rim overlaps itself: make the thickness smaller.")
+            return (
+                f"Cut Hollow Sphere: thickness {self.thickness:g} is more than the width of the opening, "
+                f"{2.0 * rim:g}, so the rim overlaps itself: make the thickness smaller."
+            )
         return ""
 
     def volume(self) -> float:
         half_wall, rim = 0.5 * self.thickness, _chord(self.radius, self.cut)
-        shell = (self.radius + half_wall)**3 - (self.radius - half_wall)**3
+        shell = (self.radius + half_wall) ** 3 - (self.radius - half_wall) ** 3
         wall = 2.0 / 3.0 * math.pi * (1.0 + self.cut / self.radius) * shell
         # Pappus: half a disk, whose centroid is 4/(3π) of its radius away from the rim along the wall.
         centroid = rim - self.cut / self.radius * 4.0 / (3.0 * math.pi) * half_wall
@@ -184,8 +196,7 @@ class DeathStar(Primitive):
 
     def _rim(self) -> tuple[float, float]:
         """Radius and height of the circle in which the spheres meet."""
-        height = 0.5 * (self.offset + (self.radius - self.dent_radius) * (self.radius + self.dent_radius)
-                        / self.offset)
+        height = 0.5 * (self.offset + (self.radius - self.dent_radius) * (self.radius + self.dent_radius) / self.offset)
         return _chord(self.radius, height), height
 
     def build(self, p: Vector, slot: Slots) -> Formula:
@@ -199,17 +210,22 @@ class DeathStar(Primitive):
 
     def relation(self) -> str:
         if self.offset >= self.radius + self.dent_radius:
-            return (f"Death Star: at offset {self.offset:g} the dent does not reach the ball: make the offset "
-                    f"less than the sum of the radii, {self.radius + self.dent_radius:g}.")
+            return (
+                f"Death Star: at offset {self.offset:g} the dent does not reach the ball: make the offset "
+                f"less than the sum of the radii, {self.radius + self.dent_radius:g}."
+            )
         if self.offset <= abs(self.radius - self.dent_radius):
-            return (f"Death Star: at offset {self.offset:g} one ball lies inside the other: make the offset "
-                    f"more than the difference of the radii, {abs(self.radius - self.dent_radius):g}.")
+            return (
+                f"Death Star: at offset {self.offset:g} one ball lies inside the other: make the offset "
+                f"more than the difference of the radii, {abs(self.radius - self.dent_radius):g}."
+            )
         return ""
 
     def volume(self) -> float:
         _, height = self._rim()
-        dent = (_cap_volume(self.radius, self.radius - height)
-                + _cap_volume(self.dent_radius, self.dent_radius - (self.offset - height)))
+        dent = _cap_volume(self.radius, self.radius - height) + _cap_volume(
+            self.dent_radius, self.dent_radius - (self.offset - height)
+        )
         return 4.0 / 3.0 * math.pi * self.radius**3 - dent
 
     def support(self, directions):
@@ -242,8 +258,10 @@ class Lens(Primitive):
 
     def relation(self) -> str:
         if self.thickness > 2.0 * self.radius:
-            return (f"Lens: thickness {self.thickness:g} is more than that of a ball, {2.0 * self.radius:g}: "
-                    "make the lens thinner or wider.")
+            return (
+                f"Lens: thickness {self.thickness:g} is more than that of a ball, {2.0 * self.radius:g}: "
+                "make the lens thinner or wider."
+            )
         return ""
 
     def volume(self) -> float:

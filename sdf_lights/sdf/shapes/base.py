@@ -20,8 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...affine import inverse
-from .. import program, read_numpy
-from ..formula import POINT, Formula, Vector, parameter
+from ...graph import numpy_evaluation
+from ...graph.formula import POINT, Formula, Vector, parameter
+from .. import program
 
 EXACT, BOUND, NONE = "exact", "bound", "none"
 
@@ -51,12 +52,30 @@ class Parameter(NamedTuple):
     whole: bool  # a count: whole numbers only
 
 
-def number(default, description: str, *, unit: str = "LENGTH", minimum: float = SMALLEST, maximum: float = LARGEST,
-           soft_maximum: float = 10.0, label: str = "", whole: bool = False):
+def number(
+    default,
+    description: str,
+    *,
+    unit: str = "LENGTH",
+    minimum: float = SMALLEST,
+    maximum: float = LARGEST,
+    soft_maximum: float = 10.0,
+    label: str = "",
+    whole: bool = False,
+):
     """Dataclass field of a shape's parameter: a float, or a vector where ``default`` is a 3-tuple."""
-    return dataclasses.field(default=default, metadata=dict(
-        description=description, unit=unit, minimum=minimum, maximum=maximum, soft_maximum=soft_maximum, label=label,
-        whole=whole))
+    return dataclasses.field(
+        default=default,
+        metadata=dict(
+            description=description,
+            unit=unit,
+            minimum=minimum,
+            maximum=maximum,
+            soft_maximum=soft_maximum,
+            label=label,
+            whole=whole,
+        ),
+    )
 
 
 def part(description: str, kind: str = "shape"):
@@ -173,7 +192,7 @@ class Parametric:
 
     def distance(self, points: np.ndarray) -> np.ndarray:
         """φ at points (…, 3), by the NumPy reading."""
-        return read_numpy.evaluate(self.formula(), points, self.parameters())
+        return numpy_evaluation.evaluate(self.formula(), points, self.parameters())
 
     def check(self) -> str:
         """What is wrong, and how to put it right: one sentence, or an empty string. Parts are not looked at."""

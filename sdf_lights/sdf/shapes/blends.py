@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..formula import POINT, Formula, Vector, apply, maximum, minimum, sqrt
+from ...graph.formula import POINT, Formula, Vector, apply, maximum, minimum, sqrt
 from .base import Family, Shape, Slots, Term, number, part
 from .operators import Composite, Difference, Intersection, SetOperation, checked, common, enclosing, guarded
 
@@ -167,41 +167,72 @@ def _steps():
 
 def _family(name: str, seam: str, drop: Callable, greatest: Callable, **numbers) -> list[type[Blend]]:
     """Union, intersection and difference with one profile."""
-    kinds = {"Union": (BlendedUnion, "All points that are in at least one of the shapes"),
-             "Intersection": (BlendedIntersection, "The points that are in all of the shapes"),
-             "Difference": (BlendedDifference, "The first shape without the others")}
+    kinds = {
+        "Union": (BlendedUnion, "All points that are in at least one of the shapes"),
+        "Intersection": (BlendedIntersection, "The points that are in all of the shapes"),
+        "Difference": (BlendedDifference, "The first shape without the others"),
+    }
     made = []
     for kind, (base, summary) in kinds.items():
         namespace = {
             "__doc__": f"{summary}, with {seam}.",
             "__module__": __name__,
             "__annotations__": {"children": tuple[Shape, ...], **dict.fromkeys(numbers, float)},
-            "children": (), "profile": Profile(drop, greatest), **{key: make() for key, make in numbers.items()}}
+            "children": (),
+            "profile": Profile(drop, greatest),
+            **{key: make() for key, make in numbers.items()},
+        }
         made.append(dataclass(frozen=True, init=False)(type(name + kind, (base,), namespace)))
     return made
 
 
 SmoothUnion, SmoothIntersection, SmoothDifference = _family(
-    "Smooth", "a smooth seam: a parabola", _quadratic, lambda: 1.0 / 4.0, radius=_radius)
+    "Smooth", "a smooth seam: a parabola", _quadratic, lambda: 1.0 / 4.0, radius=_radius
+)
 CubicUnion, CubicIntersection, CubicDifference = _family(
-    "Cubic", "a smooth seam that also bends smoothly into the shapes: a cubic", _cubic, lambda: 1.0 / 6.0,
-    radius=_radius)
+    "Cubic",
+    "a smooth seam that also bends smoothly into the shapes: a cubic",
+    _cubic,
+    lambda: 1.0 / 6.0,
+    radius=_radius,
+)
 CircularUnion, CircularIntersection, CircularDifference = _family(
-    "Circular", "a seam that is a circular arc where the surfaces meet at right angles", _circular,
-    lambda: 1.0 - math.sqrt(0.5), radius=_radius)
+    "Circular",
+    "a seam that is a circular arc where the surfaces meet at right angles",
+    _circular,
+    lambda: 1.0 - math.sqrt(0.5),
+    radius=_radius,
+)
 ExponentialUnion, ExponentialIntersection, ExponentialDifference = _family(
-    "Exponential", "a seam that fades out exponentially", _exponential,
-    lambda: math.log(2.0 / (1.0 + math.exp(-_CUTOFF))) / _CUTOFF, radius=_radius)
+    "Exponential",
+    "a seam that fades out exponentially",
+    _exponential,
+    lambda: math.log(2.0 / (1.0 + math.exp(-_CUTOFF))) / _CUTOFF,
+    radius=_radius,
+)
 # The same surface as the circular blend: the name that hg_sdf gives to it.
 RoundUnion, RoundIntersection, RoundDifference = _family(
-    "Round", "a rounded seam: a quarter of a circle where the surfaces meet at right angles", _circular,
-    lambda: 1.0 - math.sqrt(0.5), radius=_radius)
+    "Round",
+    "a rounded seam: a quarter of a circle where the surfaces meet at right angles",
+    _circular,
+    lambda: 1.0 - math.sqrt(0.5),
+    radius=_radius,
+)
 ChamferUnion, ChamferIntersection, ChamferDifference = _family(
-    "Chamfer", "a seam cut straight, at 45° to surfaces that meet at right angles", _chamfer, lambda: 1.0 / 2.0,
-    radius=_radius)
+    "Chamfer",
+    "a seam cut straight, at 45° to surfaces that meet at right angles",
+    _chamfer,
+    lambda: 1.0 / 2.0,
+    radius=_radius,
+)
 StairsUnion, StairsIntersection, StairsDifference = _family(
-    "Stairs", "a seam of steps", _stairs, lambda steps: ((steps + 1.0) // 2.0) / (steps + 1.0),
-    radius=_radius, steps=_steps)
+    "Stairs",
+    "a seam of steps",
+    _stairs,
+    lambda steps: ((steps + 1.0) // 2.0) / (steps + 1.0),
+    radius=_radius,
+    steps=_steps,
+)
 
 
 @dataclass(frozen=True)
@@ -213,8 +244,9 @@ class Morph(Composite):
 
     first: Shape = part("Shape at amount 0")
     second: Shape = part("Shape at amount 1")
-    amount: float = number(0.5, "How far from the first shape to the second", unit="NONE", minimum=0.0, maximum=1.0,
-                           soft_maximum=1.0)
+    amount: float = number(
+        0.5, "How far from the first shape to the second", unit="NONE", minimum=0.0, maximum=1.0, soft_maximum=1.0
+    )
 
     def __post_init__(self):
         checked(self, self.first), checked(self, self.second)

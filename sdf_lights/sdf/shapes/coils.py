@@ -18,8 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, atan2, clamp, cos, floor, length, maximum, minimum, select, sin, sqrt
-from . import support
+from ...graph.formula import Formula, Vector, atan2, clamp, cos, floor, length, maximum, minimum, select, sin, sqrt
 from .base import BOUND, Slots, number
 from .primitives import Primitive, corner
 
@@ -35,6 +34,7 @@ def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axe
     of each the part away from the axis and that along z are given, (…, m) or numbers, for any number of ellipses in
     each section.
     """
+
     def turned(vector):
         away, up = np.broadcast_arrays(*vector, angles)[:2]
         return np.stack([away * np.cos(angles), away * np.sin(angles), up])
@@ -42,10 +42,10 @@ def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axe
     center, *axes = map(turned, (center, *axes))
     reached = np.tensordot(directions, center, 1)
     if axes:
-        reached += np.sqrt(sum(np.tensordot(directions, axis, 1)**2 for axis in axes))
+        reached += np.sqrt(sum(np.tensordot(directions, axis, 1) ** 2 for axis in axes))
     # Every other section is moved from one of these by half of the way to the next at most, along an arc that is not
     # quite straight.
-    between = 0.501 * sum(np.sqrt((np.diff(vector)**2).sum(axis=0).max(axis=-1)) for vector in (center, *axes))
+    between = 0.501 * sum(np.sqrt((np.diff(vector) ** 2).sum(axis=0).max(axis=-1)) for vector in (center, *axes))
     reached = reached.max(axis=-1) + np.multiply.outer(np.linalg.norm(directions, axis=1), between)
     return reached.reshape(len(directions), -1).max(axis=1)
 
@@ -135,18 +135,23 @@ class _Coil(Primitive, abstract=True):
         # Least of to_wire where the distance from the axis is ``steep``.
         most = radius / cut * (inner - steep)
         wire = minimum(select(lowest <= highest, to_wire, ends), ends, slot(most)) - slot(radius)
-        slope = max(math.sqrt(1.0 + nu), mu * math.sqrt(1.0 + (size / steep)**2))
+        slope = max(math.sqrt(1.0 + nu), mu * math.sqrt(1.0 + (size / steep) ** 2))
         return maximum(
-            wire * slot(1.0 / slope), slot(inner - reach[0]) - rho,
-            rho - slot(outer + radius / math.sqrt(1.0 - nu)), abs(p.z) - slot(0.5 * abs(height) + reach[1]))
+            wire * slot(1.0 / slope),
+            slot(inner - reach[0]) - rho,
+            rho - slot(outer + radius / math.sqrt(1.0 - nu)),
+            abs(p.z) - slot(0.5 * abs(height) + reach[1]),
+        )
 
     def relation(self) -> str:
         first, last, _ = self._ends()
         if self._direction()[1] > _STEEPEST:
             return f"{self.label()}: the wire hardly turns around the axis: make it wider, or give it more turns."
         if self._end_reach()[0] >= min(first, last):
-            return (f"{self.label()}: minor radius {self.minor_radius:g} is too much for a wire at a distance of "
-                    f"{min(first, last):g} from the axis: make it smaller.")
+            return (
+                f"{self.label()}: minor radius {self.minor_radius:g} is too much for a wire at a distance of "
+                f"{min(first, last):g} from the axis: make it smaller."
+            )
         return ""
 
     def volume(self) -> float | None:
@@ -172,7 +177,7 @@ class _Coil(Primitive, abstract=True):
             around = directions[:, 1] * cosine - directions[:, 0] * sine
             across, along = (outwards * d + directions[:, 2] * h for d, h in self._section(1.0))
             # The inverse of the matrix under the root.
-            size = np.sqrt(across**2 + (self.minor_radius * around + nu / mu * along)**2 + (along / mu)**2)
+            size = np.sqrt(across**2 + (self.minor_radius * around + nu / mu * along) ** 2 + (along / mu) ** 2)
             reached.append(outwards * distance + directions[:, 2] * 0.5 * side * height + size)
         return np.maximum.reduce(reached)
 
@@ -240,12 +245,15 @@ class TorusKnot(Primitive):
 
     major_radius: float = number(0.4, "Distance from the axis to the middle of the torus")
     radius: float = number(
-        0.15, "Distance from the middle of the torus to the middle of the wire", label="Torus Radius")
+        0.15, "Distance from the middle of the torus to the middle of the wire", label="Torus Radius"
+    )
     minor_radius: float = number(0.05, "Radius of the wire")
-    around_axis: float = number(2.0, "Turns around the axis", unit="NONE", minimum=1.0, maximum=20.0, soft_maximum=7.0,
-                                whole=True)
-    around_tube: float = number(3.0, "Turns around the tube of the torus", unit="NONE", minimum=0.0, maximum=20.0,
-                                soft_maximum=9.0, whole=True)
+    around_axis: float = number(
+        2.0, "Turns around the axis", unit="NONE", minimum=1.0, maximum=20.0, soft_maximum=7.0, whole=True
+    )
+    around_tube: float = number(
+        3.0, "Turns around the tube of the torus", unit="NONE", minimum=0.0, maximum=20.0, soft_maximum=9.0, whole=True
+    )
 
     def _slant(self) -> tuple[float, float]:
         """k, and the least √λ."""
@@ -260,8 +268,9 @@ class TorusKnot(Primitive):
         shear = math.pi / self.around_axis
         if most < self.radius:
             shear = min(shear, most / math.sqrt((self.radius - most) * (self.radius + most)))
-        return (0.5 * (shear + math.hypot(shear, 2.0))
-                + max(most * k**2 / (inner * (inner**2 + k**2)), max(w, most - w) / inner))
+        return 0.5 * (shear + math.hypot(shear, 2.0)) + max(
+            most * k**2 / (inner * (inner**2 + k**2)), max(w, most - w) / inner
+        )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         r, w, inner = self.radius, self.minor_radius, self.major_radius - self.radius
@@ -280,8 +289,10 @@ class TorusKnot(Primitive):
 
     def relation(self) -> str:
         if self.radius + self.minor_radius >= self.major_radius:
-            return ("Torus Knot: the wire reaches the axis: make the major radius larger, or the torus radius or the "
-                    "minor radius smaller.")
+            return (
+                "Torus Knot: the wire reaches the axis: make the major radius larger, or the torus radius or the "
+                "minor radius smaller."
+            )
         return ""
 
     def support(self, directions):
@@ -313,8 +324,15 @@ class MobiusBand(Primitive):
     radius: float = number(0.4, "Distance from the axis to the middle of the band")
     width: float = number(0.3, "Width of the band")
     thickness: float = number(0.05, "Thickness of the band")
-    half_turns: float = number(1.0, "Half turns of the twist; negative ones are to the other side", unit="NONE",
-                               minimum=-12.0, maximum=12.0, soft_maximum=6.0, whole=True)
+    half_turns: float = number(
+        1.0,
+        "Half turns of the twist; negative ones are to the other side",
+        unit="NONE",
+        minimum=-12.0,
+        maximum=12.0,
+        soft_maximum=6.0,
+        whole=True,
+    )
 
     def _half_diagonal(self) -> float:
         return 0.5 * math.hypot(self.width, self.thickness)
@@ -332,8 +350,10 @@ class MobiusBand(Primitive):
 
     def relation(self) -> str:
         if self._half_diagonal() >= self.radius:
-            return (f"Mobius Band: at a radius of {self.radius:g} the band reaches the axis: make the radius larger, "
-                    "or the width smaller.")
+            return (
+                f"Mobius Band: at a radius of {self.radius:g} the band reaches the axis: make the radius larger, "
+                "or the width smaller."
+            )
         return ""
 
     def volume(self) -> float:
@@ -342,7 +362,9 @@ class MobiusBand(Primitive):
     def support(self, directions):
         turn = np.linspace(-math.pi, math.pi, 1 + int(_SAMPLES * max(1.0, abs(self.half_turns))))
         angle = 0.5 * self.half_turns * turn
-        u, v = (0.5 * size * np.array(side)[:, None] for size, side in (
-            (self.thickness, (1.0, 1.0, -1.0, -1.0)), (self.width, (1.0, -1.0, 1.0, -1.0))))
+        u, v = (
+            0.5 * size * np.array(side)[:, None]
+            for size, side in ((self.thickness, (1.0, 1.0, -1.0, -1.0)), (self.width, (1.0, -1.0, 1.0, -1.0)))
+        )
         distance, height = u * np.cos(angle) - v * np.sin(angle), u * np.sin(angle) + v * np.cos(angle)
         return _of_sections(directions, turn, (self.radius + distance, height))

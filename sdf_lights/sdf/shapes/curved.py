@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, length, maximum, power, select
+from ...graph.formula import Formula, Vector, length, maximum, power, select
 from ..program import Op, combine, primitive
 from . import support
 from .base import BOUND, Slots, number
@@ -41,8 +41,10 @@ class Vesica(Primitive):
 
     def relation(self) -> str:
         if self.half_width > self.half_height:
-            return (f"Vesica: half width {self.half_width:g} is more than the half height {self.half_height:g}: make "
-                    "it smaller, or use a lens.")
+            return (
+                f"Vesica: half width {self.half_width:g} is more than the half height {self.half_height:g}: make "
+                "it smaller, or use a lens."
+            )
         return ""
 
     def volume(self) -> float:
@@ -77,7 +79,8 @@ class Egg(Primitive):
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         bottom, top, away, height = (
-            slot(value) for value in (self.bottom_radius, self.top_radius, self._arc(), self.height))
+            slot(value) for value in (self.bottom_radius, self.top_radius, self._arc(), self.height)
+        )
         across, up = length(p.x, p.y), p.z - slot(self._lower())
         above = up - height
         side = length(across + away, up) - (away + bottom)
@@ -87,11 +90,15 @@ class Egg(Primitive):
     def relation(self) -> str:
         difference = self.bottom_radius - self.top_radius
         if difference < 1e-6 * self.height:
-            return (f"Egg: top radius {self.top_radius:g} must be less than the bottom radius {self.bottom_radius:g}: "
-                    "make it smaller, or use a capsule.")
+            return (
+                f"Egg: top radius {self.top_radius:g} must be less than the bottom radius {self.bottom_radius:g}: "
+                "make it smaller, or use a capsule."
+            )
         if self.height <= difference:
-            return (f"Egg: at height {self.height:g} one ball lies inside the other: make the height more "
-                    f"than the difference of the radii, {difference:g}.")
+            return (
+                f"Egg: at height {self.height:g} one ball lies inside the other: make the height more "
+                f"than the difference of the radii, {difference:g}."
+            )
         return ""
 
     def volume(self) -> float:
@@ -102,23 +109,31 @@ class Egg(Primitive):
         cap = self.height + top - seam
         angle = math.asin(seam / radius)
         side = math.pi * (
-            (radius**2 + away**2) * seam - seam**3 / 3.0
-            - away * (seam * math.sqrt((radius - seam) * (radius + seam)) + radius**2 * angle))
+            (radius**2 + away**2) * seam
+            - seam**3 / 3.0
+            - away * (seam * math.sqrt((radius - seam) * (radius + seam)) + radius**2 * angle)
+        )
         return 2.0 / 3.0 * math.pi * bottom**3 + side + math.pi / 3.0 * cap**2 * (3.0 * top - cap)
 
     def support(self, directions):
         across, up, size = np.hypot(*directions[:, :2].T), directions[:, 2], np.linalg.norm(directions, axis=1)
         away = self._arc()
-        upper = np.where(up * away > across * self.height, up * self.height + self.top_radius * size,
-                         (away + self.bottom_radius) * size - away * across)
+        upper = np.where(
+            up * away > across * self.height,
+            up * self.height + self.top_radius * size,
+            (away + self.bottom_radius) * size - away * across,
+        )
         return up * self._lower() + np.where(up < 0.0, self.bottom_radius * size, upper)
 
 
 def _drop(matrix: np.ndarray | None, radius: float, height: float) -> np.ndarray:
     """Program of a ball at the origin and the cone from it to a point at z = ``height``."""
     seam = radius**2 / height
-    cone = primitive(Op.CONE, placed(matrix, z=0.5 * (seam + height)),
-                     (radius * math.sqrt((1.0 - radius / height) * (1.0 + radius / height)), height - seam))
+    cone = primitive(
+        Op.CONE,
+        placed(matrix, z=0.5 * (seam + height)),
+        (radius * math.sqrt((1.0 - radius / height) * (1.0 + radius / height)), height - seam),
+    )
     return combine(Op.UNION, [primitive(Op.SPHERE, placed(matrix), (radius,)), cone])
 
 
@@ -137,8 +152,10 @@ class Droplet(Primitive):
 
     def relation(self) -> str:
         if self.height <= self.radius:
-            return (f"Droplet: at height {self.height:g} the point lies in the ball: make the height more than the "
-                    f"radius {self.radius:g}.")
+            return (
+                f"Droplet: at height {self.height:g} the point lies in the ball: make the height more than the "
+                f"radius {self.radius:g}."
+            )
         return ""
 
     def volume(self) -> float:
@@ -165,8 +182,13 @@ class Heart(Primitive):
     radius: float = number(0.28, "Radius of the drops")
     height: float = number(0.62, "Distance from the point to the centres of the drops")
     spread: float = number(
-        math.radians(38.0), "Angle between the axes of the drops", unit="ANGLE", minimum=0.0, maximum=math.pi,
-        soft_maximum=0.5 * math.pi)
+        math.radians(38.0),
+        "Angle between the axes of the drops",
+        unit="ANGLE",
+        minimum=0.0,
+        maximum=math.pi,
+        soft_maximum=0.5 * math.pi,
+    )
 
     def _drop(self) -> RoundCone:
         return RoundCone(0.0, self.radius, self.height)
@@ -189,8 +211,10 @@ class Heart(Primitive):
 
     def relation(self) -> str:
         if self.height <= self.radius:
-            return (f"Heart: at height {self.height:g} the point lies in the drops: make the height more than the "
-                    f"radius {self.radius:g}.")
+            return (
+                f"Heart: at height {self.height:g} the point lies in the drops: make the height more than the "
+                f"radius {self.radius:g}."
+            )
         return ""
 
     def support(self, directions):
@@ -224,10 +248,22 @@ class Superellipsoid(Primitive):
     exactness = BOUND
 
     half_size: tuple[float, float, float] = number((0.5, 0.5, 0.5), "Half of the size along x, y and z")
-    exponent_xy: float = number(4.0, "Exponent r of the outline as seen along z", unit="NONE", minimum=1.0,
-                                maximum=_SHARPEST, label="Exponent XY")
-    exponent_z: float = number(4.0, "Exponent t of the outline as seen from the side", unit="NONE", minimum=1.0,
-                               maximum=_SHARPEST, label="Exponent Z")
+    exponent_xy: float = number(
+        4.0,
+        "Exponent r of the outline as seen along z",
+        unit="NONE",
+        minimum=1.0,
+        maximum=_SHARPEST,
+        label="Exponent XY",
+    )
+    exponent_z: float = number(
+        4.0,
+        "Exponent t of the outline as seen from the side",
+        unit="NONE",
+        minimum=1.0,
+        maximum=_SHARPEST,
+        label="Exponent Z",
+    )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         r, t = slot(self.exponent_xy), slot(self.exponent_z)
@@ -241,8 +277,9 @@ class Superellipsoid(Primitive):
 
     def _slope(self) -> float:
         """The bound L of the norm."""
+
         def steepest(exponent):
-            return max(1.0, 2.0**(1.0 / exponent - 0.5))
+            return max(1.0, 2.0 ** (1.0 / exponent - 0.5))
 
         a, b, c = self.half_size
         return steepest(self.exponent_z) * max(steepest(self.exponent_xy) / min(a, b), 1.0 / c)
@@ -250,7 +287,7 @@ class Superellipsoid(Primitive):
     def volume(self) -> float:
         r, t = self.exponent_xy, self.exponent_z
         # Integrals of Dirichlet: the area of the outline along z, and how it shrinks with height.
-        across = math.gamma(1.0 + 1.0 / r)**2 / math.gamma(1.0 + 2.0 / r)
+        across = math.gamma(1.0 + 1.0 / r) ** 2 / math.gamma(1.0 + 2.0 / r)
         along = math.gamma(1.0 + 2.0 / t) * math.gamma(1.0 + 1.0 / t) / math.gamma(1.0 + 3.0 / t)
         return 8.0 * math.prod(self.half_size) * across * along
 
@@ -266,4 +303,4 @@ class Superellipsoid(Primitive):
 def _norm(exponent: float, u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """(uᵉ + vᵉ)^(1/e) of numbers ≥ 0."""
     greatest = np.maximum(np.maximum(u, v), _TINY)
-    return greatest * ((u / greatest)**exponent + (v / greatest)**exponent)**(1.0 / exponent)
+    return greatest * ((u / greatest) ** exponent + (v / greatest) ** exponent) ** (1.0 / exponent)

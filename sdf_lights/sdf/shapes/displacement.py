@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..formula import POINT, Formula, Vector, cos, iterate
+from ...graph.formula import POINT, Formula, Vector, cos, iterate
 from ..noise import PERIOD, STEEPEST, value_noise
 from .base import LARGEST, Family, Shape, Slots, Term, number, part, undone
 from .operators import Operator, guarded, level_bounds
@@ -60,8 +60,11 @@ class Displaced(Operator, abstract=True):
         shares = Slots()
         mixture = POINT.x * shares(1.0 / (1.0 + self._slope)) + POINT.y * shares(self._slope / (1.0 + self._slope))
         steepest = max(child[-1].lipschitz, 1.0)
-        return [*child, Term(pattern, np.array(slots.values), 0, Family.LEAF, 0.0, 1.0),
-                Term(mixture, np.array(shares.values), 2, Family.UNION, math.inf, steepest)]
+        return [
+            *child,
+            Term(pattern, np.array(slots.values), 0, Family.LEAF, 0.0, 1.0),
+            Term(mixture, np.array(shares.values), 2, Family.UNION, math.inf, steepest),
+        ]
 
     def bounds(self, matrix=None):
         return level_bounds(self._guarded, self.amplitude, matrix)
@@ -77,10 +80,15 @@ class WaveDisplacement(Displaced):
     child: Shape = part("Shape whose surface moves")
     amplitude: float = number(0.05, "How far the surface moves at most", minimum=0.0, soft_maximum=1.0)
     wavelength: tuple[float, float, float] = number(
-        (0.5, 0.5, 0.5), "Length of a wave along x, y and z; a very large one leaves the axis out")
+        (0.5, 0.5, 0.5), "Length of a wave along x, y and z; a very large one leaves the axis out"
+    )
     phase: tuple[float, float, float] = number(
-        (0.0, 0.0, 0.0), "Where in its wave each cosine begins, in waves", unit="NONE", minimum=-LARGEST,
-        soft_maximum=1.0)
+        (0.0, 0.0, 0.0),
+        "Where in its wave each cosine begins, in waves",
+        unit="NONE",
+        minimum=-LARGEST,
+        soft_maximum=1.0,
+    )
 
     def _pattern(self, p, slot):
         scales, phases = slot(tuple(math.tau / w for w in self.wavelength)), slot(self.phase) * math.tau
@@ -100,10 +108,18 @@ class NoiseDisplacement(Displaced):
     child: Shape = part("Shape whose surface moves")
     amplitude: float = number(0.1, "How far the surface moves at most", minimum=0.0, soft_maximum=1.0)
     feature_size: float = number(0.3, "Size of the coarsest features")
-    octaves: float = number(3.0, "How many times finer noise is added", unit="NONE", minimum=1.0, maximum=_MOST_OCTAVES,
-                            whole=True)
-    seed: float = number(0.0, "Another number gives other noise", unit="NONE", minimum=0.0, maximum=PERIOD - 1.0,
-                         soft_maximum=100.0, whole=True)
+    octaves: float = number(
+        3.0, "How many times finer noise is added", unit="NONE", minimum=1.0, maximum=_MOST_OCTAVES, whole=True
+    )
+    seed: float = number(
+        0.0,
+        "Another number gives other noise",
+        unit="NONE",
+        minimum=0.0,
+        maximum=PERIOD - 1.0,
+        soft_maximum=100.0,
+        whole=True,
+    )
 
     @property
     def _coarsest(self) -> float:

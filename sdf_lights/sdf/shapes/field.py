@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import lipschitz, read_interval
-from ..formula import ITERATE, PARAMETER, POINT, Formula, Vector, maximum, order, parameter
+from ...graph import interval_arithmetic, lipschitz
+from ...graph.formula import ITERATE, PARAMETER, POINT, Formula, Vector, maximum, order, parameter
+from ...graph.substitution import substitute
 from ..limits import negative_region
-from ..substitution import substitute
 from .base import NONE, SMALLEST, Shape, Slots, part
 from .displacement import Displaced
 from .operators import Transformed
@@ -29,7 +29,9 @@ def _operations(formulas: tuple[Formula, ...], known: frozenset[Formula]) -> int
     """Operations at each point, with all the rounds that loops can have."""
     return sum(
         node.value.limit * _operations(node.value.roots(), frozenset(node.operands)) if node.kind == ITERATE else 1
-        for node in order(*formulas, known=known) if node not in known)
+        for node in order(*formulas, known=known)
+        if node not in known
+    )
 
 
 def _compact(formula: Formula, values: Sequence[float]) -> tuple[Formula, tuple[float, ...]]:
@@ -113,7 +115,7 @@ class FieldDisplacement(Displaced, abstract=True):
 
     @cached_property
     def amplitude(self) -> float:
-        low, high = read_interval.enclose(self.value, *_EVERYWHERE, self.numbers)
+        low, high = interval_arithmetic.enclose(self.value, *_EVERYWHERE, self.numbers)
         return max(float(-low[0]), float(high[0]), SMALLEST)
 
     @cached_property

@@ -15,7 +15,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from ..formula import Vector, apply, cos, length, minimum, sin
+from ...graph.formula import Vector, apply, cos, length, minimum, sin
 from ..program import NoClosedForm
 from .base import EXACT, LARGEST, SMALLEST, Shape, number, part
 from .operators import Folded, Intersection, images, images_growth, images_program
@@ -117,10 +117,15 @@ class Mirror(Fold):
 
     child: Shape = part("Shape that is mirrored")
     normal: tuple[float, float, float] = number(
-        (1.0, 0.0, 0.0), "Direction across the plane, to the side that is kept; its length does not matter",
-        unit="NONE", minimum=-LARGEST, soft_maximum=1.0)
-    smoothness: float = number(0.0, "By how much points of the plane are read away from it", minimum=0.0,
-                               soft_maximum=1.0)
+        (1.0, 0.0, 0.0),
+        "Direction across the plane, to the side that is kept; its length does not matter",
+        unit="NONE",
+        minimum=-LARGEST,
+        soft_maximum=1.0,
+    )
+    smoothness: float = number(
+        0.0, "By how much points of the plane are read away from it", minimum=0.0, soft_maximum=1.0
+    )
 
     @cached_property
     def _in_chamber(self):
@@ -168,8 +173,15 @@ class Kaleidoscope(Fold):
     """
 
     child: Shape = part("Shape of which a wedge is shown")
-    sectors: float = number(6.0, "Pairs of a wedge and its mirror image", unit="NONE", minimum=1.0, maximum=1000.0,
-                            soft_maximum=32.0, whole=True)
+    sectors: float = number(
+        6.0,
+        "Pairs of a wedge and its mirror image",
+        unit="NONE",
+        minimum=1.0,
+        maximum=1000.0,
+        soft_maximum=32.0,
+        whole=True,
+    )
 
     @property
     def _angle(self) -> float:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, iterate, length, maximum, select
+from ...graph.formula import Formula, Vector, iterate, length, maximum, select
 from ..program import Op
 from . import support
 from .base import BOUND, LARGEST, Shape, Slots, number
@@ -171,7 +171,8 @@ class CantorDust(Flake):
 
     half_size: tuple[float, float, float] = number((0.5, 0.5, 0.5), "Half of the size along x, y and z")
     ratio: float = number(
-        0.4, "Size of the copies, as a part of the whole", unit="NONE", minimum=0.05, maximum=0.49, soft_maximum=0.49)
+        0.4, "Size of the copies, as a part of the whole", unit="NONE", minimum=0.05, maximum=0.49, soft_maximum=0.49
+    )
     levels: float = levels(3.0)
 
     _folded = staticmethod(abs)
@@ -310,15 +311,19 @@ class Kifs(Shape):
     levels: float = levels(6.0, "Number of rounds")
     scale: float = number(2.0, "Enlargement of each round", unit="NONE", minimum=1.05, maximum=10.0, soft_maximum=4.0)
     center: tuple[float, float, float] = number(
-        (0.0, 0.25, 0.5), "Point that each round enlarges about", minimum=-LARGEST)
+        (0.0, 0.25, 0.5), "Point that each round enlarges about", minimum=-LARGEST
+    )
     fold_angles: tuple[float, float, float] = _angles(
-        (0.0, 0.0, 0.0), "Turns about x, y and z before the mirrors of each round")
+        (0.0, 0.0, 0.0), "Turns about x, y and z before the mirrors of each round"
+    )
     angles: tuple[float, float, float] = _angles(
-        (0.3, 0.2, 0.0), "Turns about x, y and z after the mirrors of each round")
+        (0.3, 0.2, 0.0), "Turns about x, y and z after the mirrors of each round"
+    )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         before, after = (
-            [slot(tuple(row)) for row in _turned(angles).tolist()] for angles in (self.fold_angles, self.angles))
+            [slot(tuple(row)) for row in _turned(angles).tolist()] for angles in (self.fold_angles, self.angles)
+        )
         scale, shift = slot(self.scale), slot(tuple((self.scale - 1.0) * c for c in self.center))
 
         def step(q: Vector) -> Vector:

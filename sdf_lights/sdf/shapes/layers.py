@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..formula import POINT, Formula, Vector, clamp
+from ...graph.formula import POINT, Formula, Vector, clamp
 from .base import LARGEST, Family, Shape, Slots, Term, number, part
 from .operators import Folded, Operator, guarded, level_bounds
 
@@ -127,7 +127,8 @@ class Elongate(Folded):
 
     child: Shape = part("Shape that is pulled apart")
     half_length: tuple[float, float, float] = number(
-        (0.0, 0.0, 0.5), "Half of the length put in along x, y and z", minimum=0.0)
+        (0.0, 0.0, 0.5), "Half of the length put in along x, y and z", minimum=0.0
+    )
 
     def _folded(self, p, slot):
         half = slot(self.half_length)

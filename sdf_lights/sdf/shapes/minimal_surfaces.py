@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..formula import Formula, Vector, cos, maximum, sin
+from ...graph.formula import Formula, Vector, cos, maximum, sin
 from .base import BOUND, Shape, Slots, number
 from .primitives import Box
 
@@ -30,10 +30,12 @@ class PeriodicSheet(Shape, abstract=True):
     slope = 1.0  # most that F changes by, for each radian
 
     half_size: tuple[float, float, float] = number(
-        (0.5, 0.5, 0.5), "Half of the size along x, y and z of the block that the sheet fills")
+        (0.5, 0.5, 0.5), "Half of the size along x, y and z of the block that the sheet fills"
+    )
     period: float = number(0.5, "Length after which the surface repeats itself")
     thickness: float = number(
-        0.04, "Least thickness of the sheet; it is thicker where the surface bends most", soft_maximum=1.0)
+        0.04, "Least thickness of the sheet; it is thicker where the surface bends most", soft_maximum=1.0
+    )
 
     def surface(self, cosine: Vector, sine: Vector) -> Formula:
         """F, from the cosines and sines of the position in radians."""
@@ -159,7 +161,7 @@ class FischerKochS(PeriodicSheet):
 
     def surface(self, cosine, sine):
         doubled = _doubled(cosine)
-        return (doubled.x * sine.y * cosine.z + cosine.x * doubled.y * sine.z + sine.x * cosine.y * doubled.z)
+        return doubled.x * sine.y * cosine.z + cosine.x * doubled.y * sine.z + sine.x * cosine.y * doubled.z
 
 
 @dataclass(frozen=True)

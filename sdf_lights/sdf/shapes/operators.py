@@ -12,9 +12,9 @@ from functools import cached_property, reduce
 import numpy as np
 
 from ...affine import inverse
-from ..formula import POINT, Formula, Vector, maximum, minimum, parameter
+from ...graph.formula import POINT, Formula, Vector, maximum, minimum, parameter
+from ...graph.substitution import substitute
 from ..program import NoClosedForm, Op, combine
-from ..substitution import substitute
 from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Family, Shape, ShapeError, Slots, Term, part, undone
 from .primitives import Box
 
@@ -27,7 +27,7 @@ def balanced(join: Callable, parts: list):
     """``join(a, b)`` of neighbours, in as few levels as the number of parts allows."""
     while len(parts) > 1:
         pairs = [join(a, b) for a, b in zip(parts[::2], parts[1::2])]
-        parts = pairs + parts[2 * len(pairs):]
+        parts = pairs + parts[2 * len(pairs) :]
     return parts[0]
 
 
@@ -134,8 +134,11 @@ class SetOperation(Composite, abstract=True):
 
     def _absorbs(self, index: int, child: Shape) -> bool:
         """Whether the argument ``child`` can be replaced by its parts."""
-        return type(child) is type(self) and (self.associative or index == 0) and all(
-            getattr(child, field.name) == getattr(self, field.name) for field in self.fields())
+        return (
+            type(child) is type(self)
+            and (self.associative or index == 0)
+            and all(getattr(child, field.name) == getattr(self, field.name) for field in self.fields())
+        )
 
     def _join(self, a: Formula, b: Formula, *numbers: Formula) -> Formula:
         """The field of two shapes with the fields a and b; it gets the operation's own numbers."""
@@ -143,8 +146,9 @@ class SetOperation(Composite, abstract=True):
 
     def _numbers(self, slot: Slots, factor: float = 1.0) -> list[Formula]:
         """The numbers, for fields ``factor`` times as large as distances."""
-        return [slot(getattr(self, field.name) * (factor if field.unit == "LENGTH" else 1.0))
-                for field in self.fields()]
+        return [
+            slot(getattr(self, field.name) * (factor if field.unit == "LENGTH" else 1.0)) for field in self.fields()
+        ]
 
     def _reach(self) -> float:
         """Where two fields differ by more, their join is one of them."""
@@ -325,8 +329,10 @@ class Folded(Operator, abstract=True):
         for term in self.child.terms(np.eye(4), factor):
             if term.arity == 0:
                 moved = [parameter(first + index) for index in range(len(term.parameters))]
-                term = term._replace(formula=substitute(term.formula, point, moved),
-                                     parameters=np.concatenate([slots.values, term.parameters]))
+                term = term._replace(
+                    formula=substitute(term.formula, point, moved),
+                    parameters=np.concatenate([slots.values, term.parameters]),
+                )
             terms.append(term)
         return terms
 
@@ -343,7 +349,8 @@ class Transformed(Operator, abstract=True):
     child: Shape = part("Shape that is moved")
     matrix: tuple[tuple[float, ...], ...] = dataclasses.field(
         default=tuple(map(tuple, np.eye(4).tolist())),
-        metadata=dict(description="4 × 4 matrix that takes the shape to its place"))
+        metadata=dict(description="4 × 4 matrix that takes the shape to its place"),
+    )
 
     def __post_init__(self):
         super().__post_init__()

@@ -29,7 +29,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..formula import Formula, Vector, atan2, constant, cos, iterate, length, maximum, minimum, power, sin
+from ...graph.formula import Formula, Vector, atan2, constant, cos, iterate, length, maximum, minimum, power, sin
 from . import support
 from .base import BOUND, NONE, Shape, Slots, number
 from .primitives import Box
@@ -58,8 +58,15 @@ START = Reach(constant(1.0), constant(0.0))
 
 def rounds(default: float):
     """Dataclass field of the length of orbits."""
-    return number(default, "Number of times the map is applied: more of them show finer detail", unit="NONE",
-                  minimum=1.0, maximum=MOST_ROUNDS, soft_maximum=12.0, whole=True)
+    return number(
+        default,
+        "Number of times the map is applied: more of them show finer detail",
+        unit="NONE",
+        minimum=1.0,
+        maximum=MOST_ROUNDS,
+        soft_maximum=12.0,
+        whole=True,
+    )
 
 
 class Orbital(Shape, abstract=True):
@@ -122,7 +129,8 @@ class Mandelbulb(Orbital):
             raised = power(minimum(r, beyond), exponent)  # what is farther out is not looked at, but computed
             axis = maximum(around, far / exponent)
             reach = Reach(slope, bend).then(
-                exponent * maximum(raised, lowest) / axis, maximum(least_bend / far, 1.0 / axis))
+                exponent * maximum(raised, lowest) / axis, maximum(least_bend / far, 1.0 / axis)
+            )
             reach = reach._replace(slope=reach.slope + 1.0)
             polar, azimuth = atan2(around, z) * exponent, atan2(y, x) * exponent
             side = raised * sin(polar)
@@ -192,11 +200,17 @@ class Mandelbox(Shape):
     exactness = BOUND
 
     half_size: float = number(0.5, "Half of the size along x, y and z")
-    scale: float = number(3.0, "Enlargement of each round; may be negative", unit="NONE", minimum=-10.0, maximum=10.0,
-                          soft_maximum=4.0)
+    scale: float = number(
+        3.0, "Enlargement of each round; may be negative", unit="NONE", minimum=-10.0, maximum=10.0, soft_maximum=4.0
+    )
     inner_radius: float = number(
-        0.5, "Distance from the centre of the sphere below which space is only enlarged", unit="NONE", minimum=0.05,
-        maximum=1.0, soft_maximum=1.0)
+        0.5,
+        "Distance from the centre of the sphere below which space is only enlarged",
+        unit="NONE",
+        minimum=0.05,
+        maximum=1.0,
+        soft_maximum=1.0,
+    )
     rounds: float = rounds(4.0)
 
     def relation(self) -> str:

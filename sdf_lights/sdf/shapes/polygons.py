@@ -16,8 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from .. import program
-from ..formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from ..program import Op, combine, primitive
 from .base import BOUND, EXACT, LARGEST, ShapeError, Slots, number
 from .cuts import half_space, placed, polyhedron
@@ -66,8 +66,7 @@ class Polygonal(Profile, abstract=True):
         low, high = corners[:, 1].min(), corners[:, 1].max()
         # Cones end well beyond the solid, so no two faces coincide.
         low, high = 1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low
-        around = primitive(
-            Op.CYLINDER, placed(matrix, z=0.5 * (low + high)), (2.0 * corners[:, 0].max(), high - low))
+        around = primitive(Op.CYLINDER, placed(matrix, z=0.5 * (low + high)), (2.0 * corners[:, 0].max(), high - low))
 
         def beside(a, b):
             """What is left of an edge that goes down is outside a cone; of one that goes up, inside."""
@@ -88,6 +87,7 @@ class Polygonal(Profile, abstract=True):
 def _cone(matrix: np.ndarray | None, low: float, high: float, through: np.ndarray, slope: float) -> np.ndarray | None:
     """Program of the points between z = ``low`` and ``high`` that are nearer to the z axis than a line, by which the
     distance changes with ``slope`` and which goes ``through`` a point (distance, z). None if there are none."""
+
     def radius(z):
         return through[0] + (z - through[1]) * slope
 
@@ -141,8 +141,9 @@ def _hull(corners: np.ndarray) -> list[int]:
     return sorted(chain(order) + chain(order[::-1]))
 
 
-def _hull_without_pockets(around: np.ndarray, beside: Callable, corners: np.ndarray,
-                          closed: bool = True) -> np.ndarray | None:
+def _hull_without_pockets(
+    around: np.ndarray, beside: Callable, corners: np.ndarray, closed: bool = True
+) -> np.ndarray | None:
     """Program of what a counter-clockwise outline bounds: its convex hull without what lies between, and so on inwards.
 
     Tor and Middleditch, "Convex Decomposition of Simple Polygons", 1984. ``around`` is a program of more than the
@@ -198,7 +199,8 @@ class RegularPolygon(Polygonal):
     """A polygon of equal sides and angles, with a corner in the direction of y."""
 
     sides: float = number(
-        6.0, "Number of sides", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True)
+        6.0, "Number of sides", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True
+    )
     radius: float = number(0.5, "Distance from the centre to the corners")
 
     def folded(self, p: Vector, slot: Slots) -> tuple[Formula, Formula]:
@@ -221,7 +223,8 @@ class Star(Polygonal):
     """A star of straight edges, with a point in the direction of y."""
 
     points: float = number(
-        5.0, "Number of points", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True)
+        5.0, "Number of points", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True
+    )
     radius: float = number(0.5, "Distance from the centre to the points")
     inner_radius: float = number(0.2, "Distance from the centre to the corners between two points")
 
@@ -237,8 +240,10 @@ class Star(Polygonal):
 
     def relation(self) -> str:
         if self.inner_radius > self.radius:
-            return (f"Star: inner radius {self.inner_radius:g} is more than the radius {self.radius:g}: make the inner "
-                    "radius smaller.")
+            return (
+                f"Star: inner radius {self.inner_radius:g} is more than the radius {self.radius:g}: make the inner "
+                "radius smaller."
+            )
         return ""
 
     def outline(self):
@@ -263,8 +268,10 @@ class Plus(Polygonal):
 
     def relation(self) -> str:
         if self.half_width > self.half_length:
-            return (f"Plus: half width {self.half_width:g} is more than the half length {self.half_length:g}, so there "
-                    "are no bars: make the half width smaller.")
+            return (
+                f"Plus: half width {self.half_width:g} is more than the half length {self.half_length:g}, so there "
+                "are no bars: make the half width smaller."
+            )
         return ""
 
     def outline(self):

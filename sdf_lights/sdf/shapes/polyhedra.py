@@ -15,13 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, clamp, length, maximum, minimum, select
+from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select
 from ..program import Op, combine, primitive
 from . import support
 from .base import Slots, number
 from .cuts import half_space, placed, polyhedron
-from .primitives import Primitive, corner, rhombus_side
 from .polygons import Polygonal, Rectangle, RegularPolygon
+from .primitives import Primitive, corner, rhombus_side
 from .reflections import GOLDEN, into_icosahedral_chamber, into_octahedral_chamber, into_tetrahedral_chamber
 from .sectors import MOST_SECTORS
 from .swept import Prismatic
@@ -180,7 +180,8 @@ class Prism(Prismatic):
     """
 
     sides: float = number(
-        5.0, "Number of sides", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True)
+        5.0, "Number of sides", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True
+    )
     radius: float = number(0.5, "Distance from the axis to the corners")
     height: float = number(0.8, "Length along z")
 
@@ -300,8 +301,14 @@ class RegularPyramid(_Pyramid):
     """
 
     sides: float = number(
-        5.0, "Number of sides of the base", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0,
-        whole=True)
+        5.0,
+        "Number of sides of the base",
+        unit="NONE",
+        minimum=3.0,
+        maximum=MOST_SECTORS,
+        soft_maximum=12.0,
+        whole=True,
+    )
     radius: float = number(0.6, "Distance from the axis to the corners of the base")
     height: float = number(0.8, "Length along z, from the base to the tip")
 
@@ -317,8 +324,14 @@ class Bipyramid(_Pyramidal):
     """
 
     sides: float = number(
-        6.0, "Number of sides of the polygon", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0,
-        whole=True)
+        6.0,
+        "Number of sides of the polygon",
+        unit="NONE",
+        minimum=3.0,
+        maximum=MOST_SECTORS,
+        soft_maximum=12.0,
+        whole=True,
+    )
     radius: float = number(0.4, "Distance from the axis to the corners of the polygon")
     height: float = number(1.2, "Length along z, from tip to tip")
 
@@ -350,7 +363,8 @@ class Rhombus(Primitive):
     """A bar along z with rhombi as its ends; the corners are in the directions of x and y."""
 
     half_size: tuple[float, float, float] = number(
-        (0.6, 0.35, 0.2), "Half of the rhombus' diagonals along x and y, and half of the size along z")
+        (0.6, 0.35, 0.2), "Half of the rhombus' diagonals along x and y, and half of the size along z"
+    )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         x, y, z = self.half_size

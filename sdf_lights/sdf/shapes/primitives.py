@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
+from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from ..program import Op, combine, primitive
 from . import support
 from .base import BOUND, SMALLEST, Shape, Slots, number
@@ -142,7 +142,8 @@ class BoxFrame(Primitive):
         outside = minimum(
             corner((outer.x, across.y, across.z)),
             corner((across.x, outer.y, across.z)),
-            corner((across.x, across.y, outer.z)))
+            corner((across.x, across.y, outer.z)),
+        )
         # Inside a corner the nearest surface is not always that of the nearest bar: it is the outer faces or one of
         # the three openings, which are convex. Each of the two readings is exact on its own side of the surface.
         depth = (outer + thickness).maximum(0.0)
@@ -152,8 +153,10 @@ class BoxFrame(Primitive):
 
     def relation(self) -> str:
         if self.thickness > min(self.half_size):
-            return (f"Box Frame: thickness {self.thickness:g} is more than the least half size "
-                    f"{min(self.half_size):g}, so the bars overlap: make the thickness smaller.")
+            return (
+                f"Box Frame: thickness {self.thickness:g} is more than the least half size "
+                f"{min(self.half_size):g}, so the bars overlap: make the thickness smaller."
+            )
         return ""
 
     def volume(self) -> float:
@@ -189,8 +192,10 @@ class Torus(Primitive):
 
     def relation(self) -> str:
         if self.minor_radius > self.major_radius:
-            return (f"Torus: minor radius {self.minor_radius:g} is more than the major radius {self.major_radius:g}, "
-                    "so the tube overlaps itself: make the minor radius smaller.")
+            return (
+                f"Torus: minor radius {self.minor_radius:g} is more than the major radius {self.major_radius:g}, "
+                "so the tube overlaps itself: make the minor radius smaller."
+            )
         return ""
 
     def volume(self) -> float:
@@ -303,4 +308,5 @@ class Frustum(Primitive):
     def support(self, directions):
         end = 0.5 * self.height * directions[:, 2]
         return np.maximum(
-            support.of_disk(directions, self.bottom_radius) - end, support.of_disk(directions, self.top_radius) + end)
+            support.of_disk(directions, self.bottom_radius) - end, support.of_disk(directions, self.top_radius) + end
+        )

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...graph.formula import Formula, Vector, length, maximum, minimum, select
 from .. import program
-from ..formula import Formula, Vector, length, maximum, minimum, select
 from ..program import Op, combine, primitive
 from .base import BOUND, EXACT, Parametric, Slots, number
 from .cuts import placed
@@ -69,6 +69,7 @@ class Profile(Parametric):
         raise program.NoClosedForm(f"A revolved {self.label().lower()} has no closed form for its ray intervals.")
 
     def least_x(self) -> float:
+        """Least x coordinate of the profile."""
         return -float(self.support(np.array([(-1.0, 0.0)]))[0])
 
     def beside_axis(self, offset: float) -> bool:
@@ -134,8 +135,10 @@ class Ring(Profile):
 
     def relation(self) -> str:
         if self.thickness >= 2.0 * self.radius:
-            return (f"Ring: thickness {self.thickness:g} is at least twice the radius {self.radius:g}, so there is no "
-                    "hole: make the thickness smaller, or use a circle.")
+            return (
+                f"Ring: thickness {self.thickness:g} is at least twice the radius {self.radius:g}, so there is no "
+                "hole: make the thickness smaller, or use a circle."
+            )
         return ""
 
     def _circles(self) -> tuple[Circle, Circle]:
@@ -154,8 +157,9 @@ class Ring(Profile):
     def extruded_program(self, matrix, height):
         outer, inner = self._circles()
         # The hole is longer than the solid, so no two faces coincide.
-        return combine(Op.DIFFERENCE, [
-            outer.extruded_program(matrix, height), inner.extruded_program(matrix, 2.0 * height)])
+        return combine(
+            Op.DIFFERENCE, [outer.extruded_program(matrix, height), inner.extruded_program(matrix, 2.0 * height)]
+        )
 
     def revolved_program(self, matrix, offset):
         outer, inner = self._circles()
@@ -222,8 +226,10 @@ class Almond(Profile):
 
     def relation(self) -> str:
         if self.half_width > self.half_height:
-            return (f"Almond: half width {self.half_width:g} is more than the half height {self.half_height:g}: make "
-                    "it smaller, or exchange the two and turn the profile.")
+            return (
+                f"Almond: half width {self.half_width:g} is more than the half height {self.half_height:g}: make "
+                "it smaller, or exchange the two and turn the profile."
+            )
         return ""
 
     def support(self, directions):
@@ -239,7 +245,7 @@ class Almond(Profile):
         radius, _ = self.arc()
         angle = 2.0 * math.atan2(self.half_width, self.half_height)  # half of the arc's
         if angle > 0.02:
-            return radius**3 * (math.sin(angle) - math.sin(angle)**3 / 3.0 - angle * math.cos(angle))
+            return radius**3 * (math.sin(angle) - math.sin(angle) ** 3 / 3.0 - angle * math.cos(angle))
         return radius**3 * angle**5 * (2.0 / 15.0 - 11.0 / 315.0 * angle**2)  # the same without cancellation
 
     def area(self) -> float:
@@ -280,8 +286,10 @@ class Moon(Profile):
 
     def relation(self) -> str:
         if not abs(self.radius - self.bite_radius) < self.offset < self.radius + self.bite_radius:
-            return (f"Moon: at an offset of {self.offset:g} the circles do not cross: make it more than "
-                    f"{abs(self.radius - self.bite_radius):g} and less than {self.radius + self.bite_radius:g}.")
+            return (
+                f"Moon: at an offset of {self.offset:g} the circles do not cross: make it more than "
+                f"{abs(self.radius - self.bite_radius):g} and less than {self.radius + self.bite_radius:g}."
+            )
         return ""
 
     def support(self, directions):
@@ -309,9 +317,13 @@ class Moon(Profile):
         return self.area() * offset - self._covered()[1] if self.least_x() >= -offset else None
 
     def extruded_program(self, matrix, height):
-        return combine(Op.DIFFERENCE, [
-            _cylinder(matrix, 0.0, 0.0, self.radius, height),
-            _cylinder(matrix, self.offset, 0.0, self.bite_radius, 2.0 * height)])
+        return combine(
+            Op.DIFFERENCE,
+            [
+                _cylinder(matrix, 0.0, 0.0, self.radius, height),
+                _cylinder(matrix, self.offset, 0.0, self.bite_radius, 2.0 * height),
+            ],
+        )
 
 
 @dataclass(frozen=True)
@@ -381,8 +393,10 @@ class RoundedRectangle(Profile):
 
     def relation(self) -> str:
         if 2.0 * self.rounding > min(self.width, self.height):
-            return (f"Rounded Rectangle: rounding {self.rounding:g} is more than half of the lesser side, "
-                    f"{min(self.width, self.height):g}: make the rounding smaller.")
+            return (
+                f"Rounded Rectangle: rounding {self.rounding:g} is more than half of the lesser side, "
+                f"{min(self.width, self.height):g}: make the rounding smaller."
+            )
         return ""
 
     def support(self, directions):
@@ -394,8 +408,11 @@ class RoundedRectangle(Profile):
     def extruded_program(self, matrix, height):
         x, y = self._core().tolist()
         half = 0.5 * height
-        parts = [primitive(Op.BOX, placed(matrix), size) for size, there in
-                 (((x + self.rounding, y, half), y > 0.0), ((x, y + self.rounding, half), x > 0.0)) if there]
+        parts = [
+            primitive(Op.BOX, placed(matrix), size)
+            for size, there in (((x + self.rounding, y, half), y > 0.0), ((x, y + self.rounding, half), x > 0.0))
+            if there
+        ]
         if self.rounding > 0.0:
             ends = dict.fromkeys([(x, y), (x, -y), (-x, y), (-x, -y)])
             parts += [_cylinder(matrix, *end, self.rounding, height) for end in ends]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from ..formula import Vector, maximum, minimum
+from ...graph.formula import Vector, maximum, minimum
 
 GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
 

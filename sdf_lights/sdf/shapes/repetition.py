@@ -22,7 +22,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..formula import Formula, Vector, apply, clamp, cos, iterate, maximum, minimum, sin
+from ...graph.formula import Formula, Vector, apply, clamp, cos, iterate, maximum, minimum, sin
 from ..program import NoClosedForm
 from .base import EXACT, LARGEST, Shape, number, part
 from .operators import Guarded, Operator, Transformed, Union, images, images_growth, images_program
@@ -41,6 +41,7 @@ def _floor(a: Formula) -> Formula:
 
 def _least(rounds: Formula, start: tuple, field: Callable, step: Callable) -> Formula:
     """Least ``field(*state)`` over the states start, step(start), …"""
+
     def body(least, *state):
         return (minimum(least, field(*state)), *step(*state)), None
 
@@ -91,8 +92,10 @@ class Repeated(Operator, abstract=True):
 
     def relation(self):
         if self.size > _MOST_COMPUTED:
-            return (f"{self.label()}: copies of copies have more than {_MOST_COMPUTED} parts in all: make the counts "
-                    "smaller.")
+            return (
+                f"{self.label()}: copies of copies have more than {_MOST_COMPUTED} parts in all: make the counts "
+                "smaller."
+            )
         return ""
 
 
@@ -105,8 +108,13 @@ class Repetition(Repeated):
 
     child: Shape = part("Shape that is repeated")
     count: tuple[float, float, float] = number(
-        (3.0, 3.0, 1.0), "Copies along x, y and z; 0 for a row without end", unit="NONE", minimum=0.0, maximum=1e6,
-        whole=True)
+        (3.0, 3.0, 1.0),
+        "Copies along x, y and z; 0 for a row without end",
+        unit="NONE",
+        minimum=0.0,
+        maximum=1e6,
+        whole=True,
+    )
     spacing: tuple[float, float, float] = number((1.0, 1.0, 1.0), "Distance from copy to copy along x, y and z")
 
     def _number(self):
@@ -153,11 +161,17 @@ class Repetition(Repeated):
         # Copies are numbered from the middle, where one of an even number is half a spacing off.
         shift = np.where(np.equal(self.count, 0.0), 0.0, np.mod(np.subtract(self.count, 1.0), 2.0) / 2.0)
         last = self._extent / self.spacing
-        spacing, edge, shift, first, most = (slot(tuple(v.tolist())) for v in (
-            np.array(self.spacing), edge, shift, -last, np.where(everything, -last, last - candidates + 1.0)))
+        spacing, edge, shift, first, most = (
+            slot(tuple(v.tolist()))
+            for v in (np.array(self.spacing), edge, shift, -last, np.where(everything, -last, last - candidates + 1.0))
+        )
         counts = slot(tuple(candidates.tolist()))
-        q = Vector(*(x - s * clamp(_floor((x - e) / s + h + 0.5) - h, low, high)
-                     for x, s, e, h, low, high in zip(p, spacing, edge, shift, first, most)))
+        q = Vector(
+            *(
+                x - s * clamp(_floor((x - e) / s + h + 0.5) - h, low, high)
+                for x, s, e, h, low, high in zip(p, spacing, edge, shift, first, most)
+            )
+        )
 
         def field(index: Formula) -> Formula:
             row = _floor((index + 0.5) / counts.x)  # whole numbers, also where a division is not quite exact
@@ -201,11 +215,15 @@ class Repetition(Repeated):
         if not self.child.bounded and not np.isfinite(self._widths()[endless]).all():
             return "Repetition: a shape without end is repeated without end: give a count, or intersect it with a box."
         if not self.child.bounded and self._held:
-            return (f"Repetition: more than {_MOST_COPIES} copies of a shape without end: "
-                    "make the count smaller, or intersect the shape with a box.")
+            return (
+                f"Repetition: more than {_MOST_COPIES} copies of a shape without end: "
+                "make the count smaller, or intersect the shape with a box."
+            )
         if self._candidates.prod() > _MOST_CANDIDATES:
-            return (f"Repetition: more than {_MOST_CANDIDATES} copies overlap each other: make the spacing larger, or "
-                    "the count or the shape smaller.")
+            return (
+                f"Repetition: more than {_MOST_CANDIDATES} copies overlap each other: make the spacing larger, or "
+                "the count or the shape smaller."
+            )
         return ""
 
 
@@ -214,8 +232,15 @@ class PolarRepetition(Repeated):
     """Copies of the shape around the z axis, at equal angles. They may overlap."""
 
     child: Shape = part("Shape that is repeated")
-    count: float = number(6.0, "Copies on the full circle", unit="NONE", minimum=1.0, maximum=_MOST_CANDIDATES,
-                          soft_maximum=32.0, whole=True)
+    count: float = number(
+        6.0,
+        "Copies on the full circle",
+        unit="NONE",
+        minimum=1.0,
+        maximum=_MOST_CANDIDATES,
+        soft_maximum=32.0,
+        whole=True,
+    )
 
     @property
     def _angle(self) -> float:
@@ -248,8 +273,12 @@ class PolarRepetition(Repeated):
         first = angle * _floor((apply("atan2", p.y, p.x) - slot(middle + half)) / angle + 0.5)
         start = _turned(p.x, p.y, cos(first), sin(first))
         c, s = slot(math.cos(self._angle)), slot(math.sin(self._angle))
-        return _least(slot(self._candidates), start, lambda x, y: self.child.build(Vector(x, y, p.z), slot),
-                      lambda x, y: _turned(x, y, c, s))
+        return _least(
+            slot(self._candidates),
+            start,
+            lambda x, y: self.child.build(Vector(x, y, p.z), slot),
+            lambda x, y: _turned(x, y, c, s),
+        )
 
     def _places(self):
         angles = self._angle * np.arange(self.count)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 
-from ..formula import Formula, maximum
+from ...graph.formula import Formula, maximum
 from .base import Slots
 
 MOST_SECTORS = 64

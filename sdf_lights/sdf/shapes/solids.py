@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
+from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from ..program import NoClosedForm, Op, combine, primitive
 from . import support
 from .balls import circular_sector
@@ -37,8 +37,10 @@ class RoundedBox(Primitive):
 
     def relation(self) -> str:
         if self.radius > min(self.half_size):
-            return (f"Rounded Box: radius {self.radius:g} is more than the least half size {min(self.half_size):g}: "
-                    "make the radius smaller.")
+            return (
+                f"Rounded Box: radius {self.radius:g} is more than the least half size {min(self.half_size):g}: "
+                "make the radius smaller."
+            )
         return ""
 
     def volume(self) -> float:
@@ -87,8 +89,10 @@ class CrossedBars(Primitive):
 
     def relation(self) -> str:
         if self.width >= self.length:
-            return (f"Crossed Bars: width {self.width:g} is not less than the length {self.length:g}: "
-                    "make the bars thinner, or use a box.")
+            return (
+                f"Crossed Bars: width {self.width:g} is not less than the length {self.length:g}: "
+                "make the bars thinner, or use a box."
+            )
         return ""
 
     def volume(self) -> float:
@@ -111,8 +115,13 @@ class CappedTorus(Primitive):
     major_radius: float = number(0.5, "Distance from the centre to the middle of the tube")
     minor_radius: float = number(0.125, "Radius of the tube and of its ends")
     angle: float = number(
-        math.radians(240.0), "Angle around the axis from end to end; half of it on either side of the x axis",
-        unit="ANGLE", minimum=0.0, maximum=2.0 * math.pi, soft_maximum=2.0 * math.pi)
+        math.radians(240.0),
+        "Angle around the axis from end to end; half of it on either side of the x axis",
+        unit="ANGLE",
+        minimum=0.0,
+        maximum=2.0 * math.pi,
+        soft_maximum=2.0 * math.pi,
+    )
 
     def _end(self) -> tuple[float, float]:
         """Coordinates x and y of the middle of the tube at one end; the other has −y."""
@@ -127,11 +136,15 @@ class CappedTorus(Primitive):
 
     def relation(self) -> str:
         if self.minor_radius > self.major_radius:
-            return (f"Capped Torus: minor radius {self.minor_radius:g} is more than the major radius "
-                    f"{self.major_radius:g}, so the tube overlaps itself: make the minor radius smaller.")
+            return (
+                f"Capped Torus: minor radius {self.minor_radius:g} is more than the major radius "
+                f"{self.major_radius:g}, so the tube overlaps itself: make the minor radius smaller."
+            )
         if self.angle > math.pi and self._end()[1] < self.minor_radius:
-            return (f"Capped Torus: at {math.degrees(self.angle):g}° the ends overlap: make the angle smaller, "
-                    "or use a torus.")
+            return (
+                f"Capped Torus: at {math.degrees(self.angle):g}° the ends overlap: make the angle smaller, "
+                "or use a torus."
+            )
         return ""
 
     def volume(self) -> float:
@@ -169,8 +182,10 @@ class Link(Primitive):
 
     def relation(self) -> str:
         if self.minor_radius > self.major_radius:
-            return (f"Link: minor radius {self.minor_radius:g} is more than the major radius {self.major_radius:g}, "
-                    "so the tube overlaps itself: make the minor radius smaller.")
+            return (
+                f"Link: minor radius {self.minor_radius:g} is more than the major radius {self.major_radius:g}, "
+                "so the tube overlaps itself: make the minor radius smaller."
+            )
         return ""
 
     def volume(self) -> float:
@@ -185,7 +200,8 @@ class Link(Primitive):
         parts = []
         for side in (1.0, -1.0):
             ring = primitive(
-                Op.TORUS, placed(matrix, z=side * 0.5 * self.height) @ bend, (self.major_radius, self.minor_radius))
+                Op.TORUS, placed(matrix, z=side * 0.5 * self.height) @ bend, (self.major_radius, self.minor_radius)
+            )
             half = half_space(matrix, (0.0, 0.0, -side), -0.5 * self.height)
             bar = primitive(Op.CAPSULE, placed(matrix, x=side * self.major_radius), (self.minor_radius, self.height))
             # The bars' round ends lie in the bends, so no faces coincide.
@@ -208,8 +224,10 @@ class RoundedCylinder(Primitive):
     def relation(self) -> str:
         largest = min(self.radius, 0.5 * self.height)
         if self.rounding > largest:
-            return (f"Rounded Cylinder: rounding {self.rounding:g} is more than the radius or half of the height: "
-                    f"make it at most {largest:g}.")
+            return (
+                f"Rounded Cylinder: rounding {self.rounding:g} is more than the radius or half of the height: "
+                f"make it at most {largest:g}."
+            )
         return ""
 
     def volume(self) -> float:
@@ -252,8 +270,10 @@ class Tube(Primitive):
 
     def relation(self) -> str:
         if self.thickness >= self.radius:
-            return (f"Tube: thickness {self.thickness:g} leaves no hole in a radius of {self.radius:g}: "
-                    "make the wall thinner, or use a cylinder.")
+            return (
+                f"Tube: thickness {self.thickness:g} leaves no hole in a radius of {self.radius:g}: "
+                "make the wall thinner, or use a cylinder."
+            )
         return ""
 
     def volume(self) -> float:
@@ -278,8 +298,13 @@ class PieSlice(Primitive):
     radius: float = number(0.6, "Radius of the cylinder")
     height: float = number(0.5, "Length along z")
     angle: float = number(
-        math.radians(120.0), "Angle of the point of the slice; above 180° the cylinder lacks a slice",
-        unit="ANGLE", minimum=0.001, maximum=2.0 * math.pi - 0.001, soft_maximum=2.0 * math.pi - 0.001)
+        math.radians(120.0),
+        "Angle of the point of the slice; above 180° the cylinder lacks a slice",
+        unit="ANGLE",
+        minimum=0.001,
+        maximum=2.0 * math.pi - 0.001,
+        soft_maximum=2.0 * math.pi - 0.001,
+    )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         sine, cosine = slot(math.sin(0.5 * self.angle)), slot(math.cos(0.5 * self.angle))
@@ -293,8 +318,7 @@ class PieSlice(Primitive):
         sine, cosine = math.sin(0.5 * self.angle), math.cos(0.5 * self.angle)
         aside = np.abs(directions[:, 1])
         end = self.radius * (directions[:, 0] * cosine + aside * sine)
-        arc = np.where(
-            aside * cosine > directions[:, 0] * sine, end, support.of_disk(directions, self.radius))
+        arc = np.where(aside * cosine > directions[:, 0] * sine, end, support.of_disk(directions, self.radius))
         return np.maximum(arc, 0.0) + support.of_segment(directions, 0.5 * self.height)
 
     def program(self, matrix=None):
@@ -326,8 +350,10 @@ class RoundCone(Primitive):
 
     def relation(self) -> str:
         if self.height <= abs(self.bottom_radius - self.top_radius):
-            return (f"Round Cone: at height {self.height:g} one ball lies inside the other: make the height more than "
-                    f"the difference of the radii, {abs(self.bottom_radius - self.top_radius):g}.")
+            return (
+                f"Round Cone: at height {self.height:g} one ball lies inside the other: make the height more than "
+                f"the difference of the radii, {abs(self.bottom_radius - self.top_radius):g}."
+            )
         return ""
 
     def _side(self) -> tuple[float, float, float, float]:
@@ -340,19 +366,23 @@ class RoundCone(Primitive):
         bottom, top, low, high = self._side()
         sine, _ = self._slope()
         caps = sum(
-            math.pi / 3.0 * r**3 * (1.0 + s)**2 * (2.0 - s)
-            for r, s in ((self.bottom_radius, sine), (self.top_radius, -sine)))
+            math.pi / 3.0 * r**3 * (1.0 + s) ** 2 * (2.0 - s)
+            for r, s in ((self.bottom_radius, sine), (self.top_radius, -sine))
+        )
         return caps + math.pi / 3.0 * (high - low) * (bottom**2 + bottom * top + top**2)
 
     def support(self, directions):
         end = 0.5 * self.height * directions[:, 2]
-        return np.maximum(support.of_ball(directions, self.bottom_radius) - end,
-                          support.of_ball(directions, self.top_radius) + end)
+        return np.maximum(
+            support.of_ball(directions, self.bottom_radius) - end, support.of_ball(directions, self.top_radius) + end
+        )
 
     def program(self, matrix=None):
         bottom, top, low, high = self._side()
-        balls = [primitive(Op.SPHERE, placed(matrix, z=z), (radius,)) for z, radius in
-                 ((-0.5 * self.height, self.bottom_radius), (0.5 * self.height, self.top_radius))]
+        balls = [
+            primitive(Op.SPHERE, placed(matrix, z=z), (radius,))
+            for z, radius in ((-0.5 * self.height, self.bottom_radius), (0.5 * self.height, self.top_radius))
+        ]
         side = primitive(Op.FRUSTUM, placed(matrix, z=0.5 * (low + high)), (bottom, top, high - low))
         return combine(Op.UNION, [side, *balls])
 
@@ -418,8 +448,12 @@ class HalfSpace(Primitive):
     bounded = False
 
     normal: tuple[float, float, float] = number(
-        (0.0, 0.0, 1.0), "Direction out of the solid, across the plane; its length does not matter",
-        unit="NONE", minimum=-LARGEST, soft_maximum=1.0)
+        (0.0, 0.0, 1.0),
+        "Direction out of the solid, across the plane; its length does not matter",
+        unit="NONE",
+        minimum=-LARGEST,
+        soft_maximum=1.0,
+    )
     offset: float = number(0.0, "Distance of the plane from the origin, along the normal", minimum=-LARGEST)
 
     def build(self, p: Vector, slot: Slots) -> Formula:
@@ -467,5 +501,6 @@ class Slab(Primitive):
 
     def program(self, matrix=None):
         half = 0.5 * self.thickness
-        return combine(Op.INTERSECTION, [half_space(matrix, (0.0, 0.0, 1.0), half),
-                                         half_space(matrix, (0.0, 0.0, -1.0), half)])
+        return combine(
+            Op.INTERSECTION, [half_space(matrix, (0.0, 0.0, 1.0), half), half_space(matrix, (0.0, 0.0, -1.0), half)]
+        )

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, length, maximum, minimum, select
+from ...graph.formula import Formula, Vector, length, maximum, minimum, select
 from ..program import NoClosedForm, Op, combine
 from . import support
 from .base import BOUND, Shape, ShapeError, Slots, number, part
 from .cuts import sector
-from .primitives import Primitive, corner
 from .polygons import Plus, Star
+from .primitives import Primitive, corner
 from .profiles import HeartOutline, Moon, Profile
 from .sectors import MOST_SECTORS
 
@@ -73,8 +73,10 @@ class Extrusion(Swept):
 
     def relation(self) -> str:
         if self.rounding > 0.5 * self.height:
-            return (f"Extrusion: rounding {self.rounding:g} is more than half of the height {self.height:g}: make the "
-                    "rounding smaller.")
+            return (
+                f"Extrusion: rounding {self.rounding:g} is more than half of the height {self.height:g}: make the "
+                "rounding smaller."
+            )
         return ""
 
     def volume(self) -> float | None:
@@ -140,8 +142,14 @@ class PartialRevolution(Swept):
 
     profile: Profile = part("What a half plane through the axis shows", "profile")
     offset: float = number(0.0, "Distance from the axis to the origin of the profile", minimum=0.0)
-    angle: float = number(math.pi, "Angle that the profile is turned by", unit="ANGLE", minimum=0.001,
-                          maximum=2.0 * math.pi - 0.001, soft_maximum=2.0 * math.pi - 0.001)
+    angle: float = number(
+        math.pi,
+        "Angle that the profile is turned by",
+        unit="ANGLE",
+        minimum=0.001,
+        maximum=2.0 * math.pi - 0.001,
+        soft_maximum=2.0 * math.pi - 0.001,
+    )
 
     @property
     def exactness(self) -> str:
@@ -210,7 +218,8 @@ class StarPrism(Prismatic):
     """A star with thickness. One of its points is in the direction of y."""
 
     points: float = number(
-        5.0, "Number of points", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True)
+        5.0, "Number of points", unit="NONE", minimum=3.0, maximum=MOST_SECTORS, soft_maximum=12.0, whole=True
+    )
     radius: float = number(0.6, "Distance from the axis to the points")
     inner_radius: float = number(0.25, "Distance from the axis to the corners between two points")
     height: float = number(0.3, "Length along z")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..formula import Formula, Vector, clamp, length, maximum, minimum, select
+from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select
 from ..program import Op, combine, primitive
 from . import support
 from .base import BOUND, EXACT, LARGEST, Slots, number
@@ -45,8 +45,14 @@ class Horseshoe(Primitive):
 
     radius: float = number(0.32, "Distance from the centre of the arc to the middle of the tube")
     minor_radius: float = number(0.08, "Radius of the tube and of its ends")
-    angle: float = number(math.radians(210.0), "Angle of the arc", unit="ANGLE", minimum=0.0,
-                          maximum=2.0 * math.pi, soft_maximum=2.0 * math.pi)
+    angle: float = number(
+        math.radians(210.0),
+        "Angle of the arc",
+        unit="ANGLE",
+        minimum=0.0,
+        maximum=2.0 * math.pi,
+        soft_maximum=2.0 * math.pi,
+    )
     leg: float = number(0.25, "Length of the straight parts", minimum=0.0)
 
     def _direction(self) -> tuple[float, float]:
@@ -70,11 +76,15 @@ class Horseshoe(Primitive):
 
     def relation(self) -> str:
         if self.minor_radius > self.radius:
-            return (f"Horseshoe: minor radius {self.minor_radius:g} is more than the radius {self.radius:g}, so the "
-                    "tube overlaps itself: make the minor radius smaller.")
+            return (
+                f"Horseshoe: minor radius {self.minor_radius:g} is more than the radius {self.radius:g}, so the "
+                "tube overlaps itself: make the minor radius smaller."
+            )
         if min(end[0] for end in self._leg()) < self.minor_radius and self.angle > math.pi:
-            return ("Horseshoe: its ends run into each other: make the angle, the straight parts or the minor radius "
-                    "smaller.")
+            return (
+                "Horseshoe: its ends run into each other: make the angle, the straight parts or the minor radius "
+                "smaller."
+            )
         return ""
 
     def volume(self) -> float:
@@ -129,13 +139,18 @@ class FigureEight(Primitive):
 
     def relation(self) -> str:
         if self.half_distance <= self.radius:
-            return (f"Figure Eight: half distance {self.half_distance:g} must be more than the radius {self.radius:g}, "
-                    "for the straight parts to cross: make it larger.")
+            return (
+                f"Figure Eight: half distance {self.half_distance:g} must be more than the radius {self.radius:g}, "
+                "for the straight parts to cross: make it larger."
+            )
         return ""
 
     def support(self, directions):
-        return (self.half_distance * np.abs(directions[:, 0]) + support.of_disk(directions, self.radius)
-                + support.of_ball(directions, self.minor_radius))
+        return (
+            self.half_distance * np.abs(directions[:, 0])
+            + support.of_disk(directions, self.radius)
+            + support.of_ball(directions, self.minor_radius)
+        )
 
     def program(self, matrix=None):
         if self.minor_radius > self.radius:
@@ -146,9 +161,15 @@ class FigureEight(Primitive):
         for side in (1.0, -1.0):
             ring = placed(matrix, side * self.half_distance)
             there = ring @ np.diag([side, side, 1.0, 1.0])
-            parts.append(combine(Op.INTERSECTION, [
-                primitive(Op.TORUS, ring, (self.radius, self.minor_radius)),
-                sector(there, math.pi + 2.0 * math.asin(sine))]))
+            parts.append(
+                combine(
+                    Op.INTERSECTION,
+                    [
+                        primitive(Op.TORUS, ring, (self.radius, self.minor_radius)),
+                        sector(there, math.pi + 2.0 * math.asin(sine)),
+                    ],
+                )
+            )
             end = size * np.array([cosine, side * sine])
             parts.append(_rod(matrix, -end, end, self.minor_radius))
         return combine(Op.UNION, parts)
@@ -166,11 +187,14 @@ class BezierTube(Primitive):
     _halvings, _steps = 8, 5
 
     start: tuple[float, float, float] = number(
-        (-0.5, 0.0, -0.2), "Where the curve begins", minimum=-LARGEST, soft_maximum=10.0)
+        (-0.5, 0.0, -0.2), "Where the curve begins", minimum=-LARGEST, soft_maximum=10.0
+    )
     control: tuple[float, float, float] = number(
-        (0.0, 0.4, 0.7), "What the curve is drawn towards", minimum=-LARGEST, soft_maximum=10.0)
+        (0.0, 0.4, 0.7), "What the curve is drawn towards", minimum=-LARGEST, soft_maximum=10.0
+    )
     end: tuple[float, float, float] = number(
-        (0.5, 0.0, -0.2), "Where the curve ends", minimum=-LARGEST, soft_maximum=10.0)
+        (0.5, 0.0, -0.2), "Where the curve ends", minimum=-LARGEST, soft_maximum=10.0
+    )
     radius: float = number(0.06, "Radius of the tube and of its ends")
 
     def _coefficients(self) -> tuple[np.ndarray, np.ndarray, float]:

@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..formula import Vector, apply, clamp, cos, length, maximum, minimum, sin
+from ...graph.formula import Vector, apply, clamp, cos, length, maximum, minimum, sin
 from .base import Shape, Slots, number, part
 from .operators import Operator, Transformed, guarded
 from .primitives import Box
@@ -102,8 +102,13 @@ class Twist(Warp):
 
     child: Shape = part("Shape that is twisted")
     angle: float = number(
-        math.radians(90.0), "Angle by which it turns on each metre along z, counter-clockwise as seen from above",
-        unit="ANGLE", minimum=-1e4, maximum=1e4, soft_maximum=math.tau)
+        math.radians(90.0),
+        "Angle by which it turns on each metre along z, counter-clockwise as seen from above",
+        unit="ANGLE",
+        minimum=-1e4,
+        maximum=1e4,
+        soft_maximum=math.tau,
+    )
 
     def _unwarped(self, p, slot):
         turn = p.z * slot(self.angle)
@@ -170,11 +175,14 @@ class Bend(Warp):
             return problem
         low, high = self._box
         if high[2] >= self.radius:
-            return (f"Bend: the shape, {high[2]:g} high, reaches the centre of the circle of radius {self.radius:g}: "
-                    "make the radius larger.")
+            return (
+                f"Bend: the shape, {high[2]:g} high, reaches the centre of the circle of radius {self.radius:g}: "
+                "make the radius larger."
+            )
         if self._gap <= 0.0:
-            return (f"Bend: the shape is longer than the circle of radius {self.radius:g} is round: make the radius "
-                    "larger.")
+            return (
+                f"Bend: the shape is longer than the circle of radius {self.radius:g} is round: make the radius larger."
+            )
         return ""
 
 

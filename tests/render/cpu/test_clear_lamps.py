@@ -4,10 +4,9 @@
 
 import numpy as np
 
-from sdf_lights.render.cpu.block import clear_lamps, instance_boxes
+from sdf_lights.render.kernels.packing import clear_lamps, instance_boxes
 from sdf_lights.render.scene import Camera, Instance, Mesh, Scene
-
-from tests.scenes import rotation, scaling, translation
+from support.scenes import rotation, scaling, translation
 
 TRIANGLE = Mesh("Triangle", np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0]], np.float32), np.array([[0, 1, 2]], np.int32))
 NOTHING = Mesh("Nothing", np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))

@@ -33,7 +33,7 @@ def test_certain_lamps_are_quiet():
 
 def test_what_could_not_be_resolved_is_told():
     """Some thousand slices, more than a ray has room for."""
-    sentence, = warnings_of(Expression("field(max(length(p) - 0.5, sin(2e4 * p.z)))").shape({}))
+    (sentence,) = warnings_of(Expression("field(max(length(p) - 0.5, sin(2e4 * p.z)))").shape({}))
     assert sentence.startswith("Lamp “Lantern”: ") and "could not be resolved" in sentence and sentence.endswith(".")
 
 
@@ -43,5 +43,5 @@ def test_a_field_without_bounds_is_told():
 
 
 def test_a_lamp_without_limits_is_left_out():
-    sentence, = warnings_of(HalfSpace())
+    (sentence,) = warnings_of(HalfSpace())
     assert sentence == "Lamp “Lantern”: its shape has no limits: intersect it with a box or another shape."

@@ -7,9 +7,10 @@ import pytest
 
 from sdf_lights import jit
 from sdf_lights.jit import block_dtype, fill_table, kernel
-from sdf_lights.render.cpu import rays
+from sdf_lights.render.cpu.accelerator import Accelerator
+from sdf_lights.render.kernels import rays
 from sdf_lights.render.scene import Instance, Ray
-from tests import scenes
+from support import scenes
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -19,7 +20,7 @@ MIRRORED = scenes.translation(0.3, -0.2, 0.1) @ scenes.rotation("x", 40) @ scene
 class Probe:
     def __init__(self, instances, meshes, transparent=(False,)):
         scene = type("Geometry", (), {"instances": instances, "meshes": meshes})
-        self.accelerator = rays.Accelerator(scene, np.array(transparent))
+        self.accelerator = Accelerator(scene, np.array(transparent))
         self.block = np.zeros(1, block_dtype({}, rays.SCALARS))
         self.accelerator.fill(self.block)
         self.workspace = np.zeros(1, block_dtype({"ray": rays.RAY}))
@@ -99,8 +100,11 @@ def test_rays_only_see_what_is_visible_to_their_kind():
 
 
 def test_shadow_rays_keep_opaque_and_transparent_apart():
-    probe = Probe([Instance(0, np.eye(4), (1,)), Instance(1, scenes.translation(0, 0, 5.0), (0,))],
-                  [scenes.quad(), scenes.quad()], transparent=(False, True))
+    probe = Probe(
+        [Instance(0, np.eye(4), (1,)), Instance(1, scenes.translation(0, 0, 5.0), (0,))],
+        [scenes.quad(), scenes.quad()],
+        transparent=(False, True),
+    )
     up = np.array([[0.1, 0.2, 1.0]]), np.array([[0.0, 0.0, 1.0]])
     down = up[0], -up[1]
     assert probe.hits(*up, mask=rays.SHADOW_OPAQUE)[0, 0] == 1

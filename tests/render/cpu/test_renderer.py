@@ -11,7 +11,7 @@ from sdf_lights import jit
 from sdf_lights.render import session
 from sdf_lights.render.scene import Instance, Ray
 from sdf_lights.render.settings import Device
-from tests import scenes
+from support import scenes
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -60,6 +60,7 @@ def test_border_is_the_crop_of_the_frame():
 
 def test_baked_and_instanced_meshes_give_one_picture():
     """The same box once by itself, once as one of two instances, the other hidden from every ray."""
+
     def twice(scene):
         for instance in list(scene.instances):
             scene.instances.append(Instance(instance.mesh, instance.matrix, instance.materials, visibility=Ray(0)))

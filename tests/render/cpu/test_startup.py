@@ -13,15 +13,22 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[3]
 def run(code: str, cache: pathlib.Path) -> str:
     environment = {**os.environ, "SDF_LIGHTS_CACHE": str(cache), "PYTHONPATH": str(REPOSITORY)}
     return subprocess.run(
-        [sys.executable, "-c", code], env=environment, cwd=cache, capture_output=True, text=True, check=True,
-        timeout=120).stdout.strip()
+        [sys.executable, "-c", code],
+        env=environment,
+        cwd=cache,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    ).stdout.strip()
 
 
 def test_compiled_entry_loads_without_the_compiler(tmp_path):
     code = (
         "import sys, numpy as np; from sdf_lights import jit; from sdf_lights.emitter.hashing import seeded; "
         "value = seeded(0.25, 0.5, 0.75); "
-        "print(int(value), 'numba.np.arraymath' in sys.modules, jit.compiled_kernels())")
+        "print(int(value), 'numba.np.arraymath' in sys.modules, jit.compiled_kernels())"
+    )
     value, compiler, _ = run(code, tmp_path).split()
     assert compiler == "True"  # so this module does tell whether Numba was made ready to compile
     assert run(code, tmp_path).split() == [value, "False", "0"]
@@ -29,8 +36,9 @@ def test_compiled_entry_loads_without_the_compiler(tmp_path):
 
 def test_entry_that_links_other_kernels_loads_without_them(tmp_path):
     code = (
-        "from sdf_lights import jit; from sdf_lights.emitter.primitives import box_span; "
-        "print(*box_span((0.0, 0.0, -3.0), (0.0, 0.0, 1.0), 1.0, 1.0, 0.5), jit.compiled_kernels())")
+        "from sdf_lights import jit; from sdf_lights.emitter.intersection.primitives import box_span; "
+        "print(*box_span((0.0, 0.0, -3.0), (0.0, 0.0, 1.0), 1.0, 1.0, 0.5), jit.compiled_kernels())"
+    )
     *first, parts = run(code, tmp_path).split()
     assert first == ["2.5", "3.5"] and int(parts) > 0
     assert run(code, tmp_path).split() == [*first, "0"]
@@ -38,9 +46,10 @@ def test_entry_that_links_other_kernels_loads_without_them(tmp_path):
 
 def test_lamps_of_one_primitive_need_no_kernels_to_be_built(tmp_path):
     code = (
-        "import numpy as np; from sdf_lights.emitter.lamps import build_lamp; "
+        "import numpy as np; from sdf_lights.emitter import build_lamp; "
         "from sdf_lights.sdf.shapes import Box, Capsule, Cone, Cylinder, Sphere, Torus; "
         "shapes = Box(), Capsule(), Cone(), Cylinder(), Sphere(), Torus(); "
-        "print(*(len(build_lamp('Lamp', shape, np.eye(4)).program) for shape in shapes))")
+        "print(*(len(build_lamp('Lamp', shape, np.eye(4)).program) for shape in shapes))"
+    )
     assert run(code, tmp_path).split() == ["1"] * 6
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]

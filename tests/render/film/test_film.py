@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from sdf_lights.jit import block_dtype, fill_table, kernel
-from sdf_lights.render.cpu import accumulate, path
 from sdf_lights.render.film import HALF_BIT, LEAST_SAMPLES, NO_DEPTH, Film, half_count
+from sdf_lights.render.kernels import film as accumulate
+from sdf_lights.render.kernels import path
 from sdf_lights.render.passes import BY_NAME, PASSES, Rule
 from sdf_lights.render.scene import Camera, Scene
 from sdf_lights.render.settings import Settings
@@ -76,17 +77,21 @@ def test_passes_are_read_by_their_rule():
     first = np.argmax(found, axis=0)
     seen = found.any(axis=0)[:, None]
     each = np.arange(found.shape[1])
-    surface = {name: np.where(found[..., None], samples[name], 0.0)
-               for name in ("normal", "albedo", "diffuse_albedo")}
+    surface = {name: np.where(found[..., None], samples[name], 0.0) for name in ("normal", "albedo", "diffuse_albedo")}
     combined = np.concatenate([2.5 * samples["combined"].mean(axis=0), samples["alpha"].mean(axis=0)[:, None]], axis=1)
     expected = {
-        "Combined": combined, "Noisy Image": combined, "SDF Lamps": 2.5 * samples["lamps"].mean(axis=0),
-        "Emission": 2.5 * samples["emission"].mean(axis=0), "Sample Count": np.full((len(each), 1), 7),
-        "Normal": surface["normal"].sum(axis=0) / hits, "Denoising Normal": surface["normal"].mean(axis=0),
+        "Combined": combined,
+        "Noisy Image": combined,
+        "SDF Lamps": 2.5 * samples["lamps"].mean(axis=0),
+        "Emission": 2.5 * samples["emission"].mean(axis=0),
+        "Sample Count": np.full((len(each), 1), 7),
+        "Normal": surface["normal"].sum(axis=0) / hits,
+        "Denoising Normal": surface["normal"].mean(axis=0),
         "Diffuse Color": surface["diffuse_albedo"].mean(axis=0),
         "Denoising Albedo": surface["albedo"].mean(axis=0),
         "Position": np.where(seen, samples["position"][first, each], 0.0),
-        "Depth": np.where(seen, samples["depth"][first, each][:, None], NO_DEPTH)}
+        "Depth": np.where(seen, samples["depth"][first, each][:, None], NO_DEPTH),
+    }
     assert set(expected) == set(ALL)
     for name, values in expected.items():
         value = film.read(name)
@@ -108,7 +113,11 @@ def test_memory_is_only_for_passes_in_use():
     film = new_film(())
     assert film.passes == ("Combined",)
     assert {name for name, sums in film.sums.items() if sums.size} == {
-        "combined", "half", "scattered", "scattered_half"}
+        "combined",
+        "half",
+        "scattered",
+        "scattered_half",
+    }
     add(film, random_samples(3, film))
     assert np.all(film.count == 3)
     denoised = new_film((), denoise=True)
@@ -174,16 +183,16 @@ def test_noise_is_the_error_of_independent_samples():
     film = new_film((), width=64, height=64)
     samples = random_samples(4 * LEAST_SAMPLES, film)
     samples["combined"] += 1.0
-    add(film, samples[:LEAST_SAMPLES - 1])
+    add(film, samples[: LEAST_SAMPLES - 1])
     assert film.noise() is None
-    add(film, samples[LEAST_SAMPLES - 1:], LEAST_SAMPLES - 1)
+    add(film, samples[LEAST_SAMPLES - 1 :], LEAST_SAMPLES - 1)
     true = np.abs(film.read("Combined")[..., :3] - 2.0).mean() / 2.0
     assert film.noise() == pytest.approx(true, rel=0.025)
 
 
 def test_noise_of_a_stratified_pattern_is_neither_hidden_nor_much_exaggerated():
     """An integrand over two padded sets, as light that is scattered once is: estimate 0.9 to 1.25 times the error."""
-    from sdf_lights.render.cpu.sampler import draw2, pixel_seed
+    from sdf_lights.render.kernels.sampler import draw2, pixel_seed
 
     film = new_film((), width=48, height=48)
     count = 8 * LEAST_SAMPLES
@@ -232,10 +241,14 @@ def test_adaptive_sampling_waits_for_an_estimate():
 
 
 def test_threshold_is_of_the_exposed_picture():
-    dark, bright = new_film((), exposure=0.01), new_film((), exposure=1.0)
-    for film in (dark, bright):
+    dark, bright, brighter = (new_film((), exposure=exposure) for exposure in (0.01, 1.0, 10.0))
+    for film in (dark, bright, brighter):
         add(film, noisy_pixels(film, LEAST_SAMPLES, range(WIDTH * HEIGHT)))
-    assert bright.update_active(0.5) and not dark.update_active(0.5)
+    # The sum of RGB is 3 and its error 1.5: |I − A| / √I where that exposed is below 1, else |I − A| / I.
+    error = 0.01 * 1.5 / (0.01 * 3.0) ** 0.5
+    assert dark.update_active(0.99 * error) and not dark.update_active(1.01 * error)
+    for film in (bright, brighter):
+        assert film.update_active(0.495) and not film.update_active(0.505)
 
 
 def test_an_unlit_picture_has_no_noise_and_stops():

@@ -12,8 +12,7 @@ import pytest
 from sdf_lights.render import libraries
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[3]
-LIBRARY_FOLDER = next(
-    (folder for folder in libraries.search_folders() if list(folder.glob("libembree4*"))), None)
+LIBRARY_FOLDER = next((folder for folder in libraries.search_folders() if list(folder.glob("libembree4*"))), None)
 
 
 def python(code: str, prefix: str = "") -> str:
@@ -46,18 +45,23 @@ def test_a_library_in_the_process_already_is_taken():
     if LIBRARY_FOLDER is None or sys.platform != "linux":
         pytest.skip("needs a Linux bpy wheel")
     path = LIBRARY_FOLDER / "libembree4.so.4"
-    out = python("library = libraries.load_embree(); print(library._name, library._handle == first._handle)",
-                 f"import ctypes; first = ctypes.CDLL({str(path)!r})")
+    out = python(
+        "library = libraries.load_embree(); print(library._name, library._handle == first._handle)",
+        f"import ctypes; first = ctypes.CDLL({str(path)!r})",
+    )
     assert out == "libembree4.so.4 True"
 
 
 @pytest.mark.skipif(LIBRARY_FOLDER is None or sys.platform != "linux", reason="lays out the files of Linux")
-@pytest.mark.parametrize("layout, registered", [
-    ("blender/lib", "blender"),  # blender.org, Linux: beside the binary
-    ("Blender.app/Contents/Resources/lib", "Blender.app/Contents/MacOS"),
-    ("Blender/blender.shared", "Blender"),
-    ("blender/lib", "blender/5.2/python/bin"),  # from sys.executable of Blender
-])
+@pytest.mark.parametrize(
+    "layout, registered",
+    [
+        ("blender/lib", "blender"),  # blender.org, Linux: beside the binary
+        ("Blender.app/Contents/Resources/lib", "Blender.app/Contents/MacOS"),
+        ("Blender/blender.shared", "Blender"),
+        ("blender/lib", "blender/5.2/python/bin"),  # from sys.executable of Blender
+    ],
+)
 def test_layouts_of_blender(tmp_path, layout, registered):
     """A registered folder leads to the libraries from anywhere below Blender's own folder."""
     (tmp_path / layout).mkdir(parents=True)

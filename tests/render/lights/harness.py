@@ -9,7 +9,7 @@ change of what it calls.
 import numpy as np
 
 from sdf_lights.jit import block_dtype, fill_table, kernel
-from sdf_lights.render.cpu import lights
+from sdf_lights.render.kernels import lights
 from sdf_lights.render.scene import Camera, Ray, Scene
 
 UP = (0.0, 0.0, 1.0)

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from tests.render.lights.harness import UP, Packed, irradiance, scene_of
 
 from sdf_lights.render.scene import AreaLight, PointLight, SpotLight, SunLight
+from tests.render.lights.harness import UP, Packed, irradiance, scene_of
 
 bpy = pytest.importorskip("bpy")
 pytestmark = pytest.mark.slow
@@ -24,8 +24,11 @@ CASES = {
     "spot": ("SPOT", dict(shadow_soft_size=0.0, spot_size=1.0, spot_blend=0.4), (0, 0, 0), (1, 1, 1)),
     "elliptic spot": ("SPOT", dict(shadow_soft_size=0.3, spot_size=1.0, spot_blend=0.4), (0.2, 0, 0), (2, 1, 1)),
     "wide spot": (
-        "SPOT", dict(shadow_soft_size=0.6, spot_size=0.8, spot_blend=0.1, use_soft_falloff=False), (0, 0, 0),
-        (1, 1, 1)),
+        "SPOT",
+        dict(shadow_soft_size=0.6, spot_size=0.8, spot_blend=0.1, use_soft_falloff=False),
+        (0, 0, 0),
+        (1, 1, 1),
+    ),
     "rectangle": ("AREA", dict(shape="RECTANGLE", size=2.0, size_y=1.0), (0, 0, 0), (1, 1, 1)),
     "scaled square": ("AREA", dict(shape="SQUARE", size=1.0), (0.3, 0.2, 0.5), (2, 0.5, 3)),
     "ellipse": ("AREA", dict(shape="ELLIPSE", size=2.0, size_y=1.0), (0, 0, 0), (1, 1, 1)),
@@ -85,8 +88,13 @@ def ours(kind, settings, matrix):
     if kind == "AREA":
         size = settings["size"]
         return AreaLight(
-            "", matrix, power, ellipse=settings["shape"] in ("DISK", "ELLIPSE"),
-            size=(size, settings.get("size_y", size)), spread=settings.get("spread", math.pi))
+            "",
+            matrix,
+            power,
+            ellipse=settings["shape"] in ("DISK", "ELLIPSE"),
+            size=(size, settings.get("size_y", size)),
+            spread=settings.get("spread", math.pi),
+        )
     round_ = dict(radius=settings["shadow_soft_size"], soft_falloff=settings.get("use_soft_falloff", True))
     if kind == "SPOT":
         return SpotLight("", matrix, power, angle=settings["spot_size"], blend=settings["spot_blend"], **round_)

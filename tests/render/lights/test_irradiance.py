@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from tests.render.lights.harness import UP, Packed, irradiance, place, scene_of
 
 from sdf_lights.render.scene import AreaLight, PointLight, SpotLight, SunLight
+from tests.render.lights.harness import UP, Packed, irradiance, place, scene_of
 
 ORIGIN = (0.0, 0.0, 0.0)
 
@@ -60,16 +60,17 @@ def test_scale_of_a_spot_changes_its_cone_but_not_its_power():
 def corner_factor(a, b, c):
     """Form factor from a point to a parallel rectangle a × b at distance c, one corner over the point (Howell, B-4)."""
     p, q = a / c, b / c
-    return (p / math.sqrt(1 + p * p) * math.atan(q / math.sqrt(1 + p * p))
-            + q / math.sqrt(1 + q * q) * math.atan(p / math.sqrt(1 + q * q))) / (2.0 * math.pi)
+    return (
+        p / math.sqrt(1 + p * p) * math.atan(q / math.sqrt(1 + p * p))
+        + q / math.sqrt(1 + q * q) * math.atan(p / math.sqrt(1 + q * q))
+    ) / (2.0 * math.pi)
 
 
 @pytest.mark.parametrize("h", [0.01, 0.5, 3.0, 800.0])
 def test_rectangle(h):
     light = AreaLight("", place(0.0, 0.0, h), 50.0, size=(2.0, 1.0))
     radiance = 50.0 / (math.pi * 2.0)
-    expected = math.pi * radiance * sum(
-        corner_factor(a, b, h) for a in (1.3, 0.7) for b in (0.7, 0.3))
+    expected = math.pi * radiance * sum(corner_factor(a, b, h) for a in (1.3, 0.7) for b in (0.7, 0.3))
     assert of(light, (-0.3, 0.2, 0.0)) == pytest.approx(expected, rel=1e-4)
 
 
@@ -131,7 +132,8 @@ def test_spread_keeps_the_power(spread):
     theta = (np.arange(400) + 0.5) / 400 * spread / 2.0
     intensity = [
         1e4 * irradiance(packed, 0, (100.0 * s, 0.0, -100.0 * c), (-s, 0.0, c), 4)
-        for s, c in zip(np.sin(theta), np.cos(theta))]
+        for s, c in zip(np.sin(theta), np.cos(theta))
+    ]
     power = np.sum(intensity * np.sin(theta)) * 2.0 * math.pi * spread / 800
     assert power == pytest.approx(50.0, rel=1e-4)
 

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from tests.chi2 import chi2_sphere
-from tests.render.lights.harness import UP, Packed, place, scene_of
 
 from sdf_lights.render.scene import AreaLight, Image, PointLight, SpotLight, SunLight, World
+from support.chi2 import chi2_sphere
+from tests.render.lights.harness import UP, Packed, place, scene_of
 
 # name: light, lit point, whether every sample meets light
 LIGHTS = {
@@ -19,9 +19,15 @@ LIGHTS = {
     "disk to the point": (PointLight("", place(0, 0, 2), 10.0, radius=1.5), (0.5, 0, 1.0), True),
     "spot": (SpotLight("", place(0, 0, 2), 10.0, radius=0.4, angle=1.2, blend=0.5), (0.6, 0.2, 0.0), True),
     "narrow wide spot": (
-        SpotLight("", place(0, 0, 2), 10.0, radius=1.0, angle=0.2, soft_falloff=False), (0.2, 0, 0), False),
+        SpotLight("", place(0, 0, 2), 10.0, radius=1.0, angle=0.2, soft_falloff=False),
+        (0.2, 0, 0),
+        False,
+    ),
     "elliptic spot": (
-        SpotLight("", place(0, 0, 2, scale=(2, 1, 1.5)), 10.0, radius=1.0, angle=0.3), (0.2, 0.1, 0), False),
+        SpotLight("", place(0, 0, 2, scale=(2, 1, 1.5)), 10.0, radius=1.0, angle=0.3),
+        (0.2, 0.1, 0),
+        False,
+    ),
     "rectangle": (AreaLight("", place(0, 0, 2), 10.0, size=(2.0, 1.0)), (0.7, -0.2, 0.0), True),
     "rectangle, close": (AreaLight("", place(0, 0, 2), 10.0, size=(2.0, 1.0)), (0.9, 0.2, 1.99), True),
     "rectangle, grazing": (AreaLight("", place(0, 0, 2), 10.0, size=(2.0, 1.0)), (3.0, 0.2, 1.9), True),
@@ -32,7 +38,10 @@ LIGHTS = {
     "ellipse, close": (AreaLight("", place(0, 0, 2), 10.0, ellipse=True, size=(3.0, 0.5)), (1.4, 0.05, 1.6), True),
     "ellipse, far": (AreaLight("", place(0, 0, 600), 10.0, ellipse=True, size=(3.0, 0.5)), (1.4, 0.05, 0.0), True),
     "ellipse, spread": (
-        AreaLight("", place(0, 0, 2), 10.0, ellipse=True, size=(2.0, 1.5), spread=1.3), (0.7, -0.2, 0.0), False),
+        AreaLight("", place(0, 0, 2), 10.0, ellipse=True, size=(2.0, 1.5), spread=1.3),
+        (0.7, -0.2, 0.0),
+        False,
+    ),
     "sun": (SunLight("", place(axis=(1, 0, 1)), 3.0, angle=0.2), (0, 0, 0), True),
     "wide sun": (SunLight("", place(axis=(1, 0, 1)), 3.0, angle=3.0), (0, 0, 0), True),
 }
@@ -45,8 +54,16 @@ def test_samples_follow_the_pdf(name):
     axis = np.nanmean(packed.sample(0, x, np.random.default_rng(1).random((256, 2)))[0], axis=0)
     # Rims cut through the bins, so the expected counts need a fine quadrature.
     result = chi2_sphere(
-        lambda u: packed.sample(0, x, u)[0], lambda d: packed.hits(0, x, d)[2], 60_000, 5, confidence=0.9999,
-        dimensions=2, axis=axis, bins=(12, 12), quadrature=64)
+        lambda u: packed.sample(0, x, u)[0],
+        lambda d: packed.hits(0, x, d)[2],
+        60_000,
+        5,
+        confidence=0.9999,
+        dimensions=2,
+        axis=axis,
+        bins=(12, 12),
+        quadrature=64,
+    )
     assert result.passed, result
     if complete:
         assert result.lost == 0
@@ -89,8 +106,8 @@ def test_density_of_extreme_ellipses_stays_near_uniform():
 def test_colour_of_the_world(n):
     packed = Packed(scene_of(world=World((0.5, 0.25, 1.0), 2.0)))
     result = chi2_sphere(
-        lambda u: packed.sample(0, (0, 0, 0), u, n)[0], lambda d: packed.world(d, n)[1], 60_000, 6, 0.9999,
-        dimensions=2)
+        lambda u: packed.sample(0, (0, 0, 0), u, n)[0], lambda d: packed.world(d, n)[1], 60_000, 6, 0.9999, dimensions=2
+    )
     assert result.passed and result.lost == 0, result
     assert abs(result.integral - 1.0) < 5.0 * result.integral_error + 1e-3
     wi, distance, radiance, pdf, _ = packed.sample(0, (0, 0, 0), np.random.default_rng(4).random((100, 2)), n)
@@ -110,7 +127,8 @@ def hdr(height=16, width=32):
 def rotation():
     a, b = 0.7, 1.1
     return np.array([[math.cos(a), -math.sin(a), 0], [math.sin(a), math.cos(a), 0], [0, 0, 1]]) @ np.array(
-        [[1, 0, 0], [0, math.cos(b), -math.sin(b)], [0, math.sin(b), math.cos(b)]])
+        [[1, 0, 0], [0, math.cos(b), -math.sin(b)], [0, math.sin(b), math.cos(b)]]
+    )
 
 
 def environment():
@@ -121,8 +139,16 @@ def test_samples_of_an_image_follow_the_pdf():
     packed = environment()
     axis = rotation().T @ (0.0, 0.0, 1.0)
     result = chi2_sphere(
-        lambda u: packed.sample(0, (0, 0, 0), u, dark=True)[0], lambda d: packed.world(d)[1], 60_000, 8, 0.9999,
-        dimensions=2, axis=axis, bins=(24, 32), quadrature=16)
+        lambda u: packed.sample(0, (0, 0, 0), u, dark=True)[0],
+        lambda d: packed.world(d)[1],
+        60_000,
+        8,
+        0.9999,
+        dimensions=2,
+        axis=axis,
+        bins=(24, 32),
+        quadrature=16,
+    )
     assert result.passed and result.lost == 0, result
     assert abs(result.integral - 1.0) < 5.0 * result.integral_error + 2e-3
 

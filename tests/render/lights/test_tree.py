@@ -8,10 +8,10 @@ import time
 import numpy as np
 import pytest
 from scipy import stats
-from tests.render.lights.harness import NONE, UP, Packed, place, scene_of
 
-from sdf_lights.render.cpu.lights import Triangles
+from sdf_lights.render.kernels.lights import Triangles
 from sdf_lights.render.scene import AreaLight, PointLight, SpotLight, SunLight, World
+from tests.render.lights.harness import NONE, UP, Packed, place, scene_of
 
 
 def crowd(count, seed=3, **fields):
@@ -21,10 +21,15 @@ def crowd(count, seed=3, **fields):
     for i in range(count):
         matrix = place(*rng.uniform(-5.0, 5.0, 3), axis=rng.normal(size=3))
         power = float(rng.exponential(50.0))
-        lights.append((
-            PointLight("", matrix, power), SpotLight("", matrix, power, angle=0.8, radius=0.1),
-            AreaLight("", matrix, power, size=(0.5, 0.7)), PointLight("", matrix, power, radius=0.3),
-            AreaLight("", matrix, power, ellipse=True, spread=1.0))[i % 5])
+        lights.append(
+            (
+                PointLight("", matrix, power),
+                SpotLight("", matrix, power, angle=0.8, radius=0.1),
+                AreaLight("", matrix, power, size=(0.5, 0.7)),
+                PointLight("", matrix, power, radius=0.3),
+                AreaLight("", matrix, power, ellipse=True, spread=1.0),
+            )[i % 5]
+        )
     return scene_of(*lights, **fields)
 
 
@@ -32,8 +37,12 @@ def triangle_soup(count, seed=1):
     rng = np.random.default_rng(seed)
     corners = rng.uniform(-5.0, 5.0, (count, 1, 3)) + rng.normal(scale=0.05, size=(count, 3, 3))
     return Triangles(
-        np.zeros(count, np.int32), np.arange(count, dtype=np.int32), corners, rng.exponential(1.0, (count, 3)),
-        np.zeros(count, bool))
+        np.zeros(count, np.int32),
+        np.arange(count, dtype=np.int32),
+        corners,
+        rng.exponential(1.0, (count, 3)),
+        np.zeros(count, bool),
+    )
 
 
 CASES = {
@@ -42,11 +51,16 @@ CASES = {
     "ten": crowd(10),
     "three hundred": crowd(300),  # more than a cut has nodes
     "suns and world": scene_of(
-        SunLight("", place(axis=(1, 0, 1)), 3.0), SunLight("", place(axis=(-1, 0, 1)), 1.0, angle=0.1),
-        world=World((1.0, 1.0, 1.0), 0.3)),
+        SunLight("", place(axis=(1, 0, 1)), 3.0),
+        SunLight("", place(axis=(-1, 0, 1)), 1.0, angle=0.1),
+        world=World((1.0, 1.0, 1.0), 0.3),
+    ),
     "all": scene_of(
-        *crowd(20).lights, SunLight("", place(axis=(1, 0, 1)), 3.0), SunLight("", place(axis=(0, 1, -1)), 3.0),
-        world=World((1.0, 1.0, 1.0), 0.01)),
+        *crowd(20).lights,
+        SunLight("", place(axis=(1, 0, 1)), 3.0),
+        SunLight("", place(axis=(0, 1, -1)), 3.0),
+        world=World((1.0, 1.0, 1.0), 0.01),
+    ),
     "in one place": scene_of(*(AreaLight("", place(0, 0, 1), 10.0) for _ in range(9))),
 }
 POINTS = [((0.3, 0.2, 0.0), UP), ((0.3, 0.2, 0.0), NONE), ((0.0, 0.0, 1.0), UP), ((40.0, 3.0, -2.0), (0.0, -0.6, 0.8))]
@@ -102,8 +116,9 @@ def test_probabilities_of_lamps_sum_to_one(count):
     """Lamps of sizes over three powers of ten, seen from far away, from among them and from inside one."""
     rng = np.random.default_rng(count)
     center, half = rng.normal(0.0, 2.0, (count, 3)), 10.0 ** rng.uniform(-2.0, 1.0, (count, 1)) * rng.random((count, 3))
-    packed = Packed(scene_of(), lamp_bounds=np.stack([center - half, center + half], axis=1),
-                    lamp_power=rng.exponential(1.0, count))
+    packed = Packed(
+        scene_of(), lamp_bounds=np.stack([center - half, center + half], axis=1), lamp_power=rng.exponential(1.0, count)
+    )
     for x in (center[0], center[-1] + half[-1], np.array([0.3, 500.0, -20.0])):
         for n in (UP, NONE, (0.0, -0.6, 0.8)):
             p = packed.probabilities(x, n)

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 from scipy import stats
-from tests.render.lights.harness import UP, Packed, grid, irradiance, scene_of
 
 from sdf_lights.jit import kernel
-from sdf_lights.render.cpu import lights
-from sdf_lights.render.cpu.lights import Triangles
+from sdf_lights.render.kernels import lights
+from sdf_lights.render.kernels.lights import Triangles
+from tests.render.lights.harness import UP, Packed, grid, irradiance, scene_of
 
 X = (0.1, -0.2, 0.0)
 CORNERS = {
@@ -23,9 +23,16 @@ CORNERS = {
 
 
 def packed_triangle(corners, instance=0, primitive=0):
-    return Packed(scene_of(), triangles=Triangles(
-        np.array([instance]), np.array([primitive]), np.array([corners], float), np.array([(3.0, 2.0, 1.0)]),
-        np.array([True])))
+    return Packed(
+        scene_of(),
+        triangles=Triangles(
+            np.array([instance]),
+            np.array([primitive]),
+            np.array([corners], float),
+            np.array([(3.0, 2.0, 1.0)]),
+            np.array([True]),
+        ),
+    )
 
 
 def ray_triangle(corners, x, d):
@@ -118,14 +125,17 @@ def test_both_samplings_agree_where_they_meet():
     np.testing.assert_allclose(values, values[1], rtol=1e-4)
 
 
-@pytest.mark.parametrize("corners, x", [
-    (((1, 1, 1), (1, 1, 1), (1, 1, 1)), X),
-    (((0, 0, 1), (1, 0, 1), (2, 0, 1)), X),
-    (((0, 0, 0), (1, 0, 0), (0, 1, 0)), (0.2, 0.2, 0.0)),
-    (((0, 0, 0), (1, 0, 0), (0, 1, 0)), (3.0, 0.2, 0.0)),
-    (((0, 0, 0), (1, 0, 0), (0, 1, 0)), (0.0, 0.0, 0.0)),
-    (((0, 0, 0), (1, 0, 0), (0, 1, 0)), (0.3, 0.3, 1e-9)),
-])
+@pytest.mark.parametrize(
+    "corners, x",
+    [
+        (((1, 1, 1), (1, 1, 1), (1, 1, 1)), X),
+        (((0, 0, 1), (1, 0, 1), (2, 0, 1)), X),
+        (((0, 0, 0), (1, 0, 0), (0, 1, 0)), (0.2, 0.2, 0.0)),
+        (((0, 0, 0), (1, 0, 0), (0, 1, 0)), (3.0, 0.2, 0.0)),
+        (((0, 0, 0), (1, 0, 0), (0, 1, 0)), (0.0, 0.0, 0.0)),
+        (((0, 0, 0), (1, 0, 0), (0, 1, 0)), (0.3, 0.3, 1e-9)),
+    ],
+)
 def test_degenerate_views_give_finite_numbers(corners, x):
     packed = packed_triangle(corners)
     x = tuple(map(float, x))
@@ -152,8 +162,12 @@ def _point(blocks, x, emitter, d):
 
 def test_hits_find_their_emitter():
     corners = np.array([CORNERS["near"]] * 4, float)
-    packed = Packed(scene_of(), triangles=Triangles(
-        np.array([1, 1, 3, 3]), np.array([5, 2, 0, 9]), corners, np.ones((4, 3)), np.zeros(4, bool)))
+    packed = Packed(
+        scene_of(),
+        triangles=Triangles(
+            np.array([1, 1, 3, 3]), np.array([5, 2, 0, 9]), corners, np.ones((4, 3)), np.zeros(4, bool)
+        ),
+    )
     found = {(i, p): _emitter(packed.blocks, i, p) for i in range(6) for p in range(12)}
     found = {key: emitter for key, emitter in found.items() if emitter >= 0}
     assert found == {(1, 5): 1, (1, 2): 2, (3, 0): 3, (3, 9): 4}

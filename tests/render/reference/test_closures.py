@@ -6,10 +6,19 @@ import numpy as np
 import pytest
 
 from sdf_lights.render.reference.closures import (
-    DIELECTRIC, F82, NONE, Diffuse, Microfacet, OrenNayar, Sheen, Translucent, dielectric)
+    DIELECTRIC,
+    F82,
+    NONE,
+    Diffuse,
+    Microfacet,
+    OrenNayar,
+    Sheen,
+    Translucent,
+    dielectric,
+)
 from sdf_lights.render.reference.materials import Table, cosine_axis, ior_axis
 from sdf_lights.render.reference.vectors import normalize
-from tests.chi2 import chi2_sphere
+from support.chi2 import chi2_sphere
 
 N = normalize(np.array([[0.3, -0.4, 0.8]]))
 WO = normalize(np.array([[0.1, 0.6, 0.7]]))
@@ -19,8 +28,15 @@ def build(name, count, n=N):
     normal, white = np.tile(n, (count, 1)), np.ones((count, 3))
 
     def ggx(roughness, ior, term, transmits, **more):
-        return Microfacet(white, normal, alpha=np.full(count, roughness**2), ior=np.full(count, ior), term=term,
-                          transmits=transmits, **more)
+        return Microfacet(
+            white,
+            normal,
+            alpha=np.full(count, roughness**2),
+            ior=np.full(count, ior),
+            term=term,
+            transmits=transmits,
+            **more,
+        )
 
     f0 = np.full((count, 3), 0.04)
     return {
@@ -38,7 +54,17 @@ def build(name, count, n=N):
 
 
 NAMES = [
-    "diffuse", "translucent", "oren_nayar", "sheen", "mirror", "metal", "coat", "glass", "glass inside", "refraction"]
+    "diffuse",
+    "translucent",
+    "oren_nayar",
+    "sheen",
+    "mirror",
+    "metal",
+    "coat",
+    "glass",
+    "glass inside",
+    "refraction",
+]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -115,8 +141,15 @@ def test_albedo_tables_hold_what_the_lobes_reflect(roughness, cosine):
     black, z = np.zeros((count, 3)), ior_axis(np.array([1.5]))
 
     def lobe(ior, term, transmits, **more):
-        return Microfacet(white, normal, alpha=np.full(count, roughness**2), ior=np.full(count, ior), term=term,
-                          transmits=transmits, **more)
+        return Microfacet(
+            white,
+            normal,
+            alpha=np.full(count, roughness**2),
+            ior=np.full(count, ior),
+            term=term,
+            transmits=transmits,
+            **more,
+        )
 
     glass = dict(f0=black + 0.04, reflection=white, transmission=white)
     cases = {
@@ -133,6 +166,6 @@ def test_albedo_tables_hold_what_the_lobes_reflect(roughness, cosine):
 
 def test_fresnel_at_known_angles():
     r, t = dielectric(np.array([1.0, np.cos(np.arctan(1.5)), 0.0, 0.3]), np.array([1.5, 1.5, 1.5, 1 / 1.5]))
-    brewster = 0.5 * np.sin(2 * np.arctan(1.5) - np.pi / 2)**2  # only s-polarised light is reflected
+    brewster = 0.5 * np.sin(2 * np.arctan(1.5) - np.pi / 2) ** 2  # only s-polarised light is reflected
     np.testing.assert_allclose(r, [0.04, brewster, 1.0, 1.0], rtol=1e-12)
     assert t[0] == 1.0 and t[3] == 0.0

@@ -7,7 +7,7 @@ import pytest
 
 from sdf_lights.render.reference.geometry import Geometry, moller_trumbore
 from sdf_lights.render.scene import Camera, Instance, Ray, Scene
-from tests import scenes
+from support import scenes
 
 
 def rays(count, seed=0):
@@ -22,7 +22,8 @@ def test_hierarchy_finds_what_brute_force_finds():
     origins, directions = rays(100)
     corners = geometry._hierarchy.corners
     t, _, _ = moller_trumbore(
-        np.repeat(origins, len(corners), 0), np.repeat(directions, len(corners), 0), np.tile(corners, (100, 1, 1)))
+        np.repeat(origins, len(corners), 0), np.repeat(directions, len(corners), 0), np.tile(corners, (100, 1, 1))
+    )
     brute = np.where(t > 0.0, t, np.inf).reshape(100, -1).min(1)
     hits = geometry.intersect(origins, directions, np.full(100, np.inf), np.full(100, int(Ray.ALL)))
     np.testing.assert_array_equal(hits.distance, brute)
@@ -47,8 +48,17 @@ def test_embree_agrees_with_the_hierarchy(name):
 
 @pytest.mark.parametrize("use_embree", [False, True])
 def test_objects_are_hidden_from_rays_they_are_not_visible_to(use_embree):
-    scene = Scene(Camera(np.eye(4)), 1, 1, meshes=[scenes.quad()], materials=[scenes.diffuse((1, 1, 1))], instances=[
-        Instance(0, scenes.translation(0, 0, 1), (0,), visibility=Ray.DIFFUSE), Instance(0, np.eye(4), (0,))])
+    scene = Scene(
+        Camera(np.eye(4)),
+        1,
+        1,
+        meshes=[scenes.quad()],
+        materials=[scenes.diffuse((1, 1, 1))],
+        instances=[
+            Instance(0, scenes.translation(0, 0, 1), (0,), visibility=Ray.DIFFUSE),
+            Instance(0, np.eye(4), (0,)),
+        ],
+    )
     geometry = Geometry(scene, use_embree)
     origins, directions = np.array([[0.1, 0.2, 2.0]] * 2), np.array([[0.0, 0.0, -1.0]] * 2)
     hits = geometry.intersect(origins, directions, np.full(2, np.inf), np.array([int(Ray.CAMERA), int(Ray.DIFFUSE)]))

@@ -9,7 +9,7 @@ import pytest
 from sdf_lights.render.reference.lights import Sky, blender_light
 from sdf_lights.render.reference.vectors import uniform_sphere
 from sdf_lights.render.scene import AreaLight, Camera, PointLight, Scene, SpotLight, SunLight, World
-from tests import scenes
+from support import scenes
 
 SIGMAS = 4.4
 DOWN = scenes.look_at((0, 0, 0), (0, 0, -1), (0, 1, 0))
@@ -91,7 +91,7 @@ def test_spread_keeps_the_power():
     count, half = 200_000, 1.0
     x = np.concatenate([rng.uniform(-half, half, (count, 2)), np.zeros((count, 1))], 1)
     wi, _, radiance, pdf = light.sample(rng, x)
-    values = (2 * half)**2 * radiance[:, 0] * wi[:, 2] / pdf
+    values = (2 * half) ** 2 * radiance[:, 0] * wi[:, 2] / pdf
     assert abs(values.mean() - 3.0) < SIGMAS * values.std() / np.sqrt(count)
 
 
@@ -109,7 +109,8 @@ LIGHTS = {
     "sun": SunLight("s", scenes.look_at((0, 0, 0), (1, 2, 3)), 2.0, angle=0.7),
     "rectangle": AreaLight("a", scenes.translation(0.2, 0.1, 1.5) @ DOWN, 10.0, size=(0.5, 1.0)),
     "ellipse": AreaLight(
-        "a", scenes.translation(0.2, 0.1, 1.5) @ DOWN, 10.0, ellipse=True, size=(0.5, 1.0), spread=2.0),
+        "a", scenes.translation(0.2, 0.1, 1.5) @ DOWN, 10.0, ellipse=True, size=(0.5, 1.0), spread=2.0
+    ),
 }
 
 

@@ -15,7 +15,8 @@ from sdf_lights.render.reference.renderer import ReferenceRenderer
 from sdf_lights.render.scene import Lamp, PointLight, Ray, Scene, World
 from sdf_lights.render.settings import Device, Filter
 from sdf_lights.sdf import shapes
-from tests import scenes
+from support import scenes
+from support.graphs import Graph
 
 
 def trace(scene, samples, seed=0):
@@ -31,17 +32,29 @@ def mean_and_error(values):
 
 def looking_at(mesh, material, world=(1.0, 1.0, 1.0), **settings):
     """A mesh in the middle of the frame, under an even sky."""
-    scene = Scene(scenes.camera((0, -4, 1), (0, 0, 0), 8, 8, 0.2), 8, 8, world=World(world),
-                  settings=scenes.settings(
-                      max_bounces=64, diffuse_bounces=64, glossy_bounces=64, transmission_bounces=64, **settings))
+    scene = Scene(
+        scenes.camera((0, -4, 1), (0, 0, 0), 8, 8, 0.2),
+        8,
+        8,
+        world=World(world),
+        settings=scenes.settings(
+            max_bounces=64, diffuse_bounces=64, glossy_bounces=64, transmission_bounces=64, **settings
+        ),
+    )
     scene.meshes = [mesh]
     scenes.add(scene, 0, np.eye(4), material)
     return scene
 
 
-@pytest.mark.parametrize("material", [
-    scenes.material("glass"), scenes.material("transparent"),
-    scenes.material("glossy", color=(1.0, 1.0, 1.0), roughness=0.0)], ids=["glass", "transparent", "mirror"])
+@pytest.mark.parametrize(
+    "material",
+    [
+        scenes.material("glass"),
+        scenes.material("transparent"),
+        scenes.material("glossy", color=(1.0, 1.0, 1.0), roughness=0.0),
+    ],
+    ids=["glass", "transparent", "mirror"],
+)
 def test_a_lossless_singular_box_vanishes_in_an_even_sky(material):
     """White furnace, exact in every sample."""
     samples = trace(looking_at(scenes.box(), material), 50)
@@ -55,11 +68,16 @@ def test_a_white_diffuse_box_vanishes_in_an_even_sky(kind):
     assert abs(mean - 1.0) < 4.4 * error and error < 0.01
 
 
-@pytest.mark.parametrize("material", [
-    scenes.material("glossy", color=(1.0, 1.0, 1.0), roughness=0.6), scenes.material("glass", roughness=0.5),
-    scenes.material("principled", base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=0.5),
-    scenes.material("principled", base_color=(1.0, 1.0, 1.0), roughness=0.4, sheen_weight=0.5, coat_weight=0.5)],
-    ids=["glossy", "frosted glass", "metal", "layers"])
+@pytest.mark.parametrize(
+    "material",
+    [
+        scenes.material("glossy", color=(1.0, 1.0, 1.0), roughness=0.6),
+        scenes.material("glass", roughness=0.5),
+        scenes.material("principled", base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=0.5),
+        scenes.material("principled", base_color=(1.0, 1.0, 1.0), roughness=0.4, sheen_weight=0.5, coat_weight=0.5),
+    ],
+    ids=["glossy", "frosted glass", "metal", "layers"],
+)
 def test_compensated_and_layered_white_keeps_its_energy(material):
     """White furnace on a ball; albedo tables and layering are good to one per cent of the mean."""
     mean, error = mean_and_error(trace(looking_at(scenes.sphere(columns=32, rows=16), material), 60).combined.mean(1))
@@ -69,7 +87,8 @@ def test_compensated_and_layered_white_keeps_its_energy(material):
 @pytest.mark.parametrize("background", [(0.0, 0.0, 0.0), (0.5, 0.5, 0.5)])
 def test_the_camera_sees_chord_times_density(background):
     scene = Scene(
-        scenes.camera((0, -3, 0), (0, 0, 0), 1, 1, 1e-6), 1, 1, world=World(background), settings=scenes.settings())
+        scenes.camera((0, -3, 0), (0, 0, 0), 1, 1, 1e-6), 1, 1, world=World(background), settings=scenes.settings()
+    )
     scene.lamps = [Lamp("ball", shapes.Sphere(radius=0.7), scenes.translation(0, 0, 0), density=1.5)]
     samples = trace(scene, 4)
     np.testing.assert_allclose(samples.combined, 2 * 0.7 * 1.5 + background[0], rtol=1e-8)
@@ -102,8 +121,13 @@ def test_radiance_of_a_diffuse_floor_under_a_torus_lamp():
 
 def test_glass_slab_transmits_what_fresnel_says():
     """Straight through a slab, all internal reflections summed: T = (1 − R) / (1 + R)."""
-    scene = Scene(scenes.camera((0, -3, 0), (0, 0, 0), 1, 1, 1e-7), 1, 1, meshes=[scenes.box(), scenes.quad()],
-                  settings=scenes.settings(max_bounces=64, transmission_bounces=64, glossy_bounces=64))
+    scene = Scene(
+        scenes.camera((0, -3, 0), (0, 0, 0), 1, 1, 1e-7),
+        1,
+        1,
+        meshes=[scenes.box(), scenes.quad()],
+        settings=scenes.settings(max_bounces=64, transmission_bounces=64, glossy_bounces=64),
+    )
     scenes.add(scene, 0, scenes.scaling(2, 0.1, 2), scenes.material("glass", ior=1.5))
     scenes.add(scene, 1, scenes.translation(0, 3, 0) @ scenes.rotation("x", 90), scenes.material("emission"))
     mean, error = mean_and_error(trace(scene, 20_000).combined[:, 0])
@@ -130,6 +154,7 @@ def test_more_emitters_than_are_sampled_at_a_vertex():
 
 def test_a_lamp_hidden_from_some_scattered_rays_still_lights_by_sampling():
     """Hidden from diffuse rays it gives a diffuse floor the same direct light, and the camera sees none of it."""
+
     def picture(visibility):
         matrix = scenes.translation(0, 0.5, 1.5)
         lamp = Lamp("ball", shapes.Sphere(radius=0.5), matrix, power=20.0, visibility=visibility)
@@ -200,7 +225,8 @@ def test_odd_scenes_render(spoil):
     elif spoil == "no material":
         scene.materials[0] = Material("none")
     else:
-        scene.materials[0] = Material("image", Node("diffuse", {"color": scenes.texture(3)}))
+        graph = Graph()
+        scene.materials[0] = graph.material("image", Node("diffuse", {"color": graph.image(3)}))
     film = render(scene, samples=2)
     assert np.isfinite(film.read("Combined")).all() and not film.discarded.any()
     assert ("lamp" in spoil) == any("'torus'" in warning for warning in scene.warnings)

@@ -1,16 +1,19 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles renders a sphere of each material in a white world: ``python render_spheres.py CASES.json RESULT.json``.
+"""Cycles renders a sphere of each material: ``python render_spheres.py CASES.json RESULT.json``.
 
-A case is [shader node type, {input: value}]; the result of each is the mean RGB of the sphere's disk.
+A case is [shader node type, {input or property: value}, light]; the result of each is the mean RGB of the sphere's disk. The light
+is null for a white world, or the direction towards a sun of strength π, whose light is seen after one reflection.
 """
 
 import json
+import math
 import pathlib
 import sys
 import tempfile
 
 import bpy
+import mathutils
 import numpy as np
 
 SIZE, SAMPLES, BOUNCES = 64, 64, 64
@@ -43,17 +46,35 @@ def prepare():
     material = bpy.data.materials.new("material")
     material.use_nodes = True
     bpy.context.object.data.materials.append(material)
-    return scene, material.node_tree
+    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.data.energy, sun.data.angle = math.pi, 0.0
+    scene.collection.objects.link(sun)
+    return scene, material.node_tree, sun, background
+
+
+def illuminate(scene, sun, background, light):
+    """A white world, or where a direction is given a sun and no light that is reflected twice."""
+    sun.hide_render = light is None
+    background.inputs["Strength"].default_value = 1.0 if light is None else 0.0
+    scene.cycles.max_bounces = BOUNCES if light is None else 0
+    if light is not None:
+        sun.rotation_euler = mathutils.Vector(light).to_track_quat("Z", "Y").to_euler()
 
 
 def render(scene, tree, kind, inputs, folder):
     tree.nodes.clear()
     output, node = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new(kind)
     for name, value in inputs.items():
-        if name == "distribution":
-            node.distribution = value
+        if name[0].islower():
+            setattr(node, name, value)
+        elif name == "Tangent":
+            tangent = tree.nodes.new("ShaderNodeTangent")
+            tangent.axis = value
+            tree.links.new(tangent.outputs[0], node.inputs[name])
+        elif isinstance(value, list) and node.inputs[name].type == "RGBA":
+            node.inputs[name].default_value = (*value, 1.0)
         else:
-            node.inputs[name].default_value = (*value, 1.0) if isinstance(value, list) else value
+            node.inputs[name].default_value = value
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     scene.render.filepath = str(folder / "sphere.exr")
     bpy.ops.render.render(write_still=True)
@@ -65,8 +86,10 @@ def render(scene, tree, kind, inputs, folder):
 
 if __name__ == "__main__":
     cases, result = (pathlib.Path(name) for name in sys.argv[-2:])
-    scene, tree = prepare()
+    scene, tree, sun, background = prepare()
+    means = []
     with tempfile.TemporaryDirectory() as folder:
-        spheres = json.loads(cases.read_text())
-        means = [render(scene, tree, kind, inputs, pathlib.Path(folder)) for kind, inputs in spheres]
+        for kind, inputs, light in json.loads(cases.read_text()):
+            illuminate(scene, sun, background, light)
+            means.append(render(scene, tree, kind, inputs, pathlib.Path(folder)))
     result.write_text(json.dumps(means))

@@ -11,31 +11,56 @@ import numpy as np
 from scipy.stats import qmc
 
 from sdf_lights.jit import block_dtype, fill_table, kernel
-from sdf_lights.render.cpu.shading import (
-    TABLES, WORKSPACE_COUNTS, WORKSPACE_TABLES, evaluate, pack_materials, sample, shade, transparency)
-from sdf_lights.render.cpu.shading.records import surface_table
+from sdf_lights.render.kernels import geometry
+from sdf_lights.render.kernels.shading import (
+    TABLES,
+    WORKSPACE_COUNTS,
+    WORKSPACE_TABLES,
+    evaluate,
+    pack_materials,
+    sample,
+    shade,
+    special,
+    transparency,
+)
+from sdf_lights.render.kernels.shading.records import surface_table
 from sdf_lights.render.material import Material
-from sdf_lights.render.scene import Image, Scene
+from sdf_lights.render.scene import Image, Instance, Mesh, Scene
 from sdf_lights.vec import add, dot, madd, mul, negate, normalize, scale, vec
 
 MAX_BOUNCES = 64
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @kernel(cache=False)
-def _draw(workspace, u, wi, value, pdf, kind):
+def _draw(block, workspace, u, wi, value, pdf, kind):
     for i in range(len(u)):
-        d, f, pdf[i], _, kind[i] = sample(workspace, u[i, 0], u[i, 1], u[i, 2])
+        d, f, pdf[i], _, kind[i] = sample(block, workspace, u[i, 0], u[i, 1], u[i, 2])
         for axis in range(3):
             wi[i, axis] = d[axis]
             value[i, axis] = f[axis]
 
 
 @kernel(cache=False)
-def _evaluate(workspace, wi, value, pdf):
+def _evaluate(block, workspace, wi, value, pdf):
     for i in range(len(wi)):
-        f, pdf[i], _ = evaluate(workspace, (wi[i, 0], wi[i, 1], wi[i, 2]))
+        f, pdf[i], _ = evaluate(block, workspace, (wi[i, 0], wi[i, 1], wi[i, 2]))
         for axis in range(3):
             value[i, axis] = f[axis]
+
+
+@kernel(cache=False)
+def _shade_sphere(block, workspace, p, d):
+    """Shade the point p of a unit sphere, which a ray of direction d has met."""
+    surface = surface_table(workspace)[0]
+    inside = dot(d, p) > 0.0
+    n = negate(p) if inside else p
+    for axis in range(3):
+        surface.n[axis] = surface.ng[axis] = n[axis]
+        surface.wo[axis] = -d[axis]
+    surface.radial[0], surface.radial[1], surface.radial[2] = -p[1], p[0], 0.0
+    surface.backfacing = int(inside)
+    shade(block, workspace)
 
 
 @kernel(cache=False)
@@ -45,15 +70,9 @@ def _sphere_radiance(block, workspace, x, y):
     p, d = (x, y, math.sqrt(1.0 - x * x - y * y)), (0.0, 0.0, -1.0)
     throughput, radiance = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
     for _ in range(MAX_BOUNCES):
-        inside = dot(d, p) > 0.0
-        n = negate(p) if inside else p
-        for axis in range(3):
-            surface.n[axis] = surface.ng[axis] = n[axis]
-            surface.wo[axis] = -d[axis]
-        surface.backfacing = int(inside)
-        shade(block, workspace)
+        _shade_sphere(block, workspace, p, d)
         radiance = add(radiance, mul(throughput, vec(surface.emission)))
-        d, value, pdf, _, _ = sample(workspace, np.random.random(), np.random.random(), np.random.random())
+        d, value, pdf, _, _ = sample(block, workspace, np.random.random(), np.random.random(), np.random.random())
         if pdf == 0.0:
             break
         throughput = mul(throughput, scale(value, 1.0 / pdf))
@@ -64,25 +83,54 @@ def _sphere_radiance(block, workspace, x, y):
 
 
 @kernel(cache=False)
-def _sphere(block, workspace, count, seed):
+def _lit_radiance(block, workspace, x, y, wi):
+    """The same of a sphere that a sun of irradiance π lights from wi, after one reflection."""
+    p = (x, y, math.sqrt(1.0 - x * x - y * y))
+    _shade_sphere(block, workspace, p, (0.0, 0.0, -1.0))
+    if dot(p, wi) <= 0.0:
+        return (0.0, 0.0, 0.0)
+    value, _, _ = evaluate(block, workspace, wi)
+    return scale(value, math.pi)
+
+
+@kernel(cache=False)
+def _sphere(block, workspace, count, seed, wi):
     np.random.seed(seed)
     total = (0.0, 0.0, 0.0)
     for i in range(count):
-        radius, phi = math.sqrt((i + np.random.random()) / count), 2.0 * math.pi * np.random.random()
-        total = add(total, _sphere_radiance(block, workspace, radius * math.cos(phi), radius * math.sin(phi)))
+        radius, phi = math.sqrt((i + np.random.random()) / count), 2.0 * math.pi * GOLDEN * i
+        x, y = radius * math.cos(phi), radius * math.sin(phi)
+        if wi == (0.0, 0.0, 0.0):
+            total = add(total, _sphere_radiance(block, workspace, x, y))
+        else:
+            total = add(total, _lit_radiance(block, workspace, x, y, wi))
     return scale(total, 1.0 / count)
 
 
 class Surface:
-    """A material on a surface with normal z. ``images``: (h, w, 4) arrays."""
+    """A material on a triangle with normal z. ``images``: (h, w, 4) arrays; ``parameters``: those of the material's
+    formulas; ``tangent``: the triangle's; ``matrix``: (4, 4) of its instance."""
 
-    def __init__(self, node, images=()):
+    def __init__(self, node, images=(), parameters=(), tangent=None, matrix=np.eye(4)):
+        mesh = Mesh("triangle", np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], np.int32))
+        if tangent is not None:
+            mesh.tangents[""] = np.tile(np.float32(tangent), (1, 3, 1))
         self.scene = Scene(
-            camera=None, width=1, height=1, materials=[Material("test", node)],
-            images=[Image(f"image {index}", pixels) for index, pixels in enumerate(images)])
-        self.tables = pack_materials(self.scene)
+            camera=None,
+            width=1,
+            height=1,
+            materials=[Material("test", node, parameters=list(parameters))],
+            meshes=[mesh],
+            instances=[Instance(0, np.array(matrix, float), (0,))],
+            images=[Image(f"image {index}", pixels) for index, pixels in enumerate(images)],
+        )
+        materials, self.graphs = pack_materials(self.scene)
+        self.tables = materials | geometry.pack_geometry(self.scene, np.array([False]))
         self.work = {name: np.zeros(WORKSPACE_COUNTS[name], dtype) for name, dtype in WORKSPACE_TABLES.items()}
-        self._block, self._workspace = np.zeros(1, block_dtype(TABLES)), np.zeros(1, block_dtype(WORKSPACE_TABLES))
+        records = block_dtype(TABLES | geometry.TABLES), block_dtype(WORKSPACE_TABLES)
+        self.tables["graph_addresses"] = self.graphs.addresses(records)
+        self.tables["special_code"] = special.addresses(self.tables["lobes"], records)
+        self._block, self._workspace = (np.zeros(1, record) for record in records)
         for name, table in self.tables.items():
             fill_table(self._block, name, table)
         for name, table in self.work.items():
@@ -91,9 +139,8 @@ class Surface:
         self.hit = self.work["surface"][0]
         self.hit["n"] = self.hit["ng"] = self.hit["wo"] = (0.0, 0.0, 1.0)
         self.hit["dpdu"], self.hit["dpdv"] = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-        self.hit["uv_du"][:], self.hit["uv_dv"][:] = (1.0, 0.0), (0.0, 1.0)
         self.hit["object_normal"] = (0.0, 0.0, 1.0)
-        self.hit["world_to_object"][:, :3] = np.eye(3)
+        self.hit["bump_step"] = 1e-4
 
     @property
     def record(self):
@@ -121,12 +168,12 @@ class Surface:
         """wi (n, 3), f·|cos| (n, 3), pdf (n,), kind (n,) for the numbers u (n, 3)."""
         n = len(u)
         result = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n, np.int64)
-        _draw(self.workspace, np.ascontiguousarray(u), *result)
+        _draw(self.block, self.workspace, np.ascontiguousarray(u), *result)
         return result
 
     def evaluate(self, wi):
         value, pdf = np.zeros((len(wi), 3)), np.zeros(len(wi))
-        _evaluate(self.workspace, np.ascontiguousarray(wi), value, pdf)
+        _evaluate(self.block, self.workspace, np.ascontiguousarray(wi), value, pdf)
         return value, pdf
 
     def albedo(self, power=15, seed=1):
@@ -134,6 +181,7 @@ class Surface:
         _, value, pdf, _ = self.draw(qmc.Sobol(3, seed=seed).random_base2(power))
         return np.sum(value / np.where(pdf > 0.0, pdf, np.inf)[:, None], axis=0) / 2**power
 
-    def sphere(self, count=200_000, seed=1):
-        """Mean radiance of a sphere's disk in a white world."""
-        return np.array(_sphere(self.block, self.workspace, count, seed))
+    def sphere(self, count=200_000, seed=1, light=None):
+        """Mean radiance of a sphere's disk in a white world, or lit by a sun of strength π in the direction ``light``, once."""
+        wi = (0.0, 0.0, 0.0) if light is None else tuple(float(x) for x in np.divide(light, np.linalg.norm(light)))
+        return np.array(_sphere(self.block, self.workspace, count, seed, wi))

@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
-from sdf_lights.render.cpu.shading.records import DIFFUSE, GLOSSY, SINGULAR, TRANSMISSION, TRANSPARENT
+from sdf_lights.render.kernels.shading.records import DIFFUSE, GLOSSY, SINGULAR, TRANSMISSION, TRANSPARENT
 from sdf_lights.render.material import Node
-from tests.chi2 import chi2_sphere
+from support.chi2 import chi2_sphere
 from tests.render.shading.surfaces import Surface
 
 WHITE = (1.0, 1.0, 1.0)
@@ -47,8 +47,16 @@ ROUGH = {
     "refraction": Node("refraction", {"color": RUST, "roughness": 0.5}),
     "sheen": principled(base_color=(0.0, 0.0, 0.0), sheen_weight=1.0, sheen_roughness=0.4, specular_ior_level=0.0),
     "all": principled(
-        base_color=RUST, metallic=0.3, transmission_weight=0.4, roughness=0.5, sheen_weight=0.5, coat_weight=0.5,
-        coat_roughness=0.3, diffuse_roughness=0.5, specular_tint=RUST),
+        base_color=RUST,
+        metallic=0.3,
+        transmission_weight=0.4,
+        roughness=0.5,
+        sheen_weight=0.5,
+        coat_weight=0.5,
+        coat_roughness=0.3,
+        diffuse_roughness=0.5,
+        specular_tint=RUST,
+    ),
 }
 
 
@@ -109,11 +117,15 @@ def test_sample_returns_what_evaluate_does(name, backfacing):
     np.testing.assert_allclose(np.linalg.norm(wi[drawn], axis=1), 1.0, rtol=1e-12)
 
 
-@pytest.mark.parametrize("node", [
-    Node("diffuse", {"color": RUST, "roughness": 0.8}),
-    Node("glossy", {"color": RUST, "roughness": 0.5}, SINGLE),
-    Node("principled", {"base_color": RUST, "metallic": 1.0, "roughness": 0.4}, SINGLE),
-], ids=["oren-nayar", "glossy", "metal"])
+@pytest.mark.parametrize(
+    "node",
+    [
+        Node("diffuse", {"color": RUST, "roughness": 0.8}),
+        Node("glossy", {"color": RUST, "roughness": 0.5}, SINGLE),
+        Node("principled", {"base_color": RUST, "metallic": 1.0, "roughness": 0.4}, SINGLE),
+    ],
+    ids=["oren-nayar", "glossy", "metal"],
+)
 def test_reflection_is_reciprocal(node):
     surface = Surface(node)
     directions = _hemisphere(12, 7)

@@ -16,30 +16,39 @@ from tests.render.shading.surfaces import Surface
 
 WHITE, RUST = (1.0, 1.0, 1.0), (0.8, 0.5, 0.2)
 _KINDS = {
-    "ShaderNodeBsdfPrincipled": "principled", "ShaderNodeBsdfDiffuse": "diffuse", "ShaderNodeBsdfGlossy": "glossy",
-    "ShaderNodeBsdfGlass": "glass", "ShaderNodeBsdfRefraction": "refraction",
-    "ShaderNodeBsdfTranslucent": "translucent"}
+    "ShaderNodeBsdfPrincipled": "principled",
+    "ShaderNodeBsdfDiffuse": "diffuse",
+    "ShaderNodeBsdfGlossy": "glossy",
+    "ShaderNodeBsdfGlass": "glass",
+    "ShaderNodeBsdfRefraction": "refraction",
+    "ShaderNodeBsdfTranslucent": "translucent",
+}
 
 _GRID = [
-    ("ShaderNodeBsdfPrincipled", {
-        "Base Color": color, "Roughness": roughness, "Metallic": metallic, "Transmission Weight": transmission})
+    (
+        "ShaderNodeBsdfPrincipled",
+        {"Base Color": color, "Roughness": roughness, "Metallic": metallic, "Transmission Weight": transmission},
+    )
     for color in (WHITE, RUST)
     for roughness in (0.0, 0.25, 0.5, 0.75, 1.0)
     for metallic in (0.0, 0.5, 1.0)
     for transmission in ((0.0, 0.5, 1.0) if metallic < 1.0 else (0.0,))
 ]
 
-_LAYERS = [("ShaderNodeBsdfPrincipled", {"Base Color": RUST, **inputs}) for inputs in (
-    {"Coat Weight": 1.0, "Coat Roughness": 0.2},
-    {"Coat Weight": 0.7, "Coat Tint": (0.9, 0.6, 0.4)},
-    {"Sheen Weight": 1.0},
-    {"Sheen Weight": 0.5, "Sheen Roughness": 0.2},
-    {"Diffuse Roughness": 1.0},
-    {"Specular IOR Level": 1.0},
-    {"Specular Tint": RUST},
-    {"Metallic": 1.0, "Specular Tint": RUST, "Roughness": 0.4},
-    {"Coat Weight": 0.7, "Emission Color": RUST, "Emission Strength": 1.0, "Sheen Weight": 0.3},
-)]
+_LAYERS = [
+    ("ShaderNodeBsdfPrincipled", {"Base Color": RUST, **inputs})
+    for inputs in (
+        {"Coat Weight": 1.0, "Coat Roughness": 0.2},
+        {"Coat Weight": 0.7, "Coat Tint": (0.9, 0.6, 0.4)},
+        {"Sheen Weight": 1.0},
+        {"Sheen Weight": 0.5, "Sheen Roughness": 0.2},
+        {"Diffuse Roughness": 1.0},
+        {"Specular IOR Level": 1.0},
+        {"Specular Tint": RUST},
+        {"Metallic": 1.0, "Specular Tint": RUST, "Roughness": 0.4},
+        {"Coat Weight": 0.7, "Emission Color": RUST, "Emission Strength": 1.0, "Sheen Weight": 0.3},
+    )
+]
 
 _NODES = [
     ("ShaderNodeBsdfDiffuse", {"Color": RUST, "Roughness": 1.0}),
@@ -69,7 +78,7 @@ def test_spheres_look_as_in_cycles(cases, tmp_path):
         pytest.skip("bpy is not installed")
     if version < (5, 2):
         pytest.skip("Cycles before 5.2 loses up to 4 % inside white spheres that mix smooth glass and diffuse")
-    (tmp_path / "cases.json").write_text(json.dumps(cases))
+    (tmp_path / "cases.json").write_text(json.dumps([(*case, None) for case in cases]))
     script = pathlib.Path(__file__).with_name("render_spheres.py")
     command = [sys.executable, str(script), str(tmp_path / "cases.json"), str(tmp_path / "result.json")]
     subprocess.run(command, check=True, capture_output=True, cwd=tmp_path, timeout=1200)

@@ -19,9 +19,40 @@ numbers have a function by the same name in ``shaders_glsl/`` (see ``Native``).
 
 from .translator import Translator
 from .values import (
-    ASIDE, BLOCK, BOOL, CONSTANT, FLOAT, INT, UINT, VECTOR, WORKSPACE, Native, Ref, Tuple, Untranslatable, Value, known,
-    safe_name)
+    ASIDE,
+    BLOCK,
+    BOOL,
+    CONSTANT,
+    FLOAT,
+    INT,
+    UINT,
+    VECTOR,
+    WORKSPACE,
+    Native,
+    Ref,
+    Tuple,
+    Untranslatable,
+    Value,
+    known,
+    safe_name,
+)
 
 __all__ = [
-    "ASIDE", "BLOCK", "BOOL", "CONSTANT", "FLOAT", "INT", "UINT", "VECTOR", "WORKSPACE", "Native", "Ref", "Translator",
-    "Tuple", "Untranslatable", "Value", "known", "safe_name"]
+    "ASIDE",
+    "BLOCK",
+    "BOOL",
+    "CONSTANT",
+    "FLOAT",
+    "INT",
+    "UINT",
+    "VECTOR",
+    "WORKSPACE",
+    "Native",
+    "Ref",
+    "Translator",
+    "Tuple",
+    "Untranslatable",
+    "Value",
+    "known",
+    "safe_name",
+]

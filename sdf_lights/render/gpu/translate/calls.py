@@ -15,6 +15,8 @@ from .values import BOOL, CONSTANT, FLOAT, INT, UINT, VECTOR, Native, Ref, Value
 
 
 class Calls(Expressions):
+    """Translates calls: of kernels, of natives, of built-in functions."""
+
     def _read_Call(self, node):
         function = self._expression(node.func)
         if function.type != CONSTANT:
@@ -70,8 +72,9 @@ class Calls(Expressions):
         if not all(argument.type in (VECTOR, FLOAT, INT) for argument in arguments):
             return None
         template, kind = _VECTOR_TEXTS[name]
-        texts = [argument.text if argument.type == VECTOR else self.converted(argument, FLOAT).text
-                 for argument in arguments]
+        texts = [
+            argument.text if argument.type == VECTOR else self.converted(argument, FLOAT).text for argument in arguments
+        ]
         return Value(kind, template.format(*texts))
 
     def _builtin(self, called, arguments: list[Value], node: ast.Call) -> Value:
@@ -116,13 +119,32 @@ class Calls(Expressions):
 
 
 _VECTOR_TEXTS = {
-    "add": ("({} + {})", VECTOR), "sub": ("({} - {})", VECTOR), "mul": ("({} * {})", VECTOR),
-    "scale": ("({} * {})", VECTOR), "madd": ("({} + {} * {})", VECTOR), "negate": ("(-{})", VECTOR),
-    "dot": ("dot({}, {})", FLOAT), "cross": ("cross({}, {})", VECTOR), "length": ("length({})", FLOAT)}
+    "add": ("({} + {})", VECTOR),
+    "sub": ("({} - {})", VECTOR),
+    "mul": ("({} * {})", VECTOR),
+    "scale": ("({} * {})", VECTOR),
+    "madd": ("({} + {} * {})", VECTOR),
+    "negate": ("(-{})", VECTOR),
+    "dot": ("dot({}, {})", FLOAT),
+    "cross": ("cross({}, {})", VECTOR),
+    "length": ("length({})", FLOAT),
+}
 
 _FUNCTIONS = {
-    "sqrt": ("sqrt({})", FLOAT), "sin": ("sin({})", FLOAT), "cos": ("cos({})", FLOAT), "tan": ("tan({})", FLOAT),
-    "exp": ("exp({})", FLOAT), "log": ("log({})", FLOAT), "acos": ("angle_acos({})", FLOAT),
-    "asin": ("angle_asin({})", FLOAT), "atan": ("angle_atan({})", FLOAT), "atan2": ("angle_atan2({}, {})", FLOAT),
-    "hypot": ("length(vec2({}, {}))", FLOAT), "copysign": ("copy_sign({}, {})", FLOAT), "isnan": ("isnan({})", BOOL),
-    "isfinite": ("is_finite({})", BOOL), "floor": ("floor({})", FLOAT), "ceil": ("ceil({})", FLOAT)}
+    "sqrt": ("sqrt({})", FLOAT),
+    "sin": ("sin({})", FLOAT),
+    "cos": ("cos({})", FLOAT),
+    "tan": ("tan({})", FLOAT),
+    "exp": ("exp({})", FLOAT),
+    "log": ("log({})", FLOAT),
+    "acos": ("angle_acos({})", FLOAT),
+    "asin": ("angle_asin({})", FLOAT),
+    "atan": ("angle_atan({})", FLOAT),
+    "atan2": ("angle_atan2({}, {})", FLOAT),
+    "hypot": ("length(vec2({}, {}))", FLOAT),
+    "copysign": ("copy_sign({}, {})", FLOAT),
+    "isnan": ("isnan({})", BOOL),
+    "isfinite": ("is_finite({})", BOOL),
+    "floor": ("floor({})", FLOAT),
+    "ceil": ("ceil({})", FLOAT),
+}

@@ -12,6 +12,8 @@ from .values import BLOCK, BOOL, CONSTANT, FLOAT, INT, UINT, Ref, Scope, Value, 
 
 
 class Expressions(Places):
+    """Translates expressions."""
+
     def _read_Constant(self, node):
         return known(node.value)
 
@@ -28,7 +30,7 @@ class Expressions(Places):
         if base.constant is BLOCK:
             return self.translator.tables.scalar(node.attr)
         if isinstance(base.constant, types.ModuleType):
-            replaced = self.translator.constants.get((base.constant.__name__.rpartition(".")[2], node.attr))
+            replaced = self.translator.constants.get((base.constant.__name__, node.attr))
             if replaced is not None:
                 return known(replaced)
         return known(getattr(base.constant, node.attr))
@@ -56,7 +58,9 @@ class Expressions(Places):
         value = self._expression(node.operand)
         if value.type == CONSTANT:
             number = value.constant
-            changed = -number if isinstance(node.op, ast.USub) else ~number if isinstance(node.op, ast.Invert) else number
+            changed = (
+                -number if isinstance(node.op, ast.USub) else ~number if isinstance(node.op, ast.Invert) else number
+            )
             return known(changed)
         if value.type == BOOL:
             value = self.converted(value, INT)
@@ -77,7 +81,8 @@ class Expressions(Places):
         if kind == BOOL:
             kind = INT
         if name in ("LShift", "RShift"):
-            return Value(a.type if a.type != BOOL else INT, f"({self.converted(a, INT).text} {SYMBOLS[name]} {b.text})")
+            kind = a.type if a.type != BOOL else INT
+            return Value(kind, f"({self.converted(a, kind).text} {SYMBOLS[name]} {b.text})")
         if name == "BitAnd" and kind == INT:
             for value, mask in ((a, b), (b, a)):
                 if value.possible is not None and mask.possible is not None and len(mask.possible) == 1:
@@ -148,8 +153,11 @@ class Expressions(Places):
     def _compare(self, name: str, a: Value, b: Value) -> Value:
         if a.type == CONSTANT and b.type == CONSTANT:
             return known(PYTHON[name](a.constant, b.constant))
-        if CONSTANT in (a.type, b.type) and (a.constant is None) != (b.constant is None) and not (
-                is_number(a.constant) or is_number(b.constant) or isinstance(a.constant or b.constant, tuple)):
+        if (
+            CONSTANT in (a.type, b.type)
+            and (a.constant is None) != (b.constant is None)
+            and not (is_number(a.constant) or is_number(b.constant) or isinstance(a.constant or b.constant, tuple))
+        ):
             return known(name == "NotEq")
         a, b = self._value(a), self._value(b)
         if a.possible is not None and b.possible is not None:
@@ -165,25 +173,58 @@ class Expressions(Places):
             return self._expression(node.body if test.constant else node.orelse)
         a, b = self._expression(node.body), self._expression(node.orelse)
         if a.type == CONSTANT and b.type == CONSTANT and is_number(a.constant) and is_number(b.constant):
-            possible = frozenset([a.constant, b.constant]) if isinstance(a.constant, int) and isinstance(
-                b.constant, int) else None
+            possible = (
+                frozenset([a.constant, b.constant])
+                if isinstance(a.constant, int) and isinstance(b.constant, int)
+                else None
+            )
         else:
             possible = None
         a, b = self._value(a), self._value(b)
         kind = join(a.type, b.type)
         if isinstance(kind, Ref):
             return Value(kind, f"({test.text} ? {a.text} : {b.text})")
-        return Value(kind, f"({test.text} ? {self.converted(a, kind).text} : {self.converted(b, kind).text})",
-                     possible=possible)
+        return Value(
+            kind, f"({test.text} ? {self.converted(a, kind).text} : {self.converted(b, kind).text})", possible=possible
+        )
 
 
 SYMBOLS = {
-    "Add": "+", "Sub": "-", "Mult": "*", "Div": "/", "FloorDiv": "/", "BitAnd": "&", "BitOr": "|", "BitXor": "^",
-    "LShift": "<<", "RShift": ">>", "Lt": "<", "LtE": "<=", "Gt": ">", "GtE": ">=", "Eq": "==", "NotEq": "!="}
+    "Add": "+",
+    "Sub": "-",
+    "Mult": "*",
+    "Div": "/",
+    "FloorDiv": "/",
+    "BitAnd": "&",
+    "BitOr": "|",
+    "BitXor": "^",
+    "LShift": "<<",
+    "RShift": ">>",
+    "Lt": "<",
+    "LtE": "<=",
+    "Gt": ">",
+    "GtE": ">=",
+    "Eq": "==",
+    "NotEq": "!=",
+}
 
 PYTHON = {
-    "Add": lambda a, b: a + b, "Sub": lambda a, b: a - b, "Mult": lambda a, b: a * b, "Div": lambda a, b: a / b,
-    "FloorDiv": lambda a, b: a // b, "Mod": lambda a, b: a % b, "Pow": lambda a, b: a**b, "BitAnd": lambda a, b: a & b,
-    "BitOr": lambda a, b: a | b, "BitXor": lambda a, b: a ^ b, "LShift": lambda a, b: a << b,
-    "RShift": lambda a, b: a >> b, "Lt": lambda a, b: a < b, "LtE": lambda a, b: a <= b, "Gt": lambda a, b: a > b,
-    "GtE": lambda a, b: a >= b, "Eq": lambda a, b: a == b, "NotEq": lambda a, b: a != b}
+    "Add": lambda a, b: a + b,
+    "Sub": lambda a, b: a - b,
+    "Mult": lambda a, b: a * b,
+    "Div": lambda a, b: a / b,
+    "FloorDiv": lambda a, b: a // b,
+    "Mod": lambda a, b: a % b,
+    "Pow": lambda a, b: a**b,
+    "BitAnd": lambda a, b: a & b,
+    "BitOr": lambda a, b: a | b,
+    "BitXor": lambda a, b: a ^ b,
+    "LShift": lambda a, b: a << b,
+    "RShift": lambda a, b: a >> b,
+    "Lt": lambda a, b: a < b,
+    "LtE": lambda a, b: a <= b,
+    "Gt": lambda a, b: a > b,
+    "GtE": lambda a, b: a >= b,
+    "Eq": lambda a, b: a == b,
+    "NotEq": lambda a, b: a != b,
+}

@@ -8,8 +8,21 @@ import ast
 from dataclasses import dataclass, field
 
 from .values import (
-    CONSTANT, INT, SCALARS, Ref, Tuple, Untranslatable, Value, constant_text, is_number, is_value, join, known,
-    safe_name, type_of)
+    CONSTANT,
+    INT,
+    SCALARS,
+    Ref,
+    Tuple,
+    Untranslatable,
+    Value,
+    constant_text,
+    is_number,
+    is_value,
+    join,
+    known,
+    safe_name,
+    type_of,
+)
 
 
 @dataclass
@@ -27,7 +40,7 @@ class Names:
         if name in self.locals:
             return self.locals[name]
         module = self.python.__globals__
-        replaced = self.translator.constants.get((self.python.__module__.rpartition(".")[2], name))
+        replaced = self.translator.constants.get((self.python.__module__, name))
         if replaced is not None:
             return known(replaced)
         if name in module:
@@ -43,6 +56,7 @@ class Names:
         return Untranslatable(f"{self.python.__module__}.{self.python.__name__}, line {line}: {text}")
 
     def temporary(self, kind, text: str) -> str:
+        """Name of a new variable with the value ``text``."""
         name = f"tmp{self._count}"
         self._count += 1
         self.used[name] = kind
@@ -94,6 +108,7 @@ class Names:
         raise self._error(f"{constant!r} has no value in GLSL")
 
     def converted(self, value: Value, kind) -> Value:
+        """The value as one of type ``kind``. Raises Untranslatable where it cannot be."""
         if value.type == CONSTANT:
             if is_number(value.constant) and kind in SCALARS:
                 return Value(kind, constant_text(value.constant, kind))
@@ -108,8 +123,12 @@ class Names:
         raise self._error(f"{value.type} is not {kind}")
 
     def _tuple(self, items: list[Value], kind: Tuple | None = None) -> Value:
-        items = [item if item.type == CONSTANT and not is_number(item.constant) and not isinstance(item.constant, tuple)
-                 else self._value(item) for item in items]
+        items = [
+            item
+            if item.type == CONSTANT and not is_number(item.constant) and not isinstance(item.constant, tuple)
+            else self._value(item)
+            for item in items
+        ]
         if any(item.type == CONSTANT or isinstance(item.type, Ref) for item in items):
             return Value(None, items=tuple(items))  # only to be taken apart
         kind = kind or Tuple(tuple(item.type for item in items))

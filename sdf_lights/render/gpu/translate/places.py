@@ -13,6 +13,8 @@ from .values import INT, VECTOR, Ref, Value, safe_name
 
 
 class Places(Names):
+    """Translates what a kernel reads and writes: names, fields, elements."""
+
     def _place(self, node: ast.expr) -> Value:
         """What a field or an element names: a ``Ref``, or a scalar or vector whose text can be assigned to."""
         if isinstance(node, ast.Attribute):

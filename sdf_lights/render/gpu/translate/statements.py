@@ -12,6 +12,8 @@ from .values import CONSTANT, INT, Ref, Untranslatable, Value, is_number, join, 
 
 
 class Statements(Calls):
+    """Translates statements."""
+
     def _block(self, statements: list[ast.stmt]) -> bool:
         """Translate statements; True where none that follows can be reached."""
         for statement in statements:
@@ -131,8 +133,9 @@ class Statements(Calls):
 
     def _do_AugAssign(self, node: ast.AugAssign):
         target = ast.copy_location(ast.parse(ast.unparse(node.target), mode="eval").body, node.target)
-        self._assign(node.target, self._operation(
-            type(node.op).__name__, self._expression(target), self._expression(node.value)))
+        self._assign(
+            node.target, self._operation(type(node.op).__name__, self._expression(target), self._expression(node.value))
+        )
 
     def _assign(self, target: ast.expr, value: Value) -> None:
         if isinstance(target, ast.Name):

@@ -22,15 +22,18 @@ class Translator:
     """Translates kernels for one scene. ``functions`` are the GLSL functions so far, callees first."""
 
     def __init__(self, tables: Tables, natives: dict, constants: dict | None = None):
-        """``natives``: kernel -> ``Native``. ``constants``: (module's name, name) -> value in place of the module's."""
-        self.tables, self.natives, self.constants = tables, natives, constants or {}
+        """``natives``: kernel -> ``Native``. ``constants``: (module, name) -> value in place of the module's."""
+        self.tables, self.natives = tables, natives
+        self.constants = {(module.__name__, name): value for (module, name), value in (constants or {}).items()}
         self.functions: list[str] = []
         self.globals: list[str] = []
+        self.named: set[str] = set()  # functions that natives have added themselves
         self.structures: dict[Tuple, str] = {}
         self._known: dict[tuple, tuple[str, object]] = {}
         self._names: dict[str, int] = {}
 
     def glsl_type(self, kind) -> str:
+        """GLSL name of a type; tuples that are no vectors become structures."""
         if isinstance(kind, Tuple):
             if kind.vector:
                 return f"vec{len(kind.items)}"
@@ -42,10 +45,13 @@ class Translator:
         return "int" if isinstance(kind, Ref) else "void" if kind is None else kind
 
     def structure_source(self) -> str:
+        """GLSL definitions of these structures."""
         return "\n".join(
-            f"struct {name} {{ " + " ".join(
-                f"{self.glsl_type(item)} v{index};" for index, item in enumerate(kind.items)) + " };"
-            for kind, name in self.structures.items())
+            f"struct {name} {{ "
+            + " ".join(f"{self.glsl_type(item)} v{index};" for index, item in enumerate(kind.items))
+            + " };"
+            for kind, name in self.structures.items()
+        )
 
     def function(self, kernel, arguments: list[Value]) -> tuple[str, Value]:
         """Name of the GLSL function for a kernel and arguments of these types, and its result: a type, or a number that
@@ -118,7 +124,7 @@ class _Function(Statements):
         """Give the parameters their arguments; GLSL of those that remain."""
         names = [argument.arg for argument in tree.args.args]
         defaults = [known(ast.literal_eval(default)) for default in tree.args.defaults]
-        values = list(self.arguments) + defaults[len(self.arguments) - len(names) + len(defaults):]
+        values = list(self.arguments) + defaults[len(self.arguments) - len(names) + len(defaults) :]
         parameters = []
         for name, value in zip(names, values, strict=True):
             if value.type == CONSTANT:

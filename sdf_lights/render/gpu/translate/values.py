@@ -9,14 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....sdf.read_glsl import literal
+from ....graph.codegen_glsl import literal
 from ..layout import Array, Record
 
 FLOAT, INT, UINT, BOOL = "float", "int", "uint", "bool"
 SCALARS = (BOOL, INT, UINT, FLOAT)  # each can be converted to those after it
 
 # Words that GLSL keeps for itself, or has as functions that generated code calls.
-_RESERVED = frozenset("""
+_RESERVED = frozenset(
+    """
     active asm attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid class coherent common const continue
     default discard do double else enum extern external false filter fixed flat float for goto half highp if image in
     inline inout input int interface invariant ivec2 ivec3 ivec4 layout long lowp mat2 mat3 mat4 mediump namespace
@@ -25,7 +26,8 @@ _RESERVED = frozenset("""
     uint uniform union unsigned using uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile while writeonly
     abs acos asin atan ceil clamp cos cross distance dot exp floor fract inversesqrt isinf isnan length log max min mix
     mod normalize pow reflect refract sign sin sqrt step tan words
-""".split())
+""".split()
+)
 
 
 class Untranslatable(Exception):
@@ -40,6 +42,7 @@ class Tuple:
 
     @property
     def vector(self) -> bool:
+        """Whether it is a vec2, vec3 or vec4 of GLSL."""
         return 2 <= len(self.items) <= 4 and all(item == FLOAT for item in self.items)
 
 
@@ -96,18 +99,22 @@ VECTOR = Tuple((FLOAT, FLOAT, FLOAT))
 
 
 def known(value) -> Value:
+    """A Python object as a value."""
     return Value(CONSTANT, constant=value)
 
 
 def is_number(value) -> bool:
+    """Whether it is a number or a truth value."""
     return isinstance(value, (bool, int, float, np.number, np.bool_))
 
 
 def is_value(constant) -> bool:
+    """Whether it is a number or a tuple of numbers."""
     return is_number(constant) or (isinstance(constant, tuple) and all(map(is_number, constant)) and len(constant) > 0)
 
 
 def type_of(number) -> str:
+    """GLSL type of a number."""
     if isinstance(number, (bool, np.bool_)):
         return BOOL
     if isinstance(number, np.uint32):

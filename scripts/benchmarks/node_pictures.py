@@ -1,0 +1,307 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of node cases by both engines, and how far they are apart."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib
+import os
+import pathlib
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import bpy
+import host
+import numpy as np
+
+from . import node_scenes, pictures, references
+from .node_cases import EXPLAINED, LIGHT, RAYS, WORLD, Case
+from .node_limits import LIMIT, over
+from .node_scenes import Grid, grid_of, lit
+
+CYCLES, OURS = ENGINES = ("CYCLES", host.ENGINE)
+TILE, LIT_TILE, ALONE = 32, 32, 32  # pixels a side
+BLOCK = 8  # pixels a side, over which pictures with noise are averaged before they are compared
+SEEDS = 4  # renders of each engine, where there is noise
+ROUNDS, MORE = 2, 4  # how often cases that noise leaves in doubt are rendered again, with so many times the samples
+SHARP = 16  # samples where all rays go through the centre of a pixel, or the hundredth of a pixel that engines allow beside it
+BOUNCES = 8  # of light, where there are lights
+ASIDE = 0.01  # pixels that rays are moved to the side, to find jumps
+JUMPS = "beside jumps: our own picture changes as much there where rays move by a hundredth of a pixel"
+DARK = 0.01  # a value that differences are relative to where a picture is black
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A mean of relative differences and their 99th percentile, and by how much noise leaves each in doubt."""
+
+    mean: float
+    p99: float
+    mean_doubt: float = 0.0
+    p99_doubt: float = 0.0
+
+
+@dataclass
+class Pair:
+    """One case by both engines: (size, size, RGB) with row 0 at the bottom, by engine, one for each seed.
+
+    ``error`` is a sentence where a case could not be built or rendered, ``warnings`` what our engine said about it.
+    ``change`` is by how much our pixels change where rays are moved a little, where that was looked at.
+    """
+
+    case: Case
+    pictures: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    error: str = ""
+    warnings: list[str] = field(default_factory=list)
+    change: np.ndarray | None = None
+
+    def mean(self, engine: str) -> np.ndarray:
+        return np.mean(self.pictures[engine], axis=0)
+
+    @property
+    def whole(self) -> bool:
+        return all(self.pictures.get(engine) for engine in ENGINES)
+
+    def difference(self) -> Difference | None:
+        return difference_of(self.pictures[OURS], self.pictures[CYCLES]) if self.whole and not self.error else None
+
+    def explained(self) -> str:
+        """Why the pictures differ, where that is known."""
+        if self.change is not None:
+            theirs, ours = self.mean(CYCLES), self.mean(OURS)
+            beyond = relative(np.maximum(np.abs(ours - theirs) - self.change, 0.0), theirs)
+            if max(beyond.mean(), np.quantile(beyond, 0.99)) <= LIMIT:
+                return JUMPS
+        return EXPLAINED.get(self.case.name, "")
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether noise could hide a difference of a few limits, or be one."""
+        found = self.difference()
+        if found is None or self.case.name in EXPLAINED:
+            return False
+        if found.mean_doubt > 0.5 * LIMIT or found.p99_doubt > 2.0 * LIMIT:
+            return True
+        excess = max(found.mean - found.mean_doubt, found.p99 - found.p99_doubt) - LIMIT
+        return 0.0 < excess < LIMIT
+
+    def row(self) -> dict:
+        found = self.difference()
+        light = {engine: float(self.mean(engine).mean()) if self.pictures.get(engine) else None for engine in ENGINES}
+        return dict(
+            case=self.case.name,
+            node=self.case.node,
+            place=self.case.place,
+            mean_difference=found and found.mean,
+            p99=found and found.p99,
+            mean_doubt=found and found.mean_doubt,
+            p99_doubt=found and found.p99_doubt,
+            light_cycles=light[CYCLES],
+            light_ours=light[OURS],
+            explained=self.explained(),
+            error=self.error,
+            warning=" ".join(self.warnings),
+        )
+
+
+def difference_of(ours: list[np.ndarray], theirs: list[np.ndarray]) -> Difference:
+    """How far pictures are from Cycles', one of each, or several with different seeds where there is noise.
+
+    A difference is relative to Cycles' value there, or to the mean of its picture, whichever is greater. Pictures
+    with noise are compared by blocks, and what their seeds differ by is taken off, as variances are: the root of the
+    difference of the squares. Noise is known from few blocks and seeds only, so half of its mean remains in doubt, and
+    all of what its greatest values are, and half of it again.
+    """
+    shade = np.mean(theirs, axis=0)
+    if len(theirs) == 1:
+        found = relative(ours[0] - shade, shade)
+        return Difference(float(found.mean()), float(np.quantile(found, 0.99)))
+    shade = blocks(shade)
+    found = relative(blocks(np.mean(ours, axis=0)) - shade, shade)
+    noise = relative(
+        np.hypot(*(_standard_error([blocks(picture) for picture in made]) for made in (ours, theirs))), shade
+    )
+    mean, doubt = float(found.mean()), float(noise.mean())
+    p99, p99_doubt = float(np.quantile(found, 0.99)), float(np.quantile(noise, 0.99))
+    return Difference(_without(mean, doubt), _without(p99, p99_doubt), 0.5 * doubt, 1.5 * p99_doubt)
+
+
+def _standard_error(pictures: list[np.ndarray]) -> np.ndarray:
+    """Of the mean of pictures, from how they differ."""
+    return np.std(pictures, axis=0, ddof=1) / len(pictures) ** 0.5
+
+
+def relative(difference: np.ndarray, shade: np.ndarray) -> np.ndarray:
+    return np.abs(difference) / np.maximum(np.maximum(np.abs(shade), np.abs(shade).mean()), DARK)
+
+
+def _without(found: float, noise: float) -> float:
+    return max(found * found - noise * noise, 0.0) ** 0.5
+
+
+def blocks(picture: np.ndarray) -> np.ndarray:
+    """Means over squares of ``BLOCK`` pixels a side."""
+    rows, columns = (size // BLOCK for size in picture.shape[:2])
+    return picture[: rows * BLOCK, : columns * BLOCK].reshape(rows, BLOCK, columns, BLOCK, -1).mean(axis=(1, 3))
+
+
+def groups(cases: list[Case]) -> list[list[Case]]:
+    """Cases that are rendered together; worlds and lights are scenes of their own."""
+    found: dict[tuple, list[Case]] = {}
+    for index, case in enumerate(cases):
+        alone = case.place in {WORLD, LIGHT}
+        found.setdefault((case.place, index) if alone else (lit(case), case.place == RAYS), []).append(case)
+    return list(found.values())
+
+
+def render_all(
+    cases: list[Case],
+    samples: int,
+    device: str = "CPU",
+    told: Callable[[str], None] = lambda text: None,
+    fresh: bool = False,
+    engines=ENGINES,
+) -> Iterator[Pair]:
+    """Pictures of all cases by both engines, of ``SEEDS`` renders of so many samples where there is noise, and of more where
+    that leaves a case in doubt: one group after the other.
+
+    Cycles' pictures with noise are kept in the user's cache, as references are; ``fresh``: made anew.
+    """
+    for group in groups(cases):
+        told(f"{group[0].name} and {len(group) - 1} more" if len(group) > 1 else group[0].name)
+        pairs, doubtful, count = {}, group, samples
+        for _ in range(1 + ROUNDS):
+            pairs |= {pair.case.name: pair for pair in _rendered(doubtful, count, device, fresh, engines)}
+            doubtful, count = [case for case in doubtful if _noisy(case) and pairs[case.name].doubtful], MORE * count
+            if not doubtful:
+                break
+            told(f"{count} samples of {len(doubtful)} in doubt")
+        found = [pairs[case.name] for case in group]
+        if CYCLES in engines and not _noisy(group[0]):
+            _explain_jumps([pair for pair in found if pair.whole and over(pair.row())], device)
+        yield from found
+
+
+def _noisy(case: Case) -> bool:
+    return lit(case) or case.place == RAYS
+
+
+def _rendered(cases: list[Case], samples: int, device: str, fresh: bool, engines) -> list[Pair]:
+    """Pictures of cases that share a grid."""
+    first = cases[0]
+    alone = first.place in {WORLD, LIGHT}
+    grid = _grid(cases)
+    noisy = _noisy(first)
+    scene, problems = node_scenes.build(grid)
+    pairs = [Pair(case, error=problems.get(case.name, "")) for case in cases]
+    for engine in engines:
+        for seed in range(SEEDS if noisy else 1):
+
+            def render() -> np.ndarray:
+                node_scenes.settings(
+                    scene, engine, samples if noisy else SHARP, BOUNCES if lit(first) else 0, noisy, device
+                )
+                scene.cycles.seed = scene.sdf_lights.seed = seed
+                return pictures.render().pixels
+
+            keeps = engine == CYCLES and noisy
+            able = [index for index, pair in enumerate(pairs) if not pair.error]
+            files = {index: _file(f"{seed} {samples} {cases[index].name}") for index in able} if keeps else {}
+            if keeps and not fresh and all(path.is_file() for path in files.values()):
+                tiles = {index: np.load(path).astype(float) for index, path in files.items()}
+            else:
+                tiles = {
+                    index: picture if alone else grid.tile(picture, index)
+                    for index, picture in _pictures(render, grid, pairs, able).items()
+                }
+                for index in files.keys() & tiles.keys():
+                    _keep(files[index], tiles[index])
+            for index, tile in tiles.items():
+                pairs[index].pictures.setdefault(engine, []).append(tile)
+    _note_warnings(pairs, warnings_of(scene.name))
+    return pairs
+
+
+def _grid(cases: list[Case]) -> Grid:
+    alone = cases[0].place in {WORLD, LIGHT}
+    return grid_of(cases, ALONE if alone else LIT_TILE if lit(cases[0]) else TILE)
+
+
+def _explain_jumps(pairs: list[Pair], device: str) -> None:
+    """Explain pictures that differ beside jumps only: where our own changes as much when all its rays move a little.
+
+    Engines may have their rays so far beside the centres of pixels (``node_scenes.settings``).
+    """
+    if not pairs:
+        return
+    alone = pairs[0].case.place in {WORLD, LIGHT}
+    grid = _grid([pair.case for pair in pairs])
+    scene, _ = node_scenes.build(grid)
+    node_scenes.settings(scene, OURS, SHARP, 0, False, device)
+    straight, *moved = (_moved(scene, step) for step in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1)))
+    change = np.max([np.abs(picture - straight) for picture in moved], axis=0)
+    for index, pair in enumerate(pairs):
+        pair.change = change if alone else grid.tile(change, index)
+
+
+def _moved(scene, step: tuple[int, int]) -> np.ndarray:
+    """Our picture with all rays ``ASIDE`` pixels to the side, to the right and up."""
+    with node_scenes.camera_moved(scene, *(ASIDE * part for part in step)):
+        return pictures.render().pixels
+
+
+def _pictures(
+    render: Callable[[], np.ndarray], grid: Grid, pairs: list[Pair], indices: list[int]
+) -> dict[int, np.ndarray]:
+    """The picture of the grid for each of these tiles. Where an engine stops at an error, it renders half of them at a
+    time, until it is known which of them it stops at."""
+    if not indices:
+        return {}
+    try:
+        with node_scenes.only(grid, indices):
+            picture = render()
+        return dict.fromkeys(indices, picture)
+    except RuntimeError as error:
+        if len(indices) == 1:
+            pairs[indices[0]].error = str(error).removeprefix("Error: ").strip()
+            return {}
+    middle = len(indices) // 2
+    return _pictures(render, grid, pairs, indices[:middle]) | _pictures(render, grid, pairs, indices[middle:])
+
+
+def _note_warnings(pairs: list[Pair], sentences: list[str]) -> None:
+    """Give each sentence to the case whose material it names, or to the only one."""
+    by_name = {pair.case.name: pair for pair in pairs}
+    for sentence in sentences:
+        named = [name for name in re.findall(r"'([^']+)'", sentence) if name in by_name]
+        if named or len(pairs) == 1:
+            (by_name[named[0]] if named else pairs[0]).warnings.append(sentence)
+
+
+@functools.cache
+def _scripts() -> bytes:
+    """The scripts that build pictures."""
+    here = pathlib.Path(__file__).parent
+    paths = sorted([*here.glob("node_*.py"), *(host.REPOSITORY / "scripts" / "scenery").glob("*.py")])
+    return b"".join(path.read_bytes() for path in paths)
+
+
+def _file(key: str) -> pathlib.Path:
+    """Where a picture of Cycles is in the user's cache: it depends on the version of Blender, the scripts and a key."""
+    digest = hashlib.sha256(f"{bpy.app.version_string} {key}".encode() + _scripts())
+    return references.folder() / f"nodes-{digest.hexdigest()[:24]}.npy"
+
+
+def _keep(path: pathlib.Path, picture: np.ndarray) -> None:
+    part = path.with_suffix(".part.npy")
+    np.save(part, picture.astype(np.float32))
+    os.replace(part, path)
+
+
+def warnings_of(scene: str) -> list[str]:
+    """What the last render of a scene by our engine had to say."""
+    feedback = importlib.import_module(f"{host.PACKAGE}.sdf_lights.blender.feedback")
+    return list(feedback._last.get(scene, []))

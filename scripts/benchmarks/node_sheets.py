@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Contact sheets of node cases and materials, Cycles left and ours right, and the table of all nodes."""
+
+from __future__ import annotations
+
+import hashlib
+import pathlib
+
+import contact_sheet
+import host
+import numpy as np
+
+SIDE, MATERIAL_SIDE = 88, 128  # pixels a side of a picture on a sheet
+COLUMNS, MOST = 8, 160  # pairs side by side, and on one sheet
+
+
+def _path(name: str) -> pathlib.Path:
+    folder = host.REPOSITORY / "build" / "node_sheets"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / (hashlib.sha256(name.encode()).hexdigest()[:20] + ".npz")
+
+
+def keep(name: str, cycles: np.ndarray, ours: np.ndarray) -> None:
+    """Note the pictures of a case until all are there: a run may be interrupted."""
+    np.savez_compressed(_path(name), cycles=cycles.astype(np.float32), ours=ours.astype(np.float32))
+
+
+def join(folder: pathlib.Path, groups: dict[str, list], materials: list[str]) -> list[pathlib.Path]:
+    """Write a sheet for each part of a run, of what ``keep`` noted; long ones in several files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    named = {part: [case.name for case in cases] for part, cases in groups.items()} | dict(materials=materials)
+    for part, names in named.items():
+        side = MATERIAL_SIDE if part == "materials" else SIDE
+        cells = [_cell(name, side) for name in names if _path(name).is_file()]
+        for number, start in enumerate(range(0, len(cells), MOST)):
+            written.append(folder / f"{part}{f'-{number + 1}' if len(cells) > MOST else ''}.png")
+            contact_sheet.write(written[-1], contact_sheet.sheet(cells[start : start + MOST], COLUMNS))
+    return written
+
+
+def _cell(name: str, side: int) -> np.ndarray:
+    with np.load(_path(name)) as file:
+        both = [file[key].astype(float)[::-1] for key in ("cycles", "ours")]
+    # The same range of values for both: from what is below 0 to the brightest, unless that is just a highlight.
+    low = min(min(picture.min() for picture in both), 0.0)
+    high = max(np.quantile(both[0], 0.98), 1.0)
+    shown = np.concatenate([_resized((picture - low) / (high - low), side) for picture in both], axis=1)
+    shown = contact_sheet.srgb(np.clip(shown, 0.0, 1.0))
+    return np.concatenate([shown, contact_sheet.caption(name.replace("_", " "), shown.shape[1])])
+
+
+def _resized(picture: np.ndarray, side: int) -> np.ndarray:
+    """A square of the nearest pixels; every second column of a panorama."""
+    rows, columns = (
+        np.minimum((np.arange(side) + 0.5) * size / side, size - 1).astype(int) for size in picture.shape[:2]
+    )
+    return picture[rows][:, columns]
+
+
+def table(rows: list[dict]) -> str:
+    """Markdown: a line for each node, with the worst of its cases."""
+    import bpy
+
+    nodes: dict[str, list[dict]] = {}
+    for row in rows:
+        if "p99" in row:
+            nodes.setdefault(row["node"], []).append(row)
+    lines = [
+        f"Made by `./scripts/bench nodes --table`, with Blender {bpy.app.version_string}.",
+        "",
+        "| node | cases | worst mean difference | worst 99th percentile | case | |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name in sorted(nodes, key=_label):
+        known = [row for row in nodes[name] if row["mean_difference"] is not None]
+        worst = max(nodes[name], key=lambda row: _worst(row))
+        mean = max((row["mean_difference"] for row in known), default=None)
+        p99 = max((row["p99"] for row in known), default=None)
+        note = worst["explained"] or worst["error"]
+        lines.append(
+            f"| {_label(name)} | {len(nodes[name])} | {_percent(mean)} | {_percent(p99)} | {worst['case']} | {note} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _worst(row: dict) -> float:
+    return float("inf") if row["mean_difference"] is None else max(row["mean_difference"], row["p99"])
+
+
+def _percent(part: float | None) -> str:
+    return "failed" if part is None else f"{100.0 * part:.2f} %"
+
+
+def _label(node: str) -> str:
+    """As Blender's menus call it."""
+    import bpy
+
+    kind = getattr(bpy.types, node, None)
+    return kind.bl_rna.name if kind is not None else node

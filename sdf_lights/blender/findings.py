@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sentences on what is not rendered as the scene says, in groups by what they are about.
+
+Each sentence begins with the kind of its subject: "Material 'Wood': node …".
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+
+_GROUPS = {
+    "Scene": ("Scene",),
+    "View Layers": ("View layer",),
+    "Camera": ("Camera",),
+    "World": ("World",),
+    "Lights": ("Light", "Lamp", "Area light", "The SDF lamp"),
+    "Objects": ("Object", "Mesh"),
+    "Materials": ("Material",),
+    "Images": ("Image",),
+}
+_OTHERS = "Others"
+
+_STRICT, _ARGUMENT = "SDF_LIGHTS_STRICT", "--sdf-strict"
+
+
+def group_of(sentence: str) -> str:
+    """Title of the group of a sentence."""
+    for title, words in _GROUPS.items():
+        if re.match(rf"(?:{'|'.join(words)}) ['“\"]", sentence):
+            return title
+    return _OTHERS
+
+
+def grouped(sentences: list[str]) -> dict[str, list[str]]:
+    """Sentences by the titles of their groups, in the order of groups; those of one subject stand together."""
+    found: dict[str, list[str]] = {title: [] for title in (*_GROUPS, _OTHERS)}
+    for sentence in sentences:
+        found[group_of(sentence)].append(sentence)
+    return {title: sorted(items, key=_subject) for title, items in found.items() if items}
+
+
+def in_order(sentences: list[str]) -> list[str]:
+    """The sentences, by group."""
+    return [sentence for items in grouped(sentences).values() for sentence in items]
+
+
+def _subject(sentence: str) -> str:
+    return sentence.partition(":")[0]
+
+
+def strict() -> bool:
+    """Whether a render has to fail where the scene is not rendered as it says: ``blender … -- --sdf-strict``, or
+    ``SDF_LIGHTS_STRICT=1``."""
+    own = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+    return _ARGUMENT in own or os.environ.get(_STRICT, "") not in ("", "0")
+
+
+def failure(count: int) -> str:
+    """The last sentence of a strict render."""
+    things = "1 thing is" if count == 1 else f"{count} things are"
+    return f"{things} not rendered as the scene says, and {_ARGUMENT} forbids this: see the warnings above."

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the Add menu of a node tree lists."""
+
+from __future__ import annotations
+
+from ...sdf.catalogue import category
+from ...sdf.functions import COLOURS, MATHEMATICS, POINTS
+from ...sdf.shapes import SHAPES
+from . import emission, scene, values
+from .words import FUNCTION_NODES
+
+
+def _menu_of(node: type) -> str:
+    function = node.function
+    shape = SHAPES.get(function.name) if function.makes_shape else None
+    if shape is not None:
+        kind = "Combine" if function.variadic else "Operators" if function.group == "Operators" else "Shapes"
+        return f"{kind}/{category(shape)}"
+    if function.group in ("Fields", MATHEMATICS, POINTS, COLOURS):
+        return {"Fields": "Fields", MATHEMATICS: "Math", POINTS: "Points", COLOURS: "Emission"}[function.group]
+    return function.group
+
+
+def nodes_by_menu() -> dict[str, list[type]]:
+    """Nodes of the Add menu, by menu; a name with a stroke is a submenu."""
+    found: dict[str, list[type]] = {
+        "Input": [
+            values.SDFLIGHTS_Node_parameter,
+            values.SDFLIGHTS_Node_number,
+            values.SDFLIGHTS_Node_vector,
+            values.SDFLIGHTS_Node_position,
+            scene.SDFLIGHTS_Node_expression,
+        ],
+        "Output": [scene.SDFLIGHTS_Node_output],
+    }
+    for node in FUNCTION_NODES.values():
+        found.setdefault(_menu_of(node), []).append(node)
+    found["Transforms"][:0] = [scene.SDFLIGHTS_Node_object, scene.SDFLIGHTS_Node_place]
+    found["Emission"][:0] = emission.CLASSES
+    found["Fields"][:0] = [values.SDFLIGHTS_Node_distance, values.SDFLIGHTS_Node_field]
+    found["Math"][:0] = [
+        values.SDFLIGHTS_Node_math,
+        values.SDFLIGHTS_Node_compare,
+        values.SDFLIGHTS_Node_boolean,
+        values.SDFLIGHTS_Node_combine,
+        values.SDFLIGHTS_Node_separate,
+    ]
+    return found
+
+
+def node_classes() -> list[type]:
+    """All nodes of the Add menu, but groups."""
+    return [node for nodes in nodes_by_menu().values() for node in nodes]

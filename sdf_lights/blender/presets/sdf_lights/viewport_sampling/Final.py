@@ -1,0 +1,11 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+
+settings = bpy.context.scene.sdf_lights.viewport
+
+settings.samples = 4096
+settings.noise_threshold = 0.01
+settings.min_samples = 16
+settings.time_limit = 0.0
+settings.denoise = False

@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Attributes of meshes and properties of objects that materials look up."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+
+from ...jit import kernel
+from ...render.scene import AttributeValues, Domain, Mesh
+
+_DOMAINS = {"POINT": Domain.VERTEX, "CORNER": Domain.CORNER, "FACE": Domain.TRIANGLE}
+# data_type -> name of an item's value, what it is read as, how many numbers it has
+_TYPES = {
+    "FLOAT": ("value", np.float32, 1),
+    "INT": ("value", np.int32, 1),
+    "BOOLEAN": ("value", bool, 1),
+    "INT8": ("value", np.int32, 1),
+    "FLOAT_VECTOR": ("vector", np.float32, 3),
+    "FLOAT2": ("vector", np.float32, 2),
+    "FLOAT_COLOR": ("color", np.float32, 4),
+    "BYTE_COLOR": ("color", np.float32, 4),
+}
+
+
+def read(collection, name: str, dtype, width: int = 1) -> np.ndarray:
+    """Property ``name`` of every item of a bpy collection: (items,) or (items, width)."""
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(name, values)
+    return values if width == 1 else values.reshape(-1, width)
+
+
+def _generated(data: bpy.types.Mesh, mesh: Mesh, corners, faces, name: str) -> AttributeValues:
+    """Position in the mesh's texture space: 0 to 1 over the box around it, before modifiers deform it."""
+    positions = read(data.vertices, "undeformed_co", np.float32, 3)
+    location, size = np.array(data.texspace_location), np.array(data.texspace_size)
+    scale = np.divide(0.5, size, out=np.zeros(3), where=size != 0.0)
+    return AttributeValues(Domain.VERTEX, ((positions - location) * scale + 0.5).astype(np.float32))
+
+
+def _geometry(
+    data: bpy.types.Mesh, mesh: Mesh, corners: np.ndarray, faces: np.ndarray, name: str
+) -> AttributeValues | None:
+    """An attribute by name; without one, the colour attribute that is active for rendering."""
+    if name:
+        attribute = data.attributes.get(name)
+    else:
+        index = data.color_attributes.render_color_index
+        attribute = data.color_attributes[index] if 0 <= index < len(data.color_attributes) else None
+    if attribute is None or attribute.domain not in _DOMAINS or attribute.data_type not in _TYPES:
+        return None
+    field, dtype, width = _TYPES[attribute.data_type]
+    values = read(attribute.data, field, dtype, width).astype(np.float32).reshape(-1, width)
+    domain = _DOMAINS[attribute.domain]
+    if domain == Domain.CORNER:
+        values = values[corners.ravel()]
+    elif domain == Domain.TRIANGLE:
+        values = values[faces]
+    return AttributeValues(domain, np.ascontiguousarray(values))
+
+
+def _pointiness(data: bpy.types.Mesh, mesh: Mesh, corners, faces, name: str) -> AttributeValues:
+    """How convex the mesh is at each vertex: the angle from its normal to the mean direction of its edges, over π, averaged
+    with its neighbours'. Vertices at one place count as one."""
+    positions = read(data.vertices, "co", np.float32, 3)
+    _, place = np.unique(positions, axis=0, return_inverse=True)
+    place = place.ravel()
+    count = int(place.max(initial=-1)) + 1
+    normals = np.zeros((count, 3))
+    np.add.at(normals, place, read(data.vertex_normals, "vector", np.float32, 3))
+    point = np.zeros((count, 3))
+    point[place] = positions
+    edges = place[read(data.edges, "vertices", np.int32, 2)]
+    edges = np.unique(np.sort(edges, axis=1), axis=0)
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    along = _normalized(point[edges[:, 1]] - point[edges[:, 0]])
+    mean, degree = np.zeros((count, 3)), np.zeros(count)
+    np.add.at(mean, edges[:, 0], along)
+    np.add.at(mean, edges[:, 1], -along)
+    np.add.at(degree, edges.ravel(), 1.0)
+    cosine = (_normalized(normals) * mean).sum(1) / np.maximum(degree, 1.0)
+    sharpness = np.where(degree > 0.0, np.arccos(np.clip(cosine, -1.0, 1.0)) / np.pi, 0.0)
+    total = sharpness.copy()
+    np.add.at(total, edges[:, 0], sharpness[edges[:, 1]])
+    np.add.at(total, edges[:, 1], sharpness[edges[:, 0]])
+    return AttributeValues(Domain.VERTEX, (total / (degree + 1.0))[place].astype(np.float32)[:, None])
+
+
+def _normalized(vectors: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / np.where(length > 0.0, length, 1.0)
+
+
+@kernel
+def _join_islands(edges, parents, ranks):
+    """Sets of vertices that edges connect (union by rank): parents of each."""
+    for row in range(len(edges)):
+        a, b = edges[row, 0], edges[row, 1]
+        while parents[a] != a:
+            a = parents[a]
+        while parents[b] != b:
+            b = parents[b]
+        if a != b:
+            if ranks[a] < ranks[b]:
+                a, b = b, a
+            parents[b] = a
+            if ranks[a] == ranks[b]:
+                ranks[a] += 1
+
+
+def _island(data: bpy.types.Mesh, mesh: Mesh, corners: np.ndarray, faces: np.ndarray, name: str) -> AttributeValues:
+    """A random number from 0 to 1 for each connected part of the mesh."""
+    parents = np.arange(len(data.vertices))
+    _join_islands(read(data.edges, "vertices", np.int32, 2).astype(np.int64), parents, np.zeros(len(parents), np.int64))
+    while (parents[parents] != parents).any():
+        parents = parents[parents]
+    first = read(data.polygons, "loop_start", np.int32)[faces]
+    vertices = read(data.attributes[".corner_vert"].data, "value", np.int32)
+    islands = np.unique(parents)
+    numbers = [_hashed(int(root)) / 0xFFFFFFFF for root in islands]
+    values = np.array(numbers, np.float32)[np.searchsorted(islands, parents[vertices[first]])]
+    return AttributeValues(Domain.TRIANGLE, values[:, None])
+
+
+READERS: dict[str, Callable] = {
+    "generated": _generated,
+    "geometry": _geometry,
+    "pointiness": _pointiness,
+    "island": _island,
+}
+"""Kinds of attributes of meshes but for UV maps and tangents."""
+
+
+def property_of(owner, name: str) -> np.ndarray | None:
+    """(1, 1 to 4) float32 of a property of Blender's data: a custom one, or one of its own; None where there is none."""
+    if owner is None or not name:
+        return None
+    try:
+        value = owner[name] if name in owner.keys() else owner.path_resolve(name)
+        values = np.atleast_1d(np.array(value, np.float32))
+    except (TypeError, ValueError, KeyError, AttributeError):
+        return None
+    if values.ndim != 1 or not 1 <= len(values) <= 4 or not np.isfinite(values).all():
+        return None
+    return values.reshape(1, -1)
+
+
+def random_number(item: bpy.types.DepsgraphObjectInstance) -> float:
+    """The number from 0 to 1 that Object Info gives: by its name of an object, Blender's own of an instance."""
+    if item.is_instance:
+        number = item.random_id & 0xFFFFFFFF
+    else:
+        number = 0
+        for byte in item.object.name.encode():
+            number = (number * 37 + byte) & 0xFFFFFFFF
+        number = _hashed(number, 0)
+    return number / 0xFFFFFFFF
+
+
+def _rotated(x: int, bits: int) -> int:
+    return (x << bits | x >> (32 - bits)) & 0xFFFFFFFF
+
+
+def _hashed(*words: int) -> int:
+    """Hash of one or two whole numbers: the last round of Bob Jenkins' lookup3 (2006)."""
+    mask = 0xFFFFFFFF
+    a = b = c = (0xDEADBEEF + (len(words) << 2) + 13) & mask
+    a = (a + words[0]) & mask
+    b = (b + words[1]) & mask if len(words) > 1 else b
+    c = ((c ^ b) - _rotated(b, 14)) & mask
+    a = ((a ^ c) - _rotated(c, 11)) & mask
+    b = ((b ^ a) - _rotated(a, 25)) & mask
+    c = ((c ^ b) - _rotated(b, 16)) & mask
+    a = ((a ^ c) - _rotated(c, 4)) & mask
+    b = ((b ^ a) - _rotated(a, 14)) & mask
+    return ((c ^ b) - _rotated(b, 24)) & mask

@@ -1,0 +1,189 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fields in kernels: a shape's terms as compiled code, evaluated at ``LANES`` points at a time.
+
+A field is made of terms in postfix order (``sdf.shapes.Term``). A *list* holds the indices of terms, also in postfix
+order: of all, or of those that matter in one box of space (see ``interior``). Where an operand is all that matters of
+a join, but with its sign changed, ``NEGATED`` follows it in the list.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...graph.codegen_native import LANES, compiled
+from ...graph.formula import CONSTANT, ITERATE, PARAMETER, Formula, body, order
+from ...graph.numpy_evaluation import rounds
+from ...jit import call_field, kernel, stack_array, table
+from ...replaced import replaced_on_gpu
+from ...sdf.shapes.base import Term
+
+TERM = np.dtype(
+    [
+        ("address", np.int64),  # of the compiled formula
+        ("parameters", np.int64),  # index of the formula's first parameter
+        ("arity", np.int64),
+        ("family", np.int64),  # sdf.shapes.Family
+        ("reach", np.float64),
+        ("lipschitz", np.float64),
+    ],
+    align=True,
+)
+
+LIST = np.dtype(np.int32)
+NEGATED = -1  # in a list: the value on top of the stack changes its sign
+
+TABLES = {"lamp_terms": TERM, "lamp_parameters": np.dtype(np.float64), "lamp_lists": LIST}
+
+LIBRARY = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "power", "atan2"})  # a call a lane
+
+DEEPEST = 62  # values that an evaluation may hold at a time
+VALUES = 3 * LANES  # where the values are in ``stack``, after all x, all y and all z
+STACK = VALUES + DEEPEST * LANES  # float64 that ``stack`` must have: jit.stack_array(STACK), imported by that name
+
+lamp_terms = table("lamp_terms", TERM)
+lamp_parameters = table("lamp_parameters", np.float64)
+lamp_lists = table("lamp_lists", LIST)
+
+
+@dataclass(frozen=True)
+class CompiledField:
+    """A field ready for the kernels. ``code`` owns what the addresses in ``terms`` point at."""
+
+    source: tuple[Term, ...]
+    terms: np.ndarray  # TERM
+    parameters: np.ndarray  # float64
+    cares: np.ndarray  # how far from zero the value of each term may be before no more than its sign matters
+    gains: np.ndarray  # how much each term can multiply the Lipschitz bounds of its operands; infinite for leaves
+    operations: np.ndarray  # of each term, at a point
+    costs: np.ndarray  # rough ns that each term takes for LANES points: the same on every machine
+    depth: int  # most values that an evaluation of all terms holds at a time
+    code: tuple
+
+    def all_terms(self) -> np.ndarray:
+        """The list of all terms."""
+        return np.arange(len(self.terms), dtype=LIST)
+
+
+def _work(nodes: list[Formula], parameters: np.ndarray, library: float) -> float:
+    """Operations of a graph at a point, with all rounds of its loops; each call of a library counts as ``library``."""
+    total = 0.0
+    for node in nodes:
+        if node.kind == ITERATE:
+            count = node.operands[0]
+            known = (
+                count.value
+                if count.kind == CONSTANT
+                else parameters[count.value]
+                if count.kind == PARAMETER
+                else (node.value.limit)
+            )
+            total += rounds(known, node.value.limit) * _work(body(node), parameters, library)
+        else:
+            total += library if node.kind in LIBRARY else 1.0
+    return total
+
+
+def _gains(terms: list[Term]) -> tuple[np.ndarray, int]:
+    """``CompiledField.gains``, and the most values that an evaluation holds at a time."""
+    gains, stack, depth = np.full(len(terms), np.inf), [], 0
+    for index, term in enumerate(terms):
+        if term.arity > 0:
+            steepest = max(stack[-term.arity :])
+            del stack[-term.arity :]
+            # No operator is steeper than the steepest of its operands where a bound of that is not known.
+            gains[index] = term.lipschitz / steepest if math.isfinite(term.lipschitz) else 1.0
+        stack.append(term.lipschitz)
+        depth = max(depth, len(stack))
+    return gains, depth
+
+
+def _cares(terms: list[Term]) -> np.ndarray:
+    """``CompiledField.cares``: zero for the field as a whole."""
+    cares, waiting = np.zeros(len(terms)), [0.0]
+    for index in range(len(terms) - 1, -1, -1):
+        cares[index] = waiting.pop()
+        # An operand that is farther from zero than the join reaches does not bring its value closer to zero than its
+        # own; a map may bring any value to zero.
+        needed = cares[index] + terms[index].reach if terms[index].arity == 2 else math.inf
+        waiting += [needed] * terms[index].arity
+    return cares
+
+
+def compile_terms(terms: list[Term]) -> CompiledField:
+    """Compile what is not compiled yet; terms of the same formula share their code."""
+    rows = np.zeros(len(terms), TERM)
+    code, parameters, used = [], [np.zeros(0)], 0
+    for row, term in zip(rows, terms):
+        found = compiled(term.formula)
+        code.append(found.owner)
+        row["address"], row["parameters"] = found.address, used
+        for name in ("arity", "family", "reach", "lipschitz"):
+            row[name] = getattr(term, name)
+        parameters.append(term.parameters)
+        used += len(term.parameters)
+    gains, depth = _gains(terms)
+    orders = {formula: order(formula) for formula in {term.formula for term in terms}}
+    graphs = [(orders[term.formula], term.parameters) for term in terms]
+    return CompiledField(
+        source=tuple(terms),
+        terms=rows,
+        parameters=np.concatenate(parameters),
+        cares=_cares(terms),
+        gains=gains,
+        operations=np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs]),
+        costs=np.array([10.0 + 0.7 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs]),
+        depth=depth,
+        code=tuple(dict.fromkeys(code)),
+    )
+
+
+@kernel
+def run_terms(terms, parameters, lists, first, count, stack):
+    """Values of a list, the ``count`` entries of ``lists`` from ``first``, at the points in ``stack``.
+
+    ``stack`` has ``STACK`` elements: the ``LANES`` x, then y, then z are at its head and stay there; the values come
+    after them, from ``VALUES``. A term reads its operands where they lie and leaves its own values in their place.
+    """
+    points = stack.ctypes.data
+    numbers = parameters.ctypes.data
+    top = VALUES
+    for index in range(first, first + count):
+        number = lists[index]
+        if number == NEGATED:
+            for lane in range(top - LANES, top):
+                stack[lane] = -stack[lane]
+            continue
+        term = terms[number]
+        top -= term.arity * LANES
+        place = points + 8 * top
+        call_field(term.address, LANES, points if term.arity == 0 else place, numbers + 8 * term.parameters, place)
+        top += LANES
+
+
+@kernel
+def evaluate(block, row, first, count, stack):
+    """As ``run_terms``, for the lamp ``row`` of a block: ``first`` counts from the beginning of the lamp's lists."""
+    run_terms(
+        lamp_terms(block)[row.first_term :],
+        lamp_parameters(block),
+        lamp_lists(block),
+        row.first_list + first,
+        count,
+        stack,
+    )
+
+
+@replaced_on_gpu
+@kernel
+def value(block, row, first, count, p):
+    """Value of a list at a single point."""
+    stack = stack_array(STACK)
+    for k in range(3):
+        for lane in range(LANES):
+            stack[k * LANES + lane] = p[k]
+    evaluate(block, row, first, count, stack)
+    return stack[VALUES]

@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What cuts need of a lamp: where its tree lies in the world, and the tree in as little memory as choosing takes."""
+
+from __future__ import annotations
+
+import functools
+import heapq
+
+import numpy as np
+
+from ...affine import inverse
+from ...jit import kernel, table
+from ..building.build import BuiltLamp, volume_of
+from ..lamps import PRIMITIVE
+from ..tree import interior, moments
+from ..tree.moments import CELL
+from .similar import similar
+
+MOST_BOXES = 32  # in a cut
+NEIGHBOURS, NEIGHBOUR_LEVELS = 0.2, 3  # part of what a leaf counts as having that the eight around it tell
+LEAST_BRIGHT = 0.02  # emission that a box counts as having at least, of the mean: it was estimated
+
+# Interior of a box, and its part of the lamp, with which points are drawn from it where testing one takes nanoseconds.
+QUICK_FILL, QUICK_PART = 0.5, 1.0 / 256.0
+
+PLACEMENT = np.dtype(
+    [
+        ("first_cell", np.int64),
+        ("matrix", np.float64, (3, 4)),  # tree space -> world, relative to the lamp's centre
+        ("inverse", np.float64, (3, 4)),  # back
+        ("metric", np.float64, (3, 3)),  # scalar product of the world, in tree space
+        ("factor", np.float64),  # volume in the world of a unit of tree space
+        ("unit", np.float64, (3,)),  # tree space, for a metre of the world along each of its axes
+        ("extent", np.float64),  # m², mean square distance of the interior from its centroid, in the world
+        ("centroid", np.float64, (3,)),  # in the world, relative to the lamp's centre
+        ("thickness", np.float64),  # m in the world: mean of the boxes' least sides
+        (
+            "rough",
+            np.float64,
+        ),  # relative variance that its emission leaves in the boxes of a cut, were all of it equally far away
+        ("leaf_rough", np.float64),  # as much as it leaves in the leaves of the tree, where they are chosen by it
+        ("clear", np.int64),  # 1: no surface stands inside the lamp, as far as is known
+    ],
+    align=True,
+)
+
+STEP_DOWN = np.dtype(
+    [  # what it takes of a cell to choose between it and its sibling, in little memory
+        ("first", np.int32),  # as in CELL; −1 where points are drawn from the cell itself
+        ("axis", np.int32),
+        ("volume", np.float32),
+        ("centroid", np.float32, (3,)),
+        ("light", np.float32),  # m³: emission that the cell counts as having (``expected_light``)
+        ("rough", np.float32),  # relative variance of the emission in the cell
+    ],
+    align=True,
+)
+
+TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL, "lamp_steps": STEP_DOWN}
+
+placements = table("lamp_placements", PLACEMENT)
+lamp_steps = table("lamp_steps", STEP_DOWN)
+
+
+@functools.lru_cache(maxsize=32)
+def uniform_cells(shape) -> np.ndarray:
+    """``moments.cells`` of a shape."""
+    return moments.cells(interior.tree(shape), volume_of(shape)[0])
+
+
+@kernel
+def roughness(cells):
+    """Relative variance of the emission in each cell, as far as it differs between the leaves below."""
+    second, out = np.zeros(len(cells)), np.zeros(len(cells))
+    for index in range(len(cells) - 1, -1, -1):
+        cell = cells[index]
+        if cell.first < 0:
+            second[index] = cell.mass * cell.mass / cell.volume if cell.volume > 0.0 else 0.0
+        else:
+            second[index] = second[cell.first] + second[cell.first + 1]
+        square = cell.mass * cell.mass
+        out[index] = max(second[index] * cell.volume / square - 1.0, 0.0) if square > 0.0 else 0.0
+    return out
+
+
+@kernel
+def expected_light(cells):
+    """Emission that each cell counts as having where points are drawn by it: that of a leaf is known from few samples, which
+    may have missed what there is, so in part it counts as having what its neighbours have."""
+    out, parent = np.zeros(len(cells)), np.zeros(len(cells), np.int64)
+    for index in range(len(cells)):
+        cell = cells[index]
+        if cell.first >= 0:
+            parent[cell.first] = parent[cell.first + 1] = index
+            continue
+        around = index
+        for _ in range(NEIGHBOUR_LEVELS):
+            around = parent[around]
+        around_volume = cells[around].volume
+        mean = cells[around].mass / around_volume if around_volume > 0.0 else 1.0
+        out[index] = (1.0 - NEIGHBOURS) * cell.mass + (NEIGHBOURS * mean + LEAST_BRIGHT) * cell.volume
+    for index in range(len(cells) - 1, -1, -1):
+        if cells[index].first >= 0:
+            out[index] = out[cells[index].first] + out[cells[index].first + 1]
+    return out
+
+
+def _rough_in_boxes(cells: np.ndarray, rough: np.ndarray) -> float:
+    """``PLACEMENT.rough``: as ``cut_boxes`` does, divides the box that has most of it."""
+    first, uneven = cells["first"], -cells["mass"] * rough
+    boxes = [(uneven[0], 0)]
+    while len(boxes) < MOST_BOXES and boxes[0][0] < 0.0:
+        low = first[boxes[0][1]]
+        heapq.heapreplace(boxes, (uneven[low], low))
+        heapq.heappush(boxes, (uneven[low + 1], low + 1))
+    return -sum(left for left, _ in boxes) / max(cells["mass"][0], 1e-300)
+
+
+def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
+    """Tables of ``TABLES`` for lamps that were built from ``sources``: anything with a ``shape`` and a ``matrix``."""
+    placed, used, known = np.zeros(len(built), PLACEMENT), 0, {}
+    parts, drawn, uneven, light = [np.zeros(0, CELL)], [np.zeros(0, bool)], [np.zeros(0)], [np.zeros(0)]
+    for row, lamp, source in zip(placed, built, sources):
+        shape, matrix = source.shape, np.asarray(source.matrix, np.float64)
+        if lamp.tree is None and lamp.emission is None:
+            shape, matrix = similar(shape, matrix)
+        tree = interior.tree(shape)
+        factor = abs(float(np.linalg.det(matrix[:3, :3])))
+        own = uniform_cells(shape) if lamp.emission is None else lamp.emission.weighed.cells
+        if id(own) not in known:
+            rough = roughness(own)
+            known[id(own)] = used, _thickness(own), _rough_in_boxes(own, rough)
+            parts.append(own)
+            drawn.append(_drawn(own, lamp.row["kind"][0] == PRIMITIVE) if lamp.emission is None else own["first"] < 0)
+            uneven.append(rough)
+            light.append(expected_light(own))
+            used += len(own)
+        to_world = matrix.copy()
+        to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
+        row["first_cell"], thickness, row["rough"] = known[id(own)]
+        row["clear"], row["leaf_rough"] = 1, lamp.emission.weighed.rough if lamp.emission is not None else 0.0
+        row["thickness"], row["factor"] = thickness * factor ** (1.0 / 3.0), factor
+        row["matrix"], row["inverse"] = to_world[:3], inverse(to_world)[:3]
+        row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]
+        row["unit"] = 1.0 / np.sqrt(row["metric"].diagonal())
+        row["extent"] = row["metric"].diagonal() @ own["spread"][0]
+        row["centroid"] = to_world[:3, :3] @ own["centroid"][0] + to_world[:3, 3]
+    cells, drawn = np.concatenate(parts), np.concatenate(drawn)
+    steps = np.zeros(len(cells), STEP_DOWN)
+    for name in ("axis", "volume", "centroid"):
+        steps[name] = cells[name]
+    steps["first"], steps["rough"] = np.where(drawn, -1, cells["first"]), np.concatenate(uneven)
+    steps["light"] = np.concatenate(light)
+    return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps}
+
+
+def _drawn(cells: np.ndarray, quick: bool) -> np.ndarray:
+    """Cells from which points are drawn, until one is inside. ``quick``: to test a point costs less than to go further down;
+    but in small cells only, as a point that is drawn again is not stratified in its cell."""
+    volume, size = cells["volume"], np.prod(cells["high"] - cells["low"], axis=1)
+    small = volume <= QUICK_PART * volume[:1]
+    return (cells["direct"] != 0) | (quick & small & (volume >= QUICK_FILL * size))
+
+
+def _thickness(cells: np.ndarray) -> float:
+    """Mean over the volume of the least side of the box that a point is in, in tree space."""
+    leaves = cells[cells["first"] < 0]
+    return np.average((leaves["high"] - leaves["low"]).min(axis=1), weights=leaves["volume"] + 1e-300)

@@ -1,0 +1,255 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bounds of a field's gradient in the boxes of its interior tree.
+
+They tell how fast the field can fall and rise along a ray through a box, which is less than its Lipschitz bound
+wherever the ray is not square to the surface; and in most boxes on the surface they tell that the field is monotonic
+along a ray, so that the values at both ends are all that has to be known of it (see ``cover``).
+
+The terms of a box's list are bounded in turn (see ``enclosures``), with a stack of operands. A join f(a, b) has the
+gradient f_a ∇a + f_b ∇b. Where the signs of f_a and f_b are certain, that is |f_a| + |f_b| times an average of ±∇a and
+±∇b; and where f is read at (a + z, b ± z) its derivative along z is that sum, without what cancels in it. So both
+operands may have any share in a smooth union, and still the bounds are no wider than those of the two.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+
+from ...jit import kernel
+from ...sdf.shapes.base import Family
+from ..intersection.fields import DEEPEST, NEGATED, CompiledField
+from .enclosures import BOXES, DEEPEST_LOOP, ROUNDING, SIZE, Tape, enclose, product_bounds, tape
+from .parallel import TASKS, in_parallel
+
+WORK = 2_500_000  # operations on boxes, about 40 ms: of boxes below that there are no bounds of their own
+OVERHEAD = 10.0  # operations that a box costs without any
+TAPES = 1024  # of formulas that are kept
+
+_WITHOUT, _EXCLUSIVE = int(Family.DIFFERENCE), int(Family.EXCLUSIVE)
+
+_tape = functools.lru_cache(maxsize=TAPES)(tape)
+
+
+def _tapes(field: CompiledField) -> tuple[np.ndarray, np.ndarray, int]:
+    """Instructions of all terms, where those of each begin with their number and result (terms, 3), and the registers
+    that the longest needs."""
+    tapes: list[Tape] = [_tape(term.formula) for term in field.source]
+    first, total, parts = {}, 0, []
+    for found in tapes:
+        if id(found) not in first:
+            first[id(found)] = total
+            total += len(found.instructions)
+            parts.append(found.instructions)
+    places = np.array([(first[id(found)], len(found.instructions), found.result) for found in tapes], np.int64)
+    return np.concatenate(parts), places, max(found.registers for found in tapes)
+
+
+@kernel
+def _seed(registers, axis, low, high, x, y, z):
+    """Write bounds (BOXES,) of a coordinate, and its gradient."""
+    for box in range(BOXES):
+        registers[axis, 0, box], registers[axis, 1, box] = low[box], high[box]
+        registers[axis, 2, box] = registers[axis, 3, box] = x
+        registers[axis, 4, box] = registers[axis, 5, box] = y
+        registers[axis, 6, box] = registers[axis, 7, box] = z
+
+
+@kernel
+def _joined(slopes, box, sign, a, b, row, out):
+    """Write the bounds of f_a ∇a + f_b ∇b along one axis, whose bounds begin at ``row``, to ``out``.
+
+    ``slopes`` has the bounds of f_a, f_b and f_a ± f_b; ``sign`` is that sign, 0 where it is not known.
+    """
+    low, high = 0.0, 0.0
+    for operand in range(2):
+        values = a if operand == 0 else b
+        product = product_bounds(
+            slopes[2 + 2 * operand, box], slopes[3 + 2 * operand, box], values[row, box], values[row + 1, box]
+        )
+        low += product[0]
+        high += product[1]
+    least_b = slopes[4, box] if sign > 0.0 else -slopes[5, box]
+    if sign != 0.0 and slopes[2, box] >= -ROUNDING and least_b >= -ROUNDING:
+        b_low, b_high = (b[row, box], b[row + 1, box]) if sign > 0.0 else (-b[row + 1, box], -b[row, box])
+        average = product_bounds(
+            max(slopes[6, box], 0.0), max(slopes[7, box], 0.0), min(a[row, box], b_low), max(a[row + 1, box], b_high)
+        )
+        low, high = max(low, average[0]), min(high, average[1])
+    if not low <= high:
+        low, high = -math.inf, math.inf
+    out[row, box], out[row + 1, box] = low, high
+
+
+@kernel
+def bound(instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out):
+    """Bounds (chosen, 2, 3) of the gradient of a list of terms in up to ``BOXES`` of the ``boxes`` (n, 6)."""
+    rounds = np.empty((DEEPEST_LOOP, 2), np.int64)
+    corners = np.empty((6, BOXES))
+    for box in range(BOXES):
+        corners[:, box] = boxes[chosen[min(box, len(chosen) - 1)]]
+    nothing = np.zeros(BOXES)
+    depth = 0
+    for index in range(first, first + count):
+        number = lists[index]
+        if number == NEGATED:
+            top = stack[depth - 1]
+            for row in range(0, SIZE, 2):
+                for box in range(BOXES):
+                    top[row, box], top[row + 1, box] = -top[row + 1, box], -top[row, box]
+            continue
+        term, place = terms[number], places[number]
+        depth -= term.arity
+        sign = 0.0 if term.family == _EXCLUSIVE else -1.0 if term.family == _WITHOUT else 1.0
+        if term.arity == 0:
+            for axis in range(3):
+                _seed(
+                    registers,
+                    axis,
+                    corners[axis],
+                    corners[3 + axis],
+                    1.0 if axis == 0 else 0.0,
+                    1.0 if axis == 1 else 0.0,
+                    1.0 if axis == 2 else 0.0,
+                )
+        else:
+            _seed(registers, 0, stack[depth, 0], stack[depth, 1], 1.0, 0.0, 1.0)
+            _seed(registers, 1, nothing, nothing, 0.0, 0.0, 0.0)
+            if term.arity == 2:
+                _seed(registers, 1, stack[depth + 1, 0], stack[depth + 1, 1], 0.0, 1.0, sign)
+            _seed(registers, 2, nothing, nothing, 0.0, 0.0, 0.0)
+        enclose(instructions, place[0], place[1], parameters, term.parameters, registers, rounds)
+        found = registers[place[2]]
+        if term.arity == 0:
+            stack[depth] = found
+        else:
+            for box in range(BOXES):
+                for row in range(2, SIZE, 2):
+                    if term.arity == 2:
+                        _joined(found, box, sign, stack[depth], stack[depth + 1], row, stack[depth])
+                    else:
+                        product = product_bounds(
+                            found[2, box], found[3, box], stack[depth, row, box], stack[depth, row + 1, box]
+                        )
+                        stack[depth, row, box], stack[depth, row + 1, box] = product
+                stack[depth, 0, box], stack[depth, 1, box] = found[0, box], found[1, box]
+        depth += 1
+    for box in range(len(chosen)):
+        for axis in range(3):
+            low, high = stack[0, 2 + 2 * axis, box], stack[0, 3 + 2 * axis, box]
+            margin = ROUNDING * max(abs(low), abs(high)) if abs(low) + abs(high) < math.inf else 0.0
+            out[chosen[box], 0, axis], out[chosen[box], 1, axis] = low - margin, high + margin
+
+
+@kernel
+def bound_all(instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out):
+    """As ``bound``, for any number of boxes i with the lists from first[i] to first[i] + count[i], in the order of
+    ``chosen``: there those of the same list follow one another."""
+    start = 0
+    while start < len(chosen):
+        head, stop = chosen[start], start + 1
+        while (
+            stop < len(chosen)
+            and stop - start < BOXES
+            and first[chosen[stop]] == first[head]
+            and count[chosen[stop]] == count[head]
+        ):
+            stop += 1
+        bound(
+            instructions,
+            places,
+            terms,
+            parameters,
+            lists,
+            first[head],
+            count[head],
+            boxes,
+            chosen[start:stop],
+            registers,
+            stack,
+            out,
+        )
+        start = stop
+
+
+def gradients(
+    field: CompiledField, boxes: np.ndarray, lists: np.ndarray, first: np.ndarray, count: np.ndarray
+) -> np.ndarray:
+    """Bounds (n, 2, 3), low and high, of the gradient of the lists lists[first:first + count] in boxes (n, 6)."""
+    instructions, places, registers = _tapes(field)
+    first, count = first.astype(np.int64), count.astype(np.int64)
+    out = np.empty((len(boxes), 2, 3))
+    order = np.lexsort((count, first))
+
+    def find(chosen: np.ndarray) -> None:
+        scratch, stack = np.empty((registers, SIZE, BOXES)), np.empty((DEEPEST, SIZE, BOXES))
+        bound_all(
+            instructions, places, field.terms, field.parameters, lists, first, count, boxes, chosen, scratch, stack, out
+        )
+
+    find(order[:BOXES])  # compiles
+    in_parallel(lambda share: find(np.array_split(order, TASKS)[share]))
+    return out
+
+
+def _selected(nodes: np.ndarray, boundary: np.ndarray, work: np.ndarray) -> np.ndarray:
+    """Nodes of the deepest level whose work stays within ``WORK``, and leaves above it; all on the boundary."""
+    level = np.zeros(1, np.int64)
+    while True:
+        leaf = nodes["first"][level] < 0
+        below = (nodes["first"][level[~leaf]][:, None] + (0, 1)).ravel()
+        below = np.concatenate([level[leaf], below[boundary[below]]])
+        if leaf.all() or work[below].sum() > WORK:
+            return level
+        level = below
+
+
+@kernel
+def _spread(nodes, boundary, known):
+    """Give the parts of boxes the bounds of the whole, if they have the same list, and wholes those of all their parts
+    on the boundary."""
+    for index in range(len(nodes)):
+        node = nodes[index]
+        if node.first >= 0 and known[index]:
+            for part in range(node.first, node.first + 2):
+                known[part] = True
+                if nodes[part].row_first == node.row_first and nodes[part].row_count == node.row_count:
+                    nodes[part].gradient[:] = node.gradient
+    for index in range(len(nodes) - 1, -1, -1):
+        node = nodes[index]
+        if node.first < 0 or known[index]:
+            continue
+        for axis in range(3):
+            low, high = np.inf, -np.inf
+            for part in range(node.first, node.first + 2):
+                if boundary[part]:
+                    low = min(low, nodes[part].gradient[0, axis])
+                    high = max(high, nodes[part].gradient[1, axis])
+            node.gradient[0, axis], node.gradient[1, axis] = low, high
+
+
+def fill_gradients(
+    field: CompiledField, nodes: np.ndarray, boundary: np.ndarray, boxes: np.ndarray, lists: np.ndarray
+) -> None:
+    """Write bounds of the gradient, as ``nodes["gradient"]``, to the nodes of a tree that are on its boundary.
+
+    They are of the field of the node's own list. Only of large boxes, which are not bounded as a whole, they are those
+    of their parts on the boundary together: a field of another list with the same sign, not everywhere in the box. So
+    those tell how the sign can change, no more. Children come after their parents in ``nodes``; ``boundary`` (nodes,)
+    tells which are on it.
+    """
+    nodes["gradient"] = [[-np.inf], [np.inf]]
+    total = np.append(0.0, np.cumsum(np.append(field.operations, 0.0)[lists]))  # NEGATED is the last
+    work = OVERHEAD + total[nodes["row_first"] + nodes["row_count"]] - total[nodes["row_first"]]
+    chosen = _selected(nodes, boundary, work)
+    rows = nodes[chosen]
+    bounds = gradients(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])
+    outward = np.array([[-np.inf], [np.inf]], np.float32)
+    with np.errstate(over="ignore"):
+        nodes["gradient"][chosen] = np.nextafter(bounds.astype(np.float32), outward)
+    known = np.zeros(len(nodes), bool)
+    known[chosen] = True
+    _spread(nodes, boundary, known)

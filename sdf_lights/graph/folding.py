@@ -1,0 +1,25 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Formulas with numbers for their parameters: what is constant then becomes a constant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .formula import PARAMETER, Formula, constant
+from .substitution import rewritten
+
+
+class Folding:
+    """Folds formulas that share their parameters, whose values are ``numbers``."""
+
+    def __init__(self, numbers: Sequence[float]):
+        self._numbers = [constant(number) for number in numbers]
+        self._known: dict[Formula, Formula] = {}
+
+    def fold(self, formula: Formula) -> Formula:
+        """The formula with numbers for its parameters. What no variable reaches has become one constant."""
+        return rewritten((formula,), self._known, self._replace)[0]
+
+    def _replace(self, node: Formula) -> Formula:
+        return self._numbers[node.value] if node.kind == PARAMETER else node

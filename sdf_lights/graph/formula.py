@@ -1,0 +1,633 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Formulas: hash-consed expression graphs over variables, parameters and constants.
+
+The same expression is always the same object, so common subexpressions are computed once whatever way they came
+about, and the formula itself is the key under which a reading (compiled code, say) is kept. A parameter is the number
+of a slot in an array of values: other values, same formula.
+
+A variable is a named input, such as the position; what names there are is up to who evaluates the formula.
+
+``OPERATIONS`` is the one table of what a node can be and what it means; ``iterate`` adds bounded loops, ``call`` the
+functions of ``functions.py``. Evaluators and code generators walk ``order(formula)`` and add nothing to it: see
+``numpy_evaluation``, ``codegen_native`` and ``formula_text``. This module knows none of them.
+"""
+
+from __future__ import annotations
+
+import contextvars
+import math
+import threading
+import weakref
+from collections.abc import Callable, Sequence, Set
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .functions import Function
+
+
+class Operation(NamedTuple):
+    """``meaning`` is the operation on float64 arrays, which is also how constants are folded."""
+
+    arity: int
+    meaning: Callable
+    commutes: bool = False
+
+
+Numbers = Sequence[float] | np.ndarray  # values of the slots of a formula
+
+CONSTANT, VARIABLE, PARAMETER = "constant", "variable", "parameter"
+STATE, ITERATE, CALL, RESULT = "state", "iterate", "call", "result"
+
+POSITION = "position"  # the variable that formulas of shapes have
+
+LONGEST_LOOP = 1000  # rounds
+
+OPERATIONS: dict[str, Operation] = {
+    "negate": Operation(1, np.negative),
+    "abs": Operation(1, np.abs),
+    "sqrt": Operation(1, np.sqrt),
+    "sin": Operation(1, np.sin),
+    "cos": Operation(1, np.cos),
+    "tan": Operation(1, np.tan),
+    "asin": Operation(1, np.arcsin),
+    "acos": Operation(1, np.arccos),
+    "atan": Operation(1, np.arctan),
+    "exp": Operation(1, np.exp),
+    "log": Operation(1, np.log),
+    "floor": Operation(1, np.floor),
+    "add": Operation(2, np.add, commutes=True),
+    "subtract": Operation(2, np.subtract),
+    "multiply": Operation(2, np.multiply, commutes=True),
+    "divide": Operation(2, np.divide),
+    "power": Operation(2, np.power),
+    "atan2": Operation(2, np.arctan2),
+    "minimum": Operation(2, np.minimum, commutes=True),
+    "maximum": Operation(2, np.maximum, commutes=True),
+    # Comparisons are conditions: they may only stand as the first operand of select.
+    "less": Operation(2, np.less),
+    "less_equal": Operation(2, np.less_equal),
+    "select": Operation(3, np.where),
+}
+
+CONDITIONS = frozenset({"less", "less_equal"})
+
+
+class Formula:
+    """One node. Made only by the functions and operators of this module; compared and hashed by identity.
+
+    ``kind`` is ``CONSTANT`` (``value`` a float), ``VARIABLE`` (``value`` a name and the number of a component),
+    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Of loops (see ``iterate``) it is
+    ``ITERATE`` (``value`` a ``Loop``, ``operands`` the number of rounds, the first states, and what the body needs from
+    outside), or, in the body alone, ``STATE`` (``value`` the loop's level and the number of the state). Of calls it is
+    ``CALL`` (``value`` a ``Function``). ``RESULT`` is one of the values of a loop or call (``value`` its number,
+    ``operands`` the loop or call).
+    """
+
+    __slots__ = ("kind", "operands", "value", "__weakref__")
+
+    kind: str
+    operands: tuple["Formula", ...]
+    value: Any  # its type follows from the kind
+
+    def __add__(self, other):
+        return apply("add", self, other)
+
+    def __radd__(self, other):
+        return apply("add", other, self)
+
+    def __sub__(self, other):
+        return apply("subtract", self, other)
+
+    def __rsub__(self, other):
+        return apply("subtract", other, self)
+
+    def __mul__(self, other):
+        return apply("multiply", self, other)
+
+    def __rmul__(self, other):
+        return apply("multiply", other, self)
+
+    def __truediv__(self, other):
+        return apply("divide", self, other)
+
+    def __rtruediv__(self, other):
+        return apply("divide", other, self)
+
+    def __neg__(self):
+        return apply("negate", self)
+
+    def __abs__(self):
+        return apply("abs", self)
+
+    def __lt__(self, other):
+        return apply("less", self, other)
+
+    def __le__(self, other):
+        return apply("less_equal", self, other)
+
+    def __gt__(self, other):
+        return apply("less", other, self)
+
+    def __ge__(self, other):
+        return apply("less_equal", other, self)
+
+    def __bool__(self):
+        raise TypeError("a formula has no truth value before it is read: use select(condition, a, b)")
+
+    def __reduce__(self):  # copies and unpickled formulas are the same object again
+        return _intern, (self.kind, self.operands, self.value)
+
+    def __repr__(self):
+        return f"<Formula {self.kind} {self.value if self.value is not None else ''}>".replace(" >", ">")
+
+
+class Loop(NamedTuple):
+    """The body of a loop: ``steps`` are the next states, computed while the comparison ``going`` holds.
+
+    ``level`` says how many loops it stands in. ``limit`` is the most rounds there can be.
+    """
+
+    level: int
+    limit: int
+    steps: tuple[Formula, ...]
+    going: Formula | None
+
+    def roots(self) -> tuple[Formula, ...]:
+        """What a round has to compute."""
+        return self.steps if self.going is None else (*self.steps, self.going)
+
+
+# Formulas live as long as somebody holds them. Blender renders and draws from different threads, hence the lock.
+_known: weakref.WeakValueDictionary[tuple, Formula] = weakref.WeakValueDictionary()
+_lock = threading.Lock()
+
+
+def _intern(kind: str, operands: tuple[Formula, ...] = (), value=None) -> Formula:
+    # 0.0 == -0.0, yet they are different constants.
+    sign = math.copysign(1.0, value) if kind == CONSTANT else 0.0
+    key = (kind, operands, value, sign)
+    with _lock:
+        found = _known.get(key)
+        if found is None and kind in OPERATIONS and OPERATIONS[kind].commutes:
+            found = _known.get((kind, operands[::-1], value, sign))
+        if found is None:
+            found = object.__new__(Formula)
+            found.kind, found.operands, found.value = kind, operands, value
+            _known[key] = found
+    return found
+
+
+def constant(value: float) -> Formula:
+    """A number. Raises ValueError for NaN, which is no value of any formula."""
+    value = float(value)
+    if math.isnan(value):
+        raise ValueError("a constant of a formula cannot be NaN")
+    return _intern(CONSTANT, value=value)
+
+
+def parameter(slot: int) -> Formula:
+    """The value in slot ``slot`` of the parameter array."""
+    return _intern(PARAMETER, value=int(slot))
+
+
+def variable(name: str, component: int = 0) -> Formula:
+    """A component of the named input."""
+    return _intern(VARIABLE, value=(name, int(component)))
+
+
+def axis_of(node: Formula) -> int:
+    """The axis that a variable of a shape's formula stands for. Raises ValueError for any variable but the position."""
+    name, axis = node.value
+    if name != POSITION:
+        raise ValueError(f"a formula of the position alone is wanted here, and this one has the variable {name!r}")
+    return axis
+
+
+def _formula(value: Formula | float) -> Formula:
+    return value if isinstance(value, Formula) else constant(value)
+
+
+def call(function: Function, *operands: Formula | float) -> tuple[Formula, ...]:
+    """All results of an outside function."""
+    nodes = tuple(map(_formula, operands))
+    if any(o.kind in CONDITIONS for o in nodes):
+        raise TypeError("a condition can only be the first operand of select")
+    node = _intern(CALL, nodes, function)
+    return tuple(_intern(RESULT, (node,), index) for index in range(function.results))
+
+
+def _is(formula: Formula, value: float) -> bool:
+    return formula.kind == CONSTANT and formula.value == value
+
+
+_MOST_FACTORS = 16  # of a power that is written as products
+
+
+def _simplified(kind: str, operands: tuple[Formula, ...]) -> Formula | None:
+    """A smaller or faster formula of the same value, to rounding, for all finite operands; None if no rule has one."""
+    rule = _RULES.get(kind)
+    return rule(*operands) if rule else None
+
+
+def _negate(a: Formula) -> Formula | None:
+    if a.kind == "negate":
+        return a.operands[0]
+    if a.kind == "subtract":
+        return a.operands[1] - a.operands[0]
+    if a.kind == "multiply" and CONSTANT in (factor.kind for factor in a.operands):
+        return apply("multiply", *(-factor if factor.kind == CONSTANT else factor for factor in a.operands))
+    return None
+
+
+def _abs(a: Formula) -> Formula | None:
+    if a.kind == "negate":
+        return abs(a.operands[0])
+    return a if a.kind in ("abs", "sqrt", "exp") or _is_square(a) else None
+
+
+def _sqrt(a: Formula) -> Formula | None:
+    return abs(a.operands[0]) if _is_square(a) else None
+
+
+def _is_square(a: Formula) -> bool:
+    return a.kind == "multiply" and a.operands[0] is a.operands[1]
+
+
+def _add(a: Formula, b: Formula) -> Formula | None:
+    if _is(a, 0.0):
+        return b
+    if _is(b, 0.0):
+        return a
+    if b.kind == "negate":
+        return a - b.operands[0]
+    return b - a.operands[0] if a.kind == "negate" else None
+
+
+def _subtract(a: Formula, b: Formula) -> Formula | None:
+    if _is(b, 0.0):
+        return a
+    if _is(a, 0.0):
+        return -b
+    if a is b:
+        return constant(0.0)
+    return a + b.operands[0] if b.kind == "negate" else None
+
+
+def _multiply(a: Formula, b: Formula) -> Formula | None:
+    for factor, other in ((a, b), (b, a)):
+        if factor.kind == CONSTANT and factor.value in (0.0, 1.0, -1.0):
+            return factor if factor.value == 0.0 else other if factor.value == 1.0 else -other
+        if factor.kind == "negate":
+            return -(factor.operands[0] * other)
+    return None
+
+
+def _divide(a: Formula, b: Formula) -> Formula | None:
+    if a.kind == "negate":
+        return -(a.operands[0] / b)
+    if b.kind == "negate":
+        return -(a / b.operands[0])
+    if b.kind == CONSTANT and math.frexp(b.value)[0] in (0.5, -0.5) and 2.0**-1000 < abs(b.value) < 2.0**1000:
+        return a * (1.0 / b.value)  # exact
+    return None
+
+
+def _power(a: Formula, exponent: Formula) -> Formula | None:
+    if exponent.kind != CONSTANT:
+        return None
+    n = exponent.value
+    if n == 0.5:
+        return sqrt(a)
+    if n != math.floor(n) or abs(n) > _MOST_FACTORS:
+        return None
+    if n < 0.0:
+        return 1.0 / power(a, -n)
+    product, square = constant(1.0), a
+    for bit in reversed(f"{int(n):b}"):
+        product = product * square if bit == "1" else product
+        square = square * square
+    return product
+
+
+def _extremum(kind: str, opposite: str) -> Callable:
+    meaning = OPERATIONS[kind].meaning
+
+    def rule(a: Formula, b: Formula) -> Formula | None:
+        if a is b:
+            return a
+        for nested, other in ((a, b), (b, a)):
+            if nested.kind not in (kind, opposite):
+                continue
+            if other in nested.operands:
+                return nested if nested.kind == kind else other
+            for operand, bound in (nested.operands, nested.operands[::-1]):
+                if bound.kind == other.kind == CONSTANT:
+                    if nested.kind == kind:
+                        return apply(kind, operand, apply(kind, bound, other))
+                    if meaning(bound.value, other.value) == other.value:  # as in min(max(x, 2), 1)
+                        return other
+        return None
+
+    return rule
+
+
+def _select(condition: Formula, then: Formula, otherwise: Formula) -> Formula | None:
+    a, b = condition.operands
+    if then is otherwise:
+        return then
+    if a.kind == b.kind == CONSTANT:
+        return then if OPERATIONS[condition.kind].meaning(a.value, b.value) else otherwise
+    if (then, otherwise) == (a, b):
+        return minimum(a, b)
+    return maximum(a, b) if (then, otherwise) == (b, a) else None
+
+
+_RULES: dict[str, Callable[..., Formula | None]] = {
+    "negate": _negate,
+    "abs": _abs,
+    "sqrt": _sqrt,
+    "add": _add,
+    "subtract": _subtract,
+    "multiply": _multiply,
+    "divide": _divide,
+    "power": _power,
+    "minimum": _extremum("minimum", "maximum"),
+    "maximum": _extremum("maximum", "minimum"),
+    "select": _select,
+}
+
+
+def apply(kind: str, *operands: Formula | float) -> Formula:
+    """The operation ``kind`` of ``OPERATIONS`` on formulas or numbers: folded, simplified, shared."""
+    nodes = tuple(map(_formula, operands))
+    operation = OPERATIONS[kind]
+    if len(nodes) != operation.arity:
+        raise TypeError(f"{kind} takes {operation.arity} operands, not {len(nodes)}")
+    if any((o.kind in CONDITIONS) != (kind == "select" and i == 0) for i, o in enumerate(nodes)):
+        raise TypeError("a condition can only be the first operand of select, which has to be one")
+    if kind not in CONDITIONS:
+        if all(o.kind == CONSTANT for o in nodes):
+            with np.errstate(all="ignore"):
+                folded = float(operation.meaning(*(o.value for o in nodes)))
+            # sqrt(-1) and the like stay as they are: what is undefined is then seen where the formula is read.
+            if not math.isnan(folded):
+                return constant(folded)
+        smaller = _simplified(kind, nodes)
+        if smaller is not None:
+            return smaller
+    return _intern(kind, nodes)
+
+
+def sqrt(a: Formula | float) -> Formula:
+    """Square root; undefined below 0."""
+    return apply("sqrt", a)
+
+
+def sin(a: Formula | float) -> Formula:
+    """Sine of an angle in radians."""
+    return apply("sin", a)
+
+
+def cos(a: Formula | float) -> Formula:
+    """Cosine of an angle in radians."""
+    return apply("cos", a)
+
+
+def tan(a: Formula | float) -> Formula:
+    """Tangent of an angle in radians."""
+    return apply("tan", a)
+
+
+def asin(a: Formula | float) -> Formula:
+    """Arcsine in radians, −π/2 to π/2; undefined outside of [−1, 1]."""
+    return apply("asin", a)
+
+
+def acos(a: Formula | float) -> Formula:
+    """Arccosine in radians, 0 to π; undefined outside of [−1, 1]."""
+    return apply("acos", a)
+
+
+def atan2(y: Formula | float, x: Formula | float) -> Formula:
+    """The angle of (x, y) to the x axis, −π to π."""
+    return apply("atan2", y, x)
+
+
+def exp(a: Formula | float) -> Formula:
+    """Exponential function."""
+    return apply("exp", a)
+
+
+def log(a: Formula | float) -> Formula:
+    """Natural logarithm; undefined below 0."""
+    return apply("log", a)
+
+
+def power(a: Formula | float, exponent: Formula | float) -> Formula:
+    """``a`` to the power ``exponent``; undefined where a < 0 and the exponent is not whole."""
+    return apply("power", a, exponent)
+
+
+def floor(a: Formula | float) -> Formula:
+    """The greatest whole number that is not above ``a``."""
+    return apply("floor", a)
+
+
+def minimum(*operands: Formula | float) -> Formula:
+    """Least of one or more operands."""
+    return _fold("minimum", operands)
+
+
+def maximum(*operands: Formula | float) -> Formula:
+    """Greatest of one or more operands."""
+    return _fold("maximum", operands)
+
+
+def clamp(a: Formula | float, low: Formula | float, high: Formula | float) -> Formula:
+    """``a`` limited to [low, high]; ``high`` where low > high."""
+    return minimum(maximum(a, low), high)
+
+
+def select(condition: Formula, then: Formula | float, otherwise: Formula | float) -> Formula:
+    """``then`` where the condition (a comparison) holds, else ``otherwise``; both are computed."""
+    return apply("select", condition, then, otherwise)
+
+
+def length(*components: Formula | float) -> Formula:
+    """Euclidean norm."""
+    return sqrt(_fold("add", [apply("multiply", c, c) for c in components]))
+
+
+def _fold(kind: str, operands) -> Formula:
+    # A balanced tree: short chains of dependent instructions, and no depth that grows with the number of operands.
+    operands = list(operands)
+    while len(operands) > 1:
+        pairs = [apply(kind, a, b) for a, b in zip(operands[::2], operands[1::2])]
+        operands = pairs + operands[len(pairs) * 2 :]
+    first = operands[0]
+    return first if isinstance(first, Formula) else constant(first)
+
+
+class Vector(NamedTuple):
+    """Three formulas, with the arithmetic of vectors (a scalar operand counts for each component)."""
+
+    x: Formula
+    y: Formula
+    z: Formula
+
+    def _with(self, function: Callable[[Formula, Formula], Formula], other) -> "Vector":
+        return Vector(*(function(a, b) for a, b in zip(self, other if isinstance(other, tuple) else (other,) * 3)))
+
+    def __add__(self, other):
+        return self._with(lambda a, b: a + b, other)
+
+    def __sub__(self, other):
+        return self._with(lambda a, b: a - b, other)
+
+    def __mul__(self, other):
+        return self._with(lambda a, b: a * b, other)
+
+    def __truediv__(self, other):
+        return self._with(lambda a, b: a / b, other)
+
+    __radd__, __rmul__ = __add__, __mul__  # type: ignore[misc]  # of tuples
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __neg__(self):
+        return Vector(*(-a for a in self))
+
+    def __abs__(self):
+        return Vector(*(abs(a) for a in self))
+
+    def minimum(self, other) -> "Vector":
+        """Lesser of each pair of components."""
+        return self._with(minimum, other)
+
+    def maximum(self, other) -> "Vector":
+        """Greater of each pair of components."""
+        return self._with(maximum, other)
+
+    def least(self) -> Formula:
+        """The least component."""
+        return minimum(*self)
+
+    def greatest(self) -> Formula:
+        """The greatest component."""
+        return maximum(*self)
+
+    def dot(self, other) -> Formula:
+        """Scalar product with another vector or tuple of as many components."""
+        return _fold("add", [a * b for a, b in zip(self, other)])
+
+    def cross(self, other) -> "Vector":
+        """Vector product, right-handed."""
+        (a, b, c), (u, v, w) = self, other
+        return Vector(b * w - c * v, c * u - a * w, a * v - b * u)
+
+    def length(self) -> Formula:
+        """Euclidean length."""
+        return length(*self)
+
+    def normalized(self) -> "Vector":
+        """The vector with length 1; zero where it is shorter than any length that matters."""
+        return self / maximum(self.length(), 1e-150)
+
+    def reflected(self, normal) -> "Vector":
+        """Mirror image in the plane through the origin with this unit normal."""
+        return self - Vector(*normal) * (2.0 * self.dot(normal))
+
+    def rotated(self, axis, cosine: Formula | float, sine: Formula | float) -> "Vector":
+        """Turned about a unit axis by the angle with this cosine and sine, counter-clockwise seen against the axis.
+
+        The formula of Rodrigues.
+        """
+        axis = Vector(*axis)
+        return self * cosine + axis.cross(self) * sine + axis * (self.dot(axis) * (1.0 - cosine))
+
+
+POINT = Vector(*(variable(POSITION, axis) for axis in range(3)))
+"""The point at which a formula is evaluated."""
+
+
+_level = contextvars.ContextVar("level", default=0)
+
+
+def iterate(
+    count: Formula | float,
+    initial: tuple[Formula | float, ...],
+    body: Callable[..., tuple[tuple[Formula | float, ...], Formula | None]],
+    limit: int,
+) -> tuple[Formula, ...]:
+    """States after ``count`` rounds of a loop: ``steps, going = body(*states)``.
+
+    ``count`` must not depend on the position; it is rounded down, and held to 0 and ``limit`` (NaN counts as 0).
+    ``going`` is a comparison of the states before the round, or None: a point at which it fails keeps its states from
+    then on. ``body`` is called once, with the formulas that stand for the states; it may contain loops itself.
+    """
+    if not 0 < limit <= LONGEST_LOOP:
+        raise ValueError(f"a loop can have 1 to {LONGEST_LOOP} rounds, not {limit}")
+    rounds, *first = map(_formula, (count, *initial))
+    if any(node.kind in (VARIABLE, STATE) for node in order(rounds)):
+        raise TypeError("the number of rounds of a loop cannot depend on a variable or on the states of a loop")
+    if rounds.kind == CONSTANT and rounds.value < 1.0:
+        return tuple(first)
+    level = _level.get()
+    states = tuple(_intern(STATE, value=(level, index)) for index in range(len(first)))
+    token = _level.set(level + 1)
+    try:
+        results, going = body(*states)
+    finally:
+        _level.reset(token)
+    steps = tuple(map(_formula, results))
+    if len(steps) != len(states) or (going is not None and going.kind not in CONDITIONS):
+        raise TypeError("the body of a loop gives one value for each state, and a comparison or None")
+    loop = Loop(level, limit, steps, going)
+    node = _intern(ITERATE, (rounds, *first, *_captures(loop)), loop)
+    return tuple(_intern(RESULT, (node,), index) for index in range(len(states)))
+
+
+def _captures(loop: Loop) -> list[Formula]:
+    """Nodes that the body of a loop uses and that stay the same in all its rounds; constants are not listed."""
+    nodes = order(*loop.roots())
+    inside: dict[Formula, bool] = {}
+    for node in nodes:
+        inside[node] = (node.kind == STATE and node.value[0] == loop.level) or any(inside[o] for o in node.operands)
+    used = [o for node in nodes if inside[node] for o in node.operands]
+    used += loop.roots()
+    return [node for node in dict.fromkeys(used) if not inside[node] and node.kind != CONSTANT]
+
+
+def body(node: Formula) -> list[Formula]:
+    """What each round of an ``ITERATE`` node computes, in order; its captures are known by then (as its operands)."""
+    loop = node.value
+    known = set(node.operands[1 + len(loop.steps) :])
+    return [n for n in order(*loop.roots(), known=known) if n not in known]
+
+
+def order(*formulas: Formula, known: Set[Formula] = frozenset()) -> list[Formula]:
+    """Every node of the graph once, operands before the nodes that use them; the last formula itself comes last.
+
+    The bodies of loops are not part of it. Operands of ``known`` nodes are left out, where nothing else uses them.
+    """
+    ordered: list[Formula] = []
+    seen: set[Formula] = set()
+    pending = [(formula, False) for formula in reversed(formulas)]
+    while pending:
+        node, ready = pending.pop()
+        if ready:
+            ordered.append(node)
+        elif node not in seen:
+            seen.add(node)
+            pending.append((node, True))
+            if node not in known:
+                pending += [(operand, False) for operand in reversed(node.operands)]
+    return ordered
+
+
+def slots(formula: Formula) -> int:
+    """Least length of a parameter array that the formula can be read with."""
+    return 1 + max((node.value for node in order(formula) if node.kind == PARAMETER), default=-1)

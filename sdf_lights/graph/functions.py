@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Functions that formulas call and that are no formulas themselves: noise, look-ups in tables and images.
+
+A ``Function`` names a kernel (see ``jit.kernel``): Numba compiles it, the GPU's translator writes it as GLSL, and where
+there is no Numba it runs as Python. So it is written once.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Function:
+    """``kernel(*static, *operands)`` gives a tuple of ``results`` numbers; a number by itself where ``results`` is 1.
+
+    ``static`` are whole numbers that choose a mode: they are compiled in. Where ``scene`` holds, the kernel's first two
+    arguments are the scene's block and the thread's workspace: ``kernel(block, workspace, *static, *operands)``.
+    ``of_object``: it reads objects or the one that a ray has met, so it cannot be called where there is none, as in a world.
+    """
+
+    name: str
+    kernel: Callable
+    static: tuple[int, ...] = ()
+    results: int = 1
+    scene: bool = False
+    of_object: bool = False
+
+
+def evaluate(function: Function, operands: Sequence[np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Results of a function that needs no scene, point by point: (…) each, for operands that broadcast to (…)."""
+    arrays = np.broadcast_arrays(*(np.asarray(operand, np.float64) for operand in operands))
+    shape = arrays[0].shape if arrays else ()
+    rows = np.stack([array.ravel() for array in arrays], axis=1) if arrays else np.empty((1, 0))
+    results = np.empty((len(rows), function.results))
+    from .. import jit  # not before it is needed: adding a lamp, and enabling the add-on, do not wait for Numba
+
+    if jit.AVAILABLE and function.kernel is not inspect.unwrap(function.kernel):
+        _compiled(function, len(arrays)).fill(np.ascontiguousarray(rows), results)
+    else:
+        for row, values in zip(results, rows.tolist()):
+            row[:] = function.kernel(*function.static, *values)
+    return tuple(column.reshape(shape) for column in results.T)
+
+
+@functools.cache
+def _compiled(function: Function, operands: int):
+    from .. import jit
+
+    return jit.CallablePart(function.kernel, function.static, operands, None)

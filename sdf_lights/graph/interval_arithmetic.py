@@ -1,0 +1,677 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The interval reading of a formula: bounds of its values over boxes, vectorised.
+
+Every result is rounded outward, so it holds both for exact arithmetic and for any reading whose operations are as good
+as the ``Precision`` says. Interval arithmetic as in Moore, Kearfott and Cloud, "Introduction to Interval Analysis",
+with three-valued conditions. Where a value may be undefined (NaN, or a division by zero) the bounds are those of the
+points where it is defined, and every comparison with it is open: either side may come out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from .formula import (
+    CONDITIONS,
+    CONSTANT,
+    ITERATE,
+    OPERATIONS,
+    PARAMETER,
+    RESULT,
+    STATE,
+    VARIABLE,
+    Formula,
+    Numbers,
+    axis_of,
+    body,
+    order,
+)
+from .numpy_evaluation import rounds
+
+
+class Precision(NamedTuple):
+    """How far results of floating-point operations may be from exact ones: relative errors, unless said."""
+
+    number: type
+    basic: float  # +, −, ·, /, √
+    library: float  # other functions
+    sine: float = 0.0  # absolute error of sine and cosine, for operands up to 1; for others times the operand
+    logarithm: float = 0.0  # absolute error of the logarithm, also of that inside a power
+    exponent: float = 0.0  # of an exponential function or a power, times the logarithm of the result
+    tiny: float = 0.0  # absolute error of any result, from underflow; see ``sums_underflow``
+
+    @property
+    def greatest(self) -> float:
+        """The greatest finite number."""
+        return float(np.finfo(self.number).max)
+
+    @property
+    def sums_underflow(self) -> bool:
+        """In double precision sums that are too small for a normal number are exact."""
+        return self.number is not np.float64
+
+    def holds(self, value: float) -> bool:
+        """Whether the number needs no rounding."""
+        return float(self.number(value)) == value
+
+
+_ULP = 2.0**-52
+
+# Basic operations are rounded correctly; functions of NumPy and of C libraries are within 4 ulps, and two of them may
+# differ in both directions.
+DOUBLE = Precision(np.float64, basic=_ULP, library=8.0 * _ULP, tiny=2.0**-1022)
+
+
+class Interval(NamedTuple):
+    """Bounds of a value: arrays that broadcast to the boxes. ``low`` is never +∞, ``high`` never −∞, neither NaN."""
+
+    low: np.ndarray
+    high: np.ndarray
+    undefined: np.ndarray | None = None  # where the value may be NaN; None for nowhere
+    positive: bool = False  # every value is +0 or greater, by the form of the formula
+    whole: bool = False  # every value is a whole number, likewise
+
+    @property
+    def magnitude(self) -> np.ndarray:
+        """Greatest absolute value."""
+        return np.maximum(-self.low, self.high)
+
+    @property
+    def is_number(self) -> bool:
+        """One value, the same in all boxes."""
+        return np.ndim(self.low) == 0 and self.low == self.high
+
+
+class Line(NamedTuple):
+    """scale · a + shift; ``size`` is the greatest of what was added up to the shift."""
+
+    scale: Interval
+    shift: Interval
+    size: float
+
+
+class Condition(NamedTuple):
+    """A comparison: whether it holds everywhere in a box, and whether it may hold anywhere."""
+
+    certain: np.ndarray
+    possible: np.ndarray
+
+
+def enclose(
+    formula: Formula, low: np.ndarray, high: np.ndarray, parameters: Numbers = (), precision: Precision = DOUBLE
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds (n,), (n,) of the formula's values over boxes with the corners ``low`` and ``high`` (n, 3).
+
+    Boxes may be points, and they may be infinite. Where a formula has no value in all of a box, or none that can be
+    bounded, the bounds are −∞ and ∞.
+    """
+    low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
+    with np.errstate(all="ignore"):
+        arithmetic = Arithmetic(precision)
+        found = run((formula,), Boxes(arithmetic, low, high, parameters))[0]
+        return tuple(np.broadcast_to(bound, low.shape[:1]).astype(np.float64) for bound in found[:2])
+
+
+def _either(a: np.ndarray | None, b: np.ndarray | None) -> np.ndarray | None:
+    return b if a is None else a if b is None else a | b
+
+
+def _where_any(mask: np.ndarray) -> np.ndarray | None:
+    return mask if mask.any() else None
+
+
+def _holds_zero(a: Interval) -> np.ndarray:
+    return (a.low <= 0.0) & (a.high >= 0.0)
+
+
+def hull(a: Interval, b: Interval) -> Interval:
+    """The least interval that contains both, box by box."""
+    return Interval(
+        np.minimum(a.low, b.low),
+        np.maximum(a.high, b.high),
+        _either(a.undefined, b.undefined),
+        a.positive and b.positive,
+    )
+
+
+class Arithmetic:
+    """Operations on intervals; those of formulas have the names that ``formula.OPERATIONS`` gives them."""
+
+    def __init__(self, precision: Precision = DOUBLE):
+        self.precision = precision
+
+    # -- rounding -------------------------------------------------------------------------------------------------
+
+    def number(self, value: float) -> Interval:
+        """A constant or parameter."""
+        value = np.float64(value)
+        if math.isnan(value):
+            return Interval(np.float64(-np.inf), np.float64(np.inf), np.True_)
+        positive = not np.signbit(value)
+        if self.precision.holds(value) and math.isfinite(value):
+            return Interval(value, value, None, positive, bool(value == np.floor(value)))
+        return self._rounded(value, value, self.precision.basic, None, positive)
+
+    def _rounded(
+        self, low, high, relative: float, undefined=None, positive: bool = False, is_sum: bool = False
+    ) -> Interval:
+        """Bounds moved outward. ``low`` and ``high`` are nearest results of the bounds in double precision."""
+        tiny = self.precision.tiny if self.precision.sums_underflow or not is_sum else 0.0
+        greatest = self.precision.greatest
+        ordinary = high.max(initial=-np.inf) <= greatest and low.min(initial=np.inf) >= -greatest
+        low = low - (np.abs(low) * relative + tiny)
+        high = high + (np.abs(high) * relative + tiny)
+        if not ordinary:
+            # fmin also turns the NaN of ∞ − ∞ above into a number.
+            low, high = np.fmin(low, greatest), np.fmax(high, -greatest)
+            low, high = np.where(low < -greatest, -np.inf, low), np.where(high > greatest, np.inf, high)
+            undefined = _either(undefined, _where_any((low == -np.inf) & (high == np.inf)))
+        if positive:
+            low = np.maximum(low, 0.0)
+        return Interval(low, high, undefined, positive)
+
+    def _exact(self, operation: Callable, a: Interval, b: Interval) -> Interval | None:
+        """The result of numbers, where it needs no rounding: exponents, say, have to stay whole."""
+        if not (a.is_number and b.is_number):
+            return None
+        value = operation(float(a.low), float(b.low))
+        if not math.isfinite(value) or operation(Fraction(float(a.low)), Fraction(float(b.low))) != value:
+            return None
+        return self.number(value) if self.precision.holds(value) else None
+
+    def _whole(self, low, high, a: Interval, b: Interval, positive: bool) -> Interval | None:
+        """The result of whole numbers, where it is small enough to be exact: hashes rely on that."""
+        most = 2.0 / np.finfo(self.precision.number).eps
+        if not (a.whole and b.whole and high.max(initial=-np.inf) <= most and low.min(initial=np.inf) >= -most):
+            return None
+        return Interval(low, high, _either(a.undefined, b.undefined), positive, True)
+
+    # -- operations without rounding ------------------------------------------------------------------------------
+
+    def negate(self, a: Interval) -> Interval:
+        """Bounds of −a, without rounding."""
+        return Interval(-a.high, -a.low, a.undefined, False, a.whole)
+
+    def abs(self, a: Interval) -> Interval:
+        """Bounds of |a|, without rounding."""
+        if a.positive:
+            return a
+        return Interval(np.maximum(np.maximum(a.low, -a.high), 0.0), a.magnitude, a.undefined, True, a.whole)
+
+    def floor(self, a: Interval) -> Interval:
+        """Bounds of ⌊a⌋, without rounding; whole numbers."""
+        return Interval(np.floor(a.low), np.floor(a.high), a.undefined, a.positive, True)
+
+    def minimum(self, a: Interval, b: Interval) -> Interval:
+        """Bounds of min(a, b), without rounding."""
+        return self._extreme(np.minimum, a, b)
+
+    def maximum(self, a: Interval, b: Interval) -> Interval:
+        """Bounds of max(a, b), without rounding."""
+        return self._extreme(np.maximum, a, b)
+
+    def _extreme(self, function, a: Interval, b: Interval) -> Interval:
+        low, high = function(a.low, b.low), function(a.high, b.high)
+        undefined = _either(a.undefined, b.undefined)
+        if undefined is not None:  # readings differ in whether the least of NaN and a number is NaN or the number
+            either = hull(a, b)
+            low, high = np.where(undefined, either.low, low), np.where(undefined, either.high, high)
+        return Interval(low, high, undefined, a.positive and b.positive)
+
+    def less(self, a: Interval, b: Interval) -> Condition:
+        """Where a < b holds certainly, and where it is possible."""
+        return self._compared(np.less, a, b)
+
+    def less_equal(self, a: Interval, b: Interval) -> Condition:
+        """Where a ≤ b holds certainly, and where it is possible."""
+        return self._compared(np.less_equal, a, b)
+
+    def _compared(self, function, a: Interval, b: Interval) -> Condition:
+        certain, possible = function(a.high, b.low), function(a.low, b.high)
+        undefined = _either(a.undefined, b.undefined)
+        return (
+            Condition(certain, possible) if undefined is None else Condition(certain & ~undefined, possible | undefined)
+        )
+
+    def select(self, condition: Condition, then: Interval, otherwise: Interval) -> Interval:
+        """Bounds of ``then`` where the condition is certain, of ``otherwise`` where it is impossible, else of both."""
+        certain, possible = condition
+        if certain.all():
+            return then
+        if not possible.any():
+            return otherwise
+        either = hull(then, otherwise)
+        low = np.where(certain, then.low, np.where(possible, either.low, otherwise.low))
+        high = np.where(certain, then.high, np.where(possible, either.high, otherwise.high))
+        undefined = either.undefined
+        if undefined is not None:
+            undefined = False
+            if then.undefined is not None:
+                undefined = possible & then.undefined
+            if otherwise.undefined is not None:
+                undefined = undefined | (~certain & otherwise.undefined)
+            undefined = _where_any(undefined)
+        return Interval(low, high, undefined, either.positive)
+
+    # -- basic operations -----------------------------------------------------------------------------------------
+
+    def add(self, a: Interval, b: Interval) -> Interval:
+        """Bounds of a + b, rounded outwards."""
+        low, high = a.low + b.low, a.high + b.high
+        positive = a.positive and b.positive
+        exact = self._exact(lambda u, v: u + v, a, b) or self._whole(low, high, a, b, positive)
+        return exact or self._rounded(
+            low, high, self.precision.basic, _either(a.undefined, b.undefined), positive, is_sum=True
+        )
+
+    def subtract(self, a: Interval, b: Interval) -> Interval:
+        """Bounds of a − b, rounded outwards, for independent a and b."""
+        low, high = a.low - b.high, a.high - b.low
+        exact = self._exact(lambda u, v: u - v, a, b) or self._whole(low, high, a, b, False)
+        return exact or self._rounded(low, high, self.precision.basic, _either(a.undefined, b.undefined), is_sum=True)
+
+    def multiply(self, a: Interval, b: Interval) -> Interval:
+        """Bounds of a · b, rounded outwards. If both are the same object, of a²."""
+        if a is b:
+            return self.square(a)
+        exact = self._exact(lambda u, v: u * v, a, b)
+        if exact:
+            return exact
+        undefined = _either(a.undefined, b.undefined)
+        positive = a.positive and b.positive
+        if a.is_number:
+            a, b = b, a
+        if b.is_number:
+            low, high = (a.low, a.high) if b.low >= 0.0 else (a.high, a.low)
+            products = low * b.low, high * b.low
+        elif positive:
+            products = a.low * b.low, a.high * b.high
+        else:
+            products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
+        low, high = _extremes(np.minimum, np.maximum, products)
+        whole = self._whole(low, high, a, b, positive)
+        if whole:
+            return whole
+        if not math.isfinite((high - low).sum()):
+            # 0 · ∞: nothing but 0, as a bound of products of numbers; a product of values it would be undefined.
+            zero = np.any([np.isnan(product) for product in np.broadcast_arrays(*products)], axis=0)
+            low, high = _extremes(np.fmin, np.fmax, products)
+            low, high = np.where(zero, np.fmin(low, 0.0), low), np.where(zero, np.fmax(high, 0.0), high)
+            undefined = _either(undefined, _where_any(zero))
+        return self._rounded(low, high, self.precision.basic, undefined, positive)
+
+    def odd_power(self, a: Interval, squares: int) -> Interval:
+        """a · a^(2^squares): it grows with a, which the product of two intervals does not know."""
+        ends = []
+        for end in a[:2]:
+            a_end = power = Interval(end, end)
+            for _ in range(squares):
+                power = self.square(power)
+            ends.append(self.multiply(a_end, power))
+        return Interval(ends[0].low, ends[1].high, a.undefined, a.positive)
+
+    def remainder(self, a: Interval, period: Interval, line: "Line") -> Interval:
+        """a − period · floor(line of a): the floor is less than what it is of by 0 to 1."""
+        along = self.multiply(a, line.scale)
+        error = 8.0 * self.precision.basic * (along.magnitude + line.size) + self.precision.tiny
+        fraction = Interval(-error, 1.0 + error)
+        rest = self.multiply(a, self.subtract(self.number(1.0), self.multiply(period, line.scale)))
+        return self.add(rest, self.multiply(period, self.subtract(fraction, line.shift)))
+
+    def square(self, a: Interval) -> Interval:
+        """Bounds of a², rounded outwards: tighter than those of a · a."""
+        a = self.abs(a)
+        low, high = a.low * a.low, a.high * a.high
+        exact = self._exact(lambda u, v: u * v, a, a) or self._whole(low, high, a, a, True)
+        return exact or self._rounded(low, high, self.precision.basic, a.undefined, True)
+
+    def divide(self, a: Interval, b: Interval) -> Interval:
+        """Bounds of a / b, rounded outwards; infinite and maybe undefined where b may be 0."""
+        exact = self._exact(lambda u, v: u / v, a, b) if b.is_number and b.low != 0.0 else None
+        if exact:
+            return exact
+        undefined = _either(a.undefined, b.undefined)
+        if b.is_number and b.low != 0.0:
+            low, high = (a.low, a.high) if b.low > 0.0 else (a.high, a.low)
+            low, high = low / b.low, high / b.low
+        else:
+            low, high = _extremes(np.fmin, np.fmax, (a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high))
+            zero = _where_any(_holds_zero(b))
+            if zero is not None:
+                endless = zero & ~(b.positive & (low <= high))  # not if the divisor is +0 or greater, and not 0/0 alone
+                low, high = np.where(endless, -np.inf, low), np.where(endless, np.inf, high)
+            endless = ((a.low == -np.inf) | (a.high == np.inf)) & ((b.low == -np.inf) | (b.high == np.inf))
+            undefined = _either(undefined, _either(zero, _where_any(endless)))
+        return self._rounded(low, high, self.precision.basic, undefined, a.positive and b.positive)
+
+    def sqrt(self, a: Interval) -> Interval:
+        """Bounds of √a; undefined where a may be negative."""
+        return self._partial(np.sqrt, a, 0.0, np.inf, self.precision.basic, True)
+
+    # -- functions ------------------------------------------------------------------------------------------------
+
+    def _partial(self, function, a: Interval, first: float, last: float, relative: float, positive: bool) -> Interval:
+        """A monotone function (growing, or falling where ``first`` > ``last``) of a bounded domain."""
+        least, greatest = min(first, last), max(first, last)
+        outside = (a.low < least) | (a.high > greatest)
+        undefined = _either(a.undefined, _where_any(outside))
+        ends = function(np.clip(a.low, least, greatest)), function(np.clip(a.high, least, greatest))
+        low, high = ends if first < last else ends[::-1]
+        if undefined is not None:
+            nowhere = _where_any((a.high < least) | (a.low > greatest))
+            if nowhere is not None:
+                found = self._rounded(low, high, relative, undefined, positive)
+                return Interval(np.where(nowhere, -np.inf, found.low), np.where(nowhere, np.inf, found.high), undefined)
+        return self._rounded(low, high, relative, undefined, positive)
+
+    def exp(self, a: Interval) -> Interval:
+        """Bounds of exp(a)."""
+        low, high = np.exp(a.low), np.exp(a.high)
+        return self._rounded(low, high, self._exponential_error(low, high), a.undefined, True)
+
+    def _exponential_error(self, low, high, exponent: float = 0.0):
+        """Of a power with this exponent that is computed as exp(b log a), as in single precision it often is."""
+        precision = self.precision
+        if not precision.exponent and not precision.logarithm:
+            return precision.library
+        ends = (np.abs(np.log(np.clip(np.abs(end), precision.tiny, precision.greatest))) for end in (low, high))
+        return precision.library + precision.exponent * np.maximum(*ends) + precision.logarithm * exponent
+
+    def log(self, a: Interval) -> Interval:
+        """Bounds of log(a); undefined where a may be negative."""
+        found = self._partial(np.log, a, 0.0, np.inf, self.precision.library, False)
+        error = self.precision.logarithm
+        return found._replace(low=found.low - error, high=found.high + error) if error else found
+
+    def atan(self, a: Interval) -> Interval:
+        """Bounds of arctan(a)."""
+        return self._rounded(np.arctan(a.low), np.arctan(a.high), self.precision.library, a.undefined, a.positive)
+
+    def asin(self, a: Interval) -> Interval:
+        """Bounds of arcsin(a); undefined where a may leave [−1, 1]."""
+        return self._partial(np.arcsin, a, -1.0, 1.0, self.precision.library, False)
+
+    def acos(self, a: Interval) -> Interval:
+        """Bounds of arccos(a); undefined where a may leave [−1, 1]."""
+        return self._partial(np.arccos, a, 1.0, -1.0, self.precision.library, False)
+
+    def sin(self, a: Interval) -> Interval:
+        """Bounds of sin(a), of the whole wave where ``a`` is longer than a turn."""
+        return self._wave(np.sin, a, 0.25)
+
+    def cos(self, a: Interval) -> Interval:
+        """Bounds of cos(a), of the whole wave where ``a`` is longer than a turn."""
+        return self._wave(np.cos, a, 0.0)
+
+    def _wave(self, function, a: Interval, crest: float) -> Interval:
+        """Sine or cosine, by the number of turns at its first crest."""
+        endless = ~(np.isfinite(a.low) & np.isfinite(a.high))
+        u, v = function(np.where(endless, 0.0, a.low)), function(np.where(endless, 0.0, a.high))
+        low = np.where(endless | self._passes(a, crest + 0.5, 1.0), -1.0, np.minimum(u, v))
+        high = np.where(endless | self._passes(a, crest, 1.0), 1.0, np.maximum(u, v))
+        error = self.precision.sine * np.maximum(1.0, np.where(endless, 1.0, a.magnitude))
+        found = self._rounded(
+            low - error, high + error, self.precision.library, _either(a.undefined, _where_any(endless))
+        )
+        return found._replace(
+            low=np.maximum(found.low, -1.0 - self.precision.library),
+            high=np.minimum(found.high, 1.0 + self.precision.library),
+        )
+
+    def _passes(self, a: Interval, first: float, period: float) -> np.ndarray:
+        """Whether the interval has one of the angles first + i · period in it, given in turns; true where in doubt."""
+        doubt = 4.0 * _ULP * (1.0 + a.magnitude / math.tau)
+        u, v = ((end / math.tau - first) / period for end in a[:2])
+        return np.ceil(u - doubt / period) <= np.floor(v + doubt / period)
+
+    def tan(self, a: Interval) -> Interval:
+        """Bounds of tan(a); infinite where ``a`` may have a pole in it."""
+        endless = ~(np.isfinite(a.low) & np.isfinite(a.high))
+        pole = endless | self._passes(a, 0.25, 0.5)
+        low, high = np.tan(np.where(pole, 0.0, a.low)), np.tan(np.where(pole, 0.0, a.high))
+        error = self.precision.sine * np.maximum(1.0, np.where(pole, 0.0, a.magnitude))
+        error = error * (1.0 + np.maximum(low * low, high * high))
+        return self._rounded(
+            np.where(pole, -np.inf, low - error),
+            np.where(pole, np.inf, high + error),
+            self.precision.library,
+            _either(a.undefined, _where_any(endless)),
+        )
+
+    def atan2(self, y: Interval, x: Interval) -> Interval:
+        """Bounds of the angle of (x, y); all angles where the box may cross the negative x axis."""
+        corners = [np.arctan2(v, u) for v in y[:2] for u in x[:2]]
+        low, high = _extremes(np.minimum, np.maximum, corners)
+        if not x.positive:
+            # Below the negative x axis the angle is −π, above it π. To be on it can mean either: there are two zeros.
+            above = y.low >= 0.0 if y.positive else np.False_
+            cut = (x.low <= 0.0) & _holds_zero(y) & ~above
+            low, high = np.where(cut, -np.pi, low), np.where(cut, np.pi, high)
+        return self._rounded(low, high, self.precision.library, _either(x.undefined, y.undefined), y.positive)
+
+    def power(self, a: Interval, b: Interval) -> Interval:
+        """Bounds of a to the power b; undefined where ``a`` may be negative and b is not one whole number."""
+        undefined = _either(a.undefined, b.undefined)
+        if b.is_number and float(b.low).is_integer():
+            return self._whole_power(a, float(b.low), undefined)
+        # |a|^b is monotone in each operand alone.
+        size = self.abs(a)
+        corners = [np.power(u, v) for u in size[:2] for v in b[:2]]
+        low, high = _extremes(np.fmin, np.fmax, corners)
+        unclear = np.isnan(corners).any(axis=0) if np.ndim(low) else np.isnan(np.array(corners)).any()
+        if np.any(unclear):
+            low, high = np.where(unclear, 0.0, low), np.where(unclear, np.inf, high)
+            undefined = _either(undefined, unclear)
+        relative = self._exponential_error(low, high, b.magnitude)
+        positive = a.positive or bool(np.all(a.low > 0.0))
+        if not positive:
+            # Negative numbers have powers with whole exponents alone; they may be of either sign.
+            negative = a.low < 0.0
+            low, high = np.where(negative, -high, low), high
+            undefined = _either(undefined, _where_any(negative))
+        return self._rounded(low, high, relative, undefined, positive)
+
+    def _whole_power(self, a: Interval, exponent: float, undefined) -> Interval:
+        even = exponent % 2.0 == 0.0
+        base = self.abs(a) if even else a
+        ends = np.power(base.low, exponent), np.power(base.high, exponent)
+        low, high = ends if exponent >= 0.0 else ends[::-1]
+        if exponent < 0.0:
+            zero = _where_any(_holds_zero(base))
+            if zero is not None:
+                low = np.where(zero, np.power(base.high, exponent) if even else -np.inf, low)
+                high = np.where(zero, np.inf, high)
+                undefined = _either(undefined, zero)
+        return self._rounded(low, high, self._exponential_error(low, high, abs(exponent)), undefined, base.positive)
+
+
+def _extremes(least, greatest, values) -> tuple[np.ndarray, np.ndarray]:
+    low = high = values[0]
+    for value in values[1:]:
+        low, high = least(low, value), greatest(high, value)
+    return low, high
+
+
+# -- walking the graph --------------------------------------------------------------------------------------------
+
+
+def _squares(base: Formula, other: Formula) -> int:
+    """How often ``base`` has to be squared to give ``other``; 0 if it does not."""
+    count = 0
+    while other.kind == "multiply" and other.operands[0] is other.operands[1]:
+        count, other = count + 1, other.operands[0]
+        if other is base:
+            return count
+    return 0
+
+
+class Boxes:
+    """What intervals do at each kind of node. ``lipschitz`` has the same for values with gradients.
+
+    A box may stand in several rows, each for a part of its points: see ``divide``.
+    """
+
+    def __init__(self, arithmetic: Arithmetic, low: np.ndarray, high: np.ndarray, parameters: np.ndarray):
+        self.arithmetic = arithmetic
+        greatest = arithmetic.precision.greatest
+        self.low, self.high = np.minimum(low, greatest), np.maximum(high, -greatest)
+        self.parameters = parameters
+        self.live: list[dict] = []  # all values that are still needed, from the outermost loop to the innermost
+
+    def position(self, axis: int) -> Interval:
+        """Bounds of a coordinate over each box."""
+        return Interval(self.low[:, axis], self.high[:, axis])
+
+    def number(self, value: float) -> Interval:
+        """A constant or parameter, the same in all boxes."""
+        return self.arithmetic.number(value)
+
+    def apply(self, node: Formula, operands: list) -> Interval | Condition:
+        """The value of an operation of the graph.
+
+        Powers of one formula and remainders a − n⌊a/n⌋ have tighter bounds than their parts.
+        """
+        if node.kind == "multiply":
+            for base, other, interval in zip(node.operands, node.operands[::-1], operands):
+                squares = _squares(base, other)
+                if squares:
+                    return self.arithmetic.odd_power(interval, squares)
+        if node.kind == "subtract":
+            found = self.arithmetic.subtract(*operands)
+            floored = self._floored(*node.operands)
+            if floored:
+                low, high = self.arithmetic.remainder(operands[0], *floored)[:2]
+                if found.whole:
+                    low, high = np.ceil(low), np.floor(high)
+                found = found._replace(low=np.maximum(found.low, low), high=np.minimum(found.high, high))
+            return found
+        return getattr(self.arithmetic, node.kind)(*operands)
+
+    def select(self, condition: Condition, then: Interval, otherwise: Interval) -> Interval:
+        """The value of a choice by a condition."""
+        return self.arithmetic.select(condition, then, otherwise)
+
+    def interval(self, value: Interval) -> Interval:
+        """The interval part of a value."""
+        return value
+
+    def _floored(self, a: Formula, product: Formula) -> tuple[Interval, Line] | None:
+        """The number and the line of ``product`` = number · floor(line of a), if it is of that form."""
+        factors = ((None, product),)
+        if product.kind == "multiply":
+            factors = product.operands, product.operands[::-1]
+        for factor, step in factors:
+            if step.kind == "floor":
+                period = self.arithmetic.number(1.0) if factor is None else self._fixed(factor)
+                line = self._line(step.operands[0], a) if period else None
+                return line and (period, line)
+        return None
+
+    def _line(self, formula: Formula, a: Formula, depth: int = 4) -> Line | None:
+        arithmetic = self.arithmetic
+        if formula is a:
+            return Line(arithmetic.number(1.0), arithmetic.number(0.0), 0.0)
+        if not depth or formula.kind not in ("add", "subtract", "multiply", "divide"):
+            return None
+        left, right = formula.operands
+        apply = getattr(arithmetic, formula.kind)
+        number, line = self._fixed(right), None
+        if number:
+            line = self._line(left, a, depth - 1)
+        elif formula.kind in ("add", "multiply"):
+            number = self._fixed(left)
+            line = number and self._line(right, a, depth - 1)
+        if line is None:
+            return None
+        if formula.kind in ("multiply", "divide"):
+            size = apply(Interval(np.float64(0.0), line.size + line.shift.magnitude), number).magnitude
+            return Line(apply(line.scale, number), apply(line.shift, number), size)
+        return Line(line.scale, apply(line.shift, number), line.size + line.shift.magnitude + number.magnitude)
+
+    def _fixed(self, formula: Formula, depth: int = 4) -> Interval | None:
+        """A number, or what is computed from a few numbers."""
+        if formula.kind == CONSTANT:
+            return self.arithmetic.number(formula.value)
+        if formula.kind == PARAMETER:
+            return self.arithmetic.number(self.parameters[formula.value])
+        if not depth or formula.kind not in OPERATIONS or formula.kind in CONDITIONS or formula.kind == "select":
+            return None
+        operands = [self._fixed(operand, depth - 1) for operand in formula.operands]
+        return None if None in operands else getattr(self.arithmetic, formula.kind)(*operands)
+
+    def divide(self, node: Formula) -> None:
+        """Called when the value of a node has become known: the place to treat parts of boxes apart."""
+
+
+def run(roots: tuple[Formula, ...], boxes: Boxes, known: dict | None = None) -> list:
+    """Values of the roots; those of other nodes are forgotten after their last use."""
+    known = known or {}
+    nodes = [node for node in order(*roots, known=set(known)) if node not in known]
+    uses = dict.fromkeys(nodes, 0)
+    for node in (*roots, *(operand for node in nodes for operand in node.operands)):
+        if node in uses:
+            uses[node] += 1
+    values = dict(known)
+    boxes.live.append(values)
+    for node in nodes:
+        operands = [values[operand] for operand in node.operands]
+        if node.kind == CONSTANT:
+            values[node] = boxes.number(node.value)
+        elif node.kind == VARIABLE:
+            values[node] = boxes.position(axis_of(node))
+        elif node.kind == PARAMETER:
+            values[node] = boxes.number(boxes.parameters[node.value])
+        elif node.kind == ITERATE:
+            values[node] = _loop(node, operands, boxes)
+        elif node.kind == RESULT:
+            values[node] = operands[0][node.value]
+        else:
+            values[node] = boxes.apply(node, operands)
+        for operand in node.operands:
+            if operand in uses:
+                uses[operand] -= 1
+                if not uses[operand]:
+                    values.pop(operand, None)
+        boxes.divide(node)
+    boxes.live.pop()
+    return [values[root] for root in roots]
+
+
+def _loop(node: Formula, operands: list, boxes: Boxes) -> list:
+    """States after the loop: of the points that ran to its end, and of those that stopped in some round."""
+    loop, size = node.value, len(node.value.steps)
+    captures = dict(zip(node.operands[1 + size :], operands[1 + size :]))
+    own = [n for n in body(node) if n.kind == STATE and n.value[0] == loop.level]
+    count = boxes.interval(operands[0])
+    least, most = (rounds(float(end), loop.limit) for end in count[:2])
+    # The states of points that run and of those that do not, and whether some points of a box may be either.
+    now = dict(
+        states=operands[1 : 1 + size],
+        stopped=operands[1 : 1 + size],
+        any_running=np.True_,
+        any_stopped=np.False_,
+        captures=list(captures.values()),
+    )
+    boxes.live.append(now)
+    for number in range(most):
+        known = dict(zip(captures, now["captures"])) | {state: now["states"][state.value[1]] for state in own}
+        values = run(loop.roots(), boxes, known)
+        going = values.pop() if loop.going is not None else Condition(np.True_, np.True_)
+        stopping = now["any_running"] & ~(going.certain & (number < least))
+        if np.any(stopping):
+            chosen = Condition(stopping & ~now["any_stopped"], stopping)
+            now["stopped"] = [boxes.select(chosen, *pair) for pair in zip(now["states"], now["stopped"])]
+            now["any_stopped"] = now["any_stopped"] | stopping
+        now["any_running"] = now["any_running"] & going.possible
+        now["states"] = values
+        if not np.any(now["any_running"]):
+            break
+    boxes.live.pop()
+    last = Condition(now["any_running"] & ~now["any_stopped"], now["any_running"])
+    return [boxes.select(last, *pair) for pair in zip(now["states"], now["stopped"])]

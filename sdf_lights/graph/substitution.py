@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A formula read at another point, with other parameters: from graph to graph."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from .formula import (
+    CALL,
+    CONSTANT,
+    ITERATE,
+    PARAMETER,
+    RESULT,
+    STATE,
+    VARIABLE,
+    Formula,
+    Vector,
+    apply,
+    axis_of,
+    body,
+    call,
+    constant,
+    iterate,
+    order,
+)
+from .functions import Function
+
+
+def substitute(formula: Formula, point: Vector, parameters: Sequence[Formula]) -> Formula:
+    """The formula with ``point`` for the position and ``parameters`` for its slots, loops included."""
+
+    def replace(node: Formula) -> Formula:
+        return point[axis_of(node)] if node.kind == VARIABLE else parameters[node.value]
+
+    return rewritten((formula,), {}, replace)[0]
+
+
+def without_objects(roots: Sequence[Formula]) -> list[Formula]:
+    """The formulas where there is no object: what functions tell of one is 0, and its space is that of the world."""
+
+    def called(function: Function, *operands: Formula) -> tuple[Formula, ...]:
+        if not function.of_object:
+            return call(function, *operands)
+        # A transform gives as many numbers as it takes.
+        return operands if len(operands) == function.results else (constant(0.0),) * function.results
+
+    return rewritten(roots, {}, lambda node: node, called)
+
+
+def rewritten(
+    roots: Sequence[Formula],
+    known: dict,
+    replace: Callable[[Formula], Formula],
+    called: Callable[..., tuple[Formula, ...]] = call,
+    number: Callable[[Formula], Formula] = lambda node: node,
+) -> list[Formula]:
+    """The formulas with ``known`` nodes replaced, every variable and parameter by what ``replace`` makes of it, and, outside
+    of loops, every call of a function by what ``called`` makes of the function and its operands, and every constant, once
+    for each of its uses, by what ``number`` makes of it.
+
+    What is written is added to ``known``.
+    """
+    written = known
+
+    def used(node: Formula):
+        return number(node) if node.kind == CONSTANT else written[node]
+
+    for node in order(*roots, known=known.keys()):
+        if node in written:
+            continue
+        operands = [used(operand) for operand in node.operands]
+        if node.kind in (CONSTANT, STATE):
+            written[node] = node
+        elif node.kind in (VARIABLE, PARAMETER):
+            written[node] = replace(node)
+        elif node.kind == ITERATE:
+            written[node] = _loop(node, operands, replace)
+        elif node.kind == CALL:
+            written[node] = called(node.value, *operands)
+        elif node.kind == RESULT:
+            written[node] = operands[0][node.value]
+        else:
+            written[node] = apply(node.kind, *operands)
+    return [used(root) for root in roots]
+
+
+def _loop(node: Formula, operands: list[Formula], replace: Callable[[Formula], Formula]) -> tuple[Formula, ...]:
+    """Results of the loop, written anew: states of loops are numbered by how deep they stand."""
+    loop, size = node.value, len(node.value.steps)
+    captures = dict(zip(node.operands[1 + size :], operands[1 + size :]))
+    own = [n for n in body(node) if n.kind == STATE and n.value[0] == loop.level]
+
+    def run(*states: Formula):
+        known = captures | {state: states[state.value[1]] for state in own}
+        steps = rewritten(loop.roots(), known, replace)
+        return (steps[:-1], steps[-1]) if loop.going is not None else (steps, None)
+
+    return iterate(operands[0], tuple(operands[1 : 1 + size]), run, loop.limit)

@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Samples of pixels: paths that divide into branches at the first surface that scatters light."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import kernel, table
+from ...vec import largest, madd, put, scale, vec
+from ..kernels import lights
+from ..kernels.film import add_sample, branches_before, branches_of, is_active, pixel_index, samples_due
+from ..kernels.integrator import (
+    GOES_ON,
+    intersect_and_gather,
+    prepare_ray,
+    scatter,
+    shade_and_scatter,
+    start_path,
+    trace_path,
+)
+from ..kernels.media.records import inside_table
+from ..kernels.path import (
+    AT_EXIT,
+    EMISSION_SET,
+    FIRST_BRANCH,
+    FIRST_BRANCH_RAY,
+    VERTEX_SETS,
+    WAITING,
+    clear_sample,
+    path_table,
+    sample_table,
+)
+from ..kernels.rays import ray_table
+from ..kernels.sampler import draw1, pixel_seed
+from ..kernels.workspace import cut_table
+
+# Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
+# greatest error of a pixel is up to a quarter greater.
+LEAST_SURVIVAL = 0.3
+
+control_table = table("control", np.int64)
+
+
+@kernel
+def keep_media(block, workspace, row):
+    """Keep what the path is inside of with the other state of a branch."""
+    if block.has_media:
+        inside_table(workspace)[row] = inside_table(workspace)[0]
+
+
+@kernel
+def use_media(block, workspace, row):
+    """Copy the media that surround path number ``row`` to those of the path itself."""
+    if block.has_media:
+        inside_table(workspace)[0] = inside_table(workspace)[row]
+
+
+@kernel
+def trace_branches(block, workspace, x, y, branches, first_branch):
+    """One sample of the pixel (x, y), in ``sample``. Its path divides into ``branches`` at the first surface that scatters
+    light.
+
+    What comes before is sampled once, and the branches, numbered from ``first_branch`` on, as evenly as all of a pixel.
+    """
+    paths, sample = path_table(workspace), sample_table(workspace)[0]
+    sample.branches = branches
+    start_path(block, workspace, x, y)
+    if not trace_path(block, workspace, True):
+        return
+    sample.divided = 1
+    put(sample.before, vec(sample.combined))
+    put(sample.lamps_before, vec(sample.lamps))
+    paths[WAITING] = paths[0]
+    keep_media(block, workspace, WAITING)
+    for branch in range(branches):
+        paths[0] = paths[WAITING]
+        use_media(block, workspace, WAITING)
+        paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
+        paths[0].alive = int(scatter(block, workspace))
+        if block.has_subsurface:
+            ray_table(workspace)[FIRST_BRANCH_RAY + branch] = ray_table(workspace)[0]
+        paths[FIRST_BRANCH + branch] = paths[0]
+        keep_media(block, workspace, FIRST_BRANCH + branch)
+    intersect_branches(block, workspace, branches)
+    choose_branches(workspace, branches)
+    for branch in range(branches):
+        if paths[FIRST_BRANCH + branch].alive:
+            paths[0] = paths[FIRST_BRANCH + branch]
+            use_media(block, workspace, FIRST_BRANCH + branch)
+            ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
+            cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
+            if block.has_subsurface:
+                cut_table(workspace)[0].lamp = -1  # or one of its exit here
+            if shade_and_scatter(block, workspace, False) == GOES_ON:
+                trace_path(block, workspace, False)
+
+
+@kernel
+def intersect_branches(block, workspace, branches):
+    """Follow all branches to the next surface, and estimate how much light they will bring from there."""
+    paths, rays = path_table(workspace), ray_table(workspace)
+    for branch in range(branches):
+        if not paths[FIRST_BRANCH + branch].alive:
+            continue
+        paths[0] = paths[FIRST_BRANCH + branch]
+        use_media(block, workspace, FIRST_BRANCH + branch)
+        if block.has_subsurface:
+            rays[0] = rays[FIRST_BRANCH_RAY + branch]
+        path = paths[0]
+        path.dimension += VERTEX_SETS
+        path.alive = int(prepare_ray(block, workspace) and intersect_and_gather(block, workspace))
+        if path.alive:
+            position = vec(path.start)
+            if path.event != AT_EXIT:
+                position = madd(position, path.length, vec(path.direction))
+            path.expected = largest(vec(path.throughput)) * lights.irradiance(block, position)
+            rays[FIRST_BRANCH_RAY + branch] = rays[0]
+        paths[FIRST_BRANCH + branch] = paths[0]
+        keep_media(block, workspace, FIRST_BRANCH + branch)
+
+
+@kernel
+def choose_branches(workspace, branches):
+    """Russian roulette: branches that are expected to bring less than their mean survive in proportion to that.
+
+    One number decides on all of them, so how many do is nearly always the same (systematic sampling). What it costs to
+    find out where a branch leads is a fraction of what it costs to light a surface there.
+    """
+    paths = path_table(workspace)
+    waiting = paths[WAITING]
+    total, count = 0.0, 0
+    for branch in range(branches):
+        path = paths[FIRST_BRANCH + branch]
+        if path.alive:
+            total += path.expected
+            count += 1
+    if count < 2 or not 0.0 < total < np.inf:
+        return
+    # The emission along the ray that came here may take this number, too: it is added to what branches bring.
+    passed = draw1(waiting.index, waiting.seed, waiting.dimension + EMISSION_SET)
+    for branch in range(branches):
+        path = paths[FIRST_BRANCH + branch]
+        if path.alive:
+            survival = min(max(path.expected * count / total, LEAST_SURVIVAL), 1.0)
+            path.alive = int(math.floor(passed + survival) > math.floor(passed))
+            passed += survival
+            put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
+
+
+@kernel
+def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
+    """Add samples to the active pixels of the tile [x0, x1) × [y0, y1), until those with the rate 1 have ``samples``."""
+    block, workspace = blocks[0], workspaces[0]
+    path = path_table(workspace)[0]
+    for y in range(y0, y1):
+        if control_table(block)[0] != 0:
+            return
+        for x in range(x0, x1):
+            pixel = pixel_index(block, x, y)
+            if not is_active(block, pixel):
+                continue
+            path.seed, branches = pixel_seed(x, y, block.seed), branches_of(block, pixel)
+            start, end = samples_due(block, pixel, samples)
+            for index in range(start, end):
+                path.index = index
+                clear_sample(workspace)
+                trace_branches(block, workspace, x, y, branches, branches_before(block, pixel))
+                add_sample(block, workspace, pixel, index)

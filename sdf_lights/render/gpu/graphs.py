@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Graphs of materials as GLSL: in the place of ``kernels.shading.values.run``, which calls machine code."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...graph import codegen_glsl
+from ...graph.formula import Formula
+from ...graph.functions import Function
+from ..kernels.shading.records import SURFACE, VARIABLE_FIELDS
+from .translate import BLOCK, FLOAT, INT, Native, Translator, Tuple, Value, known
+from .translate.values import CONSTANT, safe_name
+
+
+class GraphSource:
+    """Writes the graphs that a program runs. ``native`` stands for the kernel that runs them."""
+
+    def __init__(self, structures: Sequence[tuple[Formula, ...]]):
+        self._structures = structures
+        self._scopes: dict[str, object] = {}  # prefix of a workspace's names -> that workspace
+
+    @property
+    def native(self) -> Native:
+        """What the translator writes for a call of the kernel that runs a graph."""
+
+        def call(function, arguments):
+            _, workspace, graph, slots = arguments
+            scope = workspace.constant
+            self._scopes[scope.prefix] = scope
+            texts = [function.converted(value, INT).text for value in (graph, slots)]
+            return Value(None, f"{scope.prefix}run_graph({', '.join(texts)})")
+
+        return Native(call)
+
+    def registers(self) -> int:
+        """Length of the array of registers."""
+        # Four at least: the translator reads an array of three floats as a vector.
+        return max(4, *map(len, self._structures), 0)
+
+    def declarations(self) -> str:
+        """GLSL prototypes of the functions that ``source`` defines."""
+        return "\n".join(f"void {prefix}run_graph(int graph, int slots);" for prefix in self._scopes)
+
+    def source(self, translator: Translator) -> str:
+        """The functions that were declared; kernels that they call are added to the translator's."""
+        parts, helpers = [], set()
+        for prefix, scope in list(self._scopes.items()):
+            cases = []
+            for index, structure in enumerate(self._structures):
+                lines, used = self._body(translator, scope, structure)
+                helpers |= used
+                parts.append("\n".join([f"void {prefix}graph_{index}(int slots)", "{", *lines, "}"]))
+                cases.append(f"    case {index}: {prefix}graph_{index}(slots); break;")
+            parts.append(
+                "\n".join(
+                    [f"void {prefix}run_graph(int graph, int slots)", "{", "    switch (graph) {", *cases, "    }", "}"]
+                )
+            )
+        return "\n".join([*codegen_glsl.helpers("graph", helpers), *parts])
+
+    def _body(self, translator: Translator, scope, structure) -> tuple[list[str], set[str]]:
+        constants = translator.tables.table("constants", None, known(BLOCK))
+        slot = f"{constants.type.reader}float_at({constants.text} + slots + {{}})"
+
+        def variable(node: Formula) -> str:
+            name, component = node.value
+            field = VARIABLE_FIELDS[name]
+            text = f"{scope.prefix}surface_row.{safe_name(field)}"
+            dtype = SURFACE.fields[field][0]
+            text = f"{text}[{component}]" if dtype.shape else text
+            return text if dtype.base.kind == "f" else f"float({text})"
+
+        def call(function: Function, operands: list[str], declare) -> list[str]:
+            arguments = [known(BLOCK), known(scope)] if function.scene else []
+            given = [*map(known, function.static), *(Value(FLOAT, text) for text in operands)]
+            name, result = translator.function(function.kernel, arguments + given)
+            if result.type == CONSTANT:
+                values = result.constant if isinstance(result.constant, tuple) else (result.constant,)
+                return [codegen_glsl.literal(float(value)) for value in values]
+            texts = [*map(str, function.static), *operands]
+            local = declare(translator.glsl_type(result.type), f"{name}({', '.join(texts)})")
+            if not isinstance(result.type, Tuple):
+                return [local if result.type == FLOAT else f"float({local})"]
+            if result.type.vector:
+                return [f"{local}[{index}]" for index in range(function.results)]
+            return [f"float({local}.v{index})" for index in range(function.results)]
+
+        lines, values, helpers = codegen_glsl.statements(structure, "graph", slot, variable, call)
+        stores = [f"    {scope.prefix}registers_rows[{index}] = {value};" for index, value in enumerate(values)]
+        return lines + stores, helpers

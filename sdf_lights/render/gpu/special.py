@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closures of ``kernels/shading/special/``: where the CPU calls one by its address, the GPU chooses between those that a scene has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from ...jit import kernel
+from ..kernels.shading import apart, special
+from .translate import BLOCK, FLOAT, INT, Native, Tuple, Value, known
+
+_ADD = None, ("lobe", INT), ("weight", FLOAT)
+_EVALUATE = Tuple((FLOAT,) * 4), ("closure", INT), ("x", FLOAT), ("y", FLOAT), ("z", FLOAT)
+_SAMPLE = Tuple((FLOAT,) * 7 + (INT,)), ("closure", INT), ("u1", FLOAT), ("u2", FLOAT), ("u3", FLOAT)
+
+
+@kernel
+def _unrefined(block, workspace, lobe, closure, roughness):
+    """In the place of ``apart.refine`` where no material asks for it."""
+    return roughness, -1.0, -1.0, -1.0
+
+
+@kernel
+def _opaque(block, workspace):
+    """Likewise of ``apart.transparency``."""
+    return 0.0, 0.0, 0.0
+
+
+@kernel
+def _shaded_transparency(block, workspace):
+    return special.TRANSPARENCY(block, workspace, 0.0)
+
+
+@kernel
+def _no_wall(block, workspace, lobe, r, g, b):
+    """Likewise of ``apart.thin_wall``."""
+    return 0.0
+
+
+@kernel
+def _no_scattering(block, workspace, lobe, r, g, b, ior):
+    """Likewise of ``apart.subsurface``."""
+    return 0.0
+
+
+def natives(lobes: np.ndarray) -> dict:
+    """What stands in the place of the kernels of ``apart``, for a scene with these lobes."""
+    found, closures, refined, thin, deep = special.kinds(lobes)
+    return {
+        apart.add: _choice("special_add", _ADD, {kind: special.LOBES[kind][0] for kind in found}),
+        apart.evaluate: _choice(
+            "special_evaluate", _EVALUATE, {kind: special.CLOSURES[kind].evaluate for kind in closures}
+        ),
+        apart.sample: _choice("special_sample", _SAMPLE, {kind: special.CLOSURES[kind].sample for kind in closures}),
+        apart.refine: special.REFINE if refined else _unrefined,
+        apart.thin_wall: special.THIN_WALL if thin else _no_wall,
+        apart.transparency: _shaded_transparency if thin else _opaque,
+        apart.subsurface: special.SCATTERING if deep else _no_scattering,
+    }
+
+
+def _choice(name: str, signature: tuple, kernels: dict[int, Callable]) -> Native:
+    """One of ``kernels``, by the kind that a call gives after the block and the workspace."""
+    return Native(partial(_call, name, signature, kernels))
+
+
+def _call(name: str, signature: tuple, kernels: dict[int, Callable], function, arguments: list[Value]) -> Value:
+    translator, (result, *parameters), workspace = function.translator, signature, arguments[1]
+    name = workspace.constant.prefix + name
+    if name not in translator.named:
+        translator.named.add(name)
+        lines = []
+        for kind in sorted(kernels):
+            own, value = translator.function(
+                kernels[kind], [known(BLOCK), workspace, *(Value(type_, text) for text, type_ in parameters)]
+            )
+            text = f"{own}({', '.join(text for text, _ in parameters)})"
+            text = (
+                f"{text}; return"
+                if result is None
+                else f"return {function.converted(Value(value.type, text), result).text}"
+            )
+            lines.append(f"    if (kind == {kind}) {{ {text}; }}")
+        if result is not None:
+            zeros = ", ".join("0" if item == INT else "0.0" for item in result.items)
+            lines.append(f"    return {translator.glsl_type(result)}({zeros});")
+        given = ", ".join(["int kind", *(f"{type_} {text}" for text, type_ in parameters)])
+        translator.functions.append(
+            "\n".join(
+                [f"{'void' if result is None else translator.glsl_type(result)} {name}({given})", "{", *lines, "}"]
+            )
+        )
+    kinds = [INT, *(type_ for _, type_ in parameters)]
+    texts = [function.converted(value, type_).text for value, type_ in zip(arguments[2:], kinds, strict=True)]
+    return Value(result, f"{name}({', '.join(texts)})")

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images in the type of their files, and how they are looked up.
+
+A 4K map of bytes takes 64 MB as RGBA and 16 MB as grey. Colours in sRGB stay encoded: a look-up interpolates codes and
+decodes the result, as Cycles does, so bytes need no conversion.
+
+There are no levels of detail (mipmaps). Cycles takes them only from tiled files that somebody has made with them, and
+all its other textures as they are; samples of a pixel average a texture as they average geometry.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+
+MISSING = (1.0, 0.0, 1.0, 1.0)  # nobody overlooks it, and Cycles shows the same
+
+# Types of pixels, and what of each is 1.
+LARGEST = {np.dtype("u1"): 255.0, np.dtype("u2"): 65535.0, np.dtype("f2"): 1.0, np.dtype("f4"): 1.0}
+
+LINEAR_BELOW = 0.04045  # code of sRGB from which on it is a power
+
+
+@dataclass
+class Image:
+    """Pixels of one texture.
+
+    ``pixels`` is (height, width, channels), row 0 at the bottom: 1 channel is grey, 3 are RGB, 4 RGBA; uint8 and uint16,
+    whose largest number is 1, float16 or float32. Colours are scene-linear, or, where it is ``encoded``, codes of sRGB.
+    Without pixels it is missing, and seen in magenta.
+    """
+
+    name: str
+    pixels: np.ndarray
+    encoded: bool = False
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A look-up of an image, or of UDIM tiles.
+
+    ``image`` is an index of ``Scene.images``, None where there is none: magenta. ``interpolation`` ("Linear", "Closest",
+    "Cubic", "Smart") and ``extension`` ("REPEAT", "EXTEND", "CLIP", "MIRROR") are Blender's. ``straight``: colours are
+    divided by alpha, with which pixels come multiplied. ``tiles``: UDIM numbers with the index of each one's image.
+    """
+
+    image: int | None = None
+    interpolation: str = "Linear"
+    extension: str = "REPEAT"
+    straight: bool = False
+    tiles: tuple[tuple[int, int], ...] = ()
+
+
+def as_pixels(array: np.ndarray) -> np.ndarray:
+    """``array`` as pixels of a known type, C-contiguous: (0, 0, 4) where it has none, or not a known shape."""
+    array = np.asarray(array)
+    if array.ndim != 3 or array.shape[2] not in (1, 3, 4) or not array.size:
+        return np.zeros((0, 0, 4), np.float32)
+    return np.ascontiguousarray(array, array.dtype if array.dtype in LARGEST else np.float32)
+
+
+def decoded(codes: np.ndarray) -> np.ndarray:
+    """Linear values of sRGB codes (IEC 61966-2-1); those above 1 go on along its power, those below 0 are 0."""
+    codes = np.maximum(codes, codes.dtype.type(0.0))
+    power = ((codes + 0.055) / 1.055) ** 2.4
+    return np.where(codes < LINEAR_BELOW, codes / 12.92, power)
+
+
+def colors(image: Image) -> np.ndarray:
+    """Scene-linear RGB (height, width, 3) float32 of all pixels, the image's own if they are just that; one in magenta
+    where the image is missing."""
+    pixels = as_pixels(image.pixels)
+    if not pixels.size:
+        return np.full((1, 1, 3), MISSING[:3], np.float32)
+    stored = pixels[..., :3]
+    if pixels.dtype == np.float32 and stored.shape[2] == 3 and not image.encoded:
+        return stored
+    result = np.empty((*pixels.shape[:2], 3), np.float32)
+    result[...] = stored
+    if pixels.dtype.kind == "u":
+        result /= np.float32(LARGEST[pixels.dtype])
+    if image.encoded:
+        for row in result:  # one at a time: a power of a whole image would need as much memory again, twice
+            row[:] = decoded(row)
+    return result
+
+
+def mean_color(image: Image) -> tuple[float, float, float]:
+    """About the mean of the colours, of at most 256 × 256 pixels."""
+    pixels = as_pixels(image.pixels)
+    steps = (max(size // 256, 1) for size in pixels.shape[:2])
+    few = Image(image.name, pixels[tuple(slice(None, None, step) for step in steps)], image.encoded)
+    return tuple(map(float, colors(few).mean((0, 1), dtype=np.float64)))
+
+
+STEPS = 4 * 255  # of the table of decoded codes: those of bytes are among them
+
+
+@functools.lru_cache(maxsize=1)
+def decoding_table() -> np.ndarray:
+    """(STEPS + 2,) float32: linear values of the sRGB codes 0, 1 / STEPS, … 1, and one more.
+
+    What lies between is found by linear interpolation, to 4e-7: a power takes seven times as long.
+    """
+    return decoded(np.arange(STEPS + 2) / STEPS).astype(np.float32)

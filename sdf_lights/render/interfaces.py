@@ -1,0 +1,147 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the parts of the renderer are to one another: a back end, a light, a light sampler, a BSDF, a sampler, a film.
+
+As ``base/`` is in pbrt. Kernels have no objects, so all but a back end are modules: a module that has these functions is one.
+``block`` is the record of a scene (``kernels.packing``), ``workspace`` that of a thread (``kernels.workspace``). Points and unit
+vectors are tuples in world space, pdfs are per solid angle, radiance is RGB, u1 … are uniform numbers of [0, 1).
+``tests/render/test_interfaces.py`` holds everything that is registered against them, by names and parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol, runtime_checkable
+
+from .film import Film as FilmOfScene
+from .scene import Scene
+
+
+@runtime_checkable
+class BackEnd(Protocol):
+    """Renders a scene into a film. Made with (scene, film, cancelled, say), which may compile for a while.
+
+    ``say(text)`` tells what it is at. ``ready`` is False if ``cancelled()`` said so meanwhile. Raises ``RenderError``, and
+    ``DeviceError`` where another back end has to take over.
+    """
+
+    @property
+    def name(self) -> str:
+        """For the user: "CPU", "GPU (and its model)"."""
+        ...
+
+    ready: bool
+
+    def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if ``stop()`` ended it before."""
+        ...
+
+    def finish(self) -> None:
+        """Warn of what could not be resolved, and free what the render needed; the film stays."""
+        ...
+
+
+@runtime_checkable
+class InteractiveBackEnd(BackEnd, Protocol):
+    """A back end of the viewport: it takes changes of a scene, and stops at once."""
+
+    def relight(self, scene: Scene) -> None:
+        """Take the lamps and lights of a scene that is otherwise the same as before."""
+        ...
+
+    def aim(self, scene: Scene, film: FilmOfScene) -> None:
+        """Take the camera and the settings of a scene that is otherwise the same as before, and another film."""
+        ...
+
+    def interrupt(self) -> None:
+        """Stop sampling within milliseconds, if ``stop`` then says so too. May be called by another thread."""
+        ...
+
+
+@runtime_checkable
+class Light(Protocol):
+    """A kind of light: a module of ``kernels.lights``, whose ``RECORD`` has a row for each light of the kind."""
+
+    def pack(self, row, light, rgb):
+        """Fill the row of ``light``, whose strength times colour is ``rgb``; what the light tree has to know of it."""
+        ...
+
+    def sample(self, light, x, u1, u2):
+        """From x: (wi, distance, radiance, pdf, singular). A pdf of 0 means that the light does not reach x."""
+        ...
+
+    def hit(self, light, o, d):
+        """What a ray meets: (distance, radiance, pdf of ``sample`` at o); a distance of −1 where it misses."""
+        ...
+
+
+@runtime_checkable
+class LightSampler(Protocol):
+    """Chooses one emitter of all for a point: ``kernels.lights``."""
+
+    def select(self, block, x, n, u, cut):
+        """(emitter, probability, u remapped to [0, 1)); emitter −1 where nothing shines. n is zero where both sides count."""
+        ...
+
+    def selection_probability(self, block, x, n, emitter, cut):
+        """The probability with which ``select`` gives that emitter at the same x and n."""
+        ...
+
+
+@runtime_checkable
+class Bsdf(Protocol):
+    """A closure that few scenes have: a module of ``kernels.shading.special``. ``index`` is that of its ``CLOSURE``."""
+
+    def evaluate(self, block, workspace, index, x, y, z):
+        """For the direction (x, y, z): (red, green, blue, pdf) of f · |cos|, without the closure's weight."""
+        ...
+
+    def sample(self, block, workspace, index, u1, u2, u3):
+        """(x, y, z, red, green, blue, pdf, kind): a direction, f · |cos| there, and bits of ``shading.records``."""
+        ...
+
+
+@runtime_checkable
+class Sampler(Protocol):
+    """The sampling pattern: ``kernels.sampler``. A set of one to four numbers has a ``dimension`` of its own."""
+
+    def pixel_seed(self, x, y, seed):
+        """A number that keeps the patterns of pixels, and of renders with different ``seed``, independent."""
+        ...
+
+    def draw1(self, index, seed, dimension):
+        """A number for sample ``index``; ``seed`` is from ``pixel_seed``."""
+        ...
+
+    def draw2(self, index, seed, dimension):
+        """A point of the unit square, arguments as in ``draw1``."""
+        ...
+
+    def draw3(self, index, seed, dimension):
+        """A point of the unit cube."""
+        ...
+
+    def draw4(self, index, seed, dimension):
+        """A point of the four-dimensional unit cube."""
+        ...
+
+
+@runtime_checkable
+class Film(Protocol):
+    """Where samples go: ``kernels.film``, by the index of a pixel."""
+
+    def pixel_index(self, block, x, y):
+        """The index of the pixel in column x and row y of the full frame."""
+        ...
+
+    def is_active(self, block, pixel):
+        """Whether the pixel takes samples."""
+        ...
+
+    def samples_due(self, block, pixel, samples):
+        """Indices (first, end) of the samples that a pixel is to take, where others are to have ``samples`` then."""
+        ...
+
+    def add_sample(self, block, workspace, pixel, index):
+        """Add the workspace's sample, number ``index`` of its pixel."""
+        ...

@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Emission that the ray of a path meets, weighed by the balance heuristic against light rays from where it scattered."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ... import emitter as lamps
+from ...emitter.sampling.strategies import NO_BSDF_RAYS, NO_LIGHT_RAYS
+from ...jit import kernel
+from ...replaced import replaced_on_gpu
+from ...vec import largest, mul, vec
+from . import lights
+from .emission import modulated
+from .geometry import surface_table
+from .lamp_tree import found_table, lamps_along
+from .media import apart as media
+from .media.beams import attenuation
+from .media.records import inside_table
+from .next_event import competes, facing, lamp_density, renew_lamp, rival_density
+from .path import CAMERA, EMISSION_SET, contribute, path_table, uncover
+from .sampler import draw1
+from .workspace import cut_of, hit_table, light_cut_of, spans_of
+
+
+@kernel
+def _mis(block, workspace, emitter, pdf):
+    """Weight of emission met by a ray: balance heuristic against light sampling where the path last scattered.
+
+    Paths from the camera and from singular scattering have pdf 0: nothing else can find that emission.
+    """
+    path = path_table(workspace)[0]
+    if path.pdf <= 0.0:
+        return 1.0
+    if not competes(block, emitter):
+        return 0.0
+    pmf = lights.selection_probability(
+        block, vec(path.origin), facing(path, vec(path.normal)), emitter, light_cut_of(workspace)
+    )
+    return path.pdf / (path.pdf + pmf * pdf)
+
+
+@kernel
+def _lamp_mis(block, workspace, lamp, count):
+    """As ``_mis``, for a lamp: against the cut where the path last scattered."""
+    path = path_table(workspace)[0]
+    if path.pdf <= 0.0:
+        return 1.0
+    if not competes(block, lamp):
+        return 0.0
+    cut = cut_of(workspace)
+    origin, normal = vec(path.origin), vec(path.normal)
+    renew_lamp(block, workspace, lamp)
+    if cut.strategy == NO_LIGHT_RAYS:
+        return 1.0
+    pmf = lights.selection_probability(block, origin, facing(path, normal), lamp, light_cut_of(workspace))
+    density = lamp_density(block, workspace, lamp, origin, vec(path.direction), count)
+    rival = rival_density(cut, path.pdf, path.glossy_pdf)
+    return rival / (rival + pmf * density) if rival > 0.0 else 0.0
+
+
+@kernel
+def counts(block, workspace, lamp):
+    """Whether a lamp that the path's ray may cross counts there: at broad lobes the cut may be all that is needed."""
+    path = path_table(workspace)[0]
+    if block.has_media and path.in_medium:
+        return False
+    if path.pdf <= 0.0 or path.glossy_pdf > 0.0:
+        return True
+    cut = cut_of(workspace)
+    renew_lamp(block, workspace, lamp)
+    return cut.bsdf_mis_scale > NO_BSDF_RAYS and competes(block, lamp)
+
+
+@kernel
+def gather_lamps(block, workspace, t_to):
+    """Add the line integral of each lamp along the path's ray up to the distance ``t_to``."""
+    path = path_table(workspace)[0]
+    spans, found = spans_of(workspace), found_table(workspace)
+    origin, direction = vec(path.origin), vec(path.direction)
+    if path.found < 0:
+        path.found = lamps_along(block, workspace, origin, direction, t_to, path.kind)
+    for index in range(path.found):
+        lamp = found[index]
+        if not counts(block, workspace, lamp):
+            continue
+        count = path.kept_count if path.kept == lamp else lamps.trace(block, lamp, origin, direction, spans)
+        if count == 0:
+            continue
+        u = draw1(path.index, path.seed, path.dimension + EMISSION_SET) if lamps.varies(block, lamp) else 0.5
+        if block.has_media and inside_table(workspace)[0].count > 0:
+            radiance = media.seen_lamp(block, workspace, lamp, count, t_to, u)
+        else:
+            radiance = lamps.radiance(block, lamp, origin, direction, spans, count, path.t_min, t_to, u)
+        if largest(radiance) <= 0.0:
+            continue
+        contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, count), True, path.bounce)
+
+
+@replaced_on_gpu
+@kernel
+def lamp_reach(block, workspace, path):
+    """Distance at which the path's ray leaves the last lamp that it crosses; 0 if it crosses none.
+
+    The lamps are kept for ``gather_lamps``, and the intervals of a single one.
+    """
+    spans, found = spans_of(workspace), found_table(workspace)
+    origin, direction = vec(path.origin), vec(path.direction)
+    reach = 0.0
+    path.found = 0
+    candidates = lamps_along(block, workspace, origin, direction, path.t_max, path.kind)
+    for index in range(candidates):
+        lamp = found[index]
+        if not counts(block, workspace, lamp):
+            continue
+        count = lamps.trace(block, lamp, origin, direction, spans)
+        path.kept, path.kept_count = lamp, count
+        if count > 0:
+            reach = max(reach, spans[count - 1, 0] + spans[count - 1, 1])
+            found[path.found] = lamp
+            path.found += 1
+    if candidates > 1:
+        path.kept = -1
+    return reach
+
+
+@kernel
+def gather_lights(block, workspace, t_to):
+    """Add Blender lights of finite size that the path's ray meets before ``t_to``."""
+    path = path_table(workspace)[0]
+    hits = hit_table(workspace)
+    origin, direction = vec(path.origin), vec(path.direction)
+    count = lights.light_hits(block, origin, direction, t_to, path.kind, hits)
+    for index in range(count):
+        hit = hits[index]
+        if hit.distance <= path.t_min:
+            continue
+        weight = _mis(block, workspace, hit.emitter, hit.pdf)
+        radiance = vec(hit.radiance)
+        if block.emission_graphs:
+            radiance = modulated(block, workspace, hit.emitter, radiance, origin, direction, hit.distance, path.kind)
+        if block.has_media and inside_table(workspace)[0].count > 0:
+            radiance = mul(radiance, attenuation(vec(inside_table(workspace)[0].extinction), hit.distance - path.t_min))
+        contribute(block, workspace, radiance, weight, False, path.bounce)
+
+
+@kernel
+def _nothing(radiance):
+    """Whether there is no light at all; that of materials may be negative, as in Cycles."""
+    return radiance[0] == 0.0 and radiance[1] == 0.0 and radiance[2] == 0.0
+
+
+@kernel
+def gather_world(block, workspace):
+    """Add the background, and end the path in the alpha channel."""
+    path = path_table(workspace)[0]
+    if path.kind == CAMERA and block.transparent_film:
+        uncover(workspace, 1.0)
+        return
+    world = lights.world_emitter(block)
+    if not lights.visibility(block, world) & path.kind:
+        return
+    direction = vec(path.direction)
+    radiance = lights.world_radiance(block, direction)
+    if block.emission_graphs:
+        radiance = modulated(block, workspace, world, radiance, vec(path.origin), direction, np.inf, path.kind)
+    if _nothing(radiance):
+        return
+    pdf = lights.world_pdf(block, vec(path.normal), direction) if path.pdf > 0.0 else 0.0
+    contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), False, path.bounce)
+
+
+@kernel
+def gather_surface(block, workspace):
+    """Add the emission of the surface that was hit."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    radiance = vec(surface.emission)
+    if _nothing(radiance):
+        return
+    weight = 1.0
+    if path.pdf > 0.0:
+        emitter = lights.triangle_emitter(block, surface.instance, surface.primitive)
+        if emitter >= 0:
+            pdf = lights.triangle_pdf(block, vec(path.origin), emitter, vec(path.direction), path.length)
+            weight = _mis(block, workspace, emitter, pdf)
+    contribute(block, workspace, radiance, weight, False, path.bounce)

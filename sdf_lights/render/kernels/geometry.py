@@ -1,0 +1,305 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes and instances as tables, and the surface that a ray has hit.
+
+Positions of a baked instance (one whose mesh is used once, see rays.py) are in world space already; all other corner
+data stay in the mesh's local space and are brought to world space at the hit.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...affine import inverse
+from ...jit import kernel, table
+from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
+from ..material import Attribute, attributes_of
+from ..scene import AttributeValues, Domain, Instance, Mesh, Ray, Scene
+from .rays import hit_instance, hit_normal, ray_table, world_positions
+from .shading.program import MATERIAL
+from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
+
+# All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows as
+# materials look up attributes.
+INSTANCE = np.dtype(
+    [
+        ("matrix", np.float64, (3, 4)),
+        ("inverse", np.float64, (3, 4)),
+        ("baked", np.int64),
+        ("holdout", np.int64),
+        ("positions", np.int64),
+        ("triangles", np.int64),
+        ("triangle_count", np.int64),
+        ("normals", np.int64),
+        ("attributes", np.int64),
+        ("slots", np.int64),
+        ("materials", np.int64),
+        ("material_count", np.int64),
+        ("mirrored", np.int64),
+        ("index", np.int64),
+        ("random", np.float64),
+        ("color", np.float64, (4,)),
+        ("box_center", np.float64, (3,)),
+        ("box_size", np.float64, (3,)),
+    ],
+    align=True,
+)  # of the mesh, in its own space
+ATTRIBUTE = np.dtype([("start", np.int64), ("domain", np.int32), ("width", np.int32)], align=True)
+
+POSITION = np.dtype([("p", np.float32, (3,))])
+TRIANGLE = np.dtype([("v", np.int32, (3,))])
+CORNER_NORMALS = np.dtype([("n", np.float32, (3, 3))])
+
+TABLES = {
+    "instances": INSTANCE,
+    "positions": POSITION,
+    "triangles": TRIANGLE,
+    "corner_normals": CORNER_NORMALS,
+    "slots": np.dtype(np.int32),
+    "instance_materials": np.dtype(np.int32),
+    "attributes": ATTRIBUTE,
+    "attribute_values": np.dtype(np.float32),
+}
+
+NO_DOMAIN = -1
+SHADOW = int(Ray.SHADOW)
+CORNER, VERTEX, TRIANGLE_DOMAIN, WHOLE = (int(domain) for domain in Domain)
+# Bump mapping takes differences over this part of a pixel (Blender's filter width), or over this distance in metres
+# where the pixel's width is not known. Bilinear texels make the result all but independent of it.
+_BUMP_FILTER = 0.1
+_BUMP_DISTANCE = 1e-4
+
+instance_table = table("instances", INSTANCE)
+position_table = table("positions", POSITION)
+triangle_table = table("triangles", TRIANGLE)
+normal_table = table("corner_normals", CORNER_NORMALS)
+attribute_table = table("attributes", ATTRIBUTE)
+attribute_value_table = table("attribute_values", np.float32)
+slot_table = table("slots", np.int32)
+material_table = table("instance_materials", np.int32)
+surface_table = table("surface", SURFACE)
+shading_material_table = table("materials", MATERIAL)
+
+
+class _Rows:
+    """Arrays to be laid end to end in one table."""
+
+    def __init__(self, dtype: np.dtype):
+        self.dtype, self.parts, self.count = dtype, [], 0
+
+    def add(self, array: np.ndarray) -> int:
+        """Append (rows, …) values; the row at which they start."""
+        base = self.dtype if self.dtype.fields is None else self.dtype.fields[self.dtype.names[0]][0].base
+        flat = np.ascontiguousarray(array, base).reshape(len(array), -1)
+        self.parts.append(flat)
+        start, self.count = self.count, self.count + len(flat)
+        return start
+
+    def join(self) -> np.ndarray:
+        if not self.parts:
+            return np.zeros(0, self.dtype)
+        return np.concatenate(self.parts).reshape(-1).view(self.dtype)
+
+
+def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
+    """Tables of all meshes and instances. ``baked``: (instances,) bool from ``cpu.accelerator.Accelerator``."""
+    rows = {name: _Rows(dtype) for name, dtype in TABLES.items() if name not in ("instances", "attributes")}
+    wanted = attributes_of(scene.materials)
+    attributes = _Attributes(wanted, rows["attribute_values"])
+    packed: dict[int, dict[str, int]] = {}
+    instances = np.zeros(len(scene.instances), INSTANCE)
+    for index, instance in enumerate(scene.instances):
+        mesh, record = scene.meshes[instance.mesh], instances[index]
+        if instance.mesh not in packed:
+            places = dict(
+                triangles=rows["triangles"].add(mesh.triangles),
+                triangle_count=len(mesh.triangles),
+                normals=-1 if mesh.normals is None else rows["corner_normals"].add(mesh.normals),
+                slots=-1 if mesh.slots is None else rows["slots"].add(mesh.slots),
+            )
+            positions = world_positions(mesh.positions, instance.matrix) if baked[index] else mesh.positions
+            places["positions"] = rows["positions"].add(positions)
+            packed[instance.mesh] = places
+        for name, place in packed[instance.mesh].items():
+            record[name] = place
+        matrix = np.asarray(instance.matrix, np.float64)
+        record["matrix"], record["inverse"] = matrix[:3], inverse(matrix)[:3]
+        record["baked"], record["holdout"] = baked[index], instance.holdout
+        record["mirrored"] = np.linalg.det(matrix[:3, :3]) < 0.0
+        record["materials"] = rows["instance_materials"].add(np.array(instance.materials, np.int32))
+        record["material_count"] = len(instance.materials)
+        record["attributes"] = attributes.place(instance, mesh)
+        record["index"], record["random"], record["color"] = instance.index, instance.random, instance.color
+        record["box_center"], record["box_size"] = box_around(mesh.positions)
+    tables = {name: part.join() for name, part in rows.items()}
+    tables["instances"] = instances
+    tables["attributes"] = np.array(attributes.records or [(0, NO_DOMAIN, 0)], ATTRIBUTE)
+    return tables
+
+
+class _Attributes:
+    """Rows of the table of attributes: one for each of the ``wanted`` ones, for each mesh, and again for each instance
+    that has values of its own."""
+
+    def __init__(self, wanted: list[Attribute], values: _Rows):
+        self.records: list[tuple[int, int, int]] = []
+        self._wanted, self._values = wanted, values
+        self._meshes: dict[int, int] = {}
+        self._known: dict[int, tuple[int, int, int]] = {}
+
+    def place(self, instance: Instance, mesh: Mesh) -> int:
+        """Row of the first attribute of an instance."""
+        own = bool(instance.attributes)
+        if own or instance.mesh not in self._meshes:
+            place = len(self.records)
+            for attribute in self._wanted:
+                found = instance.attributes.get(attribute) or attribute_values(mesh, attribute)
+                self.records.append((0, NO_DOMAIN, 0) if found is None else self._record(found))
+            if own:
+                return place
+            self._meshes[instance.mesh] = place
+        return self._meshes[instance.mesh]
+
+    def _record(self, found: AttributeValues) -> tuple[int, int, int]:
+        key = id(found.values)
+        if key not in self._known:
+            start = self._values.add(np.ravel(found.values))
+            self._known[key] = start, int(found.domain), found.values.shape[-1]
+        return self._known[key]
+
+
+def attribute_values(mesh: Mesh, attribute: Attribute) -> AttributeValues | None:
+    """An attribute of a mesh; None where it has none."""
+    if attribute.kind in ("uv", "tangent"):
+        maps = mesh.uvs if attribute.kind == "uv" else mesh.tangents
+        found = maps.get(attribute.name)
+        return None if found is None else AttributeValues(Domain.CORNER, found)
+    return mesh.attributes.get(attribute)
+
+
+def box_around(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Center and size (3,) of the box that generated coordinates refer to; a side of no length counts as 1."""
+    if not len(positions):
+        return np.zeros(3), np.ones(3)
+    low, high = positions.min(axis=0).astype(np.float64), positions.max(axis=0).astype(np.float64)
+    return 0.5 * (low + high), np.where(high > low, high - low, 1.0)
+
+
+@kernel
+def _corner(block, instance, triangle, corner):
+    """World position of a vertex, in float64."""
+    index = triangle_table(block)[instance.triangles + triangle].v[corner]
+    p = vec(position_table(block)[instance.positions + index].p)
+    return p if instance.baked else transform_point(instance.matrix, p)
+
+
+@kernel
+def hit_material(instance, block, triangle):
+    """Index of the material of a triangle of an instance."""
+    slot = 0
+    if instance.slots >= 0:
+        slot = min(max(slot_table(block)[instance.slots + triangle], 0), instance.material_count - 1)
+    return material_table(block)[instance.materials + slot]
+
+
+@kernel
+def find_surface(block, workspace, wo, ray_kind, footprint):
+    """Fill ``SURFACE`` from the hit that ``rays.intersect`` left in the workspace, as far as the material needs it."""
+    _fill_surface(block, ray_table(workspace)[0], surface_table(workspace)[0], wo, ray_kind, footprint)
+
+
+@kernel
+def _fill_surface(block, ray, surface, wo, ray_kind, footprint):
+    """Fill ``SURFACE`` from a hit.
+
+    The position comes from the barycentric coordinates in float64, not from the distance along the ray: its error
+    does not grow with the distance, and it lies in the plane of the triangle.
+    """
+    index = hit_instance(ray)
+    instance = instance_table(block)[index]
+    triangle = np.int64(ray.primitive)
+    u, v = float(ray.u), float(ray.v)
+    w = 1.0 - u - v
+    p0 = _corner(block, instance, triangle, 0)
+    edge1 = sub(_corner(block, instance, triangle, 1), p0)
+    edge2 = sub(_corner(block, instance, triangle, 2), p0)
+    position = madd(madd(p0, u, edge1), v, edge2)
+    ng = normalize(cross(edge1, edge2))
+    if instance.mirrored:
+        ng = negate(ng)
+    n = ng
+    object_normal = ng
+    if instance.normals >= 0:
+        corners = normal_table(block)[instance.normals + triangle].n
+        object_normal = (
+            w * corners[0, 0] + u * corners[1, 0] + v * corners[2, 0],
+            w * corners[0, 1] + u * corners[1, 1] + v * corners[2, 1],
+            w * corners[0, 2] + u * corners[1, 2] + v * corners[2, 2],
+        )
+        smooth = normalize(transform_normal(instance.inverse, object_normal))
+        if dot(smooth, smooth) > 0.5:
+            n = smooth
+    surface.backfacing = 0
+    if dot(ng, wo) < 0.0:
+        surface.backfacing = 1
+        ng, n = negate(ng), negate(n)
+    for axis in range(3):
+        surface.position[axis] = position[axis]
+        surface.wo[axis] = wo[axis]
+        surface.ng[axis] = ng[axis]
+        surface.n[axis] = n[axis]
+    surface.instance = index
+    surface.primitive = triangle
+    surface.barycentric[0] = u
+    surface.barycentric[1] = v
+    surface.ray_kind = ray_kind
+    surface.material = hit_material(instance, block, triangle)
+    flags = shading_material_table(block)[surface.material].flags
+    if flags & NEEDS_DERIVATIVES:
+        surface.bump_step = _BUMP_FILTER * footprint if footprint > 0.0 else _BUMP_DISTANCE
+        for axis in range(3):
+            surface.dpdu[axis] = edge1[axis]
+            surface.dpdv[axis] = edge2[axis]
+    if flags & NEEDS_OBJECT_NORMAL:
+        if instance.normals < 0:
+            object_normal = transform_normal(instance.matrix, ng if surface.backfacing == 0 else negate(ng))
+        for axis in range(3):
+            surface.object_normal[axis] = object_normal[axis]
+    if flags & NEEDS_RADIAL:
+        _find_radial(surface, instance)
+
+
+@kernel
+def _find_radial(surface, instance):
+    """The direction around z in generated coordinates, which is carried to the world as a normal is."""
+    p, center, size = transform_point(instance.inverse, vec(surface.position)), instance.box_center, instance.box_size
+    around = (-(p[1] - center[1]) / size[1], (p[0] - center[0]) / size[0], 0.0)
+    radial = transform_normal(instance.inverse, around)
+    for axis in range(3):
+        surface.radial[axis] = radial[axis]
+
+
+@kernel
+def find_shadow_surface(block, workspace, aside, wo):
+    """Fill what ``shading.transparency`` reads in the workspace ``aside``, from the hit in ``workspace``; the material's
+    index."""
+    ray = ray_table(workspace)[0]
+    surface = surface_table(aside)[0]
+    instance = instance_table(block)[hit_instance(ray)]
+    triangle = np.int64(ray.primitive)
+    surface.material = hit_material(instance, block, triangle)
+    # Embree gives the normal of the triangle as it was built: in world space if baked, in the mesh's own space if not.
+    facing = dot(hit_normal(ray), wo if instance.baked else transform_vector(instance.inverse, wo))
+    if instance.baked and instance.mirrored:
+        facing = -facing
+    surface.backfacing = 1 if facing < 0.0 else 0
+    surface.ray_kind = SHADOW
+    surface.instance = hit_instance(ray)
+    surface.primitive = triangle
+    surface.barycentric[0] = ray.u
+    surface.barycentric[1] = ray.v
+    for axis in range(3):
+        surface.wo[axis] = wo[axis]
+    if shading_material_table(block)[surface.material].flags & NEEDS_SHADOW_POINT:
+        _fill_surface(block, ray, surface, wo, SHADOW, 0.0)
+    return surface.material

@@ -1,0 +1,359 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The path tracer: a path from the camera on, with next event estimation and BSDF sampling joined by MIS.
+
+Each emitter (an SDF lamp, a Blender light, an emissive triangle, the world) is an integral of its own over the sphere
+of directions. It is estimated twice at every vertex of a path: once by a ray towards a point of an emitter that
+``lights.select`` drew (``next_event``), once by the ray that continues the path (``gather``), which adds the line integral of
+every lamp it crosses before its hit (Huang et al. 2026, equations 1 and 2).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import kernel
+from ...vec import average, dot, largest, mul, negate, put, scale, sub, vec
+from .camera import camera_ray, filter_offset, view_depth
+from .gather import gather_lamps, gather_lights, gather_surface, gather_world, lamp_reach
+from .geometry import find_surface, instance_table, shading_material_table, surface_table
+from .media import apart as media
+from .media.records import inside_table
+from .next_event import light_vertex
+from .path import (
+    AT_EXIT,
+    AT_SURFACE,
+    CAMERA,
+    CAMERA_SETS,
+    IN_MEDIUM,
+    ROULETTE_SET,
+    SCATTER_SET,
+    VERTEX_SETS,
+    path_table,
+    sample_table,
+    uncover,
+)
+from .rays import beyond, intersect, ray_table
+from .sampler import draw1, draw2, draw3
+from .shading import sample as sample_surface
+from .shading import shade
+from .shading.caustics import darken_microfacets
+from .shading.records import (
+    BENDS_EXITS,
+    DIFFUSE,
+    GLOSSY,
+    INTO_SUBSURFACE,
+    NEEDS_RAY,
+    SINGULAR,
+    THROUGH_PORTAL,
+    TRANSMISSION,
+    TRANSPARENT,
+)
+from .subsurface import apart as subsurface
+from .visibility import BLACK, leave
+from .workspace import cut_of
+
+SCALARS = [
+    ("seed", np.int64),
+    ("max_bounces", np.int64),
+    ("diffuse_bounces", np.int64),
+    ("glossy_bounces", np.int64),
+    ("transmission_bounces", np.int64),
+    ("volume_bounces", np.int64),
+    ("transparent_bounces", np.int64),
+    ("clamp_direct", np.float64),
+    ("clamp_indirect", np.float64),
+    ("transparent_film", np.int64),
+    ("caustics", np.int64),  # bits of GLOSSY and TRANSMISSION: what may follow a diffuse bounce
+    ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
+    ("transparent_shadows", np.int64),
+    ("lamp_count", np.int64),
+    ("finite_lights", np.int64),  # 1: there are Blender lights that rays can meet
+]
+
+FIRST_ROULETTE = 3  # bounces: chance disturbs the even spread of samples more than the paths before that cost
+
+SAME_PLACE = 1e-9  # square of the distance in metres within which a portal leads nowhere else
+
+ENDS, GOES_ON, DIVIDES = range(3)  # what becomes of a path at a surface
+
+
+@kernel
+def record_first_surface(block, workspace):
+    """Data passes: the first surface that the camera sees and that is more solid than transparent."""
+    sample = sample_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    sample.found = 1
+    sample.depth = view_depth(block, vec(surface.position))
+    for axis in range(3):
+        sample.position[axis] = surface.position[axis]
+        sample.normal[axis] = surface.n[axis]
+        sample.albedo[axis] = surface.albedo[axis]
+        sample.diffuse_albedo[axis] = surface.diffuse_albedo[axis]
+
+
+@kernel
+def _count_bounce(block, path, kind):
+    """Count a bounce; once a limit is reached the next ray only gathers emission."""
+    path.bounce += 1
+    last = path.bounce > block.max_bounces
+    if kind & DIFFUSE:
+        path.diffuse += 1
+        last = last or path.diffuse > block.diffuse_bounces
+    elif kind & GLOSSY:
+        path.glossy += 1
+        last = last or path.glossy > block.glossy_bounces
+    elif kind & TRANSMISSION:
+        path.transmission += 1
+        last = last or path.transmission > block.transmission_bounces
+    path.last = last
+
+
+@kernel
+def _leave_portal(path, surface, kind, wi):
+    """Go on from a surface that has a portal, straight or through it. As in Cycles, what is found then counts in full."""
+    path.pdf = 0.0
+    if kind & THROUGH_PORTAL:
+        position = vec(surface.exit)
+        way = sub(position, vec(surface.position))
+        put(path.origin, position)
+        put(path.start, position if dot(way, way) > SAME_PLACE else leave(position, vec(surface.ng), wi))
+        put(path.direction, wi)
+        path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
+
+
+@kernel
+def scatter(block, workspace):
+    """Continue the path from ``workspace.surface``. False if it ends there."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    u = draw3(path.index, path.seed, path.dimension + SCATTER_SET)
+    wi, weight, pdf, glossy_pdf, kind = sample_surface(block, workspace, u[0], u[1], u[2])
+    if pdf <= 0.0 or largest(weight) <= 0.0:
+        return False
+    throughput = scale(mul(vec(path.throughput), weight), 1.0 / pdf)
+    if block.has_subsurface and kind & INTO_SUBSURFACE:
+        put(path.throughput, throughput)
+        put(path.direction, wi)
+        return subsurface.scatter(block, workspace)
+    if block.has_media and kind & (TRANSPARENT | TRANSMISSION):
+        media.bounds(block, workspace, media.CROSS)
+    if kind & TRANSPARENT:
+        # The ray goes on as the same ray: its origin, pdf and kind stay, so MIS still compares what it should.
+        path.transparent += 1
+        if path.transparent >= block.transparent_bounces:
+            path.last = 1  # as in Cycles: the surface behind the last one only shows its emission
+        path.t_min = beyond(path.length)
+        put(path.throughput, throughput)
+        if surface.portal:
+            _leave_portal(path, surface, kind, wi)
+        return True
+    _count_bounce(block, path, kind)
+    position = vec(surface.position)
+    put(path.throughput, throughput)
+    put(path.origin, position)
+    put(path.normal, vec(surface.n))
+    put(path.start, leave(position, vec(surface.ng), wi))
+    put(path.direction, wi)
+    path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
+    path.pdf = 0.0 if kind & SINGULAR else pdf
+    path.glossy_pdf = glossy_pdf
+    path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
+    path.in_medium = 0
+    return True
+
+
+@kernel
+def survives(path):
+    """Russian roulette, by what the path can still carry.
+
+    It comes after the lamps along the ray were gathered: they are half of an estimate whose other half is a light ray.
+    """
+    if path.bounce < FIRST_ROULETTE or path.last:
+        return True
+    survival = min(1.0, largest(vec(path.throughput)))
+    if draw1(path.index, path.seed, path.dimension + ROULETTE_SET) >= survival:
+        return False
+    put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
+    return True
+
+
+@kernel
+def nothing_left(block, surface):
+    """Whether no ray from here can find light, once only emission counts: all of it is left to light sampling."""
+    if block.has_subsurface and surface.subsurface > 0:
+        return False
+    return not block.emitters_hit and block.lamp_count == 0 and largest(vec(surface.transparency)) <= 0.0
+
+
+@kernel
+def start_path(block, workspace, x, y):
+    """Camera ray through a point of the pixel drawn from the pixel filter."""
+    path = path_table(workspace)[0]
+    u = draw2(path.index, path.seed, 0)
+    dx, dy = filter_offset(block, u[0], u[1])
+    lens = draw2(path.index, path.seed, 1) if block.camera_aperture > 0.0 else (0.5, 0.5)
+    origin, direction, t_min, t_max = camera_ray(block, x + 0.5 + dx, y + 0.5 + dy, lens[0], lens[1])
+    put(path.origin, origin)
+    put(path.start, origin)
+    put(path.normal, BLACK)
+    put(path.direction, direction)
+    # Where a panorama shows nothing the path finds nothing, and its pixel stays black.
+    put(path.throughput, (1.0, 1.0, 1.0) if t_max >= 0.0 else BLACK)
+    path.t_min, path.t_max, path.near = t_min, t_max, t_min
+    path.pdf = 0.0
+    path.kind = CAMERA
+    path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
+    path.event, path.in_medium, path.crossed = AT_SURFACE, 0, 0
+    path.dimension = CAMERA_SETS
+    path.share, path.scattered = 1.0, 0
+    path.kept = path.found = -1
+    if block.has_media:
+        media.bounds(block, workspace, media.BEGIN)
+
+
+@kernel
+def divides(block, workspace):
+    """Whether a path should go on in several directions here: light is scattered, and more than once."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    return surface.evaluable > 0 and path.bounce < block.max_bounces and largest(vec(surface.transparency)) <= 0.0
+
+
+@kernel
+def trace_path(block, workspace, whole):
+    """Follow the workspace's path to its end, or where it should divide if it is ``whole``: True there."""
+    state = GOES_ON
+    while state == GOES_ON and prepare_ray(block, workspace):
+        state = advance(block, workspace, whole)
+    return state == DIVIDES
+
+
+@kernel
+def prepare_ray(block, workspace):
+    """Whether there is anything for the path's next ray to find, which is made ready for ``advance``."""
+    path = path_table(workspace)[0]
+    path.kept = path.found = -1
+    if path.last and not block.emitters_hit:
+        path.t_max = min(path.t_max, lamp_reach(block, workspace, path))
+        return path.t_max > path.t_min
+    return True
+
+
+@kernel
+def advance(block, workspace, whole):
+    """Follow the workspace's path along its ray, and scatter it where that meets a surface: as ``shade_and_scatter``."""
+    return shade_and_scatter(block, workspace, whole) if intersect_and_gather(block, workspace) else ENDS
+
+
+@kernel
+def intersect_and_gather(block, workspace):
+    """Follow the workspace's path along its ray, and add the emission on the way: True if it ends at a surface, or where a
+    medium scatters it."""
+    path = path_table(workspace)[0]
+    if block.has_subsurface and path.event == AT_EXIT:
+        return True
+    found = intersect(block, workspace, vec(path.start), vec(path.direction), path.t_min, path.t_max, path.kind)
+    t_to = float(ray_table(workspace)[0].t_far) if found else path.t_max
+    if block.has_media and not found and (path.t_max == np.inf or path.kind == CAMERA):
+        media.bounds(block, workspace, media.ESCAPE)
+    if block.lamp_count > 0:
+        gather_lamps(block, workspace, t_to)
+    if block.finite_lights > 0:
+        gather_lights(block, workspace, t_to)
+    path.event = AT_SURFACE
+    if block.has_media and inside_table(workspace)[0].count > 0:
+        length = np.inf if not found and path.kind == CAMERA else t_to - path.t_min
+        if media.enter(block, workspace, length):
+            path.event = IN_MEDIUM
+            return True
+    if not found:
+        gather_world(block, workspace)
+        return False
+    path.length = t_to
+    return True
+
+
+@kernel
+def describe_ray(path, surface):
+    """Tell the surface of the ray that has met it, as the Light Path node asks for it."""
+    surface.ray_length = path.length - path.near
+    surface.ray_singular = int(path.pdf <= 0.0 and path.kind != CAMERA)
+    surface.depth[0] = path.bounce
+    surface.depth[1] = path.diffuse
+    surface.depth[2] = path.glossy
+    surface.depth[3] = path.transmission
+    surface.depth[4] = path.transparent
+
+
+@kernel
+def shade_and_scatter(block, workspace, whole):
+    """Scatter the workspace's path at the surface that its ray has met, unless it is ``whole`` and should divide there:
+    ENDS, GOES_ON or DIVIDES."""
+    path = path_table(workspace)[0]
+    sample = sample_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    t_to = path.length
+    exits = block.has_subsurface != 0 and path.event == AT_EXIT  # light leaves from below a surface
+    if not exits and not survives(path):
+        return ENDS
+    if block.has_media and not exits:
+        if path.event == IN_MEDIUM:
+            path.dimension += VERTEX_SETS
+            return GOES_ON if media.scatter(block, workspace) else ENDS
+        if media.bounds(block, workspace, media.PASS):
+            path.dimension += VERTEX_SETS
+            return GOES_ON
+    wo = vec(path.direction) if exits else negate(vec(path.direction))
+    find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle + block.camera_pixel_width)
+    if not exits and instance_table(block)[surface.instance].holdout:
+        if path.kind == CAMERA:
+            uncover(workspace, 1.0)
+        return ENDS
+    flags = shading_material_table(block)[surface.material].flags
+    if flags & NEEDS_RAY:
+        describe_ray(path, surface)
+    if block.has_media:
+        media.bounds(block, workspace, media.NOTE)
+    if not exits or flags & BENDS_EXITS:
+        shade(block, workspace)
+    if block.has_subsurface and exits:
+        path.event = AT_SURFACE
+        subsurface.emerge(block, workspace)
+    if path.kind == DIFFUSE and block.caustics != GLOSSY | TRANSMISSION:
+        darken_microfacets(workspace, block.caustics)
+    sample.met += sample.divided
+    if not exits:
+        gather_surface(block, workspace)
+    if path.kind == CAMERA:
+        uncover(workspace, surface.holdout)
+        if not sample.found and average(vec(surface.transparency)) < 0.5:
+            record_first_surface(block, workspace)
+    if path.last:
+        # A transparent surface does not end a ray that gathers emission: light sampling sees through it too.
+        transparent = vec(surface.transparency)
+        if largest(transparent) <= 0.0 or path.transparent >= block.transparent_bounces:
+            return ENDS
+        if not surface.portal:
+            path.transparent += 1
+            path.t_min = beyond(t_to)
+            put(path.throughput, mul(vec(path.throughput), transparent))
+            if block.has_media:
+                media.bounds(block, workspace, media.CROSS)
+            return GOES_ON
+    two_sided, has_glossy, scattered = path.two_sided, path.has_glossy, path.scattered
+    passed, last = path.transparent, path.last
+    if surface.evaluable > 0 and not last:
+        light_vertex(block, workspace)
+    if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):
+        return ENDS
+    if whole and divides(block, workspace):
+        return DIVIDES
+    if not scatter(block, workspace) or last and path.transparent == passed:
+        return ENDS
+    if path.transparent > passed:
+        # The ray that goes on is the one that came: what it meets competes with the light sampling at its origin.
+        path.two_sided, path.has_glossy, path.scattered = two_sided, has_glossy, scattered
+        cut_of(workspace).lamp = -1
+    path.dimension += VERTEX_SETS
+    return GOES_ON

@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which lamps a ray may meet: a bounding volume hierarchy over the boxes of all SDF lamps in the world.
+
+A node holds the boxes of up to eight children, which a ray tests together by vector instructions (Dammertz, Hanika and
+Keller 2008, "Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays"). They are in single
+precision, rounded outwards, and the test allows for its own rounding (Ize 2013, "Robust BVH ray traversal"): a lamp that
+the ray meets is never missed. One that it does not may be found; ``emitter.trace`` tells.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import kernel, stack_array, table
+from ...replaced import replaced_on_gpu
+from .lights.tree_build import Bounds, build_tree
+
+WIDTH = 8
+HALVINGS = 3  # of a cluster, to WIDTH of them
+NOTHING = -1  # in ``slots``: no child
+
+NODE = np.dtype(
+    [
+        ("low", np.float32, (3, WIDTH)),  # corners of each child's box; the first axis is the coordinate
+        ("high", np.float32, (3, WIDTH)),
+        (
+            "visibility",
+            np.int32,
+            WIDTH,
+        ),  # bits of scene.Ray: kinds of ray that see any lamp below; 0: there is no child
+        ("child", np.int32, WIDTH),  # the node below, or ~lamp
+    ],
+    align=True,
+)
+
+TABLES = {"lamp_tree": NODE}
+WORKSPACE_TABLES = {"lamps_found": np.dtype(np.int64)}
+
+ROUNDING = 1.0 + 2.0**-50  # of the distances to the sides of a box, twice over
+
+tree_table = table("lamp_tree", NODE)
+found_table = table("lamps_found", np.int64)
+
+
+def workspace_counts(lamps: int) -> dict[str, int]:
+    """Rows of the tables of ``WORKSPACE_TABLES``: the lamps that a ray may meet, and nodes that wait to be visited."""
+    return {"lamps_found": 2 * max(lamps, 1)}
+
+
+def pack_lamp_tree(low: np.ndarray, high: np.ndarray, visibility: np.ndarray) -> dict[str, np.ndarray]:
+    """Tables of ``TABLES`` for lamps with the corners (lamps, 3) of their boxes and their visibility (lamps,)."""
+    count = len(low)
+    if not count:
+        return {"lamp_tree": np.zeros(0, NODE)}
+    binary = build_tree(
+        Bounds(
+            np.arange(count),
+            low,
+            high,
+            np.zeros((count, 3)),
+            np.full(count, -1.0),
+            np.zeros(count),
+            np.ones(count),
+            np.zeros(count, bool),
+        )
+    )
+    child = binary.nodes["child"]
+    seen = np.zeros(len(child), np.int32)
+    seen[binary.leaf] = visibility
+    for node in np.flatnonzero(child >= 0)[::-1]:
+        seen[node] = seen[child[node]] | seen[child[node] + 1]
+    outer_low = np.nextafter(binary.lo.astype(np.float32), np.float32(-np.inf))
+    outer_high = np.nextafter(binary.hi.astype(np.float32), np.float32(np.inf))
+
+    levels, first, frontier = [], 0, np.zeros(1, np.int64)
+    while len(frontier):
+        slots = _descendants(child, frontier)
+        used = slots != NOTHING
+        rows = np.zeros(len(frontier), NODE)
+        rows["low"] = np.where(used[:, None, :], outer_low[slots].transpose(0, 2, 1), 0.0)
+        rows["high"] = np.where(used[:, None, :], outer_high[slots].transpose(0, 2, 1), 0.0)
+        rows["visibility"] = np.where(used, seen[slots], 0)
+        inner = used & (child[slots] >= 0)
+        first += len(frontier)
+        rows["child"] = child[slots]
+        rows["child"][inner] = first + np.arange(inner.sum())
+        levels.append(rows)
+        frontier = slots[inner]
+    return {"lamp_tree": np.concatenate(levels)}
+
+
+def _descendants(child: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """(nodes, WIDTH) what is ``HALVINGS`` levels below nodes of a binary tree, leaves on the way, or ``NOTHING``."""
+    slots = nodes[:, None]
+    for _ in range(HALVINGS):
+        inner = (slots != NOTHING) & (child[slots] >= 0)
+        slots = np.stack([np.where(inner, child[slots], slots), np.where(inner, child[slots] + 1, NOTHING)], axis=2)
+        slots = slots.reshape(len(nodes), -1)
+    return slots
+
+
+@kernel
+def _inverse(v):
+    """1/v, finite for zero."""
+    return 1.0 / v if abs(v) > 1e-30 else 1e30
+
+
+@replaced_on_gpu
+@kernel
+def lamps_along(block, workspace, o, d, t_max, kind):
+    """Write the lamps that the ray o + t·d may meet in 0 < t < t_max to ``lamps_found``; returns their number.
+
+    ``kind`` holds bits of ``scene.Ray``: lamps visible to none of them are left out. The order is that of the tree.
+    """
+    nodes, found = tree_table(block), found_table(workspace)
+    if len(nodes) == 0:
+        return 0
+    enter, leave = stack_array(WIDTH), stack_array(WIDTH)
+    ox, oy, oz = o
+    sx, sy, sz = _inverse(d[0]), _inverse(d[1]), _inverse(d[2])
+    # Nodes that wait are at the end. They and the lamps found are no more than all nodes and lamps.
+    waiting, count = len(found) - 1, 0
+    found[waiting] = 0
+    while waiting < len(found):
+        node = nodes[found[waiting]]
+        waiting += 1
+        low_x, low_y, low_z = node.low[0], node.low[1], node.low[2]
+        high_x, high_y, high_z = node.high[0], node.high[1], node.high[2]
+        for k in range(np.uint64(WIDTH)):
+            ax, bx = (low_x[k] - ox) * sx, (high_x[k] - ox) * sx
+            ay, by = (low_y[k] - oy) * sy, (high_y[k] - oy) * sy
+            az, bz = (low_z[k] - oz) * sz, (high_z[k] - oz) * sz
+            enter[k] = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), 0.0))
+            leave[k] = min(min(max(ax, bx), max(ay, by)), max(az, bz))
+        for k in range(WIDTH):
+            if enter[k] <= leave[k] * ROUNDING and enter[k] < t_max and node.visibility[k] & kind:
+                child = node.child[k]
+                if child < 0:
+                    found[count] = ~child
+                    count += 1
+                else:
+                    waiting -= 1
+                    found[waiting] = child
+    return count

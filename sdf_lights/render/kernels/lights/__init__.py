@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All lights but SDF lamps: see README.md in this folder."""
+
+from .along import select_along
+from .emitters import (
+    casts_shadow,
+    emitter_normal,
+    is_lamp,
+    light_hits,
+    sample_light,
+    triangle_emitter,
+    triangle_pdf,
+    triangle_point,
+    triangle_textured,
+    visibility,
+    world_emitter,
+)
+from .environment import world_pdf, world_radiance
+from .kinds import TABLES
+from .pack import hit_capacity, pack_lights
+from .records import HIT, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
+from .tree import irradiance, select, selection_probability
+from .triangle import Triangles
+
+__all__ = [
+    "HIT",
+    "TABLES",
+    "WORKSPACE_COUNTS",
+    "WORKSPACE_TABLES",
+    "Triangles",
+    "casts_shadow",
+    "emitter_normal",
+    "hit_capacity",
+    "irradiance",
+    "is_lamp",
+    "light_cut_table",
+    "light_hits",
+    "pack_lights",
+    "sample_light",
+    "select",
+    "select_along",
+    "selection_probability",
+    "triangle_emitter",
+    "triangle_pdf",
+    "triangle_point",
+    "triangle_textured",
+    "visibility",
+    "world_emitter",
+    "world_pdf",
+    "world_radiance",
+]

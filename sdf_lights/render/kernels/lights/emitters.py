@@ -1,0 +1,140 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the integrator asks of an emitter, whatever its kind: a sample, what a ray meets, and flags."""
+
+import math
+
+from ....jit import kernel
+from ....vec import largest, put, vec
+from . import area, ball, sun, triangle
+from .environment import sample_world, world_radiance
+from .kinds import AREA, BALL, LAMP, SUN, TRIANGLE, WORLD
+from .records import (
+    emitter_table,
+    header_table,
+    no_sample,
+    triangle_map_table,
+    triangle_offset_table,
+)
+
+
+@kernel
+def sample_light(block, emitter, x, n, u1, u2):
+    """Direction towards a light: (wi, distance, radiance, pdf, singular).
+
+    ``pdf`` is per solid angle, without the probability of selection. Where ``singular`` is true the light comes from
+    one direction alone: ``pdf`` is 1, ``radiance`` is the irradiance across wi, and no ray can hit the light. A pdf
+    of 0 means that the light does not reach x. The world and suns are at distance ∞. Lamps are sampled by
+    ``sdf_lights.emitter``; here they give a pdf of 0. The radiance of a triangle with ``triangle_textured`` is only
+    an estimate: shade it at ``triangle_point``.
+    """
+    row = emitter_table(block)[emitter]
+    if row.kind == BALL:
+        return ball.sample(ball.rows(block)[row.index], x, u1, u2)
+    if row.kind == AREA:
+        return area.sample(area.rows(block)[row.index], x, u1, u2)
+    if row.kind == TRIANGLE:
+        return triangle.sample(triangle.rows(block)[row.index], x, u1, u2)
+    if row.kind == SUN:
+        return sun.sample(sun.rows(block)[row.index], x, u1, u2)
+    if row.kind == WORLD:
+        wi, pdf = sample_world(block, n, u1, u2)
+        if not pdf > 0.0:
+            return no_sample()
+        return wi, math.inf, world_radiance(block, wi), pdf, False
+    return no_sample()
+
+
+@kernel
+def light_hits(block, o, d, t_max, ray_kind, hits):
+    """Lights of finite size that the ray from o along the unit vector d meets before ``t_max``, and suns if that is ∞.
+
+    Writes rows of ``HIT`` into ``hits`` (as long as ``pack.hit_capacity`` says) and returns their number. Each has the
+    radiance that comes along the ray, the distance, and the pdf of ``sample_light`` at o, without selection. Lights do
+    not block the ray. ``ray_kind`` holds bits of ``scene.Ray``: lights visible to none of them are left out. For a path
+    that went straight through a transparent surface pass the o of the last scattering and skip nearer hits.
+    """
+    header = header_table(block)[0]
+    emitters = emitter_table(block)
+    count = 0
+    for emitter in range(header.lamp_count, header.lamp_count + header.light_count):
+        row = emitters[emitter]
+        if row.visibility & ray_kind == 0 or (row.leaf < 0 and row.infinite < 0):
+            continue
+        distance, radiance, pdf = -1.0, (0.0, 0.0, 0.0), 0.0
+        if row.kind == BALL:
+            distance, radiance, pdf = ball.hit(ball.rows(block)[row.index], o, d)
+        elif row.kind == AREA:
+            distance, radiance, pdf = area.hit(area.rows(block)[row.index], o, d)
+        elif t_max == math.inf:
+            distance, radiance, pdf = sun.hit(sun.rows(block)[row.index], o, d)
+        if distance > 0.0 and (distance < t_max or distance == math.inf) and largest(radiance) > 0.0:
+            hit = hits[count]
+            hit.emitter, hit.distance, hit.pdf = emitter, distance, pdf
+            put(hit.radiance, radiance)
+            count += 1
+    return count
+
+
+@kernel
+def is_lamp(block, emitter):
+    """Whether the emitter is an SDF lamp; its index is then the lamp's."""
+    return emitter_table(block)[emitter].kind == LAMP
+
+
+@kernel
+def emitter_normal(block, emitter, back):
+    """Unit normal of a light's surface: that of an area light, else ``back``, the way to who sees it."""
+    row = emitter_table(block)[emitter]
+    return vec(area.rows(block)[row.index].normal) if row.kind == AREA else back
+
+
+@kernel
+def casts_shadow(block, emitter):
+    """Whether surfaces hide the emitter's light."""
+    return emitter_table(block)[emitter].cast_shadow != 0
+
+
+@kernel
+def visibility(block, emitter):
+    """Bits of ``scene.Ray``: kinds of ray that see the emitter's light."""
+    return emitter_table(block)[emitter].visibility
+
+
+@kernel
+def world_emitter(block):
+    """Emitter of the world."""
+    return header_table(block)[0].world_emitter
+
+
+@kernel
+def triangle_emitter(block, instance, primitive):
+    """Emitter of a triangle of an instance, or −1 if it is not one."""
+    offsets = triangle_offset_table(block)
+    if instance + 1 >= len(offsets):
+        return -1
+    at = offsets[instance] + primitive
+    if at >= offsets[instance + 1]:
+        return -1
+    return triangle_map_table(block)[at]
+
+
+@kernel
+def triangle_pdf(block, x, emitter, d, distance):
+    """Density of ``sample_light`` at x for a triangle that the ray along d hits at ``distance``, without selection."""
+    return triangle.density(triangle.rows(block)[emitter_table(block)[emitter].index], x, d, distance)
+
+
+@kernel
+def triangle_textured(block, emitter):
+    """Whether the emitter is a triangle whose radiance varies, so that it has to be shaded where it is sampled."""
+    row = emitter_table(block)[emitter]
+    return row.kind == TRIANGLE and triangle.rows(block)[row.index].textured != 0
+
+
+@kernel
+def triangle_point(block, x, emitter, d):
+    """Where the ray from x along d meets an emissive triangle: instance, primitive, weights of corners 1 and 2."""
+    row = triangle.rows(block)[emitter_table(block)[emitter].index]
+    v, w = triangle.barycentric(row, x, d)
+    return row.instance, row.primitive, v, w

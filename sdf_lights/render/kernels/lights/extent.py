@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the choice among lights has to know of one of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Extent(NamedTuple):
+    """Of a light of finite extent, or of many: its box, and the cone of directions that it shines in (``tree_build.Bounds``)."""
+
+    lo: np.ndarray  # (3,), or (n, 3)
+    hi: np.ndarray
+    intensity: float
+    axis: np.ndarray | tuple = (0.0, 0.0, 1.0)
+    cos_o: float = -1.0
+    cos_e: float = 0.0
+    two_sided: bool = False
+
+
+class Far(NamedTuple):
+    """Of a light at infinity: its irradiance on a surface that faces it, and the direction to it."""
+
+    irradiance: float
+    direction: np.ndarray
+
+
+def unit(vector) -> np.ndarray:
+    """The unit vector along ``vector``; zero for zero."""
+    length = np.linalg.norm(vector)
+    return vector / length if length > 0.0 else np.zeros(3)

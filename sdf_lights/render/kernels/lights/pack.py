@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the scene to the tables of all emitters. Units and conventions of Blender's lights are applied in their modules."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...medium import hides_horizon
+from ...scene import Ray, Scene, SunLight
+from . import environment, triangle
+from .extent import Far
+from .kinds import KINDS, LAMP, TABLES, TRIANGLE, WORLD
+from .tree_build import Bounds, build_tree
+from .triangle import Triangles
+
+
+def pack_lights(
+    scene: Scene,
+    lamp_bounds: np.ndarray | None = None,
+    lamp_power: np.ndarray | None = None,
+    triangles: Triangles | None = None,
+    world_map=None,
+) -> dict[str, np.ndarray]:
+    """Tables (see ``kinds.TABLES``) of all emitters of ``scene``.
+
+    ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space; ``lamp_power`` (lamps, RGB) or
+    (lamps,) in watts. ``world_map`` (a ``world_sun.WorldMap``) is what the nodes of the world make of its radiance, to
+    sample it by. A light whose transform or power is not finite is left out, with a warning in ``scene.warnings``.
+    """
+    lamp_bounds = np.zeros((0, 2, 3)) if lamp_bounds is None else np.asarray(lamp_bounds, float)
+    lamp_power = np.zeros(0) if lamp_power is None else np.asarray(lamp_power, float)
+    triangles = triangles or Triangles()
+    lamps, lights = len(lamp_bounds), len(scene.lights)
+    world = lamps + lights
+
+    tables = {name: np.zeros(0, dtype) for name, dtype in TABLES.items()}
+    emitters = np.zeros(world + 1 + len(triangles.instance), TABLES["light_emitters"])
+    emitters["visibility"], emitters["cast_shadow"] = int(Ray.ALL), 1
+    emitters["kind"][world], emitters["kind"][world + 1 :] = WORLD, TRIANGLE
+    emitters["index"][world + 1 :] = np.arange(len(triangles.instance))
+    emitters["leaf"] = emitters["infinite"] = -1
+    tables["light_emitters"] = emitters
+    header = tables["light_header"] = np.zeros(1, TABLES["light_header"])
+    header["lamp_count"], header["light_count"], header["world_emitter"] = lamps, lights, world
+
+    bounds = [_lamp_bounds(emitters, scene, lamp_bounds, lamp_power)]
+    infinite = []
+    bounds += _pack_lights(tables, scene, lamps, infinite)
+    irradiance = environment.pack(tables, scene, world, world_map)
+    if irradiance > 0.0:
+        infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
+    if len(triangles.instance):
+        emitter = world + 1 + np.arange(len(triangles.instance))
+        bounds.append(_bounds(emitter, **triangle.pack(tables, scene, triangles, world + 1)._asdict()))
+
+    bounds = _join([b for b in bounds if b is not None and len(b.emitter)])
+    if bounds is not None:
+        shining = np.isfinite(bounds.intensity) & (bounds.intensity > 0.0)
+        shining &= np.isfinite(bounds.lo).all(axis=1) & np.isfinite(bounds.hi).all(axis=1)
+        bounds = Bounds(**{name: value[shining] for name, value in vars(bounds).items()})
+        tree = build_tree(bounds)
+        tables["light_nodes"] = tree.nodes
+        emitters["leaf"][bounds.emitter] = tree.nodes["order"][tree.leaf]
+    if hides_horizon(scene.world.medium):
+        infinite = []
+    tables["light_infinite"] = np.array(infinite, TABLES["light_infinite"])
+    emitters["infinite"][tables["light_infinite"]["emitter"]] = np.arange(len(infinite))
+    return tables
+
+
+def hit_capacity(tables: dict[str, np.ndarray]) -> int:
+    """Rows that ``light_hits`` may write."""
+    return max(int(tables["light_header"]["light_count"][0]), 1)
+
+
+def _join(parts: list[Bounds]) -> Bounds | None:
+    if not parts:
+        return None
+    return Bounds(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0])})
+
+
+def _bounds(emitter, lo, hi, intensity, axis=(0.0, 0.0, 1.0), cos_o=-1.0, cos_e=0.0, two_sided=False) -> Bounds:
+    """Bounds of emitters; what is the same for all may be given once."""
+    emitter = np.atleast_1d(np.asarray(emitter, np.int64))
+    count = len(emitter)
+    return Bounds(
+        emitter,
+        np.broadcast_to(lo, (count, 3)),
+        np.broadcast_to(hi, (count, 3)),
+        np.broadcast_to(axis, (count, 3)),
+        np.full(count, float(cos_o)),
+        np.full(count, float(cos_e)),
+        np.broadcast_to(intensity, count),
+        np.full(count, two_sided),
+    )
+
+
+def _lamp_bounds(emitters, scene, bounds, power) -> Bounds:
+    count = len(bounds)
+    emitters["kind"][:count] = LAMP
+    emitters["index"][:count] = np.arange(count)
+    emitters["visibility"][:count] = [int(lamp.visibility) for lamp in scene.lamps][:count] or int(Ray.ALL)
+    mean = np.abs(power.reshape(count, -1)).mean(axis=1) if count else np.zeros(0)
+    return _bounds(np.arange(count), bounds[:, 0], bounds[:, 1], mean / (4.0 * math.pi))
+
+
+def _pack_lights(tables, scene, first, infinite) -> list[Bounds]:
+    emitters, bounds = tables["light_emitters"], []
+    rows = {kind: [] for kind in KINDS}
+    for emitter, light in enumerate(scene.lights, first):
+        kind = next(kind for kind, known in KINDS.items() if isinstance(light, known.scene))
+        module = KINDS[kind].module
+        emitters[emitter]["kind"], emitters[emitter]["index"] = kind, len(rows[kind])
+        emitters[emitter]["visibility"], emitters[emitter]["cast_shadow"] = int(light.visibility), light.cast_shadow
+        strength = light.strength if isinstance(light, SunLight) else light.power
+        rgb = strength * np.asarray(light.color, float)
+        row = np.zeros((), module.RECORD)
+        rows[kind].append(row)
+        if not (np.isfinite(light.matrix).all() and np.isfinite(rgb).all()):
+            scene.warnings.append(
+                f"Light “{light.name}” is left out: its transform or power is not a finite number. Set them anew."
+            )
+            continue
+        found = module.pack(row, light, rgb)
+        if isinstance(found, Far):
+            infinite.append((emitter, found.irradiance, found.direction, 1))
+        elif found is not None:
+            bounds.append(_bounds(emitter, **found._asdict()))
+    for kind, known in KINDS.items():
+        tables[known.table] = np.array(rows[kind], known.module.RECORD)
+    return bounds

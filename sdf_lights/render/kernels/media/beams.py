@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light along a straight way through a medium that is the same everywhere, and where to scatter on it.
+
+Equi-angular sampling: Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating media".
+Colours share their samples by the balance heuristic: Wilkie et al. 2014, "Hero wavelength spectral sampling".
+"""
+
+import math
+
+from ....jit import kernel
+from ....vec import scale
+
+_THIN = 1e-4  # optical depth below which a series replaces a difference
+_CLOSEST = 1e-9  # of the distance: no target is closer to a ray
+BLACK = (0.0, 0.0, 0.0)
+
+
+@kernel
+def fade(extinction, distance):
+    """Part of the light that is left after ``distance``, which may be infinite: a number."""
+    return math.exp(-extinction * distance) if extinction > 0.0 else 1.0
+
+
+@kernel
+def attenuation(extinction, distance):
+    """As ``fade``, for RGB."""
+    return (fade(extinction[0], distance), fade(extinction[1], distance), fade(extinction[2], distance))
+
+
+@kernel
+def gathered(extinction, distance):
+    """∫ exp(−extinction t) dt from 0 to ``distance``: what is left of light that each metre adds."""
+    depth = extinction * distance
+    if not extinction > 0.0:
+        return distance
+    if depth < _THIN:
+        return distance * (1.0 - 0.5 * depth)
+    return (1.0 - math.exp(-depth)) / extinction
+
+
+@kernel
+def gathered_rgb(extinction, distance):
+    """``gathered`` of each channel."""
+    return (gathered(extinction[0], distance), gathered(extinction[1], distance), gathered(extinction[2], distance))
+
+
+@kernel
+def distance_in(extinction, depth, u):
+    """A distance with a density in proportion to ``fade``, of at most the optical ``depth``, which may be infinite."""
+    if depth < _THIN:
+        return u * depth / extinction
+    return min(-math.log(1.0 - u * (1.0 - math.exp(-depth))), depth) / extinction
+
+
+@kernel
+def distance_density(extinction, length, distance):
+    """Density of ``distance_in``, within ``length``."""
+    total = gathered(extinction, length)
+    return fade(extinction, distance) / total if total > 0.0 else 0.0
+
+
+@kernel
+def shares(weight):
+    """Probabilities of the three colours in proportion to ``weight``; zeros if all of it vanishes."""
+    total = weight[0] + weight[1] + weight[2]
+    return scale(weight, 1.0 / total) if 0.0 < total < math.inf else BLACK
+
+
+@kernel
+def mixed_density(extinction, length, distance, share):
+    """Density of a distance where a colour was chosen by ``share`` and then the distance by ``distance_in``."""
+    density = 0.0
+    for axis in range(3):
+        if share[axis] > 0.0:
+            density += share[axis] * distance_density(extinction[axis], length, distance)
+    return density
+
+
+@kernel
+def mixed_distance(extinction, length, share, u):
+    """A distance with the density ``mixed_density``."""
+    axis = 0
+    while axis < 2 and u >= share[axis]:
+        u -= share[axis]
+        axis += 1
+    u = min(u / share[axis], 1.0 - 2.0**-53) if share[axis] > 0.0 else 0.5
+    if not extinction[axis] > 0.0:
+        return u * length
+    return distance_in(extinction[axis], extinction[axis] * length, u)
+
+
+@kernel
+def view_angle(near, height, length):
+    """Angle under which a point sees the ray from 0 to ``length``: it is at ``height`` over the distance ``near``."""
+    if length == math.inf:
+        return 0.5 * math.pi + math.atan2(near, height)
+    return math.atan2(height * length, height * height - near * (length - near))
+
+
+@kernel
+def facing_distance(near, height, angle, u):
+    """A distance from which a point is seen, evenly over the ``angle`` of ``view_angle``: in proportion to 1/r²."""
+    start = math.atan2(-near, height)
+    return max(near + height * math.tan(start + u * angle), 0.0)
+
+
+@kernel
+def facing_density(near, height, angle, distance):
+    """Density of ``facing_distance`` giving ``distance``, per metre."""
+    away = distance - near
+    return height / (angle * (height * height + away * away)) if angle > 0.0 else 0.0
+
+
+@kernel
+def draw_distance(extinction, length, share, near, height, u):
+    """Where to scatter light that comes from a point: a distance from 0 to ``length`` and its density.
+
+    Half of all by what is left of the light, half evenly over the angle in which the point sees the ray; ``height`` < 0:
+    there is no such point.
+    """
+    if height < 0.0:
+        distance = mixed_distance(extinction, length, share, u)
+        return distance, mixed_density(extinction, length, distance, share)
+    height = max(height, _CLOSEST * (1.0 + abs(near)))
+    angle = view_angle(near, height, length)
+    if u < 0.5:
+        distance = min(facing_distance(near, height, angle, 2.0 * u), length)
+    else:
+        distance = mixed_distance(extinction, length, share, 2.0 * u - 1.0)
+    return distance, 0.5 * (
+        facing_density(near, height, angle, distance) + mixed_density(extinction, length, distance, share)
+    )

@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Next event estimation along a ray in a medium: light that one emitter sends to some point of it.
+
+An SDF lamp is a cloud of point lights here. Of several pairs of a point of the lamp and a place on the ray, drawn so that
+1/r² cancels, one is taken by all that it gives but for shadows (resampled importance sampling: Talbot, Cline and Egbert 2005).
+That needs no help from rays by the phase function, which leave lamps alone.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .... import emitter as lamps
+from ....emitter.emission.varying import COLOUR_STACK, LANES, colours, density, place_colour
+from ....emitter.lamps import lamps as lamp_table
+from ....jit import kernel, stack_array
+from ....vec import add, average, dot, largest, length, madd, mul, scale, sub, vec
+from ...scene import Ray
+from .. import lights
+from ..emission import modulated
+from ..next_event import NO_RAY, competes, shade_triangle
+from ..path import LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
+from ..sampler import draw2, draw4
+from ..visibility import shadow_ray, transmittance
+from ..workspace import light_cut_of
+from . import apart
+from .beams import attenuation, draw_distance, gathered_rgb, shares
+from .phase import phase
+from .records import inside_table
+
+VOLUME = int(Ray.VOLUME)
+BLACK = (0.0, 0.0, 0.0)
+NO_POINT = -1.0  # height of a target that is no point
+PAIRS = 4 * LANES
+FEW_PAIRS = 2  # where the light has been scattered before: most noise is not that of the lamp then
+
+# From one pair to the next: the powers of the root of x⁵ = x + 1 (Roberts 2018, "The unreasonable effectiveness of
+# quasirandom sequences").
+_STEPS = (0.8566748838545029, 0.7338918566271259, 0.6287067210378087, 0.5385972572236101)
+
+
+@kernel
+def _shadow(block, workspace, x, wi, distance):
+    """What of the light of an emitter in the distance comes to the point x of the path's ray: RGB."""
+    apart.bounds(block, workspace, apart.LOOK)
+    to_light, reach = shadow_ray(x, x, wi, distance)
+    return transmittance(block, workspace, x, to_light, reach)
+
+
+@kernel
+def light_ray(block, workspace, ray_length):
+    """One ray towards one emitter, from a point of the path's ray between ``t_min`` and ``ray_length`` on."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    d, extinction, scattering = vec(path.direction), vec(inside.extinction), vec(inside.scattering)
+    start = madd(vec(path.start), path.t_min, d)
+    u = draw4(path.index, path.seed, MEDIA_SETS + path.dimension + LIGHT_SET)
+    v = draw2(path.index, path.seed, MEDIA_SETS + path.dimension + PLACE_SET)
+    emitter, pmf, _, finite, center = lights.select_along(block, start, d, ray_length, average(extinction), u[0])
+    if not pmf > 0.0 or lights.visibility(block, emitter) & VOLUME == 0:
+        return
+    throughput = mul(vec(path.throughput), scattering)
+    share = shares(mul(throughput, gathered_rgb(extinction, ray_length)))
+    if emitter < block.lamp_count:
+        _light_by_lamp(
+            block, workspace, emitter, pmf, start, ray_length, throughput, share, (u[1], u[2], u[3], v[0]), v[1]
+        )
+        return
+    near, height = 0.0, NO_POINT
+    if finite:
+        target = sub(center, start)
+        x = madd(start, min(max(dot(target, d), 0.0), ray_length), d)
+        wi, distance, _, pdf, _ = lights.sample_light(block, emitter, x, BLACK, u[1], u[2])
+        if pdf > 0.0 and distance < math.inf:
+            target = sub(madd(x, distance, wi), start)
+        near = dot(target, d)
+        height = math.sqrt(max(dot(target, target) - near * near, 0.0))
+    place, place_density = draw_distance(extinction, ray_length, share, near, height, v[0])
+    if not place_density > 0.0:
+        return
+    x = madd(start, place, d)
+    wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, BLACK, u[1], u[2])
+    if pdf <= 0.0 or largest(radiance) <= 0.0:
+        return
+    value, phase_density = phase(block, inside, dot(d, wi))
+    weight = scale(mul(scattering, attenuation(extinction, place)), value / place_density)
+    if lights.casts_shadow(block, emitter):
+        weight = mul(weight, _shadow(block, workspace, x, wi, distance))
+        if largest(weight) <= 0.0:
+            return
+    if lights.triangle_textured(block, emitter):
+        radiance = shade_triangle(block, workspace, x, wi, distance)
+    elif block.emission_graphs:
+        radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
+    own = 1.0
+    if not singular and competes(block, emitter):
+        # Rays by the phase function ask at x, too; the choice of the emitter for all of the ray is another matter.
+        at_x = pdf * lights.selection_probability(block, x, BLACK, emitter, light_cut_of(workspace))
+        own = at_x / (at_x + phase_density)
+    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), False, path.bounce + 1)
+
+
+@kernel
+def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, share, u, choice):
+    """``light_ray`` from an SDF lamp."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    row, d, extinction = lamp_table(block)[lamp], vec(path.direction), vec(inside.extinction)
+    places, weights, stack = stack_array(PAIRS), stack_array(LANES), stack_array(COLOUR_STACK)
+    origin = sub(start, vec(row.center))
+    count = LANES if path.bounce == 0 else FEW_PAIRS
+    for lane in range(count):
+        u1, u2, u3 = (u[0] + lane * _STEPS[0]) % 1.0, (u[1] + lane * _STEPS[1]) % 1.0, (u[2] + lane * _STEPS[2]) % 1.0
+        way = lamps.way_inside(block, lamp, start, u1, u2, u3)
+        near = dot(way, d)
+        height = math.sqrt(max(dot(way, way) - near * near, 0.0))
+        place, place_density = draw_distance(
+            extinction, ray_length, share, near, height, (u[3] + lane * _STEPS[3]) % 1.0
+        )
+        places[lane] = place
+        places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane] = way
+        weights[lane] = 1.0 / place_density if place_density > 0.0 else 0.0
+        if row.glow >= 0:
+            place_colour(block, row.glow, add(origin, way), lane, stack)
+    if row.glow >= 0:
+        for lane in range(count, LANES):
+            place_colour(block, row.glow, origin, lane, stack)
+        colours(block, row.glow, stack)
+    total = 0.0
+    for lane in range(count):
+        to = madd((places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane]), -places[lane], d)
+        square = dot(to, to)
+        if not square > 0.0:
+            weights[lane] = 0.0
+            continue
+        distance = math.sqrt(square)
+        value, _ = phase(block, inside, dot(to, d) / distance)
+        emission = density(block, row.glow, stack, lane) if row.glow >= 0 else vec(row.emission)
+        light = mul(mul(throughput, emission), attenuation(extinction, places[lane] + distance))
+        weights[lane] *= average(light) * value / square
+        total += weights[lane]
+    if not 0.0 < total < math.inf:
+        return
+    left, chosen = choice * total, 0
+    while chosen < count - 1 and left >= weights[chosen]:
+        left -= weights[chosen]
+        chosen += 1
+    if not weights[chosen] > 0.0:
+        return
+    place = places[chosen]
+    to = madd((places[LANES + chosen], places[2 * LANES + chosen], places[3 * LANES + chosen]), -place, d)
+    distance = length(to)
+    wi = scale(to, 1.0 / distance)
+    emission = density(block, row.glow, stack, chosen) if row.glow >= 0 else vec(row.emission)
+    # The weight is the mean of RGB with what is left on the way to the lamp; its own density cancels.
+    seen = mul(mul(vec(inside.scattering), attenuation(extinction, place)), emission)
+    by = average(mul(mul(vec(path.throughput), seen), attenuation(extinction, distance)))
+    if not by > 0.0:
+        return
+    x = madd(start, place, d)
+    shadow = _shadow(block, workspace, x, wi, distance)
+    if largest(shadow) > 0.0:
+        contribute(block, workspace, mul(seen, shadow), row.volume * total / (count * pmf * by), True, path.bounce + 1)

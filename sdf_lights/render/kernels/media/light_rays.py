@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light rays and the sight of lamps in a scene with media."""
+
+from __future__ import annotations
+
+from .... import emitter as lamps
+from ....jit import kernel
+from ....vec import add, largest, mul, vec
+from ..path import path_table
+from ..rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, intersect, ray_table
+from ..visibility import BLACK, pass_through, surfaces_left
+from ..workspace import spans_of
+from .beams import attenuation
+from .records import LIGHT_RAY, MOST_BOUNDS, bounds_table, inside_table
+from .stack import cross_hit, met_bounds
+
+WHITE = (1.0, 1.0, 1.0)
+
+
+@kernel
+def _passed(block, workspace, direction, left):
+    """What a light ray keeps (RGB) at the surface that it has hit, which it goes through, and how many more surfaces it may
+    pass: ``left`` before, less than 0 for none."""
+    ray, weight = ray_table(workspace)[0], WHITE
+    if not bounds_table(block)[met_bounds(block, ray)].only:
+        left -= 1
+        weight = pass_through(block, workspace, direction)
+    cross_hit(block, inside_table(workspace)[LIGHT_RAY], ray, direction)
+    return weight, left
+
+
+@kernel
+def shadow(block, workspace, x, y, z, dx, dy, dz, t_max):
+    """``visibility.transmittance`` from (x, y, z) along (dx, dy, dz), where nothing opaque is in the way; ``stack.bounds``
+    has been told where the light ray begins."""
+    start, direction, inside = (x, y, z), (dx, dy, dz), inside_table(workspace)[LIGHT_RAY]
+    result, t_min, left = WHITE, 0.0, surfaces_left(block, workspace)
+    for _ in range(MOST_BOUNDS):
+        found = block.transparent_shadows != 0 and intersect(
+            block, workspace, start, direction, t_min, t_max, SHADOW_TRANSPARENT
+        )
+        t_to = float(ray_table(workspace)[0].t_far) if found else t_max
+        result = mul(result, attenuation(vec(inside.extinction), t_to - t_min))
+        if not found or largest(result) <= 0.0:
+            return result
+        weight, left = _passed(block, workspace, direction, left)
+        if left < 0:
+            return BLACK
+        result = mul(result, weight)
+        t_min = beyond(t_to)
+    return BLACK
+
+
+@kernel
+def lamp(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, start_z, u):
+    """``visibility.visible_lamp`` of lamp ``index``, whose ``count`` intervals are in the workspace."""
+    position, direction, start = (x, y, z), (dx, dy, dz), (start_x, start_y, start_z)
+    index, count, spans = int(index), int(count), spans_of(workspace)
+    inside, t_end = inside_table(workspace)[LIGHT_RAY], spans[count - 1, 0] + spans[count - 1, 1]
+    mask = SHADOW_OPAQUE | SHADOW_TRANSPARENT if block.transparent_shadows else SHADOW_OPAQUE
+    total, weight, t_from, left = BLACK, WHITE, 0.0, surfaces_left(block, workspace)
+    for _ in range(MOST_BOUNDS):
+        found = intersect(block, workspace, start, direction, t_from, t_end, mask)
+        t_to = float(ray_table(workspace)[0].t_far) if found else t_end
+        extinction = vec(inside.extinction)
+        radiance = lamps.attenuated_radiance(
+            block, index, position, direction, spans, count, t_from, t_to, u, extinction
+        )
+        total = add(total, mul(weight, radiance))
+        if not found or not block.transparent_shadows:
+            break
+        weight = mul(weight, attenuation(extinction, t_to - t_from))
+        own, left = _passed(block, workspace, direction, left)
+        weight = mul(weight, own)
+        if left < 0 or largest(weight) <= 0.0:
+            break
+        t_from = beyond(t_to)
+    return total
+
+
+@kernel
+def seen_lamp(block, workspace, index, count, t_to, u):
+    """``lamps.radiance`` of lamp ``index`` along the path's ray up to ``t_to``, through the media that the path is in."""
+    path, spans = path_table(workspace)[0], spans_of(workspace)
+    return lamps.attenuated_radiance(
+        block,
+        int(index),
+        vec(path.origin),
+        vec(path.direction),
+        spans,
+        int(count),
+        path.t_min,
+        t_to,
+        u,
+        vec(inside_table(workspace)[0].extinction),
+    )

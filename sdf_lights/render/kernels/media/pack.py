@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Media of a scene as tables."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...material import WHITE, Material
+from ...medium import Medium
+from ...scene import Camera, Scene
+from .records import BOUNDS, MEDIUM, NOTHING, PART
+
+
+def pack_media(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, int]]:
+    """Tables and scalars; ``camera_in_media`` is left to ``camera_scalars``."""
+    rows, parts = [], []
+
+    def add(medium: Medium | None) -> int:
+        if medium is None or medium.does_nothing:
+            return NOTHING
+        first = len(parts)
+        parts.extend(
+            (np.mean(part.coefficient), part.g, part.alpha) for part in medium.scattering if any(part.coefficient)
+        )
+        scattering = np.sum([(0.0, 0.0, 0.0), *(part.coefficient for part in medium.scattering)], axis=0)
+        rows.append((medium.extinction, scattering, medium.emission, first, len(parts) - first))
+        return len(rows) - 1
+
+    bounds = np.zeros(max(len(scene.materials), 1), BOUNDS)
+    bounds["medium"] = NOTHING
+    for record, material in zip(bounds, scene.materials):
+        record["medium"], record["only"] = add(material.medium), is_only_a_bound(material)
+    world = add(scene.world.medium)
+    used = {material for instance in scene.instances for material in instance.materials}
+    bounded = any(bounds["medium"][material] != NOTHING for material in used)
+    return {
+        "media": np.array(rows, MEDIUM) if rows else np.zeros(0, MEDIUM),
+        "media_parts": np.array(parts, PART) if parts else np.zeros(0, PART),
+        "media_bounds": bounds,
+    }, {"has_media": world != NOTHING or bounded, "world_medium": world}
+
+
+def is_only_a_bound(material: Material) -> bool:
+    """Whether a surface of the material does nothing to light but bound a medium."""
+    surface = material.surface
+    return (
+        material.medium is not None
+        and surface is not None
+        and surface.kind == "transparent"
+        and isinstance(surface["color"], tuple)
+        and tuple(surface["color"]) == WHITE
+    )
+
+
+def glows(scene: Scene) -> bool:
+    """Whether rays can meet emission of media."""
+    media = [scene.world.medium, *(material.medium for material in scene.materials)]
+    return any(medium is not None and any(medium.emission) for medium in media)
+
+
+def camera_scalars(
+    camera: Camera, bounds: np.ndarray, scene: Scene, center: np.ndarray, half: np.ndarray
+) -> dict[str, int]:
+    """Whether rays may start inside of a mesh with a medium. ``center``, ``half``: (instances, 3) boxes around them.
+
+    Of cameras whose rays do not start close to one point, all may.
+    """
+    if not bounds["medium"].max(initial=NOTHING) > NOTHING:
+        return {"camera_in_media": False}
+    if camera.projection != 0:
+        return {"camera_in_media": True}
+    room = camera.aperture + np.hypot(camera.clip[0], camera.clip[0] * np.abs(camera.window).max() * 1.5)
+    used = [instance for instance in scene.instances if len(scene.meshes[instance.mesh].positions)]
+    holds = np.array(
+        [any(bounds["medium"][material] != NOTHING for material in instance.materials) for instance in used], bool
+    )
+    near = (np.abs(np.asarray(camera.matrix)[:3, 3] - center) <= half + room).all(axis=1)
+    return {"camera_in_media": bool((holds & near).any())}

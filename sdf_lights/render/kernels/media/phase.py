@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Phase functions: how media spread the light that they scatter.
+
+Directions are drawn by Henyey and Greenstein's function with the g of Draine's, which is at most three times as large.
+"""
+
+import math
+
+from ....jit import kernel
+from ....vec import frame, to_world
+from .records import medium_table, part_table
+
+_EVEN = 1e-3  # |g| below which light is spread evenly
+
+
+@kernel
+def henyey_greenstein(cosine, g):
+    """Phase function per solid angle (Henyey and Greenstein 1941); ``cosine`` is of both directions of travel."""
+    root = 1.0 + g * (g - 2.0 * cosine)
+    return (1.0 - g * g) / (4.0 * math.pi * root * math.sqrt(root))
+
+
+@kernel
+def draine(cosine, g, alpha):
+    """``medium.Scattering``'s phase function."""
+    value = henyey_greenstein(cosine, g)
+    if alpha == 0.0:
+        return value
+    return value * (1.0 + alpha * cosine * cosine) / (1.0 + alpha * (1.0 + 2.0 * g * g) / 3.0)
+
+
+@kernel
+def draw_cosine(g, u):
+    """A cosine by Henyey and Greenstein's function."""
+    if abs(g) < _EVEN:
+        return 1.0 - 2.0 * u
+    ratio = (1.0 - g * g) / (1.0 + g - 2.0 * g * u)
+    return min(max((1.0 + g * g - ratio * ratio) / (2.0 * g), -1.0), 1.0)
+
+
+@kernel
+def phase(block, inside, cosine):
+    """Phase function of all media that a ray is in, and the density of ``sample_phase``; the cosine is 1 straight on."""
+    value, density, total = 0.0, 0.0, 0.0
+    for entry in range(inside.count):
+        medium = medium_table(block)[inside.medium[entry]]
+        for index in range(medium.part_count):
+            part = part_table(block)[medium.first_part + index]
+            own = henyey_greenstein(cosine, part.g)
+            density += part.weight * own
+            value += part.weight * (own if part.alpha == 0.0 else draine(cosine, part.g, part.alpha))
+            total += part.weight
+    if total <= 0.0:
+        return 0.0, 0.0
+    return value / total, density / total
+
+
+@kernel
+def sample_phase(block, inside, d, u1, u2, u3):
+    """A direction into which light that comes along d is scattered; u3 chooses among phase functions."""
+    total = 0.0
+    for entry in range(inside.count):
+        medium = medium_table(block)[inside.medium[entry]]
+        for index in range(medium.part_count):
+            total += part_table(block)[medium.first_part + index].weight
+    left, g = u3 * total, 0.0
+    for entry in range(inside.count):
+        medium = medium_table(block)[inside.medium[entry]]
+        for index in range(medium.part_count):
+            part = part_table(block)[medium.first_part + index]
+            if left >= 0.0:
+                g = part.g
+            left -= part.weight
+    cosine = draw_cosine(g, u1)
+    sine, turn = math.sqrt(max(1.0 - cosine * cosine, 0.0)), 2.0 * math.pi * u2
+    t, b = frame(d)
+    return to_world((sine * math.cos(turn), sine * math.sin(turn), cosine), t, b, d)

@@ -1,0 +1,186 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a ray is inside of, and how that changes where it crosses surfaces.
+
+As in Cycles: a medium is left by the surface of the instance and the material by which it was entered; where several are
+around a point they add up.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import kernel
+from ....vec import dot, madd, negate, put, put_sum, transform_vector, vec
+from ...scene import Ray
+from ..geometry import hit_material, instance_table, surface_table
+from ..path import path_table
+from ..rays import beyond, hit_instance, hit_normal, intersect, ray_table
+from .apart import BEGIN, CROSS, ESCAPE, LOOK, NOTE, PASS
+from .records import LIGHT_RAY, MOST_BOUNDS, MOST_MEDIA, NOTHING, WORLD, bounds_table, inside_table, medium_table
+
+CAMERA = int(Ray.CAMERA)
+UP, BLACK = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
+MOST_CROSSINGS = 64  # of the ray that finds out what the camera is in
+
+
+@kernel
+def owner_of(instance, material):
+    """A number that tells the surface of a medium apart: by instance and material."""
+    return np.int64(instance) * np.int64(1 << 31) + np.int64(material)
+
+
+@kernel
+def _settle(block, inside):
+    """Add up the coefficients of all media."""
+    for axis in range(3):
+        inside.extinction[axis] = 0.0
+        inside.scattering[axis] = 0.0
+        inside.emission[axis] = 0.0
+    for entry in range(inside.count):
+        medium = medium_table(block)[inside.medium[entry]]
+        put_sum(inside.extinction, vec(medium.extinction))
+        put_sum(inside.scattering, vec(medium.scattering))
+        put_sum(inside.emission, vec(medium.emission))
+    inside.scatters = int(inside.scattering[0] > 0.0 or inside.scattering[1] > 0.0 or inside.scattering[2] > 0.0)
+    inside.glows = int(inside.emission[0] > 0.0 or inside.emission[1] > 0.0 or inside.emission[2] > 0.0)
+
+
+@kernel
+def outside(block, inside):
+    """Leave all media but the world's."""
+    inside.count = 0
+    if block.world_medium >= 0:
+        inside.count = 1
+        inside.medium[0], inside.owner[0] = block.world_medium, WORLD
+    _settle(block, inside)
+
+
+@kernel
+def cross(block, inside, medium, owner, enters):
+    """Enter or leave a medium, if there is one."""
+    if medium == NOTHING:
+        return
+    place = 0
+    while place < inside.count and inside.owner[place] != owner:
+        place += 1
+    if enters:
+        if place < inside.count or place == MOST_MEDIA:
+            return
+        inside.medium[place], inside.owner[place] = medium, owner
+        inside.count += 1
+    else:
+        if place == inside.count:
+            return
+        inside.count -= 1
+        inside.medium[place], inside.owner[place] = inside.medium[inside.count], inside.owner[inside.count]
+    _settle(block, inside)
+
+
+@kernel
+def faces(block, ray, direction):
+    """Whether a ray has hit a triangle from its front."""
+    instance = instance_table(block)[hit_instance(ray)]
+    # Embree gives the normal of the triangle as it was built: in world space if baked, in the mesh's own space if not.
+    wo = negate(direction)
+    facing = dot(hit_normal(ray), wo if instance.baked else transform_vector(instance.inverse, wo))
+    return (facing < 0.0) == (instance.baked != 0 and instance.mirrored != 0)
+
+
+@kernel
+def met_bounds(block, ray):
+    """Index of the material that a ray has hit."""
+    return hit_material(instance_table(block)[hit_instance(ray)], block, np.int64(ray.primitive))
+
+
+@kernel
+def cross_hit(block, inside, ray, direction):
+    """Go through the surface that a ray has hit."""
+    material = met_bounds(block, ray)
+    cross(
+        block,
+        inside,
+        bounds_table(block)[material].medium,
+        owner_of(hit_instance(ray), material),
+        faces(block, ray, direction),
+    )
+
+
+@kernel
+def _note_surface(block, workspace):
+    """Remember what is behind the surface that the path has met."""
+    inside, surface = inside_table(workspace)[0], surface_table(workspace)[0]
+    inside.across = bounds_table(block)[surface.material].medium
+    inside.across_owner = owner_of(surface.instance, surface.material)
+    inside.enters = int(surface.backfacing == 0)
+
+
+@kernel
+def _pass_bounds(block, workspace):
+    """Go through the surface that the path's ray has hit, if it only bounds a medium: whether it does."""
+    path, ray = path_table(workspace)[0], ray_table(workspace)[0]
+    if not bounds_table(block)[met_bounds(block, ray)].only:
+        return False
+    cross_hit(block, inside_table(workspace)[0], ray, vec(path.direction))
+    path.t_min = beyond(path.length)
+    path.crossed += 1
+    if path.crossed >= MOST_BOUNDS:
+        put(path.throughput, BLACK)
+    return True
+
+
+@kernel
+def _begin(block, workspace):
+    """Find out what a path from the camera is in: it is inside of what a ray leaves that has not entered it."""
+    rows, path = inside_table(workspace), path_table(workspace)[0]
+    origin = madd(vec(path.start), path.t_min, vec(path.direction))
+    inside, entered = rows[0], rows[LIGHT_RAY]
+    outside(block, inside)
+    if not block.camera_in_media:
+        return
+    entered.count = 0
+    t_min = 0.0
+    for _ in range(MOST_CROSSINGS):
+        if not intersect(block, workspace, origin, UP, t_min, np.inf, CAMERA):
+            return
+        ray = ray_table(workspace)[0]
+        material = met_bounds(block, ray)
+        medium, owner = bounds_table(block)[material].medium, owner_of(hit_instance(ray), material)
+        if medium != NOTHING:
+            known = False
+            for place in range(entered.count):
+                known = known or entered.owner[place] == owner
+            if faces(block, ray, UP):
+                if not known and entered.count < MOST_MEDIA:
+                    entered.owner[entered.count] = owner
+                    entered.count += 1
+            elif not known:
+                cross(block, inside, medium, owner, True)
+        t_min = beyond(float(ray.t_far))
+
+
+@kernel
+def bounds(block, workspace, what):
+    """What the path does at the surfaces of media: one of ``apart``'s BEGIN …; 1 where it has passed a surface, else 0.
+
+    BEGIN: it leaves the camera. ESCAPE: it meets nothing any more; a mesh that is not closed fills no endless space. NOTE:
+    it has met the workspace's surface. CROSS: it goes through that. PASS: it goes through what its ray has hit, if that only
+    bounds a medium. LOOK, LOOK_THROUGH: a light ray begins where the path is, before or behind the surface.
+    """
+    rows = inside_table(workspace)
+    inside = rows[0]
+    if what == BEGIN:
+        _begin(block, workspace)
+    elif what == ESCAPE:
+        outside(block, inside)
+    elif what == NOTE:
+        _note_surface(block, workspace)
+    elif what == PASS:
+        return 1.0 if _pass_bounds(block, workspace) else 0.0
+    else:
+        if what != CROSS:
+            rows[LIGHT_RAY] = rows[0]
+            inside = rows[LIGHT_RAY]
+        if what != LOOK:
+            cross(block, inside, inside.across, inside.across_owner, inside.enters != 0)
+    return 0.0

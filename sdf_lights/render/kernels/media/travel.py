@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A path through a medium: emission on the way, and whether it is scattered there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import kernel
+from ....vec import largest, madd, mul, put, scale, vec
+from ...scene import Ray
+from ..path import KEPT_RAY, MEDIA_SETS, PHASE_SET, TRAVEL_SET, contribute, path_table
+from ..rays import ray_table
+from ..sampler import draw2, draw3
+from .beams import attenuation, distance_density, distance_in, gathered_rgb, shares
+from .in_scattering import light_ray
+from .phase import phase, sample_phase
+from .records import inside_table
+
+VOLUME = int(Ray.VOLUME)
+BLACK = (0.0, 0.0, 0.0)
+
+
+@kernel
+def _add_glow(block, workspace, length):
+    """Add what the media emit along the path's ray."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    emission = mul(vec(inside.emission), gathered_rgb(vec(inside.extinction), length))
+    contribute(block, workspace, emission, 1.0, False, path.bounce)
+
+
+@kernel
+def _scattered_part(albedo, left):
+    """Probability to scatter where ``left`` of the light goes through: the part of all light that is not absorbed."""
+    scattered = albedo * (1.0 - left)
+    return scattered / (scattered + left) if scattered > 0.0 else 0.0
+
+
+@kernel
+def _travel(block, workspace, length, may_scatter):
+    """Follow the path for ``length`` through the media that it is in. True if it is scattered on the way, at
+    ``path.length``."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    extinction, scattering = vec(inside.extinction), vec(inside.scattering)
+    left = attenuation(extinction, length)
+    throughput = vec(path.throughput)
+    if not may_scatter or not inside.scatters:
+        put(path.throughput, mul(throughput, left))
+        return False
+    albedo = (
+        scattering[0] / extinction[0] if extinction[0] > 0.0 else 0.0,
+        scattering[1] / extinction[1] if extinction[1] > 0.0 else 0.0,
+        scattering[2] / extinction[2] if extinction[2] > 0.0 else 0.0,
+    )
+    chance = (
+        _scattered_part(albedo[0], left[0]),
+        _scattered_part(albedo[1], left[1]),
+        _scattered_part(albedo[2], left[2]),
+    )
+    share = shares(
+        (
+            throughput[0] * (albedo[0] * (1.0 - left[0]) + left[0]),
+            throughput[1] * (albedo[1] * (1.0 - left[1]) + left[1]),
+            throughput[2] * (albedo[2] * (1.0 - left[2]) + left[2]),
+        )
+    )
+    u = draw2(path.index, path.seed, MEDIA_SETS + path.dimension + TRAVEL_SET)
+    color, rest = 0, u[1]
+    while color < 2 and rest >= share[color]:
+        rest -= share[color]
+        color += 1
+    if u[0] >= chance[color]:
+        through = share[0] * (1.0 - chance[0]) + share[1] * (1.0 - chance[1]) + share[2] * (1.0 - chance[2])
+        put(path.throughput, scale(mul(throughput, left), 1.0 / through) if through > 0.0 else BLACK)
+        return False
+    distance = distance_in(extinction[color], extinction[color] * length, u[0] / chance[color])
+    density = 0.0
+    for axis in range(3):
+        if share[axis] > 0.0 and chance[axis] > 0.0:
+            density += share[axis] * chance[axis] * distance_density(extinction[axis], length, distance)
+    value = mul(mul(throughput, scattering), attenuation(extinction, distance))
+    put(path.throughput, scale(value, 1.0 / density) if density > 0.0 else BLACK)
+    path.length = path.t_min + distance
+    return True
+
+
+@kernel
+def _pays_to_scatter(block, path):
+    """Whether anything can be found by a path that is scattered here: lamps are left to light sampling."""
+    last = path.bounce >= block.max_bounces or path.volume >= block.volume_bounces
+    return block.emitters_hit != 0 or not last
+
+
+@kernel
+def enter(block, workspace, length):
+    """Follow the path's ray for ``length`` through the media that it is in, and add the light that they send along it.
+
+    1 if the path is scattered on the way, at ``path.length``; else 0.
+    """
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    if inside.glows:
+        _add_glow(block, workspace, length)
+    if inside.scatters and not path.last:
+        rays = ray_table(workspace)
+        rays[KEPT_RAY] = rays[0]
+        light_ray(block, workspace, length)
+        rays[0] = rays[KEPT_RAY]
+    return 1.0 if _travel(block, workspace, length, not path.last and _pays_to_scatter(block, path)) else 0.0
+
+
+@kernel
+def scatter(block, workspace, unused):
+    """Continue the path from where a medium scatters it. 0 if it ends there."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    d = vec(path.direction)
+    u = draw3(path.index, path.seed, MEDIA_SETS + path.dimension + PHASE_SET)
+    wi = sample_phase(block, inside, d, u[0], u[1], u[2])
+    value, density = phase(block, inside, d[0] * wi[0] + d[1] * wi[1] + d[2] * wi[2])
+    if not density > 0.0 or largest(vec(path.throughput)) <= 0.0:
+        return 0.0
+    position = madd(vec(path.start), path.length, d)
+    path.scattered = path.bounce
+    path.bounce += 1
+    path.volume += 1
+    path.last = int(path.bounce > block.max_bounces or path.volume > block.volume_bounces)
+    put(path.throughput, scale(vec(path.throughput), value / density))
+    put(path.origin, position)
+    put(path.normal, BLACK)
+    put(path.start, position)
+    put(path.direction, wi)
+    path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
+    path.pdf, path.glossy_pdf = density, 0.0
+    path.two_sided, path.has_glossy, path.in_medium = 1, 0, 1
+    path.kind = VOLUME
+    return 1.0

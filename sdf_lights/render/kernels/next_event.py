@@ -1,0 +1,212 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Next event estimation: one ray from a surface towards one emitter, weighed against the rays that scatter there.
+
+Veach 1997, chapter 9, for the weights.
+"""
+
+from __future__ import annotations
+
+from ... import emitter as lamps
+from ...emitter.sampling import cut as cuts
+from ...emitter.sampling import cut_points, external
+from ...emitter.sampling.strategies import BOXES, EXTERNAL, NO_LIGHT_RAYS, WHOLE_RAYS
+from ...jit import kernel
+from ...replaced import replaced_on_gpu
+from ...vec import dot, largest, length, mul, negate, scale, vec
+from ..scene import Ray
+from . import lights
+from .emission import modulated
+from .geometry import find_surface, surface_table
+from .media import apart as media
+from .path import LIGHT_SET, contribute, path_table
+from .rays import OFFSET, intersect
+from .sampler import draw4
+from .shading import evaluate, has_lobes, shade, transmits
+from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
+from .visibility import BLACK, leave, shadow_ray, step_size, transmittance, visible_lamp
+from .workspace import aside_table, box_table, cut_of, light_cut_of, region_table, spans_of
+
+SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
+NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, as in Cycles
+ANY = int(Ray.ALL)
+
+
+@kernel
+def competes(block, emitter):
+    """Whether rays that scatter in any way can meet the emitter, so that both estimates share its light by MIS.
+
+    One that is hidden from some kinds of rays is left to light sampling, and to singular scattering.
+    """
+    return lights.visibility(block, emitter) & SCATTERED == SCATTERED
+
+
+@kernel
+def shade_triangle(block, workspace, start, wi, distance):
+    """Radiance (RGB) of a textured emissive triangle, shaded where the ray meets it."""
+    aside = aside_table(workspace)[0]
+    if not intersect(block, aside, start, wi, 0.0, distance * (1.0 + OFFSET) + 8.0 * step_size(start), ANY):
+        return BLACK
+    find_surface(block, aside, negate(wi), NO_RAY, 0.0)
+    shade(block, aside)
+    return vec(surface_table(aside)[0].emission)
+
+
+@kernel
+def facing(path, n):
+    """The normal by which emitters are chosen: none where light counts that falls on either side."""
+    return BLACK if path.two_sided else n
+
+
+@replaced_on_gpu
+@kernel
+def prepare_lamp(block, workspace, lamp, pmf, x, n):
+    """Make the cut of the workspace that of a lamp, chosen with probability ``pmf``, for the lit point x with normal n."""
+    cut, path = cut_of(workspace), path_table(workspace)[0]
+    if block.lamp_strategy != BOXES:
+        cut.lamp, cut.strategy, cut.points = lamp, block.lamp_strategy, WHOLE_RAYS
+        cut.bsdf_mis_scale = block.lamp_bsdf_mis_scale
+    elif path.scattered > 0:
+        cut_points.project_afar(block, lamp, x, path.has_glossy, cut)
+    else:
+        cuts.prepare(
+            block,
+            lamp,
+            x,
+            n,
+            path.two_sided,
+            path.has_glossy,
+            cuts.tolerance_for(pmf),
+            cuts.LIMIT,
+            region_table(workspace),
+            box_table(workspace),
+            cut,
+        )
+
+
+@replaced_on_gpu
+@kernel
+def renew_lamp(block, workspace, lamp):
+    """Make the workspace's cut that of the lamp for the point where the path scattered last, unless it is."""
+    path = path_table(workspace)[0]
+    if cut_of(workspace).lamp != lamp:
+        origin, normal = vec(path.origin), vec(path.normal)
+        pmf = lights.selection_probability(block, origin, facing(path, normal), lamp, light_cut_of(workspace))
+        prepare_lamp(block, workspace, lamp, pmf, origin, normal)
+
+
+@kernel
+def lamp_direction(block, workspace, lamp, x, u1, u2, u3):
+    """Unit direction from x to the lamp, by the workspace's cut; its density is ``lamp_density``."""
+    if block.lamp_strategy == EXTERNAL:
+        return external.sample(block, workspace, lamp, x, u1, u2, u3)
+    return cuts.sample(block, lamp, x, box_table(workspace), cut_of(workspace), u1, u2, u3)
+
+
+@kernel
+def lamp_density(block, workspace, lamp, x, d, count):
+    """Density per solid angle of ``lamp_direction`` giving d, from the ``count`` intervals of that ray in the workspace."""
+    if block.lamp_strategy == EXTERNAL:
+        return external.density(block, workspace, lamp, x, d, count)
+    return cuts.density(block, lamp, d, box_table(workspace), cut_of(workspace), spans_of(workspace), count)
+
+
+@kernel
+def rival_density(cut, pdf, glossy_pdf):
+    """What the density of a BSDF counts against that of a cut.
+
+    The cut follows the cosine, so it needs little help with broad lobes. It knows nothing of those of microfacets.
+    """
+    return cut.bsdf_mis_scale * (pdf - glossy_pdf) + max(cut.bsdf_mis_scale, 1.0) * glossy_pdf
+
+
+@kernel
+def look(block, workspace, ng, wi):
+    """Tell the media that a light ray starts at the surface along wi."""
+    media.bounds(block, workspace, media.LOOK_THROUGH if dot(ng, wi) < 0.0 else media.LOOK)
+
+
+@replaced_on_gpu
+@kernel
+def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
+    """One ray towards a lamp that was chosen with probability ``pmf``."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    x, n = vec(surface.position), vec(surface.n)
+    spans, cut, store = spans_of(workspace), cut_of(workspace), box_table(workspace)
+    prepare_lamp(block, workspace, lamp, pmf, x, n)
+    if cut.strategy == NO_LIGHT_RAYS:
+        return
+    if cut.points != WHOLE_RAYS:
+        way, intensity = cut_points.sample_point(block, lamp, x, store, cut, u1, u2, u3)
+        distance = length(way)
+        if distance <= 0.0 or largest(intensity) <= 0.0:
+            return
+        wi = scale(way, 1.0 / distance)
+        weight, _, _ = evaluate(block, workspace, wi)
+        if largest(weight) <= 0.0:
+            return
+        start = leave(x, vec(surface.ng), wi)
+        if block.has_media:
+            look(block, workspace, vec(surface.ng), wi)
+        to_point, reach = shadow_ray(x, start, wi, distance)
+        weight = mul(weight, transmittance(block, workspace, start, to_point, reach))
+        if largest(weight) > 0.0:
+            contribute(
+                block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), True, path.bounce + 1
+            )
+        return
+    wi = lamp_direction(block, workspace, lamp, x, u1, u2, u3)
+    weight, pdf, glossy_pdf = evaluate(block, workspace, wi)
+    if largest(weight) <= 0.0:
+        return
+    count = lamps.trace(block, lamp, x, wi, spans)
+    if count == 0:
+        return
+    rival = rival_density(cut, pdf, glossy_pdf) if competes(block, lamp) else 0.0
+    pdf_sum = pmf * lamp_density(block, workspace, lamp, x, wi, count) + rival
+    if block.has_media:
+        look(block, workspace, vec(surface.ng), wi)
+    radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, leave(x, vec(surface.ng), wi), u)
+    if largest(radiance) > 0.0:
+        contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, True, path.bounce + 1)
+
+
+@kernel
+def light_vertex(block, workspace):
+    """Next event estimation at ``workspace.surface``: one ray towards one emitter."""
+    path = path_table(workspace)[0]
+    surface = surface_table(workspace)[0]
+    x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
+    path.two_sided, path.has_glossy, path.scattered = int(transmits(workspace)), int(has_lobes(workspace)), path.bounce
+    cut_of(workspace).lamp = -1
+    u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
+    emitter, pmf, u0 = lights.select(block, x, facing(path, n), u[0], light_cut_of(workspace))
+    if pmf <= 0.0:
+        return
+    scatters = path.bounce + 1
+    if emitter < block.lamp_count:
+        light_lamp(block, workspace, emitter, pmf, u0, u[1], u[2], u[3])
+        return
+    wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, n, u[1], u[2])
+    if pdf <= 0.0 or largest(radiance) <= 0.0:
+        return
+    weight, scatter_pdf, _ = evaluate(block, workspace, wi)
+    if largest(weight) <= 0.0:
+        return
+    start = leave(x, ng, wi)
+    if lights.casts_shadow(block, emitter):
+        if block.has_media:
+            look(block, workspace, ng, wi)
+        to_light, reach = shadow_ray(x, start, wi, distance)
+        weight = mul(weight, transmittance(block, workspace, start, to_light, reach))
+        if largest(weight) <= 0.0:
+            return
+    if lights.triangle_textured(block, emitter):
+        radiance = shade_triangle(block, workspace, start, wi, distance)
+    elif block.emission_graphs:
+        radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
+    radiance = mul(weight, radiance)
+    if singular or not competes(block, emitter):
+        scatter_pdf = 0.0
+    contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), False, scatters)

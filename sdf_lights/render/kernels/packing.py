@@ -1,0 +1,200 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The record by which kernels reach a whole scene, and how its lamps, lights and settings get there.
+
+Every module of kernels declares its tables and scalars; here they are one record type.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ... import emitter as lamps
+from ...emitter.sampling import cut as cuts
+from ...emitter.sampling import external, strategies
+from ...jit import block_dtype
+from ..material import Node
+from ..scene import Instance, Lamp, Mesh, Scene
+from ..settings import LampSampling
+from . import camera, emission, film, geometry, integrator, lamp_tree, lights, rays, shading
+from .media import pack as media
+from .media import records as media_records
+from .shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, TRANSMISSION
+from .subsurface import records as subsurface_records
+
+TABLES = {
+    **lamps.TABLES,
+    **cuts.TABLES,
+    **external.TABLES,
+    **lamp_tree.TABLES,
+    **camera.TABLES,
+    **geometry.TABLES,
+    **lights.TABLES,
+    **shading.TABLES,
+    **film.TABLES,
+    **media_records.TABLES,
+    **subsurface_records.TABLES,
+    "control": np.dtype(np.int64),
+}
+SCALARS = [
+    *media_records.SCALARS,
+    *subsurface_records.SCALARS,
+    *lamps.SCALARS,
+    *strategies.SCALARS,
+    *camera.SCALARS,
+    *rays.SCALARS,
+    *emission.SCALARS,
+    *integrator.SCALARS,
+    *film.SCALARS,
+]
+BLOCK = block_dtype(TABLES, SCALARS)
+
+# The strategy of light rays, and what the density of a BSDF counts with those that do not find that out.
+LAMP_STRATEGIES = {
+    LampSampling.CUT: (strategies.BOXES, strategies.NO_BSDF_RAYS),
+    LampSampling.MIS: (strategies.PROJECTION, 1.0),
+    LampSampling.PROJECTION: (strategies.PROJECTION, strategies.NO_BSDF_RAYS),
+    LampSampling.EXTERNAL: (strategies.EXTERNAL, strategies.NO_BSDF_RAYS),
+    LampSampling.BSDF: (strategies.NO_LIGHT_RAYS, 1.0),
+}
+
+
+def build_lamps(scene: Scene) -> tuple[list[lamps.BuiltLamp], list[Lamp]]:
+    """The lamps of ``scene`` that can give light, built, and what they were built from; of others it gets warnings."""
+    built, sources = [], []
+    for lamp in scene.lamps:
+        try:
+            built.append(
+                lamps.build_lamp(
+                    lamp.name,
+                    lamp.shape,
+                    lamp.matrix,
+                    lamp.power,
+                    lamp.density,
+                    lamp.color,
+                    int(lamp.visibility),
+                    lamp.emission,
+                )
+            )
+            sources.append(lamp)
+        except lamps.LampError as error:
+            scene.warnings.append(str(error))
+    scene.warnings += lamps.doubts(built)
+    return built, sources
+
+
+def emitter_tables(
+    scene: Scene,
+    built: list[lamps.BuiltLamp],
+    emissive: lights.Triangles,
+    materials: dict[str, np.ndarray],
+    graphs: shading.Graphs,
+) -> dict[str, np.ndarray]:
+    """Tables of the lamps, of the tree that rays find them by, and of all other lights."""
+    rows = max((image.pixels.shape[0] for image in scene.images), default=0) if scene.world.emission is not None else 0
+    world_map = emission.world_map(materials | camera.pack_camera(scene), graphs, BLOCK, rows)
+    lamp_tables = lamps.pack_lamps(built)
+    rows = lamp_tables["lamps"]
+    low, high = rows["center"] - rows["half"], rows["center"] + rows["half"]
+    light_tables = lights.pack_lights(
+        scene,
+        np.stack([low, high], axis=1),
+        4.0 * np.pi * rows["volume"][:, None] * rows["emission"],
+        emissive,
+        world_map,
+    )
+    light_tables["light_emitters"]["visibility"][: len(built)] = rows["visibility"]
+    return {**lamp_tables, **lamp_tree.pack_lamp_tree(low, high, rows["visibility"]), **light_tables}
+
+
+def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """(instances, 3) centers and half sizes of boxes around what is in the scene, in the world."""
+    used = [instance for instance in scene.instances if len(scene.meshes[instance.mesh].positions)]
+    bounds = {}
+    for mesh in {instance.mesh for instance in used}:
+        positions = scene.meshes[mesh].positions
+        bounds[mesh] = np.stack([positions.min(axis=0), positions.max(axis=0)]).astype(np.float64)
+    if not used:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    low, high = np.stack([bounds[instance.mesh] for instance in used], axis=1)
+    matrices = np.stack([instance.matrix[:3] for instance in used])
+    center = (matrices[:, :, :3] * (0.5 * (low + high))[:, None]).sum(axis=2) + matrices[:, :, 3]
+    return center, (np.abs(matrices[:, :, :3]) * (0.5 * (high - low))[:, None]).sum(axis=2)
+
+
+def clear_lamps(rows: np.ndarray, center: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """(lamps,) whether the box around each lamp, of ``LAMP`` rows, meets none of those of ``instance_boxes``."""
+    return np.array([(np.abs(row["center"] - center) > row["half"] + half).any(axis=1).all() for row in rows], bool)
+
+
+def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.ndarray]) -> dict[str, float]:
+    """Scalars of the block: settings of the integrator, and what the scene has."""
+    settings = scene.settings
+    names = (
+        "seed",
+        "max_bounces",
+        "diffuse_bounces",
+        "glossy_bounces",
+        "transmission_bounces",
+        "volume_bounces",
+        "transparent_bounces",
+        "clamp_direct",
+        "clamp_indirect",
+        "transparent_film",
+    )
+    finite = bool(
+        len(tables["light_areas"])
+        or (tables["light_balls"]["radius"] > 0.0).any()
+        or (tables["light_suns"]["one_minus_cos"] > 0.0).any()
+    )
+    world = scene.world.strength > 0.0 and (scene.world.image is not None or max(scene.world.color) > 0.0)
+    emissive = bool((flags & HAS_EMISSION).any())
+    return {
+        **{name: getattr(settings, name) for name in names},
+        "finite_lights": finite,
+        "caustics": settings.caustics_reflective * GLOSSY | settings.caustics_refractive * TRANSMISSION,
+        "emitters_hit": finite or world or emissive or media.glows(scene),
+        "transparent_shadows": bool((flags & HAS_TRANSPARENCY).any()),
+        "lamp_count": len(tables["lamps"]),
+        **dict(zip(("lamp_strategy", "lamp_bsdf_mis_scale"), LAMP_STRATEGIES[settings.lamp_sampling])),
+    }
+
+
+def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:
+    """Every triangle of every instance whose material emits and is to be sampled, in world space."""
+    emits = (materials["flags"] & HAS_EMISSION != 0) & (materials["sample_emission"] != 0)
+    # Only a plain Emission of constant colour is the same everywhere and in all directions.
+    varies = (materials["graph"] != shading.NO_GRAPH) | np.array(
+        [
+            material.surface is None or isinstance(material.surface, Node) and material.surface.kind != "emission"
+            for material in scene.materials
+        ]
+        or [True]
+    )
+    parts: list[tuple] = []
+    for index, instance in enumerate(scene.instances):
+        if not emits[list(instance.materials)].any():
+            continue
+        mesh = scene.meshes[instance.mesh]
+        material = _triangle_materials(mesh, instance)
+        chosen = np.flatnonzero(emits[material])
+        corners = mesh.positions[mesh.triangles[chosen]].astype(np.float64)
+        corners = corners @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
+        parts.append(
+            (
+                np.full(len(chosen), index),
+                chosen,
+                corners,
+                materials["emission"][material[chosen]],
+                varies[material[chosen]],
+            )
+        )
+    if not parts:
+        return lights.Triangles()
+    return lights.Triangles(*(np.concatenate(columns) for columns in zip(*parts)))
+
+
+def _triangle_materials(mesh: Mesh, instance: Instance) -> np.ndarray:
+    """(triangles,) index of each triangle's material."""
+    slots = np.zeros(len(mesh.triangles), np.int64) if mesh.slots is None else mesh.slots
+    return np.array(instance.materials)[np.clip(slots, 0, len(instance.materials) - 1)]

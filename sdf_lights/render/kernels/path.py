@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""State of one path and of the sample it makes, as records of the workspace."""
+
+import numpy as np
+
+from ...jit import kernel, table
+from ...vec import ZERO, average, mul, put, put_sum, scale, vec
+from ..scene import Ray
+from ..settings import MOST_BRANCHES
+
+CAMERA = int(Ray.CAMERA)  # the kind of a path until it scatters
+
+# Sets of random numbers: two for the camera, then so many for each vertex of a path.
+CAMERA_SETS, VERTEX_SETS = 2, 4
+LIGHT_SET, SCATTER_SET, ROULETTE_SET, EMISSION_SET = range(4)
+# As many again for what happens in media on the way to a vertex.
+MEDIA_SETS = 1 << 24
+TRAVEL_SET, PHASE_SET, PLACE_SET = range(1, 4)
+
+# And for the way below a surface, which has 256 steps.
+SUBSURFACE_SETS = 1 << 40
+
+# Where a ray of a path ends; AT_EXIT: the way below a surface has ended, and the hit is in the workspace's ray.
+AT_SURFACE, IN_MEDIUM, AT_EXIT = range(3)
+
+# What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out. Where the path has
+# ``divided``, ``before`` and ``lamps_before`` are what there was of both till then. It was to divide into so many
+# ``branches``, which ``met`` so many surfaces.
+SAMPLE = np.dtype(
+    [
+        ("combined", "f8", 3),
+        ("lamps", "f8", 3),
+        ("emission", "f8", 3),
+        ("alpha", "f8"),
+        ("depth", "f8"),
+        ("position", "f8", 3),
+        ("normal", "f8", 3),
+        ("albedo", "f8", 3),
+        ("diffuse_albedo", "f8", 3),
+        ("found", "i8"),
+        ("before", "f8", 3),
+        ("lamps_before", "f8", 3),
+        ("divided", "i8"),
+        ("branches", "i8"),
+        ("met", "i8"),
+    ],
+    align=True,
+)
+
+# ``origin`` is where the path last scattered (the camera at first), with shading normal ``normal``: light sampling
+# there competes with the ray, so MIS asks for its pdf there. ``start`` is ``origin`` moved off the surface. ``glossy_pdf``
+# is the part of ``pdf`` that microfacets have; ``two_sided`` is 1 where light on either side of that surface counted,
+# ``has_glossy`` where it has microfacets, and ``scattered`` is how often the light was scattered after it.
+# ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
+# ``share`` is the part of the sample that the path is, 1 until it divides, and ``index`` its place in the sampling pattern.
+# ``expected``: of a branch, an estimate of the light that it will bring, from the irradiance where it has met a surface.
+# ``event`` says where the ray ends, ``in_medium`` is 1 where a medium has scattered the path last, and it has ``crossed`` so
+# many surfaces that only bound media.
+# ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
+PATH = np.dtype(
+    [
+        ("origin", "f8", 3),
+        ("normal", "f8", 3),
+        ("start", "f8", 3),
+        ("direction", "f8", 3),
+        ("t_min", "f8"),
+        ("near", "f8"),
+        ("t_max", "f8"),
+        ("throughput", "f8", 3),
+        ("pdf", "f8"),
+        ("glossy_pdf", "f8"),
+        ("two_sided", "i8"),
+        ("has_glossy", "i8"),
+        ("scattered", "i8"),
+        ("kind", "i8"),
+        ("length", "f8"),
+        ("spread", "f8"),
+        ("bounce", "i8"),
+        ("diffuse", "i8"),
+        ("glossy", "i8"),
+        ("transmission", "i8"),
+        ("volume", "i8"),
+        ("transparent", "i8"),
+        ("last", "i8"),
+        ("found", "i8"),
+        ("kept", "i8"),
+        ("kept_count", "i8"),
+        ("index", "i8"),
+        ("seed", "u4"),
+        ("dimension", "i8"),
+        ("share", "f8"),
+        ("expected", "f8"),
+        ("alive", "i8"),
+        ("event", "i8"),
+        ("in_medium", "i8"),
+        ("crossed", "i8"),
+    ],
+    align=True,
+)
+
+TABLES = {"path": PATH, "sample": SAMPLE}
+# The path itself, its state where it divides, and the branches.
+WAITING, FIRST_BRANCH = 1, 2
+# The ray itself, those of the branches, and the path's while light rays leave it on its way.
+FIRST_BRANCH_RAY = 1
+KEPT_RAY = FIRST_BRANCH_RAY + MOST_BRANCHES
+COUNTS = {"path": FIRST_BRANCH + MOST_BRANCHES, "sample": 1, "ray": KEPT_RAY + 1}
+
+path_table = table("path", PATH)
+sample_table = table("sample", SAMPLE)
+
+
+@kernel
+def contribute(block, workspace, radiance, factor, from_lamp, scatters):
+    """Add ``throughput × radiance × factor`` to the sample.
+
+    ``from_lamp``: an SDF lamp sent it. ``scatters``: how often the light was scattered on its way to the camera.
+    """
+    path = path_table(workspace)[0]
+    sample = sample_table(workspace)[0]
+    value = scale(mul(vec(path.throughput), radiance), factor)
+    limit = block.clamp_indirect if scatters > 1 else block.clamp_direct
+    if limit > 0.0:
+        brightness = value[0] + value[1] + value[2]
+        if brightness > limit:
+            value = scale(value, limit / brightness)
+    value = scale(value, path.share)
+    put_sum(sample.combined, value)
+    if from_lamp:
+        put_sum(sample.lamps, value)
+    if scatters == 0:
+        put_sum(sample.emission, value)
+
+
+@kernel
+def uncover(workspace, part):
+    """Take from the sample's alpha what the camera sees through to nothing."""
+    sample = sample_table(workspace)[0]
+    alpha = sample.alpha - part * average(vec(path_table(workspace)[0].throughput))
+    sample.alpha = alpha if alpha > 1e-12 else 0.0  # three thirds may round to less than one
+
+
+@kernel
+def clear_sample(workspace):
+    """Set all sums of the workspace's sample to 0."""
+    sample = sample_table(workspace)[0]
+    put(sample.combined, ZERO)
+    put(sample.lamps, ZERO)
+    put(sample.emission, ZERO)
+    put(sample.position, ZERO)
+    put(sample.normal, ZERO)
+    put(sample.albedo, ZERO)
+    put(sample.diffuse_albedo, ZERO)
+    sample.alpha = 1.0
+    sample.depth = 0.0
+    sample.found = 0
+    sample.divided = 0
+    sample.branches = 1
+    sample.met = 0

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rays against triangles: the record of a ray, the kinds of rays that a surface takes part in, and the two queries.
+
+On the CPU the queries call Embree by address (``cpu.accelerator``); the GPU walks a hierarchy of its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import call_address3, kernel, table
+from ...replaced import replaced_on_gpu
+from ...vec import vec
+from ..scene import Ray
+
+NONE = 0xFFFFFFFF
+
+# RTCRayHit of Embree 4 (rtcore_ray.h), and padding so that a version with longer hits has room.
+RAY = np.dtype(
+    [
+        ("origin", np.float32, (3,)),
+        ("t_near", np.float32),
+        ("direction", np.float32, (3,)),
+        ("time", np.float32),
+        ("t_far", np.float32),
+        ("mask", np.uint32),
+        ("id", np.uint32),
+        ("flags", np.uint32),
+        ("normal", np.float32, (3,)),
+        ("u", np.float32),
+        ("v", np.float32),
+        ("primitive", np.uint32),
+        ("geometry", np.uint32),
+        ("instance", np.uint32),
+        ("padding", np.uint32, (12,)),
+    ]
+)
+
+# A geometry takes part in shadow rays through one of two bits, so that a scene's opaque part is asked first, with the
+# cheaper any-hit query.
+SHADOW_OPAQUE = int(Ray.SHADOW)
+SHADOW_TRANSPARENT = 64
+
+# Relative step off a surface: some tens of float32 roundings, as Embree sees the scene in float32.
+OFFSET = 2.0**-18
+
+SCALARS = [("embree_scene", np.int64), ("rtc_intersect", np.int64), ("rtc_occluded", np.int64)]
+ray_table = table("ray", RAY)
+
+
+def world_positions(positions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """(V, 3) float32 world positions, rounded once, after the transform."""
+    return (positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+
+
+def mask_of(instance, transparent: np.ndarray) -> int:
+    """Kinds of rays that an instance takes part in; ``transparent``: (materials,) bool, True where a material lets some
+    light straight through."""
+    mask = int(instance.visibility)
+    if instance.visibility & Ray.SHADOW and any(transparent[material] for material in instance.materials):
+        mask = mask & ~SHADOW_OPAQUE | SHADOW_TRANSPARENT
+    return mask
+
+
+def new_rays(count: int) -> np.ndarray:
+    """Zeroed ray records at an address that Embree's aligned loads accept."""
+    memory = np.zeros(count * RAY.itemsize + 64, np.uint8)
+    offset = -memory.ctypes.data % 64
+    return memory[offset : offset + count * RAY.itemsize].view(RAY)
+
+
+@kernel
+def _set_ray(ray, o, d, t_min, t_max, mask):
+    ray.origin[0] = o[0]
+    ray.origin[1] = o[1]
+    ray.origin[2] = o[2]
+    ray.t_near = t_min
+    ray.direction[0] = d[0]
+    ray.direction[1] = d[1]
+    ray.direction[2] = d[2]
+    ray.time = 0.0
+    ray.t_far = t_max
+    ray.mask = mask
+    ray.flags = 0
+
+
+@replaced_on_gpu
+@kernel
+def intersect(block, workspace, o, d, t_min, t_max, mask):
+    """Nearest triangle: True if there is one, with the hit left in ``ray_table(workspace)[0]``."""
+    return intersect_scene(block, workspace, block.embree_scene, o, d, t_min, t_max, mask)
+
+
+@kernel
+def intersect_scene(block, workspace, scene, o, d, t_min, t_max, mask):
+    """As ``intersect``, with what is in an Embree scene."""
+    ray = ray_table(workspace)[0]
+    _set_ray(ray, o, d, t_min, t_max, mask)
+    ray.geometry = NONE
+    ray.instance = NONE
+    call_address3(block.rtc_intersect, scene, workspace.ray_address, 0)
+    return ray.geometry != NONE
+
+
+@replaced_on_gpu
+@kernel
+def occluded(block, workspace, o, d, t_min, t_max, mask):
+    """True if any triangle lies between t_min and t_max."""
+    ray = ray_table(workspace)[0]
+    _set_ray(ray, o, d, t_min, t_max, mask)
+    call_address3(block.rtc_occluded, block.embree_scene, workspace.ray_address, 0)
+    return ray.t_far < 0.0
+
+
+@kernel
+def hit_instance(ray):
+    """Index of the instance that was hit, whether it was put into the top level itself or by reference."""
+    return np.int64(ray.geometry) if ray.instance == NONE else np.int64(ray.instance)
+
+
+@kernel
+def hit_normal(ray):
+    """Geometric normal of the hit as Embree gives it: in the space of the mesh, not of length 1."""
+    return vec(ray.normal)
+
+
+@kernel
+def beyond(t_hit):
+    """Distance along a ray that is behind a surface at ``t_hit``."""
+    return t_hit + max(abs(t_hit), 1e-3) * OFFSET

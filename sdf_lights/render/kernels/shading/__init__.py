@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces on the CPU: materials compiled to tables, shaded, evaluated and sampled by kernels. See README.md."""
+
+import numpy as np
+
+from ...scene import Scene
+from ...tables import albedo
+from .. import textures
+from . import energy, program, special
+from .graphs import Graphs
+from .program import MATERIAL, NO_GRAPH
+from .records import CLOSURE, SURFACE, WORKSPACE_COUNTS, WORKSPACE_TABLES
+from .scattering import evaluate, has_lobes, sample, transmits
+from .surface import shade, transparency
+
+__all__ = [
+    "CLOSURE",
+    "Graphs",
+    "MATERIAL",
+    "NO_GRAPH",
+    "SURFACE",
+    "TABLES",
+    "WORKSPACE_COUNTS",
+    "WORKSPACE_TABLES",
+    "evaluate",
+    "has_lobes",
+    "pack_materials",
+    "sample",
+    "shade",
+    "transmits",
+    "transparency",
+]
+
+TABLES = {**program.TABLES, **textures.TABLES, **energy.TABLES, **special.TABLES}
+
+
+def pack_materials(scene: Scene) -> tuple[dict[str, np.ndarray], Graphs]:
+    """Everything that the kernels here read of a scene: ``TABLES`` but for the addresses of its graphs, which
+    ``graphs.addresses`` and ``special.addresses`` give. See ``program.pack_materials``."""
+    tables, graphs = program.pack_materials(scene)
+    return {**tables, "albedo": albedo.load(), **special.tables(tables["lobes"])}, graphs

@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Energy that single scattering loses, given back; and albedos by which layers are stacked.
+
+Turquin 2019, "Practical multiple scattering compensation for microfacet models": the lobe is scaled by one over its
+albedo without Fresnel. The colour of light that bounced between microfacets follows Kulla and Conty 2017.
+"""
+
+import math
+
+import numpy as np
+
+from ....jit import kernel, table
+from ...tables.albedo import OFFSETS, SIZE
+
+TABLES = {"albedo": np.dtype("f8")}
+_albedo = table("albedo", TABLES["albedo"])
+
+_REFLECTION, _REFLECTION_AVERAGE = OFFSETS["reflection"], OFFSETS["reflection_average"]
+_GLASS, _GLASS_AVERAGE = OFFSETS["glass"], OFFSETS["glass_average"]
+_INSIDE, _INSIDE_AVERAGE = OFFSETS["glass_inside"], OFFSETS["glass_inside_average"]
+_DIELECTRIC, _SCHLICK = OFFSETS["dielectric"], OFFSETS["schlick"]
+_RELEVANT = 1e-4  # missing energy that is not worth giving back
+
+
+@kernel
+def _cell(x):
+    x = min(max(x, 0.0), 1.0) * (SIZE - 1)
+    i = min(int(x), SIZE - 2)
+    return i, x - i
+
+
+@kernel
+def _line(values, offset, i, t):
+    return values[offset + i] + t * (values[offset + i + 1] - values[offset + i])
+
+
+@kernel
+def _plane(values, offset, x, y):
+    i, s = _cell(x)
+    j, t = _cell(y)
+    low = _line(values, offset + j * SIZE, i, s)
+    return low + t * (_line(values, offset + (j + 1) * SIZE, i, s) - low)
+
+
+@kernel
+def _space(values, offset, x, y, z):
+    k, t = _cell(z)
+    low = _plane(values, offset + k * SIZE * SIZE, x, y)
+    return low + t * (_plane(values, offset + (k + 1) * SIZE * SIZE, x, y) - low)
+
+
+@kernel
+def _axis_of_ior(ior):
+    return math.sqrt(abs((ior - 1.0) / (ior + 1.0)))
+
+
+@kernel
+def _axis_of_cosine(cosine):
+    return math.sqrt(max(cosine, 0.0))
+
+
+@kernel
+def _compensate(closure, e, mean, single):
+    """Scale the closure's weight so that a lossless surface loses nothing.
+
+    ``e``: albedo for this wo if every microfacet were lossless, ``mean`` its average over wo; ``single`` (RGB): what
+    one bounce keeps on average.
+    """
+    missing = (1.0 - e) / e
+    if missing >= _RELEVANT:
+        for i in range(3):
+            f = min(single[i], 1.0)
+            closure.weight[i] *= 1.0 + missing * f * mean / (1.0 - f * (1.0 - mean))
+
+
+@kernel
+def glass_albedo(block, cosine, roughness, ior):
+    """Albedo of GGX single scattering that reflects and refracts."""
+    offset = _INSIDE if ior < 1.0 else _GLASS
+    return _space(_albedo(block), offset, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
+
+
+@kernel
+def compensate_glass(block, closure, cosine, roughness, single):
+    """For a closure that reflects and refracts; ``single`` is what crossing the surface keeps."""
+    values = _albedo(block)
+    mean = _plane(
+        values, _INSIDE_AVERAGE if closure.ior < 1.0 else _GLASS_AVERAGE, roughness, _axis_of_ior(closure.ior)
+    )
+    _compensate(closure, glass_albedo(block, cosine, roughness, closure.ior), mean, single)
+
+
+@kernel
+def compensate_reflection(block, closure, e, roughness, single):
+    """For a closure that reflects only; ``e`` is ``reflection_albedo``."""
+    i, t = _cell(roughness)
+    _compensate(closure, e, _line(_albedo(block), _REFLECTION_AVERAGE, i, t), single)
+
+
+@kernel
+def reflection_albedo(block, cosine, roughness):
+    """Albedo of GGX single scattering off microfacets that reflect everything."""
+    return _plane(_albedo(block), _REFLECTION, roughness, _axis_of_cosine(cosine))
+
+
+@kernel
+def dielectric_albedo(block, ior, cosine, roughness):
+    """Albedo of GGX single scattering where a microfacet reflects (F − F0) / (1 − F0) of a dielectric."""
+    return _space(_albedo(block), _DIELECTRIC, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
+
+
+@kernel
+def schlick_albedo(block, cosine, roughness):
+    """Albedo of GGX single scattering where a microfacet reflects Schlick's (1 − cosθ)⁵."""
+    return _plane(_albedo(block), _SCHLICK, roughness, _axis_of_cosine(cosine))
+
+
+@kernel
+def mixed(f0, e, s):
+    """Albedo (RGB) of reflectances f0 + (1 − f0) x, from the albedos e of 1 and s of x."""
+    return (
+        f0[0] * e + (1.0 - f0[0]) * s,
+        f0[1] * e + (1.0 - f0[1]) * s,
+        f0[2] * e + (1.0 - f0[2]) * s,
+    )

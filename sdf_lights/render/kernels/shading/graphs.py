@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the formulas of materials to code that fills registers.
+
+Parameters become numbers first, and what is constant then is folded: a mapping that does nothing costs nothing. The
+numbers that are left become parameters again, except 0 and 1: each use of a number has a slot of its own, as numbers that
+are equal by chance do not stay so. So materials that differ in numbers share their code, and a slider compiles nothing,
+but where it reaches or leaves 0 or 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ....graph import codegen_native
+from ....graph.formula import VARIABLE, Formula, order, parameter
+from ....graph.functions import Function
+from ....graph.numpy_evaluation import Inputs, evaluate_inputs
+from ....graph.substitution import rewritten
+from ....jit import CallablePart
+from .records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RAY, NEEDS_SHADOW_POINT, VARIABLES
+
+_LITERAL = (0.0, 1.0)
+_TYPICAL_POINTS = 16
+
+
+def typical(formulas: Sequence[Formula], image_mean: Callable) -> np.ndarray:
+    """(formulas,) means over made-up points of a surface, to tell how bright it may be. They have no parameters."""
+    return np.array(
+        [
+            np.mean(np.maximum(np.nan_to_num(value), 0.0))
+            for value in evaluate_inputs(tuple(formulas), _Typical(image_mean))
+        ]
+    )
+
+
+class _Typical(Inputs):
+    """Random points of surfaces, and the mean of a texture wherever it is looked up."""
+
+    def __init__(self, image_mean: Callable):
+        self._image_mean, self._values = image_mean, {}
+
+    def variable(self, name: str, component: int) -> np.ndarray:
+        if (name, component) not in self._values:
+            self._values[name, component] = np.random.default_rng(len(self._values)).random(_TYPICAL_POINTS)
+        return self._values[name, component]
+
+    def call(self, function: Function, operands: list) -> tuple:
+        if function.name == "image":
+            return (*self._image_mean(int(np.max(operands[0]))), 1.0)
+        if function.scene:
+            return tuple(self.variable(function.name, index) for index in range(function.results))
+        return super().call(function, operands)
+
+
+def needs(roots: Sequence[Formula], shadow: bool) -> int:
+    """Flags of what the formulas read of a surface."""
+    names = {node.value[0] for node in order(*roots) if node.kind == VARIABLE}
+    functions = {node.value.name for node in order(*roots) if isinstance(node.value, Function)}
+    flags = NEEDS_DERIVATIVES if names & {"dpdu", "dpdv", "bump_step"} else 0
+    flags |= NEEDS_OBJECT_NORMAL if "object_normal" in names else 0
+    flags |= NEEDS_RAY if names & {"ray_length", "ray_singular", "depth"} else 0
+    if shadow and (names - {"barycentric", "incoming", "backfacing", "ray_kind"} or functions & READS_POINT):
+        flags |= NEEDS_SHADOW_POINT
+    return flags
+
+
+READS_POINT: set[str] = set()
+"""Names of functions that read more of the surface than its triangle, through the workspace."""
+
+
+class Graphs:
+    """The different graphs of a scene's materials: formulas whose parameters are ``slots``."""
+
+    def __init__(self):
+        self.structures: list[tuple[Formula, ...]] = []
+        self._index: dict[tuple[Formula, ...], int] = {}
+        self._compiled: list[codegen_native.Compiled] = []
+
+    def add(self, roots: Sequence[Formula]) -> tuple[int, list[float]]:
+        """Index of a graph, −1 for none, and the values of its slots. ``roots`` have no parameters any more."""
+        if not roots:
+            return -1, []
+        numbers: list[float] = []
+
+        def slot(node: Formula) -> Formula:
+            if node.value in _LITERAL:
+                return node
+            numbers.append(node.value)
+            return parameter(len(numbers) - 1)
+
+        structure = tuple(rewritten(tuple(roots), {}, lambda node: node, number=slot))
+        if structure not in self._index:
+            self._index[structure] = len(self.structures)
+            self.structures.append(structure)
+        return self._index[structure], numbers
+
+    def addresses(self, records: tuple) -> np.ndarray:
+        """Addresses of the graphs' code, for blocks and workspaces of these ``records``. It lives as long as this."""
+        layout = tuple(map(str, records))
+
+        def address_of(function: Function, operands: int) -> int:
+            return _part(function, operands, records if function.scene else None, layout).address
+
+        for structure in self.structures[len(self._compiled) :]:
+            self._compiled.append(codegen_native.compiled_at_surface(structure, VARIABLES, address_of, layout))
+        return np.array([code.address for code in self._compiled] or [0], np.int64)
+
+
+_parts: dict[tuple, CallablePart] = {}
+
+
+def _part(function: Function, operands: int, records: tuple | None, layout: tuple) -> CallablePart:
+    key = function, operands, layout if function.scene else None
+    if key not in _parts:
+        _parts[key] = CallablePart(function.kernel, function.static, operands, records)
+    return _parts[key]

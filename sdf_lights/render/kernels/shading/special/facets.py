@@ -1,0 +1,559 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Microfacets of all kinds that ``microfacet.py`` has not: anisotropic ones, of Beckmann's distribution, of physical conductors,
+and under thin films.
+
+Heitz 2014, "Understanding the masking-shadowing function in microfacet-based BRDFs", for the anisotropic forms; Walter et al.
+2007, "Microfacet models for refraction through rough surfaces", for Beckmann's; its visible normals as in Jakob 2014, "An
+improved visible normal sampling routine for the Beckmann distribution".
+"""
+
+import math
+
+from .....jit import kernel
+from .....vec import add, cross, dot, frame, madd, mul, normalize, put, scale, to_world, vec
+from .. import energy, fresnel, microfacet
+from ..microfacet import chosen, half_vector, is_singular, scattered, spread
+from ..program import (
+    ANISOTROPIC,
+    ANISOTROPIC_ROTATION,
+    MULTISCATTER,
+    NONE,
+    NORMAL,
+    TANGENT_INPUT,
+    THIN_FILM_IOR,
+    THIN_FILM_THICKNESS,
+)
+from ..records import (
+    BECKMANN,
+    FACETS,
+    FRESNEL_CONDUCTOR,
+    FRESNEL_DIELECTRIC,
+    FRESNEL_F82,
+    GGX,
+    GLOSSY,
+    SINGULAR,
+    THINNEST_FILM,
+    TRANSMISSION,
+    closure_table,
+    surface_table,
+)
+from ..special_lobes import WITH_BECKMANN
+from ..surface import (
+    NO_FILM,
+    begin_glass,
+    begin_metal,
+    begin_microfacet,
+    begin_refraction,
+    finish,
+    finish_metal,
+    lobe_table,
+    positive,
+    saturate,
+    saturated,
+    specular_normal,
+)
+from ..values import normal, number, vector
+from . import film
+
+_BLACK = (0.0, 0.0, 0.0)
+_NOTHING = (0.0, 0.0, 0.0, 0.0)
+_NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
+_SMALLEST = 1e-6  # of what may be a random number 0 or 1
+_STEPS = 4  # of Newton's method
+
+
+# What a closure is made of
+
+
+@kernel
+def turned(v, axis, angle):
+    """v turned about a unit vector (Rodrigues)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return add(madd(scale(v, c), s, cross(axis, v)), scale(axis, dot(axis, v) * (1.0 - c)))
+
+
+@kernel
+def tangent_of(block, workspace, operand, axis, turns):
+    """The tangent that an input gives, or one around the object's z axis, turned about ``axis`` by so many turns."""
+    surface = surface_table(workspace)[0]
+    if operand == NONE:
+        n = vec(surface.n)
+        t = cross(n, normalize(cross(vec(surface.radial), n)))
+    else:
+        t = vector(block, workspace, operand)
+    return turned(t, axis, 2.0 * math.pi * turns) if turns != 0.0 else t
+
+
+@kernel
+def frame_about(n, t):
+    """Two unit vectors that complete n to a right-handed frame (t', b, n), t' as near to t as can be."""
+    b = normalize(cross(n, t))
+    if not dot(b, b) > 0.5:
+        return frame(n)
+    return cross(b, n), b
+
+
+@kernel
+def begin_facets(closure, distribution):
+    """Make a closure of ``begin_microfacet`` one of this module, still the same all round and without a film."""
+    closure.kind = FACETS
+    closure.distribution = distribution
+    closure.a = closure.alpha
+    closure.b = 0.0
+    closure.c = 1.0
+
+
+@kernel
+def stretch(closure, along, across, tangent):
+    """Give microfacets other roughnesses; the roughness by which their albedo is found."""
+    closure.alpha, closure.a = saturate(along), saturate(across)
+    put(closure.tangent, tangent)
+    both = closure.alpha * closure.a
+    closure.singular = int(is_singular(math.sqrt(both)))
+    return math.sqrt(math.sqrt(both))
+
+
+@kernel
+def aspect(anisotropy):
+    """Ratio by which Principled divides the roughness along the tangent, and multiplies that across (Burley 2012)."""
+    return math.sqrt(1.0 - 0.9 * anisotropy)
+
+
+@kernel
+def cover(closure, thickness, ior):
+    """Lay a film on microfacets, if it is thick enough: whether it is."""
+    if not thickness > THINNEST_FILM:
+        return False
+    closure.b, closure.c = thickness, max(ior, 1e-5)
+    return True
+
+
+# What it does
+
+
+@kernel
+def _metal_under_film(block, closure, channel, cosine):
+    n, k, at_82 = closure.f0[channel], closure.edge[channel], -1.0
+    if closure.fresnel == FRESNEL_F82:
+        at_82 = fresnel.f82(1.0 / 7.0, n, k)
+        n, k = film.index_of_metal(n, at_82)
+    return film.conductor(block, channel, cosine, n, k, at_82, closure.c, closure.b)
+
+
+@kernel
+def reflectance(block, closure, cosine):
+    """As ``microfacet.reflectance``."""
+    if closure.b == 0.0:
+        if closure.fresnel != FRESNEL_CONDUCTOR:
+            return microfacet.reflectance(closure, cosine)
+        n, k = closure.f0, closure.edge
+        return (
+            (
+                fresnel.conductor(cosine, n[0], k[0]),
+                fresnel.conductor(cosine, n[1], k[1]),
+                fresnel.conductor(cosine, n[2], k[2]),
+            ),
+            _BLACK,
+            0.0,
+        )
+    if closure.fresnel != FRESNEL_DIELECTRIC:
+        return (
+            (
+                _metal_under_film(block, closure, 0, cosine),
+                _metal_under_film(block, closure, 1, cosine),
+                _metal_under_film(block, closure, 2, cosine),
+            ),
+            _BLACK,
+            0.0,
+        )
+    f = film.dielectric(block, cosine, closure.ior, closure.c, closure.b)
+    bottom = fresnel.f0_of_ior(closure.ior)
+    if bottom > 1e-5 and f != (1.0, 1.0, 1.0):
+        f = (
+            _tinted(f[0], closure.f0[0], bottom),
+            _tinted(f[1], closure.f0[1], bottom),
+            _tinted(f[2], closure.f0[2], bottom),
+        )
+    tint = closure.reflection_tint
+    r = (f[0] * tint[0], f[1] * tint[1], f[2] * tint[2])
+    _, cosine_t = fresnel.dielectric(cosine, closure.ior)
+    if not closure.transmits or cosine_t == 0.0:
+        return r, _BLACK, cosine_t
+    tint = closure.transmission_tint
+    return r, ((1.0 - f[0]) * tint[0], (1.0 - f[1]) * tint[1], (1.0 - f[2]) * tint[2]), cosine_t
+
+
+@kernel
+def _tinted(f, f0, bottom):
+    """Reflectance f as an artist wants it, who has made that at normal incidence f0 where it is ``bottom``: in full where f
+    is that or less, not at all where it is 1."""
+    return f * (1.0 + saturate((1.0 - f) / (1.0 - bottom)) * (f0 / bottom - 1.0))
+
+
+@kernel
+def _slope(closure, w):
+    """tan² of the angle between w and the normal where roughnesses along, across are 1, times cos²; as it is
+    for the distribution of normals if ``w`` is one."""
+    t, b = frame_about(vec(closure.normal), vec(closure.tangent))
+    x, y = dot(t, w) / closure.alpha, dot(b, w) / closure.a
+    return x * x + y * y
+
+
+@kernel
+def density(closure, h):
+    """Distribution of normals D."""
+    z = dot(vec(closure.normal), h)
+    square = min(z * z, 1.0)
+    slope = (1.0 - square) / (closure.alpha * closure.alpha) if closure.alpha == closure.a else _slope(closure, h)
+    scale_ = 1.0 / (math.pi * closure.alpha * closure.a)
+    if closure.distribution == GGX:
+        root = slope + square
+        return scale_ / (root * root)
+    if square < 1e-12:
+        return 0.0
+    return scale_ * math.exp(-slope / square) / (square * square)
+
+
+@kernel
+def masking(closure, w):
+    """Smith's Λ."""
+    z = dot(vec(closure.normal), w)
+    square = z * z
+    if closure.alpha == closure.a:
+        x = closure.alpha * closure.alpha * max(1.0 / square - 1.0, 0.0)
+    else:
+        t, b = frame_about(vec(closure.normal), vec(closure.tangent))
+        p, q = closure.alpha * dot(t, w), closure.a * dot(b, w)
+        x = (p * p + q * q) / square
+    if closure.distribution == GGX:
+        return 0.5 * (math.sqrt(1.0 + x) - 1.0)
+    if x < 0.39:  # a rational fit from here on
+        return 0.0
+    a = 1.0 / math.sqrt(x)
+    return (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a)
+
+
+@kernel
+def _erf(x):
+    """Abramowitz and Stegun 1964, 7.1.26; off by 1.5e-7 at most."""
+    t = 1.0 / (1.0 + 0.3275911 * abs(x))
+    y = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t
+    return math.copysign(1.0 - y * math.exp(-x * x), x)
+
+
+@kernel
+def _erf_inverse(x):
+    """Giles 2010, "Approximating the erfinv function"."""
+    w = -math.log(max((1.0 - x) * (1.0 + x), 1e-30))
+    if w < 5.0:
+        w -= 2.5
+        p = 2.81022636e-08
+        p = 3.43273939e-07 + p * w
+        p = -3.5233877e-06 + p * w
+        p = -4.39150654e-06 + p * w
+        p = 0.00021858087 + p * w
+        p = -0.00125372503 + p * w
+        p = -0.00417768164 + p * w
+        p = 0.246640727 + p * w
+        p = 1.50140941 + p * w
+    else:
+        w = math.sqrt(w) - 3.0
+        p = -0.000200214257
+        p = 0.000100950558 + p * w
+        p = 0.00134934322 + p * w
+        p = -0.00367342844 + p * w
+        p = 0.00573950773 + p * w
+        p = -0.0076224613 + p * w
+        p = 0.00943887047 + p * w
+        p = 1.00167406 + p * w
+        p = 2.83297682 + p * w
+    return p * x
+
+
+@kernel
+def _beckmann_slope(cosine, u):
+    """A slope along the view of a surface of roughness 1 that is seen under ``cosine``.
+
+    The cumulative distribution of e = erf(slope) is proportional to 1 + e + tan θ · exp(−erf⁻¹(e)²) / √π, which is
+    inverted by Newton's method, kept inside an interval that holds the root.
+    """
+    tangent = math.sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine
+    cotangent = 1.0 / max(tangent, 1e-12)
+    factor = tangent / math.sqrt(math.pi)
+    low, high = -1.0, _erf(cotangent)
+    wanted = u * (1.0 + high + factor * math.exp(-cotangent * cotangent))
+    # Where the exponential is taken as 1 − e² the equation is a quadratic one.
+    e = wanted - 1.0
+    if factor > 1e-6:
+        e = (0.5 - math.sqrt(max(factor * (factor - wanted + 1.0) + 0.25, 0.0))) / factor
+    slope = 0.0
+    for _ in range(_STEPS):
+        if not low <= e <= high:
+            e = 0.5 * (low + high)
+        slope = _erf_inverse(e)
+        value = 1.0 + e + factor * math.exp(-slope * slope) - wanted
+        if value > 0.0:
+            high = e
+        else:
+            low = e
+        e -= value / (1.0 - slope * tangent)
+    return slope
+
+
+@kernel
+def beckmann_normal(wo, along, across, u1, u2):
+    """As ``microfacet.visible_normal``, of Beckmann's distribution."""
+    u1, u2 = min(max(u1, _SMALLEST), 1.0 - _SMALLEST), min(max(u2, _SMALLEST), 1.0 - _SMALLEST)
+    view = normalize((along * wo[0], across * wo[1], wo[2]))
+    sine = math.sqrt(view[0] * view[0] + view[1] * view[1])
+    if sine < 1e-4:
+        radius, phi = math.sqrt(-math.log(u1)), 2.0 * math.pi * u2
+        x, y = radius * math.cos(phi), radius * math.sin(phi)
+    else:
+        p, q = _beckmann_slope(view[2], u1), _erf_inverse(2.0 * u2 - 1.0)
+        c, s = view[0] / sine, view[1] / sine
+        x, y = c * p - s * q, s * p + c * q
+    return normalize((-along * x, -across * y, 1.0))
+
+
+@kernel
+def evaluate(block, workspace, index, x, y, z):
+    """f · |cos| of a rough closure without its weight, and the pdf of ``sample``."""
+    closure = closure_table(workspace)[int(index)]
+    wo, wi = vec(surface_table(workspace)[0].wo), (x, y, z)
+    h, inverse = half_vector(closure, wo, wi)
+    if inverse == 0.0:
+        return _NOTHING
+    r, t, _ = reflectance(block, closure, dot(h, wo))
+    value, pdf = scattered(
+        closure, wo, wi, h, inverse, r, t, density(closure, h), masking(closure, wo), masking(closure, wi)
+    )
+    return value[0], value[1], value[2], pdf
+
+
+@kernel
+def sample(block, workspace, index, u1, u2, u3):
+    """wi, f · |cos|, pdf (0: no direction) and kind."""
+    closure = closure_table(workspace)[int(index)]
+    wo, n = vec(surface_table(workspace)[0].wo), vec(closure.normal)
+    cosine_o = dot(n, wo)
+    if cosine_o <= 0.0:
+        return _NO_DIRECTION
+    h = n
+    if closure.singular == 0:
+        t, b = frame(n) if closure.alpha == closure.a else frame_about(n, vec(closure.tangent))
+        view = (dot(t, wo), dot(b, wo), cosine_o)
+        if closure.distribution == GGX:
+            local = microfacet.visible_normal(view, closure.alpha, closure.a, u1, u2)
+        else:
+            local = beckmann_normal(view, closure.alpha, closure.a, u1, u2)
+        h = to_world(local, t, b, n)
+    r, tr, cosine_t = reflectance(block, closure, dot(h, wo))
+    wi, value, pdf, through = chosen(closure, wo, h, r, tr, cosine_t, u3)
+    if pdf <= 0.0:
+        return _NO_DIRECTION
+    side = TRANSMISSION if through else GLOSSY
+    if closure.singular != 0 or through and closure.ior == 1.0:
+        return wi[0], wi[1], wi[2], value[0], value[1], value[2], pdf, side | SINGULAR
+    value, pdf = spread(
+        closure, wo, h, cosine_t, value, pdf, through, density(closure, h), masking(closure, wo), masking(closure, wi)
+    )
+    return wi[0], wi[1], wi[2], value[0], value[1], value[2], pdf, side
+
+
+# Lobes
+
+
+@kernel
+def smooth_albedo(block, closure, cosine):
+    """What a smooth surface would reflect and transmit."""
+    r, t, _ = reflectance(block, closure, cosine)
+    return add(r, t)
+
+
+@kernel
+def refine(block, workspace, lobe, index, roughness):
+    """For microfacets of Principled: see ``apart.refine``."""
+    args = lobe_table(block)[int(lobe)].args
+    closure, surface = closure_table(workspace)[int(index)], surface_table(workspace)[0]
+    anisotropy = 0.0 if closure.transmits else saturate(number(block, workspace, args[ANISOTROPIC]))
+    thickness = number(block, workspace, args[THIN_FILM_THICKNESS])
+    if anisotropy > 0.0 or thickness > THINNEST_FILM:
+        begin_facets(closure, GGX)
+    if anisotropy > 0.0:
+        ratio = aspect(anisotropy)
+        tangent = tangent_of(
+            block,
+            workspace,
+            args[TANGENT_INPUT],
+            normal(block, workspace, args[NORMAL]),
+            number(block, workspace, args[ANISOTROPIC_ROTATION]),
+        )
+        roughness = stretch(closure, closure.alpha / ratio, closure.alpha * ratio, tangent)
+    ior = number(block, workspace, args[THIN_FILM_IOR])
+    if closure.transmits and surface.backfacing:
+        ior *= closure.ior
+    if not cover(closure, thickness, ior):
+        return roughness, -1.0, -1.0, -1.0
+    albedo = smooth_albedo(block, closure, dot(vec(closure.normal), vec(surface.wo)))
+    return roughness, albedo[0], albedo[1], albedo[2]
+
+
+@kernel
+def begin_glossy(block, workspace, lobe, weight, distribution):
+    """Index of a new closure of Glossy (−1: none), and the roughness by which its albedo is found."""
+    surface, args = surface_table(workspace)[0], lobe.args
+    roughness = saturate(number(block, workspace, args[1]))
+    n = specular_normal(surface, normal(block, workspace, args[2]))
+    index = begin_microfacet(workspace, weight, n, roughness, 1.0)
+    if index < 0:
+        return index, roughness
+    closure = closure_table(workspace)[index]
+    begin_facets(closure, distribution)
+    anisotropy = min(max(number(block, workspace, args[3]), -0.99), 0.99)
+    if abs(anisotropy) > 1e-4:
+        tangent = tangent_of(block, workspace, args[5], n, number(block, workspace, args[4]))
+        along, across = 1.0 - anisotropy, 1.0 / (1.0 - anisotropy)
+        if anisotropy < 0.0:
+            along, across = 1.0 / (1.0 + anisotropy), 1.0 + anisotropy
+        roughness = stretch(closure, closure.alpha * along, closure.alpha * across, tangent)
+    return index, roughness
+
+
+@kernel
+def add_glossy(block, workspace, lobe, weight):
+    """Glossy BSDF of Beckmann's distribution, or an anisotropic one."""
+    lobe = lobe_table(block)[int(lobe)]
+    color = positive(vector(block, workspace, lobe.args[0]))
+    index, roughness = begin_glossy(
+        block, workspace, lobe, scale(color, weight), BECKMANN if lobe.features & WITH_BECKMANN else GGX
+    )
+    if index >= 0:
+        closure = closure_table(workspace)[index]
+        cosine = dot(vec(closure.normal), vec(surface_table(workspace)[0].wo))
+        e = energy.reflection_albedo(block, cosine, roughness)
+        if lobe.features & MULTISCATTER:
+            energy.compensate_reflection(block, closure, e, roughness, color)
+        finish(workspace, index, scale(vec(closure.weight), e))
+    return 0.0
+
+
+@kernel
+def add_glass(block, workspace, lobe, weight):
+    """Glass BSDF of Beckmann's distribution, or under a film."""
+    lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
+    args = lobe.args
+    color = positive(vector(block, workspace, args[0]))
+    roughness = saturate(number(block, workspace, args[1]))
+    ior = max(number(block, workspace, args[2]), 1e-5)
+    n = specular_normal(surface, normal(block, workspace, args[3]))
+    f0 = fresnel.f0_of_ior(ior)
+    index = begin_glass(workspace, (weight, weight, weight), n, roughness, ior, (f0, f0, f0), color, color)
+    if index < 0:
+        return 0.0
+    closure = closure_table(workspace)[index]
+    begin_facets(closure, BECKMANN if lobe.features & WITH_BECKMANN else GGX)
+    film_ior = max(number(block, workspace, args[5]), 1e-5)
+    cover(closure, number(block, workspace, args[4]), film_ior / ior if surface.backfacing else film_ior)
+    cosine = dot(n, vec(surface.wo))
+    if lobe.features & MULTISCATTER:
+        energy.compensate_glass(block, closure, cosine, roughness, color)
+    finish(workspace, index, mul(vec(closure.weight), smooth_albedo(block, closure, cosine)))
+    return 0.0
+
+
+@kernel
+def add_refraction(block, workspace, lobe, weight):
+    """Refraction BSDF of Beckmann's distribution."""
+    lobe = lobe_table(block)[int(lobe)]
+    color = scale(positive(vector(block, workspace, lobe.args[0])), weight)
+    index = begin_refraction(block, workspace, lobe, color)
+    if index >= 0:
+        begin_facets(closure_table(workspace)[index], BECKMANN)
+        finish(workspace, index, color)
+    return 0.0
+
+
+@kernel
+def _shape_metal(block, workspace, lobe, index, given):
+    """Make closure ``index`` of Metallic what its lobe says, from the input normal ``given`` on: the roughness by which its
+    albedo is found, and what it reflects where it is smooth; negative where that is not asked for."""
+    args, closure = lobe.args, closure_table(workspace)[index]
+    roughness = math.sqrt(closure.alpha)
+    anisotropy = saturate(number(block, workspace, args[4]))
+    thickness = number(block, workspace, args[7])
+    plain = closure.fresnel == FRESNEL_F82 and not thickness > THINNEST_FILM
+    if plain and anisotropy <= 0.0 and not lobe.features & WITH_BECKMANN:
+        return roughness, NO_FILM
+    begin_facets(closure, BECKMANN if lobe.features & WITH_BECKMANN else GGX)
+    if anisotropy > 0.0:
+        ratio = aspect(anisotropy)
+        tangent = tangent_of(block, workspace, args[6], given, number(block, workspace, args[5]))
+        roughness = stretch(closure, closure.alpha / ratio, closure.alpha * ratio, tangent)
+    cover(closure, thickness, number(block, workspace, args[8]))
+    if plain:
+        return roughness, NO_FILM
+    return roughness, smooth_albedo(block, closure, dot(vec(closure.normal), vec(surface_table(workspace)[0].wo)))
+
+
+@kernel
+def add_metallic(block, workspace, lobe, weight):
+    """Metallic BSDF by its colours."""
+    lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
+    args = lobe.args
+    given = normal(block, workspace, args[3])
+    index = begin_metal(
+        workspace,
+        (weight, weight, weight),
+        specular_normal(surface, given),
+        saturate(number(block, workspace, args[2])),
+        saturated(vector(block, workspace, args[0])),
+        saturated(vector(block, workspace, args[1])),
+    )
+    if index >= 0:
+        roughness, smooth = _shape_metal(block, workspace, lobe, index, given)
+        finish_metal(block, workspace, lobe.features & MULTISCATTER != 0, index, roughness, smooth)
+    return 0.0
+
+
+@kernel
+def _mean_of_conductor(n, k):
+    """About ∫ 2 μ F(μ) dμ: that of F82 with the same reflectance at normal incidence and at 82°."""
+    f0 = fresnel.conductor(1.0, n, k)
+    edge = fresnel.f82_edge_through(f0, fresnel.conductor(1.0 / 7.0, n, k))
+    return saturate(fresnel.f82_average(f0, edge))
+
+
+@kernel
+def add_conductor(block, workspace, lobe, weight):
+    """Metallic BSDF by its indices."""
+    lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
+    args = lobe.args
+    given = normal(block, workspace, args[3])
+    index = begin_microfacet(
+        workspace,
+        (weight, weight, weight),
+        specular_normal(surface, given),
+        saturate(number(block, workspace, args[2])),
+        1.0,
+    )
+    if index < 0:
+        return 0.0
+    closure = closure_table(workspace)[index]
+    closure.fresnel = FRESNEL_CONDUCTOR
+    n, k = positive(vector(block, workspace, args[0])), positive(vector(block, workspace, args[1]))
+    put(closure.f0, n)
+    put(closure.edge, k)
+    roughness, smooth = _shape_metal(block, workspace, lobe, index, given)
+    e = energy.reflection_albedo(block, dot(vec(closure.normal), vec(surface.wo)), roughness)
+    if lobe.features & MULTISCATTER:
+        energy.compensate_reflection(
+            block,
+            closure,
+            e,
+            roughness,
+            (_mean_of_conductor(n[0], k[0]), _mean_of_conductor(n[1], k[1]), _mean_of_conductor(n[2], k[2])),
+        )
+    finish(workspace, index, scale(mul(vec(closure.weight), smooth), e))
+    return 0.0

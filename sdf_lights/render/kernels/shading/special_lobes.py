@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lobes whose closures are in ``special/``: which nodes have them, and what of a surface they read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...material import Node
+from .records import (
+    BENDS_EXITS,
+    BURLEY,
+    HAS_SUBSURFACE,
+    HAS_TRANSPARENCY,
+    NEEDS_DERIVATIVES,
+    NEEDS_RADIAL,
+    NEEDS_RAY,
+    NEEDS_SHADOW_POINT,
+    RANDOM_WALK,
+    RANDOM_WALK_LEGACY,
+    RANDOM_WALK_SKIN,
+    SHADES_SHADOWS,
+    THINNEST_FILM,
+)
+
+FIRST = 10  # after the lobes of program.py
+(
+    LOBE_ROUGH_GLOSSY,  # glossy, with anisotropy or Beckmann's distribution
+    LOBE_ASHIKHMIN_SHIRLEY,  # glossy
+    LOBE_ROUGH_GLASS,  # glass, with a film or Beckmann's distribution
+    LOBE_ROUGH_REFRACTION,  # refraction with Beckmann's distribution
+    LOBE_METALLIC,  # of colours
+    LOBE_CONDUCTOR,  # metallic, of indices
+    LOBE_SHEEN,
+    LOBE_VELVET,  # sheen of Ashikhmin's distribution
+    LOBE_TOON,
+    LOBE_HAIR,
+    LOBE_CHIANG,  # Principled Hair
+    LOBE_HUANG,  # Principled Hair
+    LOBE_PORTAL,
+    LOBE_SUBSURFACE,
+) = range(FIRST, FIRST + 14)
+END = LOBE_SUBSURFACE + 1
+
+# Features, after those of program.py: Principled with microfacets of FACETS, or that can be a thin wall; Beckmann's
+# distribution; toon that is glossy; hair that transmits; what colours Principled Hair.
+WITH_FACETS, WITH_THIN_WALL, WITH_BECKMANN, IS_GLOSSY, IS_TRANSMISSION, WITH_MELANIN, WITH_ABSORPTION = (
+    1 << bit for bit in range(8, 15)
+)
+# Of scattering below a surface: there is some; Principled has some in a thin wall; not where the path has met a diffuse
+# surface before. The method is the number from bit METHOD on.
+WITH_SUBSURFACE, WITH_THIN_SCATTERING, ONCE = (1 << bit for bit in range(15, 18))
+METHOD = 18
+
+_ROUGH = ("color", "roughness", "normal", "anisotropy", "rotation", "tangent")
+_FILM = ("thin_film_thickness", "thin_film_ior")
+_CONDUCTOR = ("roughness", "normal", "anisotropy", "rotation", "tangent", *_FILM)
+_SHEEN = ("color", "roughness", "normal")
+_PRINCIPLED_HAIR = (
+    "color",
+    "melanin",
+    "melanin_redness",
+    "tint",
+    "absorption_coefficient",
+    "roughness",
+    "radial_roughness",
+    "coat",
+    "ior",
+    "offset",
+    "random_color",
+    "random_roughness",
+    "random",
+    "aspect_ratio",
+    "r_lobe",
+    "tt_lobe",
+    "trt_lobe",
+)
+
+# Kind of node -> its lobe and the inputs that are the lobe's arguments, in their order.
+SIMPLE = {
+    "metallic": (LOBE_METALLIC, ("base_color", "edge_tint", *_CONDUCTOR)),
+    "sheen": (LOBE_SHEEN, _SHEEN),
+    "toon": (LOBE_TOON, ("color", "size", "smooth", "normal")),
+    "hair": (LOBE_HAIR, ("color", "offset", "roughness_u", "roughness_v", "tangent")),
+    "principled_hair": (LOBE_CHIANG, _PRINCIPLED_HAIR),
+    "ray_portal": (LOBE_PORTAL, ("color", "position", "direction")),
+    "subsurface": (LOBE_SUBSURFACE, ("color", "scale", "radius", "ior", "roughness", "anisotropy", "normal")),
+}
+
+# Inputs of Principled that are read with one of these features only.
+READ_BY = (
+    (("anisotropic", "anisotropic_rotation", "tangent"), WITH_FACETS),
+    (_FILM, WITH_FACETS | WITH_THIN_WALL),
+    (("thin_wall",), WITH_THIN_WALL | WITH_THIN_SCATTERING),
+    (("subsurface_weight", "subsurface_anisotropy"), WITH_SUBSURFACE | WITH_THIN_SCATTERING),
+    (("subsurface_radius", "subsurface_scale", "subsurface_ior"), WITH_SUBSURFACE),
+)
+
+# Nodes whose settings choose another lobe: (kind, setting, value) -> its lobe and inputs.
+_OTHERS = {
+    ("glossy", "distribution", "ASHIKHMIN_SHIRLEY"): (LOBE_ASHIKHMIN_SHIRLEY, _ROUGH),
+    ("metallic", "fresnel_type", "PHYSICAL_CONDUCTOR"): (LOBE_CONDUCTOR, ("ior", "extinction", *_CONDUCTOR)),
+    ("sheen", "distribution", "ASHIKHMIN"): (LOBE_VELVET, _SHEEN),
+    ("principled_hair", "model", "HUANG"): (LOBE_HUANG, _PRINCIPLED_HAIR),
+}
+_FEATURES = {
+    ("distribution", "BECKMANN"): WITH_BECKMANN,
+    ("component", "GLOSSY"): IS_GLOSSY,
+    ("component", "TRANSMISSION"): IS_TRANSMISSION,
+    ("parametrization", "MELANIN"): WITH_MELANIN,
+    ("parametrization", "ABSORPTION"): WITH_ABSORPTION,
+}
+_METHODS = {
+    "BURLEY": BURLEY,
+    "RANDOM_WALK": RANDOM_WALK,
+    "RANDOM_WALK_LEGACY": RANDOM_WALK_LEGACY,
+    "RANDOM_WALK_SKIN": RANDOM_WALK_SKIN,
+}
+
+
+def variant(node: Node, kind: int, inputs: tuple[str, ...], can_be: Callable) -> tuple[int, tuple[str, ...], int]:
+    """Kind, arguments and features of the lobe of a node, whose plain lobe has this ``kind`` and these ``inputs``.
+
+    ``can_be(name, test)`` says whether an input may have a value that passes a test.
+    """
+    features = 0
+    for setting in node.settings.items():
+        features |= _FEATURES.get(setting, 0)
+        kind, inputs = _OTHERS.get((node.kind, *setting), (kind, inputs))
+    if node.kind == "principled":
+        film = can_be(_FILM[0], lambda value: value > THINNEST_FILM)
+        features |= WITH_FACETS * (film or can_be("anisotropic", lambda value: value > 0.0))
+        features |= WITH_THIN_WALL * (
+            can_be("thin_wall", lambda value: value > 0.0)
+            and can_be("transmission_weight", lambda value: value > 0.0)
+            and can_be("metallic", lambda value: value < 1.0)
+        )
+    elif node.kind == "glass" and (features or can_be(_FILM[0], lambda value: value > THINNEST_FILM)):
+        kind, inputs = LOBE_ROUGH_GLASS, (*inputs, *_FILM)
+    elif node.kind == "refraction" and features:
+        kind = LOBE_ROUGH_REFRACTION
+    elif node.kind == "glossy" and kind < FIRST and (features or can_be("anisotropy", lambda value: abs(value) > 1e-4)):
+        kind, inputs = LOBE_ROUGH_GLOSSY, _ROUGH
+    return kind, inputs, features | _scattering(node, can_be)
+
+
+def _scattering(node: Node, can_be: Callable) -> int:
+    """Features of scattering below the surface."""
+    features = 0
+    if node.kind == "subsurface":
+        features = WITH_SUBSURFACE
+    elif (
+        node.kind == "principled"
+        and can_be("subsurface_weight", lambda value: value > 0.0)
+        and can_be("metallic", lambda value: value < 1.0)
+        and can_be("transmission_weight", lambda value: value < 1.0)
+    ):
+        features = WITH_SUBSURFACE * can_be("thin_wall", lambda value: value <= 0.0)
+        features |= WITH_THIN_SCATTERING * can_be("thin_wall", lambda value: value > 0.0)
+    if features & WITH_SUBSURFACE:
+        features |= _METHODS[node.settings.get("subsurface_method", "RANDOM_WALK")] << METHOD
+        features |= ONCE * node.settings.get("subsurface_once", False)
+    return features
+
+
+def needs(node: Node, kind: int, features: int, can_be: Callable) -> int:
+    """Flags of what the closures of a lobe read of a surface by themselves, and of what they do."""
+    flags = 0
+    if kind in (LOBE_ROUGH_GLOSSY, LOBE_ASHIKHMIN_SHIRLEY, LOBE_METALLIC, LOBE_CONDUCTOR) or features & WITH_FACETS:
+        flags |= NEEDS_RADIAL if node["tangent"] is None else 0
+    if kind in (LOBE_HAIR, LOBE_CHIANG, LOBE_HUANG):
+        flags |= NEEDS_DERIVATIVES
+    if features & WITH_THIN_WALL and can_be("roughness", lambda value: value**4 < 1e-8):
+        flags |= HAS_TRANSPARENCY | SHADES_SHADOWS | NEEDS_SHADOW_POINT | NEEDS_RAY
+    if features & WITH_SUBSURFACE:
+        flags |= HAS_SUBSURFACE | NEEDS_RAY * bool(features & ONCE) | BENDS_EXITS * (node["normal"] is not None)
+    return flags

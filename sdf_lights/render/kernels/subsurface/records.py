@@ -1,0 +1,31 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of what is below surfaces, and rays that see one instance alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import kernel, table
+from ....vec import transform_point, transform_vector
+from ..geometry import instance_table
+from ..rays import NONE, intersect_scene, ray_table
+from . import apart
+
+# Of each instance the Embree scene with nothing else in it, in the world if it is baked, else in its own space; 0: there is none.
+TABLES = {**apart.TABLES, "inner_scenes": np.dtype(np.int64)}
+SCALARS = [("has_subsurface", np.int64)]
+
+inner_table = table("inner_scenes", np.int64)
+
+
+@kernel
+def intersect_instance(block, workspace, index, o, d, t_min, t_max):
+    """As ``rays.intersect``, with instance ``index`` alone and whatever rays it is visible to."""
+    instance = instance_table(block)[index]
+    if instance.baked == 0:
+        o, d = transform_point(instance.inverse, o), transform_vector(instance.inverse, d)
+    found = intersect_scene(block, workspace, inner_table(block)[index], o, d, t_min, t_max, NONE)
+    if found:
+        ray_table(workspace)[0].geometry = index
+    return found

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What reaches a surface along a light ray: past transparent surfaces, and of a lamp that surfaces stand inside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ... import emitter as lamps
+from ...jit import kernel
+from ...vec import add, dot, largest, length, madd, mul, negate, scale, sub
+from .geometry import find_shadow_surface, shading_material_table
+from .media import apart
+from .path import path_table
+from .rays import OFFSET, SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, intersect, occluded, ray_table
+from .shading import transparency
+from .shading.records import HAS_TRANSPARENCY
+from .workspace import aside_table
+
+BLACK = (0.0, 0.0, 0.0)
+
+
+@kernel
+def step_size(position):
+    """Length of a step off a surface at this position, for float32 of Embree."""
+    return max(abs(position[0]), abs(position[1]), abs(position[2]), 1e-3) * OFFSET
+
+
+@kernel
+def leave(position, ng, direction):
+    """``position`` moved off its surface to the side of ``direction``."""
+    size = step_size(position)
+    return madd(position, size if dot(ng, direction) > 0.0 else -size, ng)
+
+
+@kernel
+def shadow_ray(x, start, wi, distance):
+    """Direction and length of a shadow ray from ``start`` to just before the point at ``distance`` from x along wi.
+
+    From x itself it would end before that point; from a start beside x, along the same direction, it could end behind
+    the surface of an emissive triangle and be shadowed by the light.
+    """
+    if distance == np.inf:
+        return wi, np.inf
+    target = madd(x, distance, wi)
+    way = sub(target, start)
+    reach = length(way)
+    if reach <= 0.0:
+        return wi, 0.0
+    return scale(way, 1.0 / reach), max(reach * (1.0 - OFFSET) - 4.0 * step_size(target), 0.0)
+
+
+@kernel
+def surfaces_left(block, workspace):
+    """Transparent surfaces that light to the workspace's path may pass: those before count, too."""
+    return max(block.transparent_bounces - path_table(workspace)[0].transparent, 0)
+
+
+@kernel
+def transmittance(block, workspace, start, direction, t_max):
+    """Part of the light (RGB) that comes to ``start`` from ``t_max`` along ``direction``, past transparent surfaces."""
+    if occluded(block, workspace, start, direction, 0.0, t_max, SHADOW_OPAQUE):
+        return BLACK
+    if block.has_media:
+        return apart.shadow(block, workspace, start, direction, t_max)
+    result = (1.0, 1.0, 1.0)
+    if block.transparent_shadows:
+        t_min = 0.0
+        for _ in range(surfaces_left(block, workspace) + 1):
+            if not intersect(block, workspace, start, direction, t_min, t_max, SHADOW_TRANSPARENT):
+                return result
+            result = mul(result, pass_through(block, workspace, direction))
+            if largest(result) <= 0.0:
+                return BLACK
+            t_min = beyond(ray_table(workspace)[0].t_far)
+        return BLACK
+    return result
+
+
+@kernel
+def pass_through(block, workspace, direction):
+    """Transparency (RGB) of the surface that a shadow ray has hit."""
+    aside = aside_table(workspace)[0]  # the path's own surface is still needed
+    material = find_shadow_surface(block, workspace, aside, negate(direction))
+    if shading_material_table(block)[material].flags & HAS_TRANSPARENCY:
+        return transparency(block, aside)
+    return BLACK
+
+
+@kernel
+def visible_lamp(block, workspace, lamp, x, direction, spans, count, start, u):
+    """Radiance (RGB) of a lamp along a ray from x, as far as no surface hides it: surfaces may stand inside a lamp.
+
+    ``start`` is x moved off its surface; u is for ``lamps.radiance``.
+    """
+    if block.has_media:
+        return apart.lamp(block, workspace, lamp, x, direction, count, start, u)
+    t_end = spans[count - 1, 0] + spans[count - 1, 1]
+    total, weight, t_from = BLACK, (1.0, 1.0, 1.0), 0.0
+    for _ in range(surfaces_left(block, workspace) + 1):
+        mask = SHADOW_OPAQUE | SHADOW_TRANSPARENT if block.transparent_shadows else SHADOW_OPAQUE
+        found = intersect(block, workspace, start, direction, t_from, t_end, mask)
+        t_to = float(ray_table(workspace)[0].t_far) if found else t_end
+        total = add(total, mul(weight, lamps.radiance(block, lamp, x, direction, spans, count, t_from, t_to, u)))
+        if not found or not block.transparent_shadows:
+            break
+        weight = mul(weight, pass_through(block, workspace, direction))
+        if largest(weight) <= 0.0:
+            break
+        t_from = beyond(t_to)
+    return total

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scratch memory of a thread of the path tracer, as kernels see it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...emitter.sampling import cut as cuts
+from ...jit import block_dtype, kernel, table
+from ...replaced import replaced_on_gpu
+from . import lights
+from .lamp_tree import WORKSPACE_TABLES as LAMP_TREE_TABLES
+from .media.records import WORKSPACE_TABLES as MEDIA_TABLES
+from .path import TABLES, path_table
+from .rays import RAY
+from .shading.records import WORKSPACE_TABLES as SHADING_TABLES
+
+WORKSPACE_TABLES = {
+    "ray": RAY,
+    "spans": np.dtype(np.float64),
+    "light_hits": lights.HIT,
+    **lights.WORKSPACE_TABLES,
+    **TABLES,
+    **SHADING_TABLES,
+    **cuts.WORKSPACE_TABLES,
+    **LAMP_TREE_TABLES,
+    **MEDIA_TABLES,
+}
+# ``aside`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
+WORKSPACE = block_dtype({**WORKSPACE_TABLES, "aside": None})
+
+span_table = table("spans", np.float64)
+hit_table = table("light_hits", lights.HIT)
+aside_table = table("aside", WORKSPACE)
+region_table = table("lamp_regions", cuts.KEYS)
+box_table = table("lamp_boxes", cuts.BOXES)
+cut_table = table("lamp_cuts", cuts.CUT)
+
+
+@replaced_on_gpu
+@kernel
+def spans_of(workspace):
+    """Scratch rows (c, h) for the intervals of a lamp along a ray."""
+    flat = span_table(workspace)
+    return flat.reshape(len(flat) // 2, 2)
+
+
+@replaced_on_gpu
+@kernel
+def cut_of(workspace):
+    """The cut of the surface where the path scattered last; that of the first one is kept, for all branches."""
+    return cut_table(workspace)[1 if path_table(workspace)[0].scattered > 0 else 0]
+
+
+@replaced_on_gpu
+@kernel
+def light_cut_of(workspace):
+    """As ``cut_of``: the cut of the light tree."""
+    return lights.light_cut_table(workspace)[1 if path_table(workspace)[0].scattered > 0 else 0]

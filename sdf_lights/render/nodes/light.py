@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes that tell how light has come: the light path, and how light falls off."""
+
+from __future__ import annotations
+
+from ...graph.formula import Formula, constant, floor, maximum, minimum, select
+from ..scene import Ray
+from .definition import NodeInputs, defines
+from .variables import DEPTH, RAY_KIND, RAY_LENGTH, RAY_SINGULAR
+
+_FARTHEST = 3.4028234663852886e38  # Cycles' distance of what is infinitely far: the greatest float32
+
+
+def _is(kind: Ray) -> Formula:
+    """1 where the ray that arrives is of that kind, else 0."""
+    rest = floor(RAY_KIND * (1.0 / kind))
+    return rest - 2.0 * floor(rest * 0.5)
+
+
+def _distance() -> Formula:
+    """A ray from a light that is infinitely far, or from the world, has length 0."""
+    return select(RAY_LENGTH <= 0.0, _FARTHEST, RAY_LENGTH)
+
+
+@defines("ShaderNodeLightPath")
+def light_path(node: NodeInputs):
+    """All outputs. Rays through translucent surfaces count as glossy, as those through glass do."""
+    camera, shadow, diffuse, transmission = map(_is, (Ray.CAMERA, Ray.SHADOW, Ray.DIFFUSE, Ray.TRANSMISSION))
+    glossy = maximum(_is(Ray.GLOSSY), transmission)
+    reflection = minimum(maximum(diffuse, _is(Ray.GLOSSY)), 1.0 - transmission)
+    # Cycles counts light that is sampled, shadow rays, and rays to the world and to lights as one bounce further.
+    further = constant(1.0)
+    if node.setting("domain") not in ("WORLD", "LIGHT"):
+        further = select(RAY_KIND <= 0.0, 1.0, shadow)
+    depth, diffuse_depth, glossy_depth, transmission_depth, transparent_depth = DEPTH
+    return {
+        "Is Camera Ray": camera,
+        "Is Shadow Ray": shadow,
+        "Is Diffuse Ray": diffuse,
+        "Is Glossy Ray": glossy,
+        "Is Singular Ray": RAY_SINGULAR,
+        "Is Reflection Ray": reflection,
+        "Is Transmission Ray": transmission,
+        "Is Volume Scatter Ray": constant(0.0),
+        "Ray Length": _distance(),
+        "Ray Depth": depth + further,
+        "Diffuse Depth": diffuse_depth,
+        "Glossy Depth": glossy_depth,
+        "Transparent Depth": transparent_depth,
+        "Transmission Depth": transmission_depth,
+        "Portal Depth": constant(0.0),
+    }
+
+
+@defines("ShaderNodeLightFalloff")
+def light_falloff(node: NodeInputs):
+    """All outputs. A light that is infinitely far keeps its strength."""
+    strength, smooth = node.number("Strength"), maximum(node.number("Smooth"), 0.0)
+    squared = RAY_LENGTH * RAY_LENGTH
+    smoothed = select(smooth <= 0.0, strength, strength * squared / (smooth + squared))
+
+    def output(falloff: Formula) -> Formula:
+        return select(RAY_LENGTH <= 0.0, strength, smoothed * falloff)
+
+    return {"Quadratic": output(constant(1.0)), "Linear": output(RAY_LENGTH), "Constant": output(squared)}

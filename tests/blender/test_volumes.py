@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Volume socket of materials and worlds, as sync reads it."""
+
+import bpy
+import numpy as np
+import pytest
+
+from sdf_lights.render.scene import Ray
+
+
+def new(tree, kind: str, **values):
+    """A node with values of its sockets by identifier (``_`` for a space), or with settings."""
+    node = tree.nodes.new(kind)
+    for name, value in values.items():
+        socket = next((socket for socket in node.inputs if socket.identifier == name.replace("_", " ")), None)
+        if socket is None:
+            setattr(node, name, value)
+        else:
+            socket.default_value = value
+    return node
+
+
+@pytest.fixture
+def medium(file, synced):
+    """Function: the medium that ``build(tree) -> output socket`` makes of the world, and the scene."""
+
+    def run(build):
+        world = bpy.data.worlds.new("Air")
+        world.use_nodes = True
+        output = world.node_tree.get_output_node("CYCLES")
+        world.node_tree.links.new(build(world.node_tree), output.inputs["Volume"])
+        file.scene.world = world
+        scene = synced()
+        return scene.world.medium, scene
+
+    return run
+
+
+def close(value, *numbers):
+    np.testing.assert_allclose(value, numbers, rtol=1e-6, atol=1e-7)
+
+
+def test_principled_volume(medium):
+    found, scene = medium(
+        lambda tree: new(
+            tree,
+            "ShaderNodeVolumePrincipled",
+            Color=(0.5, 0.8, 1.0, 1.0),
+            Density=0.2,
+            Anisotropy=0.3,
+            Absorption_Color=(0.25, 0.0, 0.0, 1.0),
+            Emission_Strength=2.0,
+            Emission_Color=(1.0, 0.5, 0.0, 1.0),
+        ).outputs[0]
+    )
+    [part] = found.scattering
+    close(part.coefficient, 0.1, 0.16, 0.2)
+    assert part.g == pytest.approx(0.3) and part.alpha == 0.0
+    close(found.absorption, 0.2 * 0.5 * 0.5, 0.2 * 0.2, 0.0)
+    close(found.emission, 2.0, 1.0, 0.0)
+    assert scene.warnings == []
+
+
+def test_scatter_absorption_and_emission_add_up_through_groups_and_maths(medium):
+    def build(tree):
+        inner = bpy.data.node_groups.new("Fog", "ShaderNodeTree")
+        inner.interface.new_socket("Density", in_out="INPUT", socket_type="NodeSocketFloat")
+        inner.interface.new_socket("Volume", in_out="OUTPUT", socket_type="NodeSocketShader")
+        start, end = inner.nodes.new("NodeGroupInput"), inner.nodes.new("NodeGroupOutput")
+        mix = inner.nodes.new("ShaderNodeMixShader")
+        mix.inputs["Fac"].default_value = 0.25
+        for place, kind in ((1, "ShaderNodeVolumeScatter"), (2, "ShaderNodeVolumeAbsorption")):
+            node = new(inner, kind, Color=(0.5, 0.25, 1.0, 1.0))
+            inner.links.new(start.outputs["Density"], node.inputs["Density"])
+            inner.links.new(node.outputs[0], mix.inputs[place])
+        inner.links.new(mix.outputs[0], end.inputs["Volume"])
+        group, add = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeAddShader")
+        group.node_tree, group.inputs["Density"].default_value = inner, 4.0
+        emission = new(tree, "ShaderNodeEmission", Color=(1.0, 0.0, 0.5, 1.0), Strength=0.5)
+        tree.links.new(group.outputs[0], add.inputs[0])
+        tree.links.new(emission.outputs[0], add.inputs[1])
+        return add.outputs[0]
+
+    found, scene = medium(build)
+    [part] = found.scattering
+    close(part.coefficient, 0.75 * 2.0, 0.75, 0.75 * 4.0)
+    close(found.absorption, 0.25 * 2.0, 0.25 * 3.0, 0.0)
+    close(found.emission, 0.5, 0.0, 0.25)
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        (dict(phase="RAYLEIGH"), [(0.0, 1.0)]),
+        (dict(phase="DRAINE", Anisotropy=0.4, Alpha=0.7), [(0.4, 0.7)]),
+        (dict(Anisotropy=1.0), [(0.999, 0.0)]),
+    ],
+    ids=["Rayleigh", "Draine", "limit"],
+)
+def test_phase_functions(medium, settings, expected):
+    found, scene = medium(lambda tree: new(tree, "ShaderNodeVolumeScatter", **settings).outputs[0])
+    assert [(pytest.approx(g), pytest.approx(alpha)) for g, alpha in expected] == [
+        (part.g, part.alpha) for part in found.scattering
+    ]
+    assert scene.warnings == []
+
+
+def test_mie_is_a_mixture_and_fournier_forand_is_told(medium):
+    found, scene = medium(lambda tree: new(tree, "ShaderNodeVolumeScatter", phase="MIE", Diameter=20.0).outputs[0])
+    assert len(found.scattering) == 2 and scene.warnings == []
+    close(sum(np.array(part.coefficient) for part in found.scattering), 0.8, 0.8, 0.8)
+    found, scene = medium(lambda tree: new(tree, "ShaderNodeVolumeScatter", phase="FOURNIER_FORAND").outputs[0])
+    [part] = found.scattering
+    assert 0.7 < part.g < 0.95  # water sends light forward
+    [warning] = scene.warnings
+    assert "Fournier-Forand" in warning and "'Air" in warning
+
+
+def test_coefficients(medium):
+    if not hasattr(bpy.types, "ShaderNodeVolumeCoefficients"):
+        pytest.skip("this Blender has no such node")
+    found, _ = medium(
+        lambda tree: new(
+            tree,
+            "ShaderNodeVolumeCoefficients",
+            Absorption_Coefficients=(0.1, 0.2, 0.3),
+            Scatter_Coefficients=(0.4, 0.5, 0.6),
+            Emission_Coefficients=(0.7, 0.8, 0.9),
+            Anisotropy=-0.5,
+        ).outputs[0]
+    )
+    close(found.absorption, 0.1, 0.2, 0.3)
+    [part] = found.scattering
+    close(part.coefficient, 0.4, 0.5, 0.6)
+    assert part.g == -0.5
+    close(found.emission, 0.7, 0.8, 0.9)
+
+
+def test_what_varies_is_its_mean(medium):
+    def build(tree):
+        node, geometry = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeNewGeometry")
+        tree.links.new(geometry.outputs["Position"], node.inputs["Density"])
+        return node.outputs[0]
+
+    found, scene = medium(build)
+    np.testing.assert_allclose(found.scattering[0].coefficient, 0.8 * 0.5, rtol=0.02)  # of a cube of one metre
+    assert any("Density" in warning and "mean" in warning for warning in scene.warnings)
+
+
+def test_a_world_that_glows_without_end_is_told(medium):
+    found, scene = medium(lambda tree: new(tree, "ShaderNodeEmission").outputs[0])
+    assert found is None and any("without end" in warning for warning in scene.warnings)
+
+
+def test_a_material_with_only_a_volume_is_transparent(synced, add, quad, material):
+    made, tree, output = material()
+    node = new(tree, "ShaderNodeVolumeAbsorption", Color=(0.0, 0.5, 1.0, 1.0), Density=2.0)
+    tree.links.new(node.outputs[0], output.node.inputs["Volume"])
+    data = quad()
+    data.materials.append(made)
+    add("Quad", data)
+    scene = synced()
+    found = scene.materials[scene.instances[0].materials[0]]
+    assert found.surface.kind == "transparent" and scene.warnings == []
+    close(found.medium.absorption, 2.0, 1.0, 0.0)
+
+
+def test_lights_may_leave_volumes_dark(synced, add):
+    light = bpy.data.lights.new("Light", "POINT")
+    obj = add("Light", light)
+    obj.visible_volume_scatter, obj.visible_camera = False, True
+    assert synced().lights[0].visibility == Ray.ALL & ~Ray.VOLUME
+
+
+def test_bounces_reach_the_settings(file, synced):
+    assert synced().settings.volume_bounces == 0
+    file.scene.sdf_lights.volume_bounces = 3
+    assert synced().settings.volume_bounces == 3
