@@ -209,7 +209,9 @@ def _rendered(cases: list[Case], samples: int, device: str, fresh: bool, engines
 
             keeps = engine == CYCLES and noisy
             able = [index for index, pair in enumerate(pairs) if not pair.error]
-            files = {index: _file(f"{seed} {samples} {cases[index].name}") for index in able} if keeps else {}
+            # Rays of a surface meet its neighbours in the grid; lights stay in their cells.
+            near = " ".join(case.name for case in cases) if first.place == RAYS else ""
+            files = {index: _file(f"{seed} {samples} {cases[index].name} {near}") for index in able} if keeps else {}
             if keeps and not fresh and all(path.is_file() for path in files.values()):
                 tiles = {index: np.load(path).astype(float) for index, path in files.items()}
             else:
