@@ -300,7 +300,8 @@ def glowing_bubble(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     scene = room(width, height)
     shine = Node("emission", {"color": (0.4, 0.7, 1.0), "strength": 0.2 + 8.0 * BACKFACING})
     clear = Node("mix_closure", {"a": Node("transparent", {}), "b": shine, "factor": 0.4})
-    add(scene, 2, translation(-0.4, 0.0, 0.9) @ scaling(0.5, 0.5, 0.5), Material("bubble", clear))
+    scene.meshes.append(sphere("bubble", 6, 4, smooth=False))
+    add(scene, 3, translation(-0.4, 0.0, 1.2) @ scaling(0.9, 0.7, 0.9), Material("bubble", clear))
     return scene
 
 
