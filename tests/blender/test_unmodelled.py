@@ -240,11 +240,11 @@ def test_lamps_are_told_of(room, file, add, lamp):
 
 
 def test_findings_are_printed_before_the_render(room, file, capfd):
-    shadow_caustics(**room)
-    motion_blur(**room)
+    shadow_terminator(**room)
+    fast_gi(**room)
     bpy.ops.render.render()
     told = "".join(capfd.readouterr())
-    assert told.index("motion blur is not supported") < told.index("shadow linking is not supported")
+    assert told.index("Fast GI is not supported") < told.index("shadow terminator is not supported")
 
 
 @pytest.mark.parametrize("by", ["argument", "environment"])
