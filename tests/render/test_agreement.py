@@ -28,6 +28,7 @@ QUICK = (
     "skylight",
     "emissive_mesh",
     "glowing_bubble",
+    "light_control",
     "glossy_metal",
     "facets",
     "rare",
