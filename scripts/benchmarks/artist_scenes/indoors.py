@@ -116,7 +116,9 @@ def living_room_night(opened) -> None:
     shade = turned("Shade", [(0.16, 0.0), (0.11, 0.3)], 48)
     add("Shade", shade, _curtain("Paper"), location=(2.0, 2.3, 1.2))
     light("Bulb", "POINT", 15.0, (2.0, 2.3, 1.33), color=(1.0, 0.7, 0.4), shadow_soft_size=0.04)
-    rod("Stand", (2.0, 2.3, 0.0), (2.0, 2.3, 1.2), 0.015, principled("Brass", (0.8, 0.55, 0.2, 1.0), 0.25, Metallic=1.0))
+    rod(
+        "Stand", (2.0, 2.3, 0.0), (2.0, 2.3, 1.2), 0.015, principled("Brass", (0.8, 0.55, 0.2, 1.0), 0.25, Metallic=1.0)
+    )
     screen = Graph("Screen")
     tone = screen.texture(image("Screen", textures.contours(256, 160), True))
     screen.finish(screen.node("ShaderNodeEmission", Color=tone, Strength=3.0))
@@ -165,7 +167,9 @@ def kitchen(opened) -> None:
     fruit = Graph("Fruit")
     noise = fruit.node("ShaderNodeTexNoise", Vector=fruit.node("ShaderNodeTexCoord", "Object"), Scale=20.0)
     peel = fruit.node("ShaderNodeMix", data_type="RGBA", _0=noise, _1=(0.9, 0.3, 0.02), _2=(0.95, 0.55, 0.05))
-    fruit.finish(fruit.node("ShaderNodeBsdfPrincipled", Base_Color=peel, Roughness=0.4, Normal=fruit.bump(noise, 0.004)))
+    fruit.finish(
+        fruit.node("ShaderNodeBsdfPrincipled", Base_Color=peel, Roughness=0.4, Normal=fruit.bump(noise, 0.004))
+    )
     ball = smooth_profile([(0.0, -0.05), (0.035, -0.035), (0.05, 0.0), (0.035, 0.035), (0.0, 0.05)])
     for x, y, z in ((0.95, 0.8, 0.95), (1.05, 0.83, 0.95), (1.0, 0.9, 0.95), (1.0, 0.84, 1.03)):
         add("Orange", turned("Orange", ball, 32), fruit.material, location=(x, y, z))
@@ -182,7 +186,17 @@ def kitchen(opened) -> None:
             spot_blend=0.4,
             shadow_soft_size=0.03,
         )
-    light("Window", "AREA", 60.0, (-1.9, -1.0, 1.6), (0.5, 0.6, 0.8), (0.8, 0.9, 1.0), shape="RECTANGLE", size=1.2, size_y=1.5)
+    light(
+        "Window",
+        "AREA",
+        60.0,
+        (-1.9, -1.0, 1.6),
+        (0.5, 0.6, 0.8),
+        (0.8, 0.9, 1.0),
+        shape="RECTANGLE",
+        size=1.2,
+        size_y=1.5,
+    )
     camera((-0.5, -0.9, 1.5), (0.15, 0.8, 0.98), 48.0, 5.6, (0.2, 0.8, 0.95))
 
 
@@ -192,7 +206,12 @@ def neon_bar(opened) -> None:
     brick = Graph("Brick")
     place = brick.node("ShaderNodeTexCoord", "UV")
     tone = brick.node(
-        "ShaderNodeTexBrick", Vector=place, Color1=(0.3, 0.1, 0.06), Color2=(0.2, 0.07, 0.05), Mortar=(0.1, 0.1, 0.1), Scale=3.0
+        "ShaderNodeTexBrick",
+        Vector=place,
+        Color1=(0.3, 0.1, 0.06),
+        Color2=(0.2, 0.07, 0.05),
+        Mortar=(0.1, 0.1, 0.1),
+        Scale=3.0,
     )
     rough = brick.node("ShaderNodeTexNoise", Vector=place, Scale=25.0, Detail=6.0)
     brick.finish(
@@ -200,19 +219,33 @@ def neon_bar(opened) -> None:
     )
     add("Wall", plane("Wall", (5.0, 3.0)), brick.material, location=(0.0, 1.0, 1.5), rotation=(90, 0, 0))
     counter = Graph("Counter")
-    smear = counter.node("ShaderNodeTexNoise", Vector=counter.node("ShaderNodeTexCoord", "Object"), Scale=4.0, Detail=8.0)
+    smear = counter.node(
+        "ShaderNodeTexNoise", Vector=counter.node("ShaderNodeTexCoord", "Object"), Scale=4.0, Detail=8.0
+    )
     ramp = counter.node("ShaderNodeValToRGB", Fac=smear)
-    ramp.node.color_ramp.elements[0].color, ramp.node.color_ramp.elements[1].color = (0.03,) * 3 + (1.0,), (0.3,) * 3 + (1.0,)
-    counter.finish(counter.node("ShaderNodeBsdfPrincipled", Base_Color=(0.03, 0.02, 0.02), Roughness=ramp, Coat_Weight=1.0))
+    ramp.node.color_ramp.elements[0].color, ramp.node.color_ramp.elements[1].color = (
+        (0.03,) * 3 + (1.0,),
+        (0.3,) * 3 + (1.0,),
+    )
+    counter.finish(
+        counter.node("ShaderNodeBsdfPrincipled", Base_Color=(0.03, 0.02, 0.02), Roughness=ramp, Coat_Weight=1.0)
+    )
     add("Counter", box("Counter", (4.0, 1.0, 0.08), bevel=0.02), counter.material, location=(0.0, 0.0, 0.9))
-    for index, (color, height) in enumerate((((1.0, 0.05, 0.25), 1.9), ((0.05, 0.4, 1.0), 1.7), ((1.0, 0.5, 0.05), 1.5))):
+    for index, (color, height) in enumerate(
+        (((1.0, 0.05, 0.25), 1.9), ((0.05, 0.4, 1.0), 1.7), ((1.0, 0.5, 0.05), 1.5))
+    ):
         tube = glowing(f"Tube {index}", color, 40.0)
         rod(f"Tube {index}", (-0.9 + 0.1 * index, 0.93, height), (0.9 - 0.25 * index, 0.93, height), 0.012, tube)
     bottle = smooth_profile([(0.0, 0.0), (0.045, 0.0), (0.045, 0.18), (0.016, 0.25), (0.016, 0.31), (0.0, 0.31)], 6)
     for index, color in enumerate(((0.2, 0.8, 0.3), (0.9, 0.5, 0.1), (0.8, 0.85, 0.9), (0.7, 0.15, 0.1))):
         glass = Graph(f"Bottle {index}")
         glass.finish(glass.node("ShaderNodeBsdfPrincipled", Base_Color=color, Roughness=0.02, Transmission_Weight=1.0))
-        add(f"Bottle {index}", turned(f"Bottle {index}", bottle, 32), glass.material, location=(-0.5 + 0.3 * index, 0.1, 0.94))
+        add(
+            f"Bottle {index}",
+            turned(f"Bottle {index}", bottle, 32),
+            glass.material,
+            location=(-0.5 + 0.3 * index, 0.1, 0.94),
+        )
     stool = principled("Leather", (0.25, 0.04, 0.03, 1.0), 0.45)
     add("Seat", turned("Seat", [(0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.0, 0.07)]), stool, location=(-0.7, -0.9, 0.7))
     eye = (0.7, -1.9, 1.45)

@@ -23,7 +23,10 @@ def _keyed(thing, frames: dict[int, dict[str, tuple]]) -> None:
 def animation(opened) -> None:
     checks = Graph("Checks")
     tone = checks.node(
-        "ShaderNodeTexChecker", Vector=checks.node("ShaderNodeTexCoord", "UV"), Color1=(0.6, 0.58, 0.5), Color2=(0.15, 0.16, 0.2)
+        "ShaderNodeTexChecker",
+        Vector=checks.node("ShaderNodeTexCoord", "UV"),
+        Color1=(0.6, 0.58, 0.5),
+        Color2=(0.15, 0.16, 0.2),
     )
     checks.finish(checks.node("ShaderNodeBsdfPrincipled", Base_Color=tone, Roughness=0.4))
     add("Floor", plane("Floor", (14.0, 14.0)), checks.material)
@@ -31,7 +34,9 @@ def animation(opened) -> None:
     wall = opened.objects["Wall"]
     wall.rotation_euler = (math.pi / 2.0, 0.0, 0.0)
     red = principled("Red", (0.7, 0.05, 0.03, 1.0), 0.25, Coat_Weight=1.0)
-    hub = add("Hub", turned("Hub", [(0.0, -0.1), (0.12, -0.1), (0.12, 0.1), (0.0, 0.15)]), red, location=(-1.2, 1.0, 1.5))
+    hub = add(
+        "Hub", turned("Hub", [(0.0, -0.1), (0.12, -0.1), (0.12, 0.1), (0.0, 0.15)]), red, location=(-1.2, 1.0, 1.5)
+    )
     for blade in range(3):
         turn = 120.0 * blade
         arm = add("Blade", box("Blade", (0.14, 1.0, 0.03), bevel=0.01), red, rotation=(0, 0, turn))
@@ -61,9 +66,5 @@ def _curves(thing):
     """F-curves of an object's action, in the layers that actions have since Blender 4.4."""
     action = thing.animation_data.action
     return [
-        curve
-        for layer in action.layers
-        for strip in layer.strips
-        for bag in strip.channelbags
-        for curve in bag.fcurves
+        curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags for curve in bag.fcurves
     ]

@@ -19,7 +19,9 @@ TREES = 4000
 @scene("a street by night: sixty lamps, wet asphalt, lit windows, fog")
 def street(opened) -> None:
     graph = world((0.006, 0.009, 0.02))
-    graph.finish(graph.node("ShaderNodeVolumeScatter", Color=(0.8, 0.85, 0.95), Density=0.025, Anisotropy=0.3), "Volume")
+    graph.finish(
+        graph.node("ShaderNodeVolumeScatter", Color=(0.8, 0.85, 0.95), Density=0.025, Anisotropy=0.3), "Volume"
+    )
     asphalt = Graph("Asphalt")
     place = asphalt.node("ShaderNodeTexCoord", "Object")
     wet = asphalt.node("ShaderNodeTexNoise", Vector=place, Scale=0.6, Detail=4.0)
@@ -27,7 +29,10 @@ def street(opened) -> None:
     grain = asphalt.node("ShaderNodeTexNoise", Vector=place, Scale=60.0, Detail=3.0)
     asphalt.finish(
         asphalt.node(
-            "ShaderNodeBsdfPrincipled", Base_Color=(0.035, 0.036, 0.04), Roughness=gloss, Normal=asphalt.bump(grain, 0.01)
+            "ShaderNodeBsdfPrincipled",
+            Base_Color=(0.035, 0.036, 0.04),
+            Roughness=gloss,
+            Normal=asphalt.bump(grain, 0.01),
         )
     )
     add("Road", plane("Road", (12.0, 130.0)), asphalt.material, location=(0.0, 55.0, 0.0))
@@ -53,7 +58,16 @@ def street(opened) -> None:
             warm = (1.0, 0.62, 0.3) if index % 2 else (0.75, 0.85, 1.0)
             kind, more = ("SPOT", dict(spot_size=2.0, spot_blend=0.6)) if index % 3 == 0 else ("POINT", {})
             height = 4.4 if index % 3 == 0 else 2.6
-            light(f"Lamp {index} {side}", kind, 70.0, (x, y, height), (0.6 * x, y, 0.0), warm, shadow_soft_size=0.12, **more)
+            light(
+                f"Lamp {index} {side}",
+                kind,
+                70.0,
+                (x, y, height),
+                (0.6 * x, y, 0.0),
+                warm,
+                shadow_soft_size=0.12,
+                **more,
+            )
     camera((1.2, -6.0, 1.7), (-0.2, 30.0, 3.0), 55.0)
 
 
@@ -168,7 +182,10 @@ def landscape(opened) -> None:
     waves = water.node("ShaderNodeTexNoise", Vector=water.node("ShaderNodeTexCoord", "Object"), Scale=1.2, Detail=3.0)
     water.finish(
         water.node(
-            "ShaderNodeBsdfPrincipled", Base_Color=(0.01, 0.04, 0.05), Roughness=0.03, Normal=water.bump(waves, 0.05, 0.4)
+            "ShaderNodeBsdfPrincipled",
+            Base_Color=(0.01, 0.04, 0.05),
+            Roughness=0.03,
+            Normal=water.bump(waves, 0.05, 0.4),
         )
     )
     add("Lake", plane("Lake", (80.0, 90.0)), water.material, location=(0.0, 45.0, 0.3))

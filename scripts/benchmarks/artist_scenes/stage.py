@@ -115,7 +115,9 @@ def panorama(name: str, lamps, ground=(0.1, 0.09, 0.08), zenith=(0.25, 0.3, 0.4)
         between = np.sin(elevation) * math.sin(rise) + np.cos(elevation) * math.cos(rise) * np.cos(azimuth - turn)
         pixels = pixels + np.exp(-(((np.arccos(np.clip(between, -1.0, 1.0))) / angle) ** 4))[..., None] * color
     image = bpy.data.images.new(name, 2 * height, height, float_buffer=True)
-    image.pixels.foreach_set(np.concatenate([pixels, np.ones((*pixels.shape[:2], 1))], axis=2).astype(np.float32).ravel())
+    image.pixels.foreach_set(
+        np.concatenate([pixels, np.ones((*pixels.shape[:2], 1))], axis=2).astype(np.float32).ravel()
+    )
     image.pack()
     data = bpy.data.worlds.new(name)
     bpy.context.scene.world = data
