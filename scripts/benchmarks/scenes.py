@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whole scenes as artists have them, by both engines: how far pictures are apart, error at equal time, what comes before samples.
+
+Both engines keep their defaults, so ours divides paths and looks at noisy pixels for longer. References are renders of many
+samples by Cycles, kept in the user's cache.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import pathlib
+import statistics
+
+from . import methods, some_of
+from .isolation import Isolated
+from .progress import Progress
+from .resume import Parts
+
+HELP = "ten scenes as artists have them, beside Cycles: differences, error at equal time, start, memory"
+# Of ``artist_scenes``, which is not loaded for the help of other benchmarks.
+KNOWN = (
+    "living_room_day",
+    "living_room_night",
+    "kitchen",
+    "neon_bar",
+    "product",
+    "character",
+    "street",
+    "forest",
+    "landscape",
+    "animation",
+)
+BRIEF = dict(scenes=["living_room_night"])
+QUICK_COSTS = ("forest",)  # whose start and memory a quick run measures
+LIMIT = 0.02  # of the difference of means
+
+
+def arguments(parser) -> None:
+    parser.add_argument(
+        "--scenes", type=some_of(KNOWN), metavar="SCENES", help=f"with commas between: {', '.join(KNOWN)}"
+    )
+    parser.add_argument(
+        "--sheet", type=pathlib.Path, metavar="FILE", help="write a contact sheet: Cycles left, ours right"
+    )
+    methods.picture_arguments(parser)
+
+
+def complaints(rows: list[dict]) -> list[str]:
+    """A sentence for each scene that could not be rendered or whose mean differs, of the rows of all benchmarks."""
+    said = []
+    for row in rows:
+        if "artist_scene" not in row:
+            continue
+        if row["error"]:
+            said.append(f"{row['artist_scene']}: {row['error'].rstrip('.')}.")
+        elif row["mean_difference"] > LIMIT:
+            said.append(f"{row['artist_scene']}: its mean differs by {100.0 * row['mean_difference']:.2g} %.")
+    return said
+
+
+def summary_of(rows: list[dict]) -> dict:
+    """The figures of all scenes that could be rendered."""
+    known = [row for row in rows if not row["error"]]
+    summary = dict(scenes=len(rows), scenes_failed=len(rows) - len(known))
+    if not known:
+        return summary
+    summary["worst_mean_difference"] = max(row["mean_difference"] for row in known)
+    for name, column in (
+        ("error_time_ratio_to_cycles", "error_time_ratio"),
+        ("denoised_error_time_ratio_to_cycles", "denoised_error_time_ratio"),
+    ):
+        ratios = [row[column] for row in known if row.get(column) is not None]
+        if ratios:
+            summary |= {f"{name}_geomean": statistics.geometric_mean(ratios), f"{name}_min": min(ratios)}
+    for name in ("start", "sync", "memory"):
+        ratios = [row[f"{name}_ratio"] for row in known if row.get(f"{name}_ratio") is not None]
+        if ratios:
+            summary[f"{name}_ratio_to_cycles_max"] = max(ratios)
+    return summary
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    names = options.scenes or list(KNOWN)
+    progress, parts, rows = Progress(len(names)), Parts(options), []
+    shared = Isolated()
+    for name in names:
+        progress.show(name)
+        rows.append(parts.of(name, functools.partial(_row, name, options, shared)))
+        progress.step()
+    shared.close()
+    if options.sheet:
+        from . import scene_pictures
+
+        scene_pictures.write_sheet(options.sheet, names)
+    parts.finish()
+    progress.close()
+    return summary_of(rows), rows
+
+
+def _row(name: str, options, shared: Isolated) -> dict:
+    from . import scene_costs, scene_pictures
+
+    chosen = ("size", "quick", "repeats", "device", "reference_seconds", "fresh", "sheet")
+    given = argparse.Namespace(**{key: getattr(options, key) for key in chosen})
+    row = dict(artist_scene=name, error="")
+    try:
+        row |= shared.call(scene_pictures.measure, name, given)
+        if not options.quick or name in QUICK_COSTS:
+            row |= scene_costs.ratios(name, given)
+    except RuntimeError as error:
+        row["error"] = str(error)
+    return row
