@@ -57,9 +57,9 @@ def pack_lights(
     bounds = [_lamp_bounds(emitters, sources, lamp_bounds, lamp_power)]
     infinite = []
     bounds += _pack_lights(tables, scene, lamps, infinite)
-    irradiance = environment.pack(tables, scene, world, world_map)
+    irradiance, importance = environment.pack(tables, scene, world, world_map)
     if irradiance > 0.0:
-        infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
+        infinite.append((world, irradiance, importance, (0.0, 0.0, 0.0), 0))
     if len(triangles.instance):
         emitter = world + 1 + np.arange(len(triangles.instance))
         bounds.append(_bounds(emitter, **triangle.pack(tables, scene, triangles, world + 1)._asdict()))
@@ -180,7 +180,7 @@ def _pack_lights(tables, scene, first, infinite) -> list[Bounds]:
             continue
         found = module.pack(row, light, rgb)
         if isinstance(found, Far):
-            infinite.append((emitter, found.irradiance, found.direction, 1))
+            infinite.append((emitter, found.irradiance, found.irradiance, found.direction, 1))
         elif found is not None:
             bounds.append(_bounds(emitter, **found._asdict()))
     for kind, known in KINDS.items():
