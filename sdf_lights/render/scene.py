@@ -64,6 +64,10 @@ class Mesh:
     tangents: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (T, 3, 4) float32, w = sign of bitangent
     slots: np.ndarray | None = None  # (T,) int32 material slot; None: all in slot 0
     attributes: dict[Attribute, AttributeValues] = field(default_factory=dict)  # all others that materials look up
+    motion: np.ndarray | None = (
+        None  # (K, V, 3) float32 positions at even times of the shutter; None: it keeps its form
+    )
+    motion_normals: np.ndarray | None = None  # (K, T, 3, 3) float32, where there are ``normals``
 
 
 @dataclass
@@ -80,6 +84,20 @@ class Instance:
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  # what Object Info gives
     index: int = 0
     random: float = 0.0  # 0 to 1
+    motion: np.ndarray | None = None  # (K, 4, 4) matrices at even times of the shutter; None: it stands still
+
+
+@dataclass
+class Shutter:
+    """Times run from 0, where the shutter opens, to 1. What moves says where it is at K of them, evenly from 0 to 1, and is
+    on straight lines between. ``motion`` of a lamp, a light or the camera is K of itself; none: it stays as it is.
+
+    ``times`` are those by which equal parts of the exposure have come. With ``rolling`` lines are exposed from the top of the
+    frame to its bottom, each for this part of the time.
+    """
+
+    times: np.ndarray = field(default_factory=lambda: np.linspace(0.0, 1.0, 2))
+    rolling: float | None = None
 
 
 @dataclass
@@ -102,6 +120,7 @@ class Lamp:
     color: RGB = (1.0, 1.0, 1.0)
     visibility: Ray = Ray.ALL
     emission: Emission | None = None  # None: the same everywhere
+    motion: tuple = ()
 
 
 @dataclass
@@ -117,6 +136,7 @@ class PointLight:
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
     emission: Material | None = None
+    motion: tuple = ()
 
 
 @dataclass
@@ -139,6 +159,7 @@ class SunLight:
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
     emission: Material | None = None
+    motion: tuple = ()
 
 
 @dataclass
@@ -155,6 +176,7 @@ class AreaLight:
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
     emission: Material | None = None
+    motion: tuple = ()
 
 
 Light = PointLight | SpotLight | SunLight | AreaLight
@@ -222,6 +244,7 @@ class Camera:
     blades: int = 0  # fewer than 3: round
     blade_rotation: float = 0.0
     blade_ratio: float = 1.0
+    motion: tuple = ()
 
 
 @dataclass
@@ -240,4 +263,5 @@ class Scene:
     lights: list[Light] = field(default_factory=list)
     world: World = field(default_factory=World)
     settings: Settings = field(default_factory=Settings)
+    shutter: Shutter | None = None  # None: nothing moves
     warnings: list[str] = field(default_factory=list)

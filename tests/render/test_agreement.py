@@ -42,6 +42,8 @@ QUICK = (
     "inside_lamp",
     "field_lamps",
     "varying_lamps",
+    "moving",
+    "rolling",
 )
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import bpy
@@ -18,11 +18,12 @@ from .camera import border_of, camera_of, frame_size
 from .common import Warnings
 from .images import Images
 from .materials import Materials
+from .motion import Motion, is_wanted
 from .objects import LIGHTS, sync_objects
 from .unmodelled import report_unmodelled
 from .world import world_of
 
-__all__ = ["frame_settings", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
+__all__ = ["frame_settings", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport", "sync_views"]
 
 # Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
 _FRAME_STRIDE = 0x9E3779B1
@@ -34,12 +35,29 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
     What cannot be used is left out or replaced, with a sentence in ``Scene.warnings``. Raises RenderError where there
     is nothing to render at all, such as no camera.
     """
+    return sync_views(depsgraph, engine)[0]
+
+
+def sync_views(
+    depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None = None, views: tuple[str, ...] = ()
+) -> tuple[Scene, list[Camera]]:
+    """As ``sync``, with the cameras of the ``views`` of the render (of the active one without any); the first is seen."""
     blender_scene = depsgraph.scene_eval
     warnings: list[str] = []
     warn = Warnings(warnings)
+
+    def cameras() -> list[Camera]:
+        found = []
+        for view in views or (None,):
+            if view is not None:
+                engine.active_view_set(view)
+            found.append(sync_camera(depsgraph, warn, engine))
+        return found
+
     width, height = frame_size(blender_scene.render)
+    eyes = cameras()
     scene = Scene(
-        sync_camera(depsgraph, warn, engine),
+        eyes[0],
         width,
         height,
         border_of(blender_scene.render, width, height),
@@ -47,9 +65,10 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
         settings=layer_settings(blender_scene, depsgraph.view_layer_eval),
     )
     warn(cycles.missing(blender_scene))
-    _fill(depsgraph, scene, warn)
+    moves = engine is not None and not engine.is_preview and is_wanted(depsgraph)
+    _fill(depsgraph, scene, warn, motion=Motion(depsgraph, engine, scene, cameras, warn) if moves else None, eyes=eyes)
     report_unmodelled(depsgraph, _world(depsgraph), scene.settings.max_bounces, warn)
-    return scene
+    return scene, eyes
 
 
 def sync_camera(
@@ -96,13 +115,22 @@ def layer_settings(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> S
     return settings
 
 
-def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: Callable = lambda item: True) -> None:
+def _fill(
+    depsgraph: bpy.types.Depsgraph,
+    scene: Scene,
+    warn: Warnings,
+    shows: Callable = lambda item: True,
+    motion: Motion | None = None,
+    eyes: Sequence[Camera] = (),
+) -> None:
     view_layer = depsgraph.view_layer_eval
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
     materials = Materials(scene, images, warn, view_layer.material_override)
     scene.world = world_of(_world(depsgraph), images, warn)
-    sync_objects(depsgraph, scene, materials, images, warn, shows=shows)
+    noted = sync_objects(depsgraph, scene, materials, images, warn, shows=shows, notes=motion is not None)
     images.load()
+    if motion is not None:
+        motion.read(noted.placed, noted.forms, eyes)
     displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))
 
 

@@ -18,9 +18,10 @@ from .emitters import (
 )
 from .environment import world_pdf, world_radiance
 from .kinds import TABLES
-from .pack import hit_capacity, pack_lights
+from .pack import hit_capacity, pack_lights, pack_near
 from .records import HIT, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
 from .tree import irradiance, select, selection_probability
+from .tree_build import Bounds
 from .triangle import Triangles
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "TABLES",
     "WORKSPACE_COUNTS",
     "WORKSPACE_TABLES",
+    "Bounds",
     "Triangles",
     "casts_shadow",
     "emitter_normal",
@@ -37,6 +39,7 @@ __all__ = [
     "light_cut_table",
     "light_hits",
     "pack_lights",
+    "pack_near",
     "sample_light",
     "select",
     "select_along",

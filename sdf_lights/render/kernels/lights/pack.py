@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from ...scene import Ray, Scene, SunLight
 from . import environment, triangle
 from .extent import Far
 from .kinds import KINDS, LAMP, TABLES, TRIANGLE, WORLD
-from .tree_build import Bounds, build_tree
+from .tree_build import Bounds, build_tree, joined
 from .triangle import Triangles
 
 
@@ -23,13 +24,42 @@ def pack_lights(
     lamp_power: np.ndarray | None = None,
     triangles: Triangles | None = None,
     world_map=None,
+    elsewhere: Sequence[Bounds] = (),
 ) -> dict[str, np.ndarray]:
     """Tables (see ``kinds.TABLES``) of all emitters of ``scene``.
 
     ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space; ``lamp_power`` (lamps, RGB) or
     (lamps,) in watts. ``world_map`` (a ``world_sun.WorldMap``) is what the nodes of the world make of its radiance, to
-    sample it by. A light whose transform or power is not finite is left out, with a warning in ``scene.warnings``.
+    sample it by. ``elsewhere``: bounds of the emitters at other times, from ``pack_near``; the light tree holds for all of
+    them. A light whose transform or power is not finite is left out, with a warning in ``scene.warnings``.
     """
+    tables, bounds, infinite = pack_near(scene, lamp_bounds, lamp_power, triangles)
+    emitters, world = tables["light_emitters"], int(tables["light_header"]["world_emitter"][0])
+    irradiance = environment.pack(tables, scene, world, world_map)
+    if irradiance > 0.0:
+        infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
+    bounds = joined([bounds, *elsewhere]) if elsewhere else bounds
+    if bounds is not None:
+        shining = np.isfinite(bounds.intensity) & (bounds.intensity > 0.0)
+        shining &= np.isfinite(bounds.lo).all(axis=1) & np.isfinite(bounds.hi).all(axis=1)
+        bounds = Bounds(**{name: value[shining] for name, value in vars(bounds).items()})
+        tree = build_tree(bounds)
+        tables["light_nodes"] = tree.nodes
+        emitters["leaf"][bounds.emitter] = tree.nodes["order"][tree.leaf]
+    if hides_horizon(scene.world.medium):
+        infinite = []
+    tables["light_infinite"] = np.array(infinite, TABLES["light_infinite"])
+    emitters["infinite"][tables["light_infinite"]["emitter"]] = np.arange(len(infinite))
+    return tables
+
+
+def pack_near(
+    scene: Scene,
+    lamp_bounds: np.ndarray | None = None,
+    lamp_power: np.ndarray | None = None,
+    triangles: Triangles | None = None,
+) -> tuple[dict[str, np.ndarray], Bounds | None, list[tuple]]:
+    """As ``pack_lights``, without the world and the light tree: tables, what the tree has to know, and suns."""
     lamp_bounds = np.zeros((0, 2, 3)) if lamp_bounds is None else np.asarray(lamp_bounds, float)
     lamp_power = np.zeros(0) if lamp_power is None else np.asarray(lamp_power, float)
     triangles = triangles or Triangles()
@@ -49,26 +79,11 @@ def pack_lights(
     bounds = [_lamp_bounds(emitters, scene, lamp_bounds, lamp_power)]
     infinite = []
     bounds += _pack_lights(tables, scene, lamps, infinite)
-    irradiance = environment.pack(tables, scene, world, world_map)
-    if irradiance > 0.0:
-        infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
     if len(triangles.instance):
         emitter = world + 1 + np.arange(len(triangles.instance))
         bounds.append(_bounds(emitter, **triangle.pack(tables, scene, triangles, world + 1)._asdict()))
 
-    bounds = _join([b for b in bounds if b is not None and len(b.emitter)])
-    if bounds is not None:
-        shining = np.isfinite(bounds.intensity) & (bounds.intensity > 0.0)
-        shining &= np.isfinite(bounds.lo).all(axis=1) & np.isfinite(bounds.hi).all(axis=1)
-        bounds = Bounds(**{name: value[shining] for name, value in vars(bounds).items()})
-        tree = build_tree(bounds)
-        tables["light_nodes"] = tree.nodes
-        emitters["leaf"][bounds.emitter] = tree.nodes["order"][tree.leaf]
-    if hides_horizon(scene.world.medium):
-        infinite = []
-    tables["light_infinite"] = np.array(infinite, TABLES["light_infinite"])
-    emitters["infinite"][tables["light_infinite"]["emitter"]] = np.arange(len(infinite))
-    return tables
+    return tables, _join([b for b in bounds if b is not None and len(b.emitter)]), infinite
 
 
 def hit_capacity(tables: dict[str, np.ndarray]) -> int:
