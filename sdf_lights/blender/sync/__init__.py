@@ -97,10 +97,9 @@ def layer_settings(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> S
 
 
 def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: Callable = lambda item: True) -> None:
-    view_layer = depsgraph.view_layer_eval
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
-    materials = Materials(scene, images, warn, view_layer.material_override)
-    scene.world = world_of(_world(depsgraph), images, warn)
+    materials = Materials(scene, depsgraph, images, warn)
+    scene.world = world_of(_world(depsgraph), depsgraph, images, warn)
     sync_objects(depsgraph, scene, materials, images, warn, shows=shows)
     images.load()
     displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))

@@ -26,7 +26,7 @@ _RAYS = {
 }
 
 
-def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> World:
+def world_of(world: bpy.types.World | None, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings) -> World:
     """The world; black where the scene has none."""
     if world is None:
         return World()
@@ -38,7 +38,7 @@ def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> W
     if tree is None:
         return World(rgb(world.color), visibility=visibility)
     owner = f"World '{world.name}'"
-    reader = Reader(tree, owner, images, warn, "WORLD")
+    reader = Reader(tree, owner, depsgraph, images, warn, "WORLD")
     output = reader.output()
     if output is None:
         return World(visibility=visibility)
