@@ -11,13 +11,13 @@ import bpy
 from mathutils import Vector
 from scenery.modelling import add, box, plane, smooth_profile, turned
 
-from .. import node_data, scenes
+from .. import node_data, simple_scenes
 from .shader import MATERIALS, Shader
 
 
 def build(name: str, size: int) -> bpy.types.Scene:
     """Open a new file with the scene of one material; a square picture."""
-    scene = scenes.empty(size, (0.0, -5.2, 2.3), (0.0, 0.0, 0.92), 30.0)
+    scene = simple_scenes.empty(size, (0.0, -5.2, 2.3), (0.0, 0.0, 0.92), 30.0)
     _sky(scene)
     _light()
     floor = add("Floor", plane("Floor", (14.0, 14.0)), _floor())

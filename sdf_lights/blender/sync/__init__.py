@@ -17,12 +17,13 @@ from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
 from .images import Images
+from .linking import signature as linking_signature
 from .materials import Materials
-from .objects import LIGHTS, sync_objects
+from .objects import ALL, LIGHTS, sync_objects
 from .unmodelled import report_unmodelled
 from .world import world_of
 
-__all__ = ["frame_settings", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
+__all__ = ["frame_settings", "linking_signature", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
 
 # Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
 _FRAME_STRIDE = 0x9E3779B1
@@ -48,7 +49,7 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
     )
     warn(cycles.missing(blender_scene))
     _fill(depsgraph, scene, warn)
-    report_unmodelled(depsgraph, _world(depsgraph), scene.settings.max_bounces, warn)
+    report_unmodelled(depsgraph, _world(depsgraph), warn)
     return scene
 
 
@@ -99,8 +100,11 @@ def layer_settings(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> S
 def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: Callable = lambda item: True) -> None:
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
     materials = Materials(scene, depsgraph, images, warn)
-    scene.world = world_of(_world(depsgraph), depsgraph, images, warn)
-    sync_objects(depsgraph, scene, materials, images, warn, shows=shows)
+    view_layer = depsgraph.view_layer_eval
+    if view_layer.use_sky:
+        scene.world = world_of(_world(depsgraph), depsgraph, images, warn)
+    kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
+    sync_objects(depsgraph, scene, materials, images, warn, kinds, shows)
     images.load()
     displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))
 
