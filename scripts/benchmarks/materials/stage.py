@@ -44,6 +44,8 @@ def material_of(name: str) -> bpy.types.Material:
 
 def _sky(scene) -> None:
     scene.world = bpy.data.worlds.new("Sky")
+    # Of itself, Cycles takes a map of 32 times the width of the image, for which it needs a second before each render.
+    scene.world.cycles.sampling_method, scene.world.cycles.sample_map_resolution = "MANUAL", 256
     shader = Shader(scene.world)
     picture = shader.node("ShaderNodeTexEnvironment")
     picture.node.image = node_data.panorama()
