@@ -98,11 +98,11 @@ def layer_settings(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> S
 
 
 def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: Callable = lambda item: True) -> None:
-    view_layer = depsgraph.view_layer_eval
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
-    materials = Materials(scene, images, warn, view_layer.material_override)
+    materials = Materials(scene, depsgraph, images, warn)
+    view_layer = depsgraph.view_layer_eval
     if view_layer.use_sky:
-        scene.world = world_of(_world(depsgraph), images, warn)
+        scene.world = world_of(_world(depsgraph), depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
     sync_objects(depsgraph, scene, materials, images, warn, kinds, shows)
     images.load()
