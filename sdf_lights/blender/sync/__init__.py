@@ -10,9 +10,12 @@ from dataclasses import replace
 import bpy
 
 from ...render.displacement import Habits, displace
+from ...render.material import UV
+from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
 from .. import cycles
+from ..passes import is_enabled
 from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
@@ -20,7 +23,7 @@ from .images import Images
 from .materials import Materials
 from .objects import LIGHTS, sync_objects
 from .unmodelled import report_unmodelled
-from .world import world_of
+from .world import mist_of, world_of
 
 __all__ = ["frame_settings", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
 
@@ -100,7 +103,12 @@ def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: C
     view_layer = depsgraph.view_layer_eval
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
     materials = Materials(scene, images, warn, view_layer.material_override)
-    scene.world = world_of(_world(depsgraph), images, warn)
+    world = _world(depsgraph)
+    scene.world = world_of(world, images, warn)
+    if world is not None:
+        scene.mist = mist_of(world.mist_settings)
+    if is_enabled(BY_NAME["UV"], view_layer):
+        scene.attributes.append(UV)
     sync_objects(depsgraph, scene, materials, images, warn, shows=shows)
     images.load()
     displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))

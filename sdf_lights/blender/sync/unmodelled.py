@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import bpy
 
-from ...render.passes import PASSES
+from ...render.passes import PASSES, Owner
 from .common import Warnings
 
 MANY_BOUNCES = 1024  # what Cycles has where nobody set a number
@@ -94,7 +94,7 @@ _NO_PASSES = {"use_pass_cryptomatte_accurate", "use_pass_grease_pencil"}
 
 def passes(asked: Asked) -> Iterator[str]:
     layer = asked.view_layer
-    known = {item.switch for item in PASSES if not item.own} | {"use_pass_combined"} | _NO_PASSES
+    known = {item.switch for item in PASSES if item.owner is not Owner.OWN} | {"use_pass_combined"} | _NO_PASSES
     lacking, elsewhere = [], []
     for owner in (layer, getattr(layer, "cycles", None)):
         for prop in owner.bl_rna.properties if owner is not None else ():

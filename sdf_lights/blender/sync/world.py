@@ -11,7 +11,7 @@ import mathutils
 import numpy as np
 
 from ...render.images import MISSING
-from ...render.scene import Ray, World
+from ...render.scene import Mist, Ray, World
 from .common import Warnings, node_tree_of, rgb
 from .images import Images
 from .nodes import Reader, emission_of, numbers_of, texture_matrix
@@ -44,6 +44,12 @@ def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> W
         return World(visibility=visibility)
     medium = medium_of(reader, output, owner, warn)
     return replace(_background(reader, output, owner, images, visibility), medium=medium)
+
+
+def mist_of(settings: bpy.types.WorldMistSettings) -> Mist:
+    """The Mist Pass of a world, as Cycles reads it."""
+    power = {"LINEAR": 1.0, "QUADRATIC": 2.0, "INVERSE_QUADRATIC": 0.5}[settings.falloff]
+    return Mist(settings.start, settings.depth, power)
 
 
 def _background(reader: Reader, output, owner: str, images: Images, visibility: Ray) -> World:

@@ -51,7 +51,7 @@ def _bump_shadowing(surface, closure, wi):
 
 
 @kernel
-def _evaluate_closure(block, workspace, index, wi):
+def evaluate_closure(block, workspace, index, wi):
     """f · |cos| of a closure with its weight, and its pdf."""
     surface, closure = surface_table(workspace)[0], closure_table(workspace)[index]
     kind = closure.kind
@@ -85,7 +85,7 @@ def evaluate(block, workspace, wi):
     for i in range(surface.closure_count):
         closure = closures[i]
         if closure.singular == 0:
-            value, pdf = _evaluate_closure(block, workspace, np.int64(i), wi)
+            value, pdf = evaluate_closure(block, workspace, np.int64(i), wi)
             total = add(total, value)
             density += closure.pick * pdf
             if closure.kind >= MICROFACET:
@@ -136,7 +136,7 @@ def _sample_closure(block, workspace, index, u1, u2, u3):
             n = negate(n)
         t, b = frame(n)
         wi = to_world(diffuse.cosine_hemisphere(u1, u2), t, b, n)
-    value, pdf = _evaluate_closure(block, workspace, index, wi)
+    value, pdf = evaluate_closure(block, workspace, index, wi)
     return wi, value, pdf, TRANSMISSION if kind == TRANSLUCENT else DIFFUSE
 
 
@@ -173,7 +173,7 @@ def sample(block, workspace, u1, u2, u3):
         for i in range(count):
             other = closures[i]
             if i != chosen and other.singular == 0:
-                others, density = _evaluate_closure(block, workspace, np.int64(i), wi)
+                others, density = evaluate_closure(block, workspace, np.int64(i), wi)
                 value = add(value, others)
                 pdf += other.pick * density
                 if other.kind >= MICROFACET:
