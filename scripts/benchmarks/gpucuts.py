@@ -11,7 +11,6 @@ too, where the GPU has none by default.
 from __future__ import annotations
 
 import contextlib
-import importlib
 import statistics
 
 import bpy
@@ -44,7 +43,7 @@ def arguments(parser) -> None:
 @contextlib.contextmanager
 def cuts_with(bounces: int):
     """The GPU has cuts in renders of so many bounces, too."""
-    program = importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.program")
+    program = host.program("render.gpu.program")
     usual, program.CUT_BOUNCES = program.CUT_BOUNCES, bounces
     try:
         yield

@@ -51,7 +51,7 @@ class Method:
         if self.sampler:
             scenes.plain_sdf_lights(scene, samples, bounces, device)
             scene.sdf_lights.seed, scene.sdf_lights.denoise = seed, self.denoise
-            scene.sdf_lights.lamp_sampling = samplers.register(self.sampler, f"{host.PACKAGE}.sdf_lights").value
+            scene.sdf_lights.lamp_sampling = samplers.register(self.sampler, host.program().__name__).value
             scene.sdf_lights.indirect_paths, scene.sdf_lights.guided_samples = int(self.plain), not self.plain
         else:
             scenes.plain_cycles(scene, samples, bounces)

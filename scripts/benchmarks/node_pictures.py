@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import importlib
 import os
 import pathlib
 import re
@@ -305,5 +304,5 @@ def _keep(path: pathlib.Path, picture: np.ndarray) -> None:
 
 def warnings_of(scene: str) -> list[str]:
     """What the last render of a scene by our engine had to say."""
-    feedback = importlib.import_module(f"{host.PACKAGE}.sdf_lights.blender.feedback")
+    feedback = host.program("blender.feedback")
     return list(feedback._last.get(scene, []))

@@ -16,7 +16,6 @@ grow with the size of a picture.
 from __future__ import annotations
 
 import functools
-import importlib
 import math
 import statistics
 
@@ -124,12 +123,12 @@ def measure(build, count: int, size: int, repeats: int, options) -> dict:
     build(size, count)
     scene = bpy.context.scene
     lamp_scenes.show(volumes=False)
-    feedback = importlib.import_module(f"{host.PACKAGE}.sdf_lights.blender.feedback")
+    feedback = host.program("blender.feedback")
 
     def render(samples: int, seed: int) -> pictures.Picture:
         scenes.plain_sdf_lights(scene, samples, BOUNCES, options.device)
         scene.sdf_lights.seed = seed
-        scene.sdf_lights.lamp_sampling = samplers.register(options.sampler, f"{host.PACKAGE}.sdf_lights").value
+        scene.sdf_lights.lamp_sampling = samplers.register(options.sampler, host.program().__name__).value
         return pictures.render()
 
     def seconds(made: list[pictures.Picture]) -> float:

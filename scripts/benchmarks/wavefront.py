@@ -13,7 +13,6 @@ least that a wavefront does.
 from __future__ import annotations
 
 import functools
-import importlib
 import statistics
 from contextlib import contextmanager
 
@@ -90,7 +89,7 @@ def remembering(source: str) -> tuple[str, int]:
 @contextmanager
 def changed(change):
     """The GPU's programs as ``change`` makes them, which returns how many words of a buffer each pixel needs, too."""
-    renderer = importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.renderer")
+    renderer = host.program("render.gpu.renderer")
     scene, device = renderer.GpuScene, renderer.GpuRenderer
     source, bind = scene.source, device._bind
 
