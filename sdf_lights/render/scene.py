@@ -66,8 +66,28 @@ class Mesh:
     attributes: dict[Attribute, AttributeValues] = field(default_factory=dict)  # all others that materials look up
 
 
+ALL_SETS = -1  # bits of all sets of instances
+OPEN_SET = 0  # the set of what no collection of light or shadow linking names, and of the medium of the world
+MANY_BOUNCES = 1024
+
+
+@dataclass(kw_only=True)
+class Emitter:
+    """Light control. Where emission lights all and all cast its shadows, as without light linking, both masks are all ones.
+
+    ``receivers``: bits of the sets ``Instance.light_set`` that it lights. ``blockers``: bits of the sets
+    ``Instance.shadow_set`` that cast its shadows. ``max_bounces``: it lights nothing that a path meets after more bounces.
+    ``sampled_only``: no ray but the camera's meets it by chance.
+    """
+
+    receivers: int = ALL_SETS
+    blockers: int = ALL_SETS
+    max_bounces: int = MANY_BOUNCES
+    sampled_only: bool = False
+
+
 @dataclass
-class Instance:
+class Instance(Emitter):
     """One mesh placed in the world."""
 
     mesh: int
@@ -80,10 +100,12 @@ class Instance:
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  # what Object Info gives
     index: int = 0
     random: float = 0.0  # 0 to 1
+    light_set: int = OPEN_SET
+    shadow_set: int = OPEN_SET
 
 
 @dataclass
-class Lamp:
+class Lamp(Emitter):
     """An SDF lamp: the interior of ``shape`` glows, and neither absorbs nor scatters.
 
     Its world volume is V = shape volume × |det matrix|. Emission per metre is ρ = power · color / (4π V), in watts
@@ -105,7 +127,7 @@ class Lamp:
 
 
 @dataclass
-class PointLight:
+class PointLight(Emitter):
     """``emission`` of a light: nodes, whose Emission closures its radiance is multiplied by."""
 
     name: str
@@ -128,7 +150,7 @@ class SpotLight(PointLight):
 
 
 @dataclass
-class SunLight:
+class SunLight(Emitter):
     """A light at infinite distance: one direction, or a disk of directions."""
 
     name: str
@@ -142,7 +164,7 @@ class SunLight:
 
 
 @dataclass
-class AreaLight:
+class AreaLight(Emitter):
     """A rectangle or ellipse that shines to one side."""
 
     name: str
@@ -172,6 +194,7 @@ class World:
     visibility: Ray = Ray.ALL
     emission: Material | None = None
     medium: Medium | None = None
+    max_bounces: int = MANY_BOUNCES
 
 
 class Projection(enum.IntEnum):

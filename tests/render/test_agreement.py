@@ -27,6 +27,7 @@ QUICK = (
     "environment",
     "skylight",
     "emissive_mesh",
+    "light_control",
     "glossy_metal",
     "facets",
     "rare",

@@ -20,12 +20,13 @@ from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
 from .images import Images
+from .linking import signature as linking_signature
 from .materials import Materials
-from .objects import LIGHTS, sync_objects
+from .objects import ALL, LIGHTS, sync_objects
 from .unmodelled import report_unmodelled
 from .world import mist_of, world_of
 
-__all__ = ["frame_settings", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
+__all__ = ["frame_settings", "linking_signature", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
 
 # Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
 _FRAME_STRIDE = 0x9E3779B1
@@ -51,7 +52,7 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
     )
     warn(cycles.missing(blender_scene))
     _fill(depsgraph, scene, warn)
-    report_unmodelled(depsgraph, _world(depsgraph), scene.settings.max_bounces, warn)
+    report_unmodelled(depsgraph, _world(depsgraph), warn)
     return scene
 
 
@@ -104,12 +105,14 @@ def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: C
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
     materials = Materials(scene, images, warn, view_layer.material_override)
     world = _world(depsgraph)
-    scene.world = world_of(world, images, warn)
     if world is not None:
         scene.mist = mist_of(world.mist_settings)
     if is_enabled(BY_NAME["UV"], view_layer):
         scene.attributes.append(UV)
-    sync_objects(depsgraph, scene, materials, images, warn, shows=shows)
+    if view_layer.use_sky:
+        scene.world = world_of(world, images, warn)
+    kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
+    sync_objects(depsgraph, scene, materials, images, warn, kinds, shows)
     images.load()
     displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...affine import inverse
 from ...render.errors import RenderError
 from ...render.material import Material
-from ...render.scene import RGB, AreaLight, Lamp, Light, PointLight, Ray, SpotLight, SunLight
+from ...render.scene import MANY_BOUNCES, RGB, AreaLight, Lamp, Light, PointLight, Ray, SpotLight, SunLight
 from ..lamp import pattern_of, shape_of
 from .common import FLAT, Warnings, is_flat, rgb
 from .images import Images
@@ -62,6 +62,18 @@ def light_of(
     if data.type == "SPOT":
         return SpotLight(name, matrix, power, angle=data.spot_size, blend=data.spot_blend, **common)
     return PointLight(name, matrix, power, **common)
+
+
+def control(light: Lamp | Light | None, data: bpy.types.Light, linking: dict[str, int]) -> None:
+    """Give a lamp or light what its object says of what it lights, and Cycles' settings of the light."""
+    if light is None:
+        return
+    for name, value in linking.items():
+        setattr(light, name, value)
+    cycles = getattr(data, "cycles", None)  # present only while the Cycles add-on is enabled
+    light.max_bounces = getattr(cycles, "max_bounces", MANY_BOUNCES)
+    if not isinstance(light, Lamp):
+        light.sampled_only = not getattr(cycles, "use_multiple_importance_sampling", True)
 
 
 def _color(

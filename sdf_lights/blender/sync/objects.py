@@ -16,7 +16,8 @@ from ...render.scene import AttributeValues, Domain, Instance, Lamp, Ray, Scene
 from .attributes import property_of, random_number
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
 from .images import Images
-from .lights import light_of
+from .lights import control, light_of
+from .linking import Linking
 from .materials import Materials
 from .mesh import Meshes
 
@@ -75,6 +76,7 @@ class _Reader:
         self._view_layer = depsgraph.view_layer  # the original, which knows original objects
         self._scene, self._materials, self._images, self._warn = scene, materials, images, warn
         self._meshes = Meshes(scene, warn)
+        self._linking = Linking(depsgraph)
         self._flags: dict[int, _Flags] = {}
         self._shown: dict[tuple[int, int], tuple[int | None, tuple[int, ...]]] = {}
 
@@ -130,6 +132,8 @@ class _Reader:
                 tuple(obj.color),
                 original.pass_index,
                 random_number(item),
+                **self._linking.of_object((item.parent if item.is_instance else obj).original),
+                **self._linking.of_emitter(original),
             )
         )
 
@@ -159,6 +163,7 @@ class _Reader:
         try:
             owner = matrix_of(obj.original.evaluated_get(self._depsgraph).matrix_world)
             light = light_of(obj, matrix, flags.visibility, self._warn, self._images, owner, random)
+            control(light, obj.data, self._linking.of_emitter(obj.original))
         except RenderError as error:
             self._warn(str(error))
             return

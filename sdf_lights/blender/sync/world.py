@@ -11,7 +11,7 @@ import mathutils
 import numpy as np
 
 from ...render.images import MISSING
-from ...render.scene import Mist, Ray, World
+from ...render.scene import MANY_BOUNCES, Mist, Ray, World
 from .common import Warnings, node_tree_of, rgb
 from .images import Images
 from .nodes import Reader, emission_of, numbers_of, texture_matrix
@@ -34,6 +34,11 @@ def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> W
     for name, ray in _RAYS.items():  # present only while the Cycles add-on is enabled
         if not getattr(getattr(world, "cycles_visibility", None), name, True):
             visibility &= ~ray
+    bounces = getattr(getattr(world, "cycles", None), "max_bounces", MANY_BOUNCES)
+    return replace(_shaded(world, images, warn, visibility), max_bounces=bounces)
+
+
+def _shaded(world: bpy.types.World, images: Images, warn: Warnings, visibility: Ray) -> World:
     tree = node_tree_of(world)
     if tree is None:
         return World(rgb(world.color), visibility=visibility)

@@ -97,7 +97,7 @@ class PackedScene:
         ):
             self._pack_shading(scene)
         built, sources = build_lamps(scene)
-        tables = emitter_tables(scene, built, self._emissive, self._tables, self._graphs)
+        tables = emitter_tables(scene, built, sources, self._emissive, self._tables, self._graphs)
         self.light_hits = lights.hit_capacity(tables)
         chosen = set(map(id, sources))
         self._built = [index for index, lamp in enumerate(scene.lamps) if id(lamp) in chosen]
@@ -139,7 +139,8 @@ class PackedScene:
         rows = self._tables["lamps"]
         if np.array_equal(rows["visibility"], visibility):
             return
-        rows["visibility"] = self._tables["light_emitters"]["visibility"][: len(rows)] = visibility
+        emitters = self._tables["light_emitters"][: len(rows)]
+        rows["visibility"] = emitters["visibility"] = emitters["met"] = visibility
         low, high = rows["center"] - rows["half"], rows["center"] + rows["half"]
         self._fill(lamp_tree.pack_lamp_tree(low, high, visibility), {})
 

@@ -26,6 +26,7 @@ from ..kernels.outputs import apart as outputs
 from ..kernels.outputs.state import keep_first_scattering, use_first_scattering
 from ..kernels.path import (
     AT_EXIT,
+    AT_SURFACE,
     EMISSION_SET,
     FIRST_BRANCH,
     FIRST_BRANCH_RAY,
@@ -35,7 +36,7 @@ from ..kernels.path import (
     path_table,
     sample_table,
 )
-from ..kernels.rays import ray_table
+from ..kernels.rays import hit_instance, ray_table
 from ..kernels.sampler import draw1, pixel_seed
 from ..kernels.workspace import cut_table
 
@@ -117,10 +118,12 @@ def intersect_branches(block, workspace, branches):
         path.dimension += VERTEX_SETS
         path.alive = int(prepare_ray(block, workspace) and intersect_and_gather(block, workspace))
         if path.alive:
-            position = vec(path.start)
+            position, number = vec(path.start), path.light_tree
+            if path.event == AT_SURFACE:
+                number = lights.tree_of(block, hit_instance(rays[0]))
             if path.event != AT_EXIT:
                 position = madd(position, path.length, vec(path.direction))
-            path.expected = largest(vec(path.throughput)) * lights.irradiance(block, position)
+            path.expected = largest(vec(path.throughput)) * lights.irradiance(block, number, position)
             rays[FIRST_BRANCH_RAY + branch] = rays[0]
         paths[FIRST_BRANCH + branch] = paths[0]
         keep_state(block, workspace, FIRST_BRANCH + branch)

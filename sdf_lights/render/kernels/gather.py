@@ -33,10 +33,10 @@ def _mis(block, workspace, emitter, pdf):
     path = path_table(workspace)[0]
     if path.pdf <= 0.0:
         return 1.0
-    if not competes(block, emitter):
+    if not competes(block, emitter) or not lights.reaches(block, emitter, path.bounce - 1):
         return 0.0
     pmf = lights.selection_probability(
-        block, vec(path.origin), facing(path, vec(path.normal)), emitter, light_cut_of(workspace)
+        block, path.light_tree, vec(path.origin), facing(path, vec(path.normal)), emitter, light_cut_of(workspace)
     )
     return path.pdf / (path.pdf + pmf * pdf)
 
@@ -47,14 +47,16 @@ def _lamp_mis(block, workspace, lamp, count):
     path = path_table(workspace)[0]
     if path.pdf <= 0.0:
         return 1.0
-    if not competes(block, lamp):
+    if not competes(block, lamp) or not lights.reaches(block, lamp, path.bounce - 1):
         return 0.0
     cut = cut_of(workspace)
     origin, normal = vec(path.origin), vec(path.normal)
     renew_lamp(block, workspace, lamp)
     if cut.strategy == NO_LIGHT_RAYS:
         return 1.0
-    pmf = lights.selection_probability(block, origin, facing(path, normal), lamp, light_cut_of(workspace))
+    pmf = lights.selection_probability(
+        block, path.light_tree, origin, facing(path, normal), lamp, light_cut_of(workspace)
+    )
     density = lamp_density(block, workspace, lamp, origin, vec(path.direction), count)
     rival = rival_density(cut, path.pdf, path.glossy_pdf)
     return rival / (rival + pmf * density) if rival > 0.0 else 0.0
@@ -64,7 +66,7 @@ def _lamp_mis(block, workspace, lamp, count):
 def counts(block, workspace, lamp):
     """Whether a lamp that the path's ray may cross counts there: at broad lobes the cut may be all that is needed."""
     path = path_table(workspace)[0]
-    if block.has_media and path.in_medium:
+    if block.has_media and path.in_medium or not lights.lights_up(block, path.light_tree, lamp):
         return False
     if path.pdf <= 0.0 or path.glossy_pdf > 0.0:
         return True
@@ -131,7 +133,7 @@ def gather_lights(block, workspace, t_to):
     path = path_table(workspace)[0]
     hits = hit_table(workspace)
     origin, direction = vec(path.origin), vec(path.direction)
-    count = lights.light_hits(block, origin, direction, t_to, path.kind, hits)
+    count = lights.light_hits(block, path.light_tree, origin, direction, t_to, path.kind, hits)
     for index in range(count):
         hit = hits[index]
         if hit.distance <= path.t_min:
@@ -177,7 +179,7 @@ def gather_surface(block, workspace):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     radiance = vec(surface.emission)
-    if _nothing(radiance):
+    if _nothing(radiance) or not lights.emission_lights_up(block, path.light_tree, surface.instance):
         return
     weight = 1.0
     if path.pdf > 0.0:

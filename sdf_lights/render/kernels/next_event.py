@@ -39,9 +39,10 @@ ANY = int(Ray.ALL)
 def competes(block, emitter):
     """Whether rays that scatter in any way can meet the emitter, so that both estimates share its light by MIS.
 
-    One that is hidden from some kinds of rays is left to light sampling, and to singular scattering.
+    One that is hidden from some kinds of rays is left to light sampling, and to singular scattering; so is one whose shadows
+    not all cast.
     """
-    return lights.visibility(block, emitter) & SCATTERED == SCATTERED
+    return lights.competes(block, emitter, SCATTERED)
 
 
 @kernel
@@ -94,7 +95,9 @@ def renew_lamp(block, workspace, lamp):
     path = path_table(workspace)[0]
     if cut_of(workspace).lamp != lamp:
         origin, normal = vec(path.origin), vec(path.normal)
-        pmf = lights.selection_probability(block, origin, facing(path, normal), lamp, light_cut_of(workspace))
+        pmf = lights.selection_probability(
+            block, path.light_tree, origin, facing(path, normal), lamp, light_cut_of(workspace)
+        )
         prepare_lamp(block, workspace, lamp, pmf, origin, normal)
 
 
@@ -124,10 +127,10 @@ def rival_density(cut, pdf, glossy_pdf):
 
 
 @kernel
-def divide_light(block, workspace, wi):
+def divide_light(block, workspace, wi, emitter):
     """Tell passes which lobes scatter the light of a light ray along wi, where it is the first to scatter it."""
     if block.outputs & LOBES and path_table(workspace)[0].bounce == 0:
-        outputs.divide(block, workspace, wi, 0, LIGHT_RAY)
+        outputs.divide(block, workspace, wi, 0, lights.visibility(block, emitter), LIGHT_RAY)
 
 
 @kernel
@@ -153,22 +156,22 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         if distance <= 0.0 or largest(intensity) <= 0.0:
             return
         wi = scale(way, 1.0 / distance)
-        weight, _, _ = evaluate(block, workspace, wi)
+        weight, _, _ = evaluate(block, workspace, wi, lights.visibility(block, lamp))
         if largest(weight) <= 0.0:
             return
         start = leave(x, vec(surface.ng), wi)
         if block.has_media:
             look(block, workspace, vec(surface.ng), wi)
         to_point, reach = shadow_ray(x, start, wi, distance)
-        weight = mul(weight, transmittance(block, workspace, start, to_point, reach))
+        weight = mul(weight, transmittance(block, workspace, start, to_point, reach, lights.blockers(block, lamp)))
         if largest(weight) > 0.0:
-            divide_light(block, workspace, wi)
+            divide_light(block, workspace, wi, lamp)
             contribute(
                 block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), lamp, path.bounce + 1
             )
         return
     wi = lamp_direction(block, workspace, lamp, x, u1, u2, u3)
-    weight, pdf, glossy_pdf = evaluate(block, workspace, wi)
+    weight, pdf, glossy_pdf = evaluate(block, workspace, wi, lights.visibility(block, lamp))
     if largest(weight) <= 0.0:
         return
     count = lamps.trace(block, lamp, x, wi, spans)
@@ -180,7 +183,7 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         look(block, workspace, vec(surface.ng), wi)
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, leave(x, vec(surface.ng), wi), u)
     if largest(radiance) > 0.0:
-        divide_light(block, workspace, wi)
+        divide_light(block, workspace, wi, lamp)
         contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
 
 
@@ -191,10 +194,11 @@ def light_vertex(block, workspace):
     surface = surface_table(workspace)[0]
     x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
     path.two_sided, path.has_glossy, path.scattered = int(transmits(workspace)), int(has_lobes(workspace)), path.bounce
+    path.light_tree = lights.tree_of(block, surface.instance)
     cut_of(workspace).lamp = -1
     u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
-    emitter, pmf, u0 = lights.select(block, x, facing(path, n), u[0], light_cut_of(workspace))
-    if pmf <= 0.0:
+    emitter, pmf, u0 = lights.select(block, path.light_tree, x, facing(path, n), u[0], light_cut_of(workspace))
+    if pmf <= 0.0 or not lights.reaches(block, emitter, path.bounce):
         return
     scatters = path.bounce + 1
     if emitter < block.lamp_count:
@@ -203,7 +207,7 @@ def light_vertex(block, workspace):
     wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, n, u[1], u[2])
     if pdf <= 0.0 or largest(radiance) <= 0.0:
         return
-    weight, scatter_pdf, _ = evaluate(block, workspace, wi)
+    weight, scatter_pdf, _ = evaluate(block, workspace, wi, lights.visibility(block, emitter))
     if largest(weight) <= 0.0:
         return
     start = leave(x, ng, wi)
@@ -211,7 +215,7 @@ def light_vertex(block, workspace):
         if block.has_media:
             look(block, workspace, ng, wi)
         to_light, reach = shadow_ray(x, start, wi, distance)
-        weight = mul(weight, transmittance(block, workspace, start, to_light, reach))
+        weight = mul(weight, transmittance(block, workspace, start, to_light, reach, lights.blockers(block, emitter)))
         if largest(weight) <= 0.0:
             return
     if lights.triangle_textured(block, emitter):
@@ -221,5 +225,5 @@ def light_vertex(block, workspace):
     radiance = mul(weight, radiance)
     if singular or not competes(block, emitter):
         scatter_pdf = 0.0
-    divide_light(block, workspace, wi)
+    divide_light(block, workspace, wi, emitter)
     contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), emitter, scatters)

@@ -89,11 +89,12 @@ def build_lamps(scene: Scene) -> tuple[list[lamps.BuiltLamp], list[Lamp]]:
 def emitter_tables(
     scene: Scene,
     built: list[lamps.BuiltLamp],
+    sources: list[Lamp],
     emissive: lights.Triangles,
     materials: dict[str, np.ndarray],
     graphs: shading.Graphs,
 ) -> dict[str, np.ndarray]:
-    """Tables of the lamps, of the tree that rays find them by, and of all other lights."""
+    """Tables of the lamps ``built`` from ``sources``, of the tree that rays find them by, and of all other lights."""
     rows = max((image.pixels.shape[0] for image in scene.images), default=0) if scene.world.emission is not None else 0
     world_map = emission.world_map(materials | camera.pack_camera(scene), graphs, BLOCK, rows)
     lamp_tables = lamps.pack_lamps(built)
@@ -105,8 +106,8 @@ def emitter_tables(
         4.0 * np.pi * rows["volume"][:, None] * rows["emission"],
         emissive,
         world_map,
+        sources,
     )
-    light_tables["light_emitters"]["visibility"][: len(built)] = rows["visibility"]
     return {**lamp_tables, **lamp_tree.pack_lamp_tree(low, high, rows["visibility"]), **light_tables}
 
 

@@ -57,6 +57,7 @@ SAMPLE = np.dtype(
 # is the part of ``pdf`` that microfacets have; ``two_sided`` is 1 where light on either side of that surface counted,
 # ``has_glossy`` where it has microfacets, and ``scattered`` is how often the light was scattered after it.
 # ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
+# ``light_tree`` is that of what scattered it last, 0 for the camera: its emitters are those that the ray can meet.
 # ``share`` is the part of the sample that the path is, 1 until it divides, and ``index`` its place in the sampling pattern.
 # ``expected``: of a branch, an estimate of the light that it will bring, from the irradiance where it has met a surface.
 # ``event`` says where the ray ends, ``in_medium`` is 1 where a medium has scattered the path last, and it has ``crossed`` so
@@ -77,6 +78,7 @@ PATH = np.dtype(
         ("two_sided", "i8"),
         ("has_glossy", "i8"),
         ("scattered", "i8"),
+        ("light_tree", "i8"),
         ("kind", "i8"),
         ("length", "f8"),
         ("spread", "f8"),

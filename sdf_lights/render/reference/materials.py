@@ -123,12 +123,13 @@ class Shading:
                 elif not (refractive if lobe.transmits else reflective):
                     lobe.weight = lobe.weight * light
 
-    def evaluate(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """f · |cos| (N, 3) and pdf (N,) of all lobes that are not singular."""
+    def evaluate(self, wi: np.ndarray, kinds: Ray = Ray.ALL) -> tuple[np.ndarray, np.ndarray]:
+        """f · |cos| (N, 3), of lobes that scatter as one of these ``kinds`` of rays, and pdf (N,) of all lobes that are not
+        singular."""
         value, pdf = np.zeros(wi.shape), np.zeros(len(wi))
         for rows, lobes in self.groups:
             part = self.surface.select(rows)
-            value[rows], pdf[rows] = _evaluate(part, lobes, wi[rows])
+            value[rows], pdf[rows] = _evaluate(part, lobes, wi[rows], kinds)
         return value, pdf
 
     def sample(self, rng: np.random.Generator):
@@ -154,11 +155,13 @@ def _picks(lobes: list[Lobe]) -> np.ndarray:
     return picks / np.where(total > 0.0, total, 1.0)
 
 
-def _evaluate(surface: Surface, lobes: list[Lobe], wi: np.ndarray):
+def _evaluate(surface: Surface, lobes: list[Lobe], wi: np.ndarray, kinds: Ray = Ray.ALL):
     value, pdf = np.zeros(wi.shape), np.zeros(len(wi))
+    side = np.where(dot(surface.ng, wi) < 0.0, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
     for lobe, pick in zip(lobes, _picks(lobes)):
         one, density = lobe.evaluate(surface.wo, wi)
-        value += lobe.weight * one * _bump_shadowing(surface, lobe, wi)[:, None]
+        counts = ((int(Ray.DIFFUSE) if lobe.diffuse else side) & int(kinds)) != 0
+        value += lobe.weight * one * (_bump_shadowing(surface, lobe, wi) * counts)[:, None]
         pdf += pick * density
     return value, pdf
 

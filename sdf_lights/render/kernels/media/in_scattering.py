@@ -29,6 +29,7 @@ from . import apart
 from .beams import attenuation, draw_distance, gathered_rgb, shares
 from .phase import phase
 from .records import inside_table
+from .stack import receiver
 
 VOLUME = int(Ray.VOLUME)
 BLACK = (0.0, 0.0, 0.0)
@@ -42,11 +43,11 @@ _STEPS = (0.8566748838545029, 0.7338918566271259, 0.6287067210378087, 0.53859725
 
 
 @kernel
-def _shadow(block, workspace, x, wi, distance):
-    """What of the light of an emitter in the distance comes to the point x of the path's ray: RGB."""
+def _shadow(block, workspace, emitter, x, wi, distance):
+    """What of the light of an emitter at that distance comes to the point x of the path's ray: RGB."""
     apart.bounds(block, workspace, apart.LOOK)
     to_light, reach = shadow_ray(x, x, wi, distance)
-    return transmittance(block, workspace, x, to_light, reach)
+    return transmittance(block, workspace, x, to_light, reach, lights.blockers(block, emitter))
 
 
 @kernel
@@ -57,8 +58,13 @@ def light_ray(block, workspace, ray_length):
     start = madd(vec(path.start), path.t_min, d)
     u = draw4(path.index, path.seed, MEDIA_SETS + path.dimension + LIGHT_SET)
     v = draw2(path.index, path.seed, MEDIA_SETS + path.dimension + PLACE_SET)
-    emitter, pmf, _, finite, center = lights.select_along(block, start, d, ray_length, average(extinction), u[0])
+    number = receiver(block, inside)
+    emitter, pmf, _, finite, center = lights.select_along(
+        block, number, start, d, ray_length, average(extinction), u[0]
+    )
     if not pmf > 0.0 or lights.visibility(block, emitter) & VOLUME == 0:
+        return
+    if not lights.reaches(block, emitter, path.bounce):
         return
     scattered_in_medium(block, workspace, LIGHT_RAY)
     throughput = mul(vec(path.throughput), scattering)
@@ -87,7 +93,7 @@ def light_ray(block, workspace, ray_length):
     value, phase_density = phase(block, inside, dot(d, wi))
     weight = scale(mul(scattering, attenuation(extinction, place)), value / place_density)
     if lights.casts_shadow(block, emitter):
-        weight = mul(weight, _shadow(block, workspace, x, wi, distance))
+        weight = mul(weight, _shadow(block, workspace, emitter, x, wi, distance))
         if largest(weight) <= 0.0:
             return
     if lights.triangle_textured(block, emitter):
@@ -97,7 +103,7 @@ def light_ray(block, workspace, ray_length):
     own = 1.0
     if not singular and competes(block, emitter):
         # Rays by the phase function ask at x, too; the choice of the emitter for all of the ray is another matter.
-        at_x = pdf * lights.selection_probability(block, x, BLACK, emitter, light_cut_of(workspace))
+        at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
         own = at_x / (at_x + phase_density)
     contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), emitter, path.bounce + 1)
 
@@ -159,6 +165,6 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, s
     if not by > 0.0:
         return
     x = madd(start, place, d)
-    shadow = _shadow(block, workspace, x, wi, distance)
+    shadow = _shadow(block, workspace, lamp, x, wi, distance)
     if largest(shadow) > 0.0:
         contribute(block, workspace, mul(seen, shadow), row.volume * total / (count * pmf * by), lamp, path.bounce + 1)

@@ -17,6 +17,7 @@ from .beams import attenuation, distance_density, distance_in, gathered_rgb, sha
 from .in_scattering import light_ray
 from .phase import phase, sample_phase
 from .records import inside_table
+from .stack import receiver
 
 VOLUME = int(Ray.VOLUME)
 BLACK = (0.0, 0.0, 0.0)
@@ -133,5 +134,5 @@ def scatter(block, workspace, unused):
     path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
     path.pdf, path.glossy_pdf = density, 0.0
     path.two_sided, path.has_glossy, path.in_medium = 1, 0, 1
-    path.kind = VOLUME
+    path.kind, path.light_tree = VOLUME, receiver(block, inside)
     return 1.0

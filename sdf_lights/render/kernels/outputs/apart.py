@@ -26,9 +26,9 @@ def add_light(block, workspace, value, emitter, scatters):
 
 
 @kernel
-def divide(block, workspace, wi, kind, row):
+def divide(block, workspace, wi, kind, kinds, row):
     """See ``light.divide``."""
-    call_part(code_table(block)[DIVIDE], block, workspace, (wi[0], wi[1], wi[2], kind, row), 1)
+    call_part(code_table(block)[DIVIDE], block, workspace, (wi[0], wi[1], wi[2], kind, kinds, row), 1)
 
 
 @kernel

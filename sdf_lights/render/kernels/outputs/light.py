@@ -18,7 +18,7 @@ from ..shading.records import (
     closure_table,
     surface_table,
 )
-from ..shading.scattering import evaluate_closure
+from ..shading.scattering import evaluate_closure, is_lit, lobes_lit
 from .records import LIGHT_NAMES, LOBES, first_scattering_table, light_place_table, output_sum_table
 from .state import LIGHT_RAY
 
@@ -47,22 +47,24 @@ def reflects_to(closure, wi):
 
 
 @kernel
-def divide(block, workspace, x, y, z, kind, row):
+def divide(block, workspace, x, y, z, kind, kinds, row):
     """Find which parts of the light from wi = (x, y, z) the diffuse and the glossy lobes of the surface scatter.
 
-    ``kind`` is that of ``shading.sample`` where a lobe was drawn, else 0; ``row`` is where the parts go.
+    ``kind`` is that of ``shading.sample`` where a lobe was drawn, else 0; ``kinds``: see ``shading.evaluate``; ``row`` is
+    where the parts go.
     """
-    kind, wi, first = int(kind), (x, y, z), first_scattering_table(workspace)[int(row)]
+    kind, kinds, wi, first = int(kind), int(kinds), (x, y, z), first_scattering_table(workspace)[int(row)]
     first.in_medium = 0
     if kind & SINGULAR:
         put(first.diffuse, _WHITE if kind & INTO_SUBSURFACE else ZERO)
         put(first.glossy, _WHITE if kind & GLOSSY else ZERO)
         return 0.0
     diffuse, glossy, total = ZERO, ZERO, ZERO
-    closures = closure_table(workspace)
-    for index in range(surface_table(workspace)[0].closure_count):
+    surface, closures = surface_table(workspace)[0], closure_table(workspace)
+    lobes = lobes_lit(surface, wi, kinds)
+    for index in range(surface.closure_count):
         closure = closures[index]
-        if closure.singular:
+        if closure.singular or not is_lit(closure, kinds, lobes):
             continue
         value, _ = evaluate_closure(block, workspace, index, wi)
         total = add(total, value)

@@ -22,7 +22,7 @@ _KERNELS: dict[int, tuple[int, Callable, int]] = {
     apart.CLEAR: (LIGHT | DATA, sums.clear, 1),
     apart.ADD: (LIGHT | DATA, sums.add_sample, 1),
     apart.LIGHT: (LIGHT, light.add_light, 5),
-    apart.DIVIDE: (LOBES, light.divide, 5),
+    apart.DIVIDE: (LOBES, light.divide, 6),
     apart.SURFACE: (DATA, data.add_surface, 1),
     apart.LEAVE: (DATA, data.leave, 1),
 }

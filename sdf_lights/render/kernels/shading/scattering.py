@@ -77,16 +77,33 @@ def evaluate_closure(block, workspace, index, wi):
 
 
 @kernel
-def evaluate(block, workspace, wi):
+def lobes_lit(surface, wi, kinds):
+    """Those of these ``kinds`` of scattering that lobes have which scatter light from wi."""
+    return kinds & (TRANSMISSION if dot(vec(surface.ng), wi) < 0.0 else GLOSSY)
+
+
+@kernel
+def is_lit(closure, kinds, lobes):
+    """Whether the scattering of a closure is of one of these ``kinds``; ``lobes``: see ``lobes_lit``."""
+    return (lobes if closure.kind >= MICROFACET else kinds & DIFFUSE) != 0
+
+
+@kernel
+def evaluate(block, workspace, wi, kinds):
     """f · |cos| (RGB) of all closures that are not singular, the pdf with which ``sample`` draws wi, and the part of
-    that pdf that lobes have."""
+    that pdf that lobes have.
+
+    The closures whose scattering is of none of these ``kinds`` count in the pdf alone: an emitter is not visible to them.
+    """
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     total, density, glossy_pdf = ZERO, 0.0, 0.0
+    lobes = lobes_lit(surface, wi, kinds)
     for i in range(surface.closure_count):
         closure = closures[i]
         if closure.singular == 0:
             value, pdf = evaluate_closure(block, workspace, np.int64(i), wi)
-            total = add(total, value)
+            if is_lit(closure, kinds, lobes):
+                total = add(total, value)
             density += closure.pick * pdf
             if closure.kind >= MICROFACET:
                 glossy_pdf += closure.pick * pdf
