@@ -23,7 +23,7 @@ from mathutils import Euler, Matrix
 from scenery.materials import Graph
 from scenery.modelling import add, plane
 
-from . import node_data, scenes
+from . import node_data, simple_scenes
 from .node_cases import CLOSURE, DISPLACEMENT, LIGHT, RAYS, SCATTERED, VALUE, VOLUME, WORLD, Case
 from .node_recipes import BACK, BALL, BOX, PLANE
 from .node_specials import SPECIALS
@@ -142,8 +142,8 @@ def camera_moved(scene, right: float, up: float) -> Iterator[None]:
 
 def settings(scene, engine: str, samples: int, bounces: int, averaged: bool, device: str) -> None:
     """Both engines the same. Where pixels are not ``averaged`` all rays go through their centres."""
-    scenes.plain_cycles(scene, samples, bounces)
-    scenes.plain_sdf_lights(scene, samples, bounces, device)
+    simple_scenes.plain_cycles(scene, samples, bounces)
+    simple_scenes.plain_sdf_lights(scene, samples, bounces, device)
     scene.render.engine = engine
     scene.cycles.use_auto_tile = False
     for owner, name in ((scene.cycles, "volume_bounces"), (scene.sdf_lights, "volume_bounces")):
@@ -157,7 +157,7 @@ def settings(scene, engine: str, samples: int, bounces: int, averaged: bool, dev
 def _empty(grid: Grid) -> bpy.types.Scene:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     host.register_extension()
-    scenes.enable_cycles()
+    simple_scenes.enable_cycles()
     scene = bpy.context.scene
     camera = bpy.data.cameras.new("Camera")
     camera.type, camera.sensor_fit, camera.ortho_scale = "ORTHO", "HORIZONTAL", grid.columns

@@ -210,15 +210,29 @@ def find_surface(block, workspace, wo, ray_kind, footprint):
 
 @kernel
 def _fill_surface(block, ray, surface, wo, ray_kind, footprint):
-    """Fill ``SURFACE`` from a hit.
+    """Fill ``SURFACE`` from a hit."""
+    surface_at(
+        block,
+        surface,
+        hit_instance(ray),
+        np.int64(ray.primitive),
+        float(ray.u),
+        float(ray.v),
+        wo,
+        ray_kind,
+        footprint,
+    )
 
-    The position comes from the barycentric coordinates in float64, not from the distance along the ray: its error
-    does not grow with the distance, and it lies in the plane of the triangle.
+
+@kernel
+def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
+    """Fill ``SURFACE`` of a point of a triangle of the instance ``index``; ``u`` and ``v`` are the weights of its second and
+    third corner.
+
+    The position comes from these in float64, not from the distance along a ray: its error does not grow with the
+    distance, and it lies in the plane of the triangle.
     """
-    index = hit_instance(ray)
     instance = instance_table(block)[index]
-    triangle = np.int64(ray.primitive)
-    u, v = float(ray.u), float(ray.v)
     w = 1.0 - u - v
     p0 = _corner(block, instance, triangle, 0)
     edge1 = sub(_corner(block, instance, triangle, 1), p0)

@@ -7,6 +7,8 @@ Veach 1997, chapter 9, for the weights.
 
 from __future__ import annotations
 
+import numpy as np
+
 from ... import emitter as lamps
 from ...emitter.sampling import cut as cuts
 from ...emitter.sampling import cut_points, external
@@ -14,25 +16,22 @@ from ...emitter.sampling.strategies import BOXES, EXTERNAL, NO_LIGHT_RAYS, WHOLE
 from ...jit import kernel
 from ...replaced import replaced_on_gpu
 from ...vec import dot, largest, length, mul, negate, scale, vec
-from ..scene import Ray
 from . import lights
 from .emission import modulated
-from .geometry import find_surface, surface_table
+from .geometry import surface_at, surface_table
 from .media import apart as media
 from .outputs import apart as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
 from .path import LIGHT_SET, contribute, path_table
-from .rays import OFFSET, intersect
 from .sampler import draw4
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
-from .visibility import BLACK, leave, shadow_ray, step_size, transmittance, visible_lamp
+from .visibility import BLACK, leave, shadow_ray, transmittance, visible_lamp
 from .workspace import aside_table, box_table, cut_of, light_cut_of, region_table, spans_of
 
 SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
 NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, as in Cycles
-ANY = int(Ray.ALL)
 
 
 @kernel
@@ -46,14 +45,19 @@ def competes(block, emitter):
 
 
 @kernel
-def shade_triangle(block, workspace, start, wi, distance):
-    """Radiance (RGB) of a textured emissive triangle, shaded where the ray meets it."""
+def shade_triangle(block, workspace, emitter, x, wi, distance):
+    """Radiance (RGB) of a textured emissive triangle, shaded where the ray from x along wi meets it: transparent surfaces may
+    be in front of it."""
     aside = aside_table(workspace)[0]
-    if not intersect(block, aside, start, wi, 0.0, distance * (1.0 + OFFSET) + 8.0 * step_size(start), ANY):
-        return BLACK
-    find_surface(block, aside, negate(wi), NO_RAY, 0.0)
+    surface = surface_table(aside)[0]
+    instance, primitive, u, v = lights.triangle_point(block, x, emitter, wi)
+    surface_at(block, surface, np.int64(instance), np.int64(primitive), u, v, negate(wi), NO_RAY, 0.0)
+    surface.ray_length = distance
+    surface.ray_singular = 0
+    for index in range(5):
+        surface.depth[index] = 0
     shade(block, aside)
-    return vec(surface_table(aside)[0].emission)
+    return vec(surface.emission)
 
 
 @kernel
@@ -219,7 +223,7 @@ def light_vertex(block, workspace):
         if largest(weight) <= 0.0:
             return
     if lights.triangle_textured(block, emitter):
-        radiance = shade_triangle(block, workspace, start, wi, distance)
+        radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
     elif block.emission_graphs:
         radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
     radiance = mul(weight, radiance)

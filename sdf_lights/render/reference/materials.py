@@ -757,10 +757,11 @@ class _Builder:
         film = covered(lobe)[:, None]
         if np.any(film):
             smooth = lobe.fresnel(dot(normal, self.surface.wo))[0]
-            reflected = np.where(film, smooth * (e if compensated else 1.0), reflected)
+            reflected = np.where(film, smooth * e, reflected)
         lobe.weight, lobe.albedo = weight * gain, weight * gain * reflected
         self.lobes.append(lobe)
-        return self._below(weight, lobe.albedo)
+        # As in Cycles, a layer that loses energy takes as much from what is below as one that does not.
+        return self._below(weight, lobe.albedo if compensated else lobe.albedo / e)
 
     def _metal(self, node, weight, normal, roughness, color, tint):
         lobe = Microfacet(

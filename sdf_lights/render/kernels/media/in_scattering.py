@@ -97,7 +97,7 @@ def light_ray(block, workspace, ray_length):
         if largest(weight) <= 0.0:
             return
     if lights.triangle_textured(block, emitter):
-        radiance = shade_triangle(block, workspace, x, wi, distance)
+        radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
     elif block.emission_graphs:
         radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
     own = 1.0

@@ -310,7 +310,7 @@ def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, rou
     cosine = dot(n, vec(surface_table(workspace)[0].wo))
     roughness, film = _refined(block, workspace, refined, index, roughness, NO_FILM)
     e = energy.reflection_albedo(block, cosine, roughness)
-    albedo = scale(film, e if compensated else 1.0)
+    albedo = scale(film, e)
     if film[0] < 0.0:
         albedo = energy.mixed(f0, e, energy.dielectric_albedo(block, ior, cosine, roughness))
     if compensated:
@@ -318,7 +318,8 @@ def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, rou
         energy.compensate_reflection(block, closure, e, roughness, energy.mixed(f0, 1.0, s))
     albedo = mul(vec(closure.weight), albedo)
     finish(workspace, index, albedo)
-    return _below(weight, albedo)
+    # As in Cycles, a layer that loses energy takes as much from what is below as one that does not.
+    return _below(weight, albedo if compensated else scale(albedo, 1.0 / e))
 
 
 @kernel
