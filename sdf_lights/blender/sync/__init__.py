@@ -101,16 +101,16 @@ def layer_settings(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> S
 
 
 def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: Callable = lambda item: True) -> None:
-    view_layer = depsgraph.view_layer_eval
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
-    materials = Materials(scene, images, warn, view_layer.material_override)
+    materials = Materials(scene, depsgraph, images, warn)
+    view_layer = depsgraph.view_layer_eval
     world = _world(depsgraph)
     if world is not None:
         scene.mist = mist_of(world.mist_settings)
     if is_enabled(BY_NAME["UV"], view_layer):
         scene.attributes.append(UV)
     if view_layer.use_sky:
-        scene.world = world_of(world, images, warn)
+        scene.world = world_of(world, depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
     sync_objects(depsgraph, scene, materials, images, warn, kinds, shows)
     images.load()

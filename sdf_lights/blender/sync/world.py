@@ -26,7 +26,7 @@ _RAYS = {
 }
 
 
-def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> World:
+def world_of(world: bpy.types.World | None, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings) -> World:
     """The world; black where the scene has none."""
     if world is None:
         return World()
@@ -35,15 +35,17 @@ def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> W
         if not getattr(getattr(world, "cycles_visibility", None), name, True):
             visibility &= ~ray
     bounces = getattr(getattr(world, "cycles", None), "max_bounces", MANY_BOUNCES)
-    return replace(_shaded(world, images, warn, visibility), max_bounces=bounces)
+    return replace(_shaded(world, depsgraph, images, warn, visibility), max_bounces=bounces)
 
 
-def _shaded(world: bpy.types.World, images: Images, warn: Warnings, visibility: Ray) -> World:
+def _shaded(
+    world: bpy.types.World, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings, visibility: Ray
+) -> World:
     tree = node_tree_of(world)
     if tree is None:
         return World(rgb(world.color), visibility=visibility)
     owner = f"World '{world.name}'"
-    reader = Reader(tree, owner, images, warn, "WORLD")
+    reader = Reader(tree, owner, depsgraph, images, warn, "WORLD")
     output = reader.output()
     if output is None:
         return World(visibility=visibility)

@@ -32,7 +32,7 @@ _BELOW_ONE = 1.0 - 2.0**-53
 def _bump_shadowing(surface, closure, wi):
     """Factor on a closure whose normal is not the surface's.
 
-    Light from behind the unbumped surface is cut; near the horizon diffuse closures darken gradually, by Conty Estevez,
+    As in Cycles, light rays all have it; of drawn directions those of diffuse closures that reflect. Light from behind the unbumped surface is cut; near the horizon diffuse closures darken gradually, by Conty Estevez,
     Lecocq and Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem".
     """
     smooth, n = vec(surface.n), vec(closure.normal)
@@ -145,16 +145,19 @@ def _sample_closure(block, workspace, index, u1, u2, u3):
     if kind > SHEEN:
         x, y, z, red, green, blue, pdf, side = apart.sample(block, workspace, kind, index, u1, u2, u3)
         return (x, y, z), mul((red, green, blue), vec(closure.weight)), pdf, int(side)
+    n = vec(closure.normal)
     if kind == SHEEN:
         wi = diffuse.sheen_sample(closure, wo, u1, u2)
     else:
-        n = vec(closure.normal)
         if kind == TRANSLUCENT:
             n = negate(n)
         t, b = frame(n)
         wi = to_world(diffuse.cosine_hemisphere(u1, u2), t, b, n)
+    if kind == TRANSLUCENT:
+        pdf = max(dot(n, wi), 0.0) / math.pi
+        return wi, scale(vec(closure.weight), pdf), pdf, TRANSMISSION
     value, pdf = evaluate_closure(block, workspace, index, wi)
-    return wi, value, pdf, TRANSMISSION if kind == TRANSLUCENT else DIFFUSE
+    return wi, value, pdf, DIFFUSE
 
 
 @kernel
@@ -182,7 +185,7 @@ def sample(block, workspace, u1, u2, u3):
         # A direction must leave on the side that its kind says, whatever the shading normal is.
         if (dot(vec(surface.ng), wi) < 0.0) != (kind & TRANSMISSION != 0):
             return ZERO, ZERO, 0.0, 0.0, 0
-        if closure.bumped and closure.kind > SHEEN and not kind & SINGULAR:
+        if closure.bumped and SHEEN < closure.kind < MICROFACET:
             value = scale(value, _bump_shadowing(surface, closure, wi))
     pdf *= closure.pick
     glossy_pdf = pdf if closure.kind >= MICROFACET else 0.0
