@@ -13,7 +13,7 @@ import numpy as np
 from ...affine import inverse
 from ...jit import kernel, table
 from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
-from ..material import Attribute, attributes_of
+from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Ray, Scene
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.program import MATERIAL
@@ -104,7 +104,7 @@ class _Rows:
 def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     """Tables of all meshes and instances. ``baked``: (instances,) bool from ``cpu.accelerator.Accelerator``."""
     rows = {name: _Rows(dtype) for name, dtype in TABLES.items() if name not in ("instances", "attributes")}
-    wanted = attributes_of(scene.materials)
+    wanted = scene.looked_up()
     attributes = _Attributes(wanted, rows["attribute_values"])
     packed: dict[int, dict[str, object]] = {}
     instances = np.zeros(len(scene.instances), INSTANCE)
