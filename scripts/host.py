@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import os
 import pathlib
@@ -40,6 +41,7 @@ def register_extension():
     name, is one package too, so that all its imports stay relative to it.
     """
     if PACKAGE in sys.modules:
+        sys.modules[PACKAGE].register()
         return sys.modules[PACKAGE]
     os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
     spec = importlib.util.spec_from_file_location(
@@ -50,6 +52,17 @@ def register_extension():
     spec.loader.exec_module(package)
     package.register()
     return package
+
+
+def program(module: str = ""):
+    """A module of the copy of the program that is registered, by its name below ``sdf_lights``.
+
+    A process may hold several copies, for instance a test's own; the first to register renders.
+    """
+    import bpy
+
+    package = type(bpy.context.scene.sdf_lights).__module__.partition(".blender.")[0]
+    return importlib.import_module(f"{package}.{module}" if module else package)
 
 
 def unregister_extension() -> None:

@@ -17,7 +17,7 @@ from sdf_lights.graph.formula import Vector, constant
 from sdf_lights.render import motion
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes.normals import displaced_as_bump
-from sdf_lights.render.nodes.variables import NORMAL, POSITION, RAY_LENGTH
+from sdf_lights.render.nodes.variables import BACKFACING, NORMAL, POSITION, RAY_LENGTH
 from sdf_lights.render.scene import (
     AreaLight,
     Camera,
@@ -27,6 +27,7 @@ from sdf_lights.render.scene import (
     Mesh,
     PointLight,
     Projection,
+    Ray,
     Scene,
     Shutter,
     SpotLight,
@@ -296,6 +297,48 @@ def emissive_mesh(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     )
     lit = Node("add_closure", {"a": Node("diffuse", {"color": GREY}), "b": Node("emission", {"strength": 5.0})})
     add(scene, 0, translation(-0.6, 0.2, 2.8) @ rotation("x", 180) @ scaling(0.6, 0.4, 1), Material("panel", lit))
+    return scene
+
+
+def glowing_bubble(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """A clear ball, the only light, that shines more on its inside: light rays meet its outside first."""
+    scene = room(width, height)
+    shine = Node("emission", {"color": (0.4, 0.7, 1.0), "strength": 0.2 + 8.0 * BACKFACING})
+    clear = Node("mix_closure", {"a": Node("transparent", {}), "b": shine, "factor": 0.4})
+    scene.meshes.append(sphere("bubble", 6, 4, smooth=False))
+    add(scene, 3, translation(-0.4, 0.0, 1.2) @ scaling(0.9, 0.7, 0.9), Material("bubble", clear))
+    return scene
+
+
+def light_control(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Light and shadow linking, visibility to some lobes and limits of bounces, each of a lamp, a light and a mesh."""
+    scene = room(width, height, max_bounces=2)
+    floor, back = scene.instances[0], scene.instances[2]
+    floor.light_set, back.light_set = 1, 2
+    add(scene, 1, translation(-0.9, 0.4, 0.5) @ rotation("z", 25) @ scaling(0.4, 0.4, 0.5), diffuse(GREY), "block")
+    coated = Node("add_closure", {"a": Node("diffuse", {"color": GREY}), "b": Node("glossy", {"roughness": 0.3})})
+    add(scene, 2, translation(0.9, 0.5, 0.6) @ scaling(0.6, 0.6, 0.6), Material("coated", coated), "ball")
+    add(scene, 0, translation(0.2, -0.6, 0.9) @ scaling(0.3, 0.3, 1.0), material("transparent", color=(0.2, 0.9, 0.5)))
+    block, ball, pane = scene.instances[-3:]
+    block.shadow_set, ball.light_set, pane.shadow_set = 1, 1, 2
+    add(scene, 2, translation(0.0, 1.2, 2.4) @ scaling(0.2, 0.2, 0.2), material("emission", strength=12.0), "bulb")
+    scene.instances[-1].receivers, scene.instances[-1].blockers = ~2, ~2
+    scene.instances[-1].visibility &= ~Ray.GLOSSY
+    down = look_at((0, 0, 0), (0, 0, -1), (0, 1, 0))
+    scene.lamps += [
+        torus_lamp(-0.8, 0.0, 2.2, 30.0, 0.4, color=(1.0, 0.2, 0.1), receivers=~4),
+        torus_lamp(0.8, -0.4, 2.0, 30.0, 0.4, color=(0.1, 0.2, 1.0), blockers=1 | 4, max_bounces=1),
+    ]
+    scene.lights += [
+        AreaLight("shadows", translation(0.2, -0.3, 2.5) @ down, 20.0, (1.0, 0.9, 0.2), size=(0.5, 0.5), blockers=3),
+        PointLight("once", translation(1.2, -1.2, 1.5), 8.0, (0.2, 1.0, 0.4), 0.2, max_bounces=0, receivers=1 | 2),
+        PointLight(
+            "hidden", translation(-1.2, -1.2, 1.5), 8.0, (1.0, 0.4, 1.0), 0.2, visibility=Ray.ALL & ~Ray.DIFFUSE
+        ),
+        PointLight("sampled", translation(0.0, 1.0, 1.5), 8.0, (0.4, 1.0, 1.0), 0.3, sampled_only=True),
+        SunLight("sun", look_at((0, -3, 4), (0.3, 0, 0.5)), 0.3, angle=0.1, receivers=2 | 4, blockers=~2),
+    ]
+    scene.world = World((0.1, 0.1, 0.15), max_bounces=1)
     return scene
 
 
@@ -947,6 +990,8 @@ SCENES = {
         environment,
         skylight,
         emissive_mesh,
+        glowing_bubble,
+        light_control,
         glossy_metal,
         facets,
         rare,

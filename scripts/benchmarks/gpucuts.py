@@ -11,7 +11,6 @@ too, where the GPU has none by default.
 from __future__ import annotations
 
 import contextlib
-import importlib
 import statistics
 
 import bpy
@@ -20,7 +19,7 @@ import numpy as np
 
 from sdf_lights.render.settings import LampSampling
 
-from . import errors, lamp_scenes, pictures, scenes, some_of
+from . import errors, lamp_scenes, pictures, simple_scenes, some_of
 from .progress import Progress
 from .resume import Parts
 
@@ -44,7 +43,7 @@ def arguments(parser) -> None:
 @contextlib.contextmanager
 def cuts_with(bounces: int):
     """The GPU has cuts in renders of so many bounces, too."""
-    program = importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.program")
+    program = host.program("render.gpu.program")
     usual, program.CUT_BOUNCES = program.CUT_BOUNCES, bounces
     try:
         yield
@@ -59,7 +58,7 @@ def measure(name: str, options) -> dict:
 
     def render(sampler: str, samples: int, seed: int) -> pictures.Picture:
         device = "GPU" if options.device == "AUTOMATIC" else options.device
-        scenes.plain_sdf_lights(bpy.context.scene, samples, options.cut_bounces, device)
+        simple_scenes.plain_sdf_lights(bpy.context.scene, samples, options.cut_bounces, device)
         bpy.context.scene.sdf_lights.seed, bpy.context.scene.sdf_lights.lamp_sampling = seed, sampler
         return pictures.render()
 

@@ -13,7 +13,6 @@ least that a wavefront does.
 from __future__ import annotations
 
 import functools
-import importlib
 import statistics
 from contextlib import contextmanager
 
@@ -23,7 +22,7 @@ import numpy as np
 
 from sdf_lights.render.settings import LampSampling
 
-from . import lamp_scenes, pictures, scenes
+from . import lamp_scenes, pictures, simple_scenes
 from .progress import Progress
 from .resume import Parts
 from .throughput import LAMP_SCENES
@@ -90,7 +89,7 @@ def remembering(source: str) -> tuple[str, int]:
 @contextmanager
 def changed(change):
     """The GPU's programs as ``change`` makes them, which returns how many words of a buffer each pixel needs, too."""
-    renderer = importlib.import_module(f"{host.PACKAGE}.sdf_lights.render.gpu.renderer")
+    renderer = host.program("render.gpu.renderer")
     scene, device = renderer.GpuScene, renderer.GpuRenderer
     source, bind = scene.source, device._bind
 
@@ -113,7 +112,7 @@ def changed(change):
 
 
 def _render(samples: int, bounces: int) -> pictures.Picture:
-    scenes.plain_sdf_lights(bpy.context.scene, samples, bounces, "GPU")
+    simple_scenes.plain_sdf_lights(bpy.context.scene, samples, bounces, "GPU")
     bpy.context.scene.sdf_lights.lamp_sampling = LampSampling.MIS.value
     return pictures.render()
 

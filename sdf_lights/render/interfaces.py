@@ -79,11 +79,14 @@ class Light(Protocol):
 class LightSampler(Protocol):
     """Chooses one emitter of all for a point: ``kernels.lights``."""
 
-    def select(self, block, x, n, u, cut):
-        """(emitter, probability, u remapped to [0, 1)); emitter −1 where nothing shines. n is zero where both sides count."""
+    def select(self, block, number, x, n, u, cut):
+        """(emitter, probability, u remapped to [0, 1)); emitter −1 where nothing shines. n is zero where both sides count.
+
+        ``number``: that of the light tree, which has the emitters that light the point.
+        """
         ...
 
-    def selection_probability(self, block, x, n, emitter, cut):
+    def selection_probability(self, block, number, x, n, emitter, cut):
         """The probability with which ``select`` gives that emitter at the same x and n."""
         ...
 

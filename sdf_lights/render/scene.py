@@ -16,7 +16,7 @@ import numpy as np
 from ..sdf.emission import Emission
 from ..sdf.shapes import Shape
 from .images import Image
-from .material import Attribute, Material
+from .material import Attribute, Material, attributes_of
 from .medium import Medium
 from .settings import Settings
 
@@ -70,8 +70,28 @@ class Mesh:
     motion_normals: np.ndarray | None = None  # (K, T, 3, 3) float32, where there are ``normals``
 
 
+ALL_SETS = -1  # bits of all sets of instances
+OPEN_SET = 0  # the set of what no collection of light or shadow linking names, and of the medium of the world
+MANY_BOUNCES = 1024
+
+
+@dataclass(kw_only=True)
+class Emitter:
+    """Light control. Where emission lights all and all cast its shadows, as without light linking, both masks are all ones.
+
+    ``receivers``: bits of the sets ``Instance.light_set`` that it lights. ``blockers``: bits of the sets
+    ``Instance.shadow_set`` that cast its shadows. ``max_bounces``: it lights nothing that a path meets after more bounces.
+    ``sampled_only``: no ray but the camera's meets it by chance.
+    """
+
+    receivers: int = ALL_SETS
+    blockers: int = ALL_SETS
+    max_bounces: int = MANY_BOUNCES
+    sampled_only: bool = False
+
+
 @dataclass
-class Instance:
+class Instance(Emitter):
     """One mesh placed in the world."""
 
     mesh: int
@@ -85,6 +105,8 @@ class Instance:
     index: int = 0
     random: float = 0.0  # 0 to 1
     motion: np.ndarray | None = None  # (K, 4, 4) matrices at even times of the shutter; None: it stands still
+    light_set: int = OPEN_SET
+    shadow_set: int = OPEN_SET
 
 
 @dataclass
@@ -101,7 +123,7 @@ class Shutter:
 
 
 @dataclass
-class Lamp:
+class Lamp(Emitter):
     """An SDF lamp: the interior of ``shape`` glows, and neither absorbs nor scatters.
 
     Its world volume is V = shape volume × |det matrix|. Emission per metre is ρ = power · color / (4π V), in watts
@@ -124,7 +146,7 @@ class Lamp:
 
 
 @dataclass
-class PointLight:
+class PointLight(Emitter):
     """``emission`` of a light: nodes, whose Emission closures its radiance is multiplied by."""
 
     name: str
@@ -148,7 +170,7 @@ class SpotLight(PointLight):
 
 
 @dataclass
-class SunLight:
+class SunLight(Emitter):
     """A light at infinite distance: one direction, or a disk of directions."""
 
     name: str
@@ -163,7 +185,7 @@ class SunLight:
 
 
 @dataclass
-class AreaLight:
+class AreaLight(Emitter):
     """A rectangle or ellipse that shines to one side."""
 
     name: str
@@ -194,6 +216,7 @@ class World:
     visibility: Ray = Ray.ALL
     emission: Material | None = None
     medium: Medium | None = None
+    max_bounces: int = MANY_BOUNCES
 
 
 class Projection(enum.IntEnum):
@@ -248,6 +271,16 @@ class Camera:
 
 
 @dataclass
+class Mist:
+    """What the pass of that name shows: how far the distance is between ``start`` and ``depth`` behind it (metres), from 0 to
+    1, to the ``power``."""
+
+    start: float = 5.0
+    depth: float = 25.0
+    power: float = 2.0
+
+
+@dataclass
 class Scene:
     """Everything to be rendered. Indices (mesh, material, image) point into the lists here."""
 
@@ -262,6 +295,12 @@ class Scene:
     lamps: list[Lamp] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
     world: World = field(default_factory=World)
+    mist: Mist = field(default_factory=Mist)
+    attributes: list[Attribute] = field(default_factory=list)  # that passes look up, beside those that materials do
     settings: Settings = field(default_factory=Settings)
     shutter: Shutter | None = None  # None: nothing moves
     warnings: list[str] = field(default_factory=list)
+
+    def looked_up(self) -> list[Attribute]:
+        """Every attribute that is looked up, in the order of their places."""
+        return attributes_of(self.materials, self.attributes)

@@ -27,6 +27,8 @@ QUICK = (
     "environment",
     "skylight",
     "emissive_mesh",
+    "glowing_bubble",
+    "light_control",
     "glossy_metal",
     "facets",
     "rare",

@@ -10,20 +10,33 @@ from dataclasses import replace
 import bpy
 
 from ...render.displacement import Habits, displace
+from ...render.material import UV
+from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
 from .. import cycles
+from ..passes import is_enabled
 from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
 from .images import Images
+from .linking import signature as linking_signature
 from .materials import Materials
 from .motion import Motion, is_wanted
-from .objects import LIGHTS, sync_objects
+from .objects import ALL, LIGHTS, sync_objects
 from .unmodelled import report_unmodelled
-from .world import world_of
+from .world import mist_of, world_of
 
-__all__ = ["frame_settings", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport", "sync_views"]
+__all__ = [
+    "frame_settings",
+    "linking_signature",
+    "shows_in",
+    "sync",
+    "sync_camera",
+    "sync_lights",
+    "sync_viewport",
+    "sync_views",
+]
 
 # Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
 _FRAME_STRIDE = 0x9E3779B1
@@ -67,7 +80,7 @@ def sync_views(
     warn(cycles.missing(blender_scene))
     moves = engine is not None and not engine.is_preview and is_wanted(depsgraph)
     _fill(depsgraph, scene, warn, motion=Motion(depsgraph, engine, scene, cameras, warn) if moves else None, eyes=eyes)
-    report_unmodelled(depsgraph, _world(depsgraph), scene.settings.max_bounces, warn)
+    report_unmodelled(depsgraph, _world(depsgraph), warn)
     return scene, eyes
 
 
@@ -123,11 +136,18 @@ def _fill(
     motion: Motion | None = None,
     eyes: Sequence[Camera] = (),
 ) -> None:
-    view_layer = depsgraph.view_layer_eval
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
-    materials = Materials(scene, images, warn, view_layer.material_override)
-    scene.world = world_of(_world(depsgraph), images, warn)
-    noted = sync_objects(depsgraph, scene, materials, images, warn, shows=shows, notes=motion is not None)
+    materials = Materials(scene, depsgraph, images, warn)
+    view_layer = depsgraph.view_layer_eval
+    world = _world(depsgraph)
+    if world is not None:
+        scene.mist = mist_of(world.mist_settings)
+    if is_enabled(BY_NAME["UV"], view_layer):
+        scene.attributes.append(UV)
+    if view_layer.use_sky:
+        scene.world = world_of(world, depsgraph, images, warn)
+    kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
+    noted = sync_objects(depsgraph, scene, materials, images, warn, kinds, shows, motion is not None)
     images.load()
     if motion is not None:
         motion.read(noted.placed, noted.forms, eyes)

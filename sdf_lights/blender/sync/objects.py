@@ -16,7 +16,8 @@ from ...render.scene import AttributeValues, Domain, Instance, Lamp, Ray, Scene
 from .attributes import property_of, random_number
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
 from .images import Images
-from .lights import light_of
+from .lights import control, light_of
+from .linking import Linking
 from .materials import Materials
 from .mesh import Forms, Meshes
 from .motion import Key, Placed, key_of
@@ -94,8 +95,10 @@ class _Reader:
         self.meshes = Meshes(scene, warn)
         self.placed: dict[Key, Placed] = {}
         self._notes = notes
+        self._linking = Linking(depsgraph)
         self._flags: dict[int, _Flags] = {}
-        self._shown: dict[tuple[int, int], tuple[int | None, tuple[int, ...]]] = {}
+        # By object and mesh: index of the mesh, those of its materials, and the attributes that they look up.
+        self._shown: dict[tuple[int, int], tuple[int | None, tuple[int, ...], set[Attribute]]] = {}
 
     def read(self, item: bpy.types.DepsgraphObjectInstance) -> None:
         obj = item.object
@@ -137,8 +140,9 @@ class _Reader:
         key = original.as_pointer(), mesh.as_pointer()
         if key not in self._shown:
             slots = tuple(self._materials.index(material) for material in slot_materials(obj))
-            self._shown[key] = self.meshes.index(mesh, len(slots), self._materials.needs(slots)), slots
-        index, slots = self._shown[key]
+            wanted = self._materials.needs(slots)
+            self._shown[key] = self.meshes.index(mesh, len(slots), wanted), slots, wanted
+        index, slots, wanted = self._shown[key]
         if index is None:
             return
         self._scene.instances.append(
@@ -149,10 +153,12 @@ class _Reader:
                 original.name,
                 flags.visibility,
                 flags.holdout,
-                self._attributes(item, self._materials.needs(slots)),
+                self._attributes(item, wanted),
                 tuple(obj.color),
                 original.pass_index,
                 random_number(item),
+                **self._linking.of_object((item.parent if item.is_instance else obj).original),
+                **self._linking.of_emitter(original),
             )
         )
 
@@ -181,7 +187,8 @@ class _Reader:
     def _light(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags, random: float) -> None:
         try:
             owner = matrix_of(obj.original.evaluated_get(self._depsgraph).matrix_world)
-            light = light_of(obj, matrix, flags.visibility, self._warn, self._images, owner, random)
+            light = light_of(obj, matrix, flags.visibility, self._depsgraph, self._warn, self._images, owner, random)
+            control(light, obj.data, self._linking.of_emitter(obj.original))
         except RenderError as error:
             self._warn(str(error))
             return

@@ -12,10 +12,9 @@ from typing import NamedTuple
 
 import bpy
 
-from ...render.passes import PASSES
+from ...render.kernels.rays import SHADOW_BITS
+from ...render.passes import PASSES, Owner
 from .common import Warnings
-
-MANY_BOUNCES = 1024  # what Cycles has where nobody set a number
 
 
 class Asked(NamedTuple):
@@ -25,14 +24,11 @@ class Asked(NamedTuple):
     view_layer: bpy.types.ViewLayer
     world: bpy.types.World | None
     objects: list[bpy.types.Object]  # each once, however many instances show it
-    max_bounces: int
 
 
-def report_unmodelled(
-    depsgraph: bpy.types.Depsgraph, world: bpy.types.World | None, max_bounces: int, warn: Warnings
-) -> None:
+def report_unmodelled(depsgraph: bpy.types.Depsgraph, world: bpy.types.World | None, warn: Warnings) -> None:
     """Warn of everything in the dependency graph that a ``CHECKS`` function finds."""
-    asked = Asked(depsgraph.scene_eval, depsgraph.view_layer_eval, world, list(depsgraph.objects), max_bounces)
+    asked = Asked(depsgraph.scene_eval, depsgraph.view_layer_eval, world, list(depsgraph.objects))
     for check in CHECKS:
         for sentence in check(asked):
             warn(sentence)
@@ -83,7 +79,7 @@ _NO_PASSES = {"use_pass_cryptomatte_accurate", "use_pass_grease_pencil"}
 
 def passes(asked: Asked) -> Iterator[str]:
     layer = asked.view_layer
-    known = {item.switch for item in PASSES if not item.own} | {"use_pass_combined"} | _NO_PASSES
+    known = {item.switch for item in PASSES if item.owner is not Owner.OWN} | {"use_pass_combined"} | _NO_PASSES
     lacking, elsewhere = [], []
     for owner in (layer, getattr(layer, "cycles", None)):
         for prop in owner.bl_rna.properties if owner is not None else ():
@@ -127,8 +123,6 @@ def filters(asked: Asked) -> Iterator[str]:
     off = [
         label
         for name, label in (
-            ("use_sky", "Environment"),
-            ("use_solid", "Surfaces"),
             ("use_strand", "Curves"),
             ("use_volumes", "Volumes"),
         )
@@ -145,20 +139,16 @@ def filters(asked: Asked) -> Iterator[str]:
 
 
 def light_linking(asked: Asked) -> Iterator[str]:
-    for obj in asked.objects:
-        linking = getattr(obj, "light_linking", None)
-        if linking is None:
-            continue
-        kinds = [
-            kind
-            for kind, name in (("light", "receiver_collection"), ("shadow", "blocker_collection"))
-            if getattr(linking, name) is not None
-        ]
-        if kinds:
-            yield (
-                f"Object '{obj.name}': {' and '.join(kinds)} linking is not supported: "
-                "it lights all objects and all cast shadows; use view layers."
-            )
+    known = {
+        collection
+        for obj in asked.objects
+        if (collection := getattr(getattr(obj, "light_linking", None), "blocker_collection", None)) is not None
+    }
+    if len(known) > len(SHADOW_BITS):
+        yield (
+            f"Scene '{asked.scene.name}': there are {len(known)} collections for shadow linking, and no more than "
+            f"{len(SHADOW_BITS)} can be told apart: all objects cast the shadows of lights with others; share collections."
+        )
 
 
 def shadow_catchers(asked: Asked) -> Iterator[str]:
@@ -206,18 +196,6 @@ def shadow_terminators(asked: Asked) -> Iterator[str]:
 # -- lights and the world ----------------------------------------------------------------------------------------------
 
 
-def bounces_of_lights(asked: Asked) -> Iterator[str]:
-    world = asked.world
-    owners = [(f"Light '{obj.name}'", obj.data) for obj in asked.objects if obj.type == "LIGHT"]
-    for owner, data in owners + ([(f"World '{world.name}'", world)] if world is not None else []):
-        most = _cycles(data, "max_bounces", MANY_BOUNCES)
-        if most < asked.max_bounces:
-            yield (
-                f"{owner} may light no more than {most} bounces, which is not supported: its light goes on as far as "
-                "all light; set Max Bounces of the scene."
-            )
-
-
 def shadow_caustics(asked: Asked) -> Iterator[str]:
     lights = [
         obj.name for obj in asked.objects if obj.type == "LIGHT" and _cycles(obj.data, "is_caustics_light", False)
@@ -256,7 +234,6 @@ CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     hair,
     subdivision,
     shadow_terminators,
-    bounces_of_lights,
     shadow_caustics,
     portals,
     world_shadows,

@@ -22,7 +22,7 @@ from ...render.errors import RenderError
 from ...render.interactive import Change, InteractiveRender, Picture
 from ...render.scene import Scene
 from ..naming import LABEL, NODE_TREE
-from ..sync import frame_settings, sync_lights, sync_viewport
+from ..sync import frame_settings, linking_signature, sync_lights, sync_viewport
 from .camera import view_camera
 from .drawing import draw_texture
 
@@ -39,6 +39,7 @@ class RenderedView:
         self._render = InteractiveRender()
         self._scene: Scene | None = None
         self._shown: tuple = ()  # what the scene was synced for, besides the data
+        self._linking: tuple = ()
         self._stale: Change | None = Change.ALL
         self._texture: tuple[Picture, gpu.types.GPUTexture] | None = None  # what was drawn last
         self._drawn_status = ""
@@ -97,6 +98,10 @@ class RenderedView:
         change = self._stale
         if self._scene is None or shown != self._shown:
             change = Change.ALL
+        if change is not None and change >= Change.LIGHTS:
+            linking = linking_signature(depsgraph)
+            if linking != self._linking:
+                self._linking, change = linking, Change.ALL
         settings = frame_settings(depsgraph.scene_eval, viewport=True)
         if self._scene is not None and (settings.device, settings.threads) != (
             self._scene.settings.device,

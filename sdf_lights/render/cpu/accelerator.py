@@ -14,6 +14,7 @@ import ctypes
 import numpy as np
 
 from ..errors import RenderError
+from ..kernels.lights import shadow_bits
 from ..kernels.rays import NONE, mask_of, world_positions
 from ..libraries import load_embree
 from ..scene import Mesh, Scene
@@ -87,6 +88,7 @@ class Accelerator:
         shared: dict[int, int] = {}
         self.inner_scenes = np.zeros(len(scene.instances), np.int64)
         self.scene = self._new_scene()
+        bits = shadow_bits(scene)
         for index, instance in enumerate(scene.instances):
             mesh = scene.meshes[instance.mesh]
             if not len(mesh.triangles):
@@ -111,7 +113,7 @@ class Accelerator:
             if deep is not None and any(deep[material] for material in instance.materials):
                 alone = [self._new_scene()] if self.baked[index] else []
                 self.inner_scenes[index] = alone[0] if alone else shared[instance.mesh]
-            self._attach([self.scene, *alone], geometry, index, mask_of(instance, transparent))
+            self._attach([self.scene, *alone], geometry, index, mask_of(instance, transparent, bits))
             for inner in alone:
                 api.rtcCommitScene(inner)
         api.rtcCommitScene(self.scene)

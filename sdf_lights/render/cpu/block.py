@@ -17,6 +17,7 @@ from ..kernels import film as film_kernels
 from ..kernels.media import pack as media
 from ..kernels.media import parts as media_parts
 from ..kernels.media import records as media_records
+from ..kernels.outputs import parts as output_parts
 from ..kernels.packing import (
     BLOCK,
     TABLES,
@@ -101,7 +102,7 @@ class PackedScene:
             self._pack_shading(scene)
         built, sources = build_lamps(scene)
         self._elsewhere = pack_elsewhere(scene, sources, self._tables["materials"])
-        tables = emitter_tables(scene, built, self._emissive, self._tables, self._graphs, self._elsewhere)
+        tables = emitter_tables(scene, built, sources, self._emissive, self._tables, self._graphs, self._elsewhere)
         self.light_hits = lights.hit_capacity(tables)
         chosen = set(map(id, sources))
         self._built = [index for index, lamp in enumerate(scene.lamps) if id(lamp) in chosen]
@@ -125,6 +126,8 @@ class PackedScene:
             {**camera.pack_camera(scene), **film_kernels.pack_film(film)},
             {**camera.camera_scalars(scene), **film_kernels.film_scalars(film)},
         )
+        self._fill(*output_parts.pack(scene, film, (BLOCK, WORKSPACE)))
+        self.output_counts = output_parts.workspace_counts(film)
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
         self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
         if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
@@ -135,6 +138,8 @@ class PackedScene:
         """The shutter, and what of the tables moves while it is open."""
         tables, scalars = motion.pack_shutter(scene)
         keys = self._elsewhere.tables if self._elsewhere else []
+        if self._elsewhere:
+            self._elsewhere.follow_suns(self._tables["light_infinite"])
         self._moving = motion.Moving({name: self._tables[name] for name in keys[0]} if keys else {}, keys)
         tables |= {"moving": np.zeros(0), "moving_places": self._moving.places, "moving_keys": self._moving.keys}
         if len(self._moving.places):
@@ -166,7 +171,8 @@ class PackedScene:
         rows = self._tables["lamps"]
         if np.array_equal(rows["visibility"], visibility):
             return
-        rows["visibility"] = self._tables["light_emitters"]["visibility"][: len(rows)] = visibility
+        emitters = self._tables["light_emitters"][: len(rows)]
+        rows["visibility"] = emitters["visibility"] = emitters["met"] = visibility
         low, high = lamp_boxes([self._tables, *(self._elsewhere.tables if self._elsewhere else ())])
         self._fill(lamp_tree.pack_lamp_tree(low, high, visibility), {})
 
@@ -202,6 +208,7 @@ class Workspace:
             **cuts.WORKSPACE_COUNTS,
             **lights.WORKSPACE_COUNTS,
             **media_records.WORKSPACE_COUNTS,
+            **packed.output_counts,
             **lamp_tree.workspace_counts(len(packed.lamps)),
         }
         self._tables = {name: _new_table(name, count) for name, count in counts.items()}

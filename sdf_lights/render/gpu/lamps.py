@@ -166,24 +166,24 @@ def no_reach(block, workspace, path):
 
 
 @kernel
-def select_only(block, x, n, u, cut):
+def select_only(block, number, x, n, u, cut):
     """In the place of ``tree.select``, where one emitter gives all the light: programs are half as large then."""
     return block.only_emitter, 1.0, u
 
 
 @kernel
-def only_probability(block, x, n, emitter, cut):
+def only_probability(block, number, x, n, emitter, cut):
     """In the place of ``tree.selection_probability``, likewise."""
     return 1.0 if emitter == block.only_emitter else 0.0
 
 
 @kernel
-def fit_light_cut(nodes, x, n, cut):
+def fit_light_cut(nodes, root, x, n, cut):
     """In the place of ``tree.fit_cut``: the root alone, from which ``select`` goes down."""
-    value, _ = estimate(nodes[0], x, n)
+    value, _ = estimate(nodes[root], x, n)
     if not 0.0 < value < math.inf:
         value = 1.0
-    cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, 0, 0, value, value
+    cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, root, 0, value, value
 
 
 @kernel

@@ -57,6 +57,7 @@ SETTLED = frozenset(
         "few_lamps",
         "has_media",
         "has_subsurface",
+        "outputs",
     }
 )
 
@@ -80,10 +81,13 @@ class GpuScene:
         materials["graph_addresses"] = np.zeros(1, np.int64)  # of machine code, which is not for here
         flags = materials["materials"]["flags"]
         transparent = flags & HAS_TRANSPARENCY != 0
-        self.hierarchy = Hierarchy(scene, [rays.mask_of(instance, transparent) for instance in scene.instances])
+        bits = lights.shadow_bits(scene)
+        self.hierarchy = Hierarchy(scene, [rays.mask_of(instance, transparent, bits) for instance in scene.instances])
         built, sources = build_lamps(scene)
         self.lamps = built
-        emitters = emitter_tables(scene, built, emissive_triangles(scene, materials["materials"]), materials, graphs)
+        emitters = emitter_tables(
+            scene, built, sources, emissive_triangles(scene, materials["materials"]), materials, graphs
+        )
         self._place_fields(emitters, sources)
         self.asked_for_cuts = scene.settings.lamp_sampling is LampSampling.CUT
         self.cuts = self.asked_for_cuts and scene.settings.max_bounces <= CUT_BOUNCES
@@ -106,6 +110,7 @@ class GpuScene:
         scalars = {
             "has_media": 0,
             "has_subsurface": 0,
+            "outputs": 0,
             "emission_graphs": varying,
             **camera.camera_scalars(scene),
             **integrator_scalars(scene, flags, tables),
@@ -114,7 +119,7 @@ class GpuScene:
             "few_lamps": int(len(built) <= lamps.FEW),
         }
         shining = np.flatnonzero((tables["light_emitters"]["leaf"] >= 0) | (tables["light_emitters"]["infinite"] >= 0))
-        self.one_emitter = len(shining) == 1
+        self.one_emitter = len(shining) == 1 and len(tables["light_trees"]) == 1
         scalars["only_emitter"] = int(shining[0]) if len(shining) else -1
         settled = set(SETTLED)
         if len(built) < 2:  # with more, compilers would unroll loops over lamps

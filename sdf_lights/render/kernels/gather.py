@@ -19,7 +19,7 @@ from .media import apart as media
 from .media.beams import attenuation
 from .media.records import inside_table
 from .next_event import competes, facing, lamp_density, renew_lamp, rival_density
-from .path import CAMERA, EMISSION_SET, contribute, path_table, uncover
+from .path import CAMERA, EMISSION_SET, contribute, of_instance, path_table, uncover
 from .sampler import draw1
 from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
@@ -33,10 +33,10 @@ def _mis(block, workspace, emitter, pdf):
     path = path_table(workspace)[0]
     if path.pdf <= 0.0:
         return 1.0
-    if not competes(block, emitter):
+    if not competes(block, emitter) or not lights.reaches(block, emitter, path.bounce - 1):
         return 0.0
     pmf = lights.selection_probability(
-        block, vec(path.origin), facing(path, vec(path.normal)), emitter, light_cut_of(workspace)
+        block, path.light_tree, vec(path.origin), facing(path, vec(path.normal)), emitter, light_cut_of(workspace)
     )
     return path.pdf / (path.pdf + pmf * pdf)
 
@@ -47,14 +47,16 @@ def _lamp_mis(block, workspace, lamp, count):
     path = path_table(workspace)[0]
     if path.pdf <= 0.0:
         return 1.0
-    if not competes(block, lamp):
+    if not competes(block, lamp) or not lights.reaches(block, lamp, path.bounce - 1):
         return 0.0
     cut = cut_of(workspace)
     origin, normal = vec(path.origin), vec(path.normal)
     renew_lamp(block, workspace, lamp)
     if cut.strategy == NO_LIGHT_RAYS:
         return 1.0
-    pmf = lights.selection_probability(block, origin, facing(path, normal), lamp, light_cut_of(workspace))
+    pmf = lights.selection_probability(
+        block, path.light_tree, origin, facing(path, normal), lamp, light_cut_of(workspace)
+    )
     density = lamp_density(block, workspace, lamp, origin, vec(path.direction), count)
     rival = rival_density(cut, path.pdf, path.glossy_pdf)
     return rival / (rival + pmf * density) if rival > 0.0 else 0.0
@@ -64,7 +66,7 @@ def _lamp_mis(block, workspace, lamp, count):
 def counts(block, workspace, lamp):
     """Whether a lamp that the path's ray may cross counts there: at broad lobes the cut may be all that is needed."""
     path = path_table(workspace)[0]
-    if block.has_media and path.in_medium:
+    if block.has_media and path.in_medium or not lights.lights_up(block, path.light_tree, lamp):
         return False
     if path.pdf <= 0.0 or path.glossy_pdf > 0.0:
         return True
@@ -95,7 +97,7 @@ def gather_lamps(block, workspace, t_to):
             radiance = lamps.radiance(block, lamp, origin, direction, spans, count, path.t_min, t_to, u)
         if largest(radiance) <= 0.0:
             continue
-        contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, count), True, path.bounce)
+        contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, count), lamp, path.bounce)
 
 
 @replaced_on_gpu
@@ -131,7 +133,7 @@ def gather_lights(block, workspace, t_to):
     path = path_table(workspace)[0]
     hits = hit_table(workspace)
     origin, direction = vec(path.origin), vec(path.direction)
-    count = lights.light_hits(block, origin, direction, t_to, path.kind, hits)
+    count = lights.light_hits(block, path.light_tree, origin, direction, t_to, path.kind, hits)
     for index in range(count):
         hit = hits[index]
         if hit.distance <= path.t_min:
@@ -142,7 +144,7 @@ def gather_lights(block, workspace, t_to):
             radiance = modulated(block, workspace, hit.emitter, radiance, origin, direction, hit.distance, path.kind)
         if block.has_media and inside_table(workspace)[0].count > 0:
             radiance = mul(radiance, attenuation(vec(inside_table(workspace)[0].extinction), hit.distance - path.t_min))
-        contribute(block, workspace, radiance, weight, False, path.bounce)
+        contribute(block, workspace, radiance, weight, hit.emitter, path.bounce)
 
 
 @kernel
@@ -168,7 +170,7 @@ def gather_world(block, workspace):
     if _nothing(radiance):
         return
     pdf = lights.world_pdf(block, vec(path.normal), direction) if path.pdf > 0.0 else 0.0
-    contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), False, path.bounce)
+    contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), world, path.bounce)
 
 
 @kernel
@@ -177,7 +179,7 @@ def gather_surface(block, workspace):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     radiance = vec(surface.emission)
-    if _nothing(radiance):
+    if _nothing(radiance) or not lights.emission_lights_up(block, path.light_tree, surface.instance):
         return
     weight = 1.0
     if path.pdf > 0.0:
@@ -185,4 +187,4 @@ def gather_surface(block, workspace):
         if emitter >= 0:
             pdf = lights.triangle_pdf(block, vec(path.origin), emitter, vec(path.direction), path.length)
             weight = _mis(block, workspace, emitter, pdf)
-    contribute(block, workspace, radiance, weight, False, path.bounce)
+    contribute(block, workspace, radiance, weight, of_instance(surface.instance), path.bounce)

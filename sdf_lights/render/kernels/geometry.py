@@ -14,7 +14,7 @@ from ...affine import inverse
 from ...jit import kernel, table
 from ...replaced import replaced_on_gpu
 from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
-from ..material import Attribute, attributes_of
+from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Ray, Scene
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.program import MATERIAL
@@ -116,9 +116,9 @@ class _Rows:
 def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     """Tables of all meshes and instances. ``baked``: (instances,) bool from ``cpu.accelerator.Accelerator``."""
     rows = {name: _Rows(dtype) for name, dtype in TABLES.items() if name not in ("instances", "attributes")}
-    wanted = attributes_of(scene.materials)
+    wanted = scene.looked_up()
     attributes = _Attributes(wanted, rows["attribute_values"])
-    packed: dict[int, dict[str, int]] = {}
+    packed: dict[int, dict[str, object]] = {}
     instances = np.zeros(len(scene.instances), INSTANCE)
     for index, instance in enumerate(scene.instances):
         mesh, record = scene.meshes[instance.mesh], instances[index]
@@ -135,6 +135,7 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
             places["positions"] = rows["positions"].add(positions)
             places["forms"] = 0 if mesh.motion is None else len(mesh.motion)
             places["vertex_count"] = len(mesh.positions)
+            places["box_center"], places["box_size"] = box_around(mesh.positions)
             packed[instance.mesh] = places
         for name, place in packed[instance.mesh].items():
             record[name] = place
@@ -146,7 +147,6 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
         record["material_count"] = len(instance.materials)
         record["attributes"] = attributes.place(instance, mesh)
         record["index"], record["random"], record["color"] = instance.index, instance.random, instance.color
-        record["box_center"], record["box_size"] = box_around(mesh.positions)
         if instance.motion is not None:
             record["poses"] = rows["instance_poses"].add(instance.motion[:, :3])
             record["pose_count"], record["time"] = len(instance.motion), NO_TIME
@@ -309,15 +309,29 @@ def find_surface(block, workspace, wo, ray_kind, footprint):
 
 @kernel
 def _fill_surface(block, ray, surface, wo, ray_kind, footprint):
-    """Fill ``SURFACE`` from a hit.
+    """Fill ``SURFACE`` from a hit."""
+    surface_at(
+        block,
+        surface,
+        hit_instance(ray),
+        np.int64(ray.primitive),
+        float(ray.u),
+        float(ray.v),
+        wo,
+        ray_kind,
+        footprint,
+    )
 
-    The position comes from the barycentric coordinates in float64, not from the distance along the ray: its error
-    does not grow with the distance, and it lies in the plane of the triangle.
+
+@kernel
+def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
+    """Fill ``SURFACE`` of a point of a triangle of the instance ``index``; ``u`` and ``v`` are the weights of its second and
+    third corner.
+
+    The position comes from these in float64, not from the distance along a ray: its error does not grow with the
+    distance, and it lies in the plane of the triangle.
     """
-    index = hit_instance(ray)
     instance = instance_at(block, index)
-    triangle = np.int64(ray.primitive)
-    u, v = float(ray.u), float(ray.v)
     p0 = _corner(block, instance, triangle, 0)
     edge1 = sub(_corner(block, instance, triangle, 1), p0)
     edge2 = sub(_corner(block, instance, triangle, 2), p0)

@@ -13,13 +13,16 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import kernel
-from ...vec import average, dot, largest, mul, negate, put, scale, sub, vec
+from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
+from . import lights
 from .camera import camera_ray, filter_offset, view_depth
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, lamp_reach
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
 from .media import apart as media
 from .media.records import inside_table
 from .next_event import light_vertex
+from .outputs import apart as outputs
+from .outputs.records import DATA, LOBES
 from .path import (
     AT_EXIT,
     AT_SURFACE,
@@ -89,7 +92,6 @@ def record_first_surface(block, workspace):
         sample.position[axis] = surface.position[axis]
         sample.normal[axis] = surface.n[axis]
         sample.albedo[axis] = surface.albedo[axis]
-        sample.diffuse_albedo[axis] = surface.diffuse_albedo[axis]
 
 
 @kernel
@@ -132,6 +134,8 @@ def scatter(block, workspace):
     if pdf <= 0.0 or largest(weight) <= 0.0:
         return False
     throughput = scale(mul(vec(path.throughput), weight), 1.0 / pdf)
+    if block.outputs & LOBES and path.bounce == 0 and not kind & TRANSPARENT:
+        outputs.divide(block, workspace, wi, kind, DIFFUSE | GLOSSY | TRANSMISSION, 0)
     if block.has_subsurface and kind & INTO_SUBSURFACE:
         put(path.throughput, throughput)
         put(path.direction, wi)
@@ -159,7 +163,7 @@ def scatter(block, workspace):
     path.pdf = 0.0 if kind & SINGULAR else pdf
     path.glossy_pdf = glossy_pdf
     path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
-    path.in_medium = 0
+    path.in_medium, path.light_tree = 0, lights.tree_of(block, surface.instance)
     return True
 
 
@@ -206,7 +210,7 @@ def start_path(block, workspace, x, y):
     path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
     path.event, path.in_medium, path.crossed = AT_SURFACE, 0, 0
     path.dimension = CAMERA_SETS
-    path.share, path.scattered = 1.0, 0
+    path.share, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1
     if block.has_media:
         media.bounds(block, workspace, media.BEGIN)
@@ -268,6 +272,8 @@ def intersect_and_gather(block, workspace):
             path.event = IN_MEDIUM
             return True
     if not found:
+        if block.outputs & DATA and path.kind == CAMERA:
+            outputs.leave(block, workspace)
         gather_world(block, workspace)
         return False
     path.length = t_to
@@ -327,8 +333,12 @@ def shade_and_scatter(block, workspace, whole):
         gather_surface(block, workspace)
     if path.kind == CAMERA:
         uncover(workspace, surface.holdout)
-        if not sample.found and average(vec(surface.transparency)) < 0.5:
+        put_sum(sample.diffuse_albedo, mul(vec(path.throughput), vec(surface.diffuse_albedo)))
+        first = not sample.found and average(vec(surface.transparency)) < 0.5
+        if first:
             record_first_surface(block, workspace)
+        if block.outputs & DATA:
+            outputs.add_surface(block, workspace, first)
     if path.last:
         # A transparent surface does not end a ray that gathers emission: light sampling sees through it too.
         transparent = vec(surface.transparency)
@@ -341,7 +351,7 @@ def shade_and_scatter(block, workspace, whole):
             if block.has_media:
                 media.bounds(block, workspace, media.CROSS)
             return GOES_ON
-    two_sided, has_glossy, scattered = path.two_sided, path.has_glossy, path.scattered
+    two_sided, has_glossy, scattered, light_tree = path.two_sided, path.has_glossy, path.scattered, path.light_tree
     passed, last = path.transparent, path.last
     if surface.evaluable > 0 and not last:
         light_vertex(block, workspace)
@@ -353,7 +363,7 @@ def shade_and_scatter(block, workspace, whole):
         return ENDS
     if path.transparent > passed:
         # The ray that goes on is the one that came: what it meets competes with the light sampling at its origin.
-        path.two_sided, path.has_glossy, path.scattered = two_sided, has_glossy, scattered
+        path.two_sided, path.has_glossy, path.scattered, path.light_tree = two_sided, has_glossy, scattered, light_tree
         cut_of(workspace).lamp = -1
     path.dimension += VERTEX_SETS
     return GOES_ON

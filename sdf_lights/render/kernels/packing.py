@@ -23,6 +23,7 @@ from ..settings import LampSampling
 from . import camera, emission, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
 from .media import pack as media
 from .media import records as media_records
+from .outputs import records as output_records
 from .shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, TRANSMISSION
 from .subsurface import records as subsurface_records
 
@@ -37,6 +38,7 @@ TABLES = {
     **shading.TABLES,
     **film.TABLES,
     **motion.TABLES,
+    **output_records.TABLES,
     **media_records.TABLES,
     **subsurface_records.TABLES,
     "control": np.dtype(np.int64),
@@ -52,6 +54,7 @@ SCALARS = [
     *integrator.SCALARS,
     *film.SCALARS,
     *motion.SCALARS,
+    *output_records.SCALARS,
 ]
 BLOCK = block_dtype(TABLES, SCALARS)
 
@@ -94,13 +97,14 @@ def _build(lamp: Lamp) -> lamps.BuiltLamp:
 def emitter_tables(
     scene: Scene,
     built: list[lamps.BuiltLamp],
+    sources: list[Lamp],
     emissive: lights.Triangles,
     materials: dict[str, np.ndarray],
     graphs: shading.Graphs,
     elsewhere: Elsewhere | None = None,
 ) -> dict[str, np.ndarray]:
-    """Tables of the lamps, of the tree that rays find them by, and of all other lights; of trees that hold at all times, if it
-    is known what is ``elsewhere``."""
+    """Tables of the lamps ``built`` from ``sources``, of the tree that rays find them by, and of all other lights; of trees that
+    hold at all times, if it is known what is ``elsewhere``."""
     rows = max((image.pixels.shape[0] for image in scene.images), default=0) if scene.world.emission is not None else 0
     world_map = emission.world_map(materials | camera.pack_camera(scene), graphs, BLOCK, rows)
     lamp_tables = lamps.pack_lamps(built)
@@ -112,9 +116,9 @@ def emitter_tables(
         4.0 * np.pi * rows["volume"][:, None] * rows["emission"],
         emissive,
         world_map,
+        sources,
         elsewhere.bounds if elsewhere else (),
     )
-    light_tables["light_emitters"]["visibility"][: len(built)] = rows["visibility"]
     return {**lamp_tables, **lamp_tree.pack_lamp_tree(low, high, rows["visibility"]), **light_tables}
 
 
@@ -132,6 +136,14 @@ class Elsewhere(NamedTuple):
 
     tables: list[dict[str, np.ndarray]]
     bounds: list[lights.Bounds]
+    suns: list[dict[int, np.ndarray]]  # direction to each
+
+    def follow_suns(self, rows: np.ndarray) -> None:
+        """Add the table ``light_infinite`` to the tables, from what it is at the frame."""
+        for table, suns in zip(self.tables, self.suns):
+            table["light_infinite"] = rows.copy()
+            for row in table["light_infinite"]:
+                row["direction"] = suns.get(int(row["emitter"]), row["direction"])
 
 
 def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> Elsewhere | None:
@@ -143,7 +155,7 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
     steps = light_steps(scene, emissive)
     if steps == 0:
         return None
-    result = Elsewhere([], [])
+    result = Elsewhere([], [], [])
     for step in range(steps + 1):
         there = at(scene, step / steps, emissive)
         places = [_lamp_there(lamp, step / steps) for lamp in sources]
@@ -156,9 +168,11 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
             np.stack([low, high], axis=1),
             4.0 * np.pi * rows["volume"][:, None] * rows["emission"],
             emissive_triangles(there, materials),
+            places,
         )
-        suns = {"light_infinite": np.array(infinite, lights.TABLES["light_infinite"])}
-        result.tables.append({**tables, **cuts.pack_cuts(built, places), **near, **suns, **camera.pack_camera(there)})
+        del near["light_infinite"]
+        result.suns.append({emitter: direction for emitter, _, direction, _ in infinite})
+        result.tables.append({**tables, **cuts.pack_cuts(built, places), **near, **camera.pack_camera(there)})
         if bounds is not None:
             result.bounds.append(bounds)
     return result

@@ -8,6 +8,9 @@ from ...jit import kernel, table
 from ...vec import ZERO, average, mul, put, put_sum, scale, vec
 from ..scene import Ray
 from ..settings import MOST_BRANCHES
+from . import lights
+from .outputs import apart as outputs
+from .outputs.records import LIGHT
 
 CAMERA = int(Ray.CAMERA)  # the kind of a path until it scatters
 
@@ -32,6 +35,7 @@ SAMPLE = np.dtype(
         ("combined", "f8", 3),
         ("lamps", "f8", 3),
         ("emission", "f8", 3),
+        ("environment", "f8", 3),
         ("alpha", "f8"),
         ("depth", "f8"),
         ("position", "f8", 3),
@@ -53,6 +57,7 @@ SAMPLE = np.dtype(
 # is the part of ``pdf`` that microfacets have; ``two_sided`` is 1 where light on either side of that surface counted,
 # ``has_glossy`` where it has microfacets, and ``scattered`` is how often the light was scattered after it.
 # ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
+# ``light_tree`` is that of what scattered it last, 0 for the camera: its emitters are those that the ray can meet.
 # ``share`` is the part of the sample that the path is, 1 until it divides, and ``index`` its place in the sampling pattern.
 # ``expected``: of a branch, an estimate of the light that it will bring, from the irradiance where it has met a surface.
 # ``event`` says where the ray ends, ``in_medium`` is 1 where a medium has scattered the path last, and it has ``crossed`` so
@@ -73,6 +78,7 @@ PATH = np.dtype(
         ("two_sided", "i8"),
         ("has_glossy", "i8"),
         ("scattered", "i8"),
+        ("light_tree", "i8"),
         ("kind", "i8"),
         ("length", "f8"),
         ("spread", "f8"),
@@ -111,11 +117,20 @@ path_table = table("path", PATH)
 sample_table = table("sample", SAMPLE)
 
 
+NO_EMITTER = -1
+
+
 @kernel
-def contribute(block, workspace, radiance, factor, from_lamp, scatters):
+def of_instance(instance):
+    """What ``contribute`` calls the emission of the surfaces of an instance."""
+    return -2 - instance
+
+
+@kernel
+def contribute(block, workspace, radiance, factor, source, scatters):
     """Add ``throughput × radiance × factor`` to the sample.
 
-    ``from_lamp``: an SDF lamp sent it. ``scatters``: how often the light was scattered on its way to the camera.
+    ``source``: the emitter that sent it; ``of_instance`` of what emissive surface; or ``NO_EMITTER``. ``scatters``: how often the light was scattered on its way to the camera.
     """
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
@@ -127,10 +142,15 @@ def contribute(block, workspace, radiance, factor, from_lamp, scatters):
             value = scale(value, limit / brightness)
     value = scale(value, path.share)
     put_sum(sample.combined, value)
-    if from_lamp:
+    if 0 <= source < block.lamp_count:
         put_sum(sample.lamps, value)
     if scatters == 0:
-        put_sum(sample.emission, value)
+        if source == lights.world_emitter(block):
+            put_sum(sample.environment, value)
+        else:
+            put_sum(sample.emission, value)
+    if block.outputs & LIGHT:
+        outputs.add_light(block, workspace, value, source, scatters)
 
 
 @kernel
@@ -148,6 +168,7 @@ def clear_sample(workspace):
     put(sample.combined, ZERO)
     put(sample.lamps, ZERO)
     put(sample.emission, ZERO)
+    put(sample.environment, ZERO)
     put(sample.position, ZERO)
     put(sample.normal, ZERO)
     put(sample.albedo, ZERO)

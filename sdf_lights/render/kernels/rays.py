@@ -42,6 +42,11 @@ RAY = np.dtype(
 SHADOW_OPAQUE = int(Ray.SHADOW)
 SHADOW_TRANSPARENT = 64
 
+# What of them casts the shadows of all emitters but those with shadow linking. Such an emitter has a bit of its own for what
+# is opaque, and two places higher, as here, one for what is transparent.
+TRANSPARENT_PLACES = 2
+SHADOW_BITS = tuple(1 << place for place in (7, 8, 11, 12, 15, 16, 19, 20, 23, 24, 27, 28))
+
 # Relative step off a surface: some tens of float32 roundings, as Embree sees the scene in float32.
 OFFSET = 2.0**-18
 
@@ -54,13 +59,18 @@ def world_positions(positions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     return (positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 
 
-def mask_of(instance, transparent: np.ndarray) -> int:
+def mask_of(instance, transparent: np.ndarray, shadow_bits: dict[int, int] | None = None) -> int:
     """Kinds of rays that an instance takes part in; ``transparent``: (materials,) bool, True where a material lets some
-    light straight through."""
+    light straight through; ``shadow_bits``: bits of ``SHADOW_BITS`` by the sets of instances that cast these shadows."""
     mask = int(instance.visibility)
-    if instance.visibility & Ray.SHADOW and any(transparent[material] for material in instance.materials):
-        mask = mask & ~SHADOW_OPAQUE | SHADOW_TRANSPARENT
-    return mask
+    if not instance.visibility & Ray.SHADOW:
+        return mask
+    own = SHADOW_OPAQUE
+    for sets, bit in (shadow_bits or {}).items():
+        own |= bit if sets >> instance.shadow_set & 1 else 0
+    if any(transparent[material] for material in instance.materials):
+        own <<= TRANSPARENT_PLACES
+    return mask & ~SHADOW_OPAQUE | own
 
 
 def new_rays(count: int) -> np.ndarray:

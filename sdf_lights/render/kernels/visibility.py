@@ -9,10 +9,11 @@ import numpy as np
 from ... import emitter as lamps
 from ...jit import kernel
 from ...vec import add, dot, largest, length, madd, mul, negate, scale, sub
+from . import lights
 from .geometry import find_shadow_surface, shading_material_table
 from .media import apart
 from .path import path_table
-from .rays import OFFSET, SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, intersect, occluded, ray_table
+from .rays import OFFSET, TRANSPARENT_PLACES, beyond, intersect, occluded, ray_table
 from .shading import transparency
 from .shading.records import HAS_TRANSPARENCY
 from .workspace import aside_table
@@ -57,17 +58,20 @@ def surfaces_left(block, workspace):
 
 
 @kernel
-def transmittance(block, workspace, start, direction, t_max):
-    """Part of the light (RGB) that comes to ``start`` from ``t_max`` along ``direction``, past transparent surfaces."""
-    if occluded(block, workspace, start, direction, 0.0, t_max, SHADOW_OPAQUE):
+def transmittance(block, workspace, start, direction, t_max, blockers):
+    """Part of the light (RGB) that comes to ``start`` from ``t_max`` along ``direction``, past transparent surfaces.
+
+    ``blockers``: the kind of ray, see ``lights.blockers``.
+    """
+    if occluded(block, workspace, start, direction, 0.0, t_max, blockers):
         return BLACK
     if block.has_media:
-        return apart.shadow(block, workspace, start, direction, t_max)
+        return apart.shadow(block, workspace, start, direction, t_max, blockers)
     result = (1.0, 1.0, 1.0)
     if block.transparent_shadows:
         t_min = 0.0
         for _ in range(surfaces_left(block, workspace) + 1):
-            if not intersect(block, workspace, start, direction, t_min, t_max, SHADOW_TRANSPARENT):
+            if not intersect(block, workspace, start, direction, t_min, t_max, blockers << TRANSPARENT_PLACES):
                 return result
             result = mul(result, pass_through(block, workspace, direction))
             if largest(result) <= 0.0:
@@ -97,8 +101,10 @@ def visible_lamp(block, workspace, lamp, x, direction, spans, count, start, u):
         return apart.lamp(block, workspace, lamp, x, direction, count, start, u)
     t_end = spans[count - 1, 0] + spans[count - 1, 1]
     total, weight, t_from = BLACK, (1.0, 1.0, 1.0), 0.0
+    mask = lights.blockers(block, lamp)
+    if block.transparent_shadows:
+        mask |= mask << TRANSPARENT_PLACES
     for _ in range(surfaces_left(block, workspace) + 1):
-        mask = SHADOW_OPAQUE | SHADOW_TRANSPARENT if block.transparent_shadows else SHADOW_OPAQUE
         found = intersect(block, workspace, start, direction, t_from, t_end, mask)
         t_to = float(ray_table(workspace)[0].t_far) if found else t_end
         total = add(total, mul(weight, lamps.radiance(block, lamp, x, direction, spans, count, t_from, t_to, u)))

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import Ray, Scene
+from ..scene import ALL_SETS, Ray, Scene
+from ..scene import Emitter as Control
 from .camera import Camera
 from .geometry import Geometry, Surface
 from .hits import Hits
@@ -26,6 +27,7 @@ from .subsurface import INSIDE, pass_below
 from .vectors import dot
 
 SPLIT = 8
+NO_CONTROL = Control()
 FIRST_ROULETTE = 3
 
 
@@ -48,6 +50,7 @@ class Paths:
     kind: np.ndarray
     bounces: np.ndarray  # (N, 5): all, diffuse, glossy, transmission, transparent
     last: np.ndarray  # only gathers emission
+    light_set: np.ndarray  # of the instance where it last scattered; EVERY_SET for the camera
 
     def select(self, rows: np.ndarray) -> "Paths":
         return Paths(**{name: value[rows] for name, value in vars(self).items()})
@@ -57,20 +60,31 @@ def _together(parts: list[Paths]) -> Paths:
     return Paths(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0])})
 
 
-def competes(visibility: Ray) -> bool:
+EVERY_SET = -1
+
+
+def competes(visibility: Ray, control: Control = NO_CONTROL) -> bool:
     """Whether every scattered ray can meet an emitter, so that light sampling and BSDF sampling share its light.
 
-    One that is hidden from some of them is left to light sampling, and to singular scattering.
+    One that is hidden from some of them is left to light sampling, and to singular scattering; so is one whose shadows not
+    all cast.
     """
     scattered = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION
-    return visibility & scattered == scattered
+    return visibility & scattered == scattered and control.blockers == ALL_SETS and not control.sampled_only
+
+
+def is_lit(receivers: int, light_set: np.ndarray) -> np.ndarray:
+    """Whether an emitter lights the sets (N,) of instances."""
+    if receivers == ALL_SETS or not len(light_set):
+        return np.ones(len(light_set), bool)
+    return np.array([receivers >> number & 1 for number in range(light_set.max() + 1)] + [1], bool)[light_set]
 
 
 class Samples:
     """What one sample of each of ``count`` pixels adds to the passes."""
 
     def __init__(self, count: int):
-        self.combined, self.lamps, self.emission = np.zeros((3, count, 3))
+        self.combined, self.lamps, self.emission, self.environment = np.zeros((4, count, 3))
         self.position, self.normal, self.albedo, self.diffuse_albedo = np.zeros((4, count, 3))
         self.alpha, self.depth, self.found = np.ones(count), np.zeros(count), np.zeros(count, bool)
 
@@ -91,6 +105,14 @@ class Integrator:
                 scene.warnings.append(f"The SDF lamp {lamp.name!r} is left out: {error}.")
         self.lights: list[Emitter] = [blender_light(light, scene) for light in scene.lights]
         self.sky = Sky(scene.world, scene)
+        self.control: dict[int, Control] = {
+            id(emitter): source
+            for emitter, source in [*((lamp, lamp.lamp) for lamp in self.lamps), *zip(self.lights, scene.lights)]
+        }
+        self.control[id(self.sky)] = Control(max_bounces=scene.world.max_bounces)
+        instances = scene.instances
+        self.light_sets = np.array([instance.light_set for instance in instances] or [0], int)
+        self.shadow_linking = any(instance.blockers != ALL_SETS for instance in instances)
         self.triangles = self._emissive_triangles()
         # What light sampling chooses from.
         self.emitters = [*self.lamps, *self.lights]
@@ -135,6 +157,7 @@ class Integrator:
             np.full(count, int(Ray.CAMERA)),
             np.zeros((count, 5), int),
             np.zeros(count, bool),
+            np.full(count, EVERY_SET),
         )
         while len(paths.sample):
             if stop():
@@ -174,19 +197,30 @@ class Integrator:
 
     # --- emission that a ray meets ------------------------------------------------------------------------------------
 
-    def _weight(self, pdf: np.ndarray, light_pdf: np.ndarray, visibility: Ray = Ray.ALL) -> np.ndarray:
-        """Balance heuristic for emission that was met by a ray of density ``pdf``; 1 where that is 0."""
-        if not competes(visibility):
+    def _weight(
+        self, paths: Paths, light_pdf: np.ndarray, visibility: Ray = Ray.ALL, control: Control = NO_CONTROL
+    ) -> np.ndarray:
+        """Balance heuristic for emission that rays have met, of the density ``paths.pdf``; 1 where that is 0."""
+        pdf = paths.pdf
+        if not competes(visibility, control):
             return np.where(pdf > 0.0, 0.0, 1.0)
         light_pdf = light_pdf * self._share
-        return np.where(pdf > 0.0, pdf / np.where(pdf > 0.0, pdf + light_pdf, 1.0), 1.0)
+        weight = np.where(pdf > 0.0, pdf / np.where(pdf > 0.0, pdf + light_pdf, 1.0), 1.0)
+        return np.where((pdf > 0.0) & (paths.bounces[:, 0] - 1 > control.max_bounces), 0.0, weight)
+
+    def _sees(self, paths: Paths, emitter, control: Control) -> np.ndarray:
+        """(N,) whether the rays can meet an emitter."""
+        kinds = emitter.visibility & (Ray.CAMERA if control.sampled_only else Ray.ALL)
+        return ((paths.kind & kinds) != 0) & is_lit(control.receivers, paths.light_set)
 
     @property
     def _share(self) -> float:
         """How often light sampling samples an emitter at a vertex, on average."""
         return min(len(self.emitters), SPLIT) / max(len(self.emitters), 1)
 
-    def _contribute(self, paths: Paths, radiance: np.ndarray, scatters: np.ndarray, samples: Samples, lamp=False):
+    def _contribute(
+        self, paths: Paths, radiance: np.ndarray, scatters: np.ndarray, samples: Samples, lamp=False, sky=False
+    ):
         value = paths.throughput * radiance
         for limit, which in ((self.settings.clamp_direct, scatters <= 1), (self.settings.clamp_indirect, scatters > 1)):
             if limit > 0.0:
@@ -194,23 +228,27 @@ class Integrator:
         samples.combined[paths.sample] += value
         if lamp:
             samples.lamps[paths.sample] += value
-        samples.emission[paths.sample] += value * (scatters == 0)[:, None]
+        seen = samples.environment if sky else samples.emission
+        seen[paths.sample] += value * (scatters == 0)[:, None]
 
     def _gather_emitters(self, paths: Paths, end: np.ndarray, samples: Samples) -> None:
         """Lamps and lights along the rays, up to the distance ``end``."""
         count = len(end)
         for lamp in self.lamps:
             spans = lamp.spans(paths.origin, paths.direction)
-            visible = (paths.kind & lamp.visibility) != 0
-            weight = visible * self._weight(paths.pdf, lamp.pdf(spans, count), lamp.visibility)
+            control = self.control[id(lamp)]
+            weight = self._sees(paths, lamp, control) * self._weight(
+                paths, lamp.pdf(spans, count), lamp.visibility, control
+            )
             radiance = lamp.radiance(spans, paths.origin, paths.direction, paths.near, end)
             self._contribute(paths, radiance * weight[:, None], paths.bounces[:, 0], samples, lamp=True)
         for light in self.lights:
             distance, radiance, pdf = light.hit(paths.origin, paths.direction)
             radiance = light.modulated(radiance, paths.origin, paths.direction, distance, paths.kind)
             met = (distance > paths.near) & ((distance < end) | ~np.isfinite(end) & np.isfinite(distance))
-            met &= (paths.kind & light.visibility) != 0
-            weight = met * self._weight(paths.pdf, pdf, light.visibility)
+            control = self.control[id(light)]
+            met &= self._sees(paths, light, control)
+            weight = met * self._weight(paths, pdf, light.visibility, control)
             self._contribute(paths, radiance * weight[:, None], paths.bounces[:, 0], samples)
 
     def _gather_sky(self, paths: Paths, samples: Samples) -> None:
@@ -221,26 +259,40 @@ class Integrator:
         if self.sky.black:
             return
         visible = (paths.kind & self.sky.visibility) != 0
-        weight = visible * self._weight(paths.pdf, self.sky.pdf(paths.direction), self.sky.visibility)
-        self._contribute(
-            paths, self.sky.radiance(paths.direction, paths.kind) * weight[:, None], paths.bounces[:, 0], samples
+        weight = visible * self._weight(
+            paths, self.sky.pdf(paths.direction), self.sky.visibility, self.control[id(self.sky)]
         )
+        radiance = self.sky.radiance(paths.direction, paths.kind) * weight[:, None]
+        self._contribute(paths, radiance, paths.bounces[:, 0], samples, sky=True)
 
     def _gather_surface(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples):
         weight = np.ones(len(end))
         if self.triangles is not None:
             known = self.materials.emissive[self.geometry.material(surface.instance, surface.triangle)]
             density = self.triangles.density(end, np.abs(dot(surface.ng, surface.wo)))
-            weight = np.where(known, self._weight(paths.pdf, density), 1.0)
+            weight = np.where(known, self._surface_weight(paths, surface, density), 1.0)
+        for index in np.unique(surface.instance) if len(end) else ():
+            rows = surface.instance == index
+            weight[rows] *= is_lit(self.scene.instances[index].receivers, paths.light_set[rows])
         self._contribute(paths, shading.emission * weight[:, None], paths.bounces[:, 0], samples)
+
+    def _surface_weight(self, paths: Paths, surface: Surface, density: np.ndarray) -> np.ndarray:
+        """As ``_weight``, of the emissive triangles that were met: each instance has its own visibility and linking."""
+        weight = np.ones(len(density))
+        for index in np.unique(surface.instance) if len(density) else ():
+            instance, rows = self.scene.instances[index], np.flatnonzero(surface.instance == index)
+            weight[rows] = self._weight(paths.select(rows), density[rows], instance.visibility, instance)
+        return weight
 
     def _record(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples) -> None:
         """Data passes: the first surface that the camera sees and that is more solid than transparent."""
-        first = (paths.kind == Ray.CAMERA) & (shading.transparency.mean(1) < 0.5) & ~samples.found[paths.sample]
+        camera = paths.kind == Ray.CAMERA
+        samples.diffuse_albedo[paths.sample[camera]] += (paths.throughput * shading.diffuse_albedo)[camera]
+        first = camera & (shading.transparency.mean(1) < 0.5) & ~samples.found[paths.sample]
         rows = paths.sample[first]
         samples.found[rows], samples.depth[rows] = True, end[first]
         samples.position[rows], samples.normal[rows] = surface.position[first], surface.ns[first]
-        samples.albedo[rows], samples.diffuse_albedo[rows] = shading.albedo[first], shading.diffuse_albedo[first]
+        samples.albedo[rows] = shading.albedo[first]
 
     # --- light sampling -----------------------------------------------------------------------------------------------
 
@@ -256,26 +308,37 @@ class Integrator:
                 self._sample_emitter(self.emitters[index], *part, samples, rng)
 
     def _sample_emitter(self, emitter, paths, surface, shading, samples, rng) -> None:
+        control = self.control.get(id(emitter), NO_CONTROL)
+        lit = is_lit(control.receivers, self.light_sets[surface.instance])
+        lit &= paths.bounces[:, 0] <= control.max_bounces
+        paths, surface, shading = (part.select(np.flatnonzero(lit)) for part in (paths, surface, shading))
         x, count = surface.position, len(paths.sample)
-        spans = hits = None
+        spans = hits = owner = None
         if isinstance(emitter, SdfLamp):
             wi = emitter.sample(rng, x)
         elif emitter is self.triangles:
             wi, distance, pdf, index, u, v = emitter.sample_points(rng, x)
-            hits = Hits(distance, emitter.instances[index], emitter.triangles[index], u, v)
+            owner = emitter.instances[index]
+            hits = Hits(distance, owner, emitter.triangles[index], u, v)
         else:
             wi, distance, radiance, pdf = emitter.sample(rng, x)
             radiance = emitter.modulated(radiance, x, wi, distance, 0)
-        scattered, scatter_pdf = shading.evaluate(wi)
-        rows = np.flatnonzero(scattered.max(1) > 0.0)
+        scattered, scatter_pdf = self._scattered(shading, wi, emitter, owner)
+        seen = scattered.max(1) > 0.0
+        if owner is not None:
+            for number in np.unique(owner):
+                receivers = self.scene.instances[number].receivers
+                seen &= (owner != number) | is_lit(receivers, self.light_sets[surface.instance])
+        rows = np.flatnonzero(seen)
         paths, surface, x, wi = paths.select(rows), surface.select(rows), x[rows], wi[rows]
         scattered, scatter_pdf, count = scattered[rows], scatter_pdf[rows], len(rows)
+        casts = self._casters(control, None if owner is None else owner[rows], count)
         if isinstance(emitter, SdfLamp):
             spans = emitter.spans(x, wi)
             pdf = emitter.pdf(spans, count)
             last = np.zeros(count)
             np.maximum.at(last, spans.ray, spans.far)
-            light = self._march(paths, surface, wi, last, functools.partial(emitter.radiance, spans, x, wi))
+            light = self._march(paths, surface, wi, last, casts, functools.partial(emitter.radiance, spans, x, wi))
         else:
             pdf, distance = pdf[rows], distance[rows]
             if hits is not None:
@@ -285,22 +348,48 @@ class Integrator:
                 radiance = radiance[rows]
             light = radiance
             if emitter.cast_shadow:
-                light = light * self._march(paths, surface, wi, distance - 4.0 * self.geometry.epsilon)
-        if not competes(emitter.visibility) or getattr(emitter, "singular", False):
+                light = light * self._march(paths, surface, wi, distance - 4.0 * self.geometry.epsilon, casts)
+        if owner is not None:
+            rivals = np.array([competes(instance.visibility, instance) for instance in self.scene.instances])
+            scatter_pdf = np.where(rivals[owner[rows]], scatter_pdf, 0.0)
+        elif not competes(emitter.visibility, control) or getattr(emitter, "singular", False):
             scatter_pdf = np.zeros(count)
         density = pdf * self._share + scatter_pdf
         light = scattered * light * np.where(pdf > 0.0, 1.0 / np.where(pdf > 0.0, density, 1.0), 0.0)[:, None]
         self._contribute(paths, light, paths.bounces[:, 0] + 1, samples, lamp=spans is not None)
 
-    def _march(self, paths: Paths, surface: Surface, wi: np.ndarray, end: np.ndarray, radiance=None) -> np.ndarray:
+    def _scattered(self, shading: Shading, wi: np.ndarray, emitter, owner: np.ndarray | None):
+        """``shading.evaluate`` of the light of an emitter; of emissive triangles, ``owner`` (N,) is their instance."""
+        if owner is None:
+            return shading.evaluate(wi, emitter.visibility)
+        scattered, pdf = np.zeros(wi.shape), np.zeros(len(wi))
+        for visibility in {self.scene.instances[number].visibility for number in np.unique(owner)}:
+            own = np.array([instance.visibility == visibility for instance in self.scene.instances])[owner]
+            value, pdf = shading.evaluate(wi, visibility)
+            scattered[own] = value[own]
+        return scattered, pdf
+
+    def _casters(self, control: Control, owner: np.ndarray | None, count: int) -> np.ndarray | None:
+        """(N, instances) which of them cast the shadows of an emitter, or of the triangles of an ``owner``; None: all do."""
+        if owner is None and control.blockers == ALL_SETS or owner is not None and not self.shadow_linking:
+            return None
+        sets = [instance.shadow_set for instance in self.scene.instances]
+        masks = [control.blockers] if owner is None else [instance.blockers for instance in self.scene.instances]
+        table = np.array([[mask >> number & 1 for number in sets] for mask in masks], bool)
+        return table[np.zeros(count, int) if owner is None else owner]
+
+    def _march(
+        self, paths: Paths, surface: Surface, wi: np.ndarray, end: np.ndarray, casts: np.ndarray | None, radiance=None
+    ) -> np.ndarray:
         """Transmittance (N, 3) of transparent surfaces, as many as the ``paths`` have left, from ``surface`` to the distance ``end`` along ``wi``; with
-        ``radiance(start, end)``, that along the way instead, each part of it times the transmittance up to there."""
+        ``radiance(start, end)``, that along the way instead, each part of it times the transmittance up to there.
+        ``casts`` as of ``_casters``."""
         count = len(end)
         transmittance, light = np.ones((count, 3)), np.zeros((count, 3))
         near, alive = np.zeros(count), np.arange(count)
         start = self.geometry.offset(surface.position, surface.ng, wi)
         left = np.maximum(self.settings.transparent_bounces - paths.bounces[:, 4], 0)
-        for passed in range(left.max(initial=0) + 1):
+        while len(alive):
             mask = np.full(len(alive), int(Ray.SHADOW))
             hits = self.geometry.intersect(start[alive], wi[alive], (end - near)[alive], mask)
             found = hits.found
@@ -312,13 +401,14 @@ class Integrator:
                 light += transmittance * radiance(begin, reached)
             hits, alive = Hits(*(array[found] for array in vars(hits).values())), alive[found]
             blocker = self.geometry.surface(hits, wi[alive])
-            transmittance[alive] *= self.materials.transparency(blocker) * (passed < left[alive])[:, None]
+            passes = self.materials.transparency(blocker) * (left[alive] > 0)[:, None]
+            counts = np.ones(len(alive), bool) if casts is None else casts[alive, hits.instance]
+            transmittance[alive] *= np.where(counts[:, None], passes, 1.0)
+            left[alive] -= counts
             through = transmittance[alive].max(1) > 0.0
             alive = alive[through]
             near[alive] = reached[alive]
             start[alive] = self.geometry.offset(blocker.position[through], blocker.ng[through], wi[alive])
-            if not len(alive):
-                break
         return transmittance if radiance is None else light
 
     # --- scattering ---------------------------------------------------------------------------------------------------
@@ -394,4 +484,5 @@ class Integrator:
             np.where(passes, paths.kind, kind),
             bounces,
             last,
+            np.where(passes, paths.light_set, self.light_sets[surface.instance]),
         ).select(alive)

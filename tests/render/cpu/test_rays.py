@@ -9,7 +9,7 @@ from sdf_lights import jit
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.render.cpu.accelerator import Accelerator
 from sdf_lights.render.kernels import rays
-from sdf_lights.render.scene import Instance, Ray
+from sdf_lights.render.scene import Camera, Instance, Ray, Scene
 from support import scenes
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
@@ -19,7 +19,7 @@ MIRRORED = scenes.translation(0.3, -0.2, 0.1) @ scenes.rotation("x", 40) @ scene
 
 class Probe:
     def __init__(self, instances, meshes, transparent=(False,)):
-        scene = type("Geometry", (), {"instances": instances, "meshes": meshes})
+        scene = Scene(Camera(np.eye(4)), 1, 1, instances=instances, meshes=meshes)
         self.accelerator = Accelerator(scene, np.array(transparent))
         self.block = np.zeros(1, block_dtype({}, rays.SCALARS))
         self.accelerator.fill(self.block)

@@ -105,7 +105,7 @@ def _sample(blocks, emitter, x, n, u, wi, distance, radiance, pdf, singular):
 @kernel(cache=False)
 def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
     for i in range(len(d)):
-        for j in range(lights.light_hits(blocks[0], x, (d[i, 0], d[i, 1], d[i, 2]), t_max, kind, rows)):
+        for j in range(lights.light_hits(blocks[0], 0, x, (d[i, 0], d[i, 1], d[i, 2]), t_max, kind, rows)):
             if rows[j].emitter == emitter:
                 out[i, 0], out[i, 4] = rows[j].distance, rows[j].pdf
                 out[i, 1], out[i, 2], out[i, 3] = rows[j].radiance[0], rows[j].radiance[1], rows[j].radiance[2]
@@ -114,13 +114,13 @@ def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
 @kernel(cache=False)
 def _select(blocks, x, n, u, cuts, out):
     for i in range(len(u)):
-        out[i, 0], out[i, 1], out[i, 2] = lights.select(blocks[0], x, n, u[i], cuts[0])
+        out[i, 0], out[i, 1], out[i, 2] = lights.select(blocks[0], 0, x, n, u[i], cuts[0])
 
 
 @kernel(cache=False)
 def _probabilities(blocks, x, n, cuts, out):
     for i in range(len(out)):
-        out[i] = lights.selection_probability(blocks[0], x, n, i, cuts[0])
+        out[i] = lights.selection_probability(blocks[0], 0, x, n, i, cuts[0])
 
 
 @kernel(cache=False)

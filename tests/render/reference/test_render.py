@@ -93,7 +93,8 @@ def test_the_camera_sees_chord_times_density(background):
     samples = trace(scene, 4)
     np.testing.assert_allclose(samples.combined, 2 * 0.7 * 1.5 + background[0], rtol=1e-8)
     np.testing.assert_allclose(samples.lamps, 2 * 0.7 * 1.5, rtol=1e-8)
-    np.testing.assert_allclose(samples.emission, samples.combined)
+    np.testing.assert_allclose(samples.emission, samples.lamps)
+    np.testing.assert_allclose(samples.environment, background[0])
 
 
 def floor(light=None, lamp=None, albedo=1.0):
@@ -153,7 +154,8 @@ def test_more_emitters_than_are_sampled_at_a_vertex():
 
 
 def test_a_lamp_hidden_from_some_scattered_rays_still_lights_by_sampling():
-    """Hidden from diffuse rays it gives a diffuse floor the same direct light, and the camera sees none of it."""
+    """Hidden from glossy rays it gives a diffuse floor the same direct light, and the camera sees none of it; hidden from
+    diffuse ones it gives none."""
 
     def picture(visibility):
         matrix = scenes.translation(0, 0.5, 1.5)
@@ -161,8 +163,9 @@ def test_a_lamp_hidden_from_some_scattered_rays_still_lights_by_sampling():
         samples = trace(floor(lamp=lamp), 10_000)
         return mean_and_error((samples.combined - samples.emission)[:, 0])
 
-    (a, e), (b, f) = picture(Ray.ALL), picture(Ray.ALL & ~Ray.DIFFUSE & ~Ray.CAMERA)
+    (a, e), (b, f) = picture(Ray.ALL), picture(Ray.ALL & ~Ray.GLOSSY & ~Ray.CAMERA)
     assert abs(a - b) < 4.4 * np.hypot(e, f) and a > 0.1
+    assert picture(Ray.ALL & ~Ray.DIFFUSE)[0] == 0.0
 
 
 def test_transparent_film_and_alpha():

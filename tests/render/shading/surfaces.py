@@ -23,12 +23,13 @@ from sdf_lights.render.kernels.shading import (
     special,
     transparency,
 )
-from sdf_lights.render.kernels.shading.records import surface_table
+from sdf_lights.render.kernels.shading.records import DIFFUSE, GLOSSY, TRANSMISSION, surface_table
 from sdf_lights.render.material import Material
 from sdf_lights.render.scene import Image, Instance, Mesh, Scene
 from sdf_lights.vec import add, dot, madd, mul, negate, normalize, scale, vec
 
 MAX_BOUNCES = 64
+SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -44,7 +45,7 @@ def _draw(block, workspace, u, wi, value, pdf, kind):
 @kernel(cache=False)
 def _evaluate(block, workspace, wi, value, pdf):
     for i in range(len(wi)):
-        f, pdf[i], _ = evaluate(block, workspace, (wi[i, 0], wi[i, 1], wi[i, 2]))
+        f, pdf[i], _ = evaluate(block, workspace, (wi[i, 0], wi[i, 1], wi[i, 2]), SCATTERED)
         for axis in range(3):
             value[i, axis] = f[axis]
 
@@ -89,7 +90,7 @@ def _lit_radiance(block, workspace, x, y, wi):
     _shade_sphere(block, workspace, p, (0.0, 0.0, -1.0))
     if dot(p, wi) <= 0.0:
         return (0.0, 0.0, 0.0)
-    value, _, _ = evaluate(block, workspace, wi)
+    value, _, _ = evaluate(block, workspace, wi, SCATTERED)
     return scale(value, math.pi)
 
 

@@ -4,10 +4,13 @@
 
 from .along import select_along
 from .emitters import (
+    blockers,
     casts_shadow,
+    competes,
     emitter_normal,
     is_lamp,
     light_hits,
+    reaches,
     sample_light,
     triangle_emitter,
     triangle_pdf,
@@ -18,6 +21,7 @@ from .emitters import (
 )
 from .environment import world_pdf, world_radiance
 from .kinds import TABLES
+from .linking import emission_lights_up, lights_up, open_tree, shadow_bits, tree_of
 from .pack import hit_capacity, pack_lights, pack_near
 from .records import HIT, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
 from .tree import irradiance, select, selection_probability
@@ -31,19 +35,27 @@ __all__ = [
     "WORKSPACE_TABLES",
     "Bounds",
     "Triangles",
+    "blockers",
     "casts_shadow",
+    "competes",
+    "emission_lights_up",
     "emitter_normal",
     "hit_capacity",
     "irradiance",
     "is_lamp",
     "light_cut_table",
     "light_hits",
+    "lights_up",
+    "open_tree",
     "pack_lights",
     "pack_near",
+    "reaches",
     "sample_light",
     "select",
     "select_along",
     "selection_probability",
+    "shadow_bits",
+    "tree_of",
     "triangle_emitter",
     "triangle_pdf",
     "triangle_point",

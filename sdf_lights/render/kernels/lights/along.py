@@ -13,7 +13,7 @@ import numpy as np
 from ....jit import kernel
 from ....vec import sub, vec
 from ..media.beams import gathered, view_angle
-from .records import infinite_table, node_table
+from .records import infinite_table, node_table, tree_table
 from .tree import BELOW_ONE, LEAST, LEAST_INFINITE
 
 _FAINTEST = 1e-3  # what is left of the light of a far emitter: at least that, as the estimate may be wrong
@@ -34,23 +34,23 @@ def _estimate(node, o, d, length, extinction):
 
 
 @kernel
-def select_along(block, o, d, length, extinction, u):
-    """Choose an emitter for the ray o + t·d, 0 < t < ``length``, in a medium of this ``extinction`` (a mean, 1/m).
+def select_along(block, number, o, d, length, extinction, u):
+    """Choose an emitter of tree ``number`` for the ray o + t·d, 0 < t < ``length``, in a medium of this ``extinction`` (a mean, 1/m).
 
     Returns the emitter, the probability, u remapped to [0, 1), and whether the emitter is of finite extent, with its
     centre. Emitter −1: there is none.
     """
-    nodes, infinite = node_table(block), infinite_table(block)
+    nodes, infinite, tree = node_table(block), infinite_table(block), tree_table(block)[number]
     probability, distant, finite = 1.0, 0.0, 0.0
-    for index in range(len(infinite)):
+    for index in range(tree.first, tree.end):
         distant += infinite[index].irradiance
     distant *= gathered(extinction, length)
-    if len(nodes) > 0:
-        finite = _estimate(nodes[0], o, d, length, extinction)
+    if tree.nodes > 0:
+        finite = _estimate(nodes[tree.root], o, d, length, extinction)
     nowhere = (0.0, 0.0, 0.0)
-    if len(infinite) > 0:
+    if tree.end > tree.first:
         p = 1.0
-        if len(nodes) > 0:
+        if tree.nodes > 0:
             p = (
                 min(max(distant / (distant + finite), LEAST_INFINITE), 1.0 - LEAST_INFINITE)
                 if distant < math.inf
@@ -59,19 +59,19 @@ def select_along(block, o, d, length, extinction, u):
         if u < p:
             u = min(u / p, BELOW_ONE)
             total = 0.0
-            for index in range(len(infinite)):
+            for index in range(tree.first, tree.end):
                 total += infinite[index].irradiance
-            left, chosen = u * total, 0
-            while chosen < len(infinite) - 1 and left >= infinite[chosen].irradiance:
+            left, chosen = u * total, tree.first
+            while chosen < tree.end - 1 and left >= infinite[chosen].irradiance:
                 left -= infinite[chosen].irradiance
                 chosen += 1
             share = infinite[chosen].irradiance
             return infinite[chosen].emitter, p * share / total, min(max(left / share, 0.0), BELOW_ONE), False, nowhere
         u = min((u - p) / (1.0 - p), BELOW_ONE)
         probability = 1.0 - p
-    if len(nodes) == 0:
+    if tree.nodes == 0:
         return np.int64(-1), 0.0, u, False, nowhere
-    index = 0
+    index = tree.root
     while nodes[index].child >= 0:
         child = nodes[index].child
         a = _estimate(nodes[child], o, d, length, extinction)

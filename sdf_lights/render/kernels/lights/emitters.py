@@ -9,6 +9,7 @@ from ....vec import largest, put, vec
 from . import area, ball, sun, triangle
 from .environment import sample_world, world_radiance
 from .kinds import AREA, BALL, LAMP, SUN, TRIANGLE, WORLD
+from .linking import lights_up
 from .records import (
     emitter_table,
     header_table,
@@ -46,12 +47,13 @@ def sample_light(block, emitter, x, n, u1, u2):
 
 
 @kernel
-def light_hits(block, o, d, t_max, ray_kind, hits):
+def light_hits(block, number, o, d, t_max, ray_kind, hits):
     """Lights of finite size that the ray from o along the unit vector d meets before ``t_max``, and suns if that is ∞.
 
     Writes rows of ``HIT`` into ``hits`` (as long as ``pack.hit_capacity`` says) and returns their number. Each has the
     radiance that comes along the ray, the distance, and the pdf of ``sample_light`` at o, without selection. Lights do
-    not block the ray. ``ray_kind`` holds bits of ``scene.Ray``: lights visible to none of them are left out. For a path
+    not block the ray. ``ray_kind`` holds bits of ``scene.Ray``: lights visible to none of them are left out, and those that
+    are not in the light tree ``number`` of what scattered the ray (0: all of them). For a path
     that went straight through a transparent surface pass the o of the last scattering and skip nearer hits.
     """
     header = header_table(block)[0]
@@ -59,7 +61,7 @@ def light_hits(block, o, d, t_max, ray_kind, hits):
     count = 0
     for emitter in range(header.lamp_count, header.lamp_count + header.light_count):
         row = emitters[emitter]
-        if row.visibility & ray_kind == 0 or (row.leaf < 0 and row.infinite < 0):
+        if row.met & ray_kind == 0 or (row.leaf < 0 and row.infinite < 0) or not lights_up(block, number, emitter):
             continue
         distance, radiance, pdf = -1.0, (0.0, 0.0, 0.0), 0.0
         if row.kind == BALL:
@@ -93,6 +95,25 @@ def emitter_normal(block, emitter, back):
 def casts_shadow(block, emitter):
     """Whether surfaces hide the emitter's light."""
     return emitter_table(block)[emitter].cast_shadow != 0
+
+
+@kernel
+def blockers(block, emitter):
+    """Kind of shadow rays towards the emitter that opaque surfaces stop which cast its shadows."""
+    return emitter_table(block)[emitter].blockers
+
+
+@kernel
+def reaches(block, emitter, bounces):
+    """Whether the emitter may light what a path meets after so many bounces."""
+    return bounces <= emitter_table(block)[emitter].max_bounces
+
+
+@kernel
+def competes(block, emitter, kinds):
+    """Whether rays of all of these kinds of ``scene.Ray`` can meet the emitter as light rays find it."""
+    row = emitter_table(block)[emitter]
+    return row.met & kinds == kinds and row.alone == 0
 
 
 @kernel

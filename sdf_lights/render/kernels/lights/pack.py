@@ -10,12 +10,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...medium import hides_horizon
-from ...scene import Ray, Scene, SunLight
+from ...scene import ALL_SETS, MANY_BOUNCES, Emitter, Lamp, Ray, Scene, SunLight
+from ..rays import SHADOW_OPAQUE
 from . import environment, triangle
 from .extent import Far
 from .kinds import KINDS, LAMP, TABLES, TRIANGLE, WORLD
+from .linking import pack_trees, shadow_bit, shadow_bits
+from .records import INFINITE, NODE
 from .tree_build import Bounds, build_tree, joined
 from .triangle import Triangles
+
+NEVER = 1  # in ``met``, until it is filled: rays do not meet the emitter by chance
 
 
 def pack_lights(
@@ -24,32 +29,56 @@ def pack_lights(
     lamp_power: np.ndarray | None = None,
     triangles: Triangles | None = None,
     world_map=None,
+    sources: list[Lamp] | None = None,
     elsewhere: Sequence[Bounds] = (),
 ) -> dict[str, np.ndarray]:
     """Tables (see ``kinds.TABLES``) of all emitters of ``scene``.
 
     ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space; ``lamp_power`` (lamps, RGB) or
-    (lamps,) in watts. ``world_map`` (a ``world_sun.WorldMap``) is what the nodes of the world make of its radiance, to
-    sample it by. ``elsewhere``: bounds of the emitters at other times, from ``pack_near``; the light tree holds for all of
-    them. A light whose transform or power is not finite is left out, with a warning in ``scene.warnings``.
+    (lamps,) in watts, and ``sources`` are what they were made from (None: ``scene.lamps``). ``world_map`` (a
+    ``world_sun.WorldMap``) is what the nodes of the world make of its radiance, to sample it by. ``elsewhere``: bounds of the
+    emitters at other times, from ``pack_near``; light trees hold for all of them. A light whose transform or power is not finite
+    is left out, with a warning in ``scene.warnings``.
     """
-    tables, bounds, infinite = pack_near(scene, lamp_bounds, lamp_power, triangles)
+    tables, bounds, infinite = pack_near(scene, lamp_bounds, lamp_power, triangles, sources)
     emitters, world = tables["light_emitters"], int(tables["light_header"]["world_emitter"][0])
     irradiance = environment.pack(tables, scene, world, world_map)
     if irradiance > 0.0:
         infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
     bounds = joined([bounds, *elsewhere]) if elsewhere else bounds
+    sources = (scene.lamps if sources is None else sources)[: int(tables["light_header"]["lamp_count"][0])]
+    triangles = triangles or Triangles()
+    lights = len(scene.lights)
     if bounds is not None:
         shining = np.isfinite(bounds.intensity) & (bounds.intensity > 0.0)
         shining &= np.isfinite(bounds.lo).all(axis=1) & np.isfinite(bounds.hi).all(axis=1)
-        bounds = Bounds(**{name: value[shining] for name, value in vars(bounds).items()})
-        tree = build_tree(bounds)
-        tables["light_nodes"] = tree.nodes
-        emitters["leaf"][bounds.emitter] = tree.nodes["order"][tree.leaf]
+        bounds = _chosen(bounds, shining)
     if hides_horizon(scene.world.medium):
         infinite = []
-    tables["light_infinite"] = np.array(infinite, TABLES["light_infinite"])
-    emitters["infinite"][tables["light_infinite"]["emitter"]] = np.arange(len(infinite))
+    endless = np.array(infinite, INFINITE)
+
+    def build(lit):
+        leaf, place = np.full((2, len(emitters)), -1)
+        own = endless if lit is None else endless[lit[endless["emitter"]]]
+        place[own["emitter"]] = np.arange(len(own))
+        below = bounds if bounds is None or lit is None else _chosen(bounds, lit[bounds.emitter])
+        if below is None or not len(below.emitter):
+            return np.zeros(0, NODE), own, leaf, place
+        tree = build_tree(below)
+        leaf[below.emitter] = tree.nodes["order"][tree.leaf]
+        return tree.nodes, own, leaf, place
+
+    def lights_up(number):
+        lit = np.ones(len(emitters), bool)
+        lit[:world] = [member.receivers >> number & 1 for member in (*sources, *scene.lights)] + [1] * (
+            world - len(sources) - lights
+        )
+        if len(triangles.instance):
+            glow = np.array([instance.receivers >> number & 1 for instance in scene.instances], bool)
+            lit[world + 1 :] = glow[triangles.instance]
+        return lit
+
+    pack_trees(tables, scene, lights_up, build)
     return tables
 
 
@@ -58,6 +87,7 @@ def pack_near(
     lamp_bounds: np.ndarray | None = None,
     lamp_power: np.ndarray | None = None,
     triangles: Triangles | None = None,
+    sources: list[Lamp] | None = None,
 ) -> tuple[dict[str, np.ndarray], Bounds | None, list[tuple]]:
     """As ``pack_lights``, without the world and the light tree: tables, what the tree has to know, and suns."""
     lamp_bounds = np.zeros((0, 2, 3)) if lamp_bounds is None else np.asarray(lamp_bounds, float)
@@ -69,6 +99,7 @@ def pack_near(
     tables = {name: np.zeros(0, dtype) for name, dtype in TABLES.items()}
     emitters = np.zeros(world + 1 + len(triangles.instance), TABLES["light_emitters"])
     emitters["visibility"], emitters["cast_shadow"] = int(Ray.ALL), 1
+    emitters["blockers"], emitters["max_bounces"] = SHADOW_OPAQUE, MANY_BOUNCES
     emitters["kind"][world], emitters["kind"][world + 1 :] = WORLD, TRIANGLE
     emitters["index"][world + 1 :] = np.arange(len(triangles.instance))
     emitters["leaf"] = emitters["infinite"] = -1
@@ -76,14 +107,42 @@ def pack_near(
     header = tables["light_header"] = np.zeros(1, TABLES["light_header"])
     header["lamp_count"], header["light_count"], header["world_emitter"] = lamps, lights, world
 
-    bounds = [_lamp_bounds(emitters, scene, lamp_bounds, lamp_power)]
+    sources = (scene.lamps if sources is None else sources)[:lamps]
+    bounds = [_lamp_bounds(emitters, sources, lamp_bounds, lamp_power)]
     infinite = []
     bounds += _pack_lights(tables, scene, lamps, infinite)
     if len(triangles.instance):
         emitter = world + 1 + np.arange(len(triangles.instance))
         bounds.append(_bounds(emitter, **triangle.pack(tables, scene, triangles, world + 1)._asdict()))
 
+    emitters["max_bounces"][world] = scene.world.max_bounces
+    _control(emitters, scene, [*sources, *scene.lights])
+    _control_triangles(emitters, scene, triangles, world + 1)
+    emitters["met"] = np.where(emitters["met"] == NEVER, int(Ray.CAMERA), int(Ray.ALL)) & emitters["visibility"]
     return tables, _join([b for b in bounds if b is not None and len(b.emitter)]), infinite
+
+
+def _chosen(bounds: Bounds, rows: np.ndarray) -> Bounds:
+    return Bounds(**{name: value[rows] for name, value in vars(bounds).items()})
+
+
+def _control(emitters, scene: Scene, members: list[Emitter]) -> None:
+    """Fill what light control asks of lamps and lights."""
+    bits = shadow_bits(scene)
+    for emitter, member in enumerate(members):
+        row = emitters[emitter]
+        row["blockers"] = shadow_bit(bits, member.blockers)
+        row["max_bounces"] = member.max_bounces
+        row["alone"] = row["blockers"] != SHADOW_OPAQUE
+        row["met"] = NEVER if member.sampled_only else 0
+
+
+def _control_triangles(emitters, scene: Scene, triangles: Triangles, first: int) -> None:
+    if any(instance.blockers != ALL_SETS for instance in scene.instances):
+        bits = shadow_bits(scene)
+        own = np.array([shadow_bit(bits, instance.blockers) for instance in scene.instances], np.int32)
+        emitters["blockers"][first:] = own[triangles.instance]
+        emitters["alone"][first:] = emitters["blockers"][first:] != SHADOW_OPAQUE
 
 
 def hit_capacity(tables: dict[str, np.ndarray]) -> int:
@@ -113,11 +172,11 @@ def _bounds(emitter, lo, hi, intensity, axis=(0.0, 0.0, 1.0), cos_o=-1.0, cos_e=
     )
 
 
-def _lamp_bounds(emitters, scene, bounds, power) -> Bounds:
+def _lamp_bounds(emitters, sources, bounds, power) -> Bounds:
     count = len(bounds)
     emitters["kind"][:count] = LAMP
     emitters["index"][:count] = np.arange(count)
-    emitters["visibility"][:count] = [int(lamp.visibility) for lamp in scene.lamps][:count] or int(Ray.ALL)
+    emitters["visibility"][:count] = [int(lamp.visibility) for lamp in sources] or int(Ray.ALL)
     mean = np.abs(power.reshape(count, -1)).mean(axis=1) if count else np.zeros(0)
     return _bounds(np.arange(count), bounds[:, 0], bounds[:, 1], mean / (4.0 * math.pi))
 

@@ -16,9 +16,16 @@ EMITTER = np.dtype(
         ("index", np.int32),  # row in the table of that kind
         ("visibility", np.int32),  # bits of scene.Ray
         ("cast_shadow", np.int32),
-        ("leaf", np.int32),  # place among the leaves of the light tree, in their order; −1: not in it
-        ("infinite", np.int32),
-    ],  # row in light_infinite; −1: not in it
+        ("leaf", np.int32),  # place among the leaves of the light tree 0, in their order; −1: not in it
+        ("infinite", np.int32),  # row in light_infinite; −1: not in it
+        ("met", np.int32),  # as visibility, of rays that meet it by chance
+        ("alone", np.int32),  # 1: all its light is left to light sampling where that can find it
+        (
+            "blockers",
+            np.int32,
+        ),  # kinds of ray that opaque surfaces stop which cast its shadows: rays.SHADOW_OPAQUE, or a bit of its own
+        ("max_bounces", np.int32),  # of what it lights
+    ],
     align=True,
 )
 
@@ -43,6 +50,7 @@ NODE = np.dtype(
 MOST_NODES = 32
 LIGHT_CUT = np.dtype(
     [
+        ("root", np.int64),  # of the tree
         ("x", np.float64, 3),
         ("n", np.float64, 3),  # the point, and the normal there, that the cut is for
         ("count", np.int64),  # of nodes; 0: it is not for any point yet
@@ -55,6 +63,16 @@ LIGHT_CUT = np.dtype(
     align=True,
 )
 
+# A light tree: of the emitters that light some surfaces. Number 0 has all of them. Its infinite emitters are the rows from
+# ``first`` to before ``end``.
+TREE = np.dtype(
+    [("root", np.int64), ("nodes", np.int64), ("first", np.int64), ("end", np.int64)],
+    align=True,
+)
+
+# Where an emitter is in a tree other than number 0, as ``leaf`` and ``infinite`` of its own record.
+PLACE = np.dtype([("leaf", np.int32), ("infinite", np.int32)], align=True)
+
 INFINITE = np.dtype(
     [("emitter", np.int64), ("irradiance", np.float64), ("direction", np.float64, 3), ("directional", np.int64)],
     align=True,
@@ -64,6 +82,10 @@ HEADER = np.dtype(
     [
         ("lamp_count", np.int64),
         ("light_count", np.int64),
+        ("emitter_count", np.int64),
+        ("tree_count", np.int64),
+        ("instance_count", np.int64),
+        ("open_tree", np.int64),  # of what is no object: the medium of the world
         ("world_emitter", np.int64),
         ("world_color", np.float64, 3),
         ("rotation", np.float64, (3, 3)),
@@ -85,6 +107,12 @@ TABLES = {
     "light_emitters": EMITTER,
     "light_nodes": NODE,
     "light_infinite": INFINITE,
+    "light_trees": TREE,
+    "light_places": PLACE,  # (trees − 1) × emitters
+    "light_tree_of": np.dtype(np.int32),  # of each instance, if there is more than one tree
+    "light_links": np.dtype(
+        np.int32
+    ),  # (trees − 1) × instances: 1 where emission of the instance lights what has the tree
     "light_triangle_offset": np.dtype(np.int64),  # of each instance into light_triangle_map; one more ends the last
     "light_triangle_map": np.dtype(np.int32),  # emitter of each triangle of instances that emit, or −1
     "light_image": np.dtype(np.float32),  # height × width × RGB
@@ -104,6 +132,10 @@ emitter_table = table("light_emitters", EMITTER)
 node_table = table("light_nodes", NODE)
 light_cut_table = table("light_cut", LIGHT_CUT)
 infinite_table = table("light_infinite", INFINITE)
+tree_table = table("light_trees", TREE)
+place_table = table("light_places", PLACE)
+tree_of_table = table("light_tree_of", np.int32)
+link_table = table("light_links", np.int32)
 triangle_offset_table = table("light_triangle_offset", np.int64)
 triangle_map_table = table("light_triangle_map", np.int32)
 image_table = table("light_image", np.float32)

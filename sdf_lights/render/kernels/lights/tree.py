@@ -10,6 +10,9 @@ made for every point that is lit: nodes are replaced by their children, those fi
 variance, until little of that is left or there are ``MOST_NODES``. One of them is drawn in proportion to its estimate,
 and below it one child at each level. Every probability is positive.
 
+With light linking there are more trees than one: number 0 has every emitter, and each of the others those that light some
+surfaces (``linking.py``).
+
 The nodes stay in the order of the leaves, so neighbours in space stay neighbours along the random number that chooses.
 """
 
@@ -18,7 +21,8 @@ import math
 from ....jit import kernel
 from ....replaced import replaced_on_gpu
 from ....vec import dot, negate, sub, vec
-from .records import MOST_NODES, emitter_table, infinite_table, node_table
+from .linking import place_in
+from .records import MOST_NODES, infinite_table, node_table, tree_table
 
 # Added to the cosine: shading normals and transmitted light make light from behind the normal matter.
 BELOW = 0.02
@@ -105,9 +109,9 @@ def _irradiance(infinite, n):
 
 
 @kernel
-def _total_irradiance(table, n):
+def _total_irradiance(table, tree, n):
     total = 0.0
-    for i in range(len(table)):
+    for i in range(tree.first, tree.end):
         total += _irradiance(table[i], n)
     return total
 
@@ -146,9 +150,10 @@ def _doubtful(cut, count, least):
 
 
 @kernel
-def _is_for(cut, x, n):
+def _is_for(cut, root, x, n):
     return (
         cut.count > 0
+        and cut.root == root
         and cut.x[0] == x[0]
         and cut.x[1] == x[1]
         and cut.x[2] == x[2]
@@ -160,13 +165,14 @@ def _is_for(cut, x, n):
 
 @replaced_on_gpu
 @kernel
-def fit_cut(nodes, x, n, cut):
-    """Make ``cut`` that of the point x with normal n, unless it is."""
-    if _is_for(cut, x, n):
+def fit_cut(nodes, root, x, n, cut):
+    """Make ``cut`` that of the point x with normal n in the tree below ``root``, unless it is."""
+    if _is_for(cut, root, x, n):
         return
+    cut.root = root
     for axis in range(3):
         cut.x[axis], cut.n[axis] = x[axis], n[axis]
-    _put(cut, 0, nodes, 0, x, n)
+    _put(cut, 0, nodes, root, x, n)
     count, total = 1, 0.0
     while True:
         total, doubt = 0.0, 0.0
@@ -186,15 +192,15 @@ def fit_cut(nodes, x, n, cut):
         count += splits
     cut.count, cut.total = count, total
     if not 0.0 < total < math.inf:
-        cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, 0, 0, 1.0, 1.0
+        cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, root, 0, 1.0, 1.0
 
 
 @kernel
-def _infinite_probability(infinite, nodes, irradiance, cut):
+def _infinite_probability(tree, irradiance, cut):
     """Probability of choosing among the infinite emitters."""
-    if len(infinite) == 0:
+    if tree.first == tree.end:
         return 0.0
-    if len(nodes) == 0:
+    if tree.nodes == 0:
         return 1.0
     p = irradiance / (irradiance + cut.total)
     return min(max(p, LEAST_INFINITE), 1.0 - LEAST_INFINITE)
@@ -202,26 +208,26 @@ def _infinite_probability(infinite, nodes, irradiance, cut):
 
 @replaced_on_gpu
 @kernel
-def select(block, x, n, u, cut):
-    """Choose an emitter for the point x with normal n (the zero vector: any direction counts, as for a surface that
-    transmits light). Returns the emitter, its probability and u remapped to [0, 1); emitter −1: there is none.
+def select(block, number, x, n, u, cut):
+    """Choose an emitter of tree ``number`` for the point x with normal n (the zero vector: any direction counts, as for a
+    surface that transmits light). Returns the emitter, its probability and u remapped to [0, 1); emitter −1: there is none.
 
     ``cut`` (``LIGHT_CUT``) is scratch memory that ``selection_probability`` at the same x and n can use again.
     """
-    nodes, infinite = node_table(block), infinite_table(block)
-    if len(nodes) > 0:
-        fit_cut(nodes, x, n, cut)
+    nodes, infinite, tree = node_table(block), infinite_table(block), tree_table(block)[number]
+    if tree.nodes > 0:
+        fit_cut(nodes, tree.root, x, n, cut)
     probability = 1.0
-    if len(infinite) == 0:
-        if len(nodes) == 0:
+    if tree.first == tree.end:
+        if tree.nodes == 0:
             return -1, 0.0, u
     else:
-        irradiance = _total_irradiance(infinite, n)
-        p = _infinite_probability(infinite, nodes, irradiance, cut)
+        irradiance = _total_irradiance(infinite, tree, n)
+        p = _infinite_probability(tree, irradiance, cut)
         if u < p:
             u /= p
-            last = len(infinite) - 1
-            for i in range(last):
+            last = tree.end - 1
+            for i in range(tree.first, last):
                 share = _irradiance(infinite[i], n) / irradiance
                 if u < share:
                     return infinite[i].emitter, p * share, min(u / share, BELOW_ONE)
@@ -253,35 +259,35 @@ def select(block, x, n, u, cut):
 
 
 @kernel
-def irradiance(block, x):
-    """Estimate of the irradiance at x of all emitters together, without shadows, wherever a surface there faces."""
-    nodes, facing_all = node_table(block), (0.0, 0.0, 0.0)
-    total = _total_irradiance(infinite_table(block), facing_all)
-    if len(nodes) > 0:
-        value, _ = estimate(nodes[0], x, facing_all)
+def irradiance(block, number, x):
+    """Estimate of the irradiance at x of all emitters of a tree together, without shadows, wherever a surface there faces."""
+    tree, facing_all = tree_table(block)[number], (0.0, 0.0, 0.0)
+    total = _total_irradiance(infinite_table(block), tree, facing_all)
+    if tree.nodes > 0:
+        value, _ = estimate(node_table(block)[tree.root], x, facing_all)
         total += value
     return total
 
 
 @replaced_on_gpu
 @kernel
-def selection_probability(block, x, n, emitter, cut):
-    """Probability that ``select`` chooses ``emitter`` at the same x and n; 0 for one that gives no light."""
-    nodes, infinite = node_table(block), infinite_table(block)
-    row = emitter_table(block)[emitter]
-    if row.infinite < 0 and row.leaf < 0:
+def selection_probability(block, number, x, n, emitter, cut):
+    """Probability that ``select`` chooses ``emitter`` of the same tree at the same x and n; 0 for one that gives no light."""
+    nodes, infinite, tree = node_table(block), infinite_table(block), tree_table(block)[number]
+    leaf, endless = place_in(block, number, emitter)
+    if endless < 0 and leaf < 0:
         return 0.0
-    if len(nodes) > 0:
-        fit_cut(nodes, x, n, cut)
-    irradiance = _total_irradiance(infinite, n)
-    p = _infinite_probability(infinite, nodes, irradiance, cut)
-    if row.infinite >= 0:
-        return p * _irradiance(infinite[row.infinite], n) / irradiance
+    if tree.nodes > 0:
+        fit_cut(nodes, tree.root, x, n, cut)
+    irradiance = _total_irradiance(infinite, tree, n)
+    p = _infinite_probability(tree, irradiance, cut)
+    if endless >= 0:
+        return p * _irradiance(infinite[endless], n) / irradiance
     # The last node of the cut whose leaves do not begin after the emitter's.
     k, end = 0, cut.count
     while end - k > 1:
         middle = (k + end) // 2
-        if cut.order[middle] <= row.leaf:
+        if cut.order[middle] <= leaf:
             k = middle
         else:
             end = middle
@@ -289,7 +295,7 @@ def selection_probability(block, x, n, emitter, cut):
     child = nodes[cut.node[k]].child
     while child >= 0:
         q = _first_probability(nodes, child, x, n)
-        if row.leaf < nodes[child + 1].order:
+        if leaf < nodes[child + 1].order:
             probability *= q
         else:
             probability *= 1.0 - q

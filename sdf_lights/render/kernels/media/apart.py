@@ -39,11 +39,11 @@ def scatter(block, workspace):
 
 
 @kernel
-def shadow(block, workspace, start, direction, t_max):
+def shadow(block, workspace, start, direction, t_max, blockers):
     """See ``light_rays.shadow``."""
     x, y, z = start
     dx, dy, dz = direction
-    return call_part(_code(block)[SHADOW], block, workspace, (x, y, z, dx, dy, dz, t_max), 3)
+    return call_part(_code(block)[SHADOW], block, workspace, (x, y, z, dx, dy, dz, t_max, blockers), 3)
 
 
 @kernel

@@ -20,6 +20,7 @@ from ...scene import Ray
 from .. import lights
 from ..emission import modulated
 from ..next_event import NO_RAY, competes, shade_triangle
+from ..outputs.state import LIGHT_RAY, scattered_in_medium
 from ..path import LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
 from ..sampler import draw2, draw4
 from ..visibility import shadow_ray, transmittance
@@ -28,6 +29,7 @@ from . import apart
 from .beams import attenuation, draw_distance, gathered_rgb, shares
 from .phase import phase
 from .records import inside_table
+from .stack import receiver
 
 VOLUME = int(Ray.VOLUME)
 BLACK = (0.0, 0.0, 0.0)
@@ -41,11 +43,11 @@ _STEPS = (0.8566748838545029, 0.7338918566271259, 0.6287067210378087, 0.53859725
 
 
 @kernel
-def _shadow(block, workspace, x, wi, distance):
-    """What of the light of an emitter in the distance comes to the point x of the path's ray: RGB."""
+def _shadow(block, workspace, emitter, x, wi, distance):
+    """What of the light of an emitter at that distance comes to the point x of the path's ray: RGB."""
     apart.bounds(block, workspace, apart.LOOK)
     to_light, reach = shadow_ray(x, x, wi, distance)
-    return transmittance(block, workspace, x, to_light, reach)
+    return transmittance(block, workspace, x, to_light, reach, lights.blockers(block, emitter))
 
 
 @kernel
@@ -56,9 +58,15 @@ def light_ray(block, workspace, ray_length):
     start = madd(vec(path.start), path.t_min, d)
     u = draw4(path.index, path.seed, MEDIA_SETS + path.dimension + LIGHT_SET)
     v = draw2(path.index, path.seed, MEDIA_SETS + path.dimension + PLACE_SET)
-    emitter, pmf, _, finite, center = lights.select_along(block, start, d, ray_length, average(extinction), u[0])
+    number = receiver(block, inside)
+    emitter, pmf, _, finite, center = lights.select_along(
+        block, number, start, d, ray_length, average(extinction), u[0]
+    )
     if not pmf > 0.0 or lights.visibility(block, emitter) & VOLUME == 0:
         return
+    if not lights.reaches(block, emitter, path.bounce):
+        return
+    scattered_in_medium(block, workspace, LIGHT_RAY)
     throughput = mul(vec(path.throughput), scattering)
     share = shares(mul(throughput, gathered_rgb(extinction, ray_length)))
     if emitter < block.lamp_count:
@@ -85,19 +93,19 @@ def light_ray(block, workspace, ray_length):
     value, phase_density = phase(block, inside, dot(d, wi))
     weight = scale(mul(scattering, attenuation(extinction, place)), value / place_density)
     if lights.casts_shadow(block, emitter):
-        weight = mul(weight, _shadow(block, workspace, x, wi, distance))
+        weight = mul(weight, _shadow(block, workspace, emitter, x, wi, distance))
         if largest(weight) <= 0.0:
             return
     if lights.triangle_textured(block, emitter):
-        radiance = shade_triangle(block, workspace, x, wi, distance)
+        radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
     elif block.emission_graphs:
         radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
     own = 1.0
     if not singular and competes(block, emitter):
         # Rays by the phase function ask at x, too; the choice of the emitter for all of the ray is another matter.
-        at_x = pdf * lights.selection_probability(block, x, BLACK, emitter, light_cut_of(workspace))
+        at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
         own = at_x / (at_x + phase_density)
-    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), False, path.bounce + 1)
+    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), emitter, path.bounce + 1)
 
 
 @kernel
@@ -157,6 +165,6 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, s
     if not by > 0.0:
         return
     x = madd(start, place, d)
-    shadow = _shadow(block, workspace, x, wi, distance)
+    shadow = _shadow(block, workspace, lamp, x, wi, distance)
     if largest(shadow) > 0.0:
-        contribute(block, workspace, mul(seen, shadow), row.volume * total / (count * pmf * by), True, path.bounce + 1)
+        contribute(block, workspace, mul(seen, shadow), row.volume * total / (count * pmf * by), lamp, path.bounce + 1)

@@ -7,8 +7,9 @@ from __future__ import annotations
 from .... import emitter as lamps
 from ....jit import kernel
 from ....vec import add, largest, mul, vec
+from .. import lights
 from ..path import path_table
-from ..rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, intersect, ray_table
+from ..rays import TRANSPARENT_PLACES, beyond, intersect, ray_table
 from ..visibility import BLACK, pass_through, surfaces_left
 from ..workspace import spans_of
 from .beams import attenuation
@@ -31,15 +32,13 @@ def _passed(block, workspace, direction, left):
 
 
 @kernel
-def shadow(block, workspace, x, y, z, dx, dy, dz, t_max):
+def shadow(block, workspace, x, y, z, dx, dy, dz, t_max, blockers):
     """``visibility.transmittance`` from (x, y, z) along (dx, dy, dz), where nothing opaque is in the way; ``stack.bounds``
     has been told where the light ray begins."""
     start, direction, inside = (x, y, z), (dx, dy, dz), inside_table(workspace)[LIGHT_RAY]
-    result, t_min, left = WHITE, 0.0, surfaces_left(block, workspace)
+    result, t_min, left, mask = WHITE, 0.0, surfaces_left(block, workspace), int(blockers) << TRANSPARENT_PLACES
     for _ in range(MOST_BOUNDS):
-        found = block.transparent_shadows != 0 and intersect(
-            block, workspace, start, direction, t_min, t_max, SHADOW_TRANSPARENT
-        )
+        found = block.transparent_shadows != 0 and intersect(block, workspace, start, direction, t_min, t_max, mask)
         t_to = float(ray_table(workspace)[0].t_far) if found else t_max
         result = mul(result, attenuation(vec(inside.extinction), t_to - t_min))
         if not found or largest(result) <= 0.0:
@@ -58,7 +57,9 @@ def lamp(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, 
     position, direction, start = (x, y, z), (dx, dy, dz), (start_x, start_y, start_z)
     index, count, spans = int(index), int(count), spans_of(workspace)
     inside, t_end = inside_table(workspace)[LIGHT_RAY], spans[count - 1, 0] + spans[count - 1, 1]
-    mask = SHADOW_OPAQUE | SHADOW_TRANSPARENT if block.transparent_shadows else SHADOW_OPAQUE
+    mask = lights.blockers(block, index)
+    if block.transparent_shadows:
+        mask |= mask << TRANSPARENT_PLACES
     total, weight, t_from, left = BLACK, WHITE, 0.0, surfaces_left(block, workspace)
     for _ in range(MOST_BOUNDS):
         found = intersect(block, workspace, start, direction, t_from, t_end, mask)

@@ -13,7 +13,7 @@ _KERNELS = {
     apart.BOUNDS: (stack.bounds, 1),
     apart.ENTER: (travel.enter, 1),
     apart.SCATTER: (travel.scatter, 1),
-    apart.SHADOW: (light_rays.shadow, 7),
+    apart.SHADOW: (light_rays.shadow, 8),
     apart.LAMP: (light_rays.lamp, 12),
     apart.SEEN_LAMP: (light_rays.seen_lamp, 4),
 }

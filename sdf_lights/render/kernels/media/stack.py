@@ -13,6 +13,7 @@ import numpy as np
 from ....jit import kernel
 from ....vec import dot, madd, negate, put, put_sum, transform_vector, vec
 from ...scene import Ray
+from .. import lights
 from ..geometry import hit_material, instance_at, instance_table, surface_table
 from ..path import path_table
 from ..rays import beyond, hit_instance, hit_normal, intersect, ray_table
@@ -28,6 +29,15 @@ MOST_CROSSINGS = 64  # of the ray that finds out what the camera is in
 def owner_of(instance, material):
     """A number that tells the surface of a medium apart: by instance and material."""
     return np.int64(instance) * np.int64(1 << 31) + np.int64(material)
+
+
+@kernel
+def receiver(block, inside):
+    """Light tree of the medium that a ray has entered last."""
+    last = inside.count - 1
+    if last < 0 or inside.owner[last] == WORLD:
+        return lights.open_tree(block)
+    return lights.tree_of(block, inside.owner[last] // np.int64(1 << 31))
 
 
 @kernel

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light linking: which objects a light lights, and which cast its shadows, by the collections that its object names.
+
+As in Cycles, a collection that includes any object lights no others, and one that only excludes some lights all the rest.
+What is closer to the collection itself comes after what is in its children, and wins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+
+from ...render.scene import ALL_SETS, OPEN_SET
+
+KINDS = RECEIVER, BLOCKER = "receiver_collection", "blocker_collection"
+
+
+def linked(depsgraph: bpy.types.Depsgraph, kind: str) -> Iterator[tuple[bpy.types.Object, bpy.types.Collection]]:
+    """Objects whose light is linked, with their collection of that kind."""
+    for obj in depsgraph.objects:
+        linking = getattr(obj.original, "light_linking", None)
+        collection = getattr(linking, kind, None)
+        if collection is not None:
+            yield obj.original, collection
+
+
+def signature(depsgraph: bpy.types.Depsgraph) -> tuple:
+    """What changes where objects have to be read again because of light linking."""
+    return tuple(
+        (kind, obj.session_uid, collection.session_uid) for kind in KINDS for obj, collection in linked(depsgraph, kind)
+    )
+
+
+def _states(collection: bpy.types.Collection) -> Iterator[tuple[bpy.types.Object, bool]]:
+    """Objects of a collection, and whether each is included, else excluded; the last word on an object counts."""
+    for child, link in zip(collection.children, collection.collection_children):
+        included = link.light_linking.link_state == "INCLUDE"
+        yield from ((obj, included) for obj in child.all_objects)
+    for obj, link in zip(collection.objects, collection.collection_objects):
+        yield obj, link.light_linking.link_state == "INCLUDE"
+
+
+class _Sets:
+    """Sets of objects that the same collections name, of one kind of linking, numbered from ``OPEN_SET`` + 1 on."""
+
+    def __init__(self, depsgraph: bpy.types.Depsgraph, kind: str):
+        self._masks: dict[int, int] = {}  # by emitter
+        self._sets: dict[int, int] = {}  # by object
+        collections = {}
+        emitters = []
+        for obj, collection in linked(depsgraph, kind):
+            collections[collection.session_uid] = collection
+            emitters.append((obj.session_uid, collection.session_uid))
+        states = {uid: {obj.session_uid: part for obj, part in _states(found)} for uid, found in collections.items()}
+        numbers: dict[tuple, int] = {}
+        for uid in {uid for found in states.values() for uid in found}:
+            said = tuple(found.get(uid) for found in states.values())
+            self._sets[uid] = numbers.setdefault(said, OPEN_SET + 1 + len(numbers))
+        masks = {}
+        for place, (uid, found) in enumerate(states.items()):
+            included = sum(1 << number for said, number in numbers.items() if said[place] is True)
+            excluded = sum(1 << number for said, number in numbers.items() if said[place] is False)
+            masks[uid] = included or ALL_SETS & ~excluded
+        self._masks = {emitter: masks[collection] for emitter, collection in emitters}
+
+    def mask(self, emitter: bpy.types.Object) -> int:
+        """Bits of the sets that an emitter is linked to."""
+        return self._masks.get(emitter.session_uid, ALL_SETS) if self._masks else ALL_SETS
+
+    def number(self, obj: bpy.types.Object) -> int:
+        """The set that an object is in."""
+        return self._sets.get(obj.session_uid, OPEN_SET) if self._sets else OPEN_SET
+
+
+class Linking:
+    """Light and shadow linking of all objects of a dependency graph. Objects are original ones."""
+
+    def __init__(self, depsgraph: bpy.types.Depsgraph):
+        self._light, self._shadow = _Sets(depsgraph, RECEIVER), _Sets(depsgraph, BLOCKER)
+
+    def of_emitter(self, obj: bpy.types.Object) -> dict[str, int]:
+        """Fields of ``render.scene.Emitter``."""
+        return dict(receivers=self._light.mask(obj), blockers=self._shadow.mask(obj))
+
+    def of_object(self, obj: bpy.types.Object) -> dict[str, int]:
+        """Fields of ``render.scene.Instance``."""
+        return dict(light_set=self._light.number(obj), shadow_set=self._shadow.number(obj))
