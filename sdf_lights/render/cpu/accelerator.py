@@ -3,8 +3,8 @@
 """Blender's own Embree 4, built through its C API; kernels call it by address (``kernels.rays``).
 
 A mesh used once is put into the top-level scene in world space, which spares its rays the second traversal; a mesh used
-more often, or that moves as a whole, becomes an Embree scene of its own that its instances share. Either way the Embree geometry id at
-the top level is the index of the instance in ``Scene.instances``.
+more often, or that moves as a whole, becomes an Embree scene of its own that its instances share. Either way the
+Embree geometry id at the top level is the index of the instance in ``Scene.instances``.
 """
 
 from __future__ import annotations

@@ -43,6 +43,7 @@ def pack_lights(
     tables, bounds, infinite = pack_near(scene, lamp_bounds, lamp_power, triangles, sources)
     emitters, world = tables["light_emitters"], int(tables["light_header"]["world_emitter"][0])
     irradiance = environment.pack(tables, scene, world, world_map)
+    emitters["met"][world] &= emitters["visibility"][world]
     if irradiance > 0.0:
         infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
     bounds = joined([bounds, *elsewhere]) if elsewhere else bounds
