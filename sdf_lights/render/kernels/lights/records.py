@@ -85,6 +85,7 @@ HEADER = np.dtype(
         ("emitter_count", np.int64),
         ("tree_count", np.int64),
         ("instance_count", np.int64),
+        ("portal_count", np.int64),
         ("open_tree", np.int64),  # of what is no object: the medium of the world
         ("world_emitter", np.int64),
         ("world_color", np.float64, 3),
