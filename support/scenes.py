@@ -14,7 +14,7 @@ import numpy as np
 from sdf_lights.graph.formula import Vector, constant
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes.normals import displaced_as_bump
-from sdf_lights.render.nodes.variables import NORMAL, POSITION, RAY_LENGTH
+from sdf_lights.render.nodes.variables import BACKFACING, NORMAL, POSITION, RAY_LENGTH
 from sdf_lights.render.scene import (
     AreaLight,
     Camera,
@@ -293,6 +293,16 @@ def emissive_mesh(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     )
     lit = Node("add_closure", {"a": Node("diffuse", {"color": GREY}), "b": Node("emission", {"strength": 5.0})})
     add(scene, 0, translation(-0.6, 0.2, 2.8) @ rotation("x", 180) @ scaling(0.6, 0.4, 1), Material("panel", lit))
+    return scene
+
+
+def glowing_bubble(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """A clear ball, the only light, that shines more on its inside: light rays meet its outside first."""
+    scene = room(width, height)
+    shine = Node("emission", {"color": (0.4, 0.7, 1.0), "strength": 0.2 + 8.0 * BACKFACING})
+    clear = Node("mix_closure", {"a": Node("transparent", {}), "b": shine, "factor": 0.4})
+    scene.meshes.append(sphere("bubble", 6, 4, smooth=False))
+    add(scene, 3, translation(-0.4, 0.0, 1.2) @ scaling(0.9, 0.7, 0.9), Material("bubble", clear))
     return scene
 
 
@@ -912,6 +922,7 @@ SCENES = {
         environment,
         skylight,
         emissive_mesh,
+        glowing_bubble,
         light_control,
         glossy_metal,
         facets,

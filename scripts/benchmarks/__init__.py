@@ -35,6 +35,7 @@ NAMES = (
     "viewport",
     "nodes",
     "files",
+    "scenes",
     "hard",
     "check",
 )

@@ -17,7 +17,7 @@ from mathutils import Matrix, Vector
 from scenery.materials import Graph
 from scenery.modelling import add
 
-from . import node_scenes, pictures, scenes
+from . import node_scenes, pictures, simple_scenes
 from .node_pictures import CYCLES, ENGINES, warnings_of
 from .node_sources import Sources
 
@@ -40,7 +40,7 @@ def kinds(roots) -> list[str]:
 
 def settle(scene, engine: str, job: dict) -> None:
     """The file's settings, but for those that trade error for bias, or cost time."""
-    scenes.enable_cycles()
+    simple_scenes.enable_cycles()
     render = scene.render
     scale = job["size"] / max(render.resolution_x, render.resolution_y)
     if not 0.99 < scale < 1.01:
@@ -51,8 +51,8 @@ def settle(scene, engine: str, job: dict) -> None:
     render.use_compositing = render.use_sequencer = render.use_motion_blur = False
     bounces = scene.cycles.max_bounces
     kept = {name: getattr(scene.cycles, name) for name in ("diffuse_bounces", "glossy_bounces", "transmission_bounces")}
-    scenes.plain_cycles(scene, job["samples"], bounces)
-    scenes.plain_sdf_lights(scene, job["samples"], bounces, job["device"])
+    simple_scenes.plain_cycles(scene, job["samples"], bounces)
+    simple_scenes.plain_sdf_lights(scene, job["samples"], bounces, job["device"])
     for name, value in kept.items():
         setattr(scene.cycles, name, value)
         setattr(scene.sdf_lights, name, value)

@@ -19,7 +19,7 @@ import numpy as np
 
 from sdf_lights.render.settings import LampSampling
 
-from . import errors, lamp_scenes, pictures, scenes, some_of
+from . import errors, lamp_scenes, pictures, simple_scenes, some_of
 from .progress import Progress
 from .resume import Parts
 
@@ -58,7 +58,7 @@ def measure(name: str, options) -> dict:
 
     def render(sampler: str, samples: int, seed: int) -> pictures.Picture:
         device = "GPU" if options.device == "AUTOMATIC" else options.device
-        scenes.plain_sdf_lights(bpy.context.scene, samples, options.cut_bounces, device)
+        simple_scenes.plain_sdf_lights(bpy.context.scene, samples, options.cut_bounces, device)
         bpy.context.scene.sdf_lights.seed, bpy.context.scene.sdf_lights.lamp_sampling = seed, sampler
         return pictures.render()
 

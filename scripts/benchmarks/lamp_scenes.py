@@ -22,7 +22,7 @@ from scenery.modelling import add, box, plane
 
 from sdf_lights.sdf.expression import Expression
 
-from . import lamp_meshes, scenes
+from . import lamp_meshes, simple_scenes
 from .lamp_meshes import Solid
 
 INTENSITY = 8.0  # W/sr of a lamp of the S scenes
@@ -65,7 +65,7 @@ def show(volumes: bool = False, surfaces: bool = False) -> None:
 
 def _add_surfaces() -> None:
     """For each volume, a mesh light of the same power, 4π ρ V = π L A; its inner sides are not sampled."""
-    scenes.enable_cycles()
+    simple_scenes.enable_cycles()
     for volume in _collection(VOLUMES).objects:
         node = volume.data.materials[0].node_tree.nodes["Emission"]
         color, density = (node.inputs[name].default_value for name in ("Color", "Strength"))
@@ -134,7 +134,7 @@ def _stage_lamp(expression: str, solid: Solid, matrix: Matrix, volume: float) ->
 
 
 def _torus(size: int, major: float, minor: float, matrix: Matrix) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     volume = 2.0 * math.pi**2 * major * minor**2 * abs(matrix.to_3x3().determinant())
     _stage_lamp(f"torus({major}, {minor})", lamp_meshes.torus(major, minor), matrix, volume)
 
@@ -151,7 +151,7 @@ def _(size: int) -> None:
 
 @_scene("S3", "cube without a ball: a thin frame")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     half, radius = 0.8, 1.08
     cap = radius - half
     ball = 4.0 / 3.0 * math.pi * radius**3 - 2.0 * math.pi * cap**2 * (3.0 * radius - cap)
@@ -163,7 +163,7 @@ def _(size: int) -> None:
 
 @_scene("S4", "Menger's sponge, three levels")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     _stage_lamp(
         "menger_sponge(0.75, 3)",
         lamp_meshes.sponge(0.75, 3),
@@ -182,7 +182,7 @@ def _(size: int) -> None:
 
 @_scene("crowd", "forty small lamps of three shapes all over the stage")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     kinds = (
         ("torus(0.12, 0.04)", lamp_meshes.torus(0.12, 0.04, 64, 32), 2.0 * math.pi**2 * 0.12 * 0.04**2),
         ("sphere(0.07)", lamp_meshes.sphere(0.07, 64, 32), 4.0 / 3.0 * math.pi * 0.07**3),
@@ -199,7 +199,7 @@ def _(size: int) -> None:
 
 @_scene("nested", "a bright ring inside a large dim ball, which boxes and floor reach into")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     add_lamp("Ball", "sphere(1.3)", lamp_meshes.sphere(1.3), turned(at=(0.0, 0.0, 1.0)), 0.25, (0.4, 0.6, 1.0))
     ring = turned(x=40.0, at=(0.1, 0.2, 1.5))
     add_lamp("Ring", "torus(0.5, 0.06)", lamp_meshes.torus(0.5, 0.06), ring, 80.0, (1.0, 0.7, 0.4))
@@ -207,15 +207,15 @@ def _(size: int) -> None:
 
 @_scene("haze", "camera and half of the stage inside one large dim lamp")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     matrix = turned(z=10.0, at=(-0.5, -4.0, 1.5), scale=(3.0, 4.5, 2.5))
     add_lamp("Haze", "sphere(1)", lamp_meshes.sphere(1.0), matrix, 0.12)
 
 
 @_scene("wall", "a beam of light through a wall, with a shelf inside it")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
-    shelf = scenes.material("Shelf", "ShaderNodeBsdfDiffuse", (0.6, 0.55, 0.5))
+    simple_scenes.boxes_and_sphere(size)
+    shelf = simple_scenes.material("Shelf", "ShaderNodeBsdfDiffuse", (0.6, 0.55, 0.5))
     add("Shelf", box("Shelf", (1.6, 0.9, 0.04)), shelf, location=(-0.8, 2.4, 2.0))
     matrix = turned(z=15.0, at=(-0.4, 2.7, 2.1))
     add_lamp("Beam", "box(0.3, 1.2, 0.35)", lamp_meshes.box((0.3, 1.2, 0.35)), matrix, INTENSITY)
@@ -223,8 +223,8 @@ def _(size: int) -> None:
 
 @_scene("gloss", "a thin ring over a glossy floor")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
-    bpy.data.objects["Floor"].data.materials[0] = scenes.material(
+    simple_scenes.boxes_and_sphere(size)
+    bpy.data.objects["Floor"].data.materials[0] = simple_scenes.material(
         "Polished", "ShaderNodeBsdfAnisotropic", (0.6, 0.6, 0.62), roughness=0.35, distribution="GGX"
     )
     volume = 2.0 * math.pi**2 * 0.9 * 0.015**2
@@ -235,7 +235,7 @@ def _(size: int) -> None:
 
 @_scene("sheet", "a twisted bar behind a translucent sheet")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     graph = Graph("Sheet")
     both = graph.node(
         "ShaderNodeMixShader",
@@ -256,8 +256,8 @@ def _(size: int) -> None:
 
 @_scene("room", "a closed room lit by a sponge behind a screen: light that has been scattered")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
-    white = scenes.material("White", "ShaderNodeBsdfDiffuse", (0.78, 0.76, 0.72))
+    simple_scenes.boxes_and_sphere(size)
+    white = simple_scenes.material("White", "ShaderNodeBsdfDiffuse", (0.78, 0.76, 0.72))
     for name, extent, location, rotation in (
         ("Ceiling", (12.0, 10.5), (0.0, -2.0, 4.0), (180, 0, 0)),
         ("Left", (10.5, 4.2), (-3.5, -2.0, 2.0), (90, 0, 90)),
@@ -277,7 +277,7 @@ def _(size: int) -> None:
 
 @_scene("spark", "a lamp of a centimetre, metres away, outside the picture")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     add_lamp(
         "Spark",
         "sphere(0.005)",
@@ -289,13 +289,13 @@ def _(size: int) -> None:
 
 @_scene("moon", "a ball 120 m large, half a kilometre away")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     add_lamp("Moon", "sphere(60)", lamp_meshes.sphere(60.0), turned(at=(-250.0, -350.0, 300.0)), 0.35)
 
 
 @_scene("blob", "a smooth union of balls, which rays are marched through")
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     expression = (
         "smooth_union(translate(sphere(0.5), (-0.45, 0, 0)), translate(sphere(0.4), (0.4, 0.1, 0.2)), "
         "translate(sphere(0.3), (0.1, -0.2, -0.5)), 0.25)"
@@ -305,7 +305,7 @@ def _(size: int) -> None:
 
 @_scene("skin", "a torus that glows next to its surface", volumes=False)
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     add_lamp(
         "Skin", "torus(1, 0.35)", None, turned(x=30.0, z=20.0, at=(0.0, 0.0, 1.7)), 0.6 * INTENSITY, emission="SHELL"
     )
@@ -313,7 +313,7 @@ def _(size: int) -> None:
 
 @_scene("fire", "a flame on the floor, brighter below", volumes=False)
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     add_lamp(
         "Fire", "sphere(0.5)", None, turned(at=(-0.3, -0.8, 0.85), scale=(0.7, 0.7, 1.5)), INTENSITY, emission="FLAME"
     )
@@ -321,5 +321,5 @@ def _(size: int) -> None:
 
 @_scene("bulb", "a Mandelbulb near the floor, of which no mesh is close enough", volumes=False)
 def _(size: int) -> None:
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     add_lamp("Bulb", "scale(mandelbulb(), 0.6)", None, turned(x=70.0, z=20.0, at=(-0.2, -0.9, 0.75)), INTENSITY / 0.6)

@@ -17,7 +17,7 @@ import bpy
 import host
 import numpy as np
 
-from . import errors, materials, node_sheets, pictures, references, scenes
+from . import errors, materials, node_sheets, pictures, references, simple_scenes
 from .node_pictures import CYCLES, OURS, difference_of, warnings_of
 
 SIZE, QUICK_SIZE = 72, 48  # pixels a side
@@ -34,8 +34,8 @@ TRANSPARENT = 8
 
 
 def settings(scene, engine: str, samples: int, seed: int, device: str) -> None:
-    scenes.plain_cycles(scene, samples, LIMITS["max_bounces"])
-    scenes.plain_sdf_lights(scene, samples, LIMITS["max_bounces"], device)
+    simple_scenes.plain_cycles(scene, samples, LIMITS["max_bounces"])
+    simple_scenes.plain_sdf_lights(scene, samples, LIMITS["max_bounces"], device)
     for owner in (scene.cycles, scene.sdf_lights):
         for name, value in LIMITS.items():
             if hasattr(owner, name):
@@ -134,7 +134,7 @@ def _reference(name: str, scene, options) -> references.Reference:
             *(here / "materials").glob("*.py"),
             *(host.REPOSITORY / "scripts" / "scenery").glob("*.py"),
             here / "node_data.py",
-            here / "scenes.py",
+            here / "simple_scenes.py",
         ]
     ):
         digest.update(path.read_bytes())

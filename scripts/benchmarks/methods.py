@@ -22,7 +22,7 @@ import numpy as np
 
 from support.rivals import samplers
 
-from . import errors, lamp_scenes, machine, pictures, references, scenes, some_of
+from . import errors, lamp_scenes, machine, pictures, references, simple_scenes, some_of
 from .progress import Progress
 from .resume import Parts
 
@@ -49,12 +49,12 @@ class Method:
         scene = bpy.context.scene
         lamp_scenes.show(volumes=not self.sampler and not self.surfaces, surfaces=self.surfaces)
         if self.sampler:
-            scenes.plain_sdf_lights(scene, samples, bounces, device)
+            simple_scenes.plain_sdf_lights(scene, samples, bounces, device)
             scene.sdf_lights.seed, scene.sdf_lights.denoise = seed, self.denoise
             scene.sdf_lights.lamp_sampling = samplers.register(self.sampler, host.program().__name__).value
             scene.sdf_lights.indirect_paths, scene.sdf_lights.guided_samples = int(self.plain), not self.plain
         else:
-            scenes.plain_cycles(scene, samples, bounces)
+            simple_scenes.plain_cycles(scene, samples, bounces)
             scene.cycles.seed, scene.cycles.use_denoising = seed, self.denoise
         return pictures.render()
 

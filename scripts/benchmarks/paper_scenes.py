@@ -14,7 +14,7 @@ from scenery.modelling import add, box, plane
 from sdf_lights.emitter.tree import interior, volume
 from sdf_lights.sdf.expression import Expression
 
-from . import lamp_meshes, scenes
+from . import lamp_meshes, simple_scenes
 from .lamp_scenes import LampScene, add_lamp, marched, turned
 
 SCENES: dict[str, LampScene] = {}
@@ -39,7 +39,7 @@ def _lamp(name: str, expression: str, matrix: Matrix, intensity: float, color=(1
 
 
 def _diffuse(name: str, color):
-    return scenes.material(name, "ShaderNodeBsdfDiffuse", color)
+    return simple_scenes.material(name, "ShaderNodeBsdfDiffuse", color)
 
 
 def _room(low, high, color) -> None:
@@ -69,7 +69,7 @@ def _boxes(material, *places) -> None:
 
 @_scene("dragon", "a torus over a mesh of many triangles")
 def _(size: int) -> None:
-    scenes.empty(size, (0.0, -4.2, 2.0), (0.0, 0.0, 0.75), 40.0)
+    simple_scenes.empty(size, (0.0, -4.2, 2.0), (0.0, 0.0, 0.75), 40.0)
     grey = _diffuse("Grey", (0.7, 0.7, 0.7))
     add("Floor", plane("Floor", (10.0, 10.0)), grey)
     add("Wall", plane("Wall", (10.0, 6.0)), grey, location=(0.0, 2.0, 3.0), rotation=(90, 0, 0))
@@ -81,7 +81,7 @@ def _(size: int) -> None:
 
 @_scene("room", "a closed room with five lamps of simple shapes")
 def _(size: int) -> None:
-    scenes.empty(size, (0.0, -2.8, 1.5), (0.0, 0.6, 1.1), 60.0)
+    simple_scenes.empty(size, (0.0, -2.8, 1.5), (0.0, 0.6, 1.1), 60.0)
     _room((-2.5, -3.0, 0.0), (2.5, 2.5, 2.7), (0.75, 0.73, 0.7))
     wood = _diffuse("Wood", (0.45, 0.3, 0.18))
     _boxes(
@@ -103,7 +103,7 @@ def _(size: int) -> None:
 
 @_scene("kitchen", "a furnished room with a fractal lamp over the worktop")
 def _(size: int) -> None:
-    scenes.empty(size, (1.2, -2.7, 1.7), (-0.1, 0.6, 1.05), 60.0)
+    simple_scenes.empty(size, (1.2, -2.7, 1.7), (-0.1, 0.6, 1.05), 60.0)
     _room((-2.5, -3.0, 0.0), (2.5, 2.5, 2.6), (0.78, 0.77, 0.74))
     _boxes(
         _diffuse("Cupboards", (0.3, 0.42, 0.38)),
@@ -126,7 +126,7 @@ def _(size: int) -> None:
 
 @_scene("corridor", "a corridor with an extruded sign")
 def _(size: int) -> None:
-    scenes.empty(size, (0.3, -1.5, 1.5), (-0.1, 4.0, 1.35), 50.0)
+    simple_scenes.empty(size, (0.3, -1.5, 1.5), (-0.1, 4.0, 1.35), 50.0)
     _room((-1.1, -2.0, 0.0), (1.1, 9.0, 2.5), (0.72, 0.72, 0.7))
     _boxes(
         _diffuse("Doors", (0.4, 0.28, 0.2)),

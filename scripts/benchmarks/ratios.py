@@ -178,18 +178,18 @@ for _name, _bounces, _quick in (
 
 def samples_ratio(bounces: int) -> float:
     """Samples in a second of processor time to those of Cycles, with one point light; medians of renders that take turns."""
-    from . import pictures, scenes
+    from . import pictures, simple_scenes
 
-    scene = scenes.boxes_and_sphere(96)
-    scenes.add_point_light()
+    scene = simple_scenes.boxes_and_sphere(96)
+    simple_scenes.add_point_light()
     few, many = 4, 68
     spent = {(cycles, samples): [] for cycles in (False, True) for samples in (few, many)}
     for turn in range(6):
         for (cycles, samples), times in spent.items():
             if cycles:
-                scenes.plain_cycles(scene, samples, bounces)
+                simple_scenes.plain_cycles(scene, samples, bounces)
             else:
-                scenes.plain_sdf_lights(scene, samples, bounces, "CPU")
+                simple_scenes.plain_sdf_lights(scene, samples, bounces, "CPU")
             made = pictures.render()
             if turn:  # the first compiles
                 times.append(made.work)

@@ -27,7 +27,7 @@ from scenery.modelling import add
 
 from support.rivals import samplers
 
-from . import errors, lamp_meshes, lamp_scenes, machine, pictures, scenes, some_of
+from . import errors, lamp_meshes, lamp_scenes, machine, pictures, simple_scenes, some_of
 from .lamp_scenes import INTENSITY, add_lamp, turned
 from .progress import Progress
 from .resume import Parts
@@ -54,7 +54,7 @@ def _kinds(volume: float) -> list[str]:
 
 def lamps(size: int, count: int) -> None:
     """A stage with ``count`` lamps."""
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     random = np.random.default_rng(3)
     kinds = _kinds(FILLED / count)
     for index in range(count):
@@ -66,7 +66,7 @@ def lamps(size: int, count: int) -> None:
 
 def balls(size: int, count: int) -> None:
     """A stage with one lamp that is the union of ``count`` balls."""
-    scenes.boxes_and_sphere(size)
+    simple_scenes.boxes_and_sphere(size)
     random = np.random.default_rng(4)
     radius = (FILLED / count * 0.75 / math.pi) ** (1.0 / 3.0)
     places = random.uniform(-1.0, 1.0, (count, 3))
@@ -126,7 +126,7 @@ def measure(build, count: int, size: int, repeats: int, options) -> dict:
     feedback = host.program("blender.feedback")
 
     def render(samples: int, seed: int) -> pictures.Picture:
-        scenes.plain_sdf_lights(scene, samples, BOUNCES, options.device)
+        simple_scenes.plain_sdf_lights(scene, samples, BOUNCES, options.device)
         scene.sdf_lights.seed = seed
         scene.sdf_lights.lamp_sampling = samplers.register(options.sampler, host.program().__name__).value
         return pictures.render()

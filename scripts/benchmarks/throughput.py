@@ -18,7 +18,7 @@ import bpy
 
 from sdf_lights.render.settings import LampSampling
 
-from . import lamp_scenes, pictures, scenes, startup
+from . import lamp_scenes, pictures, simple_scenes, startup
 from .progress import Progress
 from .resume import Parts
 
@@ -40,9 +40,9 @@ def _engines(options) -> tuple[str, ...]:
 
 def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
     if name == "Cycles":
-        scenes.plain_cycles(scene, samples, bounces)
+        simple_scenes.plain_cycles(scene, samples, bounces)
     else:
-        scenes.plain_sdf_lights(scene, samples, bounces, "CPU" if name in (ON_CPU, BY_PROJECTION[1]) else device)
+        simple_scenes.plain_sdf_lights(scene, samples, bounces, "CPU" if name in (ON_CPU, BY_PROJECTION[1]) else device)
         sampling = LampSampling.MIS if name in BY_PROJECTION else LampSampling.CUT
         scene.sdf_lights.lamp_sampling = sampling.value
 
@@ -55,8 +55,8 @@ def measure(bounces: int, options) -> list[dict]:
     if options.device == "REFERENCE":
         size, few, many, repeats = 64, 1, 3, 1 if options.quick else 5
     repeats = options.repeats or repeats
-    scene = scenes.boxes_and_sphere(size)
-    scenes.add_point_light()
+    scene = simple_scenes.boxes_and_sphere(size)
+    simple_scenes.add_point_light()
     engines = _engines(options)
     seconds = {(name, samples): [] for name in engines for samples in (few, many)}
     means, rows = {}, []

@@ -22,7 +22,7 @@ import numpy as np
 
 from sdf_lights.render.settings import LampSampling
 
-from . import lamp_scenes, pictures, scenes
+from . import lamp_scenes, pictures, simple_scenes
 from .progress import Progress
 from .resume import Parts
 from .throughput import LAMP_SCENES
@@ -112,7 +112,7 @@ def changed(change):
 
 
 def _render(samples: int, bounces: int) -> pictures.Picture:
-    scenes.plain_sdf_lights(bpy.context.scene, samples, bounces, "GPU")
+    simple_scenes.plain_sdf_lights(bpy.context.scene, samples, bounces, "GPU")
     bpy.context.scene.sdf_lights.lamp_sampling = LampSampling.MIS.value
     return pictures.render()
 

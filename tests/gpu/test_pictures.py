@@ -15,6 +15,7 @@ from scipy import stats
 
 from sdf_lights import jit
 from sdf_lights.render.film import NO_DEPTH, Film
+from sdf_lights.render.material import Node
 from sdf_lights.render.settings import LampSampling
 from support import scenes
 from support.blocks import means
@@ -56,8 +57,14 @@ def pictures(renderer, name: str, sampling: LampSampling, bounces: int | None = 
 def several(name: str) -> bool:
     """Whether more than one emitter, besides the world, may light the scene."""
     scene = scenes.SCENES[name](8, 6)
-    glows = any(material.surface is not None and material.surface.kind == "emission" for material in scene.materials)
+    glows = any(_glows(material.surface) for material in scene.materials)
     return len(scene.lamps) + len(scene.lights) + 2 * glows > 1  # every triangle is one
+
+
+def _glows(surface) -> bool:
+    return isinstance(surface, Node) and (
+        surface.kind == "emission" or any(_glows(surface[part]) for part in ("a", "b") if part in surface.inputs)
+    )
 
 
 def compare(name: str) -> None:

@@ -27,6 +27,7 @@ QUICK = (
     "environment",
     "skylight",
     "emissive_mesh",
+    "glowing_bubble",
     "light_control",
     "glossy_metal",
     "facets",

@@ -10,7 +10,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 import bench  # noqa: E402
-from benchmarks import cycles, lamp_meshes, lamp_scenes, pictures, references, scenes  # noqa: E402
+from benchmarks import cycles, lamp_meshes, lamp_scenes, pictures, references, simple_scenes  # noqa: E402
 from benchmarks.methods import Method  # noqa: E402
 
 
@@ -37,13 +37,13 @@ def test_measures_of_a_torus():
 
 def test_a_convex_mesh_light_lights_a_far_wall_like_the_volume():
     """Of a ball, from metres away, nothing but the power matters."""
-    scene = scenes.boxes_and_sphere(16)
+    scene = simple_scenes.boxes_and_sphere(16)
     solid = lamp_meshes.sphere(1.0, 32, 16)
     lamp_scenes.add_lamp("Ball", "sphere(1)", solid, lamp_scenes.turned(at=(0.0, -5.0, 9.0)), 1.0)
     means = []
     for surfaces in (False, True):
         lamp_scenes.show(volumes=not surfaces, surfaces=surfaces)
-        scenes.plain_cycles(scene, 256 if surfaces else 4096, 0)
+        simple_scenes.plain_cycles(scene, 256 if surfaces else 4096, 0)
         means.append(pictures.render().pixels.mean())
     assert means[1] == pytest.approx(means[0], rel=0.03)
 

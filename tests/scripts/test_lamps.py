@@ -7,7 +7,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from benchmarks import lamp_scenes, lamps, pictures, scenes  # noqa: E402
+from benchmarks import lamp_scenes, lamps, pictures, simple_scenes  # noqa: E402
 from benchmarks.methods import Method  # noqa: E402
 
 
@@ -71,10 +71,10 @@ def test_as_bright_as_in_cycles(name):
         renders = []
         for seed in range(4):
             if volumes:
-                scenes.plain_cycles(scene, 256, 1)
+                simple_scenes.plain_cycles(scene, 256, 1)
                 scene.cycles.seed = seed
             else:
-                scenes.plain_sdf_lights(scene, 64, 1, "CPU")
+                simple_scenes.plain_sdf_lights(scene, 64, 1, "CPU")
                 scene.sdf_lights.seed = seed
             pixels = pictures.render().pixels
             renders.append(pixels.reshape(blocks, size // blocks, blocks, size // blocks, 3).mean(axis=(1, 3)))

@@ -125,7 +125,7 @@ def _to_cycles(quick: bool, bounces: int) -> Figure:
     # Blender is not there for the other cases.
     import bpy
 
-    from benchmarks import lamp_scenes, pictures, scenes
+    from benchmarks import lamp_scenes, pictures, simple_scenes
 
     lamp_scenes.SCENES["S1"].build(48)
     movers = [
@@ -140,10 +140,10 @@ def _to_cycles(quick: bool, bounces: int) -> Figure:
             thing.matrix_world = moved
         lamp_scenes.show(volumes=cycles)
         if cycles:
-            scenes.plain_cycles(scene, samples, bounces)
+            simple_scenes.plain_cycles(scene, samples, bounces)
             scene.cycles.seed = seed
         else:
-            scenes.plain_sdf_lights(scene, samples, bounces, "CPU")
+            simple_scenes.plain_sdf_lights(scene, samples, bounces, "CPU")
             scene.sdf_lights.seed = seed
         return pictures.render().pixels.mean(axis=2)
 

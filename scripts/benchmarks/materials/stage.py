@@ -11,13 +11,13 @@ import bpy
 from mathutils import Vector
 from scenery.modelling import add, box, plane, smooth_profile, turned
 
-from .. import node_data, scenes
+from .. import node_data, simple_scenes
 from .shader import MATERIALS, Shader
 
 
 def build(name: str, size: int) -> bpy.types.Scene:
     """Open a new file with the scene of one material; a square picture."""
-    scene = scenes.empty(size, (0.0, -5.2, 2.3), (0.0, 0.0, 0.92), 30.0)
+    scene = simple_scenes.empty(size, (0.0, -5.2, 2.3), (0.0, 0.0, 0.92), 30.0)
     _sky(scene)
     _light()
     floor = add("Floor", plane("Floor", (14.0, 14.0)), _floor())
@@ -44,6 +44,8 @@ def material_of(name: str) -> bpy.types.Material:
 
 def _sky(scene) -> None:
     scene.world = bpy.data.worlds.new("Sky")
+    # Of itself, Cycles takes a map of 32 times the width of the image, for which it needs a second before each render.
+    scene.world.cycles.sampling_method, scene.world.cycles.sample_map_resolution = "MANUAL", 256
     shader = Shader(scene.world)
     picture = shader.node("ShaderNodeTexEnvironment")
     picture.node.image = node_data.panorama()

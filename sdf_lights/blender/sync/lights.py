@@ -23,6 +23,7 @@ def light_of(
     obj: bpy.types.Object,
     matrix: np.ndarray,
     visibility: Ray,
+    depsgraph: bpy.types.Depsgraph,
     warn: Warnings,
     images: Images,
     owner: np.ndarray | None = None,
@@ -37,7 +38,7 @@ def light_of(
     Cycles: a test repeats them). Raises RenderError, with a sentence that names the object, where it cannot be used.
     """
     data, name = obj.data, obj.name
-    color, emission = _color(obj, data, matrix, images, warn, random)
+    color, emission = _color(obj, data, matrix, depsgraph, images, warn, random)
     power = data.energy * 2.0**data.exposure
     if not all(map(math.isfinite, (*color, power))):
         raise RenderError(
@@ -75,7 +76,13 @@ def control(light: Lamp | Light, data: bpy.types.Light, linking: dict[str, int])
 
 
 def _color(
-    obj: bpy.types.Object, data: bpy.types.Light, matrix: np.ndarray, images: Images, warn: Warnings, random: float
+    obj: bpy.types.Object,
+    data: bpy.types.Light,
+    matrix: np.ndarray,
+    depsgraph: bpy.types.Depsgraph,
+    images: Images,
+    warn: Warnings,
+    random: float,
 ) -> tuple[RGB, Material | None]:
     """Colour of the light, times its temperature's, times what its nodes emit, and these nodes where that varies."""
     color = np.array(rgb(data.color))
@@ -83,9 +90,8 @@ def _color(
         color *= rgb(data.temperature_color)
     emission = None
     if data.use_nodes and data.node_tree is not None and not data.sdf_lamp.use:
-        reader = Reader(
-            data.node_tree, f"Light '{data.name}'", images, warn, "LIGHT", light=_settings(obj, data, matrix, random)
-        )
+        settings = _settings(obj, data, matrix, random)
+        reader = Reader(data.node_tree, f"Light '{data.name}'", depsgraph, images, warn, "LIGHT", light=settings)
         factor, emission = emission_of(reader, f"Light '{data.name}'")
         color *= factor
     return rgb(color), emission

@@ -162,7 +162,7 @@ class _Reader:
     def _light(self, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags, random: float) -> None:
         try:
             owner = matrix_of(obj.original.evaluated_get(self._depsgraph).matrix_world)
-            light = light_of(obj, matrix, flags.visibility, self._warn, self._images, owner, random)
+            light = light_of(obj, matrix, flags.visibility, self._depsgraph, self._warn, self._images, owner, random)
         except RenderError as error:
             self._warn(str(error))
             return

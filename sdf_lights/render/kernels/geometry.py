@@ -13,7 +13,7 @@ import numpy as np
 from ...affine import inverse
 from ...jit import kernel, table
 from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
-from ..material import Attribute, attributes_of
+from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Ray, Scene
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.program import MATERIAL
@@ -104,7 +104,7 @@ class _Rows:
 def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     """Tables of all meshes and instances. ``baked``: (instances,) bool from ``cpu.accelerator.Accelerator``."""
     rows = {name: _Rows(dtype) for name, dtype in TABLES.items() if name not in ("instances", "attributes")}
-    wanted = attributes_of(scene.materials)
+    wanted = scene.looked_up()
     attributes = _Attributes(wanted, rows["attribute_values"])
     packed: dict[int, dict[str, int]] = {}
     instances = np.zeros(len(scene.instances), INSTANCE)
@@ -210,15 +210,29 @@ def find_surface(block, workspace, wo, ray_kind, footprint):
 
 @kernel
 def _fill_surface(block, ray, surface, wo, ray_kind, footprint):
-    """Fill ``SURFACE`` from a hit.
+    """Fill ``SURFACE`` from a hit."""
+    surface_at(
+        block,
+        surface,
+        hit_instance(ray),
+        np.int64(ray.primitive),
+        float(ray.u),
+        float(ray.v),
+        wo,
+        ray_kind,
+        footprint,
+    )
 
-    The position comes from the barycentric coordinates in float64, not from the distance along the ray: its error
-    does not grow with the distance, and it lies in the plane of the triangle.
+
+@kernel
+def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
+    """Fill ``SURFACE`` of a point of a triangle of the instance ``index``; ``u`` and ``v`` are the weights of its second and
+    third corner.
+
+    The position comes from these in float64, not from the distance along a ray: its error does not grow with the
+    distance, and it lies in the plane of the triangle.
     """
-    index = hit_instance(ray)
     instance = instance_table(block)[index]
-    triangle = np.int64(ray.primitive)
-    u, v = float(ray.u), float(ray.v)
     w = 1.0 - u - v
     p0 = _corner(block, instance, triangle, 0)
     edge1 = sub(_corner(block, instance, triangle, 1), p0)

@@ -7,6 +7,8 @@ Veach 1997, chapter 9, for the weights.
 
 from __future__ import annotations
 
+import numpy as np
+
 from ... import emitter as lamps
 from ...emitter.sampling import cut as cuts
 from ...emitter.sampling import cut_points, external
@@ -14,22 +16,22 @@ from ...emitter.sampling.strategies import BOXES, EXTERNAL, NO_LIGHT_RAYS, WHOLE
 from ...jit import kernel
 from ...replaced import replaced_on_gpu
 from ...vec import dot, largest, length, mul, negate, scale, vec
-from ..scene import Ray
 from . import lights
 from .emission import modulated
-from .geometry import find_surface, surface_table
+from .geometry import surface_at, surface_table
 from .media import apart as media
+from .outputs import apart as outputs
+from .outputs.records import LOBES
+from .outputs.state import LIGHT_RAY
 from .path import LIGHT_SET, contribute, path_table
-from .rays import OFFSET, intersect
 from .sampler import draw4
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
-from .visibility import BLACK, leave, shadow_ray, step_size, transmittance, visible_lamp
+from .visibility import BLACK, leave, shadow_ray, transmittance, visible_lamp
 from .workspace import aside_table, box_table, cut_of, light_cut_of, region_table, spans_of
 
 SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
 NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, as in Cycles
-ANY = int(Ray.ALL)
 
 
 @kernel
@@ -43,14 +45,19 @@ def competes(block, emitter):
 
 
 @kernel
-def shade_triangle(block, workspace, start, wi, distance):
-    """Radiance (RGB) of a textured emissive triangle, shaded where the ray meets it."""
+def shade_triangle(block, workspace, emitter, x, wi, distance):
+    """Radiance (RGB) of a textured emissive triangle, shaded where the ray from x along wi meets it: transparent surfaces may
+    be in front of it."""
     aside = aside_table(workspace)[0]
-    if not intersect(block, aside, start, wi, 0.0, distance * (1.0 + OFFSET) + 8.0 * step_size(start), ANY):
-        return BLACK
-    find_surface(block, aside, negate(wi), NO_RAY, 0.0)
+    surface = surface_table(aside)[0]
+    instance, primitive, u, v = lights.triangle_point(block, x, emitter, wi)
+    surface_at(block, surface, np.int64(instance), np.int64(primitive), u, v, negate(wi), NO_RAY, 0.0)
+    surface.ray_length = distance
+    surface.ray_singular = 0
+    for index in range(5):
+        surface.depth[index] = 0
     shade(block, aside)
-    return vec(surface_table(aside)[0].emission)
+    return vec(surface.emission)
 
 
 @kernel
@@ -124,6 +131,13 @@ def rival_density(cut, pdf, glossy_pdf):
 
 
 @kernel
+def divide_light(block, workspace, wi, emitter):
+    """Tell passes which lobes scatter the light of a light ray along wi, where it is the first to scatter it."""
+    if block.outputs & LOBES and path_table(workspace)[0].bounce == 0:
+        outputs.divide(block, workspace, wi, 0, lights.visibility(block, emitter), LIGHT_RAY)
+
+
+@kernel
 def look(block, workspace, ng, wi):
     """Tell the media that a light ray starts at the surface along wi."""
     media.bounds(block, workspace, media.LOOK_THROUGH if dot(ng, wi) < 0.0 else media.LOOK)
@@ -155,8 +169,9 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         to_point, reach = shadow_ray(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_point, reach, lights.blockers(block, lamp)))
         if largest(weight) > 0.0:
+            divide_light(block, workspace, wi, lamp)
             contribute(
-                block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), True, path.bounce + 1
+                block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), lamp, path.bounce + 1
             )
         return
     wi = lamp_direction(block, workspace, lamp, x, u1, u2, u3)
@@ -172,7 +187,8 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         look(block, workspace, vec(surface.ng), wi)
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, leave(x, vec(surface.ng), wi), u)
     if largest(radiance) > 0.0:
-        contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, True, path.bounce + 1)
+        divide_light(block, workspace, wi, lamp)
+        contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
 
 
 @kernel
@@ -207,10 +223,11 @@ def light_vertex(block, workspace):
         if largest(weight) <= 0.0:
             return
     if lights.triangle_textured(block, emitter):
-        radiance = shade_triangle(block, workspace, start, wi, distance)
+        radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
     elif block.emission_graphs:
         radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
     radiance = mul(weight, radiance)
     if singular or not competes(block, emitter):
         scatter_pdf = 0.0
-    contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), False, scatters)
+    divide_light(block, workspace, wi, emitter)
+    contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), emitter, scatters)

@@ -185,6 +185,16 @@ def test_mirror_directions_stay_above_a_surface_with_a_tilted_normal():
             assert pdf[0] > 0.0 and wi[0, 2] >= min(0.9 * wo[2], 0.01) - 1e-9
 
 
+def test_a_layer_that_loses_energy_hides_as_much_as_one_that_does_not():
+    inputs = {"base_color": WHITE, "roughness": 1.0, "ior": 1.8}
+    weights = [
+        Surface(Node("principled", inputs, settings)).shade(0.5).closures[1]["weight"][0] for settings in ({}, SINGLE)
+    ]
+    # f0 + (1 − f0) s of a layer without loss: more than what is left of it after a loss of almost a half.
+    assert 1.0 - weights[0] == pytest.approx(0.05, abs=0.01)
+    assert 1.0 - weights[1] == pytest.approx(0.09, abs=0.01)
+
+
 def test_nothing_black_or_not_finite_makes_a_closure():
     for color in ((0.0, 0.0, 0.0), (float("nan"),) * 3):
         surface = Surface(Node("diffuse", {"color": color})).shade(0.5)

@@ -45,6 +45,7 @@ _LAYERS = [
         {"Diffuse Roughness": 1.0},
         {"Specular IOR Level": 1.0},
         {"Specular Tint": RUST},
+        {"Roughness": 1.0, "IOR": 1.8, "distribution": "GGX"},
         {"Metallic": 1.0, "Specular Tint": RUST, "Roughness": 0.4},
         {"Coat Weight": 0.7, "Emission Color": RUST, "Emission Strength": 1.0, "Sheen Weight": 0.3},
     )

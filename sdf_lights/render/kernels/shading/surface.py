@@ -71,6 +71,7 @@ from .records import (
     STRAIGHT,
     THINNEST_FILM,
     TRANSLUCENT,
+    VELVET,
     closure_table,
     surface_table,
 )
@@ -133,7 +134,7 @@ def finish(workspace, index, albedo):
         surface.evaluable += 1
     if closure.kind != STRAIGHT:
         put_sum(surface.albedo, albedo)
-        if closure.kind < MICROFACET:
+        if closure.kind < MICROFACET and closure.kind != VELVET:  # as in Cycles
             put_sum(surface.diffuse_albedo, albedo)
 
 
@@ -309,7 +310,7 @@ def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, rou
     cosine = dot(n, vec(surface_table(workspace)[0].wo))
     roughness, film = _refined(block, workspace, refined, index, roughness, NO_FILM)
     e = energy.reflection_albedo(block, cosine, roughness)
-    albedo = scale(film, e if compensated else 1.0)
+    albedo = scale(film, e)
     if film[0] < 0.0:
         albedo = energy.mixed(f0, e, energy.dielectric_albedo(block, ior, cosine, roughness))
     if compensated:
@@ -317,7 +318,8 @@ def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, rou
         energy.compensate_reflection(block, closure, e, roughness, energy.mixed(f0, 1.0, s))
     albedo = mul(vec(closure.weight), albedo)
     finish(workspace, index, albedo)
-    return _below(weight, albedo)
+    # As in Cycles, a layer that loses energy takes as much from what is below as one that does not.
+    return _below(weight, albedo if compensated else scale(albedo, 1.0 / e))
 
 
 @kernel
@@ -541,7 +543,9 @@ def _add_lobe(block, workspace, lobe, index, weight):
     elif kind == LOBE_TRANSPARENT:
         add_transparency(workspace, scale(color, weight))
     elif kind == LOBE_TRANSLUCENT:
-        add_lambert(workspace, scale(color, weight), normal(block, workspace, args[1]), True)
+        # Nothing mirrors here, but Cycles raises the normal all the same.
+        n = specular_normal(surface, normal(block, workspace, args[1]))
+        add_lambert(workspace, scale(color, weight), n, True)
     elif kind == LOBE_GLOSSY:
         _glossy(block, workspace, lobe, weight, color)
     elif kind == LOBE_REFRACTION:

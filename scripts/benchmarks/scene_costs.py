@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scene of ``artist_scenes`` costs beside its samples: the start of a process, synchronisation, memory.
+
+Each engine has a process of its own. Its first render of one sample in a small picture is the start, with compiled kernels on disk;
+the next ones, in which all of the scene is handed over anew, are synchronisation. Memory is the most that the process held while it
+rendered, less what it held before with the scene in Blender. All times are processor times.
+"""
+
+from __future__ import annotations
+
+import pathlib
+import statistics
+import sys
+
+from . import artist_scenes, pictures
+from .isolation import Isolated
+from .scene_pictures import CYCLES, ENGINES, OURS, settings, width_of
+
+TINY = 16  # pixels across, where samples cost nothing
+TURNS = 3
+LEAST_SECONDS, LEAST_BYTES = 0.1, 64 << 20  # what nobody feels: less counts as this
+
+
+def ratios(name: str, options) -> dict:
+    """Ours by Cycles', of start, synchronisation and memory, with the figures of both."""
+    found = {}
+    for engine in ENGINES:
+        process = Isolated()
+        try:
+            found[engine] = process.call(costs, name, engine, options)
+        finally:
+            process.close()
+    row = {}
+    for cost, least in (("start", LEAST_SECONDS), ("sync", LEAST_SECONDS), ("memory", LEAST_BYTES)):
+        ours, theirs = found[OURS][cost], found[CYCLES][cost]
+        row |= {cost: ours, f"cycles_{cost}": theirs}
+        if ours is not None and theirs is not None:
+            row[f"{cost}_ratio"] = max(ours, least) / max(theirs, least)
+    return row
+
+
+def costs(name: str, engine: str, options) -> dict:
+    """Seconds of the first and of later small renders, and bytes of a whole one, in a process that has not rendered yet."""
+    scene = artist_scenes.build(name, TINY)
+    settings(scene, engine, 1, 0, options.device)
+    _forget_peak()
+    before = _resident("VmRSS")
+    start = pictures.render().work
+    sync = statistics.median(pictures.render().work for _ in range(TURNS))
+    scene.render.resolution_x = width_of(options)
+    scene.render.resolution_y = round(width_of(options) * artist_scenes.stage.ASPECT)
+    settings(scene, engine, 2, 0, options.device)
+    pictures.render()
+    peak = _resident("VmHWM")
+    return dict(start=start, sync=sync, memory=None if before is None else peak - before)
+
+
+def _resident(entry: str) -> int | None:
+    """Bytes of this process by an entry of Linux' status file; None elsewhere."""
+    if not sys.platform.startswith("linux"):
+        return None
+    for line in pathlib.Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
+        if line.startswith(entry + ":"):
+            return 1024 * int(line.split()[1])
+    return None
+
+
+def _forget_peak() -> None:
+    """Let the greatest resident size begin anew, where the system allows it."""
+    try:
+        pathlib.Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
+    except OSError:
+        pass

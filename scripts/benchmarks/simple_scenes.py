@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes that benchmarks share, and settings that make two engines do the same work."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import host
+from mathutils import Vector
+from scenery.modelling import add, box, plane, turned
+
+DIFFUSE = dict(  # name: colour, centre, half sizes, rotation about z in degrees
+    Red=((0.70, 0.15, 0.10), (-1.9, -0.6, 0.35), (0.35, 0.35, 0.35), 20.0),
+    Blue=((0.15, 0.25, 0.65), (1.9, 0.9, 0.9), (0.2, 0.2, 0.9), 30.0),
+    Green=((0.25, 0.55, 0.20), (0.0, 0.0, 0.3), (0.15, 0.15, 0.3), 10.0),
+)
+
+
+def material(name: str, kind: str, colour, **inputs):
+    material = bpy.data.materials.new(name)
+    if not material.use_nodes:
+        material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    closure, output = nodes.new(kind), nodes.new("ShaderNodeOutputMaterial")
+    closure.inputs["Color"].default_value = (*colour, 1.0)
+    for key, value in inputs.items():
+        if hasattr(closure, key):
+            setattr(closure, key, value)
+        else:
+            closure.inputs[key.title()].default_value = value
+    links.new(closure.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def empty(size: int, eye, target, degrees: float) -> bpy.types.Scene:
+    """Nothing but a camera at ``eye`` that looks at ``target``, with that angle of view; a square picture."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    host.register_extension()
+    scene = bpy.context.scene
+    camera = bpy.data.cameras.new("Camera")
+    camera.sensor_fit, camera.angle = "HORIZONTAL", math.radians(degrees)
+    thing = add("Camera", camera, location=eye)
+    thing.rotation_euler = (Vector(target) - thing.location).to_track_quat("-Z", "Y").to_euler()
+    scene.camera = thing
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scene.render.resolution_percentage = 100
+    scene.render.use_compositing = scene.render.use_sequencer = False
+    return scene
+
+
+def boxes_and_sphere(size: int) -> bpy.types.Scene:
+    """Three diffuse boxes and a glossy sphere between a floor and a wall, without a light."""
+    scene = empty(size, (0.0, -6.5, 2.6), (0.0, 0.2, 1.0), 42.0)
+    diffuse = "ShaderNodeBsdfDiffuse"
+    add(
+        "Floor",
+        plane("Floor", (12.0, 10.0)),
+        material("Floor", diffuse, (0.70, 0.68, 0.65)),
+        location=(0.0, -2.0, 0.0),
+    )
+    add(
+        "Wall",
+        plane("Wall", (12.0, 7.0)),
+        material("Wall", diffuse, (0.75, 0.75, 0.75)),
+        location=(0.0, 3.0, 3.5),
+        rotation=(90, 0, 0),
+    )
+    for name, (colour, centre, half, turn) in DIFFUSE.items():
+        add(
+            name,
+            box(name, [2.0 * extent for extent in half]),
+            material(name, diffuse, colour),
+            location=centre,
+            rotation=(0, 0, turn),
+        )
+    steps = 64
+    profile = [
+        (0.45 * math.sin(math.pi * step / steps), -0.45 * math.cos(math.pi * step / steps)) for step in range(steps + 1)
+    ]
+    glossy = material("Glossy", "ShaderNodeBsdfAnisotropic", (0.80, 0.75, 0.65), roughness=0.3, distribution="GGX")
+    add("Sphere", turned("Sphere", profile, 128), glossy, location=(1.3, -1.4, 0.45))
+    return scene
+
+
+def add_point_light(watts: float = 100.0, location=(0.0, -0.5, 3.2)) -> None:
+    light = bpy.data.lights.new("Point", "POINT")
+    light.energy, light.shadow_soft_size = watts, 0.0
+    add("Point", light, location=location)
+
+
+def enable_cycles() -> None:
+    bpy.ops.preferences.addon_enable(module="cycles")
+
+
+def plain_cycles(scene, samples: int, bounces: int) -> None:
+    """Cycles on the CPU without what it does by default to trade error for bias: the same work for each sample."""
+    enable_cycles()
+    scene.render.engine = "CYCLES"
+    cycles = scene.cycles
+    cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", samples, False, False
+    cycles.pixel_filter_type = "BOX"
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = cycles.light_sampling_threshold = (
+        0.0
+    )
+    cycles.max_bounces = bounces
+    cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
+
+
+def plain_sdf_lights(scene, samples: int, bounces: int, device: str) -> None:
+    """SDF Lights doing the same."""
+    scene.render.engine = host.ENGINE
+    settings = scene.sdf_lights
+    settings.origin = "OWN"  # whether Cycles was there before or not
+    settings.device, settings.samples, settings.noise_threshold, settings.denoise = device, samples, 0.0, False
+    settings.filter, settings.filter_width = "BOX", 1.0
+    settings.indirect_paths, settings.guided_samples = 1, False
+    settings.max_bounces = bounces
+    settings.diffuse_bounces = settings.glossy_bounces = settings.transmission_bounces = bounces
