@@ -186,7 +186,8 @@ class Portal:
     name: str
     matrix: np.ndarray
     ellipse: bool = False
-    size: tuple[float, float] = (1.0, 1.0)  # as that of an area light
+    size: tuple[float, float] = (1.0, 1.0)  # this and the spread as those of an area light
+    spread: float = np.pi
 
 
 Light = PointLight | SpotLight | SunLight | AreaLight

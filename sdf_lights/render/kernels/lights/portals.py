@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ....jit import kernel, table
-from ...scene import AreaLight, Scene
+from ...scene import Scene
 from . import area
 from .records import header_table
 
@@ -26,9 +26,7 @@ def pack(tables: dict[str, np.ndarray], scene: Scene) -> None:
     found = []
     for portal in scene.portals:
         row = np.zeros((), area.RECORD)
-        area.pack(
-            row, AreaLight(portal.name, portal.matrix, 0.0, ellipse=portal.ellipse, size=portal.size), np.zeros(3)
-        )
+        area.pack(row, portal, np.zeros(3))
         if np.isfinite(portal.matrix).all() and row["half_u"] > 0.0 and row["half_v"] > 0.0:
             found.append(row)
     tables["light_portals"] = np.array(found, area.RECORD)
