@@ -12,7 +12,7 @@ import numpy as np
 from ...medium import hides_horizon
 from ...scene import ALL_SETS, MANY_BOUNCES, Emitter, Lamp, Ray, Scene, SunLight
 from ..rays import SHADOW_OPAQUE
-from . import environment, triangle
+from . import environment, portals, triangle
 from .extent import Far
 from .kinds import KINDS, LAMP, TABLES, TRIANGLE, WORLD
 from .linking import pack_trees, shadow_bit, shadow_bits
@@ -42,6 +42,7 @@ def pack_lights(
     """
     tables, bounds, infinite = pack_near(scene, lamp_bounds, lamp_power, triangles, sources)
     emitters, world = tables["light_emitters"], int(tables["light_header"]["world_emitter"][0])
+    portals.pack(tables, scene)
     irradiance = environment.pack(tables, scene, world, world_map)
     emitters["met"][world] &= emitters["visibility"][world]
     if irradiance > 0.0:
