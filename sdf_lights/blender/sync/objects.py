@@ -134,6 +134,8 @@ class _Reader:
                 random_number(item),
                 **self._linking.of_object((item.parent if item.is_instance else obj).original),
                 **self._linking.of_emitter(original),
+                asset=_topmost(original).name,
+                light_group=original.lightgroup,
             )
         )
 
@@ -163,7 +165,7 @@ class _Reader:
         try:
             owner = matrix_of(obj.original.evaluated_get(self._depsgraph).matrix_world)
             light = light_of(obj, matrix, flags.visibility, self._depsgraph, self._warn, self._images, owner, random)
-            control(light, obj.data, self._linking.of_emitter(obj.original))
+            control(light, obj, self._linking.of_emitter(obj.original))
         except RenderError as error:
             self._warn(str(error))
             return
@@ -181,6 +183,12 @@ class _Reader:
                 rays &= ~Ray.CAMERA
             self._flags[key] = _Flags(rays, obj.is_holdout or original.holdout_get(view_layer=self._view_layer))
         return self._flags[key]
+
+
+def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
+    while obj.parent is not None:
+        obj = obj.parent
+    return obj
 
 
 def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:
