@@ -4,11 +4,27 @@
 
 import bpy
 
-from ..render.passes import PASSES, Kind, Pass
+from ..render.passes import PASSES, Kind, Owner, Pass
 from .properties import group
 
 # Names before Blender 5.0, which compositor nodes and file names of that time go by.
-_OLD_NAMES = {"Emission": "Emit", "Diffuse Color": "DiffCol"} if bpy.app.version < (5, 0, 0) else {}
+_OLD_NAMES = (
+    {
+        "Emission": "Emit",
+        "Environment": "Env",
+        "Object Index": "IndexOB",
+        "Material Index": "IndexMA",
+        "Volume Direct": "VolumeDir",
+        "Volume Indirect": "VolumeInd",
+        **{
+            f"{name} {part}": f"{short}{part[:3]}"
+            for name, short in (("Diffuse", "Diff"), ("Glossy", "Gloss"), ("Transmission", "Trans"))
+            for part in ("Direct", "Indirect", "Color")
+        },
+    }
+    if bpy.app.version < (5, 0, 0)
+    else {}
+)
 
 
 def blender_name(item: Pass) -> str:
@@ -20,7 +36,7 @@ def _own_switches() -> dict:
     """A property for each switch of our own; its tooltip describes every pass behind it."""
     switches: dict[str, list[Pass]] = {}
     for item in PASSES:
-        if item.own:
+        if item.owner is Owner.OWN:
             switches.setdefault(item.switch, []).append(item)
     return {
         switch: bpy.props.BoolProperty(
@@ -46,12 +62,14 @@ SDFLIGHTS_ViewLayerSettings = group(
 
 def owner_of(item: Pass, view_layer: bpy.types.ViewLayer):
     """What has the property ``item.switch``."""
-    return view_layer.sdf_lights if item.own else view_layer
+    if item.owner is Owner.CYCLES:
+        return getattr(view_layer, "cycles", None)  # present only while the Cycles add-on is enabled
+    return view_layer.sdf_lights if item.owner is Owner.OWN else view_layer
 
 
 def is_enabled(item: Pass, view_layer: bpy.types.ViewLayer) -> bool:
     """Whether the switch of the pass is on in the view layer."""
-    return item.switch is None or getattr(owner_of(item, view_layer), item.switch)
+    return item.switch is None or getattr(owner_of(item, view_layer), item.switch, False)
 
 
 def register_passes(engine: bpy.types.RenderEngine, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
@@ -74,7 +92,11 @@ def switches(light: bool) -> list[tuple[Pass, str]]:
     for item in PASSES:
         if item.switch:
             first.setdefault(item.switch, item)
-    return [(item, "" if item.own else item.name) for item in first.values() if (item.kind is Kind.COLOR) == light]
+    return [
+        (item, "" if item.owner is Owner.OWN else item.name)
+        for item in first.values()
+        if (item.kind is Kind.COLOR) == light
+    ]
 
 
 CLASSES = (SDFLIGHTS_ViewLayerSettings,)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .passes import BY_NAME, Rule
+from .passes import BY_NAME, DATA_SUMS, LIGHT_SUMS, Rule
 from .scene import Scene
 from .settings import START_BRANCHES
 
@@ -16,6 +16,7 @@ CHANNELS = {
     "half": 3,
     "lamps": 3,
     "emission": 3,
+    "environment": 3,
     "normal": 3,
     "albedo": 3,
     "diffuse_albedo": 3,
@@ -28,6 +29,9 @@ CHANNELS = {
 # Where paths divide these hold what comes before, and others what branches bring, one term for each branch: samples whose paths
 # divide into many branches tell more.
 SCATTERED = {"combined": "scattered", "half": "scattered_half", "lamps": "scattered_lamps"}
+
+# Sums that are not for every back end.
+OTHER_SUMS = {*LIGHT_SUMS, *DATA_SUMS}
 
 # Depth of a pixel that sees nothing, as Cycles gives it.
 NO_DEPTH = 1e10
@@ -47,6 +51,12 @@ def half_count(count: np.ndarray) -> np.ndarray:
     return count // (2 * HALF_BIT) * HALF_BIT + np.maximum(count % (2 * HALF_BIT) - HALF_BIT, 0)
 
 
+def _placed(widths: dict[str, int]) -> tuple[dict[str, int], int]:
+    """The first column of each, side by side, and how many there are."""
+    ends = np.cumsum([0, *widths.values()])
+    return dict(zip(widths, ends.tolist())), int(ends[-1])
+
+
 class Film:
     """Sums of samples for the pixels of ``window`` = (x0, y0, x1, y1), the border or the whole frame.
 
@@ -55,6 +65,9 @@ class Film:
     do not depend on the order of work.
 
     - ``sums``: name of ``CHANNELS`` -> sums, pixel by pixel; empty where no pass needs them.
+    - ``light_places``, ``data_places``: name of ``passes.LIGHT_SUMS`` or ``DATA_SUMS`` -> its first column, where a pass needs it.
+    - ``light_sums``: (pixels, 2 × columns) light before paths divide, then, as in ``SCATTERED``, what branches bring.
+    - ``data_sums``: (pixels, columns).
     - ``count``: samples; ``surfaces``: samples that met a surface.
     - ``active``: 1 where the pixel takes more samples.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
@@ -79,10 +92,14 @@ class Film:
         if scene.settings.denoise:
             names |= {"Denoising Albedo", "Denoising Normal"}
         self.passes = tuple(name for name in BY_NAME if name in names)
-        used = {BY_NAME[name].source for name in self.passes} | {"half"}
+        used = {BY_NAME[name].source for name in self.passes} | {BY_NAME[name].per for name in self.passes} | {"half"}
         used |= {SCATTERED[name] for name in used & SCATTERED.keys()}
         pixels = self.width * self.height
         self.sums = {name: np.zeros(pixels * count if name in used else 0) for name, count in CHANNELS.items()}
+        self.light_places, width = _placed({name: 3 for name in LIGHT_SUMS if name in used})
+        self.light_sums = np.zeros((pixels, 2 * width))
+        self.data_places, width = _placed({name: count for name, count in DATA_SUMS.items() if name in used})
+        self.data_sums = np.zeros((pixels, width))
         self.count = np.zeros(pixels, np.int32)
         self.surfaces = np.zeros(pixels, np.int32)
         self.active = np.ones(pixels, np.uint8)
@@ -105,14 +122,22 @@ class Film:
 
         if item.rule is Rule.COUNT:
             return of(self.count).reshape(-1, self.width, 1).astype(np.float32)
-        parts = [of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count), of(self.sums[item.source])]
-        if item.source in SCATTERED:
-            parts += [of(self.divided)[:, :1], of(self.sums[SCATTERED[item.source]])]
-        weight, value, *scattered = self._settled(parts)
-        if item.rule is not Rule.FIRST:
+        parts = [of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count)]
+        parts += [of(values) for values in self._sums_of(item.source)]
+        if len(parts) > 2:
+            parts.append(of(self.divided)[:, :1])
+        if item.per is not None:
+            parts += [of(values) for values in self._sums_of(item.per)]
+        weight, value, *others = self._settled(parts)
+        if item.rule not in (Rule.FIRST, Rule.NUMBER):
             value /= np.maximum(weight, 1)
-        if scattered:
-            value[:, :3] += scattered[1] / np.maximum(scattered[0], 1)
+        if len(others) > 1:
+            value[:, :3] += others[0] / np.maximum(others[1], 1)
+        if item.per is not None:
+            color = others[-1] / np.maximum(weight, 1)
+            value = np.divide(value, color, out=np.zeros_like(value), where=color != 0.0)
+        if item.rule is Rule.COMPLEMENT:
+            value = 1.0 - value
         if item.light and self.exposure != 1.0:
             value[:, :3] *= self.exposure
         value = value.astype(np.float32)
@@ -122,6 +147,16 @@ class Film:
         if name == "Depth":
             value[of(self.surfaces) == 0] = NO_DEPTH
         return value.reshape(-1, self.width, value.shape[-1])
+
+    def _sums_of(self, source: str) -> list[np.ndarray]:
+        """(pixels × columns) sums by the name of a source; of light, and of what branches bring."""
+        if source in LIGHT_SUMS:
+            place, half = self.light_places[source], self.light_sums.shape[1] // 2
+            return [self.light_sums[:, at : at + 3] for at in (place, half + place)]
+        if source in DATA_SUMS:
+            place = self.data_places[source]
+            return [self.data_sums[:, place : place + DATA_SUMS[source]]]
+        return [self.sums[name] for name in (source, SCATTERED.get(source)) if name is not None]
 
     def _settled(self, parts: list[np.ndarray]) -> list[np.ndarray]:
         """Copies of counts (pixels, 1) and sums (pixels, channels) that belong together, while threads go on adding.
@@ -138,6 +173,14 @@ class Film:
                 copy[changed] = part[changed]
             changed = changed[(kept[0][changed] != counts[changed])[:, 0]]
         return kept
+
+    def beyond(self, back_end: str) -> list[str]:
+        """A sentence on the passes whose sums are no ``CHANNELS``, for a back end that has only those; none without any."""
+        names = [item.name for name in self.passes for item in (BY_NAME[name],) if {item.source, item.per} & OTHER_SUMS]
+        if not names:
+            return []
+        told = ", ".join(names)
+        return [f"{back_end} leaves these passes black: {told}; choose the CPU as the device to have them."]
 
     def replace_combined(self, color: np.ndarray) -> None:
         """Show ``color`` (height, width, RGB), exposed, as the Combined pass: the denoised picture."""

@@ -16,7 +16,7 @@ import numpy as np
 from ..sdf.emission import Emission
 from ..sdf.shapes import Shape
 from .images import Image
-from .material import Attribute, Material
+from .material import Attribute, Material, attributes_of
 from .medium import Medium
 from .settings import Settings
 
@@ -248,6 +248,16 @@ class Camera:
 
 
 @dataclass
+class Mist:
+    """What the pass of that name shows: how far the distance is between ``start`` and ``depth`` behind it (metres), from 0 to
+    1, to the ``power``."""
+
+    start: float = 5.0
+    depth: float = 25.0
+    power: float = 2.0
+
+
+@dataclass
 class Scene:
     """Everything to be rendered. Indices (mesh, material, image) point into the lists here."""
 
@@ -262,5 +272,11 @@ class Scene:
     lamps: list[Lamp] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
     world: World = field(default_factory=World)
+    mist: Mist = field(default_factory=Mist)
+    attributes: list[Attribute] = field(default_factory=list)  # that passes look up, beside those that materials do
     settings: Settings = field(default_factory=Settings)
     warnings: list[str] = field(default_factory=list)
+
+    def looked_up(self) -> list[Attribute]:
+        """Every attribute that is looked up, in the order of their places."""
+        return attributes_of(self.materials, self.attributes)

@@ -190,7 +190,7 @@ def pictures(file, tmp_path):
                 layer, name, component = channel.split(".")[-3:]
                 found.setdefault(layer, {}).setdefault(name, []).append((component, window[::-1, :, i]))
             part += 1
-        order = "XYZWRGBA"
+        order = "XYZWUVRGBArgba"
         return {
             layer: {
                 name: np.stack([values for _, values in sorted(channels, key=lambda item: order.index(item[0]))], -1)

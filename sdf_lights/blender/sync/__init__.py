@@ -10,9 +10,12 @@ from dataclasses import replace
 import bpy
 
 from ...render.displacement import Habits, displace
+from ...render.material import UV
+from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
 from .. import cycles
+from ..passes import is_enabled
 from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
@@ -21,7 +24,7 @@ from .linking import signature as linking_signature
 from .materials import Materials
 from .objects import ALL, LIGHTS, sync_objects
 from .unmodelled import report_unmodelled
-from .world import world_of
+from .world import mist_of, world_of
 
 __all__ = ["frame_settings", "linking_signature", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
 
@@ -101,8 +104,13 @@ def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: C
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
     materials = Materials(scene, depsgraph, images, warn)
     view_layer = depsgraph.view_layer_eval
+    world = _world(depsgraph)
+    if world is not None:
+        scene.mist = mist_of(world.mist_settings)
+    if is_enabled(BY_NAME["UV"], view_layer):
+        scene.attributes.append(UV)
     if view_layer.use_sky:
-        scene.world = world_of(_world(depsgraph), depsgraph, images, warn)
+        scene.world = world_of(world, depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
     sync_objects(depsgraph, scene, materials, images, warn, kinds, shows)
     images.load()

@@ -42,13 +42,15 @@ class Materials:
     def needs(self, indices: Iterable[int]) -> set[Attribute]:
         """Attributes that these materials look up."""
         materials = [self._scene.materials[index] for index in indices]
-        found = set(attributes_of(materials))
+        found = set(attributes_of(materials, self._scene.attributes))
         return found | {SHARP_FACE} if any(material.displacement is not None for material in materials) else found
 
     def _read(self, material: bpy.types.Material) -> Material:
         tree = node_tree_of(material)
         if tree is None:
-            return Material(material.name, Node("diffuse", {"color": rgb(material.diffuse_color)}))
+            return Material(
+                material.name, Node("diffuse", {"color": rgb(material.diffuse_color)}), index=material.pass_index
+            )
         owner = f"Material '{material.name}'"
         reader = Reader(tree, owner, self._depsgraph, self._images, self._warn, material_index=material.pass_index)
         output = reader.output()
@@ -80,4 +82,5 @@ class Materials:
             displacement,
             material.displacement_method == "BOTH",
             normal,
+            material.pass_index,
         )

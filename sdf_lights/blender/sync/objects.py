@@ -78,7 +78,8 @@ class _Reader:
         self._meshes = Meshes(scene, warn)
         self._linking = Linking(depsgraph)
         self._flags: dict[int, _Flags] = {}
-        self._shown: dict[tuple[int, int], tuple[int | None, tuple[int, ...]]] = {}
+        # By object and mesh: index of the mesh, those of its materials, and the attributes that they look up.
+        self._shown: dict[tuple[int, int], tuple[int | None, tuple[int, ...], set[Attribute]]] = {}
 
     def read(self, item: bpy.types.DepsgraphObjectInstance) -> None:
         obj = item.object
@@ -116,8 +117,9 @@ class _Reader:
         key = original.as_pointer(), mesh.as_pointer()
         if key not in self._shown:
             slots = tuple(self._materials.index(material) for material in slot_materials(obj))
-            self._shown[key] = self._meshes.index(mesh, len(slots), self._materials.needs(slots)), slots
-        index, slots = self._shown[key]
+            wanted = self._materials.needs(slots)
+            self._shown[key] = self._meshes.index(mesh, len(slots), wanted), slots, wanted
+        index, slots, wanted = self._shown[key]
         if index is None:
             return
         self._scene.instances.append(
@@ -128,7 +130,7 @@ class _Reader:
                 original.name,
                 flags.visibility,
                 flags.holdout,
-                self._attributes(item, self._materials.needs(slots)),
+                self._attributes(item, wanted),
                 tuple(obj.color),
                 original.pass_index,
                 random_number(item),

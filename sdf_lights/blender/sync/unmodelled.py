@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 
 from ...render.kernels.rays import SHADOW_BITS
-from ...render.passes import PASSES
+from ...render.passes import PASSES, Owner
 from .common import Warnings
 
 
@@ -90,7 +90,7 @@ _NO_PASSES = {"use_pass_cryptomatte_accurate", "use_pass_grease_pencil"}
 
 def passes(asked: Asked) -> Iterator[str]:
     layer = asked.view_layer
-    known = {item.switch for item in PASSES if not item.own} | {"use_pass_combined"} | _NO_PASSES
+    known = {item.switch for item in PASSES if item.owner is not Owner.OWN} | {"use_pass_combined"} | _NO_PASSES
     lacking, elsewhere = [], []
     for owner in (layer, getattr(layer, "cycles", None)):
         for prop in owner.bl_rna.properties if owner is not None else ():

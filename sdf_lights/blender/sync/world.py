@@ -11,7 +11,7 @@ import mathutils
 import numpy as np
 
 from ...render.images import MISSING
-from ...render.scene import MANY_BOUNCES, Ray, World
+from ...render.scene import MANY_BOUNCES, Mist, Ray, World
 from .common import Warnings, node_tree_of, rgb
 from .images import Images
 from .nodes import Reader, emission_of, numbers_of, texture_matrix
@@ -51,6 +51,12 @@ def _shaded(
         return World(visibility=visibility)
     medium = medium_of(reader, output, owner, warn)
     return replace(_background(reader, output, owner, images, visibility), medium=medium)
+
+
+def mist_of(settings: bpy.types.WorldMistSettings) -> Mist:
+    """The Mist Pass of a world, as Cycles reads it."""
+    power = {"LINEAR": 1.0, "QUADRATIC": 2.0, "INVERSE_QUADRATIC": 0.5}[settings.falloff]
+    return Mist(settings.start, settings.depth, power)
 
 
 def _background(reader: Reader, output, owner: str, images: Images, visibility: Ray) -> World:

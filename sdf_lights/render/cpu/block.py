@@ -17,6 +17,7 @@ from ..kernels import film as film_kernels
 from ..kernels.media import pack as media
 from ..kernels.media import parts as media_parts
 from ..kernels.media import records as media_records
+from ..kernels.outputs import parts as output_parts
 from ..kernels.packing import (
     BLOCK,
     TABLES,
@@ -117,6 +118,8 @@ class PackedScene:
             {**camera.pack_camera(scene), **film_kernels.pack_film(film)},
             {**camera.camera_scalars(scene), **film_kernels.film_scalars(film)},
         )
+        self._fill(*output_parts.pack(scene, film, (BLOCK, WORKSPACE)))
+        self.output_counts = output_parts.workspace_counts(film)
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
         self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
         if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
@@ -170,6 +173,7 @@ class Workspace:
             **cuts.WORKSPACE_COUNTS,
             **lights.WORKSPACE_COUNTS,
             **media_records.WORKSPACE_COUNTS,
+            **packed.output_counts,
             **lamp_tree.workspace_counts(len(packed.lamps)),
         }
         self._tables = {name: _new_table(name, count) for name, count in counts.items()}

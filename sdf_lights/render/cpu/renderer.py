@@ -71,7 +71,10 @@ class CpuRenderer:
     def aim(self, scene: Scene, film: Film) -> None:
         """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
         self._film, self._settings, self._tiles = film, scene.settings, _tiles(film)
+        before = self._packed.output_counts
         self._packed.aim(scene, film)
+        if self._packed.output_counts != before:
+            self._workspaces = _workspaces(self._packed, scene)
 
     def interrupt(self) -> None:
         """Stop sampling within milliseconds, if ``stop`` then says so too. May be called by another thread."""

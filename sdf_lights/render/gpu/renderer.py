@@ -34,6 +34,7 @@ class GpuRenderer:
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
         self._film, self._say, self._warnings = film, say, scene.warnings
         self._device = device()
+        scene.warnings += film.beyond("The GPU")
         self._made: list = []
         self._places, self._size = film_places(film)
         self._work, self._longest = FIRST_WORK, MOST_SAMPLES

@@ -13,7 +13,7 @@ import numpy as np
 from ...affine import inverse
 from ...jit import kernel, table
 from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
-from ..material import Attribute, attributes_of
+from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Ray, Scene
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.program import MATERIAL
@@ -104,9 +104,9 @@ class _Rows:
 def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     """Tables of all meshes and instances. ``baked``: (instances,) bool from ``cpu.accelerator.Accelerator``."""
     rows = {name: _Rows(dtype) for name, dtype in TABLES.items() if name not in ("instances", "attributes")}
-    wanted = attributes_of(scene.materials)
+    wanted = scene.looked_up()
     attributes = _Attributes(wanted, rows["attribute_values"])
-    packed: dict[int, dict[str, int]] = {}
+    packed: dict[int, dict[str, object]] = {}
     instances = np.zeros(len(scene.instances), INSTANCE)
     for index, instance in enumerate(scene.instances):
         mesh, record = scene.meshes[instance.mesh], instances[index]
@@ -119,6 +119,7 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
             )
             positions = world_positions(mesh.positions, instance.matrix) if baked[index] else mesh.positions
             places["positions"] = rows["positions"].add(positions)
+            places["box_center"], places["box_size"] = box_around(mesh.positions)
             packed[instance.mesh] = places
         for name, place in packed[instance.mesh].items():
             record[name] = place
@@ -130,7 +131,6 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
         record["material_count"] = len(instance.materials)
         record["attributes"] = attributes.place(instance, mesh)
         record["index"], record["random"], record["color"] = instance.index, instance.random, instance.color
-        record["box_center"], record["box_size"] = box_around(mesh.positions)
     tables = {name: part.join() for name, part in rows.items()}
     tables["instances"] = instances
     tables["attributes"] = np.array(attributes.records or [(0, NO_DOMAIN, 0)], ATTRIBUTE)

@@ -19,6 +19,7 @@ from ..settings import LampSampling
 from . import camera, emission, film, geometry, integrator, lamp_tree, lights, rays, shading
 from .media import pack as media
 from .media import records as media_records
+from .outputs import records as output_records
 from .shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, TRANSMISSION
 from .subsurface import records as subsurface_records
 
@@ -32,6 +33,7 @@ TABLES = {
     **lights.TABLES,
     **shading.TABLES,
     **film.TABLES,
+    **output_records.TABLES,
     **media_records.TABLES,
     **subsurface_records.TABLES,
     "control": np.dtype(np.int64),
@@ -46,6 +48,7 @@ SCALARS = [
     *emission.SCALARS,
     *integrator.SCALARS,
     *film.SCALARS,
+    *output_records.SCALARS,
 ]
 BLOCK = block_dtype(TABLES, SCALARS)
 

@@ -244,7 +244,7 @@ class Materials:
                     shading.portal[rows] |= isinstance(lobe, Portal) & (lobe.weight.mean(1) >= CUTOFF)
                 else:
                     shading.albedo[rows] += lobe.albedo
-                    if lobe.diffuse:
+                    if lobe.diffuse if lobe.counts_as_diffuse is None else lobe.counts_as_diffuse:
                         shading.diffuse_albedo[rows] += lobe.albedo
                     singular = isinstance(lobe, Subsurface) or getattr(lobe, "singular", False)
                     shading.scatters[rows] |= (lobe.weight.mean(1) >= CUTOFF) & ~np.asarray(singular)

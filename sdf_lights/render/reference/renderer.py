@@ -34,6 +34,7 @@ class ReferenceRenderer:
     ):
         say("Building the scene")
         self._film, self._seed = film, scene.settings.seed
+        scene.warnings += film.beyond("The NumPy reference")
         self._use_embree = use_embree
         self._integrator = Integrator(scene, use_embree)
         self.ready = True
@@ -84,9 +85,9 @@ class ReferenceRenderer:
         surface = np.flatnonzero(finite & samples.found)
         self._sum("combined", pixel[rows], np.concatenate([samples.combined, samples.alpha[:, None]], 1)[rows])
         self._sum("half", pixel[half], samples.combined[half])
-        for name in ("lamps", "emission"):
+        for name in ("lamps", "emission", "environment", "diffuse_albedo"):
             self._sum(name, pixel[rows], getattr(samples, name)[rows])
-        for name in ("normal", "albedo", "diffuse_albedo"):
+        for name in ("normal", "albedo"):
             self._sum(name, pixel[surface], getattr(samples, name)[surface])
         # Distances are those of the first sample that met a surface.
         new, where = np.unique(pixel[surface], return_index=True)

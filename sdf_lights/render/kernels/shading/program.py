@@ -21,7 +21,7 @@ from ....graph.formula import CONSTANT, Formula, Vector, clamp, constant, maximu
 from ....graph.substitution import without_objects
 from ....vec import ZERO
 from ...images import MISSING, Texture, mean_color
-from ...material import NODES, Attribute, Material, Node, Table, attributes_of
+from ...material import NODES, Attribute, Material, Node, Table
 from ..textures import pack_textures
 from . import special_lobes
 from .graphs import Graphs, needs, typical
@@ -138,6 +138,7 @@ MATERIAL = np.dtype(
         ("shadow_graph", "i4"),  # what transparency() alone needs
         ("shadow_slots", "i4"),
         ("shadow_lobes", "i4", 2),
+        ("index", "i4"),
     ],
     align=True,
 )
@@ -201,7 +202,7 @@ class _SceneCompiler:
 
     def __init__(self, scene):
         self.scene = scene
-        self.attributes = {attribute: index for index, attribute in enumerate(attributes_of(scene.materials))}
+        self.attributes = {attribute: index for index, attribute in enumerate(scene.looked_up())}
         self.constants = [0.0, 0.0, 0.0]
         self.places = {}
         self.tables: dict[int, int] = {}
@@ -258,7 +259,7 @@ class _SceneCompiler:
 
     def compile(self, material: Material, record) -> None:
         start = len(self.lobes)
-        record["sample_emission"] = material.sample_emission
+        record["sample_emission"], record["index"] = material.sample_emission, material.index
         try:
             self._compile(material, record)
         except (_TooComplex, RecursionError):

@@ -71,6 +71,7 @@ from .records import (
     STRAIGHT,
     THINNEST_FILM,
     TRANSLUCENT,
+    VELVET,
     closure_table,
     surface_table,
 )
@@ -133,7 +134,7 @@ def finish(workspace, index, albedo):
         surface.evaluable += 1
     if closure.kind != STRAIGHT:
         put_sum(surface.albedo, albedo)
-        if closure.kind < MICROFACET:
+        if closure.kind < MICROFACET and closure.kind != VELVET:  # as in Cycles
             put_sum(surface.diffuse_albedo, albedo)
 
 
