@@ -179,6 +179,17 @@ class AreaLight(Emitter):
     emission: Material | None = None
 
 
+@dataclass
+class Portal:
+    """A rectangle or ellipse through which light of the world is sampled, on the side of its local −z. It gives no light."""
+
+    name: str
+    matrix: np.ndarray
+    ellipse: bool = False
+    size: tuple[float, float] = (1.0, 1.0)  # this and the spread as those of an area light
+    spread: float = np.pi
+
+
 Light = PointLight | SpotLight | SunLight | AreaLight
 
 
@@ -271,6 +282,7 @@ class Scene:
     images: list[Image] = field(default_factory=list)
     lamps: list[Lamp] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
+    portals: list[Portal] = field(default_factory=list)
     world: World = field(default_factory=World)
     mist: Mist = field(default_factory=Mist)
     attributes: list[Attribute] = field(default_factory=list)  # that passes look up, beside those that materials do

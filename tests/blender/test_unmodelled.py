@@ -94,11 +94,6 @@ def shadow_caustics(light, floor, **_):
     light.data.cycles.is_caustics_light = floor.cycles.is_caustics_caster = True
 
 
-def portal(light, **_):
-    light.data.type = "AREA"
-    light.data.cycles.is_portal = True
-
-
 def custom_camera(file, **_):
     file.camera.data.type = "CUSTOM"
 
@@ -123,7 +118,6 @@ CASES = {
     subdivision: ("Objects", "'Floor'", "adaptive subdivision"),
     shadow_terminator: ("Objects", "'Floor'", "shadow terminator"),
     shadow_caustics: ("Scene", "Bulb", "by chance"),
-    portal: ("Lights", "'Bulb'", "portal"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
 }
 

@@ -76,7 +76,7 @@ def sync_viewport(depsgraph: bpy.types.Depsgraph, space: bpy.types.SpaceView3D) 
 
 def sync_lights(depsgraph: bpy.types.Depsgraph, scene: Scene, space: bpy.types.SpaceView3D) -> Scene:
     """``scene``, as ``sync_viewport`` gave it, with its lamps and lights read again."""
-    result = replace(scene, lamps=[], lights=[], images=list(scene.images), warnings=list(scene.warnings))
+    result = replace(scene, lamps=[], lights=[], portals=[], images=list(scene.images), warnings=list(scene.warnings))
     warn = Warnings(result.warnings)
     images = Images(result, warn, depsgraph.scene_eval.frame_current)
     sync_objects(depsgraph, result, None, images, warn, LIGHTS, shows_in(space))

@@ -12,7 +12,7 @@ import numpy as np
 from ...affine import inverse
 from ...render.errors import RenderError
 from ...render.material import Material
-from ...render.scene import MANY_BOUNCES, RGB, AreaLight, Lamp, Light, PointLight, Ray, SpotLight, SunLight
+from ...render.scene import MANY_BOUNCES, RGB, AreaLight, Lamp, Light, PointLight, Portal, Ray, SpotLight, SunLight
 from ..lamp import pattern_of, shape_of
 from .common import FLAT, Warnings, is_flat, rgb
 from .images import Images
@@ -28,8 +28,8 @@ def light_of(
     images: Images,
     owner: np.ndarray | None = None,
     random: float = 0.0,
-) -> Lamp | Light | None:
-    """The lamp or light of a Light object; None where it gives no light.
+) -> Lamp | Light | Portal:
+    """The lamp, light or portal of a Light object.
 
     ``owner`` is the matrix of the object itself, from which a lamp's nodes see other objects, where it is an instance.
     ``random`` is the number that Object Info gives.
@@ -47,7 +47,7 @@ def light_of(
     if data.sdf_lamp.use:
         return _lamp(name, data, matrix, matrix if owner is None else owner, power, color, visibility)
     if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
-        return None  # a portal only guides sampling in Cycles
+        return Portal(name, matrix, data.shape in {"DISK", "ELLIPSE"}, tuple(_sides(data).tolist()))
     common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow, emission=emission)
     if data.type == "SUN":
         solid = math.pi * math.sin(0.5 * data.angle) ** 2  # ∫ cosine over the sun's disk
@@ -65,10 +65,8 @@ def light_of(
     return PointLight(name, matrix, power, **common)
 
 
-def control(light: Lamp | Light | None, data: bpy.types.Light, linking: dict[str, int]) -> None:
+def control(light: Lamp | Light, data: bpy.types.Light, linking: dict[str, int]) -> None:
     """Give a lamp or light what its object says of what it lights, and Cycles' settings of the light."""
-    if light is None:
-        return
     for name, value in linking.items():
         setattr(light, name, value)
     cycles = getattr(data, "cycles", None)  # present only while the Cycles add-on is enabled

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...render.errors import RenderError
 from ...render.material import Attribute
-from ...render.scene import AttributeValues, Domain, Instance, Lamp, Ray, Scene
+from ...render.scene import AttributeValues, Domain, Instance, Lamp, Portal, Ray, Scene
 from .attributes import property_of, random_number
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
 from .images import Images
@@ -165,13 +165,16 @@ class _Reader:
         try:
             owner = matrix_of(obj.original.evaluated_get(self._depsgraph).matrix_world)
             light = light_of(obj, matrix, flags.visibility, self._depsgraph, self._warn, self._images, owner, random)
-            control(light, obj.data, self._linking.of_emitter(obj.original))
         except RenderError as error:
             self._warn(str(error))
             return
+        if isinstance(light, Portal):
+            self._scene.portals.append(light)
+            return
+        control(light, obj.data, self._linking.of_emitter(obj.original))
         if isinstance(light, Lamp):
             self._scene.lamps.append(light)
-        elif light is not None:
+        else:
             self._scene.lights.append(light)
 
     def _flags_of(self, obj: bpy.types.Object) -> _Flags:

@@ -220,15 +220,6 @@ def shadow_caustics(asked: Asked) -> Iterator[str]:
         )
 
 
-def portals(asked: Asked) -> Iterator[str]:
-    for obj in asked.objects:
-        if obj.type == "LIGHT" and obj.data.type == "AREA" and _cycles(obj.data, "is_portal", False):
-            yield (
-                f"Light '{obj.name}' is a portal, which is not supported: the picture is the same, but the world's light "
-                "through it has more noise; take more samples."
-            )
-
-
 def world_shadows(asked: Asked) -> Iterator[str]:
     world = asked.world
     if world is not None and not _cycles(world, "use_shadows", True):
@@ -247,6 +238,5 @@ CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     subdivision,
     shadow_terminators,
     shadow_caustics,
-    portals,
     world_shadows,
 )

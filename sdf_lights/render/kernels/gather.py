@@ -169,7 +169,7 @@ def gather_world(block, workspace):
         radiance = modulated(block, workspace, world, radiance, vec(path.origin), direction, np.inf, path.kind)
     if _nothing(radiance):
         return
-    pdf = lights.world_pdf(block, vec(path.normal), direction) if path.pdf > 0.0 else 0.0
+    pdf = lights.world_pdf(block, vec(path.origin), vec(path.normal), direction) if path.pdf > 0.0 else 0.0
     contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), world, path.bounce)
 
 

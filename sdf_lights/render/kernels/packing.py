@@ -23,21 +23,33 @@ from .outputs import records as output_records
 from .shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, TRANSMISSION
 from .subsurface import records as subsurface_records
 
-TABLES = {
-    **lamps.TABLES,
-    **cuts.TABLES,
-    **external.TABLES,
-    **lamp_tree.TABLES,
-    **camera.TABLES,
-    **geometry.TABLES,
-    **lights.TABLES,
-    **shading.TABLES,
-    **film.TABLES,
-    **output_records.TABLES,
-    **media_records.TABLES,
-    **subsurface_records.TABLES,
-    "control": np.dtype(np.int64),
-}
+
+def _together(*parts: dict[str, np.dtype]) -> dict[str, np.dtype]:
+    """One dictionary of tables whose names no two modules share, however they came to declare them: a later one would take
+    the place of an earlier one, and kernels would read what is not theirs."""
+    found: dict[str, np.dtype] = {}
+    for part in parts:
+        for name, dtype in part.items():
+            if found.setdefault(name, dtype) != dtype:
+                raise ValueError(f"two modules declare the table {name!r}: rename one")
+    return found
+
+
+TABLES = _together(
+    lamps.TABLES,
+    cuts.TABLES,
+    external.TABLES,
+    lamp_tree.TABLES,
+    camera.TABLES,
+    geometry.TABLES,
+    lights.TABLES,
+    shading.TABLES,
+    film.TABLES,
+    output_records.TABLES,
+    media_records.TABLES,
+    subsurface_records.TABLES,
+    {"control": np.dtype(np.int64)},
+)
 SCALARS = [
     *media_records.SCALARS,
     *subsurface_records.SCALARS,

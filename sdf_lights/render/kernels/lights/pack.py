@@ -11,7 +11,7 @@ import numpy as np
 from ...medium import hides_horizon
 from ...scene import ALL_SETS, MANY_BOUNCES, Emitter, Lamp, Ray, Scene, SunLight
 from ..rays import SHADOW_OPAQUE
-from . import environment, triangle
+from . import environment, portals, triangle
 from .extent import Far
 from .kinds import KINDS, LAMP, TABLES, TRIANGLE, WORLD
 from .linking import pack_trees, shadow_bit, shadow_bits
@@ -57,6 +57,7 @@ def pack_lights(
     bounds = [_lamp_bounds(emitters, sources, lamp_bounds, lamp_power)]
     infinite = []
     bounds += _pack_lights(tables, scene, lamps, infinite)
+    portals.pack(tables, scene)
     irradiance = environment.pack(tables, scene, world, world_map)
     if irradiance > 0.0:
         infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
