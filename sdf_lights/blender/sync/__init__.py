@@ -15,7 +15,7 @@ from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
 from .. import cycles
-from ..passes import is_enabled
+from ..passes import is_enabled, layer_passes
 from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
@@ -78,6 +78,9 @@ def sync_views(
         settings=layer_settings(blender_scene, depsgraph.view_layer_eval),
     )
     warn(cycles.missing(blender_scene))
+    scene.passes = layer_passes(depsgraph.view_layer)
+    if is_enabled(BY_NAME["UV"], depsgraph.view_layer):
+        scene.attributes.append(UV)
     moves = engine is not None and not engine.is_preview and is_wanted(depsgraph)
     _fill(depsgraph, scene, warn, motion=Motion(depsgraph, engine, scene, cameras, warn) if moves else None, eyes=eyes)
     report_unmodelled(depsgraph, _world(depsgraph), warn)
@@ -142,8 +145,6 @@ def _fill(
     world = _world(depsgraph)
     if world is not None:
         scene.mist = mist_of(world.mist_settings)
-    if is_enabled(BY_NAME["UV"], view_layer):
-        scene.attributes.append(UV)
     if view_layer.use_sky:
         scene.world = world_of(world, depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}

@@ -159,6 +159,8 @@ class _Reader:
                 random_number(item),
                 **self._linking.of_object((item.parent if item.is_instance else obj).original),
                 **self._linking.of_emitter(original),
+                asset=_topmost(original).name,
+                light_group=original.lightgroup,
             )
         )
 
@@ -194,7 +196,7 @@ class _Reader:
         if isinstance(light, Portal):
             self._scene.portals.append(light)
             return
-        control(light, obj.data, self._linking.of_emitter(obj.original))
+        control(light, obj, self._linking.of_emitter(obj.original))
         if isinstance(light, Lamp):
             self._scene.lamps.append(light)
         else:
@@ -209,6 +211,12 @@ class _Reader:
                 rays &= ~Ray.CAMERA
             self._flags[key] = _Flags(rays, obj.is_holdout or original.holdout_get(view_layer=self._view_layer))
         return self._flags[key]
+
+
+def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
+    while obj.parent is not None:
+        obj = obj.parent
+    return obj
 
 
 def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:
