@@ -57,15 +57,18 @@ void add_sample(int index)
 #ifdef FILM_EMISSION
     add_vector(FILM_EMISSION, sample_row.emission);
 #endif
+#ifdef FILM_ENVIRONMENT
+    add_vector(FILM_ENVIRONMENT, sample_row.environment);
+#endif
+#ifdef FILM_DIFFUSE_ALBEDO
+    add_vector(FILM_DIFFUSE_ALBEDO, sample_row.diffuse_albedo);
+#endif
     if (sample_row.found != 0) {
 #ifdef FILM_NORMAL
         add_vector(FILM_NORMAL, sample_row.normal);
 #endif
 #ifdef FILM_ALBEDO
         add_vector(FILM_ALBEDO, sample_row.albedo);
-#endif
-#ifdef FILM_DIFFUSE_ALBEDO
-        add_vector(FILM_DIFFUSE_ALBEDO, sample_row.diffuse_albedo);
 #endif
         if (sums[FILM_SURFACES] == 0.0) {
 #ifdef FILM_POSITION

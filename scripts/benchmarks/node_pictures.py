@@ -25,10 +25,11 @@ CYCLES, OURS = ENGINES = ("CYCLES", host.ENGINE)
 TILE, LIT_TILE, ALONE = 32, 32, 32  # pixels a side
 BLOCK = 8  # pixels a side, over which pictures with noise are averaged before they are compared
 SEEDS = 4  # renders of each engine, where there is noise
-ROUNDS, MORE = 2, 4  # how often cases that noise leaves in doubt are rendered again, with so many times the samples
+MORE = 4  # times as many samples have cases that noise leaves in doubt, when they are rendered again
 SHARP = 16  # samples where all rays go through the centre of a pixel, or the hundredth of a pixel that engines allow beside it
 BOUNCES = 8  # of light, where there are lights
 ASIDE = 0.01  # pixels that rays are moved to the side, to find jumps
+COARSE = 0.06  # doubt in a 99th percentile, above which noise hides too much
 JUMPS = "beside jumps: our own picture changes as much there where rays move by a hundredth of a pixel"
 DARK = 0.01  # a value that differences are relative to where a picture is black
 
@@ -78,14 +79,15 @@ class Pair:
 
     @property
     def doubtful(self) -> bool:
-        """Whether noise could hide a difference of a few limits, or be one."""
+        """Whether more samples could change what is said: noise is coarse, or there is some difference beside it, and it is
+        not yet far over the limit."""
         found = self.difference()
         if found is None or self.case.name in EXPLAINED:
             return False
-        if found.mean_doubt > 0.5 * LIMIT or found.p99_doubt > 2.0 * LIMIT:
-            return True
-        excess = max(found.mean - found.mean_doubt, found.p99 - found.p99_doubt) - LIMIT
-        return 0.0 < excess < LIMIT
+        if max(found.mean - found.mean_doubt, found.p99 - found.p99_doubt) > 2.0 * LIMIT:
+            return False
+        coarse = found.mean_doubt > LIMIT or found.p99_doubt > COARSE
+        return coarse or found.mean > 0.5 * LIMIT or found.p99 > max(found.p99_doubt, LIMIT)
 
     def row(self) -> dict:
         found = self.difference()
@@ -162,17 +164,18 @@ def render_all(
     device: str = "CPU",
     told: Callable[[str], None] = lambda text: None,
     fresh: bool = False,
+    rounds: int = 2,
     engines=ENGINES,
 ) -> Iterator[Pair]:
-    """Pictures of all cases by both engines, of ``SEEDS`` renders of so many samples where there is noise, and of more where
-    that leaves a case in doubt: one group after the other.
+    """Pictures of all cases by both engines, of ``SEEDS`` renders of so many samples where there is noise, and up to ``rounds``
+    times of more where that leaves a case in doubt: one group after the other.
 
     Cycles' pictures with noise are kept in the user's cache, as references are; ``fresh``: made anew.
     """
     for group in groups(cases):
         told(f"{group[0].name} and {len(group) - 1} more" if len(group) > 1 else group[0].name)
         pairs, doubtful, count = {}, group, samples
-        for _ in range(1 + ROUNDS):
+        for _ in range(1 + rounds):
             pairs |= {pair.case.name: pair for pair in _rendered(doubtful, count, device, fresh, engines)}
             doubtful, count = [case for case in doubtful if _noisy(case) and pairs[case.name].doubtful], MORE * count
             if not doubtful:

@@ -20,11 +20,11 @@ from collections.abc import Callable
 Told = Callable[[str], None]
 
 
-def rows_of(cases: list, samples: int, options, told: Told) -> list[dict]:
+def rows_of(cases: list, samples: int, rounds: int, options, told: Told) -> list[dict]:
     """Rows of all cases, in their order; those at which a process ended have an error."""
     from . import node_pictures
 
-    wish = dict(samples=samples, device=options.device, fresh=options.fresh, sheets=bool(options.sheets))
+    wish = dict(samples=samples, rounds=rounds, device=options.device, fresh=options.fresh, sheets=bool(options.sheets))
     rows: dict[str, dict] = {}
     waiting = [list(cases)]
     while waiting:
@@ -80,7 +80,7 @@ def main() -> None:
         names = set(wish["names"])
         cases = [case for case in node_cases.cases() if case.name in names]
         for pair in node_pictures.render_all(
-            cases, wish["samples"], wish["device"], lambda text: send("told", text), wish["fresh"]
+            cases, wish["samples"], wish["device"], lambda text: send("told", text), wish["fresh"], wish["rounds"]
         ):
             if wish["sheets"] and pair.whole:
                 node_sheets.keep(pair.case.name, *(pair.mean(engine) for engine in node_pictures.ENGINES))

@@ -4,8 +4,8 @@
 
 Values are light that tiles send out, in a world without any other light; every ray goes through the centre of its pixel,
 so one sample is enough. Closures are balls, each in an open cell with black walls, so that they do not light each other,
-under a sun without a size and a grey world: of that, little is left to chance, so few samples tell pictures apart. Worlds and
-lights have a scene each.
+under a wide sun and a grey world: lights that rays find, whichever way they are drawn, so few samples tell pictures apart, of
+glass, too. Worlds and lights have a scene each.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ FRAME = Matrix.Translation((1.3, -2.1, 0.7)) @ Euler((0.5, -0.3, 0.8)).to_matrix
 DEPTH = 9.0  # of the tiles before the camera
 # An object's own place within its tile.
 POSE = Euler((0.3, -0.4, 0.35)).to_matrix().to_4x4() @ Matrix.Diagonal((0.8, 1.1, 0.95, 1.0))
+SUN = 1.6  # its angle, as of a window: a small one would be found by few rays through glass
 BUMPS = 0.05  # of a ball that shines, relative to its radius: there is more to see of its shape
 
 
@@ -360,7 +361,7 @@ def _add_cells(grid: Grid) -> None:
 
 def _add_lights(grid: Grid) -> None:
     light = bpy.data.lights.new("Sun", "SUN")
-    light.energy, light.angle = 2.0, 0.0
+    light.energy, light.angle = 3.0, SUN
     add("Sun", light).matrix_world = FRAME @ Euler((0.3, 0.25, 0.0)).to_matrix().to_4x4()
     world(bpy.context.scene, (0.35, 0.4, 0.45))
 

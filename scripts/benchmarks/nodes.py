@@ -31,6 +31,7 @@ PARTS = {
     "compiling": (),
 }
 LIT_SAMPLES, QUICK_LIT_SAMPLES = 32, 8  # of each render, at first
+LIT_ROUNDS, QUICK_LIT_ROUNDS = 2, 2  # of more samples, where noise leaves cases in doubt
 QUICK_WORLDS = 4  # of so many worlds and lights one
 # Of all parts together; of materials alone, a quick run has all of them.
 QUICK_MATERIALS = ("car_paint", "leaf", "oak", "brick", "dirty_glass", "skin", "neon_sign", "terrain")
@@ -171,8 +172,8 @@ def _materials(options) -> list[str]:
 
 
 def _compared(part: str, cases: list, options, progress: Progress) -> list[dict]:
-    samples = QUICK_LIT_SAMPLES if options.quick else LIT_SAMPLES
-    return node_process.rows_of(cases, samples, options, lambda text: progress.show(f"{part}: {text}"))
+    samples, rounds = (QUICK_LIT_SAMPLES, QUICK_LIT_ROUNDS) if options.quick else (LIT_SAMPLES, LIT_ROUNDS)
+    return node_process.rows_of(cases, samples, rounds, options, lambda text: progress.show(f"{part}: {text}"))
 
 
 def _material(name: str, options, other: Isolated) -> dict:

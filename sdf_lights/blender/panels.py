@@ -246,7 +246,9 @@ def _passes_panel(label: str, light: bool) -> type:
     def draw_properties(self, layout, context):
         column = layout.column(heading="Include", align=True)
         for item, text in switches(light):
-            column.prop(owner_of(item, context.view_layer), item.switch, **({"text": text} if text else {}))
+            owner = owner_of(item, context.view_layer)
+            if owner is not None:
+                column.prop(owner, item.switch, **({"text": text} if text else {}))
 
     return type(
         f"SDFLIGHTS_PT_passes_{label.lower()}",
@@ -407,6 +409,7 @@ class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
     def draw_properties(self, layout, context):
         light = context.light
         layout.prop(light.sdf_lamp, "use")
+        layout.prop(light.sdf_lamp, "use_pass")
         draw_emission(layout, light)
         if light.sdf_lamp.use:
             return

@@ -2,13 +2,41 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render passes in Blender: their switches, registration and names, all from the table ``render.passes.PASSES``."""
 
+from collections.abc import Iterable
+
 import bpy
 
-from ..render.passes import PASSES, Kind, Pass
+from ..render.passes import (
+    MATTES,
+    PASSES,
+    Kind,
+    Owner,
+    Pass,
+    aov_pass,
+    light_group_pass,
+    matte_passes,
+    own_pass,
+)
 from .properties import group
 
 # Names before Blender 5.0, which compositor nodes and file names of that time go by.
-_OLD_NAMES = {"Emission": "Emit", "Diffuse Color": "DiffCol"} if bpy.app.version < (5, 0, 0) else {}
+_OLD_NAMES = (
+    {
+        "Emission": "Emit",
+        "Environment": "Env",
+        "Object Index": "IndexOB",
+        "Material Index": "IndexMA",
+        "Volume Direct": "VolumeDir",
+        "Volume Indirect": "VolumeInd",
+        **{
+            f"{name} {part}": f"{short}{part[:3]}"
+            for name, short in (("Diffuse", "Diff"), ("Glossy", "Gloss"), ("Transmission", "Trans"))
+            for part in ("Direct", "Indirect", "Color")
+        },
+    }
+    if bpy.app.version < (5, 0, 0)
+    else {}
+)
 
 
 def blender_name(item: Pass) -> str:
@@ -20,7 +48,7 @@ def _own_switches() -> dict:
     """A property for each switch of our own; its tooltip describes every pass behind it."""
     switches: dict[str, list[Pass]] = {}
     for item in PASSES:
-        if item.own:
+        if item.owner is Owner.OWN:
             switches.setdefault(item.switch, []).append(item)
     return {
         switch: bpy.props.BoolProperty(
@@ -46,26 +74,46 @@ SDFLIGHTS_ViewLayerSettings = group(
 
 def owner_of(item: Pass, view_layer: bpy.types.ViewLayer):
     """What has the property ``item.switch``."""
-    return view_layer.sdf_lights if item.own else view_layer
+    if item.owner is Owner.CYCLES:
+        return getattr(view_layer, "cycles", None)  # present only while the Cycles add-on is enabled
+    return view_layer.sdf_lights if item.owner is Owner.OWN else view_layer
 
 
 def is_enabled(item: Pass, view_layer: bpy.types.ViewLayer) -> bool:
     """Whether the switch of the pass is on in the view layer."""
-    return item.switch is None or getattr(owner_of(item, view_layer), item.switch)
+    return item.switch is None or getattr(owner_of(item, view_layer), item.switch, False)
+
+
+def own_pass_name(obj: bpy.types.Object) -> str:
+    """Name of the pass of a light alone; dots would end a name in files."""
+    return f"Light {obj.name}".replace(".", "_")[:60]
+
+
+def layer_passes(view_layer: bpy.types.ViewLayer) -> list[Pass]:
+    """Passes beside ``PASSES`` that a view layer asks for: Cryptomatte, shader AOVs, light groups, and of single lights."""
+    found = []
+    for kind in MATTES:
+        if getattr(view_layer, f"use_pass_cryptomatte_{kind}"):
+            found += matte_passes(kind, view_layer.pass_cryptomatte_depth)
+    found += [aov_pass(aov.name, aov.type == "VALUE") for aov in view_layer.aovs if aov.is_valid]
+    found += [light_group_pass(group.name) for group in view_layer.lightgroups]
+    names = [own_pass_name(obj) for obj in view_layer.objects if obj.type == "LIGHT" and obj.data.sdf_lamp.use_pass]
+    known = {item.name for item in (*PASSES, *found)}
+    return found + [own_pass(name) for name in dict.fromkeys(names) if name not in known]
 
 
 def register_passes(engine: bpy.types.RenderEngine, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
     """Tell Blender which passes the view layer will have."""
-    for item in PASSES:
+    for item in (*PASSES, *layer_passes(view_layer)):
         if is_enabled(item, view_layer):
             engine.register_pass(
                 scene, view_layer, blender_name(item), len(item.channels), item.channels, item.kind.value
             )
 
 
-def enabled_passes(names) -> dict[str, str]:
-    """Blender's name of each pass among ``names`` (those of a render result) by the name in the table."""
-    return {item.name: blender_name(item) for item in PASSES if blender_name(item) in set(names)}
+def enabled_passes(names, others: Iterable[Pass] = ()) -> dict[str, str]:
+    """Blender's name of each pass among ``names`` (those of a render result) by the name in the table, or of ``others``."""
+    return {item.name: blender_name(item) for item in (*PASSES, *others) if blender_name(item) in set(names)}
 
 
 def switches(light: bool) -> list[tuple[Pass, str]]:
@@ -74,7 +122,11 @@ def switches(light: bool) -> list[tuple[Pass, str]]:
     for item in PASSES:
         if item.switch:
             first.setdefault(item.switch, item)
-    return [(item, "" if item.own else item.name) for item in first.values() if (item.kind is Kind.COLOR) == light]
+    return [
+        (item, "" if item.owner is Owner.OWN else item.name)
+        for item in first.values()
+        if (item.kind is Kind.COLOR) == light
+    ]
 
 
 CLASSES = (SDFLIGHTS_ViewLayerSettings,)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .passes import BY_NAME, Rule
+from .passes import BY_NAME, DATA_SUMS, Pass, Rule, data_width, is_light, matte_of
 from .scene import Scene
 from .settings import START_BRANCHES
 
@@ -16,6 +16,7 @@ CHANNELS = {
     "half": 3,
     "lamps": 3,
     "emission": 3,
+    "environment": 3,
     "normal": 3,
     "albedo": 3,
     "diffuse_albedo": 3,
@@ -47,6 +48,12 @@ def half_count(count: np.ndarray) -> np.ndarray:
     return count // (2 * HALF_BIT) * HALF_BIT + np.maximum(count % (2 * HALF_BIT) - HALF_BIT, 0)
 
 
+def _placed(widths: dict[str, int]) -> tuple[dict[str, int], int]:
+    """The first column of each, side by side, and how many there are."""
+    ends = np.cumsum([0, *widths.values()])
+    return dict(zip(widths, ends.tolist())), int(ends[-1])
+
+
 class Film:
     """Sums of samples for the pixels of ``window`` = (x0, y0, x1, y1), the border or the whole frame.
 
@@ -55,6 +62,11 @@ class Film:
     do not depend on the order of work.
 
     - ``sums``: name of ``CHANNELS`` -> sums, pixel by pixel; empty where no pass needs them.
+    - ``light_places``, ``data_places``: name of ``passes.LIGHT_SUMS`` or ``DATA_SUMS`` -> its first column, where a pass needs it.
+    - ``light_sums``: (pixels, 2 × columns) light before paths divide, then, as in ``SCATTERED``, what branches bring.
+    - ``data_sums``: (pixels, columns).
+    - ``matte_places``: kind of Cryptomatte -> its row; ``matte_sums``: (pixels, rows, ``matte_slots``, 2) numbers of things, 0 for
+      none, and by how much they cover the samples.
     - ``count``: samples; ``surfaces``: samples that met a surface.
     - ``active``: 1 where the pixel takes more samples.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
@@ -78,11 +90,22 @@ class Film:
         names = {"Combined", *passes}
         if scene.settings.denoise:
             names |= {"Denoising Albedo", "Denoising Normal"}
-        self.passes = tuple(name for name in BY_NAME if name in names)
-        used = {BY_NAME[name].source for name in self.passes} | {"half"}
+        self._table = BY_NAME | {item.name: item for item in scene.passes}
+        self.passes = tuple(name for name in self._table if name in names)
+        chosen = [self._table[name] for name in self.passes]
+        used = {item.source for item in chosen} | {item.per for item in chosen} | {"half"}
         used |= {SCATTERED[name] for name in used & SCATTERED.keys()}
         pixels = self.width * self.height
         self.sums = {name: np.zeros(pixels * count if name in used else 0) for name, count in CHANNELS.items()}
+        self.light_places, width = _placed({item.source: 3 for item in chosen if is_light(item)})
+        self.light_sums = np.zeros((pixels, 2 * width))
+        widths = {item.source: data_width(item) for item in chosen if data_width(item)}
+        self.data_places, width = _placed({name: n for name, n in DATA_SUMS.items() if name in used} | widths)
+        self.data_sums = np.zeros((pixels, width))
+        kinds = list(dict.fromkeys(filter(None, map(matte_of, chosen))))
+        self.matte_places = {kind: place for place, kind in enumerate(kinds)}
+        self.matte_slots = 2 * max((item.level + 1 for item in chosen if matte_of(item)), default=0)
+        self.matte_sums = np.zeros((pixels, len(kinds), self.matte_slots, 2))
         self.count = np.zeros(pixels, np.int32)
         self.surfaces = np.zeros(pixels, np.int32)
         self.active = np.ones(pixels, np.uint8)
@@ -94,7 +117,7 @@ class Film:
 
     def read(self, name: str, rows: slice = slice(None)) -> np.ndarray:
         """(height, width, channels) float32 of the pass ``name``, of the samples so far, or of these rows of it."""
-        item = BY_NAME[name]
+        item = self._table[name]
         if name == "Combined" and self._denoised is not None:
             return self._denoised[rows]
 
@@ -105,14 +128,24 @@ class Film:
 
         if item.rule is Rule.COUNT:
             return of(self.count).reshape(-1, self.width, 1).astype(np.float32)
-        parts = [of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count), of(self.sums[item.source])]
-        if item.source in SCATTERED:
-            parts += [of(self.divided)[:, :1], of(self.sums[SCATTERED[item.source]])]
-        weight, value, *scattered = self._settled(parts)
-        if item.rule is not Rule.FIRST:
+        if item.rule is Rule.MATTE:
+            return self._matte(item, of).reshape(-1, self.width, 4)
+        parts = [of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count)]
+        parts += [of(values) for values in self._sums_of(item.source)]
+        if len(parts) > 2:
+            parts.append(of(self.divided)[:, :1])
+        if item.per is not None:
+            parts += [of(values) for values in self._sums_of(item.per)]
+        weight, value, *others = self._settled(parts)
+        if item.rule not in (Rule.FIRST, Rule.NUMBER):
             value /= np.maximum(weight, 1)
-        if scattered:
-            value[:, :3] += scattered[1] / np.maximum(scattered[0], 1)
+        if len(others) > 1:
+            value[:, :3] += others[0] / np.maximum(others[1], 1)
+        if item.per is not None:
+            color = others[-1] / np.maximum(weight, 1)
+            value = np.divide(value, color, out=np.zeros_like(value), where=color != 0.0)
+        if item.rule is Rule.COMPLEMENT:
+            value = 1.0 - value
         if item.light and self.exposure != 1.0:
             value[:, :3] *= self.exposure
         value = value.astype(np.float32)
@@ -122,6 +155,26 @@ class Film:
         if name == "Depth":
             value[of(self.surfaces) == 0] = NO_DEPTH
         return value.reshape(-1, self.width, value.shape[-1])
+
+    def _matte(self, item: Pass, of) -> np.ndarray:
+        """(pixels, 4) numbers and coverage of the two things of a level, the greatest coverage first."""
+        count, sums = self._settled([of(self.count), of(self.matte_sums[:, self.matte_places[matte_of(item)]])])
+        slots = sums.reshape(len(sums), -1, 2)
+        order = np.argsort(-slots[..., 1], axis=1, kind="stable")[:, 2 * item.level : 2 * item.level + 2]
+        found = np.take_along_axis(slots, order[..., None], axis=1)
+        found[..., 1] /= np.maximum(count, 1)
+        return found.reshape(-1, 4).astype(np.float32)
+
+    def _sums_of(self, source: str) -> list[np.ndarray]:
+        """(pixels × columns) sums by the name of a source; of light, and of what branches bring."""
+        if source in self.light_places:
+            place, half = self.light_places[source], self.light_sums.shape[1] // 2
+            return [self.light_sums[:, at : at + 3] for at in (place, half + place)]
+        if source in self.data_places:
+            place = self.data_places[source]
+            ends = sorted(at for at in self.data_places.values() if at > place)
+            return [self.data_sums[:, place : ends[0] if ends else None]]
+        return [self.sums[name] for name in (source, SCATTERED.get(source)) if name is not None]
 
     def _settled(self, parts: list[np.ndarray]) -> list[np.ndarray]:
         """Copies of counts (pixels, 1) and sums (pixels, channels) that belong together, while threads go on adding.
@@ -138,6 +191,15 @@ class Film:
                 copy[changed] = part[changed]
             changed = changed[(kept[0][changed] != counts[changed])[:, 0]]
         return kept
+
+    def beyond(self, back_end: str) -> list[str]:
+        """A sentence on the passes whose sums are no ``CHANNELS``, for a back end that has only those; none without any."""
+        chosen = [self._table[name] for name in self.passes]
+        names = [item.name for item in chosen if is_light(item) or data_width(item) or matte_of(item)]
+        if not names:
+            return []
+        told = ", ".join(names)
+        return [f"{back_end} leaves these passes black: {told}; choose the CPU as the device to have them."]
 
     def replace_combined(self, color: np.ndarray) -> None:
         """Show ``color`` (height, width, RGB), exposed, as the Combined pass: the denoised picture."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..graph.formula import Vector
+from ..graph.formula import Formula, Vector
 from .images import Texture
 from .medium import Medium
 
@@ -153,6 +153,8 @@ class Attribute:
 
 
 UNDISPLACED = Attribute("undisplaced")
+UV = Attribute("uv")
+"""The active UV map, for the pass."""
 SHARP_FACE = Attribute("geometry", "sharp_face")
 """Which faces are flat; displacement asks for it."""
 
@@ -174,7 +176,7 @@ class Material:
     ``keeps_normals``: their normals stay, as ``normal`` follows what moves them. That is the shading normal in the place of the
     surface's, where there is one: closures without a normal of their own have it, and those with one are bumps of it.
 
-    ``parameters`` are the values of the slots of its formulas: numbers, or what a function looks up, whose slot then
+    ``index`` is for the pass of that name, ``aovs`` for those of shader AOVs. ``parameters`` are the values of the slots of its formulas: numbers, or what a function looks up, whose slot then
     holds its place: an ``Attribute``, a ``Table`` or a ``Texture``.
     """
 
@@ -186,9 +188,13 @@ class Material:
     displacement: Vector | None = None
     keeps_normals: bool = False
     normal: Vector | None = None
+    index: int = 0
+    aovs: dict[str, Formula | Vector] = field(default_factory=dict)
 
 
-def attributes_of(materials: Iterable[Material]) -> list[Attribute]:
-    """Every attribute that the materials look up, in the order of their places."""
-    found = {value for material in materials for value in material.parameters if isinstance(value, Attribute)}
+def attributes_of(materials: Iterable[Material], others: Iterable[Attribute] = ()) -> list[Attribute]:
+    """Every attribute that the materials look up, and ``others``, in the order of their places."""
+    found = {value for material in materials for value in material.parameters if isinstance(value, Attribute)} | {
+        *others
+    }
     return sorted(found, key=lambda attribute: (attribute.kind, attribute.name))

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -22,16 +23,51 @@ class Rule(enum.Enum):
     MEAN = "MEAN"  # over all samples
     SURFACE_MEAN = "SURFACE_MEAN"  # over the samples that met a surface, so edges do not blend with nothing
     FIRST = "FIRST"  # of the first sample that met a surface: distances must not be averaged
+    NUMBER = "NUMBER"  # of the first sample, 0 where that met no surface: numbers of things must not be averaged
+    COMPLEMENT = "COMPLEMENT"  # 1 less the mean over all samples
     COUNT = "COUNT"  # the number of samples
+    MATTE = "MATTE"  # of Cryptomatte: what covers most of the pixel, and how much, for two things a pass
+
+
+# Sums of the light of parts of Combined, RGB each: what has been scattered first by such a lobe or by a medium, once or
+# more often.
+LIGHT_SUMS = (
+    "diffuse_direct",
+    "diffuse_indirect",
+    "glossy_direct",
+    "glossy_indirect",
+    "transmission_direct",
+    "transmission_indirect",
+    "volume_direct",
+    "volume_indirect",
+)
+# Sums of what surfaces are that the camera sees, and how many numbers each has.
+DATA_SUMS = {
+    "mist": 1,
+    "uv": 3,
+    "object_index": 1,
+    "material_index": 1,
+    "glossy_albedo": 3,
+    "transmission_albedo": 3,
+}
+
+
+class Owner(enum.Enum):
+    """What of a view layer has the switch of a pass."""
+
+    BLENDER = "BLENDER"  # Blender itself
+    CYCLES = "CYCLES"  # the settings of Cycles
+    OWN = "OWN"  # those of this engine
 
 
 @dataclass(frozen=True)
 class Pass:
     """One pass.
 
-    ``source`` names the sums of the film that it is read from (``film.CHANNELS``). ``switch`` names the property that
-    switches it on: of Blender's view layer, or, where ``own`` is true, of the view layer's settings of this engine;
-    None: always on. ``light``: the exposure of the film applies.
+    ``source`` names the sums of the film that it is read from (``film.CHANNELS``, ``LIGHT_SUMS``, ``DATA_SUMS``).
+    ``switch`` names the property that switches it on: of ``owner``. None: always on. ``light``: the exposure of the film
+    applies. ``per``: sums of a colour, by whose mean it is divided. ``level``: of a
+    matte, how many passes come before it.
     """
 
     name: str
@@ -41,17 +77,85 @@ class Pass:
     source: str | None
     switch: str | None
     description: str
-    own: bool = False
+    owner: Owner = Owner.BLENDER
     light: bool = False
+    per: str | None = None
+    level: int = 0
+
+
+def _lobe(name: str, adjective: str, color: str) -> tuple[Pass, Pass]:
+    """Passes of the light that lobes of a kind have scattered first."""
+    low = name.lower()
+    return (
+        Pass(
+            f"{name} Direct",
+            "RGB",
+            Kind.COLOR,
+            Rule.MEAN,
+            f"{low}_direct",
+            f"use_pass_{low}_direct",
+            f"Light that is scattered once, by {adjective}, over {name} Color",
+            light=True,
+            per=color,
+        ),
+        Pass(
+            f"{name} Indirect",
+            "RGB",
+            Kind.COLOR,
+            Rule.MEAN,
+            f"{low}_indirect",
+            f"use_pass_{low}_indirect",
+            f"Light that is scattered first by {adjective}, and again before, over {name} Color",
+            light=True,
+            per=color,
+        ),
+    )
 
 
 PASSES = (
     Pass("Combined", "RGBA", Kind.COLOR, Rule.MEAN, "combined", None, "The picture", light=True),
     Pass("Depth", "Z", Kind.VALUE, Rule.FIRST, "depth", "use_pass_z", "Distance along the viewing axis, in metres"),
     Pass(
+        "Mist",
+        "Z",
+        Kind.VALUE,
+        Rule.COMPLEMENT,
+        "mist",
+        "use_pass_mist",
+        "0 near the camera to 1 afar, as the Mist Pass of the world says",
+    ),
+    Pass(
         "Position", "XYZ", Kind.VECTOR, Rule.FIRST, "position", "use_pass_position", "Position in the world, in metres"
     ),
     Pass("Normal", "XYZ", Kind.VECTOR, Rule.SURFACE_MEAN, "normal", "use_pass_normal", "Shading normal in the world"),
+    Pass(
+        "UV",
+        "UVA",
+        Kind.VECTOR,
+        Rule.MEAN,
+        "uv",
+        "use_pass_uv",
+        "UV map that is active for rendering, and how much it covers",
+    ),
+    Pass(
+        "Object Index",
+        "X",
+        Kind.VALUE,
+        Rule.NUMBER,
+        "object_index",
+        "use_pass_object_index",
+        "Pass Index of the object",
+    ),
+    Pass(
+        "Material Index",
+        "X",
+        Kind.VALUE,
+        Rule.NUMBER,
+        "material_index",
+        "use_pass_material_index",
+        "Pass Index of the material",
+    ),
+    *_lobe("Diffuse", "diffuse, translucent and sheen scattering", "diffuse_albedo"),
     Pass(
         "Diffuse Color",
         "RGB",
@@ -61,6 +165,48 @@ PASSES = (
         "use_pass_diffuse_color",
         "Albedo of diffuse, translucent and sheen scattering",
     ),
+    *_lobe("Glossy", "reflection", "glossy_albedo"),
+    Pass(
+        "Glossy Color",
+        "RGB",
+        Kind.COLOR,
+        Rule.MEAN,
+        "glossy_albedo",
+        "use_pass_glossy_color",
+        "Albedo of reflection",
+    ),
+    *_lobe("Transmission", "refraction", "transmission_albedo"),
+    Pass(
+        "Transmission Color",
+        "RGB",
+        Kind.COLOR,
+        Rule.MEAN,
+        "transmission_albedo",
+        "use_pass_transmission_color",
+        "Albedo of refraction",
+    ),
+    Pass(
+        "Volume Direct",
+        "RGB",
+        Kind.COLOR,
+        Rule.MEAN,
+        "volume_direct",
+        "use_pass_volume_direct",
+        "Light that a volume scatters once",
+        owner=Owner.CYCLES,
+        light=True,
+    ),
+    Pass(
+        "Volume Indirect",
+        "RGB",
+        Kind.COLOR,
+        Rule.MEAN,
+        "volume_indirect",
+        "use_pass_volume_indirect",
+        "Light that a volume scatters first, and that is scattered again before",
+        owner=Owner.CYCLES,
+        light=True,
+    ),
     Pass(
         "Emission",
         "RGB",
@@ -68,7 +214,17 @@ PASSES = (
         Rule.MEAN,
         "emission",
         "use_pass_emit",
-        "Light of emissive surfaces, SDF lamps and the world that the camera sees directly",
+        "Light of emissive surfaces, lights and SDF lamps that the camera sees directly",
+        light=True,
+    ),
+    Pass(
+        "Environment",
+        "RGB",
+        Kind.COLOR,
+        Rule.MEAN,
+        "environment",
+        "use_pass_environment",
+        "Light of the world that the camera sees directly",
         light=True,
     ),
     Pass(
@@ -79,10 +235,19 @@ PASSES = (
         "lamps",
         "use_pass_sdf_lamps",
         "Light of SDF lamps in Combined: seen directly, reflected or refracted",
-        own=True,
+        owner=Owner.OWN,
         light=True,
     ),
-    Pass("Sample Count", "X", Kind.VALUE, Rule.COUNT, None, "use_pass_sample_count", "Samples of the pixel", own=True),
+    Pass(
+        "Sample Count",
+        "X",
+        Kind.VALUE,
+        Rule.COUNT,
+        None,
+        "use_pass_sample_count",
+        "Samples of the pixel",
+        owner=Owner.OWN,
+    ),
     Pass(
         "Denoising Normal",
         "XYZ",
@@ -91,7 +256,7 @@ PASSES = (
         "normal",
         "use_pass_denoising_data",
         "Normal, for the denoiser",
-        own=True,
+        owner=Owner.OWN,
     ),
     Pass(
         "Denoising Albedo",
@@ -101,7 +266,7 @@ PASSES = (
         "albedo",
         "use_pass_denoising_data",
         "Albedo, for the denoiser",
-        own=True,
+        owner=Owner.OWN,
     ),
     Pass(
         "Noisy Image",
@@ -111,9 +276,76 @@ PASSES = (
         "combined",
         "use_pass_noisy_image",
         "The picture before denoising",
-        own=True,
+        owner=Owner.OWN,
         light=True,
     ),
 )
 
 BY_NAME = {item.name: item for item in PASSES}
+
+# Kinds of Cryptomatte, by what they tell apart, and the names of their passes.
+MATTES = {"object": "CryptoObject", "material": "CryptoMaterial", "asset": "CryptoAsset"}
+_GROUP, _OWN, _AOV, _MATTE = "group ", "light ", "aov ", "matte "
+
+
+def light_group_pass(group: str) -> Pass:
+    """The pass of a light group."""
+    about = f"Light of the light group {group}"
+    return Pass(f"Combined_{group}", "RGB", Kind.COLOR, Rule.MEAN, _GROUP + group, None, about, light=True)
+
+
+def own_pass(name: str) -> Pass:
+    """The pass of lights that ask for one of this name."""
+    return Pass(name, "RGB", Kind.COLOR, Rule.MEAN, _OWN + name, None, f"Light of {name}", light=True)
+
+
+def aov_pass(name: str, is_value: bool) -> Pass:
+    """The pass of a shader AOV."""
+    kind = Kind.VALUE if is_value else Kind.COLOR
+    return Pass(
+        name, "X" if is_value else "RGBA", kind, Rule.MEAN, _AOV + name, None, f"What AOV Output nodes give to {name}"
+    )
+
+
+def aov_names(passes: Iterable[Pass]) -> list[str]:
+    """Names of the shader AOVs among passes."""
+    return [source.removeprefix(_AOV) for source in aov_sources(passes)]
+
+
+def aov_sources(passes: Iterable[Pass]) -> list[str]:
+    """What the shader AOVs among passes are read from."""
+    return [item.source for item in passes if item.source and item.source.startswith(_AOV)]
+
+
+def matte_passes(kind: str, depth: int) -> list[Pass]:
+    """Passes of a kind of Cryptomatte, for so many things in a pixel."""
+    return [
+        Pass(
+            f"{MATTES[kind]}{level:02}",
+            "rgba",
+            Kind.COLOR,
+            Rule.MATTE,
+            _MATTE + kind,
+            None,
+            f"Cryptomatte, by {kind}",
+            level=level,
+        )
+        for level in range((min(depth, 16) + 1) // 2)
+    ]
+
+
+def is_light(item: Pass) -> bool:
+    """Whether a pass is read from sums of the light of parts of Combined."""
+    return item.source is not None and (item.source in LIGHT_SUMS or item.source.startswith((_GROUP, _OWN)))
+
+
+def data_width(item: Pass) -> int:
+    """How many numbers of what surfaces are a pass sums; 0: none."""
+    if item.source is None:
+        return 0
+    return len(item.channels) if item.source.startswith(_AOV) else DATA_SUMS.get(item.source, 0)
+
+
+def matte_of(item: Pass) -> str | None:
+    """Kind of Cryptomatte of a pass."""
+    return item.source.removeprefix(_MATTE) if item.rule is Rule.MATTE and item.source else None

@@ -87,14 +87,15 @@ def _probe():
 
 @pytest.fixture
 def synced(file, _probe):
-    """Function: the ``render.scene.Scene`` of a view layer at F12."""
+    """Function: the ``render.scene.Scene`` of a view layer at F12, of the open scene or of another one."""
 
-    def run(layer: str | None = None):
+    def run(layer: str | None = None, rendered: bpy.types.Scene | None = None):
+        rendered = rendered or file.scene
         _probe.scenes.clear()
-        file.scene.render.engine = _probe.bl_idname
-        bpy.ops.render.render()
-        file.scene.render.engine = ENGINE
-        scene = _probe.scenes[layer or file.layer.name]
+        rendered.render.engine = _probe.bl_idname
+        bpy.ops.render.render(scene=rendered.name)
+        rendered.render.engine = ENGINE
+        scene = _probe.scenes[layer or rendered.view_layers[0].name]
         if isinstance(scene, Exception):
             raise scene
         return scene
@@ -189,7 +190,7 @@ def pictures(file, tmp_path):
                 layer, name, component = channel.split(".")[-3:]
                 found.setdefault(layer, {}).setdefault(name, []).append((component, window[::-1, :, i]))
             part += 1
-        order = "XYZWRGBA"
+        order = "XYZWUVRGBArgba"
         return {
             layer: {
                 name: np.stack([values for _, values in sorted(channels, key=lambda item: order.index(item[0]))], -1)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.blender.engine import clock, status
-from sdf_lights.blender.passes import blender_name
+from sdf_lights.blender.passes import blender_name, owner_of
 from sdf_lights.render import session
 from sdf_lights.render.passes import PASSES
 from sdf_lights.render.session import Progress
@@ -22,9 +22,10 @@ def combined(pictures) -> np.ndarray:
 
 
 def test_every_pass_arrives(file, stage, pictures):
+    bpy.ops.preferences.addon_enable(module="cycles")
     for item in PASSES:
         if item.switch:
-            setattr(file.layer.sdf_lights if item.own else file.layer, item.switch, True)
+            setattr(owner_of(item, file.layer), item.switch, True)
     found = pictures()["ViewLayer"]
     assert set(found) == {blender_name(item) for item in PASSES}
     for item in PASSES:

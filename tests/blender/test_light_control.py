@@ -214,3 +214,38 @@ def test_filters_of_a_view_layer(room, light, compare, file):
     assert compare(64, 0.1)[..., 0].max() == 0.0
     file.layer.use_sky, file.layer.use_solid = True, False
     assert compare(64, 0.1)[..., 0].min() > 0.0
+
+
+def test_portals_guide_light_of_the_world(room, light, compare):
+    """A window in a wall beside the camera: the same picture with a portal there, and less noise in it."""
+    for name in ("Block", "Screen", "Pane"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    half = math.pi / 2
+    floor, wall = bpy.data.objects["Floor"], bpy.data.objects["Wall"]
+    floor.scale = (2.0, 2.0, 1.0)
+    for location, rotation, scale in (
+        ((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), (2.0, 2.0, 1.0)),
+        ((-2.0, 0.0, 1.0), (0.0, half, 0.0), (1.0, 2.0, 1.0)),
+        ((2.0, 1.2, 1.0), (0.0, half, 0.0), (1.0, 0.8, 1.0)),
+        ((2.0, -1.4, 1.0), (0.0, half, 0.0), (1.0, 0.6, 1.0)),
+        ((0.0, -2.0, 0.4), (half, 0.0, 0.0), (2.0, 0.4, 1.0)),
+        ((0.0, -2.0, 1.8), (half, 0.0, 0.0), (2.0, 0.2, 1.0)),
+    ):
+        side = floor.copy()
+        side.location, side.rotation_euler, side.scale = location, rotation, scale
+        room.collection.objects.link(side)
+    wall.scale = (2.0, 1.0, 1.0)
+    room.world = bpy.data.worlds.new("World")
+    room.world.color = (1.0, 1.0, 1.0)
+    if room.world.node_tree is not None:
+        room.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    room.cycles.max_bounces, room.world.cycles.sampling_method = 1, "AUTOMATIC"
+    exact = compare(1024, 0.01)
+    portal = light("AREA", RED, (2.0, -0.2, 1.0), shape="RECTANGLE", size=2.0, size_y=1.2)
+    portal.rotation_euler, portal.data.cycles.is_portal = (0.0, half, 0.0), True
+    assert compare(1024, 0.01) == pytest.approx(exact, rel=0.2)
+    few = {}
+    for has_portal in (False, True):
+        portal.hide_render = not has_portal
+        few[has_portal] = ((compare(16, 0.2) / exact - 1.0) ** 2)[..., 0].mean()
+    assert few[True] < 0.5 * few[False]

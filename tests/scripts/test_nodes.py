@@ -127,6 +127,22 @@ def test_noise_is_no_difference_but_a_difference_is_found_in_noise():
     assert off.mean - off.mean_doubt > node_limits.LIMIT
 
 
+def test_cases_are_rendered_again_while_noise_leaves_them_in_doubt():
+    shade = np.full((32, 32, 3), 0.5)
+
+    def doubtful(noise, offset):
+        pictures = {
+            engine: [shade + shift + noise * RNG.standard_normal(shade.shape) for _ in range(node_pictures.SEEDS)]
+            for engine, shift in ((node_pictures.CYCLES, 0.0), (node_pictures.OURS, offset))
+        }
+        return node_pictures.Pair(node_cases.Case("ShaderNodeValue"), pictures).doubtful
+
+    assert not doubtful(0.02, 0.0)  # noise is small, and all there is
+    assert doubtful(0.5, 0.0)  # noise is coarse
+    assert doubtful(0.02, 0.006)  # there is something, near the limit
+    assert not doubtful(0.02, 0.1)  # it is far over the limit
+
+
 def test_summary_of_nodes():
     rows = [
         case_row(),
@@ -246,7 +262,7 @@ def test_a_case_that_ends_the_process_is_found_and_the_others_are_compared(monke
 
     monkeypatch.setattr(node_process, "_run", run)
     options = SimpleNamespace(device="CPU", fresh=False, sheets=None)
-    rows = node_process.rows_of(cases, 1, options, lambda text: None)
+    rows = node_process.rows_of(cases, 1, 1, options, lambda text: None)
     assert [row["case"] for row in rows] == [case.name for case in cases] and len(rows) == 7
     assert {row["case"]: row["error"] for row in rows if row["error"]} == {
         "RGB Color": "The process ended with SIGSEGV.",
@@ -259,7 +275,7 @@ def test_the_process_of_cases_gives_their_rows_and_tells_how_it_ended():
     from benchmarks import node_process
 
     rows = {}
-    wish = dict(samples=1, device="there is none", fresh=False, sheets=False)
+    wish = dict(samples=1, rounds=1, device="there is none", fresh=False, sheets=False)
     ended = node_process._run([SimpleCase("RGB Color")], wish, rows, lambda text: None)
     assert ended.startswith("The process ended with ") and not rows
 

@@ -12,8 +12,9 @@ import numpy as np
 from ...affine import inverse
 from ...render.errors import RenderError
 from ...render.material import Material
-from ...render.scene import MANY_BOUNCES, RGB, AreaLight, Lamp, Light, PointLight, Ray, SpotLight, SunLight
+from ...render.scene import MANY_BOUNCES, RGB, AreaLight, Lamp, Light, PointLight, Portal, Ray, SpotLight, SunLight
 from ..lamp import pattern_of, shape_of
+from ..passes import own_pass_name
 from .common import FLAT, Warnings, is_flat, rgb
 from .images import Images
 from .nodes import Reader, emission_of
@@ -23,12 +24,13 @@ def light_of(
     obj: bpy.types.Object,
     matrix: np.ndarray,
     visibility: Ray,
+    depsgraph: bpy.types.Depsgraph,
     warn: Warnings,
     images: Images,
     owner: np.ndarray | None = None,
     random: float = 0.0,
-) -> Lamp | Light | None:
-    """The lamp or light of a Light object; None where it gives no light.
+) -> Lamp | Light | Portal:
+    """The lamp, light or portal of a Light object.
 
     ``owner`` is the matrix of the object itself, from which a lamp's nodes see other objects, where it is an instance.
     ``random`` is the number that Object Info gives.
@@ -37,7 +39,7 @@ def light_of(
     Cycles: a test repeats them). Raises RenderError, with a sentence that names the object, where it cannot be used.
     """
     data, name = obj.data, obj.name
-    color, emission = _color(obj, data, matrix, images, warn, random)
+    color, emission = _color(obj, data, matrix, depsgraph, images, warn, random)
     power = data.energy * 2.0**data.exposure
     if not all(map(math.isfinite, (*color, power))):
         raise RenderError(
@@ -46,7 +48,7 @@ def light_of(
     if data.sdf_lamp.use:
         return _lamp(name, data, matrix, matrix if owner is None else owner, power, color, visibility)
     if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
-        return None  # a portal only guides sampling in Cycles
+        return Portal(name, matrix, data.shape in {"DISK", "ELLIPSE"}, tuple(_sides(data).tolist()))
     common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow, emission=emission)
     if data.type == "SUN":
         solid = math.pi * math.sin(0.5 * data.angle) ** 2  # ∫ cosine over the sun's disk
@@ -64,12 +66,13 @@ def light_of(
     return PointLight(name, matrix, power, **common)
 
 
-def control(light: Lamp | Light | None, data: bpy.types.Light, linking: dict[str, int]) -> None:
-    """Give a lamp or light what its object says of what it lights, and Cycles' settings of the light."""
-    if light is None:
-        return
+def control(light: Lamp | Light, obj: bpy.types.Object, linking: dict[str, int]) -> None:
+    """Give a lamp or light what its object says of what it lights and of its passes, and Cycles' settings of the light."""
     for name, value in linking.items():
         setattr(light, name, value)
+    data = obj.data
+    light.light_group = obj.original.lightgroup
+    light.own_pass = own_pass_name(obj.original) if data.sdf_lamp.use_pass else ""
     cycles = getattr(data, "cycles", None)  # present only while the Cycles add-on is enabled
     light.max_bounces = getattr(cycles, "max_bounces", MANY_BOUNCES)
     if not isinstance(light, Lamp):
@@ -77,7 +80,13 @@ def control(light: Lamp | Light | None, data: bpy.types.Light, linking: dict[str
 
 
 def _color(
-    obj: bpy.types.Object, data: bpy.types.Light, matrix: np.ndarray, images: Images, warn: Warnings, random: float
+    obj: bpy.types.Object,
+    data: bpy.types.Light,
+    matrix: np.ndarray,
+    depsgraph: bpy.types.Depsgraph,
+    images: Images,
+    warn: Warnings,
+    random: float,
 ) -> tuple[RGB, Material | None]:
     """Colour of the light, times its temperature's, times what its nodes emit, and these nodes where that varies."""
     color = np.array(rgb(data.color))
@@ -85,9 +94,8 @@ def _color(
         color *= rgb(data.temperature_color)
     emission = None
     if data.use_nodes and data.node_tree is not None and not data.sdf_lamp.use:
-        reader = Reader(
-            data.node_tree, f"Light '{data.name}'", images, warn, "LIGHT", light=_settings(obj, data, matrix, random)
-        )
+        settings = _settings(obj, data, matrix, random)
+        reader = Reader(data.node_tree, f"Light '{data.name}'", depsgraph, images, warn, "LIGHT", light=settings)
         factor, emission = emission_of(reader, f"Light '{data.name}'")
         color *= factor
     return rgb(color), emission

@@ -22,10 +22,11 @@ DEFAULT = "principled" if bpy.app.version >= (5, 0, 0) else "diffuse"
 
 
 class Materials:
-    """Puts each material into the scene once. ``override`` stands in for all of them, as a view layer may ask."""
+    """Puts each material into the scene once, or the one that stands in for all of them in the view layer."""
 
-    def __init__(self, scene: Scene, images: Images, warn: Warnings, override: bpy.types.Material | None = None):
-        self._scene, self._images, self._warn, self._override = scene, images, warn, override
+    def __init__(self, scene: Scene, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings):
+        self._scene, self._depsgraph, self._images, self._warn = scene, depsgraph, images, warn
+        self._override = depsgraph.view_layer_eval.material_override
         self._known: dict[int, int] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
@@ -33,7 +34,7 @@ class Materials:
         material = self._override or material
         key = 0 if material is None else material.as_pointer()
         if key not in self._known:
-            built = Material("", Node(DEFAULT)) if material is None else self._read(material)
+            built = Material("default_surface", Node(DEFAULT)) if material is None else self._read(material)
             self._scene.materials.append(built)
             self._known[key] = len(self._scene.materials) - 1
         return self._known[key]
@@ -41,15 +42,27 @@ class Materials:
     def needs(self, indices: Iterable[int]) -> set[Attribute]:
         """Attributes that these materials look up."""
         materials = [self._scene.materials[index] for index in indices]
-        found = set(attributes_of(materials))
+        found = set(attributes_of(materials, self._scene.attributes))
         return found | {SHARP_FACE} if any(material.displacement is not None for material in materials) else found
+
+    def _aovs(self, tree: bpy.types.NodeTree, reader: Reader) -> dict:
+        """What AOV Output nodes are given, where there is a pass of that name."""
+        found = {}
+        values = {item.name: len(item.channels) == 1 for item in self._scene.passes}
+        for node in tree.nodes:
+            if node.bl_idname == "ShaderNodeOutputAOV" and not node.mute and node.aov_name in values:
+                name, like = ("Value", 0.0) if values[node.aov_name] else ("Color", (0.0, 0.0, 0.0))
+                found[node.aov_name] = reader.read(node.inputs[name], like)
+        return found
 
     def _read(self, material: bpy.types.Material) -> Material:
         tree = node_tree_of(material)
         if tree is None:
-            return Material(material.name, Node("diffuse", {"color": rgb(material.diffuse_color)}))
+            return Material(
+                material.name, Node("diffuse", {"color": rgb(material.diffuse_color)}), index=material.pass_index
+            )
         owner = f"Material '{material.name}'"
-        reader = Reader(tree, owner, self._images, self._warn, material_index=material.pass_index)
+        reader = Reader(tree, owner, self._depsgraph, self._images, self._warn, material_index=material.pass_index)
         output = reader.output()
         if output is None:
             self._warn(
@@ -79,4 +92,6 @@ class Materials:
             displacement,
             material.displacement_method == "BOTH",
             normal,
+            material.pass_index,
+            self._aovs(tree, reader),
         )

@@ -154,7 +154,8 @@ _TABLE["ShaderNodeBsdfGlossy"] = _TABLE["ShaderNodeBsdfAnisotropic"]
 
 
 class Reader:
-    """Reads one node tree. ``owner`` names it in warnings: "Material 'Wood'".
+    """Reads one node tree. ``owner`` names it in warnings: "Material 'Wood'". Time, view layer and world are those of
+    ``depsgraph``: a window may show another scene than the one that is rendered.
 
     ``parameters`` are the values of the slots of all formulas that it has read. ``domain`` is "SURFACE", "WORLD" (whose
     position is the direction of the ray) or "LIGHT". ``light`` has settings that nodes of lights ask for: "light_matrix" (3, 4)
@@ -167,6 +168,7 @@ class Reader:
         self,
         tree: bpy.types.NodeTree,
         owner: str,
+        depsgraph: bpy.types.Depsgraph,
         images: Images | None,
         warn: Warnings,
         domain: str = "SURFACE",
@@ -174,6 +176,7 @@ class Reader:
         light: dict[str, object] | None = None,
     ):
         self.tree, self._owner, self.images, self._warn = tree, owner, images, warn
+        self.scene, self._view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
         self.domain, self.material_index = domain, material_index
         self.light = light or {}
         self.parameters: list[float | Attribute | Table | Texture] = []
@@ -342,7 +345,7 @@ class Reader:
         """Numbers of what an Attribute node names, of a light or of the view layer; None where there is nothing."""
         owners = self.light.get("owners", ())
         if node.attribute_type == "VIEW_LAYER":
-            owners = bpy.context.view_layer, bpy.context.scene, bpy.context.scene.world
+            owners = self._view_layer, self.scene, self.scene.world
         elif node.attribute_type == "GEOMETRY":
             owners = ()
         found = next(
@@ -425,14 +428,14 @@ class _Inputs:
         if name == "working_space":
             return working_space()
         if name == "scene_time":
-            scene = bpy.context.scene
+            scene = self._reader.scene
             frame = scene.frame_current_final
             return frame * scene.render.fps_base / scene.render.fps, frame
         if name == "object_matrix":
             other = self._node.object
             return None if other is None else matrix_of(other.matrix_world.inverted_safe())[:3]
         if name == "occlusion_distance":
-            world = bpy.context.scene.world
+            world = self._reader.scene.world
             return 10.0 if world is None else world.light_settings.distance
         if name == "material_index":
             return self._reader.material_index

@@ -11,7 +11,7 @@ import mathutils
 import numpy as np
 
 from ...render.images import MISSING
-from ...render.scene import MANY_BOUNCES, Ray, World
+from ...render.scene import MANY_BOUNCES, Mist, Ray, World
 from .common import Warnings, node_tree_of, rgb
 from .images import Images
 from .nodes import Reader, emission_of, numbers_of, texture_matrix
@@ -26,7 +26,7 @@ _RAYS = {
 }
 
 
-def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> World:
+def world_of(world: bpy.types.World | None, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings) -> World:
     """The world; black where the scene has none."""
     if world is None:
         return World()
@@ -35,20 +35,30 @@ def world_of(world: bpy.types.World | None, images: Images, warn: Warnings) -> W
         if not getattr(getattr(world, "cycles_visibility", None), name, True):
             visibility &= ~ray
     bounces = getattr(getattr(world, "cycles", None), "max_bounces", MANY_BOUNCES)
-    return replace(_shaded(world, images, warn, visibility), max_bounces=bounces)
+    return replace(
+        _shaded(world, depsgraph, images, warn, visibility), max_bounces=bounces, light_group=world.lightgroup
+    )
 
 
-def _shaded(world: bpy.types.World, images: Images, warn: Warnings, visibility: Ray) -> World:
+def _shaded(
+    world: bpy.types.World, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings, visibility: Ray
+) -> World:
     tree = node_tree_of(world)
     if tree is None:
         return World(rgb(world.color), visibility=visibility)
     owner = f"World '{world.name}'"
-    reader = Reader(tree, owner, images, warn, "WORLD")
+    reader = Reader(tree, owner, depsgraph, images, warn, "WORLD")
     output = reader.output()
     if output is None:
         return World(visibility=visibility)
     medium = medium_of(reader, output, owner, warn)
     return replace(_background(reader, output, owner, images, visibility), medium=medium)
+
+
+def mist_of(settings: bpy.types.WorldMistSettings) -> Mist:
+    """The Mist Pass of a world, as Cycles reads it."""
+    power = {"LINEAR": 1.0, "QUADRATIC": 2.0, "INVERSE_QUADRATIC": 0.5}[settings.falloff]
+    return Mist(settings.start, settings.depth, power)
 
 
 def _background(reader: Reader, output, owner: str, images: Images, visibility: Ray) -> World:

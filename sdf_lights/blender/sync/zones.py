@@ -166,8 +166,4 @@ def constant_of(node, output, stack: Stack):
         return float(node.integer)
     if kind == "FunctionNodeInputVector":
         return tuple(map(float, node.vector[:3]))
-    if kind == "GeometryNodeInputSceneTime":
-        scene = bpy.context.scene
-        frame = scene.frame_current_final
-        return float(frame if output.identifier == "Frame" else frame / (scene.render.fps / scene.render.fps_base))
     return None

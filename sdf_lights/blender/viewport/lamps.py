@@ -45,7 +45,7 @@ def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
             if not is_finite(matrix):
                 raise RenderError(f"Lamp '{obj.name}' has a transform that is not made of finite numbers: clear it.")
             own = matrix_of(obj.original.evaluated_get(depsgraph).matrix_world)
-            lamp = light_of(obj, matrix, Ray.ALL, lambda warning: None, own)
+            lamp = light_of(obj, matrix, Ray.ALL, depsgraph, lambda warning: None, None, own)
         except RenderError as error:
             found.errors[light] = str(error)
             continue

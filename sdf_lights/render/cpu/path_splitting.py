@@ -22,6 +22,9 @@ from ..kernels.integrator import (
     trace_path,
 )
 from ..kernels.media.records import inside_table
+from ..kernels.motion import set_time
+from ..kernels.outputs import apart as outputs
+from ..kernels.outputs.state import keep_first_scattering, use_first_scattering
 from ..kernels.path import (
     AT_EXIT,
     AT_SURFACE,
@@ -36,7 +39,7 @@ from ..kernels.path import (
 )
 from ..kernels.rays import hit_instance, ray_table
 from ..kernels.sampler import draw1, pixel_seed
-from ..kernels.workspace import cut_table
+from ..kernels.workspace import aside_table, cut_table
 
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
 # greatest error of a pixel is up to a quarter greater.
@@ -46,17 +49,19 @@ control_table = table("control", np.int64)
 
 
 @kernel
-def keep_media(block, workspace, row):
-    """Keep what the path is inside of with the other state of a branch."""
+def keep_state(block, workspace, row):
+    """Keep what the path is inside of, and how it was scattered first, with the other state of a branch."""
     if block.has_media:
         inside_table(workspace)[row] = inside_table(workspace)[0]
+    keep_first_scattering(block, workspace, row)
 
 
 @kernel
-def use_media(block, workspace, row):
-    """Copy the media that surround path number ``row`` to those of the path itself."""
+def use_state(block, workspace, row):
+    """Give the path itself what ``keep_state`` has kept of path number ``row``."""
     if block.has_media:
         inside_table(workspace)[0] = inside_table(workspace)[row]
+    use_first_scattering(block, workspace, row)
 
 
 @kernel
@@ -75,22 +80,22 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     put(sample.before, vec(sample.combined))
     put(sample.lamps_before, vec(sample.lamps))
     paths[WAITING] = paths[0]
-    keep_media(block, workspace, WAITING)
+    keep_state(block, workspace, WAITING)
     for branch in range(branches):
         paths[0] = paths[WAITING]
-        use_media(block, workspace, WAITING)
+        use_state(block, workspace, WAITING)
         paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
         paths[0].alive = int(scatter(block, workspace))
         if block.has_subsurface:
             ray_table(workspace)[FIRST_BRANCH_RAY + branch] = ray_table(workspace)[0]
         paths[FIRST_BRANCH + branch] = paths[0]
-        keep_media(block, workspace, FIRST_BRANCH + branch)
+        keep_state(block, workspace, FIRST_BRANCH + branch)
     intersect_branches(block, workspace, branches)
     choose_branches(workspace, branches)
     for branch in range(branches):
         if paths[FIRST_BRANCH + branch].alive:
             paths[0] = paths[FIRST_BRANCH + branch]
-            use_media(block, workspace, FIRST_BRANCH + branch)
+            use_state(block, workspace, FIRST_BRANCH + branch)
             ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
             cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
             if block.has_subsurface:
@@ -107,7 +112,7 @@ def intersect_branches(block, workspace, branches):
         if not paths[FIRST_BRANCH + branch].alive:
             continue
         paths[0] = paths[FIRST_BRANCH + branch]
-        use_media(block, workspace, FIRST_BRANCH + branch)
+        use_state(block, workspace, FIRST_BRANCH + branch)
         if block.has_subsurface:
             rays[0] = rays[FIRST_BRANCH_RAY + branch]
         path = paths[0]
@@ -122,7 +127,7 @@ def intersect_branches(block, workspace, branches):
             path.expected = largest(vec(path.throughput)) * lights.irradiance(block, number, position)
             rays[FIRST_BRANCH_RAY + branch] = rays[0]
         paths[FIRST_BRANCH + branch] = paths[0]
-        keep_media(block, workspace, FIRST_BRANCH + branch)
+        keep_state(block, workspace, FIRST_BRANCH + branch)
 
 
 @kernel
@@ -170,5 +175,9 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
             for index in range(start, end):
                 path.index = index
                 clear_sample(workspace)
+                if block.moves:
+                    set_time(block, workspace, aside_table(workspace)[0], y)
+                if block.outputs:
+                    outputs.clear(block, workspace)
                 trace_branches(block, workspace, x, y, branches, branches_before(block, pixel))
                 add_sample(block, workspace, pixel, index)

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable
 
 from ... import emitter as lamps
-from ... import jit
+from ... import jit, kernel_cache
 from .. import sample_allocation
 from ..errors import RenderError
 from ..film import Film
@@ -60,6 +60,8 @@ class CpuRenderer:
             say(f"Compiling kernels, once for this installation: {done} done" if done > 1 else "Building the scene")
             thread.join(2 * POLL_SECONDS)
         _raise_first(failures)
+        if kernel_cache.problem():
+            scene.warnings.append(kernel_cache.problem())
         return True
 
     def relight(self, scene: Scene) -> None:
@@ -71,7 +73,10 @@ class CpuRenderer:
     def aim(self, scene: Scene, film: Film) -> None:
         """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
         self._film, self._settings, self._tiles = film, scene.settings, _tiles(film)
+        before = self._packed.output_counts
         self._packed.aim(scene, film)
+        if self._packed.output_counts != before:
+            self._workspaces = _workspaces(self._packed, scene)
 
     def interrupt(self) -> None:
         """Stop sampling within milliseconds, if ``stop`` then says so too. May be called by another thread."""
@@ -80,7 +85,7 @@ class CpuRenderer:
             packed.control[0] = 1
 
     def _render(self, tile, samples: int, workspace: Workspace) -> None:
-        render_tile(self._packed.block, workspace.block, *tile, samples)
+        render_tile(workspace.scene, workspace.block, *tile, samples)
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
         """Add samples ``first`` to ``first + count − 1`` to every active pixel whose rate is 1. False if stopped before the

@@ -57,6 +57,7 @@ SETTLED = frozenset(
         "few_lamps",
         "has_media",
         "has_subsurface",
+        "outputs",
     }
 )
 
@@ -109,6 +110,7 @@ class GpuScene:
         scalars = {
             "has_media": 0,
             "has_subsurface": 0,
+            "outputs": 0,
             "emission_graphs": varying,
             **camera.camera_scalars(scene),
             **integrator_scalars(scene, flags, tables),

@@ -9,6 +9,7 @@ import numpy as np
 from ...jit import kernel, table
 from ...vec import scale, sub, vec
 from ..film import CHANNELS, DISCARDED, HALF_BIT, Film
+from .outputs import apart as outputs
 from .path import sample_table
 
 TABLES = {
@@ -31,6 +32,7 @@ _scattered = table("film_scattered", np.float64)
 _scattered_half = table("film_scattered_half", np.float64)
 _scattered_lamps = table("film_scattered_lamps", np.float64)
 _emission = table("film_emission", np.float64)
+_environment = table("film_environment", np.float64)
 _normal = table("film_normal", np.float64)
 _albedo = table("film_albedo", np.float64)
 _diffuse_albedo = table("film_diffuse_albedo", np.float64)
@@ -110,6 +112,8 @@ def add_sample(block, workspace, pixel, index):
     if not abs(total) < math.inf:
         _discarded(block)[_KINDS * pixel + (_NAN if math.isnan(total) else _INFINITE)] += 1
         return
+    if block.outputs:
+        outputs.add_sample(block, workspace, pixel)
     sums, half = _combined(block), index & HALF_BIT != 0
     before, lamps = (sample.before, sample.lamps_before) if sample.divided else (combined, sample.lamps)
     at = 4 * pixel
@@ -134,11 +138,12 @@ def add_sample(block, workspace, pixel, index):
             _add(_scattered_half(block), pixel, after)
         _add(_scattered_lamps(block), pixel, scale(sub(vec(sample.lamps), vec(lamps)), sample.branches))
     _add(_emission(block), pixel, sample.emission)
+    _add(_environment(block), pixel, sample.environment)
+    _add(_diffuse_albedo(block), pixel, sample.diffuse_albedo)
     if sample.found:
         surfaces = _surfaces(block)
         _add(_normal(block), pixel, sample.normal)
         _add(_albedo(block), pixel, sample.albedo)
-        _add(_diffuse_albedo(block), pixel, sample.diffuse_albedo)
         if surfaces[pixel] == 0:
             _put(_position(block), pixel, sample.position)
             depth = _depth(block)

@@ -19,7 +19,7 @@ from .media import apart as media
 from .media.beams import attenuation
 from .media.records import inside_table
 from .next_event import competes, facing, lamp_density, renew_lamp, rival_density
-from .path import CAMERA, EMISSION_SET, contribute, path_table, uncover
+from .path import CAMERA, EMISSION_SET, contribute, of_instance, path_table, uncover
 from .sampler import draw1
 from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
@@ -97,7 +97,7 @@ def gather_lamps(block, workspace, t_to):
             radiance = lamps.radiance(block, lamp, origin, direction, spans, count, path.t_min, t_to, u)
         if largest(radiance) <= 0.0:
             continue
-        contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, count), True, path.bounce)
+        contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, count), lamp, path.bounce)
 
 
 @replaced_on_gpu
@@ -144,7 +144,7 @@ def gather_lights(block, workspace, t_to):
             radiance = modulated(block, workspace, hit.emitter, radiance, origin, direction, hit.distance, path.kind)
         if block.has_media and inside_table(workspace)[0].count > 0:
             radiance = mul(radiance, attenuation(vec(inside_table(workspace)[0].extinction), hit.distance - path.t_min))
-        contribute(block, workspace, radiance, weight, False, path.bounce)
+        contribute(block, workspace, radiance, weight, hit.emitter, path.bounce)
 
 
 @kernel
@@ -169,8 +169,8 @@ def gather_world(block, workspace):
         radiance = modulated(block, workspace, world, radiance, vec(path.origin), direction, np.inf, path.kind)
     if _nothing(radiance):
         return
-    pdf = lights.world_pdf(block, vec(path.normal), direction) if path.pdf > 0.0 else 0.0
-    contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), False, path.bounce)
+    pdf = lights.world_pdf(block, vec(path.origin), vec(path.normal), direction) if path.pdf > 0.0 else 0.0
+    contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), world, path.bounce)
 
 
 @kernel
@@ -187,4 +187,4 @@ def gather_surface(block, workspace):
         if emitter >= 0:
             pdf = lights.triangle_pdf(block, vec(path.origin), emitter, vec(path.direction), path.length)
             weight = _mis(block, workspace, emitter, pdf)
-    contribute(block, workspace, radiance, weight, False, path.bounce)
+    contribute(block, workspace, radiance, weight, of_instance(surface.instance), path.bounce)

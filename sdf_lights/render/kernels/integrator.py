@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import kernel
-from ...vec import average, dot, largest, mul, negate, put, scale, sub, vec
+from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, lamp_reach
@@ -21,6 +21,8 @@ from .geometry import find_surface, instance_table, shading_material_table, surf
 from .media import apart as media
 from .media.records import inside_table
 from .next_event import light_vertex
+from .outputs import apart as outputs
+from .outputs.records import DATA, LOBES
 from .path import (
     AT_EXIT,
     AT_SURFACE,
@@ -92,7 +94,6 @@ def record_first_surface(block, workspace):
         sample.position[axis] = surface.position[axis]
         sample.normal[axis] = surface.n[axis]
         sample.albedo[axis] = surface.albedo[axis]
-        sample.diffuse_albedo[axis] = surface.diffuse_albedo[axis]
 
 
 @kernel
@@ -135,6 +136,8 @@ def scatter(block, workspace):
     if pdf <= 0.0 or largest(weight) <= 0.0:
         return False
     throughput = scale(mul(vec(path.throughput), weight), 1.0 / pdf)
+    if block.outputs & LOBES and path.bounce == 0 and not kind & TRANSPARENT:
+        outputs.divide(block, workspace, wi, kind, DIFFUSE | GLOSSY | TRANSMISSION, 0)
     if block.has_subsurface and kind & INTO_SUBSURFACE:
         put(path.throughput, throughput)
         put(path.direction, wi)
@@ -273,6 +276,8 @@ def intersect_and_gather(block, workspace):
     if not found:
         sample = sample_table(workspace)[0]
         sample.met += ESCAPE * sample.divided
+        if block.outputs & DATA and path.kind == CAMERA:
+            outputs.leave(block, workspace)
         gather_world(block, workspace)
         return False
     path.length = t_to
@@ -332,8 +337,12 @@ def shade_and_scatter(block, workspace, whole):
         gather_surface(block, workspace)
     if path.kind == CAMERA:
         uncover(workspace, surface.holdout)
-        if not sample.found and average(vec(surface.transparency)) < 0.5:
+        put_sum(sample.diffuse_albedo, mul(vec(path.throughput), vec(surface.diffuse_albedo)))
+        first = not sample.found and average(vec(surface.transparency)) < 0.5
+        if first:
             record_first_surface(block, workspace)
+        if block.outputs & DATA:
+            outputs.add_surface(block, workspace, first)
     if path.last:
         # A transparent surface does not end a ray that gathers emission: light sampling sees through it too.
         transparent = vec(surface.transparency)

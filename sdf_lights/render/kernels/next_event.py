@@ -20,6 +20,9 @@ from . import lights
 from .emission import modulated
 from .geometry import surface_at, surface_table
 from .media import apart as media
+from .outputs import apart as outputs
+from .outputs.records import LOBES
+from .outputs.state import LIGHT_RAY
 from .path import LIGHT_SET, contribute, path_table
 from .sampler import draw4
 from .shading import evaluate, has_lobes, shade, transmits
@@ -128,6 +131,13 @@ def rival_density(cut, pdf, glossy_pdf):
 
 
 @kernel
+def divide_light(block, workspace, wi, emitter):
+    """Tell passes which lobes scatter the light of a light ray along wi, where it is the first to scatter it."""
+    if block.outputs & LOBES and path_table(workspace)[0].bounce == 0:
+        outputs.divide(block, workspace, wi, 0, lights.visibility(block, emitter), LIGHT_RAY)
+
+
+@kernel
 def look(block, workspace, ng, wi):
     """Tell the media that a light ray starts at the surface along wi."""
     media.bounds(block, workspace, media.LOOK_THROUGH if dot(ng, wi) < 0.0 else media.LOOK)
@@ -159,8 +169,9 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         to_point, reach = shadow_ray(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_point, reach, lights.blockers(block, lamp)))
         if largest(weight) > 0.0:
+            divide_light(block, workspace, wi, lamp)
             contribute(
-                block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), True, path.bounce + 1
+                block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), lamp, path.bounce + 1
             )
         return
     wi = lamp_direction(block, workspace, lamp, x, u1, u2, u3)
@@ -176,7 +187,8 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         look(block, workspace, vec(surface.ng), wi)
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, leave(x, vec(surface.ng), wi), u)
     if largest(radiance) > 0.0:
-        contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, True, path.bounce + 1)
+        divide_light(block, workspace, wi, lamp)
+        contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
 
 
 @kernel
@@ -217,4 +229,5 @@ def light_vertex(block, workspace):
     radiance = mul(weight, radiance)
     if singular or not competes(block, emitter):
         scatter_pdf = 0.0
-    contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), False, scatters)
+    divide_light(block, workspace, wi, emitter)
+    contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), emitter, scatters)

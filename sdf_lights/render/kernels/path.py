@@ -8,6 +8,9 @@ from ...jit import kernel, table
 from ...vec import ZERO, average, mul, put, put_sum, scale, vec
 from ..scene import Ray
 from ..settings import MOST_BRANCHES
+from . import lights
+from .outputs import apart as outputs
+from .outputs.records import LIGHT
 
 CAMERA = int(Ray.CAMERA)  # the kind of a path until it scatters
 
@@ -32,6 +35,7 @@ SAMPLE = np.dtype(
         ("combined", "f8", 3),
         ("lamps", "f8", 3),
         ("emission", "f8", 3),
+        ("environment", "f8", 3),
         ("alpha", "f8"),
         ("depth", "f8"),
         ("position", "f8", 3),
@@ -113,11 +117,20 @@ path_table = table("path", PATH)
 sample_table = table("sample", SAMPLE)
 
 
+NO_EMITTER = -1
+
+
 @kernel
-def contribute(block, workspace, radiance, factor, from_lamp, scatters):
+def of_instance(instance):
+    """What ``contribute`` calls the emission of the surfaces of an instance; and the instance, of that."""
+    return -2 - instance
+
+
+@kernel
+def contribute(block, workspace, radiance, factor, source, scatters):
     """Add ``throughput × radiance × factor`` to the sample.
 
-    ``from_lamp``: an SDF lamp sent it. ``scatters``: how often the light was scattered on its way to the camera.
+    ``source``: the emitter that sent it; ``of_instance`` of what emissive surface; or ``NO_EMITTER``. ``scatters``: how often the light was scattered on its way to the camera.
     """
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
@@ -129,10 +142,15 @@ def contribute(block, workspace, radiance, factor, from_lamp, scatters):
             value = scale(value, limit / brightness)
     value = scale(value, path.share)
     put_sum(sample.combined, value)
-    if from_lamp:
+    if 0 <= source < block.lamp_count:
         put_sum(sample.lamps, value)
     if scatters == 0:
-        put_sum(sample.emission, value)
+        if source == lights.world_emitter(block):
+            put_sum(sample.environment, value)
+        else:
+            put_sum(sample.emission, value)
+    if block.outputs & LIGHT:
+        outputs.add_light(block, workspace, value, source, scatters)
 
 
 @kernel
@@ -150,6 +168,7 @@ def clear_sample(workspace):
     put(sample.combined, ZERO)
     put(sample.lamps, ZERO)
     put(sample.emission, ZERO)
+    put(sample.environment, ZERO)
     put(sample.position, ZERO)
     put(sample.normal, ZERO)
     put(sample.albedo, ZERO)

@@ -12,6 +12,7 @@ from ...replaced import replaced_on_gpu
 from . import lights
 from .lamp_tree import WORKSPACE_TABLES as LAMP_TREE_TABLES
 from .media.records import WORKSPACE_TABLES as MEDIA_TABLES
+from .outputs.records import WORKSPACE_TABLES as OUTPUT_TABLES
 from .path import TABLES, path_table
 from .rays import RAY
 from .shading.records import WORKSPACE_TABLES as SHADING_TABLES
@@ -26,6 +27,7 @@ WORKSPACE_TABLES = {
     **cuts.WORKSPACE_TABLES,
     **LAMP_TREE_TABLES,
     **MEDIA_TABLES,
+    **OUTPUT_TABLES,
 }
 # ``aside`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
 WORKSPACE = block_dtype({**WORKSPACE_TABLES, "aside": None})

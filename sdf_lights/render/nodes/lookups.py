@@ -71,7 +71,8 @@ def _attribute(block, workspace, missing_alpha, place, u, v):
 
 
 @kernel
-def _attribute_here(block, workspace, place):
+def attribute_here(block, workspace, place):
+    """Attribute number ``place`` at the workspace's surface: (x, y, z, alpha, grey), all 0 but for alpha where there is none."""
     barycentric = surface_table(workspace)[0].barycentric
     return _attribute(block, workspace, 1, place, barycentric[0], barycentric[1])
 
@@ -245,7 +246,7 @@ Where there is no such attribute alpha is 1 and all else 0."""
 
 COLOR_ATTRIBUTE = _of_object("attribute", _attribute, 5, 0)
 """The same, but all is 0 where there is none."""
-ATTRIBUTE_HERE = _of_object("attribute_here", _attribute_here, 5)
+ATTRIBUTE_HERE = _of_object("attribute_here", attribute_here, 5)
 """(place) → as ``ATTRIBUTE``, at the point itself, which bumps do not shift."""
 
 TO_OBJECT = {

@@ -20,7 +20,8 @@ SINGULAR_ALPHA2 = 2e-10  # a smoother GGX is a perfect mirror, as in Cycles
 class Lobe:
     """``albedo`` (N, 3) is an estimate of what the lobe scatters in all, with its weight."""
 
-    diffuse = False  # counts as diffuse in the passes, and darkens gradually where its normal is not the surface's
+    diffuse = False  # darkens gradually where its normal is not the surface's
+    counts_as_diffuse: bool | None = None  # in passes; None: as ``diffuse``
 
     def __init__(self, weight: np.ndarray, normal: np.ndarray, albedo: np.ndarray | None = None, **parameters):
         self.weight, self.normal = weight, normal

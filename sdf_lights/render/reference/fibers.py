@@ -20,14 +20,33 @@ def absorption_of(color: np.ndarray, roughness: np.ndarray) -> np.ndarray:
     return (np.log(np.maximum(color, 1e-30)) / np.polyval(FIT, roughness)[:, None]) ** 2
 
 
-class Hair(Lobe):
-    """Marschner's lobe of reflection, or of transmission where it ``transmits``, about ``tangent`` (N, 3): Cauchy distributions of
-    widths ``along`` and ``around`` (N,), tilted by ``tilt`` (N,)."""
+class Fiber(Lobe):
+    """What all models of hair share: ``tangent`` (N, 3), and the geometric normal ``facing`` (N, 3) of the surface.
+
+    What they draw goes on wherever it leads; light rays do not see all of it.
+    """
 
     glossy = True
 
     def kind(self, wi):
-        return np.full(len(wi), int(Ray.TRANSMISSION if self.transmits else Ray.GLOSSY))
+        return np.where(dot(self.facing, wi) < 0.0, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
+
+    def cut(self, wo, wi):
+        """Whether light rays from wi count for nothing, as in Cycles on a mesh."""
+        raise NotImplementedError
+
+    def whole(self, wo, wi):
+        """f · |cos| and pdf without that."""
+        raise NotImplementedError
+
+    def evaluate(self, wo, wi):
+        value, pdf = self.whole(wo, wi)
+        return np.where(self.cut(wo, wi)[:, None], 0.0, value), pdf
+
+
+class Hair(Fiber):
+    """Marschner's lobe of reflection, or of transmission where it ``transmits``: Cauchy distributions of widths ``along`` and
+    ``around`` (N,), tilted by ``tilt`` (N,)."""
 
     def _seen(self, w):
         sine = np.clip(dot(self.tangent, w), -1.0, 1.0)
@@ -39,25 +58,27 @@ class Hair(Lobe):
             np.arctan(((theta_o - 0.5 * np.pi) / 2 - self.tilt) / self.along),
         )
 
-    def evaluate(self, wo, wi):
+    def cut(self, wo, wi):
+        other = (dot(self.normal, wi) < 0.0) != self.transmits
+        return other if self.transmits else other | (dot(self._seen(wo)[1], self._seen(wi)[1]) < 0.0)
+
+    def whole(self, wo, wi):
         (theta_o, across_o), (theta_i, across_i) = self._seen(wo), self._seen(wi)
         first, last = self._ends(theta_o)
         t = 0.5 * (theta_o + theta_i) - self.tilt
         pdf = self.along / (2.0 * (t * t + self.along**2) * (first - last) * np.cos(theta_i))
-        cosine = np.clip(dot(across_o, across_i), -1.0, 1.0)
-        phi = np.arccos(cosine)
+        phi = np.arccos(np.clip(dot(across_o, across_i), -1.0, 1.0))
         if self.transmits:
             pdf = (
                 pdf * self.around / (2.0 * np.arctan(0.5 * np.pi / self.around) * ((np.pi - phi) ** 2 + self.around**2))
             )
         else:
             pdf = np.where(
-                (cosine >= 0.0) & (phi <= np.pi * self.around),
+                phi <= np.pi * self.around,
                 pdf * np.cos(0.5 * phi / self.around) / (4.0 * self.around),
                 0.0,
             )
-        side = dot(self.normal, wi) < 0.0
-        pdf = np.where((side == self.transmits) & (np.abs(theta_i) <= 0.5 * np.pi - 0.001), pdf, 0.0)
+        pdf = np.where(np.abs(theta_i) <= 0.5 * np.pi - 0.001, pdf, 0.0)
         return np.repeat(pdf[:, None], 3, 1), pdf
 
     def direction(self, rng, wo):
@@ -74,14 +95,9 @@ class Hair(Lobe):
         return (c * np.cos(phi))[:, None] * y + (c * np.sin(phi))[:, None] * x + np.sin(theta)[:, None] * self.tangent
 
 
-class Fiber(Lobe):
-    """What both models of Principled Hair share: ``tangent`` (N, 3), ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the normals
-    ``smooth`` and ``facing`` (N, 3) of the surface, shading and geometric."""
-
-    glossy = True
-
-    def kind(self, wi):
-        return np.where(dot(self.facing, wi) < 0.0, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
+class Round(Fiber):
+    """What both models of Principled Hair share: ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3)
+    of the surface."""
 
     def axes(self, wo):
         """Unit vectors across the view, and towards the viewer, both perpendicular to the fiber."""
@@ -101,7 +117,6 @@ class Fiber(Lobe):
         return sine[:, None] * self.tangent + (c * np.sin(phi))[:, None] * x + (c * np.cos(phi))[:, None] * z
 
     def cut(self, wo, wi):
-        """Whether light rays from wi count for nothing, as in Cycles on a mesh."""
         n = self.axes(wo)[0]
         return dot(self.smooth, wi) * dot(self.smooth, n) * dot(n, wi) < 0.0
 
@@ -145,7 +160,7 @@ def draw_logistic(rng, s):
     return np.clip(s * np.log(u / (1.0 - u)), -np.pi, np.pi)
 
 
-class Chiang(Fiber):
+class Chiang(Round):
     """Chiang et al. 2016. ``offset`` (N,) is that of the ray from the middle of the fiber; ``v``, ``v0`` (N,) variances along it
     and of R, ``s`` (N,) the width about it."""
 
@@ -176,10 +191,6 @@ class Chiang(Fiber):
             value += keeps[p] * (along(sine_i, centre, v) * about)[:, None]
         return value, luminance(value) / np.maximum(luminance(keeps.sum(0)), 1e-30)
 
-    def evaluate(self, wo, wi):
-        value, pdf = self.whole(wo, wi)
-        return np.where(self.cut(wo, wi)[:, None], 0.0, value), pdf
-
     def direction(self, rng, wo):
         keeps, turns, sine_o = self.orders(wo)
         share = np.cumsum([luminance(keep) for keep in keeps], 0)
@@ -193,7 +204,7 @@ class Chiang(Fiber):
         return self.direction_of(wo, sine, phi)
 
 
-class Huang(Fiber):
+class Huang(Round):
     """Huang, Hullin and Hanika 2022, by following a ray through the fiber: roughness ``alpha``, ``aspect`` (N,), ``factors`` (N, 3)
     of R, TT and TRT. Light rays do not see it: what is drawn counts as singular. ``glass(name, roughness, cosine, ior)`` is the
     albedo of rough glass from "glass" outside or "glass_inside"."""

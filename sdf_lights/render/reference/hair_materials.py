@@ -19,6 +19,7 @@ def hair(points, node: Node, weight: np.ndarray, normal: np.ndarray) -> Lobe:
     return Hair(
         weight,
         normal,
+        facing=points.surface.ng,
         tangent=tangent,
         tilt=tilt,
         transmits=node.settings.get("component") == "TRANSMISSION",

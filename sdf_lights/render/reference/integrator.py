@@ -84,7 +84,7 @@ class Samples:
     """What one sample of each of ``count`` pixels adds to the passes."""
 
     def __init__(self, count: int):
-        self.combined, self.lamps, self.emission = np.zeros((3, count, 3))
+        self.combined, self.lamps, self.emission, self.environment = np.zeros((4, count, 3))
         self.position, self.normal, self.albedo, self.diffuse_albedo = np.zeros((4, count, 3))
         self.alpha, self.depth, self.found = np.ones(count), np.zeros(count), np.zeros(count, bool)
 
@@ -218,7 +218,9 @@ class Integrator:
         """How often light sampling samples an emitter at a vertex, on average."""
         return min(len(self.emitters), SPLIT) / max(len(self.emitters), 1)
 
-    def _contribute(self, paths: Paths, radiance: np.ndarray, scatters: np.ndarray, samples: Samples, lamp=False):
+    def _contribute(
+        self, paths: Paths, radiance: np.ndarray, scatters: np.ndarray, samples: Samples, lamp=False, sky=False
+    ):
         value = paths.throughput * radiance
         for limit, which in ((self.settings.clamp_direct, scatters <= 1), (self.settings.clamp_indirect, scatters > 1)):
             if limit > 0.0:
@@ -226,7 +228,8 @@ class Integrator:
         samples.combined[paths.sample] += value
         if lamp:
             samples.lamps[paths.sample] += value
-        samples.emission[paths.sample] += value * (scatters == 0)[:, None]
+        seen = samples.environment if sky else samples.emission
+        seen[paths.sample] += value * (scatters == 0)[:, None]
 
     def _gather_emitters(self, paths: Paths, end: np.ndarray, samples: Samples) -> None:
         """Lamps and lights along the rays, up to the distance ``end``."""
@@ -259,9 +262,8 @@ class Integrator:
         weight = visible * self._weight(
             paths, self.sky.pdf(paths.direction), self.sky.visibility, self.control[id(self.sky)]
         )
-        self._contribute(
-            paths, self.sky.radiance(paths.direction, paths.kind) * weight[:, None], paths.bounces[:, 0], samples
-        )
+        radiance = self.sky.radiance(paths.direction, paths.kind) * weight[:, None]
+        self._contribute(paths, radiance, paths.bounces[:, 0], samples, sky=True)
 
     def _gather_surface(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples):
         weight = np.ones(len(end))
@@ -284,11 +286,13 @@ class Integrator:
 
     def _record(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples) -> None:
         """Data passes: the first surface that the camera sees and that is more solid than transparent."""
-        first = (paths.kind == Ray.CAMERA) & (shading.transparency.mean(1) < 0.5) & ~samples.found[paths.sample]
+        camera = paths.kind == Ray.CAMERA
+        samples.diffuse_albedo[paths.sample[camera]] += (paths.throughput * shading.diffuse_albedo)[camera]
+        first = camera & (shading.transparency.mean(1) < 0.5) & ~samples.found[paths.sample]
         rows = paths.sample[first]
         samples.found[rows], samples.depth[rows] = True, end[first]
         samples.position[rows], samples.normal[rows] = surface.position[first], surface.ns[first]
-        samples.albedo[rows], samples.diffuse_albedo[rows] = shading.albedo[first], shading.diffuse_albedo[first]
+        samples.albedo[rows] = shading.albedo[first]
 
     # --- light sampling -----------------------------------------------------------------------------------------------
 

@@ -27,7 +27,7 @@ from .closures import (
     f0_of_ior,
     masking,
 )
-from .fibers import Chiang
+from .fibers import Chiang, Hair
 from .geometry import Geometry, Surface
 from .hair_materials import hair, principled_hair
 from .nodes import Graph, Points
@@ -198,10 +198,11 @@ def _sample(surface: Surface, lobes: list[Lobe], rng: np.random.Generator):
         valid = (probability > 0.0) & (free | ((dot(part.ng, direction) < 0.0) == through))
         total, density = _evaluate(part, [one.select(rows) for one in lobes], direction)
         valid &= singular | (density > 0.0)
-        if isinstance(lobe, Chiang):  # what it draws itself is not cut
-            total = total + np.where(
-                lobe.cut(part.wo, direction)[:, None], lobe.weight * lobe.whole(part.wo, direction)[0], 0.0
-            )
+        seen, _ = lobe.evaluate(part.wo, direction)
+        own = lobe.whole(part.wo, direction)[0] if isinstance(lobe, (Hair, Chiang)) else seen
+        shadowing = _bump_shadowing(part, lobe, direction)[:, None]
+        darkened = lobe.diffuse and not isinstance(lobe, Translucent)  # as Cycles has it
+        total = total + lobe.weight * (own * (shadowing if darkened else 1.0) - seen * shadowing)
         alone = lobe.weight * value / np.where(valid, pick[rows] * probability, 1.0)[:, None]
         mixed = total / np.where(density > 0.0, density, 1.0)[:, None]
         weight[rows] = np.where(valid[:, None], np.where(singular[:, None], alone, mixed), 0.0)
@@ -243,7 +244,7 @@ class Materials:
                     shading.portal[rows] |= isinstance(lobe, Portal) & (lobe.weight.mean(1) >= CUTOFF)
                 else:
                     shading.albedo[rows] += lobe.albedo
-                    if lobe.diffuse:
+                    if lobe.diffuse if lobe.counts_as_diffuse is None else lobe.counts_as_diffuse:
                         shading.diffuse_albedo[rows] += lobe.albedo
                     singular = isinstance(lobe, Subsurface) or getattr(lobe, "singular", False)
                     shading.scatters[rows] |= (lobe.weight.mean(1) >= CUTOFF) & ~np.asarray(singular)
@@ -379,7 +380,9 @@ class _Builder:
         self.lobes.append(Straight(weight * self._color(node), self.surface.ns))
 
     def _translucent(self, node, weight):
-        self.lobes.append(Translucent(weight * self._color(node), self.points.normal(node)))
+        # As in Cycles, though nothing mirrors here.
+        normal = specular_normal(self.surface, self.points.normal(node))
+        self.lobes.append(Translucent(weight * self._color(node), normal))
 
     def _diffuse(self, node, weight):
         self._add_diffuse(weight, self._color(node), self.points.input(node, "roughness"), self.points.normal(node))

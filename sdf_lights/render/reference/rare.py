@@ -66,6 +66,7 @@ class AshikhminShirley(Lobe):
 class Velvet(Lobe):
     """Ashikhmin's distribution of inverted Gaussians, of width ``sigma`` (N,), with the masking of Torrance and Sparrow."""
 
+    counts_as_diffuse = False  # in passes, as in Cycles
     diffuse = True
 
     def evaluate(self, wo, wi):

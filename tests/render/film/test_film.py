@@ -11,11 +11,12 @@ from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.render.film import HALF_BIT, LEAST_SAMPLES, NO_DEPTH, Film, half_count
 from sdf_lights.render.kernels import film as accumulate
 from sdf_lights.render.kernels import path
-from sdf_lights.render.passes import BY_NAME, PASSES, Rule
+from sdf_lights.render.kernels.outputs import records
+from sdf_lights.render.passes import BY_NAME, PASSES, Rule, data_width, is_light
 from sdf_lights.render.scene import Camera, Scene
 from sdf_lights.render.settings import Settings
 
-ALL = tuple(BY_NAME)
+ALL = tuple(item.name for item in PASSES if not is_light(item) and not data_width(item))
 WIDTH, HEIGHT = 8, 6
 
 
@@ -27,7 +28,17 @@ def random_samples(count, film, seed=0):
     """(count, pixels) records as the integrator fills them; two of three meet a surface."""
     rng = np.random.default_rng(seed)
     samples = np.zeros((count, film.width * film.height), path.SAMPLE)
-    for name in ("combined", "lamps", "emission", "normal", "albedo", "diffuse_albedo", "position", "depth"):
+    for name in (
+        "combined",
+        "lamps",
+        "emission",
+        "environment",
+        "normal",
+        "albedo",
+        "diffuse_albedo",
+        "position",
+        "depth",
+    ):
         samples[name] = rng.gamma(1.0, 1.0, samples[name].shape)
     samples["alpha"] = rng.random(samples.shape)
     samples["found"] = rng.random(samples.shape) < 2 / 3
@@ -48,7 +59,7 @@ def _add(block, workspace, samples, x0, y0, x1, y1, first):
 def add(film, samples, first=0, tiles=None):
     """Add samples ``first``, … in the order of ``tiles`` (x0, y0, x1, y1)."""
     tables = accumulate.pack_film(film)
-    block = np.zeros(1, block_dtype(accumulate.TABLES, accumulate.SCALARS))
+    block = np.zeros(1, block_dtype({**accumulate.TABLES, **records.TABLES}, [*accumulate.SCALARS, *records.SCALARS]))
     for name, table in tables.items():
         fill_table(block, name, table)
     for name, value in accumulate.film_scalars(film).items():
@@ -77,17 +88,18 @@ def test_passes_are_read_by_their_rule():
     first = np.argmax(found, axis=0)
     seen = found.any(axis=0)[:, None]
     each = np.arange(found.shape[1])
-    surface = {name: np.where(found[..., None], samples[name], 0.0) for name in ("normal", "albedo", "diffuse_albedo")}
+    surface = {name: np.where(found[..., None], samples[name], 0.0) for name in ("normal", "albedo")}
     combined = np.concatenate([2.5 * samples["combined"].mean(axis=0), samples["alpha"].mean(axis=0)[:, None]], axis=1)
     expected = {
         "Combined": combined,
         "Noisy Image": combined,
         "SDF Lamps": 2.5 * samples["lamps"].mean(axis=0),
         "Emission": 2.5 * samples["emission"].mean(axis=0),
+        "Environment": 2.5 * samples["environment"].mean(axis=0),
         "Sample Count": np.full((len(each), 1), 7),
         "Normal": surface["normal"].sum(axis=0) / hits,
         "Denoising Normal": surface["normal"].mean(axis=0),
-        "Diffuse Color": surface["diffuse_albedo"].mean(axis=0),
+        "Diffuse Color": samples["diffuse_albedo"].mean(axis=0),
         "Denoising Albedo": surface["albedo"].mean(axis=0),
         "Position": np.where(seen, samples["position"][first, each], 0.0),
         "Depth": np.where(seen, samples["depth"][first, each][:, None], NO_DEPTH),

@@ -72,10 +72,10 @@ class Packed:
         _probabilities(self.blocks, tuple(map(float, x)), n, self._cuts, out)
         return out
 
-    def world(self, d, n=NONE):
+    def world(self, d, n=NONE, x=NONE):
         """Radiance and pdf of the world in directions d."""
         radiance, pdf = np.empty((len(d), 3)), np.empty(len(d))
-        _world(self.blocks, n, np.ascontiguousarray(d), radiance, pdf)
+        _world(self.blocks, tuple(map(float, x)), n, np.ascontiguousarray(d), radiance, pdf)
         return radiance, pdf
 
 
@@ -124,8 +124,8 @@ def _probabilities(blocks, x, n, cuts, out):
 
 
 @kernel(cache=False)
-def _world(blocks, n, d, radiance, pdf):
+def _world(blocks, x, n, d, radiance, pdf):
     for i in range(len(d)):
         direction = (d[i, 0], d[i, 1], d[i, 2])
         radiance[i, 0], radiance[i, 1], radiance[i, 2] = lights.world_radiance(blocks[0], direction)
-        pdf[i] = lights.world_pdf(blocks[0], n, direction)
+        pdf[i] = lights.world_pdf(blocks[0], x, n, direction)

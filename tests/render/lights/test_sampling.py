@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sdf_lights.render.scene import AreaLight, Image, PointLight, SpotLight, SunLight, World
+from sdf_lights.render.scene import AreaLight, Image, PointLight, Portal, SpotLight, SunLight, World
 from support.chi2 import chi2_sphere
 from tests.render.lights.harness import UP, Packed, place, scene_of
 
@@ -100,6 +100,33 @@ def test_density_of_extreme_ellipses_stays_near_uniform():
         _, _, _, pdf, _ = packed.sample(0, x, np.random.default_rng(3).random((5000, 2)))
         omega = np.mean(1.0 / pdf)
         assert np.std(1.0 / pdf) < 0.5 * omega
+
+
+@pytest.mark.parametrize("x", [(0.0, 0.0, 0.0), (0.5, 0.3, 1.5)])
+def test_the_world_through_portals(x):
+    """Two that face the points, and one that does not."""
+    packed = Packed(
+        scene_of(
+            world=World((0.5, 0.25, 1.0), 2.0),
+            portals=[
+                Portal("", place(0, 0, 2), size=(2.0, 1.0)),
+                Portal("", place(-2, 0, 1, axis=(-1, 0, 0)), ellipse=True, size=(1.0, 1.5)),
+                Portal("", place(2, 0, 1, axis=(-1, 0, 0)), size=(1.0, 1.0)),
+            ],
+        )
+    )
+    assert packed.tables["light_header"]["portal_count"] == 3
+    result = chi2_sphere(
+        lambda u: packed.sample(0, x, u, UP)[0],
+        lambda d: packed.world(d, UP, x)[1],
+        60_000,
+        6,
+        0.9999,
+        dimensions=2,
+        bins=(12, 12),
+        quadrature=64,
+    )
+    assert result.passed and abs(result.integral - 1.0) < 5.0 * result.integral_error + 5e-3, result
 
 
 @pytest.mark.parametrize("n", [UP, (0.0, 0.0, 0.0), (0.6, 0.0, -0.8)])

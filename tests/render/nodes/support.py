@@ -171,7 +171,13 @@ class Picture:
 
     def _row(self, row: int, folded: bool) -> np.ndarray:
         socket = self._sockets[row]
-        reader = Reader(socket.id_data, str(self.cases[row]), None, self.warnings.append)
+        reader = Reader(
+            socket.id_data,
+            str(self.cases[row]),
+            bpy.context.evaluated_depsgraph_get(),
+            None,
+            self.warnings.append,
+        )
         formulas = reader.read(socket, (0.0, 0.0, 0.0))
         numbers = [value if isinstance(value, float) else float(slot) for slot, value in enumerate(reader.parameters)]
         if folded:

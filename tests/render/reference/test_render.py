@@ -93,7 +93,8 @@ def test_the_camera_sees_chord_times_density(background):
     samples = trace(scene, 4)
     np.testing.assert_allclose(samples.combined, 2 * 0.7 * 1.5 + background[0], rtol=1e-8)
     np.testing.assert_allclose(samples.lamps, 2 * 0.7 * 1.5, rtol=1e-8)
-    np.testing.assert_allclose(samples.emission, samples.combined)
+    np.testing.assert_allclose(samples.emission, samples.lamps)
+    np.testing.assert_allclose(samples.environment, background[0])
 
 
 def floor(light=None, lamp=None, albedo=1.0):

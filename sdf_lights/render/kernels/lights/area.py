@@ -82,7 +82,7 @@ def pack(row, light, rgb) -> Extent:
 
 
 @kernel
-def _local(light, x):
+def local(light, x):
     """x in the light's frame, the light at the origin and shining along +z."""
     offset = sub(x, vec(light.center))
     return dot(offset, vec(light.u)), dot(offset, vec(light.v)), dot(offset, vec(light.normal))
@@ -113,7 +113,7 @@ def _contains(light, qx, qy):
 @kernel
 def sample(light, x, u1, u2):
     """See ``interfaces.Light``."""
-    lx, ly, h = _local(light, x)
+    lx, ly, h = local(light, x)
     if not h > 0.0 or light.half_u <= 0.0 or light.half_v <= 0.0:
         return no_sample()
     if light.tan_spread == 0.0:
@@ -140,13 +140,13 @@ def sample(light, x, u1, u2):
 def hit(light, o, d):
     """Distance along d to the shining side of the light, radiance and pdf of ``sample`` there; −1: missed."""
     miss = -1.0, (0.0, 0.0, 0.0), 0.0
-    lx, ly, h = _local(light, o)
+    lx, ly, h = local(light, o)
     slope = -dot(d, vec(light.normal))
     if not (h > 0.0 and slope > 0.0) or light.tan_spread == 0.0:
         return miss
     t = h / slope
     p = madd(o, t, d)
-    qx, qy, _ = _local(light, p)
+    qx, qy, _ = local(light, p)
     if not _contains(light, qx, qy):
         return miss
     px, py = qx - lx, qy - ly

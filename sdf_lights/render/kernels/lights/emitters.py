@@ -39,7 +39,7 @@ def sample_light(block, emitter, x, n, u1, u2):
     if row.kind == SUN:
         return sun.sample(sun.rows(block)[row.index], x, u1, u2)
     if row.kind == WORLD:
-        wi, pdf = sample_world(block, n, u1, u2)
+        wi, pdf = sample_world(block, x, n, u1, u2)
         if not pdf > 0.0:
             return no_sample()
         return wi, math.inf, world_radiance(block, wi), pdf, False

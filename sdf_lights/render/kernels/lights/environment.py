@@ -17,6 +17,7 @@ from ....vec import dot, frame, mul, sub, to_world, transform_normal, transform_
 from ...images import colors
 from ...scene import Ray
 from .cone import FULL_SPHERE, cone_pdf, sample_cone, sample_sphere
+from .portals import SHARE, portal_pdf, sample_portal, total_size
 from .records import header_table, image_columns_table, image_rows_table, image_table
 
 SCATTERED = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION
@@ -110,8 +111,8 @@ def pack(tables, scene, emitter, world_map) -> tuple[float, float]:
             header["sun_width"] = 1.0 - math.cos(world_map.half_angle)
             uneven += world_map.sun_share * (1.0 - uneven)
         mean *= world_map.mean
-    if world.visibility & SCATTERED != SCATTERED:
-        uneven = 1.0  # light rays alone find it
+    if world.visibility & SCATTERED != SCATTERED or header["portal_count"][0] > 0:
+        uneven = 1.0  # light rays alone find it, or far better
     return math.pi * mean, math.pi * mean * (EVEN + (1.0 - EVEN) * uneven)
 
 
@@ -181,8 +182,19 @@ def _color_pdf(n, d):
 
 
 @kernel
-def world_pdf(block, n, d):
-    """Density of ``sample_world`` in direction d at a point with normal n (the zero vector: none)."""
+def world_pdf(block, x, n, d):
+    """Density of ``sample_world`` in direction d at the point x with normal n (the zero vector: none)."""
+    pdf = _sky_pdf(block, n, d)
+    if header_table(block)[0].portal_count > 0:
+        total = total_size(block, x)
+        if total > 0.0:
+            return (1.0 - SHARE) * pdf + SHARE * portal_pdf(block, x, total, d)
+    return pdf
+
+
+@kernel
+def _sky_pdf(block, n, d):
+    """``world_pdf`` without portals."""
     header = header_table(block)[0]
     if header.height == 0:
         return _color_pdf(n, d)
@@ -206,8 +218,23 @@ def _map_pdf(block, header, d):
 
 
 @kernel
-def sample_world(block, n, u1, u2):
-    """Direction and its density."""
+def sample_world(block, x, n, u1, u2):
+    """Direction from x and its density."""
+    if header_table(block)[0].portal_count > 0:
+        total = total_size(block, x)
+        if total > 0.0:
+            if u2 < SHARE:
+                wi, found = sample_portal(block, x, total, u1, u2 / SHARE)
+            else:
+                wi, pdf = _sample_sky(block, n, u1, (u2 - SHARE) / (1.0 - SHARE))
+                found = pdf > 0.0
+            return wi, world_pdf(block, x, n, wi) if found else 0.0
+    return _sample_sky(block, n, u1, u2)
+
+
+@kernel
+def _sample_sky(block, n, u1, u2):
+    """``sample_world`` without portals."""
     header = header_table(block)[0]
     if header.height == 0:
         if n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0:
@@ -224,9 +251,9 @@ def sample_world(block, n, u1, u2):
     if header.sun_share > 0.0:
         if u2 < header.sun_share:
             wi = sample_cone(vec(header.sun), header.sun_width, u1, u2 / header.sun_share)
-            return wi, world_pdf(block, n, wi)
+            return wi, _sky_pdf(block, n, wi)
         wi = _sample_map(block, header, u1, (u2 - header.sun_share) / (1.0 - header.sun_share))[0]
-        return wi, world_pdf(block, n, wi)
+        return wi, _sky_pdf(block, n, wi)
     return _sample_map(block, header, u1, u2)
 
 

@@ -30,5 +30,6 @@ KINDS = {
 TABLES = {
     **records.TABLES,
     "light_triangles": triangle.RECORD,
+    "light_portals": area.RECORD,
     **{kind.table: kind.module.RECORD for kind in KINDS.values()},
 }

@@ -87,7 +87,7 @@ def pack_trees(
     header["instance_count"], header["open_tree"] = len(scene.instances), numbers.get(OPEN_SET, 0)
     if len(chosen) == 1:
         return
-    tables["light_places"] = np.concatenate(places)
+    tables["light_tree_places"] = np.concatenate(places)
     tables["light_tree_of"] = np.array([numbers[instance.light_set] for instance in scene.instances], np.int32)
     tables["light_links"] = np.concatenate(links)
 

@@ -91,6 +91,7 @@ HEADER = np.dtype(
         ("emitter_count", np.int64),
         ("tree_count", np.int64),
         ("instance_count", np.int64),
+        ("portal_count", np.int64),
         ("open_tree", np.int64),  # of what is no object: the medium of the world
         ("world_emitter", np.int64),
         ("world_color", np.float64, 3),
@@ -114,7 +115,7 @@ TABLES = {
     "light_nodes": NODE,
     "light_infinite": INFINITE,
     "light_trees": TREE,
-    "light_places": PLACE,  # (trees − 1) × emitters
+    "light_tree_places": PLACE,  # (trees − 1) × emitters
     "light_tree_of": np.dtype(np.int32),  # of each instance, if there is more than one tree
     "light_links": np.dtype(
         np.int32
@@ -139,7 +140,7 @@ node_table = table("light_nodes", NODE)
 light_cut_table = table("light_cut", LIGHT_CUT)
 infinite_table = table("light_infinite", INFINITE)
 tree_table = table("light_trees", TREE)
-place_table = table("light_places", PLACE)
+place_table = table("light_tree_places", PLACE)
 tree_of_table = table("light_tree_of", np.int32)
 link_table = table("light_links", np.int32)
 triangle_offset_table = table("light_triangle_offset", np.int64)

@@ -20,6 +20,7 @@ from ...scene import Ray
 from .. import lights
 from ..emission import modulated
 from ..next_event import NO_RAY, competes, shade_triangle
+from ..outputs.state import LIGHT_RAY, scattered_in_medium
 from ..path import LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
 from ..sampler import draw2, draw4
 from ..visibility import shadow_ray, transmittance
@@ -65,6 +66,7 @@ def light_ray(block, workspace, ray_length):
         return
     if not lights.reaches(block, emitter, path.bounce):
         return
+    scattered_in_medium(block, workspace, LIGHT_RAY)
     throughput = mul(vec(path.throughput), scattering)
     share = shares(mul(throughput, gathered_rgb(extinction, ray_length)))
     if emitter < block.lamp_count:
@@ -103,7 +105,7 @@ def light_ray(block, workspace, ray_length):
         # Rays by the phase function ask at x, too; the choice of the emitter for all of the ray is another matter.
         at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
         own = at_x / (at_x + phase_density)
-    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), False, path.bounce + 1)
+    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), emitter, path.bounce + 1)
 
 
 @kernel
@@ -165,4 +167,4 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, s
     x = madd(start, place, d)
     shadow = _shadow(block, workspace, lamp, x, wi, distance)
     if largest(shadow) > 0.0:
-        contribute(block, workspace, mul(seen, shadow), row.volume * total / (count * pmf * by), True, path.bounce + 1)
+        contribute(block, workspace, mul(seen, shadow), row.volume * total / (count * pmf * by), lamp, path.bounce + 1)

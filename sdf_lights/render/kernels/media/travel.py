@@ -9,7 +9,8 @@ import numpy as np
 from ....jit import kernel
 from ....vec import largest, madd, mul, put, scale, vec
 from ...scene import Ray
-from ..path import KEPT_RAY, MEDIA_SETS, PHASE_SET, TRAVEL_SET, contribute, path_table
+from ..outputs.state import scattered_in_medium
+from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, path_table
 from ..rays import ray_table
 from ..sampler import draw2, draw3
 from .beams import attenuation, distance_density, distance_in, gathered_rgb, shares
@@ -27,7 +28,7 @@ def _add_glow(block, workspace, length):
     """Add what the media emit along the path's ray."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     emission = mul(vec(inside.emission), gathered_rgb(vec(inside.extinction), length))
-    contribute(block, workspace, emission, 1.0, False, path.bounce)
+    contribute(block, workspace, emission, 1.0, NO_EMITTER, path.bounce)
 
 
 @kernel
@@ -120,6 +121,7 @@ def scatter(block, workspace, unused):
     if not density > 0.0 or largest(vec(path.throughput)) <= 0.0:
         return 0.0
     position = madd(vec(path.start), path.length, d)
+    scattered_in_medium(block, workspace, 0)
     path.scattered = path.bounce
     path.bounce += 1
     path.volume += 1

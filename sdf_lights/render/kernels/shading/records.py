@@ -65,7 +65,7 @@ SURFACE = np.dtype(
         ("emission", "f8", 3),  # radiance towards wo
         ("transparency", "f8", 3),  # what passes straight through or by a PORTAL; sample() draws it too, as TRANSPARENT
         ("albedo", "f8", 3),  # estimated directional albedo of all closures, for denoising
-        ("diffuse_albedo", "f8", 3),  # the part of it that is neither reflection nor refraction by microfacets
+        ("diffuse_albedo", "f8", 3),  # the part of it that passes call diffuse, as Cycles does
         ("holdout", "f8"),  # weight of Holdout
         ("exit", "f8", 3),  # where a ray goes on that sample() has sent through a PORTAL
         ("portal", "i4"),  # 1: it has a PORTAL: what is behind is not left to light rays

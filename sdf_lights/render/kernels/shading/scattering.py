@@ -32,7 +32,7 @@ _BELOW_ONE = 1.0 - 2.0**-53
 def _bump_shadowing(surface, closure, wi):
     """Factor on a closure whose normal is not the surface's.
 
-    Light from behind the unbumped surface is cut; near the horizon diffuse closures darken gradually, by Conty Estevez,
+    As in Cycles, light rays all have it; of drawn directions those of diffuse closures that reflect. Light from behind the unbumped surface is cut; near the horizon diffuse closures darken gradually, by Conty Estevez,
     Lecocq and Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem".
     """
     smooth, n = vec(surface.n), vec(closure.normal)
@@ -51,7 +51,7 @@ def _bump_shadowing(surface, closure, wi):
 
 
 @kernel
-def _evaluate_closure(block, workspace, index, wi):
+def evaluate_closure(block, workspace, index, wi):
     """f · |cos| of a closure with its weight, and its pdf."""
     surface, closure = surface_table(workspace)[0], closure_table(workspace)[index]
     kind = closure.kind
@@ -77,6 +77,18 @@ def _evaluate_closure(block, workspace, index, wi):
 
 
 @kernel
+def lobes_lit(surface, wi, kinds):
+    """Those of these ``kinds`` of scattering that lobes have which scatter light from wi."""
+    return kinds & (TRANSMISSION if dot(vec(surface.ng), wi) < 0.0 else GLOSSY)
+
+
+@kernel
+def is_lit(closure, kinds, lobes):
+    """Whether the scattering of a closure is of one of these ``kinds``; ``lobes``: see ``lobes_lit``."""
+    return (lobes if closure.kind >= MICROFACET else kinds & DIFFUSE) != 0
+
+
+@kernel
 def evaluate(block, workspace, wi, kinds):
     """f · |cos| (RGB) of all closures that are not singular, the pdf with which ``sample`` draws wi, and the part of
     that pdf that lobes have.
@@ -85,12 +97,12 @@ def evaluate(block, workspace, wi, kinds):
     """
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     total, density, glossy_pdf = ZERO, 0.0, 0.0
-    lobes = kinds & (TRANSMISSION if dot(vec(surface.ng), wi) < 0.0 else GLOSSY)
+    lobes = lobes_lit(surface, wi, kinds)
     for i in range(surface.closure_count):
         closure = closures[i]
         if closure.singular == 0:
-            value, pdf = _evaluate_closure(block, workspace, np.int64(i), wi)
-            if (lobes if closure.kind >= MICROFACET else kinds & DIFFUSE) != 0:
+            value, pdf = evaluate_closure(block, workspace, np.int64(i), wi)
+            if is_lit(closure, kinds, lobes):
                 total = add(total, value)
             density += closure.pick * pdf
             if closure.kind >= MICROFACET:
@@ -133,16 +145,19 @@ def _sample_closure(block, workspace, index, u1, u2, u3):
     if kind > SHEEN:
         x, y, z, red, green, blue, pdf, side = apart.sample(block, workspace, kind, index, u1, u2, u3)
         return (x, y, z), mul((red, green, blue), vec(closure.weight)), pdf, int(side)
+    n = vec(closure.normal)
     if kind == SHEEN:
         wi = diffuse.sheen_sample(closure, wo, u1, u2)
     else:
-        n = vec(closure.normal)
         if kind == TRANSLUCENT:
             n = negate(n)
         t, b = frame(n)
         wi = to_world(diffuse.cosine_hemisphere(u1, u2), t, b, n)
-    value, pdf = _evaluate_closure(block, workspace, index, wi)
-    return wi, value, pdf, TRANSMISSION if kind == TRANSLUCENT else DIFFUSE
+    if kind == TRANSLUCENT:
+        pdf = max(dot(n, wi), 0.0) / math.pi
+        return wi, scale(vec(closure.weight), pdf), pdf, TRANSMISSION
+    value, pdf = evaluate_closure(block, workspace, index, wi)
+    return wi, value, pdf, DIFFUSE
 
 
 @kernel
@@ -170,7 +185,7 @@ def sample(block, workspace, u1, u2, u3):
         # A direction must leave on the side that its kind says, whatever the shading normal is.
         if (dot(vec(surface.ng), wi) < 0.0) != (kind & TRANSMISSION != 0):
             return ZERO, ZERO, 0.0, 0.0, 0
-        if closure.bumped and closure.kind > SHEEN and not kind & SINGULAR:
+        if closure.bumped and SHEEN < closure.kind < MICROFACET:
             value = scale(value, _bump_shadowing(surface, closure, wi))
     pdf *= closure.pick
     glossy_pdf = pdf if closure.kind >= MICROFACET else 0.0
@@ -178,7 +193,7 @@ def sample(block, workspace, u1, u2, u3):
         for i in range(count):
             other = closures[i]
             if i != chosen and other.singular == 0:
-                others, density = _evaluate_closure(block, workspace, np.int64(i), wi)
+                others, density = evaluate_closure(block, workspace, np.int64(i), wi)
                 value = add(value, others)
                 pdf += other.pick * density
                 if other.kind >= MICROFACET:

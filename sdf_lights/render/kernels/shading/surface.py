@@ -71,6 +71,7 @@ from .records import (
     STRAIGHT,
     THINNEST_FILM,
     TRANSLUCENT,
+    VELVET,
     closure_table,
     surface_table,
 )
@@ -133,7 +134,7 @@ def finish(workspace, index, albedo):
         surface.evaluable += 1
     if closure.kind != STRAIGHT:
         put_sum(surface.albedo, albedo)
-        if closure.kind < MICROFACET:
+        if closure.kind < MICROFACET and closure.kind != VELVET:  # as in Cycles
             put_sum(surface.diffuse_albedo, albedo)
 
 
@@ -542,7 +543,9 @@ def _add_lobe(block, workspace, lobe, index, weight):
     elif kind == LOBE_TRANSPARENT:
         add_transparency(workspace, scale(color, weight))
     elif kind == LOBE_TRANSLUCENT:
-        add_lambert(workspace, scale(color, weight), normal(block, workspace, args[1]), True)
+        # Nothing mirrors here, but Cycles raises the normal all the same.
+        n = specular_normal(surface, normal(block, workspace, args[1]))
+        add_lambert(workspace, scale(color, weight), n, True)
     elif kind == LOBE_GLOSSY:
         _glossy(block, workspace, lobe, weight, color)
     elif kind == LOBE_REFRACTION:

@@ -19,7 +19,6 @@ from ..values import number, vector
 
 _HALF_PI = 0.5 * math.pi
 _ALONG = _HALF_PI - 0.001  # inclinations beyond are along the fiber
-_NOTHING = (0.0, 0.0, 0.0, 0.0)
 _NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
 
 
@@ -80,38 +79,49 @@ def _density_along(closure, theta_o, theta_i):
 
 
 @kernel
-def _density_about(closure, cosine):
-    """Density of the angle about the fiber, by its cosine; 0 on the other side of the fiber than the lobe's."""
+def _density_about(closure, phi):
+    """Density of the angle about the fiber, from 0 to π."""
     r = closure.a
-    phi = math.acos(min(max(cosine, -1.0), 1.0))
     if closure.transmits:
         p = math.pi - phi
         return r / (2.0 * math.atan(_HALF_PI / r) * (p * p + r * r))
-    if cosine < 0.0 or phi > math.pi * r:
-        return 0.0
-    return math.cos(0.5 * phi / r) * 0.25 / r
+    return math.cos(0.5 * phi / r) * 0.25 / r if phi <= math.pi * r else 0.0
+
+
+@kernel
+def _density(closure, wo, wi):
+    """Density of wi, and the cosine of the angle about the fiber between it and wo."""
+    theta_o, across_o = _across(closure, wo)
+    theta_i, across_i = _across(closure, wi)
+    cosine = dot(across_o, across_i)
+    if abs(theta_i) > _ALONG:
+        return 0.0, cosine
+    return (
+        _density_along(closure, theta_o, theta_i) * _density_about(closure, math.acos(min(max(cosine, -1.0), 1.0))),
+        cosine,
+    )
 
 
 @kernel
 def evaluate(block, workspace, index, x, y, z):
-    """f · |cos| without its weight, and pdf."""
+    """f · |cos| without its weight, and pdf.
+
+    Light rays see a mesh on one side alone, and what is mirrored within a quarter turn about the fiber; ``sample`` draws all
+    there is. So a lamp gives less the smaller it is: it is done alike in Cycles.
+    """
     closure = closure_table(workspace)[int(index)]
     wi = (x, y, z)
-    if (dot(vec(closure.normal), wi) < 0.0) != (closure.transmits != 0):
-        return _NOTHING
-    theta_o, across_o = _across(closure, vec(surface_table(workspace)[0].wo))
-    theta_i, across_i = _across(closure, wi)
-    if abs(theta_i) > _ALONG:
-        return _NOTHING
-    pdf = _density_along(closure, theta_o, theta_i) * _density_about(closure, dot(across_o, across_i))
+    pdf, cosine = _density(closure, vec(surface_table(workspace)[0].wo), wi)
+    if (dot(vec(closure.normal), wi) < 0.0) != (closure.transmits != 0) or closure.reflects and cosine < 0.0:
+        return 0.0, 0.0, 0.0, pdf
     return pdf, pdf, pdf, pdf
 
 
 @kernel
 def sample(block, workspace, index, u1, u2, u3):
     """wi, f · |cos|, pdf (0: no direction) and kind."""
-    closure = closure_table(workspace)[int(index)]
-    theta_o, across = _across(closure, vec(surface_table(workspace)[0].wo))
+    closure, surface = closure_table(workspace)[int(index)], surface_table(workspace)[0]
+    theta_o, across = _across(closure, vec(surface.wo))
     tangent = vec(closure.tangent)
     first, last = _ends(closure, theta_o)
     theta_i = 2.0 * (closure.alpha * math.tan(u1 * (first - last) + last) + closure.b) - theta_o
@@ -123,7 +133,7 @@ def sample(block, workspace, index, u1, u2, u3):
     c, s = math.cos(theta_i), math.sin(theta_i)
     side = cross(tangent, across)
     wi = add(add(scale(across, c * math.cos(phi)), scale(side, c * math.sin(phi))), scale(tangent, s))
-    red, green, blue, pdf = evaluate(block, workspace, index, wi[0], wi[1], wi[2])
+    pdf, _ = _density(closure, vec(surface.wo), wi)
     if pdf <= 0.0:
         return _NO_DIRECTION
-    return wi[0], wi[1], wi[2], red, green, blue, pdf, TRANSMISSION if closure.transmits else GLOSSY
+    return wi[0], wi[1], wi[2], pdf, pdf, pdf, pdf, TRANSMISSION if dot(vec(surface.ng), wi) < 0.0 else GLOSSY

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Calls of the kernels that fill passes. They are compiled apart, where a film has such a pass, so the path tracer calls them by
+their address. ``block.outputs`` says before a call whether there is one.
+"""
+
+from __future__ import annotations
+
+from ....jit import call_part, kernel
+from .records import code_table
+
+# Places of the addresses, which are 0 for what the film has not.
+PLACES = CLEAR, LIGHT, DIVIDE, SURFACE, LEAVE, ADD = range(6)
+
+
+@kernel
+def clear(block, workspace):
+    """Set all sums of the sample to 0."""
+    call_part(code_table(block)[CLEAR], block, workspace, (0.0,), 1)
+
+
+@kernel
+def add_light(block, workspace, value, emitter, scatters):
+    """See ``light.add_light``."""
+    call_part(code_table(block)[LIGHT], block, workspace, (value[0], value[1], value[2], emitter, scatters), 1)
+
+
+@kernel
+def divide(block, workspace, wi, kind, kinds, row):
+    """See ``light.divide``."""
+    call_part(code_table(block)[DIVIDE], block, workspace, (wi[0], wi[1], wi[2], kind, kinds, row), 1)
+
+
+@kernel
+def add_surface(block, workspace, first):
+    """See ``data.add_surface``."""
+    call_part(code_table(block)[SURFACE], block, workspace, (first,), 1)
+
+
+@kernel
+def leave(block, workspace):
+    """See ``data.leave``."""
+    call_part(code_table(block)[LEAVE], block, workspace, (0.0,), 1)
+
+
+@kernel
+def add_sample(block, workspace, pixel):
+    """See ``sums.add_sample``."""
+    call_part(code_table(block)[ADD], block, workspace, (pixel,), 1)

@@ -1,0 +1,266 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render passes have the names, the channels and the values that Cycles gives them."""
+
+import json
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from sdf_lights.blender.naming import ENGINE
+
+pytest.importorskip("_cycles")
+
+DATA = ("z", "mist", "uv", "object_index", "material_index")
+LIGHT = ("emit", "environment")
+LOBES = [f"{lobe}_{part}" for lobe in ("diffuse", "glossy", "transmission") for part in ("direct", "indirect", "color")]
+
+
+@pytest.fixture
+def scene(file, add, quad, material):
+    """Objects of most lobes before a grey world, lit by an area light: diffuse, rough metal, rough glass, plastic, a half
+    transparent sheet, and one that glows."""
+    bpy.ops.preferences.addon_enable(module="cycles")
+    half = math.pi / 2
+
+    def surface(name: str, kind: str, index: int, alpha: float = 1.0, **inputs):
+        made, tree, output = material(name)
+        made.pass_index = index
+        node = tree.nodes.new(f"ShaderNode{kind}")
+        if kind in ("BsdfGlossy", "BsdfGlass"):
+            node.distribution = "GGX"
+        for key, value in inputs.items():
+            node.inputs[key.replace("_", " ")].default_value = value
+        if alpha < 1.0:
+            clear, mix = tree.nodes.new("ShaderNodeBsdfTransparent"), tree.nodes.new("ShaderNodeMixShader")
+            mix.inputs[0].default_value = alpha
+            tree.links.new(clear.outputs[0], mix.inputs[1])
+            tree.links.new(node.outputs[0], mix.inputs[2])
+            node = mix
+        tree.links.new(node.outputs[0], output)
+        mesh = quad(name)
+        mesh.materials.append(made)
+        return mesh
+
+    def shown(name: str, index: int, data, *place):
+        obj = add(name, data, *place)
+        obj.pass_index = index
+        return obj
+
+    shown("Floor", 1, surface("Floor", "BsdfDiffuse", 10, Color=(0.8, 0.5, 0.3, 1.0)), (0, 0, 0), (0, 0, 0), (3, 3, 1))
+    metal = surface("Metal", "BsdfGlossy", 20, Color=(0.9, 0.8, 0.7, 1.0), Roughness=0.4)
+    shown("Metal", 2, metal, (-1.2, 1.0, 0.8), (half, 0, 0.3), (0.6, 0.8, 1))
+    glass = surface("Glass", "BsdfGlass", 30, Color=(0.9, 1.0, 0.9, 1.0), Roughness=0.3, IOR=1.4)
+    shown("Glass", 3, glass, (1.2, 0.5, 0.8), (half, 0, -0.3), (0.6, 0.8, 1))
+    plastic = surface("Plastic", "BsdfPrincipled", 40, Base_Color=(0.2, 0.4, 0.8, 1.0), Roughness=0.3)
+    shown("Plastic", 4, plastic, (0, 1.5, 0.8), (half, 0, 0), (0.5, 0.8, 1))
+    sheet = surface("Sheet", "BsdfDiffuse", 50, 0.7, Color=(0.7, 0.7, 0.2, 1.0))
+    sheet.uv_layers.remove(sheet.uv_layers[0])
+    shown("Sheet", 5, sheet, (0, -1, 0.6), (half, 0, 0), (0.6, 0.4, 1))
+    thin = surface("Thin", "BsdfDiffuse", 60, 0.3, Color=(0.9, 0.2, 0.2, 1.0))
+    shown("Thin", 6, thin, (-1, -1, 1.6), (half, 0, 0), (0.6, 0.4, 1))
+    glow = surface("Glow", "Emission", 70, Color=(1.0, 0.6, 0.2, 1.0), Strength=2.0)
+    shown("Glow", 7, glow, (1.2, -0.5, 1.8), (half, 0, 0), (0.3, 0.2, 1))
+    light = bpy.data.lights.new("Area", "AREA")
+    light.energy, light.size = 60.0, 1.0
+    shown("Area", 8, light, (0.5, -0.5, 3.0))
+    world = bpy.data.worlds.new("World")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.3, 0.4, 1.0)
+    world.mist_settings.start, world.mist_settings.depth, world.mist_settings.falloff = 2.0, 8.0, "QUADRATIC"
+    file.scene.world = world
+    file.camera.data.lens = 30.0
+    file.scene.render.resolution_x, file.scene.render.resolution_y = 48, 32
+    cycles = file.scene.cycles
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.samples, cycles.blur_glossy, cycles.light_sampling_threshold = 512, 0.0, 0.0
+    cycles.sample_clamp_indirect, cycles.pixel_filter_type = 0.0, "BOX"
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = 4
+    own = file.scene.sdf_lights
+    own.device, own.samples, own.filter = "CPU", 256, "BOX"
+    own.max_bounces = own.diffuse_bounces = own.glossy_bounces = own.transmission_bounces = 4
+    own.clamp_indirect = 0.0
+    return file.scene
+
+
+@pytest.fixture
+def both(scene, pictures):
+    """Function: the passes of the first layer by this engine, and by Cycles."""
+
+    def run(after=lambda: None):
+        found = []
+        for engine in (ENGINE, "CYCLES"):
+            scene.render.engine = engine
+            found.append(next(iter(pictures().values())))
+            after()
+        return found
+
+    return run
+
+
+def switch_on(layer, names):
+    for name in names:
+        setattr(layer, f"use_pass_{name}", True)
+
+
+def assert_alike(ours, theirs):
+    """All passes of Cycles are here, with the same channels, and means within 1 %, or 0.1 % of the picture's."""
+    assert set(theirs) <= set(ours)
+    least = 0.001 * theirs["Combined"][..., :3].mean(dtype=float)
+    told = []
+    for name, expected in theirs.items():
+        found = ours[name]
+        assert found.shape == expected.shape, name
+        means, right = found.mean((0, 1), dtype=float), expected.mean((0, 1), dtype=float)
+        if not np.abs(means - right).max() <= 0.01 * np.abs(right).max() + least:
+            told.append((name, means.round(4), right.round(4)))
+    assert told == []
+
+
+def colored(passes):
+    """The same, with the light of lobes times their colour, as it is in the picture."""
+    found = dict(passes)
+    for name in passes:
+        for old, new in (("Direct", "Color"), ("Indirect", "Color"), ("Dir", "Col"), ("Ind", "Col")):
+            if name.endswith(old) and name.removesuffix(old) + new in passes:
+                found[name] = passes[name] * passes[name.removesuffix(old) + new]
+    return found
+
+
+def parts(passes):
+    """What the passes of lobes, volumes, emission and environment sum up to."""
+    found = colored(passes)
+    data = ("Combined", "Depth", "Noisy Image")
+    return sum(value for name, value in found.items() if not name.endswith(("Color", "Col")) and name not in data)
+
+
+def test_data_and_directly_seen_light(scene, both, file):
+    switch_on(file.layer, [*DATA[1:], *LIGHT])
+    ours, theirs = both()
+    edges = 0.1  # part of the pixels that several things share, of which the first sample of each renderer takes either
+    for name in ("Object Index", "Material Index") if bpy.app.version >= (5, 0, 0) else ("IndexOB", "IndexMA"):
+        found, expected = ours.pop(name), theirs.pop(name)
+        assert found.shape == expected.shape and set(np.unique(found)) == set(np.unique(expected))
+        assert (found != expected).mean() < edges
+    assert_alike(ours, theirs)
+    assert np.abs(ours["Mist"] - theirs["Mist"]).mean() < 0.01
+    assert np.abs(ours["UV"] - theirs["UV"]).mean() < 0.01
+
+
+def test_lobes(scene, both, file):
+    switch_on(file.layer, [*LOBES, *LIGHT])
+    ours, theirs = both()
+    assert_alike(colored(ours), colored(theirs))
+    np.testing.assert_allclose(parts(ours), ours["Combined"][..., :3], rtol=1e-4, atol=1e-5)
+
+
+def test_fog(scene, both, file):
+    """What a volume scatters has passes of its own, and the light of surfaces in it those of their lobes."""
+    tree = scene.world.node_tree
+    fog = tree.nodes.new("ShaderNodeVolumeScatter")
+    fog.inputs["Density"].default_value = 0.05
+    tree.links.new(fog.outputs[0], tree.nodes["World Output"].inputs["Volume"])
+    scene.cycles.volume_bounces = scene.sdf_lights.volume_bounces = 4
+    switch_on(file.layer, [*LOBES, *LIGHT])
+    file.layer.cycles.use_pass_volume_direct = file.layer.cycles.use_pass_volume_indirect = True
+    ours, theirs = both()
+    assert_alike(colored(ours), colored(theirs))
+    np.testing.assert_allclose(parts(ours), ours["Combined"][..., :3], rtol=1e-4, atol=1e-5)
+
+
+def test_passes_do_not_change_the_picture(scene, pictures, file):
+    scene.sdf_lights.samples = 8
+    plain = pictures()["ViewLayer"]
+    assert set(plain) == {"Combined", "Depth"} or set(plain) == {"Combined"}
+    switch_on(file.layer, [*DATA, *LOBES, *LIGHT])
+    np.testing.assert_array_equal(pictures()["ViewLayer"]["Combined"], plain["Combined"])
+
+
+def test_light_groups(scene, both, file):
+    """Each group has the light that it has in Cycles, and together they are the picture."""
+    groups = {"Area": "Key", "Glow": "Fill"}
+    for name in ("Key", "Fill", "Sky"):
+        file.layer.lightgroups.add(name=name)
+    for name, group in groups.items():
+        bpy.data.objects[name].lightgroup = group
+    scene.world.lightgroup = "Sky"
+    ours, theirs = both()
+    assert_alike(ours, theirs)
+    whole = sum(ours[f"Combined_{group}"] for group in ("Key", "Fill", "Sky"))
+    np.testing.assert_allclose(whole, ours["Combined"][..., :3], rtol=1e-4, atol=1e-5)
+
+
+def test_a_light_may_have_a_pass_of_its_own(scene, pictures, file, lamp, add):
+    lamps = [add(name, lamp(name, power=5.0), (x, 0.0, 1.0)) for name, x in (("Left.001", -1.0), ("Right", 1.0))]
+    for obj in (*lamps, bpy.data.objects["Area"]):
+        obj.data.sdf_lamp.use_pass = True
+    file.layer.sdf_lights.use_pass_sdf_lamps = True
+    scene.sdf_lights.samples = 8
+    found = pictures()["ViewLayer"]
+    both = found["Light Left_001"] + found["Light Right"]
+    np.testing.assert_allclose(both, found["SDF Lamps"], rtol=1e-4, atol=1e-5)
+    assert min(found[name].mean() for name in ("Light Left_001", "Light Right", "Light Area")) > 0.0
+    lamps[0].data.energy = 0.0
+    alone = pictures()["ViewLayer"]
+    assert alone["Light Left_001"].max() == 0.0
+    assert alone["Light Right"].mean() == pytest.approx(found["Light Right"].mean(), rel=0.02)
+
+
+KINDS = {"Object": "object", "Material": "material", "Asset": "asset"}
+
+
+def covered(passes, kind: str) -> dict[float, float]:
+    """How much each number of Cryptomatte covers, on average over the pixels."""
+    found: dict[float, float] = {}
+    for level in range(3):
+        for first in (0, 2):
+            numbers, coverage = (passes[f"Crypto{kind}{level:02}"][..., first + i].ravel() for i in (0, 1))
+            for number in np.unique(numbers[coverage > 0.0]):
+                found[float(number)] = found.get(float(number), 0.0) + float(coverage[numbers == number].sum())
+    return {number: total / coverage.size for number, total in found.items()}
+
+
+def test_cryptomatte(scene, both, file, tmp_path):
+    """Numbers, coverage, and what the file says of them are those of Cycles."""
+    openimageio = pytest.importorskip("OpenImageIO")
+    switch_on(file.layer, [f"cryptomatte_{kind}" for kind in KINDS.values()])
+    bpy.data.objects["Glass"].parent = bpy.data.objects["Metal"]
+    said = []
+
+    def read():
+        spec = openimageio.ImageInput.open(str(tmp_path / "picture.exr")).spec()
+        said.append({item.name: item.value for item in spec.extra_attribs if "cryptomatte" in item.name})
+
+    ours, theirs = both(read)
+    for kind in KINDS:
+        found, expected = covered(ours, kind), covered(theirs, kind)
+        assert set(found) == set(expected) and len(found) >= 6
+        for number, part in expected.items():
+            assert found[number] == pytest.approx(part, abs=0.002), (kind, number)
+        first = ours[f"Crypto{kind}00"]
+        assert (first[..., 1] >= first[..., 3] - 1e-6).all()
+    assert len(said[0]) == 12 and said[0].keys() == said[1].keys()
+    for name, value in said[1].items():
+        if name.endswith("manifest"):
+            assert json.loads(said[0][name]).items() <= json.loads(value).items()
+        else:
+            assert said[0][name] == value
+
+
+def test_aovs(scene, both, file):
+    for name, kind in (("Mask", "VALUE"), ("Paint", "COLOR")):
+        aov = file.layer.aovs.add()
+        aov.name, aov.type = name, kind
+    for index, material in enumerate(("Floor", "Plastic", "Sheet")):
+        tree = bpy.data.materials[material].node_tree
+        node = tree.nodes.new("ShaderNodeOutputAOV")
+        node.aov_name, node.inputs["Value"].default_value = "Mask", 0.2 * (index + 1)
+        node = tree.nodes.new("ShaderNodeOutputAOV")
+        node.aov_name = "Paint"
+        place = tree.nodes.new("ShaderNodeTexCoord")
+        tree.links.new(place.outputs["UV"], node.inputs["Color"])
+    ours, theirs = both()
+    assert_alike(ours, theirs)
