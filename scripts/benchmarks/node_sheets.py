@@ -63,7 +63,8 @@ def materials_table(rows: list[dict], summary: dict) -> str:
 
     about = machine.describe()
     lines = [
-        f"Blender {about['blender']}, {about['processor']}, {about['cores']} cores, {rows[0].get('samples')} samples a pixel. "
+        f"Blender {about['blender']}, {about['processor']}, {about['cores']} cores at a load of {about.get('load', '?')}, "
+        f"{rows[0].get('samples')} samples a pixel. "
         f"The worst mean difference is {_percent(summary.get('materials_worst_mean_difference'))}. Samples a second are "
         f"{summary.get('samples_ratio_to_cycles_geomean', 0.0):.2f} × Cycles' in the geometric mean, "
         f"{summary.get('samples_ratio_to_cycles_min', 0.0):.2f} × at least; Cycles' error × time is "
