@@ -66,7 +66,7 @@ def light_of(
 
 
 def control(light: Lamp | Light, data: bpy.types.Light, linking: dict[str, int]) -> None:
-    """Give a lamp or light what its object says of what it lights, and Cycles' settings of the light."""
+    """Give a lamp or light what its object says of what it lights (fields of ``Emitter``), and Cycles' settings of the light."""
     for name, value in linking.items():
         setattr(light, name, value)
     cycles = getattr(data, "cycles", None)  # present only while the Cycles add-on is enabled
