@@ -15,6 +15,7 @@ import sys
 import bpy
 
 from ..render.errors import RenderError
+from ..render.passes import MATTES
 from ..render.settings import Device
 from . import feedback, findings
 from .guard import guarded
@@ -86,6 +87,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
                     on_progress=functools.partial(self._show, index / len(views), 1.0 / len(views)),
                 )
                 result.write(film)
+                result.describe(film)
         self._report_warnings(scene.warnings, reported)
         if not self.is_preview:
             feedback.record(depsgraph.scene.name, scene.warnings, film.made_by)
@@ -174,7 +176,7 @@ class _Result:
                     f"{self._scene.height}: change the resolution or the render region a little."
                 )
             self._scene.border = x0, y0, x0 + width, y0 + height
-        self.passes = enabled_passes(self._result.layers[0].passes.keys())
+        self.passes = enabled_passes(self._result.layers[0].passes.keys(), self._scene.passes)
         return self
 
     def __exit__(self, kind, error, traceback):
@@ -188,6 +190,21 @@ class _Result:
         passes = self._result.layers[0].passes
         for name, blender_name in self.passes.items():
             passes[blender_name].rect.foreach_set(film.read(name).ravel())
+
+    def describe(self, film) -> None:
+        """Tell files which names the numbers of Cryptomatte stand for."""
+        from ..render import cryptomatte
+
+        whole = self._engine.get_result()
+        names = {
+            "object": [instance.name for instance in self._scene.instances],
+            "asset": [instance.asset or instance.name for instance in self._scene.instances],
+            "material": [material.name for material in self._scene.materials],
+        }
+        for kind in film.matte_places:
+            told = cryptomatte.metadata(f"{self._layer}.{MATTES[kind]}", names[kind])
+            for field, value in told.items():
+                whole.stamp_data_add_field(field=field, value=value)
 
     def update(self, film) -> None:
         """Show the picture so far."""

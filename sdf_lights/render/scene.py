@@ -18,6 +18,7 @@ from ..sdf.shapes import Shape
 from .images import Image
 from .material import Attribute, Material, attributes_of
 from .medium import Medium
+from .passes import Pass
 from .settings import Settings
 
 RGB = tuple[float, float, float]
@@ -77,13 +78,15 @@ class Emitter:
 
     ``receivers``: bits of the sets ``Instance.light_set`` that it lights. ``blockers``: bits of the sets
     ``Instance.shadow_set`` that cast its shadows. ``max_bounces``: it lights nothing that a path meets after more bounces.
-    ``sampled_only``: no ray but the camera's meets it by chance.
+    ``light_group``: the pass of light that it counts to. ``sampled_only``: no ray but the camera's meets it by chance.
     """
 
     receivers: int = ALL_SETS
     blockers: int = ALL_SETS
     max_bounces: int = MANY_BOUNCES
     sampled_only: bool = False
+    light_group: str = ""
+    own_pass: str = ""  # name of a pass of its light alone
 
 
 @dataclass
@@ -102,6 +105,7 @@ class Instance(Emitter):
     random: float = 0.0  # 0 to 1
     light_set: int = OPEN_SET
     shadow_set: int = OPEN_SET
+    asset: str = ""  # for Cryptomatte: the name of the object that all its parents end in
 
 
 @dataclass
@@ -206,6 +210,8 @@ class World:
     emission: Material | None = None
     medium: Medium | None = None
     max_bounces: int = MANY_BOUNCES
+    light_group: str = ""
+    own_pass: str = ""
 
 
 class Projection(enum.IntEnum):
@@ -285,6 +291,7 @@ class Scene:
     portals: list[Portal] = field(default_factory=list)
     world: World = field(default_factory=World)
     mist: Mist = field(default_factory=Mist)
+    passes: list[Pass] = field(default_factory=list)  # that there are beside ``passes.PASSES``
     attributes: list[Attribute] = field(default_factory=list)  # that passes look up, beside those that materials do
     settings: Settings = field(default_factory=Settings)
     warnings: list[str] = field(default_factory=list)

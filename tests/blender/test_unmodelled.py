@@ -52,14 +52,6 @@ def passes_of_our_own(file, **_):
     file.layer.cycles.denoising_store_passes = True
 
 
-def aovs(file, **_):
-    file.layer.aovs.add().name = "Mask"
-
-
-def light_groups(file, **_):
-    file.layer.lightgroups.add(name="Key")
-
-
 def filters(file, **_):
     file.layer.use_sky = file.layer.use_strand = False
 
@@ -107,10 +99,8 @@ CASES = {
     sample_subset: ("Scene", "subset of samples"),
     culling: ("Scene", "not culled"),
     texture_limit: ("Scene", "limit on the size of textures"),
-    passes: ("View Layers", "Cryptomatte Object, Shadow Catcher", "left out"),
+    passes: ("View Layers", "Shadow Catcher", "left out"),
     passes_of_our_own: ("View Layers", "Store Denoising Passes", "View Layer Properties > Passes"),
-    aovs: ("View Layers", "AOVs", "Mask"),
-    light_groups: ("View Layers", "light groups", "Key"),
     filters: ("View Layers", "Curves"),
     many_shadows: ("Scene", "13 collections", "share collections"),
     shadow_catcher: ("Objects", "'Floor'", "shadow catcher"),

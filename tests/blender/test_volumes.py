@@ -117,6 +117,43 @@ def test_mie_is_a_mixture_and_fournier_forand_is_told(medium):
     assert "Fournier-Forand" in warning and "'Air" in warning
 
 
+@pytest.mark.parametrize("kind", ["ShaderNodeValToRGB", "ShaderNodeRGBCurve", "ShaderNodeWavelength"])
+def test_ramps_and_curves_of_constants_are_constants(medium, kind):
+    def build(tree):
+        node, volume = new(tree, kind), new(tree, "ShaderNodeVolumeScatter")
+        for socket in node.inputs:
+            value = {"Wavelength": 600.0}.get(socket.name, 0.25)
+            socket.default_value = value if socket.type == "VALUE" else (value,) * 4
+        tree.links.new(node.outputs["Color"], volume.inputs["Color"])
+        return volume.outputs[0]
+
+    found, scene = medium(build)
+    [part] = found.scattering
+    expected = (0.25, 0.25, 0.25)
+    if kind == "ShaderNodeWavelength":
+        assert part.coefficient[0] > part.coefficient[1] > part.coefficient[2]
+    else:
+        np.testing.assert_allclose(part.coefficient, expected, atol=1e-5)
+    assert scene.warnings == []
+
+
+def test_colours_and_numbers_glow_where_a_shader_is_expected(medium):
+    def build(tree):
+        color, number = tree.nodes.new("ShaderNodeRGB"), tree.nodes.new("ShaderNodeValue")
+        color.outputs[0].default_value, number.outputs[0].default_value = (0.25, 0.5, -1.0, 1.0), 2.0
+        mix, add = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeAddShader")
+        mix.inputs[0].default_value = 0.25
+        tree.links.new(color.outputs[0], mix.inputs[1])
+        tree.links.new(number.outputs[0], mix.inputs[2])
+        tree.links.new(mix.outputs[0], add.inputs[0])
+        tree.links.new(new(tree, "ShaderNodeVolumeAbsorption", Color=(0.0, 0.0, 0.0, 1.0)).outputs[0], add.inputs[1])
+        return add.outputs[0]
+
+    found, scene = medium(build)
+    close(found.emission, 0.25 * 0.75 + 0.5, 0.5 * 0.75 + 0.5, 0.5)
+    assert scene.warnings == []
+
+
 def test_coefficients(medium):
     if not hasattr(bpy.types, "ShaderNodeVolumeCoefficients"):
         pytest.skip("this Blender has no such node")

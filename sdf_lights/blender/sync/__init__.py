@@ -15,7 +15,7 @@ from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
 from .. import cycles
-from ..passes import is_enabled
+from ..passes import is_enabled, layer_passes
 from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
@@ -51,6 +51,9 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
         settings=layer_settings(blender_scene, depsgraph.view_layer_eval),
     )
     warn(cycles.missing(blender_scene))
+    scene.passes = layer_passes(depsgraph.view_layer)
+    if is_enabled(BY_NAME["UV"], depsgraph.view_layer):
+        scene.attributes.append(UV)
     _fill(depsgraph, scene, warn)
     report_unmodelled(depsgraph, _world(depsgraph), warn)
     return scene
@@ -107,8 +110,6 @@ def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: C
     world = _world(depsgraph)
     if world is not None:
         scene.mist = mist_of(world.mist_settings)
-    if is_enabled(BY_NAME["UV"], view_layer):
-        scene.attributes.append(UV)
     if view_layer.use_sky:
         scene.world = world_of(world, depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}

@@ -135,6 +135,8 @@ class _Reader:
                 original.pass_index,
                 random_number(item),
                 **self._linking.of_instance(original, item.parent.original if item.is_instance else original),
+                asset=_topmost(original).name,
+                light_group=original.lightgroup,
             )
         )
 
@@ -170,7 +172,7 @@ class _Reader:
         if isinstance(light, Portal):
             self._scene.portals.append(light)
             return
-        control(light, obj.data, self._linking.of_emitter(obj.original))
+        control(light, obj, self._linking.of_emitter(obj.original))
         if isinstance(light, Lamp):
             self._scene.lamps.append(light)
         else:
@@ -185,6 +187,12 @@ class _Reader:
                 rays &= ~Ray.CAMERA
             self._flags[key] = _Flags(rays, obj.is_holdout or original.holdout_get(view_layer=self._view_layer))
         return self._flags[key]
+
+
+def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
+    while obj.parent is not None:
+        obj = obj.parent
+    return obj
 
 
 def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:

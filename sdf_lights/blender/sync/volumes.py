@@ -12,7 +12,7 @@ import numpy as np
 
 from ...graph.formula import Vector, constant
 from ...render.medium import BLACK, RGB, Medium, Scattering
-from ...render.nodes.means import mean_inside
+from ...render.nodes.means import mean_inside, varies
 from ...render.phases import fournier_forand_mean, limited, mie
 from ...sdf.builtin_colors import blackbody
 from .common import Warnings
@@ -39,11 +39,16 @@ class _Volume:
     def __init__(self, reader: Reader, owner: str, warn: Warnings):
         self.reader, self._owner, self._warn = reader, owner, warn
 
-    def read(self, socket, stack: Stack, weight: float) -> Medium:
+    def read(self, socket, outer: Stack, weight: float) -> Medium:
         """Coefficients of the shader at a socket, times ``weight``."""
-        node, end, stack = self.reader.resolve(socket, stack)
+        node, end, stack = self.reader.resolve(socket, outer)
         if node is None or not weight > 0.0:
             return Medium()
+        if end.type != "SHADER":  # what a shader is expected to be glows, as on surfaces
+            like = 0.0 if end.type == "VALUE" else BLACK
+            value = self._number(self.reader.value(socket, outer)[0], like, node, end.name)
+            color = (value,) * 3 if isinstance(value, float) else value
+            return Medium(emission=_scaled(_positive(color), weight))
         reading = _SHADERS.get(node.bl_idname)
         if reading is None:
             self.reader.report(node, "not supported as a volume, so it is left out there")
@@ -52,20 +57,30 @@ class _Volume:
 
     def value(self, node, identifier: str, like, stack: Stack):
         """A constant input, or the mean of one that varies from place to place."""
-        socket = by_identifier(node.inputs, identifier)
-        value = self.reader.read(socket, like, stack)
-        number = numbers_of(self.reader, value)
+        return self._number(
+            self.reader.read(by_identifier(node.inputs, identifier), like, stack), like, node, identifier
+        )
+
+    def _number(self, value, like, node, name: str):
+        """A value that a node has by this name, as a float or three."""
+        number = like if value is None else numbers_of(self.reader, value)
         if number is None:
-            means = mean_inside(value if isinstance(value, Vector) else (value,), self.reader.parameters)
+            formulas = value if isinstance(value, Vector) else (value,)
+            means = mean_inside(formulas, self.reader.parameters)
             number = tuple(means) if len(means) == 3 else means[0]
-            self._warn(
-                f"{self._owner}: node '{node.name}': {identifier} varies from place to place, which is not supported "
-                f"in volumes: its mean, {_text(number)}, is used everywhere."
-            )
+            if varies(formulas):
+                self._warn(
+                    f"{self._owner}: node '{node.name}': {name} varies from place to place, which is not supported "
+                    f"in volumes: its mean, {_text(number)}, is used everywhere."
+                )
         if not np.all(np.isfinite(number)):
-            self.reader.report(node, f"{identifier} is not a finite number and is taken as 0")
+            self.reader.report(node, f"{name} is not a finite number and is taken as 0")
             return like
         return number
+
+
+def _positive(color: RGB) -> RGB:
+    return max(color[0], 0.0), max(color[1], 0.0), max(color[2], 0.0)
 
 
 def _text(number) -> str:
@@ -86,8 +101,7 @@ class _Sockets:
 
     def color(self, identifier: str) -> RGB:
         """Without negative parts."""
-        red, green, blue = self._volume.value(self.node, identifier, BLACK, self._stack)
-        return max(red, 0.0), max(green, 0.0), max(blue, 0.0)
+        return _positive(self._volume.value(self.node, identifier, BLACK, self._stack))
 
     def shader(self, identifier: str, weight: float) -> Medium:
         return self._volume.read(by_identifier(self.node.inputs, identifier), self._stack, weight)

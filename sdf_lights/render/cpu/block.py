@@ -118,7 +118,8 @@ class PackedScene:
             {**camera.pack_camera(scene), **film_kernels.pack_film(film)},
             {**camera.camera_scalars(scene), **film_kernels.film_scalars(film)},
         )
-        self._fill(*output_parts.pack(scene, film, (BLOCK, WORKSPACE)))
+        emitters = [*(scene.lamps[index] for index in self._built), *scene.lights, scene.world]
+        self._fill(*output_parts.pack(scene, film, emitters, self._emissive.instance, (BLOCK, WORKSPACE)))
         self.output_counts = output_parts.workspace_counts(film)
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
         self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))

@@ -122,7 +122,7 @@ NO_EMITTER = -1
 
 @kernel
 def of_instance(instance):
-    """What ``contribute`` calls the emission of the surfaces of an instance."""
+    """What ``contribute`` calls the emission of the surfaces of an instance; and the instance, of that."""
     return -2 - instance
 
 

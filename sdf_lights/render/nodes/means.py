@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...graph.folding import Folding
-from ...graph.formula import Formula
+from ...graph.formula import VARIABLE, Formula, order
 from ...graph.functions import Function
 from ...graph.numpy_evaluation import Inputs, evaluate_inputs
 from ..material import Attribute, Table
@@ -22,6 +22,14 @@ def mean_inside(formulas: Sequence[Formula], parameters: Sequence["float | Attri
     folding = Folding([value if isinstance(value, float) else float(place) for place, value in enumerate(parameters)])
     values = evaluate_inputs(tuple(map(folding.fold, formulas)), _Cube(parameters))
     return [float(np.mean(np.where(np.isfinite(value), value, 0.0))) for value in values]
+
+
+def varies(formulas: Sequence[Formula]) -> bool:
+    """Whether formulas may differ from place to place or ray to ray: they ask for more than curves and ramps."""
+    return any(
+        node.kind == VARIABLE or isinstance(node.value, Function) and node.value.scene and node.value.name != "table"
+        for node in order(*formulas)
+    )
 
 
 class _Cube(Inputs):

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import math
 
-from ....jit import kernel
+from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, length, mul, scale, sub, vec
 from ...nodes.lookups import attribute_here
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
 from ..path import path_table, sample_table
 from ..shading import energy, fresnel, microfacet
+from ..shading.program import AOV
 from ..shading.records import (
     FACETS,
     FRESNEL_CONDUCTOR,
@@ -26,12 +27,23 @@ from ..shading.records import (
     closure_table,
     surface_table,
 )
+from ..shading.values import number, vector
 from .light import is_diffuse
-from .records import DATA_NAMES, data_place_table, output_sum_table
+from .records import (
+    DATA_NAMES,
+    MATTES,
+    MOST_HITS,
+    aov_place_table,
+    data_place_table,
+    matte_hit_table,
+    output_sum_table,
+)
 
 _MIST, _UV = DATA_NAMES["mist"], DATA_NAMES["uv"]
 _OBJECT_INDEX, _MATERIAL_INDEX = DATA_NAMES["object_index"], DATA_NAMES["material_index"]
 _GLOSSY, _TRANSMISSION = DATA_NAMES["glossy_albedo"], DATA_NAMES["transmission_albedo"]
+
+_aovs = table("aovs", AOV)
 
 _WHITE = (1.0, 1.0, 1.0)
 
@@ -123,6 +135,33 @@ def _albedos(block, workspace):
 
 
 @kernel
+def _add_matte(workspace, surface, weight):
+    if weight > 0.0:
+        hits = matte_hit_table(workspace)
+        if hits[0].instance < MOST_HITS:
+            hits[0].instance += 1
+        hit = hits[hits[0].instance]
+        hit.instance, hit.material, hit.weight = surface.instance, surface.material, weight
+
+
+@kernel
+def _add_aovs(block, workspace, surface, sums):
+    """Add what the material gives to shader AOVs: its registers still have it."""
+    range_ = shading_material_table(block)[surface.material].aovs
+    for index in range(range_[0], range_[1]):
+        row = _aovs(block)[index]
+        place = aov_place_table(block)[row.aov]
+        if place < 0:
+            continue
+        place += 2 * block.light_columns
+        if row.width == 1:
+            sums[place] += number(block, workspace, row.operand)
+        else:
+            _add(sums, place, vector(block, workspace, row.operand))
+            sums[place + 3] += 1.0
+
+
+@kernel
 def add_surface(block, workspace, first):
     """Add what the surface is that the camera sees. ``first``: whether it is the first that is more solid than
     transparent."""
@@ -142,10 +181,13 @@ def add_surface(block, workspace, first):
         reflected, refracted = _albedos(block, workspace)
         _add(sums, glossy, mul(throughput, reflected))
         _add(sums, transmission, mul(throughput, refracted))
+    if block.outputs & MATTES:
+        _add_matte(workspace, surface, average(throughput) * (1.0 - average(vec(surface.transparency))))
     if not first and sample_table(workspace)[0].found:
         return 0.0
     _number(block, sums, _OBJECT_INDEX, instance_table(block)[surface.instance].index)
     _number(block, sums, _MATERIAL_INDEX, shading_material_table(block)[surface.material].index)
+    _add_aovs(block, workspace, surface, sums)
     place = _place(block, _UV)
     if first and place >= 0:
         attributes = instance_table(block)[surface.instance].attributes
