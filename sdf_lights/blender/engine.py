@@ -55,7 +55,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
     def _render(self, depsgraph):
         # Not before something is rendered: this imports Numba and every kernel.
         from ..render import libraries, session
-        from .sync import sync, sync_camera
+        from .sync import sync_views
 
         if bpy.app.binary_path:
             libraries.add_search_folder(os.path.dirname(bpy.app.binary_path))
@@ -63,8 +63,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
         self.update_stats("", "Synchronizing")
         layer = depsgraph.view_layer.name
         views = self._views(layer)
-        self.active_view_set(views[0])
-        scene = sync(depsgraph, self)
+        scene, cameras = sync_views(depsgraph, self, tuple(views))
         if self.is_preview:
             for name, value in PREVIEW.items():
                 setattr(scene.settings, name, value)
@@ -72,12 +71,10 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
         strict = _strict() and not self.is_preview
         if strict and scene.warnings:
             raise RenderError(findings.failure(len(scene.warnings)))
-        for index, view in enumerate(views):
-            if index > 0:
-                if self.test_break():
-                    break
-                self.active_view_set(view)
-                scene.camera = sync_camera(depsgraph, lambda sentence: None, self)
+        for index, (view, scene.camera) in enumerate(zip(views, cameras)):
+            if index > 0 and self.test_break():
+                break
+            self.active_view_set(view)
             with _Result(self, layer, view, scene) as result:
                 film = session.render(
                     scene,

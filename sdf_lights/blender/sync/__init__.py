@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import bpy
@@ -22,11 +22,21 @@ from .common import Warnings
 from .images import Images
 from .linking import signature as linking_signature
 from .materials import Materials
+from .motion import Motion, is_wanted
 from .objects import ALL, LIGHTS, sync_objects
 from .unmodelled import report_unmodelled
 from .world import mist_of, world_of
 
-__all__ = ["frame_settings", "linking_signature", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
+__all__ = [
+    "frame_settings",
+    "linking_signature",
+    "shows_in",
+    "sync",
+    "sync_camera",
+    "sync_lights",
+    "sync_viewport",
+    "sync_views",
+]
 
 # Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
 _FRAME_STRIDE = 0x9E3779B1
@@ -38,12 +48,29 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
     What cannot be used is left out or replaced, with a sentence in ``Scene.warnings``. Raises RenderError where there
     is nothing to render at all, such as no camera.
     """
+    return sync_views(depsgraph, engine)[0]
+
+
+def sync_views(
+    depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None = None, views: tuple[str, ...] = ()
+) -> tuple[Scene, list[Camera]]:
+    """As ``sync``, with the cameras of the ``views`` of the render (of the active one without any); the first is seen."""
     blender_scene = depsgraph.scene_eval
     warnings: list[str] = []
     warn = Warnings(warnings)
+
+    def cameras() -> list[Camera]:
+        found = []
+        for view in views or (None,):
+            if view is not None:
+                engine.active_view_set(view)
+            found.append(sync_camera(depsgraph, warn, engine))
+        return found
+
     width, height = frame_size(blender_scene.render)
+    eyes = cameras()
     scene = Scene(
-        sync_camera(depsgraph, warn, engine),
+        eyes[0],
         width,
         height,
         border_of(blender_scene.render, width, height),
@@ -54,9 +81,10 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
     scene.passes = layer_passes(depsgraph.view_layer)
     if is_enabled(BY_NAME["UV"], depsgraph.view_layer):
         scene.attributes.append(UV)
-    _fill(depsgraph, scene, warn)
+    moves = engine is not None and not engine.is_preview and is_wanted(depsgraph)
+    _fill(depsgraph, scene, warn, motion=Motion(depsgraph, engine, scene, cameras, warn) if moves else None, eyes=eyes)
     report_unmodelled(depsgraph, _world(depsgraph), warn)
-    return scene
+    return scene, eyes
 
 
 def sync_camera(
@@ -103,7 +131,14 @@ def layer_settings(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> S
     return settings
 
 
-def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: Callable = lambda item: True) -> None:
+def _fill(
+    depsgraph: bpy.types.Depsgraph,
+    scene: Scene,
+    warn: Warnings,
+    shows: Callable = lambda item: True,
+    motion: Motion | None = None,
+    eyes: Sequence[Camera] = (),
+) -> None:
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
     materials = Materials(scene, depsgraph, images, warn)
     view_layer = depsgraph.view_layer_eval
@@ -113,8 +148,10 @@ def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: C
     if view_layer.use_sky:
         scene.world = world_of(world, depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
-    sync_objects(depsgraph, scene, materials, images, warn, kinds, shows)
+    noted = sync_objects(depsgraph, scene, materials, images, warn, kinds, shows, motion is not None)
     images.load()
+    if motion is not None:
+        motion.read(noted.placed, noted.forms, eyes)
     displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))
 
 

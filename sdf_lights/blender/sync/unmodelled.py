@@ -46,17 +46,6 @@ def _names(names) -> str:
 # -- the scene ---------------------------------------------------------------------------------------------------------
 
 
-def motion_blur(asked: Asked) -> Iterator[str]:
-    scene = asked.scene
-    if not (scene.render.use_motion_blur and asked.view_layer.use_motion_blur):
-        return
-    shutter = _cycles(scene, "rolling_shutter_type", "NONE") != "NONE"
-    yield (
-        f"Scene '{scene.name}': motion blur {'with a rolling shutter ' if shutter else ''}is not supported, so "
-        "everything stands still in a frame; render in-between frames and mix them, or switch Motion Blur off."
-    )
-
-
 def settings_of_cycles(asked: Asked) -> Iterator[str]:
     scene, render = asked.scene, asked.scene.render
     owner = f"Scene '{scene.name}'"
@@ -214,7 +203,6 @@ def world_shadows(asked: Asked) -> Iterator[str]:
 
 
 CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
-    motion_blur,
     settings_of_cycles,
     passes,
     filters,

@@ -85,7 +85,7 @@ class CpuRenderer:
             packed.control[0] = 1
 
     def _render(self, tile, samples: int, workspace: Workspace) -> None:
-        render_tile(self._packed.block, workspace.block, *tile, samples)
+        render_tile(workspace.scene, workspace.block, *tile, samples)
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
         """Add samples ``first`` to ``first + count − 1`` to every active pixel whose rate is 1. False if stopped before the

@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What moves while the shutter is open is as blurred as in Cycles."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+pytest.importorskip("_cycles")
+
+
+def animate(owner, path: str, *values) -> None:
+    """Give a property these values at frames one after the other, of which the middle one is rendered."""
+    first = 5 - len(values) // 2
+    for frame, value in enumerate(values, first):
+        setattr(owner, path, value)
+        owner.keyframe_insert(path, frame=frame)
+    action = owner.animation_data.action
+    curves = (
+        action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbag(action.slots[0]).fcurves
+    )
+    for curve in curves:
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+@pytest.fixture
+def shot(file, add, quad, material):
+    """A glowing square before a dim sky, of which a quarter is darker, and its blur on; the square's object."""
+    bpy.ops.preferences.addon_enable(module="cycles")
+    made, tree, output = material("Glow")
+    node = tree.nodes.new("ShaderNodeEmission")
+    node.inputs["Strength"].default_value = 3.0
+    tree.links.new(node.outputs[0], output)
+    mesh = quad()
+    mesh.materials.append(made)
+    square = add("Square", mesh, (0.0, 0.0, 1.0), (math.pi / 2, 0.0, 0.0), (1.0, 0.5, 1.0))
+    world = bpy.data.worlds.new("Sky")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.3, 0.4, 1.0)
+    file.scene.world = world
+    file.scene.render.use_motion_blur = True
+    file.scene.render.motion_blur_shutter = 1.5
+    file.scene.frame_set(5)
+    file.camera.data.lens = 35.0
+    cycles = file.scene.cycles
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.samples, cycles.pixel_filter_type, cycles.max_bounces = 1024, "BOX", 1
+    return square
+
+
+def moves(shot, **_):
+    animate(shot, "location", (-1.0, 0.0, 1.0), (0.0, 0.0, 1.2), (1.0, 1.0, 0.6))
+
+
+def from_the_frame(shot, scene, **_):
+    moves(shot)
+    scene.render.motion_blur_position = "START"
+
+
+def to_the_frame(shot, scene, **_):
+    moves(shot)
+    scene.render.motion_blur_position = "END"
+
+
+def turns(shot, **_):
+    half = math.pi / 2
+    animate(shot, "rotation_euler", (half, -1.0, 0.0), (half, 0.4, 0.3), (half, 2.0, 0.0))
+
+
+def turns_in_steps(shot, **_):
+    shot.cycles.motion_steps = 3
+    turns(shot)
+
+
+def grows(shot, **_):
+    animate(shot, "scale", (0.2, 0.2, 1.0), (1.0, 0.7, 1.0), (1.5, 1.5, 1.0))
+
+
+def curve(shot, scene, **_):
+    moves(shot)
+    points = scene.render.motion_blur_shutter_curve.curves[0].points
+    points[0].location, points[-1].location = (0.0, 1.0), (1.0, 0.0)
+    scene.render.motion_blur_shutter_curve.update()
+
+
+def camera(camera, **_):
+    half = math.pi / 2
+    animate(camera, "rotation_euler", (half, 0.0, -0.15), (half, 0.1, 0.05), (half + 0.1, 0.0, 0.1))
+
+
+def lens(camera, **_):
+    animate(camera.data, "lens", 25.0, 35.0, 70.0)
+
+
+def rolling(camera, scene, **_):
+    animate(camera, "location", (-1.0, -5.0, 1.0), (0.0, -5.0, 1.0), (1.0, -5.0, 1.0))
+    scene.cycles.rolling_shutter_type, scene.cycles.rolling_shutter_duration = "TOP", 0.2
+
+
+def form(shot, **_):
+    shot.shape_key_add(name="Basis")
+    key = shot.shape_key_add(name="Lean")
+    for point in key.data:
+        point.co.x += 1.5 * point.co.y
+    for frame, value in ((4, 0.0), (5, 0.3), (6, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+
+
+def form_off(shot, **_):
+    form(shot)
+    shot.cycles.use_deform_motion = False
+
+
+def form_of_what_moves(shot, **_):
+    form(shot)
+    moves(shot)
+
+
+def instances(shot, add, file, **_):
+    group = bpy.data.collections.new("Group")
+    group.objects.link(shot)
+    file.scene.collection.objects.unlink(shot)
+    shot.scale = (0.4, 0.3, 1.0)
+    for x in (-1.0, 1.0):
+        holder = add(f"Holder {x}", None, (x, 0.0, 0.0))
+        holder.instance_type, holder.instance_collection = "COLLECTION", group
+        animate(holder, "location", (x, 0.0, 0.0), (x, 0.0, 0.3), (x + 0.5, 0.0, 0.0))
+
+
+def off(shot, **_):
+    moves(shot)
+    shot.cycles.use_motion_blur = False
+
+
+QUICK = [from_the_frame, turns, curve, lens, rolling, form_of_what_moves, instances]
+SLOW = [moves, to_the_frame, turns_in_steps, grows, camera, form, form_off, off]
+CASES = [*QUICK, *(pytest.param(build, marks=pytest.mark.slow) for build in SLOW)]
+
+
+@pytest.mark.parametrize("build", CASES, ids=[build.__name__ for build in QUICK + SLOW])
+def test_a_blur_is_that_of_cycles(shot, file, add, pictures, build):
+    build(shot=shot, scene=file.scene, camera=file.camera, add=add, file=file)
+    file.scene.frame_set(5)
+    found = []
+    for file.scene.render.engine in ("CYCLES", "SDF_LIGHTS"):
+        bpy.ops.sdf_lights.cycles_settings_copy()
+        file.scene.sdf_lights.device = "CPU"
+        found.append(pictures()["ViewLayer"]["Combined"][..., :3].astype(float))
+    theirs, ours = found
+    blocks = [picture.reshape(4, 4, 6, 4, 3).mean((1, 3)) for picture in (ours, theirs)]
+    print(build.__name__, ours.mean() / theirs.mean() - 1.0, np.abs(blocks[0] - blocks[1]).max() / theirs.mean())
+    assert ours.mean() == pytest.approx(theirs.mean(), rel=0.01)
+    assert np.abs(blocks[0] - blocks[1]).max() < 0.03 * theirs.mean()
+    assert file.scene.frame_current == 5 and file.scene.frame_subframe == 0.0
