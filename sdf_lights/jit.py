@@ -13,13 +13,12 @@ import functools
 import hashlib
 import inspect
 import itertools
-import os
 import pathlib
 import re
-import tempfile
 
 import numpy as np
 
+from . import kernel_cache
 from .replaced import replaced_on_gpu
 
 try:
@@ -98,27 +97,6 @@ def source_hash(path: pathlib.Path) -> str:
     for source in sorted(reached):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
-
-
-def cache_folder() -> pathlib.Path:
-    """Folder for compiled kernels: ``SDF_LIGHTS_CACHE`` (set by the extension to its own user folder), or the
-    user's cache folder."""
-    root = os.environ.get("SDF_LIGHTS_CACHE")
-    if root:
-        return pathlib.Path(root)
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or pathlib.Path.home() / ".cache"
-    return pathlib.Path(base) / "sdf_lights"
-
-
-@functools.cache
-def _writable_cache() -> pathlib.Path:
-    folder = cache_folder()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError:
-        return pathlib.Path(tempfile.mkdtemp(prefix="sdf_lights-"))
 
 
 _PARTS: list = []
@@ -268,13 +246,25 @@ if AVAILABLE:
     class _Cache(FunctionCache):
         """Loads compiled entries without first registering all that Numba can compile, which takes a third of a second.
 
-        What an entry calls outside itself is C's mathematics, Python's interface and Numba's run time.
+        What an entry calls outside itself is C's mathematics, Python's interface and Numba's run time. Files are those of
+        ``kernel_cache``; one that cannot be loaded is compiled again.
         """
+
+        def __init__(self, function):
+            super().__init__(function)
+            self._cache_file = kernel_cache.Files(pathlib.Path(self._cache_path), self._impl.filename_base)
 
         def load_overload(self, signature, target):
             rtsys.initialize(target)
-            with self._guard_against_spurious_io_errors():
+            try:
                 return self._load_overload(signature, target)
+            except Exception:  # whatever Numba makes of a file that another version of it has written
+                self._cache_file.forget(self._index_key(signature, target.codegen()))
+                return None
+
+        def save_overload(self, signature, result):
+            if self._impl.check_cachable(result):
+                self._cache_file.save(self._index_key(signature, result.codegen), self._impl.reduce(result))
 
     class _PartCache(_Cache):
         """Of a function whose folder says all that it depends on: what it closes over cannot be hashed."""
@@ -290,7 +280,7 @@ if AVAILABLE:
             # Numba reads this process-wide setting when caching is enabled; other add-ons keep theirs.
             previous = numba.config.CACHE_DIR
             source = pathlib.Path(function.__code__.co_filename).resolve()
-            numba.config.CACHE_DIR = str(_writable_cache() / source_hash(source))
+            numba.config.CACHE_DIR = str(kernel_cache.writable_folder() / source_hash(source))
             try:
                 dispatcher._cache = _Cache(function)
             finally:
@@ -450,7 +440,7 @@ if AVAILABLE:
             if records is not None:  # their fields may change where the kernel's sources do not
                 layouts = "".join(str(from_dtype(np.dtype(record))) for record in records)
                 key.append(hashlib.sha256(layouts.encode()).hexdigest()[:16])
-            numba.config.CACHE_DIR = str(_writable_cache() / source_hash(source) / "-".join(map(str, key)))
+            numba.config.CACHE_DIR = str(kernel_cache.writable_folder() / source_hash(source) / "-".join(map(str, key)))
             try:
                 self._compiled._cache = _PartCache(function)
             finally:

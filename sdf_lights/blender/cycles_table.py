@@ -254,7 +254,7 @@ ROWS = (
         ),
         "Simplify: objects are not culled and textures keep their size; listed in the scene's report",
     ),
-    Row("", ("rolling_shutter_type", "rolling_shutter_duration"), "Listed in the scene's report"),
+    Row("", ("rolling_shutter_type", "rolling_shutter_duration"), "Read where they are, as the rest of motion blur"),
     Row(
         "",
         ("device", "feature_set", "shading_system", "use_auto_tile", "tile_size", "preview_pause"),

@@ -15,6 +15,7 @@ import sys
 import bpy
 
 from ..render.errors import RenderError
+from ..render.passes import MATTES
 from ..render.settings import Device
 from . import feedback, findings
 from .guard import guarded
@@ -54,7 +55,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
     def _render(self, depsgraph):
         # Not before something is rendered: this imports Numba and every kernel.
         from ..render import libraries, session
-        from .sync import sync, sync_camera
+        from .sync import sync_views
 
         if bpy.app.binary_path:
             libraries.add_search_folder(os.path.dirname(bpy.app.binary_path))
@@ -62,8 +63,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
         self.update_stats("", "Synchronizing")
         layer = depsgraph.view_layer.name
         views = self._views(layer)
-        self.active_view_set(views[0])
-        scene = sync(depsgraph, self)
+        scene, cameras = sync_views(depsgraph, self, tuple(views))
         if self.is_preview:
             for name, value in PREVIEW.items():
                 setattr(scene.settings, name, value)
@@ -71,12 +71,10 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
         strict = _strict() and not self.is_preview
         if strict and scene.warnings:
             raise RenderError(findings.failure(len(scene.warnings)))
-        for index, view in enumerate(views):
-            if index > 0:
-                if self.test_break():
-                    break
-                self.active_view_set(view)
-                scene.camera = sync_camera(depsgraph, lambda sentence: None, self)
+        for index, (view, scene.camera) in enumerate(zip(views, cameras)):
+            if index > 0 and self.test_break():
+                break
+            self.active_view_set(view)
             with _Result(self, layer, view, scene) as result:
                 film = session.render(
                     scene,
@@ -86,6 +84,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
                     on_progress=functools.partial(self._show, index / len(views), 1.0 / len(views)),
                 )
                 result.write(film)
+                result.describe(film)
         self._report_warnings(scene.warnings, reported)
         if not self.is_preview:
             feedback.record(depsgraph.scene.name, scene.warnings, film.made_by)
@@ -174,7 +173,7 @@ class _Result:
                     f"{self._scene.height}: change the resolution or the render region a little."
                 )
             self._scene.border = x0, y0, x0 + width, y0 + height
-        self.passes = enabled_passes(self._result.layers[0].passes.keys())
+        self.passes = enabled_passes(self._result.layers[0].passes.keys(), self._scene.passes)
         return self
 
     def __exit__(self, kind, error, traceback):
@@ -188,6 +187,21 @@ class _Result:
         passes = self._result.layers[0].passes
         for name, blender_name in self.passes.items():
             passes[blender_name].rect.foreach_set(film.read(name).ravel())
+
+    def describe(self, film) -> None:
+        """Tell files which names the numbers of Cryptomatte stand for."""
+        from ..render import cryptomatte
+
+        whole = self._engine.get_result()
+        names = {
+            "object": [instance.name for instance in self._scene.instances],
+            "asset": [instance.asset or instance.name for instance in self._scene.instances],
+            "material": [material.name for material in self._scene.materials],
+        }
+        for kind in film.matte_places:
+            told = cryptomatte.metadata(f"{self._layer}.{MATTES[kind]}", names[kind])
+            for field, value in told.items():
+                whole.stamp_data_add_field(field=field, value=value)
 
     def update(self, film) -> None:
         """Show the picture so far."""

@@ -409,6 +409,7 @@ class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
     def draw_properties(self, layout, context):
         light = context.light
         layout.prop(light.sdf_lamp, "use")
+        layout.prop(light.sdf_lamp, "use_pass")
         draw_emission(layout, light)
         if light.sdf_lamp.use:
             return

@@ -2,9 +2,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render passes in Blender: their switches, registration and names, all from the table ``render.passes.PASSES``."""
 
+from collections.abc import Iterable
+
 import bpy
 
-from ..render.passes import PASSES, Kind, Owner, Pass
+from ..render.passes import (
+    MATTES,
+    PASSES,
+    Kind,
+    Owner,
+    Pass,
+    aov_pass,
+    light_group_pass,
+    matte_passes,
+    own_pass,
+)
 from .properties import group
 
 # Names before Blender 5.0, which compositor nodes and file names of that time go by.
@@ -12,6 +24,7 @@ _OLD_NAMES = (
     {
         "Emission": "Emit",
         "Environment": "Env",
+        "Ambient Occlusion": "AO",
         "Object Index": "IndexOB",
         "Material Index": "IndexMA",
         "Volume Direct": "VolumeDir",
@@ -72,18 +85,36 @@ def is_enabled(item: Pass, view_layer: bpy.types.ViewLayer) -> bool:
     return item.switch is None or getattr(owner_of(item, view_layer), item.switch, False)
 
 
+def own_pass_name(obj: bpy.types.Object) -> str:
+    """Name of the pass of a light alone; dots would end a name in files."""
+    return f"Light {obj.name}".replace(".", "_")[:60]
+
+
+def layer_passes(view_layer: bpy.types.ViewLayer) -> list[Pass]:
+    """Passes beside ``PASSES`` that a view layer asks for: Cryptomatte, shader AOVs, light groups, and of single lights."""
+    found = []
+    for kind in MATTES:
+        if getattr(view_layer, f"use_pass_cryptomatte_{kind}"):
+            found += matte_passes(kind, view_layer.pass_cryptomatte_depth)
+    found += [aov_pass(aov.name, aov.type == "VALUE") for aov in view_layer.aovs if aov.is_valid]
+    found += [light_group_pass(group.name) for group in view_layer.lightgroups]
+    names = [own_pass_name(obj) for obj in view_layer.objects if obj.type == "LIGHT" and obj.data.sdf_lamp.use_pass]
+    known = {item.name for item in (*PASSES, *found)}
+    return found + [own_pass(name) for name in dict.fromkeys(names) if name not in known]
+
+
 def register_passes(engine: bpy.types.RenderEngine, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
     """Tell Blender which passes the view layer will have."""
-    for item in PASSES:
+    for item in (*PASSES, *layer_passes(view_layer)):
         if is_enabled(item, view_layer):
             engine.register_pass(
                 scene, view_layer, blender_name(item), len(item.channels), item.channels, item.kind.value
             )
 
 
-def enabled_passes(names) -> dict[str, str]:
-    """Blender's name of each pass among ``names`` (those of a render result) by the name in the table."""
-    return {item.name: blender_name(item) for item in PASSES if blender_name(item) in set(names)}
+def enabled_passes(names, others: Iterable[Pass] = ()) -> dict[str, str]:
+    """Blender's name of each pass among ``names`` (those of a render result) by the name in the table, or of ``others``."""
+    return {item.name: blender_name(item) for item in (*PASSES, *others) if blender_name(item) in set(names)}
 
 
 def switches(light: bool) -> list[tuple[Pass, str]]:

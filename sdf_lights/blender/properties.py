@@ -38,6 +38,13 @@ def tag(self, context):
     """Blender tags the owner of a property for the dependency graph only if the property has a callback."""
 
 
+def _passes_changed(self, context):
+    """Blender asks the engine again which passes there are, so that the compositor shows their sockets."""
+    for scene in bpy.data.scenes:
+        for view_layer in scene.view_layers:
+            view_layer.update_render_passes()
+
+
 def _items(kind: type[enum.Enum]) -> list[tuple]:
     """Items of an EnumProperty. Numbers are stored in files: members of the enumerations keep their order."""
     return [(member.value, _label(member.name), "", number) for number, member in enumerate(kind)]
@@ -248,6 +255,12 @@ SDFLIGHTS_LampSettings = group(
             soft_max=100.0,
             precision=3,
             update=tag,
+        ),
+        "use_pass": bpy.props.BoolProperty(
+            name="Pass",
+            description="The light has a render pass of its own, in every view layer",
+            default=False,
+            update=_passes_changed,
         ),
         "visible_camera": bpy.props.BoolProperty(
             # Blender creates every light hidden from the camera, which is for lights without a shape of their own.

@@ -82,6 +82,13 @@ def _displaced(
     moved = dataclasses.replace(mesh, positions=positions.astype(np.float32), attributes=dict(mesh.attributes))
     anew = np.isin(material, [index for index in moving if not scene.materials[index].keeps_normals])
     moved.normals = _normals(mesh, moved.positions, anew, habits)
+    if mesh.motion is not None:
+        moved.motion = mesh.motion + (moved.positions - mesh.positions)
+        forms = [
+            dataclasses.replace(mesh, positions=form, normals=n) for form, n in zip(mesh.motion, _normals_over(mesh))
+        ]
+        turned = [_normals(form, positions, anew, habits) for form, positions in zip(forms, moved.motion)]
+        moved.motion_normals = np.stack(turned) if moved.normals is not None else None
     moved.tangents = {name: _along(tangents, moved.normals) for name, tangents in mesh.tangents.items()}
     moved.attributes[UNDISPLACED] = AttributeValues(Domain.VERTEX, mesh.positions)
     return moved
@@ -115,6 +122,11 @@ def _offsets(places: Placed, material: Material, surface: Surface) -> np.ndarray
     return np.concatenate(parts)
 
 
+def _normals_over(mesh: Mesh) -> list[np.ndarray | None]:
+    """Corner normals of a mesh at each of the times that its form is known at."""
+    return [mesh.normals] * len(mesh.motion) if mesh.motion_normals is None else list(mesh.motion_normals)
+
+
 def _vertex_normals(positions: np.ndarray, triangles: np.ndarray, by_angle: bool = False) -> np.ndarray:
     """(V, 3) unit means of the normals of the triangles at each vertex, by their angles there, as Blender has them, or all
     alike; zero where there are none."""
@@ -145,6 +157,7 @@ def _torn(mesh: Mesh) -> Mesh:
     return dataclasses.replace(
         mesh,
         positions=mesh.positions[vertices],
+        motion=None if mesh.motion is None else mesh.motion[:, vertices],
         attributes=attributes,
         triangles=triangles.reshape(-1, 3).astype(np.int32),
     )

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .passes import BY_NAME, DATA_SUMS, LIGHT_SUMS, Rule
+from .passes import BY_NAME, DATA_SUMS, Pass, Rule, data_width, is_light, matte_of
 from .scene import Scene
 from .settings import START_BRANCHES
 
@@ -29,9 +29,6 @@ CHANNELS = {
 # Where paths divide these hold what comes before, and others what branches bring, one term for each branch: samples whose paths
 # divide into many branches tell more.
 SCATTERED = {"combined": "scattered", "half": "scattered_half", "lamps": "scattered_lamps"}
-
-# Sums that are not for every back end.
-OTHER_SUMS = {*LIGHT_SUMS, *DATA_SUMS}
 
 # Depth of a pixel that sees nothing, as Cycles gives it.
 NO_DEPTH = 1e10
@@ -68,6 +65,8 @@ class Film:
     - ``light_places``, ``data_places``: name of ``passes.LIGHT_SUMS`` or ``DATA_SUMS`` -> its first column, where a pass needs it.
     - ``light_sums``: (pixels, 2 × columns) light before paths divide, then, as in ``SCATTERED``, what branches bring.
     - ``data_sums``: (pixels, columns).
+    - ``matte_places``: kind of Cryptomatte -> its row; ``matte_sums``: (pixels, rows, ``matte_slots``, 2) numbers of things, 0 for
+      none, and by how much they cover the samples.
     - ``count``: samples; ``surfaces``: samples that met a surface.
     - ``active``: 1 where the pixel takes more samples.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
@@ -91,15 +90,22 @@ class Film:
         names = {"Combined", *passes}
         if scene.settings.denoise:
             names |= {"Denoising Albedo", "Denoising Normal"}
-        self.passes = tuple(name for name in BY_NAME if name in names)
-        used = {BY_NAME[name].source for name in self.passes} | {BY_NAME[name].per for name in self.passes} | {"half"}
+        self._table = BY_NAME | {item.name: item for item in scene.passes}
+        self.passes = tuple(name for name in self._table if name in names)
+        chosen = [self._table[name] for name in self.passes]
+        used = {item.source for item in chosen} | {item.per for item in chosen} | {"half"}
         used |= {SCATTERED[name] for name in used & SCATTERED.keys()}
         pixels = self.width * self.height
         self.sums = {name: np.zeros(pixels * count if name in used else 0) for name, count in CHANNELS.items()}
-        self.light_places, width = _placed({name: 3 for name in LIGHT_SUMS if name in used})
+        self.light_places, width = _placed({item.source: 3 for item in chosen if is_light(item)})
         self.light_sums = np.zeros((pixels, 2 * width))
-        self.data_places, width = _placed({name: count for name, count in DATA_SUMS.items() if name in used})
+        widths = {item.source: data_width(item) for item in chosen if data_width(item)}
+        self.data_places, width = _placed({name: n for name, n in DATA_SUMS.items() if name in used} | widths)
         self.data_sums = np.zeros((pixels, width))
+        kinds = list(dict.fromkeys(filter(None, map(matte_of, chosen))))
+        self.matte_places = {kind: place for place, kind in enumerate(kinds)}
+        self.matte_slots = 2 * max((item.level + 1 for item in chosen if matte_of(item)), default=0)
+        self.matte_sums = np.zeros((pixels, len(kinds), self.matte_slots, 2))
         self.count = np.zeros(pixels, np.int32)
         self.surfaces = np.zeros(pixels, np.int32)
         self.active = np.ones(pixels, np.uint8)
@@ -111,7 +117,7 @@ class Film:
 
     def read(self, name: str, rows: slice = slice(None)) -> np.ndarray:
         """(height, width, channels) float32 of the pass ``name``, of the samples so far, or of these rows of it."""
-        item = BY_NAME[name]
+        item = self._table[name]
         if name == "Combined" and self._denoised is not None:
             return self._denoised[rows]
 
@@ -122,6 +128,8 @@ class Film:
 
         if item.rule is Rule.COUNT:
             return of(self.count).reshape(-1, self.width, 1).astype(np.float32)
+        if item.rule is Rule.MATTE:
+            return self._matte(item, of).reshape(-1, self.width, 4)
         parts = [of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count)]
         parts += [of(values) for values in self._sums_of(item.source)]
         if len(parts) > 2:
@@ -148,14 +156,24 @@ class Film:
             value[of(self.surfaces) == 0] = NO_DEPTH
         return value.reshape(-1, self.width, value.shape[-1])
 
+    def _matte(self, item: Pass, of) -> np.ndarray:
+        """(pixels, 4) numbers and coverage of the two things of a level, the greatest coverage first."""
+        count, sums = self._settled([of(self.count), of(self.matte_sums[:, self.matte_places[matte_of(item)]])])
+        slots = sums.reshape(len(sums), -1, 2)
+        order = np.argsort(-slots[..., 1], axis=1, kind="stable")[:, 2 * item.level : 2 * item.level + 2]
+        found = np.take_along_axis(slots, order[..., None], axis=1)
+        found[..., 1] /= np.maximum(count, 1)
+        return found.reshape(-1, 4).astype(np.float32)
+
     def _sums_of(self, source: str) -> list[np.ndarray]:
         """(pixels × columns) sums by the name of a source; of light, and of what branches bring."""
-        if source in LIGHT_SUMS:
+        if source in self.light_places:
             place, half = self.light_places[source], self.light_sums.shape[1] // 2
             return [self.light_sums[:, at : at + 3] for at in (place, half + place)]
-        if source in DATA_SUMS:
+        if source in self.data_places:
             place = self.data_places[source]
-            return [self.data_sums[:, place : place + DATA_SUMS[source]]]
+            ends = sorted(at for at in self.data_places.values() if at > place)
+            return [self.data_sums[:, place : ends[0] if ends else None]]
         return [self.sums[name] for name in (source, SCATTERED.get(source)) if name is not None]
 
     def _settled(self, parts: list[np.ndarray]) -> list[np.ndarray]:
@@ -176,7 +194,8 @@ class Film:
 
     def beyond(self, back_end: str) -> list[str]:
         """A sentence on the passes whose sums are no ``CHANNELS``, for a back end that has only those; none without any."""
-        names = [item.name for name in self.passes for item in (BY_NAME[name],) if {item.source, item.per} & OTHER_SUMS]
+        chosen = [self._table[name] for name in self.passes]
+        names = [item.name for item in chosen if is_light(item) or data_width(item) or matte_of(item)]
         if not names:
             return []
         told = ", ".join(names)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..graph.formula import Vector
+from ..graph.formula import Formula, Vector
 from .images import Texture
 from .medium import Medium
 
@@ -176,7 +176,7 @@ class Material:
     ``keeps_normals``: their normals stay, as ``normal`` follows what moves them. That is the shading normal in the place of the
     surface's, where there is one: closures without a normal of their own have it, and those with one are bumps of it.
 
-    ``index`` is for the pass of that name. ``parameters`` are the values of the slots of its formulas: numbers, or what a function looks up, whose slot then
+    ``index`` is for the pass of that name, ``aovs`` for those of shader AOVs. ``parameters`` are the values of the slots of its formulas: numbers, or what a function looks up, whose slot then
     holds its place: an ``Attribute``, a ``Table`` or a ``Texture``.
     """
 
@@ -189,6 +189,7 @@ class Material:
     keeps_normals: bool = False
     normal: Vector | None = None
     index: int = 0
+    aovs: dict[str, Formula | Vector] = field(default_factory=dict)
 
 
 def attributes_of(materials: Iterable[Material], others: Iterable[Attribute] = ()) -> list[Attribute]:

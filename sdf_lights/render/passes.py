@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -25,6 +26,7 @@ class Rule(enum.Enum):
     NUMBER = "NUMBER"  # of the first sample, 0 where that met no surface: numbers of things must not be averaged
     COMPLEMENT = "COMPLEMENT"  # 1 less the mean over all samples
     COUNT = "COUNT"  # the number of samples
+    MATTE = "MATTE"  # of Cryptomatte: what covers most of the pixel, and how much, for two things a pass
 
 
 # Sums of the light of parts of Combined, RGB each: what has been scattered first by such a lobe or by a medium, once or
@@ -47,6 +49,7 @@ DATA_SUMS = {
     "material_index": 1,
     "glossy_albedo": 3,
     "transmission_albedo": 3,
+    "occlusion": 3,
 }
 
 
@@ -64,7 +67,8 @@ class Pass:
 
     ``source`` names the sums of the film that it is read from (``film.CHANNELS``, ``LIGHT_SUMS``, ``DATA_SUMS``).
     ``switch`` names the property that switches it on: of ``owner``. None: always on. ``light``: the exposure of the film
-    applies. ``per``: sums of a colour, by whose mean it is divided.
+    applies. ``per``: sums of a colour, by whose mean it is divided. ``level``: of a
+    matte, how many passes come before it.
     """
 
     name: str
@@ -77,6 +81,7 @@ class Pass:
     owner: Owner = Owner.BLENDER
     light: bool = False
     per: str | None = None
+    level: int = 0
 
 
 def _lobe(name: str, adjective: str, color: str) -> tuple[Pass, Pass]:
@@ -224,6 +229,15 @@ PASSES = (
         light=True,
     ),
     Pass(
+        "Ambient Occlusion",
+        "RGB",
+        Kind.COLOR,
+        Rule.MEAN,
+        "occlusion",
+        "use_pass_ambient_occlusion",
+        "How little is near that hides the sky, within the distance of the world's Ambient Occlusion",
+    ),
+    Pass(
         "SDF Lamps",
         "RGB",
         Kind.COLOR,
@@ -278,3 +292,70 @@ PASSES = (
 )
 
 BY_NAME = {item.name: item for item in PASSES}
+
+# Kinds of Cryptomatte, by what they tell apart, and the names of their passes.
+MATTES = {"object": "CryptoObject", "material": "CryptoMaterial", "asset": "CryptoAsset"}
+_GROUP, _OWN, _AOV, _MATTE = "group ", "light ", "aov ", "matte "
+
+
+def light_group_pass(group: str) -> Pass:
+    """The pass of a light group."""
+    about = f"Light of the light group {group}"
+    return Pass(f"Combined_{group}", "RGB", Kind.COLOR, Rule.MEAN, _GROUP + group, None, about, light=True)
+
+
+def own_pass(name: str) -> Pass:
+    """The pass of lights that ask for one of this name."""
+    return Pass(name, "RGB", Kind.COLOR, Rule.MEAN, _OWN + name, None, f"Light of {name}", light=True)
+
+
+def aov_pass(name: str, is_value: bool) -> Pass:
+    """The pass of a shader AOV."""
+    kind = Kind.VALUE if is_value else Kind.COLOR
+    return Pass(
+        name, "X" if is_value else "RGBA", kind, Rule.MEAN, _AOV + name, None, f"What AOV Output nodes give to {name}"
+    )
+
+
+def aov_names(passes: Iterable[Pass]) -> list[str]:
+    """Names of the shader AOVs among passes."""
+    return [source.removeprefix(_AOV) for source in aov_sources(passes)]
+
+
+def aov_sources(passes: Iterable[Pass]) -> list[str]:
+    """What the shader AOVs among passes are read from."""
+    return [item.source for item in passes if item.source and item.source.startswith(_AOV)]
+
+
+def matte_passes(kind: str, depth: int) -> list[Pass]:
+    """Passes of a kind of Cryptomatte, for so many things in a pixel."""
+    return [
+        Pass(
+            f"{MATTES[kind]}{level:02}",
+            "rgba",
+            Kind.COLOR,
+            Rule.MATTE,
+            _MATTE + kind,
+            None,
+            f"Cryptomatte, by {kind}",
+            level=level,
+        )
+        for level in range((min(depth, 16) + 1) // 2)
+    ]
+
+
+def is_light(item: Pass) -> bool:
+    """Whether a pass is read from sums of the light of parts of Combined."""
+    return item.source is not None and (item.source in LIGHT_SUMS or item.source.startswith((_GROUP, _OWN)))
+
+
+def data_width(item: Pass) -> int:
+    """How many numbers of what surfaces are a pass sums; 0: none."""
+    if item.source is None:
+        return 0
+    return len(item.channels) if item.source.startswith(_AOV) else DATA_SUMS.get(item.source, 0)
+
+
+def matte_of(item: Pass) -> str | None:
+    """Kind of Cryptomatte of a pass."""
+    return item.source.removeprefix(_MATTE) if item.rule is Rule.MATTE and item.source else None

@@ -18,6 +18,7 @@ from ..sdf.shapes import Shape
 from .images import Image
 from .material import Attribute, Material, attributes_of
 from .medium import Medium
+from .passes import Pass
 from .settings import Settings
 
 RGB = tuple[float, float, float]
@@ -64,6 +65,10 @@ class Mesh:
     tangents: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (T, 3, 4) float32, w = sign of bitangent
     slots: np.ndarray | None = None  # (T,) int32 material slot; None: all in slot 0
     attributes: dict[Attribute, AttributeValues] = field(default_factory=dict)  # all others that materials look up
+    motion: np.ndarray | None = (
+        None  # (K, V, 3) float32 positions at even times of the shutter; None: it keeps its form
+    )
+    motion_normals: np.ndarray | None = None  # (K, T, 3, 3) float32, where there are ``normals``
 
 
 ALL_SETS = -1  # bits of all sets of instances
@@ -77,13 +82,15 @@ class Emitter:
 
     ``receivers``: bits of the sets ``Instance.light_set`` that it lights. ``blockers``: bits of the sets
     ``Instance.shadow_set`` that cast its shadows. ``max_bounces``: it lights nothing that a path meets after more bounces.
-    ``sampled_only``: no ray but the camera's meets it by chance.
+    ``light_group``: the pass of light that it counts to. ``sampled_only``: no ray but the camera's meets it by chance.
     """
 
     receivers: int = ALL_SETS
     blockers: int = ALL_SETS
     max_bounces: int = MANY_BOUNCES
     sampled_only: bool = False
+    light_group: str = ""
+    own_pass: str = ""  # name of a pass of its light alone
 
 
 @dataclass
@@ -100,8 +107,23 @@ class Instance(Emitter):
     color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  # what Object Info gives
     index: int = 0
     random: float = 0.0  # 0 to 1
+    motion: np.ndarray | None = None  # (K, 4, 4) matrices at even times of the shutter; None: it stands still
     light_set: int = OPEN_SET
     shadow_set: int = OPEN_SET
+    asset: str = ""  # for Cryptomatte: the name of the object that all its parents end in
+
+
+@dataclass
+class Shutter:
+    """Times run from 0, where the shutter opens, to 1. What moves says where it is at K of them, evenly from 0 to 1, and is
+    on straight lines between. ``motion`` of a lamp, a light or the camera is K of itself; none: it stays as it is.
+
+    ``times`` are those by which equal parts of the exposure have come. With ``rolling`` lines are exposed from the top of the
+    frame to its bottom, each for this part of the time.
+    """
+
+    times: np.ndarray = field(default_factory=lambda: np.linspace(0.0, 1.0, 2))
+    rolling: float | None = None
 
 
 @dataclass
@@ -124,6 +146,7 @@ class Lamp(Emitter):
     color: RGB = (1.0, 1.0, 1.0)
     visibility: Ray = Ray.ALL
     emission: Emission | None = None  # None: the same everywhere
+    motion: tuple = ()
 
 
 @dataclass
@@ -139,6 +162,7 @@ class PointLight(Emitter):
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
     emission: Material | None = None
+    motion: tuple = ()
 
 
 @dataclass
@@ -161,6 +185,7 @@ class SunLight(Emitter):
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
     emission: Material | None = None
+    motion: tuple = ()
 
 
 @dataclass
@@ -177,6 +202,7 @@ class AreaLight(Emitter):
     visibility: Ray = Ray.ALL
     cast_shadow: bool = True
     emission: Material | None = None
+    motion: tuple = ()
 
 
 @dataclass
@@ -206,6 +232,8 @@ class World:
     emission: Material | None = None
     medium: Medium | None = None
     max_bounces: int = MANY_BOUNCES
+    light_group: str = ""
+    own_pass: str = ""
 
 
 class Projection(enum.IntEnum):
@@ -256,6 +284,7 @@ class Camera:
     blades: int = 0  # fewer than 3: round
     blade_rotation: float = 0.0
     blade_ratio: float = 1.0
+    motion: tuple = ()
 
 
 @dataclass
@@ -285,8 +314,11 @@ class Scene:
     portals: list[Portal] = field(default_factory=list)
     world: World = field(default_factory=World)
     mist: Mist = field(default_factory=Mist)
+    occlusion_distance: float = 10.0  # metres within which the pass Ambient Occlusion looks for surfaces
+    passes: list[Pass] = field(default_factory=list)  # that there are beside ``passes.PASSES``
     attributes: list[Attribute] = field(default_factory=list)  # that passes look up, beside those that materials do
     settings: Settings = field(default_factory=Settings)
+    shutter: Shutter | None = None  # None: nothing moves
     warnings: list[str] = field(default_factory=list)
 
     def looked_up(self) -> list[Attribute]:

@@ -47,7 +47,7 @@ scene.property_unset("sdf_lights")
 cycles = scene.cycles
 cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising, cycles.film_exposure = 16, False, False, 4.0
 bpy.ops.wm.save_as_mainfile(filepath={path!r})
-scene.render.use_motion_blur = True
+cycles.use_fast_gi = True
 bpy.ops.wm.save_as_mainfile(filepath={blurred!r})
 """
 
@@ -107,8 +107,8 @@ def test_frames_are_rendered_without_a_window(blender_command, blender_zip, tmp_
     # A strict render ends with 1, without a picture; any other one tells, and goes on.
     arguments = "--background", blurred, "-E", "SDF_LIGHTS", "-o", tmp_path / "blurred_####", "-f", "1"
     done = run(*arguments, "--", "--sdf-strict")
-    assert done.returncode == 1 and "motion blur is not supported" in done.stdout, done.stdout
+    assert done.returncode == 1 and "Fast GI is not supported" in done.stdout, done.stdout
     assert "1 thing is not rendered as the scene says" in done.stdout
     done = run(*arguments)
-    assert done.returncode == 0 and "motion blur is not supported" in done.stdout, done.stdout
+    assert done.returncode == 0 and "Fast GI is not supported" in done.stdout, done.stdout
     assert picture("blurred_0001.exr").mean() > 0.0

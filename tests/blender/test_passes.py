@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render passes have the names, the channels and the values that Cycles gives them."""
 
+import json
 import math
 
 import bpy
@@ -9,10 +10,11 @@ import numpy as np
 import pytest
 
 from sdf_lights.blender.naming import ENGINE
+from sdf_lights.render.cryptomatte import number_of
 
 pytest.importorskip("_cycles")
 
-DATA = ("z", "mist", "uv", "object_index", "material_index")
+DATA = ("z", "ambient_occlusion", "mist", "uv", "object_index", "material_index")
 LIGHT = ("emit", "environment")
 LOBES = [f"{lobe}_{part}" for lobe in ("diffuse", "glossy", "transmission") for part in ("direct", "indirect", "color")]
 
@@ -68,6 +70,7 @@ def scene(file, add, quad, material):
     world = bpy.data.worlds.new("World")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.3, 0.4, 1.0)
+    world.light_settings.distance = 1.5
     world.mist_settings.start, world.mist_settings.depth, world.mist_settings.falloff = 2.0, 8.0, "QUADRATIC"
     file.scene.world = world
     file.camera.data.lens = 30.0
@@ -89,11 +92,12 @@ def scene(file, add, quad, material):
 def both(scene, pictures):
     """Function: the passes of the first layer by this engine, and by Cycles."""
 
-    def run():
+    def run(after=lambda: None):
         found = []
         for engine in (ENGINE, "CYCLES"):
             scene.render.engine = engine
             found.append(next(iter(pictures().values())))
+            after()
         return found
 
     return run
@@ -175,3 +179,121 @@ def test_passes_do_not_change_the_picture(scene, pictures, file):
     assert set(plain) == {"Combined", "Depth"} or set(plain) == {"Combined"}
     switch_on(file.layer, [*DATA, *LOBES, *LIGHT])
     np.testing.assert_array_equal(pictures()["ViewLayer"]["Combined"], plain["Combined"])
+
+
+def test_light_groups(scene, both, file):
+    """Each group has the light that it has in Cycles, and together they are the picture."""
+    groups = {"Area": "Key", "Glow": "Fill"}
+    for name in ("Key", "Fill", "Sky"):
+        file.layer.lightgroups.add(name=name)
+    for name, group in groups.items():
+        bpy.data.objects[name].lightgroup = group
+    scene.world.lightgroup = "Sky"
+    ours, theirs = both()
+    assert_alike(ours, theirs)
+    whole = sum(ours[f"Combined_{group}"] for group in ("Key", "Fill", "Sky"))
+    np.testing.assert_allclose(whole, ours["Combined"][..., :3], rtol=1e-4, atol=1e-5)
+
+
+def test_a_light_may_have_a_pass_of_its_own(scene, pictures, file, lamp, add):
+    lamps = [add(name, lamp(name, power=5.0), (x, 0.0, 1.0)) for name, x in (("Left.001", -1.0), ("Right", 1.0))]
+    for obj in (*lamps, bpy.data.objects["Area"]):
+        obj.data.sdf_lamp.use_pass = True
+    file.layer.sdf_lights.use_pass_sdf_lamps = True
+    scene.sdf_lights.samples = 8
+    found = pictures()["ViewLayer"]
+    both = found["Light Left_001"] + found["Light Right"]
+    np.testing.assert_allclose(both, found["SDF Lamps"], rtol=1e-4, atol=1e-5)
+    assert min(found[name].mean() for name in ("Light Left_001", "Light Right", "Light Area")) > 0.0
+    lamps[0].data.energy = 0.0
+    alone = pictures()["ViewLayer"]
+    assert alone["Light Left_001"].max() == 0.0
+    assert alone["Light Right"].mean() == pytest.approx(found["Light Right"].mean(), rel=0.02)
+
+
+def test_blenders_node_picks_an_object(scene, pictures, file):
+    """The Cryptomatte node of the compositor finds an object by its name."""
+    switch_on(file.layer, ["cryptomatte_object"])
+    scene.sdf_lights.samples = 16
+    if hasattr(scene, "compositing_node_group"):
+        tree = scene.compositing_node_group = bpy.data.node_groups.new("Picked", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        end = tree.nodes.new("NodeGroupOutput")
+    else:
+        scene.use_nodes, tree = True, scene.node_tree
+        tree.nodes.clear()
+        end = tree.nodes.new("CompositorNodeComposite")
+    node = tree.nodes.new("CompositorNodeCryptomatteV2")
+    node.source, node.scene, node.layer_name = "RENDER", scene, f"{file.layer.name}.CryptoObject"
+    node.matte_id = "Plastic"
+    tree.links.new(node.outputs["Matte"], end.inputs[0])
+    found = pictures()
+    passes, number = found[file.layer.name], number_of("Plastic")
+    expected = sum(
+        np.where(
+            passes[f"CryptoObject{level:02}"][..., i] == np.float32(number),
+            passes[f"CryptoObject{level:02}"][..., i + 1],
+            0,
+        )
+        for level in range(3)
+        for i in (0, 2)
+    )
+    assert expected.max() == 1.0
+    np.testing.assert_allclose(found["Composite"]["Combined"][..., 0], expected, atol=1e-5)
+
+
+KINDS = {"Object": "object", "Material": "material", "Asset": "asset"}
+
+
+def covered(passes, kind: str) -> dict[float, float]:
+    """How much each number of Cryptomatte covers, on average over the pixels."""
+    found: dict[float, float] = {}
+    for level in range(3):
+        for first in (0, 2):
+            numbers, coverage = (passes[f"Crypto{kind}{level:02}"][..., first + i].ravel() for i in (0, 1))
+            for number in np.unique(numbers[coverage > 0.0]):
+                found[float(number)] = found.get(float(number), 0.0) + float(coverage[numbers == number].sum())
+    return {number: total / coverage.size for number, total in found.items()}
+
+
+def test_cryptomatte(scene, both, file, tmp_path):
+    """Numbers, coverage, and what the file says of them are those of Cycles."""
+    openimageio = pytest.importorskip("OpenImageIO")
+    switch_on(file.layer, [f"cryptomatte_{kind}" for kind in KINDS.values()])
+    bpy.data.objects["Glass"].parent = bpy.data.objects["Metal"]
+    said = []
+
+    def read():
+        spec = openimageio.ImageInput.open(str(tmp_path / "picture.exr")).spec()
+        said.append({item.name: item.value for item in spec.extra_attribs if "cryptomatte" in item.name})
+
+    ours, theirs = both(read)
+    for kind in KINDS:
+        found, expected = covered(ours, kind), covered(theirs, kind)
+        assert set(found) == set(expected) and len(found) >= 6
+        for number, part in expected.items():
+            assert found[number] == pytest.approx(part, abs=0.002), (kind, number)
+        first = ours[f"Crypto{kind}00"]
+        assert (first[..., 1] >= first[..., 3] - 1e-6).all()
+    assert len(said[0]) == 12 and said[0].keys() == said[1].keys()
+    for name, value in said[1].items():
+        if name.endswith("manifest"):
+            assert json.loads(said[0][name]).items() <= json.loads(value).items()
+        else:
+            assert said[0][name] == value
+
+
+def test_aovs(scene, both, file):
+    for name, kind in (("Mask", "VALUE"), ("Paint", "COLOR")):
+        aov = file.layer.aovs.add()
+        aov.name, aov.type = name, kind
+    for index, material in enumerate(("Floor", "Plastic", "Sheet")):
+        tree = bpy.data.materials[material].node_tree
+        node = tree.nodes.new("ShaderNodeOutputAOV")
+        node.aov_name, node.inputs["Value"].default_value = "Mask", 0.2 * (index + 1)
+        node = tree.nodes.new("ShaderNodeOutputAOV")
+        node.aov_name = "Paint"
+        place = tree.nodes.new("ShaderNodeTexCoord")
+        tree.links.new(place.outputs["UV"], node.inputs["Color"])
+    ours, theirs = both()
+    assert_alike(ours, theirs)

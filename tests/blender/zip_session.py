@@ -95,7 +95,7 @@ def session(zip_path: str) -> dict:
     make_scene()
     report["picture"] = render()
     report["modules"] = {name: getattr(sys.modules.get(name), "__file__", None) for name in sorted(BUNDLED)}
-    report["files"] = sorted(path.relative_to(RESOURCES).as_posix() for path in RESOURCES.rglob("*.nbi"))
+    report["files"] = sorted(path.relative_to(RESOURCES).as_posix() for path in RESOURCES.rglob("*.kernel"))
 
     bpy.ops.preferences.addon_disable(module=EXTENSION)
     report["disabled"] = state()

@@ -44,6 +44,8 @@ QUICK = (
     "inside_lamp",
     "field_lamps",
     "varying_lamps",
+    "moving",
+    "rolling",
 )
 
 

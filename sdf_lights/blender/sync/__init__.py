@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import bpy
@@ -15,18 +15,28 @@ from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
 from .. import cycles
-from ..passes import is_enabled
+from ..passes import is_enabled, layer_passes
 from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
 from .images import Images
 from .linking import signature as linking_signature
 from .materials import Materials
+from .motion import Motion, is_wanted
 from .objects import ALL, LIGHTS, sync_objects
 from .unmodelled import report_unmodelled
 from .world import mist_of, world_of
 
-__all__ = ["frame_settings", "linking_signature", "shows_in", "sync", "sync_camera", "sync_lights", "sync_viewport"]
+__all__ = [
+    "frame_settings",
+    "linking_signature",
+    "shows_in",
+    "sync",
+    "sync_camera",
+    "sync_lights",
+    "sync_viewport",
+    "sync_views",
+]
 
 # Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
 _FRAME_STRIDE = 0x9E3779B1
@@ -38,12 +48,29 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
     What cannot be used is left out or replaced, with a sentence in ``Scene.warnings``. Raises RenderError where there
     is nothing to render at all, such as no camera.
     """
+    return sync_views(depsgraph, engine)[0]
+
+
+def sync_views(
+    depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None = None, views: tuple[str, ...] = ()
+) -> tuple[Scene, list[Camera]]:
+    """As ``sync``, with the cameras of the ``views`` of the render (of the active one without any); the first is seen."""
     blender_scene = depsgraph.scene_eval
     warnings: list[str] = []
     warn = Warnings(warnings)
+
+    def cameras() -> list[Camera]:
+        found = []
+        for view in views or (None,):
+            if view is not None:
+                engine.active_view_set(view)
+            found.append(sync_camera(depsgraph, warn, engine))
+        return found
+
     width, height = frame_size(blender_scene.render)
+    eyes = cameras()
     scene = Scene(
-        sync_camera(depsgraph, warn, engine),
+        eyes[0],
         width,
         height,
         border_of(blender_scene.render, width, height),
@@ -51,9 +78,13 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
         settings=layer_settings(blender_scene, depsgraph.view_layer_eval),
     )
     warn(cycles.missing(blender_scene))
-    _fill(depsgraph, scene, warn)
+    scene.passes = layer_passes(depsgraph.view_layer)
+    if is_enabled(BY_NAME["UV"], depsgraph.view_layer):
+        scene.attributes.append(UV)
+    moves = engine is not None and not engine.is_preview and is_wanted(depsgraph)
+    _fill(depsgraph, scene, warn, motion=Motion(depsgraph, engine, scene, cameras, warn) if moves else None, eyes=eyes)
     report_unmodelled(depsgraph, _world(depsgraph), warn)
-    return scene
+    return scene, eyes
 
 
 def sync_camera(
@@ -100,20 +131,27 @@ def layer_settings(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> S
     return settings
 
 
-def _fill(depsgraph: bpy.types.Depsgraph, scene: Scene, warn: Warnings, shows: Callable = lambda item: True) -> None:
+def _fill(
+    depsgraph: bpy.types.Depsgraph,
+    scene: Scene,
+    warn: Warnings,
+    shows: Callable = lambda item: True,
+    motion: Motion | None = None,
+    eyes: Sequence[Camera] = (),
+) -> None:
     images = Images(scene, warn, depsgraph.scene_eval.frame_current)
     materials = Materials(scene, depsgraph, images, warn)
     view_layer = depsgraph.view_layer_eval
     world = _world(depsgraph)
     if world is not None:
-        scene.mist = mist_of(world.mist_settings)
-    if is_enabled(BY_NAME["UV"], view_layer):
-        scene.attributes.append(UV)
+        scene.mist, scene.occlusion_distance = mist_of(world.mist_settings), world.light_settings.distance
     if view_layer.use_sky:
         scene.world = world_of(world, depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
-    sync_objects(depsgraph, scene, materials, images, warn, kinds, shows)
+    noted = sync_objects(depsgraph, scene, materials, images, warn, kinds, shows, motion is not None)
     images.load()
+    if motion is not None:
+        motion.read(noted.placed, noted.forms, eyes)
     displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))
 
 

@@ -14,6 +14,7 @@ from ...render.errors import RenderError
 from ...render.material import Material
 from ...render.scene import MANY_BOUNCES, RGB, AreaLight, Lamp, Light, PointLight, Portal, Ray, SpotLight, SunLight
 from ..lamp import pattern_of, shape_of
+from ..passes import own_pass_name
 from .common import FLAT, Warnings, is_flat, rgb
 from .images import Images
 from .nodes import Reader, emission_of
@@ -65,10 +66,13 @@ def light_of(
     return PointLight(name, matrix, power, **common)
 
 
-def control(light: Lamp | Light, data: bpy.types.Light, linking: dict[str, int]) -> None:
-    """Give a lamp or light what its object says of what it lights, and Cycles' settings of the light."""
+def control(light: Lamp | Light, obj: bpy.types.Object, linking: dict[str, int]) -> None:
+    """Give a lamp or light what its object says of what it lights and of its passes, and Cycles' settings of the light."""
     for name, value in linking.items():
         setattr(light, name, value)
+    data = obj.data
+    light.light_group = obj.original.lightgroup
+    light.own_pass = own_pass_name(obj.original) if data.sdf_lamp.use_pass else ""
     cycles = getattr(data, "cycles", None)  # present only while the Cycles add-on is enabled
     light.max_bounces = getattr(cycles, "max_bounces", MANY_BOUNCES)
     if not isinstance(light, Lamp):

@@ -34,7 +34,7 @@ class Materials:
         material = self._override or material
         key = 0 if material is None else material.as_pointer()
         if key not in self._known:
-            built = Material("", Node(DEFAULT)) if material is None else self._read(material)
+            built = Material("default_surface", Node(DEFAULT)) if material is None else self._read(material)
             self._scene.materials.append(built)
             self._known[key] = len(self._scene.materials) - 1
         return self._known[key]
@@ -44,6 +44,16 @@ class Materials:
         materials = [self._scene.materials[index] for index in indices]
         found = set(attributes_of(materials, self._scene.attributes))
         return found | {SHARP_FACE} if any(material.displacement is not None for material in materials) else found
+
+    def _aovs(self, tree: bpy.types.NodeTree, reader: Reader) -> dict:
+        """What AOV Output nodes are given, where there is a pass of that name."""
+        found = {}
+        values = {item.name: len(item.channels) == 1 for item in self._scene.passes}
+        for node in tree.nodes:
+            if node.bl_idname == "ShaderNodeOutputAOV" and not node.mute and node.aov_name in values:
+                name, like = ("Value", 0.0) if values[node.aov_name] else ("Color", (0.0, 0.0, 0.0))
+                found[node.aov_name] = reader.read(node.inputs[name], like)
+        return found
 
     def _read(self, material: bpy.types.Material) -> Material:
         tree = node_tree_of(material)
@@ -83,4 +93,5 @@ class Materials:
             material.displacement_method == "BOTH",
             normal,
             material.pass_index,
+            self._aovs(tree, reader),
         )

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -26,6 +27,42 @@ class _Known:
     faces: np.ndarray  # (T,) face of Blender's mesh that each triangle is a part of
 
 
+class Forms(NamedTuple):
+    """How to read the positions and normals of a mesh again, at another time."""
+
+    vertices: int
+    corners_in_all: int
+    corners: np.ndarray  # as in ``_Known``
+    triangles: np.ndarray  # (T, 3)
+    smooth: bool
+
+    def read(self, data: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray | None] | None:
+        """Positions (V, 3) and corner normals (T, 3, 3) of ``data``; None where it has other vertices or corners."""
+        if len(data.vertices) != self.vertices or len(data.loops) != self.corners_in_all:
+            return None
+        positions = read(data.attributes["position"].data, "vector", np.float32, 3)
+        if not np.isfinite(positions).all():
+            return None
+        if not self.smooth:
+            return positions, None
+        normals = normals_of(data, self.triangles, self.corners)
+        if normals is None:  # flat now
+            a, b, c = positions[self.triangles].transpose(1, 0, 2)
+            flat = np.cross(b - a, c - a)
+            length = np.linalg.norm(flat, axis=1, keepdims=True)
+            normals = np.repeat((flat / np.where(length > 0.0, length, 1.0))[:, None], 3, axis=1)
+        return positions, normals
+
+
+def normals_of(data: bpy.types.Mesh, triangles: np.ndarray, corners: np.ndarray) -> np.ndarray | None:
+    """(T, 3, 3) corner normals of triangles with these vertices and corners; None where all are flat."""
+    if data.normals_domain == "POINT":
+        return read(data.vertex_normals, "vector", np.float32, 3)[triangles]
+    if data.normals_domain == "CORNER":
+        return read(data.corner_normals, "vector", np.float32, 3)[corners]
+    return None
+
+
 class Meshes:
     """Puts each evaluated mesh into the scene once, however many instances show it."""
 
@@ -33,6 +70,7 @@ class Meshes:
         self._scene, self._warn = scene, warn
         self._known: dict[int, _Known | None] = {}
         self._edited: dict[int, bpy.types.Mesh] = {}
+        self.forms: dict[int, Forms] = {}  # of each mesh of the scene
 
     def evaluated(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
         """The evaluated mesh of an object of a dependency graph, as arrays can be read from it.
@@ -99,14 +137,13 @@ class Meshes:
                 return None
 
         mesh = Mesh(data.name, positions, triangles)
-        if data.normals_domain == "POINT":
-            mesh.normals = read(data.vertex_normals, "vector", np.float32, 3)[triangles]
-        elif data.normals_domain == "CORNER":
-            mesh.normals = read(data.corner_normals, "vector", np.float32, 3)[corners]
+        mesh.normals = normals_of(data, triangles, corners)
         slots = data.attributes.get("material_index")
         if slots is not None and slots.domain == "FACE" and slots.data_type == "INT":
             mesh.slots = read(slots.data, "value", np.int32)[faces]
             np.clip(mesh.slots, 0, slot_count - 1, out=mesh.slots)
+        index = len(self._scene.meshes)
+        self.forms[index] = Forms(len(data.vertices), len(data.loops), corners, triangles, mesh.normals is not None)
         self._scene.meshes.append(mesh)
         return _Known(len(self._scene.meshes) - 1, corners, faces)
 

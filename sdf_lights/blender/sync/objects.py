@@ -19,7 +19,8 @@ from .images import Images
 from .lights import control, light_of
 from .linking import Linking
 from .materials import Materials
-from .mesh import Meshes
+from .mesh import Forms, Meshes
+from .motion import Key, Placed, key_of
 
 # Curves, text, surfaces and metaballs are not here: Blender lists their evaluated meshes as instances of their own.
 _UNSUPPORTED = {
@@ -46,17 +47,27 @@ def sync_objects(
     warn: Warnings,
     kinds: frozenset[str] = ALL,
     shows: Callable[[bpy.types.DepsgraphObjectInstance], bool] = lambda item: True,
-) -> None:
+    notes: bool = False,
+) -> Noted:
     """Append every mesh, instance, lamp and light of the dependency graph to ``scene``: those of the ``kinds`` that it
     ``shows``. Lights need no ``materials``.
 
-    An object that cannot be used is left out with a warning that names it; the rest is rendered.
+    An object that cannot be used is left out with a warning that names it; the rest is rendered. Returns what it takes to
+    find all of them again at another time, if it ``notes`` that.
     """
-    reader = _Reader(depsgraph, scene, materials, images, warn)
+    reader = _Reader(depsgraph, scene, materials, images, warn, notes)
     for item in depsgraph.object_instances:
         # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
         if item.object.type in kinds and item.show_self and shows(item):
             reader.read(item)
+    return Noted(reader.placed, reader.meshes.forms)
+
+
+class Noted(NamedTuple):
+    """Where each instance is in the scene, and how to read meshes again."""
+
+    placed: dict[Key, Placed]
+    forms: dict[int, Forms]
 
 
 class _Flags(NamedTuple):
@@ -70,12 +81,20 @@ class _Reader:
     """Reads instances; what many instances have in common is asked of Blender once."""
 
     def __init__(
-        self, depsgraph: bpy.types.Depsgraph, scene: Scene, materials: Materials | None, images: Images, warn: Warnings
+        self,
+        depsgraph: bpy.types.Depsgraph,
+        scene: Scene,
+        materials: Materials | None,
+        images: Images,
+        warn: Warnings,
+        notes: bool,
     ):
         self._depsgraph = depsgraph
         self._view_layer = depsgraph.view_layer  # the original, which knows original objects
         self._scene, self._materials, self._images, self._warn = scene, materials, images, warn
-        self._meshes = Meshes(scene, warn)
+        self.meshes = Meshes(scene, warn)
+        self.placed: dict[Key, Placed] = {}
+        self._notes = notes
         self._linking = Linking(depsgraph)
         self._flags: dict[int, _Flags] = {}
         # By object and mesh: index of the mesh, those of its materials, and the attributes that they look up.
@@ -101,10 +120,14 @@ class _Reader:
         if item.is_instance and item.parent is not None:
             instancer = self._flags_of(item.parent)
             flags = _Flags(flags.visibility & instancer.visibility, flags.holdout or instancer.holdout)
+        before = len(self._scene.instances), len(self._scene.lamps), len(self._scene.lights)
         if kind == "MESH":
             self._mesh(item, obj, matrix, flags)
         else:
             self._light(obj, matrix, flags, random_number(item))
+        after = len(self._scene.instances), len(self._scene.lamps), len(self._scene.lights)
+        if self._notes and after != before:
+            self.placed[key_of(item)] = Placed(*(old if new > old else -1 for old, new in zip(before, after)))
 
     def _mesh(
         self, item: bpy.types.DepsgraphObjectInstance, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags
@@ -113,12 +136,12 @@ class _Reader:
         if matrix is None:
             return
         original = obj.original
-        mesh = self._meshes.evaluated(obj, self._depsgraph)
+        mesh = self.meshes.evaluated(obj, self._depsgraph)
         key = original.as_pointer(), mesh.as_pointer()
         if key not in self._shown:
             slots = tuple(self._materials.index(material) for material in slot_materials(obj))
             wanted = self._materials.needs(slots)
-            self._shown[key] = self._meshes.index(mesh, len(slots), wanted), slots, wanted
+            self._shown[key] = self.meshes.index(mesh, len(slots), wanted), slots, wanted
         index, slots, wanted = self._shown[key]
         if index is None:
             return
@@ -134,8 +157,9 @@ class _Reader:
                 tuple(obj.color),
                 original.pass_index,
                 random_number(item),
-                **self._linking.of_object((item.parent if item.is_instance else obj).original),
-                **self._linking.of_emitter(original),
+                **self._linking.of_instance(original, item.parent.original if item.is_instance else original),
+                asset=_topmost(original).name,
+                light_group=original.lightgroup,
             )
         )
 
@@ -171,7 +195,7 @@ class _Reader:
         if isinstance(light, Portal):
             self._scene.portals.append(light)
             return
-        control(light, obj.data, self._linking.of_emitter(obj.original))
+        control(light, obj, self._linking.of_emitter(obj.original))
         if isinstance(light, Lamp):
             self._scene.lamps.append(light)
         else:
@@ -186,6 +210,12 @@ class _Reader:
                 rays &= ~Ray.CAMERA
             self._flags[key] = _Flags(rays, obj.is_holdout or original.holdout_get(view_layer=self._view_layer))
         return self._flags[key]
+
+
+def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
+    while obj.parent is not None:
+        obj = obj.parent
+    return obj
 
 
 def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:

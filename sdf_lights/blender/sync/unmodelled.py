@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 
 from ...render.kernels.rays import SHADOW_BITS
-from ...render.passes import PASSES, Owner
+from ...render.passes import MATTES, PASSES, Owner
 from .common import Warnings
 
 
@@ -46,17 +46,6 @@ def _names(names) -> str:
 # -- the scene ---------------------------------------------------------------------------------------------------------
 
 
-def motion_blur(asked: Asked) -> Iterator[str]:
-    scene = asked.scene
-    if not (scene.render.use_motion_blur and asked.view_layer.use_motion_blur):
-        return
-    shutter = _cycles(scene, "rolling_shutter_type", "NONE") != "NONE"
-    yield (
-        f"Scene '{scene.name}': motion blur {'with a rolling shutter ' if shutter else ''}is not supported, so "
-        "everything stands still in a frame; render in-between frames and mix them, or switch Motion Blur off."
-    )
-
-
 def settings_of_cycles(asked: Asked) -> Iterator[str]:
     scene, render = asked.scene, asked.scene.render
     owner = f"Scene '{scene.name}'"
@@ -85,12 +74,14 @@ def settings_of_cycles(asked: Asked) -> Iterator[str]:
 
 # Switches of Cycles' own that ask for a pass which has another switch here.
 _ELSEWHERE = {"pass_debug_sample_count": "use_pass_sample_count", "denoising_store_passes": "use_pass_denoising_data"}
-_NO_PASSES = {"use_pass_cryptomatte_accurate", "use_pass_grease_pencil"}
+_OTHERS = {"use_pass_cryptomatte_accurate", "use_pass_grease_pencil"} | {
+    f"use_pass_cryptomatte_{kind}" for kind in MATTES
+}
 
 
 def passes(asked: Asked) -> Iterator[str]:
     layer = asked.view_layer
-    known = {item.switch for item in PASSES if item.owner is not Owner.OWN} | {"use_pass_combined"} | _NO_PASSES
+    known = {item.switch for item in PASSES if item.owner is not Owner.OWN} | {"use_pass_combined"} | _OTHERS
     lacking, elsewhere = [], []
     for owner in (layer, getattr(layer, "cycles", None)):
         for prop in owner.bl_rna.properties if owner is not None else ():
@@ -111,21 +102,6 @@ def passes(asked: Asked) -> Iterator[str]:
         yield (
             f"View layer '{layer.name}': these passes have a switch of their own in this engine, which is off: "
             f"{_names(elsewhere)}; find it in View Layer Properties > Passes."
-        )
-    if layer.aovs:
-        yield (
-            f"View layer '{layer.name}': shader AOVs are not supported and are left out: "
-            f"{_names(aov.name for aov in layer.aovs)}; render them with Cycles."
-        )
-
-
-def light_groups(asked: Asked) -> Iterator[str]:
-    layer = asked.view_layer
-    if layer.lightgroups:
-        yield (
-            f"View layer '{layer.name}': light groups are not supported and their passes are left out: "
-            f"{_names(group.name for group in layer.lightgroups)}; give each group of lights a view layer of its own, "
-            "or use the pass SDF Lamps."
         )
 
 
@@ -227,10 +203,8 @@ def world_shadows(asked: Asked) -> Iterator[str]:
 
 
 CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
-    motion_blur,
     settings_of_cycles,
     passes,
-    light_groups,
     filters,
     light_linking,
     shadow_catchers,

@@ -35,7 +35,9 @@ def world_of(world: bpy.types.World | None, depsgraph: bpy.types.Depsgraph, imag
         if not getattr(getattr(world, "cycles_visibility", None), name, True):
             visibility &= ~ray
     bounces = getattr(getattr(world, "cycles", None), "max_bounces", MANY_BOUNCES)
-    return replace(_shaded(world, depsgraph, images, warn, visibility), max_bounces=bounces)
+    return replace(
+        _shaded(world, depsgraph, images, warn, visibility), max_bounces=bounces, light_group=world.lightgroup
+    )
 
 
 def _shaded(

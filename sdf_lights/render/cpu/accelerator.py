@@ -3,8 +3,8 @@
 """Blender's own Embree 4, built through its C API; kernels call it by address (``kernels.rays``).
 
 A mesh used once is put into the top-level scene in world space, which spares its rays the second traversal; a mesh used
-more often becomes an Embree scene of its own that many instances share. Either way the Embree geometry id at
-the top level is the index of the instance in ``Scene.instances``.
+more often, or that moves as a whole, becomes an Embree scene of its own that its instances share. Either way the
+Embree geometry id at the top level is the index of the instance in ``Scene.instances``.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..errors import RenderError
 from ..kernels.lights import shadow_bits
 from ..kernels.rays import NONE, mask_of, world_positions
 from ..libraries import load_embree
-from ..scene import Scene
+from ..scene import Mesh, Scene
 
 
 class _Api:
@@ -40,6 +40,7 @@ class _Api:
         "rtcSetSharedGeometryBuffer": (None, "piuipzzz"),
         "rtcSetGeometryInstancedScene": (None, "pp"),
         "rtcSetGeometryTransform": (None, "puip"),
+        "rtcSetGeometryTimeStepCount": (None, "pu"),
     }
     _TYPES = {
         "p": ctypes.c_void_p,
@@ -81,7 +82,9 @@ class Accelerator:
             raise RenderError("Embree could not start a device: free memory and render again.")
         self._keep, self._scenes = [], []
         uses = np.bincount([instance.mesh for instance in scene.instances], minlength=len(scene.meshes))
-        self.baked = np.array([uses[instance.mesh] == 1 for instance in scene.instances], dtype=bool)
+        self.baked = np.array(
+            [uses[instance.mesh] == 1 and instance.motion is None for instance in scene.instances], dtype=bool
+        )
         shared: dict[int, int] = {}
         self.inner_scenes = np.zeros(len(scene.instances), np.int64)
         self.scene = self._new_scene()
@@ -91,17 +94,21 @@ class Accelerator:
             if not len(mesh.triangles):
                 continue
             if self.baked[index]:
-                geometry = self._triangles(world_positions(mesh.positions, instance.matrix), mesh.triangles)
+                forms = [world_positions(form, instance.matrix) for form in _forms(mesh)]
+                geometry = self._triangles(forms, mesh.triangles)
             else:
                 if instance.mesh not in shared:
                     inner = self._new_scene()
-                    self._attach([inner], self._triangles(mesh.positions, mesh.triangles), 0, NONE)
+                    self._attach([inner], self._triangles(_forms(mesh), mesh.triangles), 0, NONE)
                     api.rtcCommitScene(inner)
                     shared[instance.mesh] = inner
                 geometry = api.rtcNewGeometry(self._device, _INSTANCE)
-                matrix = np.ascontiguousarray(instance.matrix[:3], np.float32)
+                poses = instance.matrix[None] if instance.motion is None else instance.motion
                 api.rtcSetGeometryInstancedScene(geometry, shared[instance.mesh])
-                api.rtcSetGeometryTransform(geometry, 0, _FLOAT3X4_ROW_MAJOR, matrix.ctypes.data)
+                api.rtcSetGeometryTimeStepCount(geometry, len(poses))
+                for step, pose in enumerate(poses):
+                    matrix = np.ascontiguousarray(pose[:3], np.float32)
+                    api.rtcSetGeometryTransform(geometry, step, _FLOAT3X4_ROW_MAJOR, matrix.ctypes.data)
             alone = []
             if deep is not None and any(deep[material] for material in instance.materials):
                 alone = [self._new_scene()] if self.baked[index] else []
@@ -131,15 +138,19 @@ class Accelerator:
         self._scenes.append(scene)
         return scene
 
-    def _triangles(self, positions: np.ndarray, triangles: np.ndarray) -> int:
-        # Embree reads 16 bytes at the last vertex.
-        padded = np.zeros((len(positions) + 1, 3), np.float32)
-        padded[:-1] = positions
+    def _triangles(self, forms: list[np.ndarray], triangles: np.ndarray) -> int:
+        """A geometry whose vertices are at ``forms``, each (V, 3), at even times."""
         indices = np.ascontiguousarray(triangles, np.uint32)
-        self._keep += [padded, indices]
+        self._keep.append(indices)
         geometry = self._api.rtcNewGeometry(self._device, _TRIANGLES)
         share = self._api.rtcSetSharedGeometryBuffer
-        share(geometry, _VERTEX_BUFFER, 0, _FLOAT3, padded.ctypes.data, 0, 12, len(positions))
+        self._api.rtcSetGeometryTimeStepCount(geometry, len(forms))
+        for step, positions in enumerate(forms):
+            # Embree reads 16 bytes at the last vertex.
+            padded = np.zeros((len(positions) + 1, 3), np.float32)
+            padded[:-1] = positions
+            self._keep.append(padded)
+            share(geometry, _VERTEX_BUFFER, step, _FLOAT3, padded.ctypes.data, 0, 12, len(positions))
         share(geometry, _INDEX_BUFFER, 0, _UINT3, indices.ctypes.data, 0, 12, len(indices))
         return geometry
 
@@ -158,3 +169,8 @@ class Accelerator:
             api.rtcReleaseScene(scene)
         if getattr(self, "_device", None):
             api.rtcReleaseDevice(self._device)
+
+
+def _forms(mesh: Mesh) -> list[np.ndarray]:
+    """Positions (V, 3) of a mesh at even times of the shutter."""
+    return [mesh.positions] if mesh.motion is None else list(mesh.motion)

@@ -12,7 +12,7 @@ from ...emitter.sampling import external
 from ...jit import fill_table
 from ..errors import RenderError
 from ..film import Film
-from ..kernels import camera, geometry, lamp_tree, lights, path, rays, shading
+from ..kernels import camera, geometry, lamp_tree, lights, motion, path, rays, shading
 from ..kernels import film as film_kernels
 from ..kernels.media import pack as media
 from ..kernels.media import parts as media_parts
@@ -27,6 +27,8 @@ from ..kernels.packing import (
     emitter_tables,
     instance_boxes,
     integrator_scalars,
+    lamp_boxes,
+    pack_elsewhere,
 )
 from ..kernels.shading import special
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
@@ -66,8 +68,10 @@ class PackedScene:
             },
             {"has_subsurface": bool(deep.any())},
         )
+        self._moving: motion.Moving | None = None
         self.relight(scene)
         self.aim(scene, film)
+        self._pack_motion(scene)
         # A name that no module declares, or one without its table, is a mistake of this file.
         assert self._tables.keys() == TABLES.keys(), self._tables.keys() ^ TABLES.keys()
 
@@ -97,13 +101,17 @@ class PackedScene:
         ):
             self._pack_shading(scene)
         built, sources = build_lamps(scene)
-        tables = emitter_tables(scene, built, sources, self._emissive, self._tables, self._graphs)
+        self._elsewhere = pack_elsewhere(scene, sources, self._tables["materials"])
+        tables = emitter_tables(scene, built, sources, self._emissive, self._tables, self._graphs, self._elsewhere)
         self.light_hits = lights.hit_capacity(tables)
         chosen = set(map(id, sources))
         self._built = [index for index, lamp in enumerate(scene.lamps) if id(lamp) in chosen]
         self.lamps = built  # whose compiled fields the tables point at
         packed = cuts.pack_cuts(built, sources)
-        packed["lamp_placements"]["clear"] = clear_lamps(tables["lamps"], *self._boxes)
+        everywhere = [tables, *(self._elsewhere.tables if self._elsewhere else ())]
+        packed["lamp_placements"]["clear"] = np.all(
+            [clear_lamps(each["lamps"], *self._boxes) for each in everywhere], axis=0
+        )
         self._fill({**tables, **packed}, lamps.pack_scalars(built))
         self._external = external.NONE
         self.span_rows = int(self.block["lamp_rows"][0])
@@ -118,13 +126,38 @@ class PackedScene:
             {**camera.pack_camera(scene), **film_kernels.pack_film(film)},
             {**camera.camera_scalars(scene), **film_kernels.film_scalars(film)},
         )
-        self._fill(*output_parts.pack(scene, film, (BLOCK, WORKSPACE)))
+        emitters = [*(scene.lamps[index] for index in self._built), *scene.lights, scene.world]
+        self._fill(*output_parts.pack(scene, film, emitters, self._emissive.instance, (BLOCK, WORKSPACE)))
         self.output_counts = output_parts.workspace_counts(film)
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
         self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
         if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             self._external = self._pack_external([scene.lamps[index] for index in self._built])
         self._fill(self._external.tables, {})
+
+    def _pack_motion(self, scene: Scene) -> None:
+        """The shutter, and what of the tables moves while it is open."""
+        tables, scalars = motion.pack_shutter(scene)
+        keys = self._elsewhere.tables if self._elsewhere else []
+        if self._elsewhere:
+            self._elsewhere.follow_suns(self._tables["light_infinite"])
+        self._moving = motion.Moving({name: self._tables[name] for name in keys[0]} if keys else {}, keys)
+        tables |= {"moving": np.zeros(0), "moving_places": self._moving.places, "moving_keys": self._moving.keys}
+        if len(self._moving.places):
+            scalars["moving_steps"] = len(keys) - 1
+        self._fill(tables, scalars)
+        self.moves = scene.shutter is not None
+
+    def own_block(self) -> tuple[np.ndarray, list[np.ndarray]]:
+        """A block for a thread, and what it has to keep alive: of a scene that moves, each thread has it at another time."""
+        if not self.moves:
+            return self.block, []
+        memory, tables = self._moving.own()
+        tables |= {"moving": memory, "instances": self._tables["instances"].copy()}
+        block = self.block.copy()
+        for name, array in tables.items():
+            fill_table(block, name, array)
+        return block, [*tables.values(), memory]
 
     def _pack_external(self, sources: list[Lamp]) -> external.Packed:
         found = external.registered()
@@ -141,13 +174,14 @@ class PackedScene:
             return
         emitters = self._tables["light_emitters"][: len(rows)]
         rows["visibility"] = emitters["visibility"] = emitters["met"] = visibility
-        low, high = rows["center"] - rows["half"], rows["center"] + rows["half"]
+        low, high = lamp_boxes([self._tables, *(self._elsewhere.tables if self._elsewhere else ())])
         self._fill(lamp_tree.pack_lamp_tree(low, high, visibility), {})
 
     def release(self) -> None:
         """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""
         self._accelerator = None
         self._tables, self._images, self.lamps, self._external = {}, [], [], external.NONE
+        self._elsewhere = self._moving = None
         self.block[:] = 0
 
 
@@ -161,9 +195,11 @@ def _new_table(name: str, count: int) -> np.ndarray:
 
 
 class Workspace:
-    """Scratch memory of one thread: ``block`` is one record of tables."""
+    """Scratch memory of one thread: ``block`` is one record of tables. ``scene`` is the block of the scene for it."""
 
     def __init__(self, packed: PackedScene, aside: bool = True):
+        if aside:
+            self.scene, self._own = packed.own_block()
         self._span_rows = packed.span_rows
         counts = {
             "spans": 2 * (packed.span_rows + len(packed.lamps)),

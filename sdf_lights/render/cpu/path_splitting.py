@@ -22,6 +22,7 @@ from ..kernels.integrator import (
     trace_path,
 )
 from ..kernels.media.records import inside_table
+from ..kernels.motion import set_time
 from ..kernels.outputs import apart as outputs
 from ..kernels.outputs.state import keep_first_scattering, use_first_scattering
 from ..kernels.path import (
@@ -38,7 +39,7 @@ from ..kernels.path import (
 )
 from ..kernels.rays import hit_instance, ray_table
 from ..kernels.sampler import draw1, pixel_seed
-from ..kernels.workspace import cut_table
+from ..kernels.workspace import aside_table, cut_table
 
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
 # greatest error of a pixel is up to a quarter greater.
@@ -174,6 +175,8 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
             for index in range(start, end):
                 path.index = index
                 clear_sample(workspace)
+                if block.moves:
+                    set_time(block, workspace, aside_table(workspace)[0], y)
                 if block.outputs:
                     outputs.clear(block, workspace)
                 trace_branches(block, workspace, x, y, branches, branches_before(block, pixel))

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable
 
 from ... import emitter as lamps
-from ... import jit
+from ... import jit, kernel_cache
 from .. import sample_allocation
 from ..errors import RenderError
 from ..film import Film
@@ -60,6 +60,8 @@ class CpuRenderer:
             say(f"Compiling kernels, once for this installation: {done} done" if done > 1 else "Building the scene")
             thread.join(2 * POLL_SECONDS)
         _raise_first(failures)
+        if kernel_cache.problem():
+            scene.warnings.append(kernel_cache.problem())
         return True
 
     def relight(self, scene: Scene) -> None:
@@ -83,7 +85,7 @@ class CpuRenderer:
             packed.control[0] = 1
 
     def _render(self, tile, samples: int, workspace: Workspace) -> None:
-        render_tile(self._packed.block, workspace.block, *tile, samples)
+        render_tile(workspace.scene, workspace.block, *tile, samples)
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
         """Add samples ``first`` to ``first + count − 1`` to every active pixel whose rate is 1. False if stopped before the

@@ -13,6 +13,7 @@ import numpy as np
 from ...emitter.building.remarks import unresolved
 from ..errors import RenderError
 from ..film import Film
+from ..motion import still
 from ..scene import Scene
 from .device import DeviceError, device, megabytes
 from .program import TEXTURE_BITS, GpuScene, film_places
@@ -39,6 +40,10 @@ class GpuRenderer:
         self._places, self._size = film_places(film)
         self._work, self._longest = FIRST_WORK, MOST_SAMPLES
         self._seed = scene.settings.seed
+        if scene.shutter is not None:
+            scene.warnings.append(
+                "Motion blur is not supported on the GPU: everything stands still in a frame; choose the CPU as device."
+            )
         say("Building the scene")
         self.ready = self._wait(self._device.submit(self._prepare, scene), cancelled)
 
@@ -69,7 +74,7 @@ class GpuRenderer:
             raise DeviceError(f"it failed ({type(error).__name__}: {error})") from error
 
     def _prepare(self, context, scene: Scene) -> None:
-        packed = GpuScene(scene, self._film, self._device.images, self._device.largest_buffer)
+        packed = GpuScene(still(scene), self._film, self._device.images, self._device.largest_buffer)
         self._packed = packed
         source = packed.source()
         self._say("Compiling the scene's program for the GPU")

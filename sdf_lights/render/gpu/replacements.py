@@ -19,12 +19,12 @@ from ...emitter.intersection import cover, fields, intervals, primitives, sponge
 from ...emitter.sampling import cut, cut_points
 from ...emitter.tree import crossings
 from ...jit import float_bits, stack_array
-from ..kernels import gather, lamp_tree, next_event, rays, sampler, textures
+from ..kernels import gather, geometry, lamp_tree, next_event, rays, sampler, textures
 from ..kernels.lights import rectangle, tree, triangle
 from ..kernels.shading import values
 from ..kernels.workspace import cut_of, light_cut_of, spans_of
 from . import crossings as field_crossings
-from . import images, lamps, parts
+from . import images, lamps, parts, still
 from .layout import Array
 from .translate import BOOL, FLOAT, INT, UINT, VECTOR, Native, Ref, Tuple, Value
 
@@ -104,6 +104,8 @@ ALWAYS = {
     hashing.uniform_point: Native("counted_point", VECTOR),
     rays.intersect: _ray("false"),
     rays.occluded: _ray("true"),
+    geometry.instance_at: still.instance_at,
+    geometry.form_of: still.form_of,
     textures.texel: images.texel,
     textures.decoded: images.decoded,
     float_bits: Native("floatBitsToUint", UINT),

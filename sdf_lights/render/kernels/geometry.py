@@ -12,6 +12,7 @@ import numpy as np
 
 from ...affine import inverse
 from ...jit import kernel, table
+from ...replaced import replaced_on_gpu
 from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Ray, Scene
@@ -40,18 +41,27 @@ INSTANCE = np.dtype(
         ("random", np.float64),
         ("color", np.float64, (4,)),
         ("box_center", np.float64, (3,)),
-        ("box_size", np.float64, (3,)),
+        ("box_size", np.float64, (3,)),  # of the mesh, in its own space
+        # Of what moves while the shutter is open: the first of its poses, one for each of some even times; how many positions
+        # and normals there are of each vertex and corner; and the time for which ``matrix`` and ``inverse`` are right.
+        ("poses", np.int64),
+        ("pose_count", np.int64),
+        ("forms", np.int64),
+        ("vertex_count", np.int64),
+        ("time", np.float64),
     ],
     align=True,
-)  # of the mesh, in its own space
+)
 ATTRIBUTE = np.dtype([("start", np.int64), ("domain", np.int32), ("width", np.int32)], align=True)
 
+POSE = np.dtype([("matrix", np.float64, (3, 4))])
 POSITION = np.dtype([("p", np.float32, (3,))])
 TRIANGLE = np.dtype([("v", np.int32, (3,))])
 CORNER_NORMALS = np.dtype([("n", np.float32, (3, 3))])
 
 TABLES = {
     "instances": INSTANCE,
+    "instance_poses": POSE,
     "positions": POSITION,
     "triangles": TRIANGLE,
     "corner_normals": CORNER_NORMALS,
@@ -62,6 +72,7 @@ TABLES = {
 }
 
 NO_DOMAIN = -1
+NO_TIME = -1.0
 SHADOW = int(Ray.SHADOW)
 CORNER, VERTEX, TRIANGLE_DOMAIN, WHOLE = (int(domain) for domain in Domain)
 # Bump mapping takes differences over this part of a pixel (Blender's filter width), or over this distance in metres
@@ -70,6 +81,7 @@ _BUMP_FILTER = 0.1
 _BUMP_DISTANCE = 1e-4
 
 instance_table = table("instances", INSTANCE)
+pose_table = table("instance_poses", POSE)
 position_table = table("positions", POSITION)
 triangle_table = table("triangles", TRIANGLE)
 normal_table = table("corner_normals", CORNER_NORMALS)
@@ -114,11 +126,15 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
             places = dict(
                 triangles=rows["triangles"].add(mesh.triangles),
                 triangle_count=len(mesh.triangles),
-                normals=-1 if mesh.normals is None else rows["corner_normals"].add(mesh.normals),
+                normals=-1 if mesh.normals is None else rows["corner_normals"].add(normals_of(mesh)),
                 slots=-1 if mesh.slots is None else rows["slots"].add(mesh.slots),
             )
-            positions = world_positions(mesh.positions, instance.matrix) if baked[index] else mesh.positions
+            positions = positions_of(mesh)
+            if baked[index]:
+                positions = world_positions(positions, instance.matrix)
             places["positions"] = rows["positions"].add(positions)
+            places["forms"] = 0 if mesh.motion is None else len(mesh.motion)
+            places["vertex_count"] = len(mesh.positions)
             places["box_center"], places["box_size"] = box_around(mesh.positions)
             packed[instance.mesh] = places
         for name, place in packed[instance.mesh].items():
@@ -131,10 +147,26 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
         record["material_count"] = len(instance.materials)
         record["attributes"] = attributes.place(instance, mesh)
         record["index"], record["random"], record["color"] = instance.index, instance.random, instance.color
+        if instance.motion is not None:
+            record["poses"] = rows["instance_poses"].add(instance.motion[:, :3])
+            record["pose_count"], record["time"] = len(instance.motion), NO_TIME
     tables = {name: part.join() for name, part in rows.items()}
     tables["instances"] = instances
     tables["attributes"] = np.array(attributes.records or [(0, NO_DOMAIN, 0)], ATTRIBUTE)
     return tables
+
+
+def positions_of(mesh: Mesh) -> np.ndarray:
+    """(V, 3), or (K V, 3) of a mesh that moves: one form after the other."""
+    return mesh.positions if mesh.motion is None else mesh.motion.reshape(-1, 3)
+
+
+def normals_of(mesh: Mesh) -> np.ndarray:
+    """As ``positions_of``: the corner normals, (T, 3, 3) or (K T, 3, 3)."""
+    if mesh.motion is None:
+        return mesh.normals
+    normals = mesh.motion_normals
+    return np.concatenate([mesh.normals] * len(mesh.motion) if normals is None else list(normals))
 
 
 class _Attributes:
@@ -185,12 +217,79 @@ def box_around(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (low + high), np.where(high > low, high - low, 1.0)
 
 
+@replaced_on_gpu
+@kernel
+def instance_at(block, index):
+    """Row of an instance that a ray has met, with its transform at the time of the path."""
+    instance = instance_table(block)[index]
+    if instance.pose_count > 0 and instance.time != block.time:
+        _move(block, instance)
+    return instance
+
+
+@kernel
+def _move(block, instance):
+    place = block.time * (instance.pose_count - 1)
+    first = min(int(place), instance.pose_count - 2)
+    part = place - first
+    start = pose_table(block)[instance.poses + first].matrix
+    end = pose_table(block)[instance.poses + first + 1].matrix
+    m, back = instance.matrix, instance.inverse
+    for row in range(3):
+        for column in range(4):
+            m[row, column] = start[row, column] + part * (end[row, column] - start[row, column])
+    x, y, z = (m[0, 0], m[1, 0], m[2, 0]), (m[0, 1], m[1, 1], m[2, 1]), (m[0, 2], m[1, 2], m[2, 2])
+    a, b, c = cross(y, z), cross(z, x), cross(x, y)
+    size = dot(x, a)
+    invert = 1.0 / size if size != 0.0 else 0.0
+    for axis in range(3):
+        back[0, axis], back[1, axis], back[2, axis] = a[axis] * invert, b[axis] * invert, c[axis] * invert
+    for row in range(3):
+        back[row, 3] = -(back[row, 0] * m[0, 3] + back[row, 1] * m[1, 3] + back[row, 2] * m[2, 3])
+    instance.time = block.time
+
+
+@replaced_on_gpu
+@kernel
+def form_of(block, instance):
+    """Of a mesh that changes its form: the number of the form before the time of the path, and how far that is behind."""
+    if instance.forms == 0:
+        return 0, 0.0
+    place = block.time * (instance.forms - 1)
+    first = min(int(place), instance.forms - 2)
+    return first, place - first
+
+
 @kernel
 def _corner(block, instance, triangle, corner):
     """World position of a vertex, in float64."""
-    index = triangle_table(block)[instance.triangles + triangle].v[corner]
-    p = vec(position_table(block)[instance.positions + index].p)
+    index = instance.positions + triangle_table(block)[instance.triangles + triangle].v[corner]
+    form, part = form_of(block, instance)
+    p = vec(position_table(block)[index + form * instance.vertex_count].p)
+    if part > 0.0:
+        p = madd(p, part, sub(vec(position_table(block)[index + (form + 1) * instance.vertex_count].p), p))
     return p if instance.baked else transform_point(instance.matrix, p)
+
+
+@kernel
+def _object_normal(block, instance, triangle, u, v):
+    """Normal of the mesh's corners, as they are stored, where a triangle was hit."""
+    form, part = form_of(block, instance)
+    row = instance.normals + triangle + form * instance.triangle_count
+    n = _mean_normal(normal_table(block)[row].n, u, v)
+    if part > 0.0:
+        n = madd(n, part, sub(_mean_normal(normal_table(block)[row + instance.triangle_count].n, u, v), n))
+    return n
+
+
+@kernel
+def _mean_normal(corners, u, v):
+    w = 1.0 - u - v
+    return (
+        w * corners[0, 0] + u * corners[1, 0] + v * corners[2, 0],
+        w * corners[0, 1] + u * corners[1, 1] + v * corners[2, 1],
+        w * corners[0, 2] + u * corners[1, 2] + v * corners[2, 2],
+    )
 
 
 @kernel
@@ -232,8 +331,7 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
     The position comes from these in float64, not from the distance along a ray: its error does not grow with the
     distance, and it lies in the plane of the triangle.
     """
-    instance = instance_table(block)[index]
-    w = 1.0 - u - v
+    instance = instance_at(block, index)
     p0 = _corner(block, instance, triangle, 0)
     edge1 = sub(_corner(block, instance, triangle, 1), p0)
     edge2 = sub(_corner(block, instance, triangle, 2), p0)
@@ -244,12 +342,7 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
     n = ng
     object_normal = ng
     if instance.normals >= 0:
-        corners = normal_table(block)[instance.normals + triangle].n
-        object_normal = (
-            w * corners[0, 0] + u * corners[1, 0] + v * corners[2, 0],
-            w * corners[0, 1] + u * corners[1, 1] + v * corners[2, 1],
-            w * corners[0, 2] + u * corners[1, 2] + v * corners[2, 2],
-        )
+        object_normal = _object_normal(block, instance, triangle, u, v)
         smooth = normalize(transform_normal(instance.inverse, object_normal))
         if dot(smooth, smooth) > 0.5:
             n = smooth
@@ -299,7 +392,7 @@ def find_shadow_surface(block, workspace, aside, wo):
     index."""
     ray = ray_table(workspace)[0]
     surface = surface_table(aside)[0]
-    instance = instance_table(block)[hit_instance(ray)]
+    instance = instance_at(block, hit_instance(ray))
     triangle = np.int64(ray.primitive)
     surface.material = hit_material(instance, block, triangle)
     # Embree gives the normal of the triangle as it was built: in world space if baked, in the mesh's own space if not.

@@ -7,6 +7,9 @@ Every module of kernels declares its tables and scalars; here they are one recor
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import NamedTuple
+
 import numpy as np
 
 from ... import emitter as lamps
@@ -14,9 +17,10 @@ from ...emitter.sampling import cut as cuts
 from ...emitter.sampling import external, strategies
 from ...jit import block_dtype
 from ..material import Node
+from ..motion import at, light_steps, thing_at
 from ..scene import Instance, Lamp, Mesh, Scene
 from ..settings import LampSampling
-from . import camera, emission, film, geometry, integrator, lamp_tree, lights, rays, shading
+from . import camera, emission, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
 from .media import pack as media
 from .media import records as media_records
 from .outputs import records as output_records
@@ -45,6 +49,7 @@ TABLES = _together(
     lights.TABLES,
     shading.TABLES,
     film.TABLES,
+    motion.TABLES,
     output_records.TABLES,
     media_records.TABLES,
     subsurface_records.TABLES,
@@ -60,6 +65,7 @@ SCALARS = [
     *emission.SCALARS,
     *integrator.SCALARS,
     *film.SCALARS,
+    *motion.SCALARS,
     *output_records.SCALARS,
 ]
 BLOCK = block_dtype(TABLES, SCALARS)
@@ -79,23 +85,25 @@ def build_lamps(scene: Scene) -> tuple[list[lamps.BuiltLamp], list[Lamp]]:
     built, sources = [], []
     for lamp in scene.lamps:
         try:
-            built.append(
-                lamps.build_lamp(
-                    lamp.name,
-                    lamp.shape,
-                    lamp.matrix,
-                    lamp.power,
-                    lamp.density,
-                    lamp.color,
-                    int(lamp.visibility),
-                    lamp.emission,
-                )
-            )
+            built.append(_build(lamp))
             sources.append(lamp)
         except lamps.LampError as error:
             scene.warnings.append(str(error))
     scene.warnings += lamps.doubts(built)
     return built, sources
+
+
+def _build(lamp: Lamp) -> lamps.BuiltLamp:
+    return lamps.build_lamp(
+        lamp.name,
+        lamp.shape,
+        lamp.matrix,
+        lamp.power,
+        lamp.density,
+        lamp.color,
+        int(lamp.visibility),
+        lamp.emission,
+    )
 
 
 def emitter_tables(
@@ -105,13 +113,15 @@ def emitter_tables(
     emissive: lights.Triangles,
     materials: dict[str, np.ndarray],
     graphs: shading.Graphs,
+    elsewhere: Elsewhere | None = None,
 ) -> dict[str, np.ndarray]:
-    """Tables of the lamps ``built`` from ``sources``, of the tree that rays find them by, and of all other lights."""
+    """Tables of the lamps ``built`` from ``sources``, of the tree that rays find them by, and of all other lights; of trees that
+    hold at all times, if it is known what is ``elsewhere``."""
     rows = max((image.pixels.shape[0] for image in scene.images), default=0) if scene.world.emission is not None else 0
     world_map = emission.world_map(materials | camera.pack_camera(scene), graphs, BLOCK, rows)
     lamp_tables = lamps.pack_lamps(built)
     rows = lamp_tables["lamps"]
-    low, high = rows["center"] - rows["half"], rows["center"] + rows["half"]
+    low, high = lamp_boxes([lamp_tables, *(elsewhere.tables if elsewhere else ())])
     light_tables = lights.pack_lights(
         scene,
         np.stack([low, high], axis=1),
@@ -119,23 +129,95 @@ def emitter_tables(
         emissive,
         world_map,
         sources,
+        elsewhere.bounds if elsewhere else (),
     )
     return {**lamp_tables, **lamp_tree.pack_lamp_tree(low, high, rows["visibility"]), **light_tables}
 
 
+def lamp_boxes(tables: list[dict[str, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """(lamps, 3) corners of boxes around each lamp in all of the ``tables``."""
+    rows = [each["lamps"] for each in tables]
+    return (
+        np.min([row["center"] - row["half"] for row in rows], axis=0),
+        np.max([row["center"] + row["half"] for row in rows], axis=0),
+    )
+
+
+class Elsewhere(NamedTuple):
+    """Tables that move, at even times of the shutter, and bounds of the emitters there."""
+
+    tables: list[dict[str, np.ndarray]]
+    bounds: list[lights.Bounds]
+    suns: list[dict[int, np.ndarray]]  # direction to each
+
+    def follow_suns(self, rows: np.ndarray) -> None:
+        """Add the table ``light_infinite`` to the tables, from what it is at the frame."""
+        for table, suns in zip(self.tables, self.suns):
+            table["light_infinite"] = rows.copy()
+            for row in table["light_infinite"]:
+                row["direction"] = suns.get(int(row["emitter"]), row["direction"])
+
+
+def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> Elsewhere | None:
+    """What is seen and lights at even times, of the lamps ``sources`` that give light; None where none of it moves."""
+    if scene.shutter is None:
+        return None
+    emits = (materials["flags"] & HAS_EMISSION != 0) & (materials["sample_emission"] != 0)
+    emissive = np.array([emits[list(instance.materials)].any() for instance in scene.instances], bool)
+    steps = light_steps(scene, emissive)
+    if steps == 0:
+        return None
+    result = Elsewhere([], [], [])
+    for step in range(steps + 1):
+        there = at(scene, step / steps, emissive)
+        places = [_lamp_there(lamp, step / steps) for lamp in sources]
+        built = [_build(lamp) for lamp in places]
+        tables = lamps.pack_lamps(built)
+        rows = tables["lamps"]
+        low, high = lamp_boxes([tables])
+        near, bounds, infinite = lights.pack_near(
+            there,
+            np.stack([low, high], axis=1),
+            4.0 * np.pi * rows["volume"][:, None] * rows["emission"],
+            emissive_triangles(there, materials),
+            places,
+        )
+        del near["light_infinite"]
+        result.suns.append({emitter: direction for emitter, _, direction, _ in infinite})
+        result.tables.append({**tables, **cuts.pack_cuts(built, places), **near, **camera.pack_camera(there)})
+        if bounds is not None:
+            result.bounds.append(bounds)
+    return result
+
+
+def _lamp_there(lamp: Lamp, time: float) -> Lamp:
+    """A lamp at a time: its shape and the pattern of its emission are those of the frame, and its power is never 0."""
+    there = thing_at(lamp, time)
+    least = 1e-9 * lamp.power
+    density = None if lamp.density is None else max(there.density or 0.0, 1e-9 * lamp.density)
+    return replace(there, shape=lamp.shape, emission=lamp.emission, power=max(there.power, least), density=density)
+
+
 def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """(instances, 3) centers and half sizes of boxes around what is in the scene, in the world."""
+    """(instances, 3) centers and half sizes of boxes around what is in the scene, in the world, and of all its ways there."""
     used = [instance for instance in scene.instances if len(scene.meshes[instance.mesh].positions)]
     bounds = {}
     for mesh in {instance.mesh for instance in used}:
-        positions = scene.meshes[mesh].positions
+        positions = geometry.positions_of(scene.meshes[mesh])
         bounds[mesh] = np.stack([positions.min(axis=0), positions.max(axis=0)]).astype(np.float64)
     if not used:
         return np.zeros((0, 3)), np.zeros((0, 3))
     low, high = np.stack([bounds[instance.mesh] for instance in used], axis=1)
     matrices = np.stack([instance.matrix[:3] for instance in used])
     center = (matrices[:, :, :3] * (0.5 * (low + high))[:, None]).sum(axis=2) + matrices[:, :, 3]
-    return center, (np.abs(matrices[:, :, :3]) * (0.5 * (high - low))[:, None]).sum(axis=2)
+    half = (np.abs(matrices[:, :, :3]) * (0.5 * (high - low))[:, None]).sum(axis=2)
+    for index in (index for index, instance in enumerate(used) if instance.motion is not None):
+        poses = used[index].motion[:, :3]
+        at = poses[:, :, :3] @ (0.5 * (low + high)[index]) + poses[:, :, 3]
+        reach = np.abs(poses[:, :, :3]) @ (0.5 * (high - low)[index])
+        first, last = (at - reach).min(axis=0), (at + reach).max(axis=0)
+        center[index], half[index] = 0.5 * (first + last), 0.5 * (last - first)
+    return center, half
 
 
 def clear_lamps(rows: np.ndarray, center: np.ndarray, half: np.ndarray) -> np.ndarray:

@@ -82,6 +82,7 @@ def new_rays(count: int) -> np.ndarray:
 
 @kernel
 def _set_ray(ray, o, d, t_min, t_max, mask):
+    # Its time stays as ``motion.set_time`` has left it.
     ray.origin[0] = o[0]
     ray.origin[1] = o[1]
     ray.origin[2] = o[2]
@@ -89,7 +90,6 @@ def _set_ray(ray, o, d, t_min, t_max, mask):
     ray.direction[0] = d[0]
     ray.direction[1] = d[1]
     ray.direction[2] = d[2]
-    ray.time = 0.0
     ray.t_far = t_max
     ray.mask = mask
     ray.flags = 0

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..film import DISCARDED, HALF_BIT, Film
+from ..motion import at, time_of
 from ..scene import Scene
 from .integrator import Integrator, Samples
 
@@ -33,7 +34,7 @@ class ReferenceRenderer:
         use_embree: bool | None = None,
     ):
         say("Building the scene")
-        self._film, self._seed = film, scene.settings.seed
+        self._film, self._seed, self._scene = film, scene.settings.seed, scene
         scene.warnings += film.beyond("The NumPy reference")
         self._use_embree = use_embree
         self._integrator = Integrator(scene, use_embree)
@@ -41,11 +42,12 @@ class ReferenceRenderer:
 
     def relight(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``, which is otherwise the same as before."""
+        self._scene = scene
         self._integrator = Integrator(scene, self._use_embree)
 
     def aim(self, scene: Scene, film: Film) -> None:
         """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
-        self._film, self._seed = film, scene.settings.seed
+        self._film, self._seed, self._scene = film, scene.settings.seed, scene
         self._integrator = Integrator(scene, self._use_embree)
 
     def interrupt(self) -> None:
@@ -56,8 +58,35 @@ class ReferenceRenderer:
 
         The picture depends on the seed and on ``first`` and ``count`` of the calls, and on nothing else.
         """
-        film = self._film
+        film, shutter = self._film, self._scene.shutter
         active = np.flatnonzero(film.active)
+        if shutter is None:
+            if not self._sample(active, first, count, stop, report):
+                return False
+        else:
+            rows = active // film.width
+            # All pixels of a sample have one time, or those of a line where the shutter rolls.
+            groups = [active] if shutter.rolling is None else [active[rows == row] for row in np.unique(rows)]
+            for index in range(first, first + count):
+                for pixels in groups:
+                    height = (pixels[0] // film.width + film.window[1]) / self._scene.height
+                    time = time_of(shutter, self._part(index), height)
+                    self._integrator = Integrator(at(self._scene, time), self._use_embree)
+                    if not self._sample(pixels, index, 1, stop, lambda part: report((index - first) / count)):
+                        return False
+        film.samples = first + count
+        return True
+
+    def _part(self, index: int) -> float:
+        """Part of the exposure at which sample ``index`` is taken: van der Corput's sequence, moved by chance."""
+        rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([self._seed, 1])))
+        return (int(f"{index:032b}"[::-1], 2) / 2**32 + rng.random()) % 1.0
+
+    def _sample(
+        self, active: np.ndarray, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]
+    ) -> bool:
+        """As ``sample``, of the pixels ``active``."""
+        film = self._film
         total = len(active) * count
         for start in range(0, total, WAVE):
             index, place = np.divmod(np.arange(start, min(start + WAVE, total)), len(active))
@@ -69,7 +98,6 @@ class ReferenceRenderer:
                 return False
             self._add(pixel, first + index, samples)
             report(min((start + WAVE) / total, 1.0))
-        film.samples = first + count
         return True
 
     def _add(self, pixel: np.ndarray, index: np.ndarray, samples: Samples) -> None:

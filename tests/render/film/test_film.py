@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from sdf_lights.jit import block_dtype, fill_table, kernel
-from sdf_lights.render.film import HALF_BIT, LEAST_SAMPLES, NO_DEPTH, OTHER_SUMS, Film, half_count
+from sdf_lights.render.film import HALF_BIT, LEAST_SAMPLES, NO_DEPTH, Film, half_count
 from sdf_lights.render.kernels import film as accumulate
 from sdf_lights.render.kernels import path
 from sdf_lights.render.kernels.outputs import records
-from sdf_lights.render.passes import BY_NAME, PASSES, Rule
+from sdf_lights.render.passes import BY_NAME, PASSES, Rule, data_width, is_light
 from sdf_lights.render.scene import Camera, Scene
 from sdf_lights.render.settings import Settings
 
-ALL = tuple(item.name for item in PASSES if not {item.source, item.per} & OTHER_SUMS)
+ALL = tuple(item.name for item in PASSES if not is_light(item) and not data_width(item))
 WIDTH, HEIGHT = 8, 6
 
 

@@ -22,9 +22,10 @@ from .emitters import (
 from .environment import world_pdf, world_radiance
 from .kinds import TABLES
 from .linking import emission_lights_up, lights_up, open_tree, shadow_bits, tree_of
-from .pack import hit_capacity, pack_lights
+from .pack import hit_capacity, pack_lights, pack_near
 from .records import HIT, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
 from .tree import irradiance, select, selection_probability
+from .tree_build import Bounds
 from .triangle import Triangles
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "TABLES",
     "WORKSPACE_COUNTS",
     "WORKSPACE_TABLES",
+    "Bounds",
     "Triangles",
     "blockers",
     "casts_shadow",
@@ -46,6 +48,7 @@ __all__ = [
     "lights_up",
     "open_tree",
     "pack_lights",
+    "pack_near",
     "reaches",
     "sample_light",
     "select",

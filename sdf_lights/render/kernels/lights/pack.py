@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from .extent import Far
 from .kinds import KINDS, LAMP, TABLES, TRIANGLE, WORLD
 from .linking import pack_trees, shadow_bit, shadow_bits
 from .records import INFINITE, NODE
-from .tree_build import Bounds, build_tree
+from .tree_build import Bounds, build_tree, joined
 from .triangle import Triangles
 
 NEVER = 1  # in ``met``, until it is filled: rays do not meet the emitter by chance
@@ -29,47 +30,27 @@ def pack_lights(
     triangles: Triangles | None = None,
     world_map=None,
     sources: list[Lamp] | None = None,
+    elsewhere: Sequence[Bounds] = (),
 ) -> dict[str, np.ndarray]:
     """Tables (see ``kinds.TABLES``) of all emitters of ``scene``.
 
     ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space; ``lamp_power`` (lamps, RGB) or
-    (lamps,) in watts, and ``sources`` are what they were made from (None: ``scene.lamps``). ``world_map`` (a ``world_sun.WorldMap``) is what the nodes of the world make of its radiance, to
-    sample it by. A light whose transform or power is not finite is left out, with a warning in ``scene.warnings``.
+    (lamps,) in watts, and ``sources`` are what they were made from (None: ``scene.lamps``). ``world_map`` (a
+    ``world_sun.WorldMap``) is what the nodes of the world make of its radiance, to sample it by. ``elsewhere``: bounds of the
+    emitters at other times, from ``pack_near``; light trees hold for all of them. A light whose transform or power is not finite
+    is left out, with a warning in ``scene.warnings``.
     """
-    lamp_bounds = np.zeros((0, 2, 3)) if lamp_bounds is None else np.asarray(lamp_bounds, float)
-    lamp_power = np.zeros(0) if lamp_power is None else np.asarray(lamp_power, float)
-    triangles = triangles or Triangles()
-    lamps, lights = len(lamp_bounds), len(scene.lights)
-    world = lamps + lights
-
-    tables = {name: np.zeros(0, dtype) for name, dtype in TABLES.items()}
-    emitters = np.zeros(world + 1 + len(triangles.instance), TABLES["light_emitters"])
-    emitters["visibility"], emitters["cast_shadow"] = int(Ray.ALL), 1
-    emitters["blockers"], emitters["max_bounces"] = SHADOW_OPAQUE, MANY_BOUNCES
-    emitters["kind"][world], emitters["kind"][world + 1 :] = WORLD, TRIANGLE
-    emitters["index"][world + 1 :] = np.arange(len(triangles.instance))
-    emitters["leaf"] = emitters["infinite"] = -1
-    tables["light_emitters"] = emitters
-    header = tables["light_header"] = np.zeros(1, TABLES["light_header"])
-    header["lamp_count"], header["light_count"], header["world_emitter"] = lamps, lights, world
-
-    sources = (scene.lamps if sources is None else sources)[:lamps]
-    bounds = [_lamp_bounds(emitters, sources, lamp_bounds, lamp_power)]
-    infinite = []
-    bounds += _pack_lights(tables, scene, lamps, infinite)
+    tables, bounds, infinite = pack_near(scene, lamp_bounds, lamp_power, triangles, sources)
+    emitters, world = tables["light_emitters"], int(tables["light_header"]["world_emitter"][0])
     portals.pack(tables, scene)
     irradiance = environment.pack(tables, scene, world, world_map)
+    emitters["met"][world] &= emitters["visibility"][world]
     if irradiance > 0.0:
         infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
-    if len(triangles.instance):
-        emitter = world + 1 + np.arange(len(triangles.instance))
-        bounds.append(_bounds(emitter, **triangle.pack(tables, scene, triangles, world + 1)._asdict()))
-
-    emitters["max_bounces"][world] = scene.world.max_bounces
-    _control(emitters, scene, [*sources, *scene.lights])
-    _control_triangles(emitters, scene, triangles, world + 1)
-    emitters["met"] = np.where(emitters["met"] == NEVER, int(Ray.CAMERA), int(Ray.ALL)) & emitters["visibility"]
-    bounds = _join([b for b in bounds if b is not None and len(b.emitter)])
+    bounds = joined([bounds, *elsewhere]) if elsewhere else bounds
+    sources = (scene.lamps if sources is None else sources)[: int(tables["light_header"]["lamp_count"][0])]
+    triangles = triangles or Triangles()
+    lights = len(scene.lights)
     if bounds is not None:
         shining = np.isfinite(bounds.intensity) & (bounds.intensity > 0.0)
         shining &= np.isfinite(bounds.lo).all(axis=1) & np.isfinite(bounds.hi).all(axis=1)
@@ -101,6 +82,46 @@ def pack_lights(
 
     pack_trees(tables, scene, lights_up, build)
     return tables
+
+
+def pack_near(
+    scene: Scene,
+    lamp_bounds: np.ndarray | None = None,
+    lamp_power: np.ndarray | None = None,
+    triangles: Triangles | None = None,
+    sources: list[Lamp] | None = None,
+) -> tuple[dict[str, np.ndarray], Bounds | None, list[tuple]]:
+    """As ``pack_lights``, without the world and the light tree: tables, what the tree has to know, and suns."""
+    lamp_bounds = np.zeros((0, 2, 3)) if lamp_bounds is None else np.asarray(lamp_bounds, float)
+    lamp_power = np.zeros(0) if lamp_power is None else np.asarray(lamp_power, float)
+    triangles = triangles or Triangles()
+    lamps, lights = len(lamp_bounds), len(scene.lights)
+    world = lamps + lights
+
+    tables = {name: np.zeros(0, dtype) for name, dtype in TABLES.items()}
+    emitters = np.zeros(world + 1 + len(triangles.instance), TABLES["light_emitters"])
+    emitters["visibility"], emitters["cast_shadow"] = int(Ray.ALL), 1
+    emitters["blockers"], emitters["max_bounces"] = SHADOW_OPAQUE, MANY_BOUNCES
+    emitters["kind"][world], emitters["kind"][world + 1 :] = WORLD, TRIANGLE
+    emitters["index"][world + 1 :] = np.arange(len(triangles.instance))
+    emitters["leaf"] = emitters["infinite"] = -1
+    tables["light_emitters"] = emitters
+    header = tables["light_header"] = np.zeros(1, TABLES["light_header"])
+    header["lamp_count"], header["light_count"], header["world_emitter"] = lamps, lights, world
+
+    sources = (scene.lamps if sources is None else sources)[:lamps]
+    bounds = [_lamp_bounds(emitters, sources, lamp_bounds, lamp_power)]
+    infinite = []
+    bounds += _pack_lights(tables, scene, lamps, infinite)
+    if len(triangles.instance):
+        emitter = world + 1 + np.arange(len(triangles.instance))
+        bounds.append(_bounds(emitter, **triangle.pack(tables, scene, triangles, world + 1)._asdict()))
+
+    emitters["max_bounces"][world] = scene.world.max_bounces
+    _control(emitters, scene, [*sources, *scene.lights])
+    _control_triangles(emitters, scene, triangles, world + 1)
+    emitters["met"] = np.where(emitters["met"] == NEVER, int(Ray.CAMERA), int(Ray.ALL)) & emitters["visibility"]
+    return tables, _join([b for b in bounds if b is not None and len(b.emitter)]), infinite
 
 
 def _chosen(bounds: Bounds, rows: np.ndarray) -> Bounds:

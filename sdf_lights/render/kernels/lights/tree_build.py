@@ -38,6 +38,35 @@ class Bounds:
     two_sided: np.ndarray  # (m,) bool
 
 
+def joined(parts: list[Bounds | None]) -> Bounds | None:
+    """Bounds of emitters at several times, each emitter once, as large as it takes for all of them."""
+    known = [part for part in parts if part is not None and len(part.emitter)]
+    if not known:
+        return None
+    every = Bounds(**{name: np.concatenate([getattr(part, name) for part in known]) for name in vars(known[0])})
+    emitter, first, row = np.unique(every.emitter, return_index=True, return_inverse=True)
+    row = row.ravel()
+    wide = Bounds(emitter, *(getattr(every, name)[first].copy() for name in list(vars(every))[1:]))
+    np.minimum.at(wide.lo, row, every.lo)
+    np.maximum.at(wide.hi, row, every.hi)
+    np.minimum.at(wide.cos_e, row, every.cos_e)
+    np.maximum.at(wide.intensity, row, every.intensity)
+    np.logical_or.at(wide.two_sided, row, every.two_sided)
+    total = np.zeros((len(emitter), 3))
+    np.add.at(total, row, every.axis)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    turns = (every.axis != wide.axis[row]).any(axis=1)
+    turning = np.zeros(len(emitter), bool)
+    np.logical_or.at(turning, row, turns)
+    wide.axis[turning] = (total / np.where(length > 0.0, length, 1.0))[turning]
+    away = np.arccos(np.clip((every.axis * wide.axis[row]).sum(axis=1), -1.0, 1.0)) * turning[row]
+    reach = away + np.arccos(np.clip(every.cos_o, -1.0, 1.0))
+    widest = np.zeros(len(emitter))
+    np.maximum.at(widest, row, reach)
+    wide.cos_o[:] = np.where(turning | (widest > np.arccos(wide.cos_o)), np.cos(np.minimum(widest, np.pi)), wide.cos_o)
+    return wide
+
+
 @dataclass
 class Tree:
     """A binary tree over m emitters."""

@@ -14,7 +14,7 @@ from ....jit import kernel
 from ....vec import dot, madd, negate, put, put_sum, transform_vector, vec
 from ...scene import Ray
 from .. import lights
-from ..geometry import hit_material, instance_table, surface_table
+from ..geometry import hit_material, instance_at, instance_table, surface_table
 from ..path import path_table
 from ..rays import beyond, hit_instance, hit_normal, intersect, ray_table
 from .apart import BEGIN, CROSS, ESCAPE, LOOK, NOTE, PASS
@@ -90,7 +90,7 @@ def cross(block, inside, medium, owner, enters):
 @kernel
 def faces(block, ray, direction):
     """Whether a ray has hit a triangle from its front."""
-    instance = instance_table(block)[hit_instance(ray)]
+    instance = instance_at(block, hit_instance(ray))
     # Embree gives the normal of the triangle as it was built: in world space if baked, in the mesh's own space if not.
     wo = negate(direction)
     facing = dot(hit_normal(ray), wo if instance.baked else transform_vector(instance.inverse, wo))

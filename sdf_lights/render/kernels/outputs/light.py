@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ....jit import kernel
 from ....vec import ZERO, add, dot, put, vec
-from ..path import path_table, sample_table
+from ..path import NO_EMITTER, of_instance, path_table, sample_table
 from ..shading.records import (
     CHIANG,
     GLOSSY,
@@ -19,7 +21,16 @@ from ..shading.records import (
     surface_table,
 )
 from ..shading.scattering import evaluate_closure, is_lit, lobes_lit
-from .records import LIGHT_NAMES, LOBES, first_scattering_table, light_place_table, output_sum_table
+from .records import (
+    LIGHT_NAMES,
+    LOBES,
+    emitter_group_table,
+    emitter_pass_table,
+    first_scattering_table,
+    instance_group_table,
+    light_place_table,
+    output_sum_table,
+)
 from .state import LIGHT_RAY
 
 _DIFFUSE, _GLOSSY = LIGHT_NAMES["diffuse_direct"], LIGHT_NAMES["glossy_direct"]
@@ -103,4 +114,13 @@ def add_light(block, workspace, r, g, b, emitter, scatters):
             _add(sums, places[_DIFFUSE + again], start, diffuse)
             _add(sums, places[_GLOSSY + again], start, glossy)
             _add(sums, places[_TRANSMISSION + again], start, rest)
+    emitter = np.int64(emitter)
+    groups, owns = emitter_group_table(block), emitter_pass_table(block)
+    if len(groups) > 0:
+        if emitter >= 0:
+            _add(sums, groups[emitter], start, (r, g, b))
+        elif emitter < NO_EMITTER:
+            _add(sums, instance_group_table(block)[of_instance(emitter)], start, (r, g, b))
+    if len(owns) > 0 and emitter >= 0:
+        _add(sums, owns[emitter], start, (r, g, b))
     return 0.0

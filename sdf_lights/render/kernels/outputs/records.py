@@ -11,11 +11,17 @@ import numpy as np
 from ....jit import table
 from ...passes import DATA_SUMS, LIGHT_SUMS
 
-LIGHT, LOBES, DATA = 1, 2, 4  # bits of ``outputs``
+LIGHT, LOBES, DATA, MATTES = 1, 2, 4, 8  # bits of ``outputs``; DATA also where there are MATTES
 
 # How the first scattering of a path divides its light: the parts of diffuse and of glossy lobes, the rest being that of
 # transmission; 1 where a medium has scattered it.
 FIRST_SCATTERING = np.dtype([("diffuse", "f8", 3), ("glossy", "f8", 3), ("in_medium", "i8")], align=True)
+
+# Of Cryptomatte: numbers of what an instance is. What a sample has met: an instance, its material, and by how much they cover
+# the sample; the first row has their number.
+INSTANCE_MATTE = np.dtype([("object", "f8"), ("asset", "f8")])
+MATTE_HIT = np.dtype([("instance", "i8"), ("material", "i8"), ("weight", "f8")])
+MOST_HITS = 64
 
 # A column of light or data by the index of its name; −1: the film has it not.
 LIGHT_NAMES = {name: index for index, name in enumerate(LIGHT_SUMS)}
@@ -27,24 +33,45 @@ TABLES = {
     "light_places": np.dtype(np.int64),
     "data_places": np.dtype(np.int64),
     "data_numbers": np.dtype(np.int64),  # of each column of data: 1 where it is of the first sample alone
+    # Columns of light by emitter, and by instance; −1: none. Empty where the film has no such pass.
+    "emitter_groups": np.dtype(np.int64),
+    "instance_groups": np.dtype(np.int64),
+    "emitter_passes": np.dtype(np.int64),
+    "aov_places": np.dtype(np.int64),
+    "film_mattes": np.dtype(np.float64),
+    "matte_places": np.dtype(np.int64),  # of objects, materials and assets
+    "instance_mattes": INSTANCE_MATTE,
+    "material_mattes": np.dtype(np.float64),
     "output_code": np.dtype(np.int64),
 }
 SCALARS = [
     ("outputs", np.int64),
     ("light_columns", np.int64),
     ("data_columns", np.int64),
+    ("matte_kinds", np.int64),
+    ("matte_slots", np.int64),
     ("uv_attribute", np.int64),
+    ("occlusion_distance", np.float64),
     ("mist_start", np.float64),
     ("mist_inverse_depth", np.float64),
     ("mist_power", np.float64),
 ]
-WORKSPACE_TABLES = {"first_scatterings": FIRST_SCATTERING, "output_sums": np.dtype(np.float64)}
+WORKSPACE_TABLES = {"first_scatterings": FIRST_SCATTERING, "output_sums": np.dtype(np.float64), "matte_hits": MATTE_HIT}
 
 film_light_table = table("film_light", np.float64)
 film_data_table = table("film_data", np.float64)
 light_place_table = table("light_places", np.int64)
 data_place_table = table("data_places", np.int64)
 data_number_table = table("data_numbers", np.int64)
+emitter_group_table = table("emitter_groups", np.int64)
+instance_group_table = table("instance_groups", np.int64)
+emitter_pass_table = table("emitter_passes", np.int64)
+aov_place_table = table("aov_places", np.int64)
+film_matte_table = table("film_mattes", np.float64)
+matte_place_table = table("matte_places", np.int64)
+instance_matte_table = table("instance_mattes", INSTANCE_MATTE)
+material_matte_table = table("material_mattes", np.float64)
+matte_hit_table = table("matte_hits", MATTE_HIT)
 code_table = table("output_code", np.int64)
 first_scattering_table = table("first_scatterings", FIRST_SCATTERING)
 output_sum_table = table("output_sums", np.float64)

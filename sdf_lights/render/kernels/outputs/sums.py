@@ -10,7 +10,18 @@ import numpy as np
 
 from ....jit import kernel, table
 from ..path import sample_table
-from .records import data_number_table, film_data_table, film_light_table, output_sum_table
+from .records import (
+    MATTES,
+    data_number_table,
+    film_data_table,
+    film_light_table,
+    film_matte_table,
+    instance_matte_table,
+    material_matte_table,
+    matte_hit_table,
+    matte_place_table,
+    output_sum_table,
+)
 
 _count = table("film_count", np.int32)
 
@@ -21,6 +32,8 @@ def clear(block, workspace, unused):
     sums = output_sum_table(workspace)
     for index in range(len(sums)):
         sums[index] = 0.0
+    if block.outputs & MATTES:
+        matte_hit_table(workspace)[0].instance = 0
     return 0.0
 
 
@@ -45,4 +58,34 @@ def add_sample(block, workspace, pixel):
                 data[at + index] = value
         elif abs(value) < math.inf:
             data[at + index] += value
+    if block.outputs & MATTES:
+        _add_mattes(block, workspace, pixel)
     return 0.0
+
+
+@kernel
+def _add_mattes(block, workspace, pixel):
+    places, hits = matte_place_table(block), matte_hit_table(workspace)
+    size = 2 * block.matte_slots
+    for row in range(1, hits[0].instance + 1):
+        hit = hits[row]
+        own = instance_matte_table(block)[hit.instance]
+        for kind in range(3):
+            if places[kind] >= 0:
+                number = (
+                    material_matte_table(block)[hit.material] if kind == 1 else own.object if kind == 0 else own.asset
+                )
+                _cover(block, (pixel * block.matte_kinds + places[kind]) * size, number, hit.weight)
+
+
+@kernel
+def _cover(block, start, number, weight):
+    """Add to what covers a pixel, in the slots from ``start`` on: as in Cycles, what has no room counts to the last."""
+    slots, last = film_matte_table(block), block.matte_slots - 1
+    for slot in range(last + 1):
+        at = start + 2 * slot
+        if slots[at] == 0.0 and slots[at + 1] == 0.0:
+            slots[at] = number
+        if slots[at] == number or slot == last:
+            slots[at + 1] += weight
+            return

@@ -22,6 +22,7 @@ from ....graph.substitution import without_objects
 from ....vec import ZERO
 from ...images import MISSING, Texture, mean_color
 from ...material import NODES, Attribute, Material, Node, Table
+from ...passes import aov_names
 from ..textures import pack_textures
 from . import special_lobes
 from .graphs import Graphs, needs, typical
@@ -139,9 +140,13 @@ MATERIAL = np.dtype(
         ("shadow_slots", "i4"),
         ("shadow_lobes", "i4", 2),
         ("index", "i4"),
+        ("aovs", "i4", 2),  # first and end of the range
     ],
     align=True,
 )
+
+# What a material gives to shader AOV number ``aov`` of the scene: one number, or three.
+AOV = np.dtype([("aov", "i4"), ("width", "i4"), ("operand", "i4")], align=True)
 
 # What the nodes of the world (row 0) and of the lights (row 1 on) make of their radiance: a graph of RGB.
 EMISSION = np.dtype([("graph", "i4"), ("slots", "i4"), ("mean", "f8", 3)], align=True)
@@ -152,6 +157,7 @@ TABLES = {
     "emissions": EMISSION,
     "materials": MATERIAL,
     "lobes": LOBE,
+    "aovs": AOV,
     "constants": np.dtype("f8"),
     "graph_addresses": np.dtype(np.int64),
 }
@@ -192,6 +198,7 @@ def pack_materials(scene) -> tuple[dict[str, np.ndarray], Graphs]:
         "emissions": emissions,
         "materials": records,
         "lobes": np.array(compiler.lobes or [(0, 0, 0, (0,) * len(PRINCIPLED))], LOBE),
+        "aovs": np.array(compiler.aovs, AOV),
         "constants": np.array(compiler.constants, dtype=np.float64),
         **pack_textures(scene, compiler.textures),
     }, compiler.graphs
@@ -208,6 +215,7 @@ class _SceneCompiler:
         self.tables: dict[int, int] = {}
         self.graphs = Graphs()
         self.lobes: list[tuple] = []
+        self.aovs: list[tuple] = []
         self.textures: dict[Texture, int] = {}
         self.means: dict[int, tuple] = {}
 
@@ -274,6 +282,13 @@ class _SceneCompiler:
             program = _Program(self, material.name, values, shadow)
             program.compile(material.surface)
             if not shadow:
+                first = len(self.aovs)
+                for number, name in enumerate(aov_names(self.scene.passes)):
+                    value = material.aovs.get(name)
+                    if value is not None:
+                        formulas = tuple(value) if isinstance(value, Vector) else (value,)
+                        self.aovs.append((number, len(formulas), program.operand(*formulas)))
+                record["aovs"] = first, len(self.aovs)
                 record["normal"] = NONE if material.normal is None else program.operand(*material.normal)
             prefix = "shadow_" if shadow else ""
             graph, numbers = self.graphs.add(program.roots)

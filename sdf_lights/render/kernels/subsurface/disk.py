@@ -12,7 +12,7 @@ import math
 
 from ....jit import kernel
 from ....vec import add, average, cross, dot, length, madd, mul, negate, normalize, scale, sub, transform_normal, vec
-from ..geometry import instance_table, surface_table
+from ..geometry import instance_at, surface_table
 from ..path import KEPT_RAY, SUBSURFACE_SETS, path_table
 from ..rays import beyond, hit_normal, ray_table
 from ..sampler import draw4
@@ -57,7 +57,7 @@ def _profiles(radius, r):
 @kernel
 def _hit_normal(block, ray, index):
     """Normal of the triangle that was hit, on its front."""
-    instance = instance_table(block)[index]
+    instance = instance_at(block, index)
     if instance.baked:
         n = normalize(hit_normal(ray))
         return negate(n) if instance.mirrored else n

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....jit import kernel, table
 from ....vec import transform_point, transform_vector
-from ..geometry import instance_table
+from ..geometry import instance_at
 from ..rays import NONE, intersect_scene, ray_table
 from . import apart
 
@@ -22,7 +22,7 @@ inner_table = table("inner_scenes", np.int64)
 @kernel
 def intersect_instance(block, workspace, index, o, d, t_min, t_max):
     """As ``rays.intersect``, with instance ``index`` alone and whatever rays it is visible to."""
-    instance = instance_table(block)[index]
+    instance = instance_at(block, index)
     if instance.baked == 0:
         o, d = transform_point(instance.inverse, o), transform_vector(instance.inverse, d)
     found = intersect_scene(block, workspace, inner_table(block)[index], o, d, t_min, t_max, NONE)

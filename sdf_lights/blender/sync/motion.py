@@ -1,0 +1,283 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Motion while the shutter is open: Blender evaluates the scene at other times, and what is elsewhere there is noted.
+
+The times, and what moves at all, are those of Cycles; lamps and lights, which stand still there, move too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import fields, replace
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ...render.errors import RenderError
+from ...render.motion import exposure, poses, resampled
+from ...render.scene import Camera, Emitter, Lamp, Scene, Shutter
+from .attributes import random_number
+from .common import Warnings, is_finite, matrix_of
+from .images import Images
+from .lights import light_of
+from .mesh import Forms
+
+_CURVE_POINTS = 257
+_KEPT = ("emission", "visibility", *(item.name for item in fields(Emitter)))  # what of a light is that of the frame
+_OPENS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}  # of the time that the shutter is open, from the frame on
+
+
+class Key(NamedTuple):
+    """What tells an instance from others at any time."""
+
+    instancer: int
+    obj: int
+    number: tuple[int, ...]
+
+
+class Placed(NamedTuple):
+    """Where an instance is in a scene: in ``instances``, ``lamps`` or ``lights``, or −1."""
+
+    instance: int = -1
+    lamp: int = -1
+    light: int = -1
+
+
+class Wish(NamedTuple):
+    """How an object moves: at so many steps of the shutter, and whether its form changes; none: it stands still."""
+
+    steps: int
+    forms: bool
+
+
+def key_of(item: bpy.types.DepsgraphObjectInstance) -> Key:
+    """See ``Key``."""
+    instancer = item.parent.original.as_pointer() if item.is_instance and item.parent is not None else 0
+    number = tuple(item.persistent_id) if item.is_instance else ()
+    return Key(instancer, item.object.original.as_pointer(), number)
+
+
+def wish_of(*owners: bpy.types.Object | None) -> Wish:
+    """What an object wants, or an instance of it: both its instancer and itself are asked, as in Cycles."""
+    steps, forms = 0, True
+    for owner in owners:
+        if owner is None:
+            continue
+        settings = getattr(owner, "cycles", None)
+        if not getattr(settings, "use_motion_blur", True):
+            return Wish(0, False)
+        steps = max(steps, 1 << min(max(getattr(settings, "motion_steps", 1), 1), 7))
+        forms = forms and getattr(settings, "use_deform_motion", True)
+    return Wish(steps, forms)
+
+
+def is_wanted(depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether the render is to blur motion."""
+    layer = depsgraph.view_layer_eval
+    return depsgraph.scene_eval.render.use_motion_blur and getattr(layer, "use_motion_blur", True)
+
+
+def shutter_of(scene: bpy.types.Scene) -> Shutter:
+    """The shutter of a scene: its curve, and its roll."""
+    mapping = scene.render.motion_blur_shutter_curve
+    mapping.initialize()
+    curve = mapping.curves[0]
+    density = [mapping.evaluate(curve, x) for x in np.linspace(0.0, 1.0, _CURVE_POINTS)]
+    cycles = getattr(scene, "cycles", None)
+    rolls = getattr(cycles, "rolling_shutter_type", "NONE") != "NONE"
+    return Shutter(exposure(np.array(density)), cycles.rolling_shutter_duration if rolls else None)
+
+
+class Motion:
+    """Notes of where everything is at even times of the shutter, and puts them into a scene.
+
+    ``cameras`` makes the camera of each view. ``placed`` and ``forms`` are what the reader of the objects has noted.
+    """
+
+    def __init__(
+        self,
+        depsgraph: bpy.types.Depsgraph,
+        engine: bpy.types.RenderEngine,
+        scene: Scene,
+        cameras: Callable[[], list[Camera]],
+        warn: Warnings,
+    ):
+        self._depsgraph, self._engine, self._scene = depsgraph, engine, scene
+        self._cameras, self._warn = cameras, warn
+
+    def read(self, placed: dict[Key, Placed], forms: dict[int, Forms], views: list[Camera]) -> None:
+        """Evaluate the scene at all times, and give it, and the cameras ``views``, their motion. The frame is as before
+        then."""
+        blender_scene = self._depsgraph.scene_eval
+        camera_object = self._engine.camera_override or blender_scene.camera
+        wishes, deforms = self._wishes(placed, forms)
+        camera = wish_of(camera_object).steps if camera_object is not None else 0
+        steps = max([camera, *(wish.steps for wish in wishes.values())], default=0)
+        if steps == 0:
+            return
+        shutter = shutter_of(blender_scene)
+        self._frame = blender_scene.frame_current, blender_scene.frame_subframe
+        seen = [_Seen(placed, forms, deforms) for _ in range(steps + 1)]
+        eyes: list[list[Camera]] = [[] for _ in views]
+        try:
+            for step in self._times(steps):
+                every = steps // camera if camera else 0
+                if every and step % every == 0:
+                    for eye, at in zip(eyes, self._cameras()):
+                        eye.append(at)
+                self._look(seen[step], wishes, step, steps)
+        finally:
+            self._go_back()
+        moves = self._give(placed, wishes, deforms, seen, steps)
+        for view, eye in zip(views, eyes):
+            if any(not _same_place(at, eye[0]) for at in eye[1:]):
+                view.motion, moves = resampled(tuple(eye)), True
+        if moves:
+            self._scene.shutter = shutter
+
+    def _wishes(self, placed: dict[Key, Placed], forms: dict[int, Forms]) -> tuple[dict[Key, Wish], set[int]]:
+        """What each instance wants, and the meshes whose form may change."""
+        wishes, deforms = {}, set()
+        known: dict[int, bool] = {}
+        for item in self._depsgraph.object_instances:
+            key = key_of(item)
+            if key not in placed:
+                continue
+            wishes[key] = wish_of(item.parent if item.is_instance else None, item.object)
+            place = placed[key]
+            if place.instance < 0 or not wishes[key].forms or not wishes[key].steps:
+                continue
+            if key.obj not in known:
+                known[key.obj] = item.object.is_deform_modified(self._depsgraph.scene_eval, "RENDER")
+            if known[key.obj]:
+                deforms.add(self._scene.instances[place.instance].mesh)
+        return wishes, deforms
+
+    def _times(self, steps: int) -> Iterator[int]:
+        """Go to each of the even times in turn; its number."""
+        scene = self._depsgraph.scene_eval
+        length = scene.render.motion_blur_shutter
+        frame, subframe = self._frame
+        opens = frame + subframe + _OPENS.get(scene.render.motion_blur_position, -0.5) * length
+        for step in range(steps + 1):
+            time = opens + length * step / steps
+            whole = math.floor(time)
+            self._engine.frame_set(whole, time - whole)
+            yield step
+
+    def _go_back(self) -> None:
+        self._engine.frame_set(*self._frame)
+
+    def _look(self, seen: _Seen, wishes: dict[Key, Wish], step: int, steps: int) -> None:
+        """Note where everything is now that has to be known at this step."""
+        for item in self._depsgraph.object_instances:
+            key = key_of(item)
+            wish = wishes.get(key)
+            if wish is not None and wish.steps and step % (steps // wish.steps) == 0:
+                seen.note(key, item, self._depsgraph, self._scene)
+
+    def _give(
+        self, placed: dict[Key, Placed], wishes: dict[Key, Wish], deforms: set[int], seen: list[_Seen], steps: int
+    ) -> bool:
+        """Give the scene its motion. Returns whether anything moves."""
+        moves = False
+        for key, place in placed.items():
+            wish = wishes.get(key)
+            if wish is None or not wish.steps:
+                continue
+            those = seen[:: steps // wish.steps]
+            if any(key not in each.places for each in those):
+                continue  # it comes or goes
+            found = [each.places[key] for each in those]
+            if place.instance >= 0:
+                if any(not np.array_equal(matrix, found[0]) for matrix in found[1:]):
+                    self._scene.instances[place.instance].motion, moves = poses(np.stack(found)), True
+                mesh = self._scene.instances[place.instance].mesh
+                if mesh in deforms and self._reform(mesh, those):
+                    moves = True
+                deforms.discard(mesh)
+            else:
+                moves |= self._give_light(place, found)
+        return moves
+
+    def _reform(self, index: int, seen: list[_Seen]) -> bool:
+        if any(index not in each.forms for each in seen):
+            return False  # it has other vertices at some time
+        positions = [each.forms[index][0] for each in seen]
+        if all(np.array_equal(form, positions[0]) for form in positions[1:]):
+            return False
+        mesh = self._scene.meshes[index]
+        mesh.motion = np.stack(positions)
+        if mesh.normals is not None:
+            mesh.motion_normals = np.stack([each.forms[index][1] for each in seen])
+        return True
+
+    def _give_light(self, place: Placed, found: list) -> bool:
+        lights = self._scene.lamps if place.lamp >= 0 else self._scene.lights
+        index = max(place.lamp, place.light)
+        light = lights[index]
+        if any(type(other) is not type(light) for other in found):
+            return False
+        if isinstance(light, Lamp):
+            if any(other.shape != light.shape for other in found):
+                self._warn(
+                    f"Lamp '{light.name}' changes its shape while the shutter is open: it has that of the frame; "
+                    "motion blur is for its transform, power and color."
+                )
+            found = [replace(other, shape=light.shape) for other in found]
+        kept = {name: getattr(light, name) for name in _KEPT}
+        found = [replace(other, **kept) for other in found]
+        if all(_same_place(other, found[0]) for other in found[1:]):
+            return False
+        light.motion = resampled(tuple(found))
+        return True
+
+
+class _Seen:
+    """What there is at one time."""
+
+    def __init__(self, placed: dict[Key, Placed], forms: dict[int, Forms], deforms: set[int]):
+        self._placed, self._forms, self._deforms = placed, forms, deforms
+        self.places: dict[Key, np.ndarray | object] = {}
+        self.forms: dict[int, tuple[np.ndarray, np.ndarray | None]] = {}
+
+    def note(
+        self, key: Key, item: bpy.types.DepsgraphObjectInstance, depsgraph: bpy.types.Depsgraph, scene: Scene
+    ) -> None:
+        matrix = matrix_of(item.matrix_world)
+        if not is_finite(matrix):
+            return
+        place = self._placed[key]
+        if place.instance >= 0:
+            self.places[key] = matrix
+            mesh = scene.instances[place.instance].mesh
+            if mesh in self._deforms and mesh not in self.forms:
+                form = self._forms[mesh].read(item.object.data)
+                if form is not None:
+                    self.forms[mesh] = form
+            return
+        aside = Scene(Camera(None), 0, 0)
+        ignore = Warnings(aside.warnings)
+        known = (scene.lamps[place.lamp] if place.lamp >= 0 else scene.lights[place.light]).visibility
+        try:
+            owner = matrix_of(item.object.original.evaluated_get(depsgraph).matrix_world)
+            images = Images(aside, ignore)
+            light = light_of(item.object, matrix, known, depsgraph, ignore, images, owner, random_number(item))
+        except RenderError:
+            return
+        if light is not None:
+            self.places[key] = light
+
+
+def _same_place(a, b) -> bool:
+    """Whether all numbers of two lights or cameras are the same."""
+    for name, value in vars(a).items():
+        other = getattr(b, name)
+        if isinstance(value, np.ndarray):
+            if not np.array_equal(value, other):
+                return False
+        elif isinstance(value, float | tuple) and value != other:
+            return False
+    return True

@@ -1,0 +1,16 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""In the place of what the CPU does with things that move: on the GPU all stands still."""
+
+from ...jit import kernel
+from ..kernels.geometry import instance_table
+
+
+@kernel
+def instance_at(block, index):
+    return instance_table(block)[index]
+
+
+@kernel
+def form_of(block, instance):
+    return 0, 0.0

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The time of a sample, and what of the scene is elsewhere then.
+
+In a scene that moves each thread has a block of its own. Lamps, lights and the camera are few, and their tables are brought to
+the time before a path begins: all numbers of them that move, on straight lines between those at even times. So no kernel
+below has to know of it. Instances are many, and brought to the time where a ray has met them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import kernel, table
+from ..scene import Scene, Shutter
+from .camera import camera_table
+from .path import path_table
+from .rays import ray_table
+from .sampler import draw1
+
+TIME_SET = 1 << 44  # of random numbers
+
+TABLES = {
+    "shutter_times": np.dtype(np.float64),
+    "moving": np.dtype(np.float64),  # the tables that move, as numbers, one after the other
+    "moving_places": np.dtype(np.int64),  # in ``moving``, of those that move
+    "moving_keys": np.dtype(np.float64),  # what they are, at each of the even times
+}
+SCALARS = [("moves", np.int64), ("time", np.float64), ("moving_steps", np.int64), ("rolling_shutter", np.float64)]
+
+NOT_ROLLING = -1.0
+
+time_table = table("shutter_times", np.float64)
+moving_table = table("moving", np.float64)
+place_table = table("moving_places", np.int64)
+key_table = table("moving_keys", np.float64)
+
+
+def pack_shutter(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+    """The table and the scalars of the shutter; nothing else of ``TABLES``."""
+    shutter = scene.shutter or Shutter()
+    rolling = NOT_ROLLING if shutter.rolling is None else shutter.rolling
+    return {"shutter_times": np.asarray(shutter.times, np.float64)}, {
+        "moves": scene.shutter is not None,
+        "time": 0.0,
+        "moving_steps": 0,
+        "rolling_shutter": rolling,
+    }
+
+
+class Moving:
+    """Tables that move, of which each thread has its own: from what they are at even times, ``keys``.
+
+    Only float64 numbers do; the rest is as in ``base``. A table that has another length at some time stays as it is.
+    """
+
+    def __init__(self, base: dict[str, np.ndarray], keys: list[dict[str, np.ndarray]]):
+        self._base, places, values = {}, [], []
+        start = 0
+        for name, array in base.items():
+            if not is_wide(array.dtype) or any(len(key[name]) != len(array) for key in keys):
+                continue
+            numbers = [_numbers(key[name]) for key in keys]
+            moves = np.flatnonzero(_floats(array) & np.any([n != numbers[0] for n in numbers[1:]], axis=0))
+            if len(moves):
+                self._base[name] = array
+                places.append(start + moves)
+                values.append(np.stack([n[moves] for n in numbers]))
+                start += array.nbytes // 8
+        self.places = np.concatenate(places) if places else np.zeros(0, np.int64)
+        self.keys = np.concatenate(values, axis=1).ravel() if values else np.zeros(0)
+
+    def own(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """``moving`` for a thread, and the tables in it."""
+        count = sum(array.nbytes // 8 for array in self._base.values())
+        memory, tables, start = np.zeros(count), {}, 0
+        for name, array in self._base.items():
+            part = memory[start : start + array.nbytes // 8]
+            part[:] = _numbers(array)
+            tables[name] = part.view(array.dtype)
+            start += len(part)
+        return memory, tables
+
+
+def is_wide(dtype: np.dtype) -> bool:
+    """Whether all floats of a record have eight bytes, and it can be read as such numbers."""
+    fields = dtype.fields or {"": (dtype, 0)}
+    return dtype.itemsize % 8 == 0 and all(
+        part.base.kind != "f" or part.base.itemsize == 8 for part, *_ in fields.values()
+    )
+
+
+def _numbers(array: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(array).view(np.float64).ravel()
+
+
+def _floats(array: np.ndarray) -> np.ndarray:
+    """(numbers,) whether each number of a table is a float."""
+    fields = array.dtype.fields or {"": (array.dtype, 0)}
+    row = np.zeros(array.dtype.itemsize // 8, bool)
+    for part, offset, *_ in fields.values():
+        if part.base.kind == "f":
+            row[offset // 8 : (offset + part.itemsize) // 8] = True
+    return np.tile(row, len(array))
+
+
+@kernel
+def _time_at(times, u):
+    place = u * (len(times) - 1)
+    cell = min(int(place), len(times) - 2)
+    return times[cell] + (place - cell) * (times[cell + 1] - times[cell])
+
+
+@kernel
+def set_time(block, workspace, aside, y):
+    """Draw the time of the workspace's path, which begins in the line ``y``, and bring what moves to it. ``aside``: the
+    workspace whose rays have the same time."""
+    path = path_table(workspace)[0]
+    time = _time_at(time_table(block), draw1(path.index, path.seed, TIME_SET))
+    if block.rolling_shutter != NOT_ROLLING:
+        line = 1.0 - y / camera_table(block)[0].rows
+        time = (time - 0.5) * block.rolling_shutter + (line - 0.5) * (1.0 - block.rolling_shutter) + 0.5
+    time = min(max(time, 0.0), 1.0)
+    block.time = time
+    ray_table(workspace)[0].time = time
+    ray_table(aside)[0].time = time
+    if block.moving_steps > 0:
+        moving, places, keys = moving_table(block), place_table(block), key_table(block)
+        count = len(places)
+        position = time * block.moving_steps
+        step = min(int(position), block.moving_steps - 1)
+        part = position - step
+        first = step * count
+        for index in range(count):
+            start = keys[first + index]
+            moving[places[index]] = start + part * (keys[first + count + index] - start)

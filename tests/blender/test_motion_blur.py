@@ -1,0 +1,220 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What moves while the shutter is open is as blurred as in Cycles."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+pytest.importorskip("_cycles")
+
+
+def animate(owner, path: str, *values) -> None:
+    """Give a property these values at frames one after the other, of which the middle one is rendered."""
+    first = 5 - len(values) // 2
+    for frame, value in enumerate(values, first):
+        setattr(owner, path, value)
+        owner.keyframe_insert(path, frame=frame)
+    action = owner.animation_data.action
+    curves = (
+        action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbag(action.slots[0]).fcurves
+    )
+    for curve in curves:
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+@pytest.fixture
+def shot(file, add, quad, material):
+    """A glowing square before a dim sky, of which a quarter is darker, and its blur on; the square's object."""
+    bpy.ops.preferences.addon_enable(module="cycles")
+    made, tree, output = material("Glow")
+    node = tree.nodes.new("ShaderNodeEmission")
+    node.inputs["Strength"].default_value = 3.0
+    tree.links.new(node.outputs[0], output)
+    mesh = quad()
+    mesh.materials.append(made)
+    square = add("Square", mesh, (0.0, 0.0, 1.0), (math.pi / 2, 0.0, 0.0), (1.0, 0.5, 1.0))
+    world = bpy.data.worlds.new("Sky")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.3, 0.4, 1.0)
+    file.scene.world = world
+    file.scene.render.use_motion_blur = True
+    file.scene.render.motion_blur_shutter = 1.5
+    file.scene.frame_set(5)
+    file.camera.data.lens = 35.0
+    cycles = file.scene.cycles
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.samples, cycles.pixel_filter_type, cycles.max_bounces = 1024, "BOX", 1
+    return square
+
+
+def moves(shot, **_):
+    animate(shot, "location", (-1.0, 0.0, 1.0), (0.0, 0.0, 1.2), (1.0, 1.0, 0.6))
+
+
+def from_the_frame(shot, scene, **_):
+    moves(shot)
+    scene.render.motion_blur_position = "START"
+
+
+def to_the_frame(shot, scene, **_):
+    moves(shot)
+    scene.render.motion_blur_position = "END"
+
+
+def turns(shot, **_):
+    half = math.pi / 2
+    animate(shot, "rotation_euler", (half, -1.0, 0.0), (half, 0.4, 0.3), (half, 2.0, 0.0))
+
+
+def turns_in_steps(shot, **_):
+    shot.cycles.motion_steps = 3
+    turns(shot)
+
+
+def grows(shot, **_):
+    animate(shot, "scale", (0.2, 0.2, 1.0), (1.0, 0.7, 1.0), (1.5, 1.5, 1.0))
+
+
+def curve(shot, scene, **_):
+    moves(shot)
+    points = scene.render.motion_blur_shutter_curve.curves[0].points
+    points[0].location, points[-1].location = (0.0, 1.0), (1.0, 0.0)
+    scene.render.motion_blur_shutter_curve.update()
+
+
+def camera(camera, **_):
+    half = math.pi / 2
+    animate(camera, "rotation_euler", (half, 0.0, -0.15), (half, 0.1, 0.05), (half + 0.1, 0.0, 0.1))
+
+
+def lens(camera, **_):
+    animate(camera.data, "lens", 25.0, 35.0, 70.0)
+
+
+def rolling(camera, scene, **_):
+    animate(camera, "location", (-1.0, -5.0, 1.0), (0.0, -5.0, 1.0), (1.0, -5.0, 1.0))
+    scene.cycles.rolling_shutter_type, scene.cycles.rolling_shutter_duration = "TOP", 0.2
+
+
+def form(shot, **_):
+    shot.shape_key_add(name="Basis")
+    key = shot.shape_key_add(name="Lean")
+    for point in key.data:
+        point.co.x += 1.5 * point.co.y
+    for frame, value in ((4, 0.0), (5, 0.3), (6, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+
+
+def form_off(shot, **_):
+    form(shot)
+    shot.cycles.use_deform_motion = False
+
+
+def form_of_what_moves(shot, **_):
+    form(shot)
+    moves(shot)
+
+
+def instances(shot, add, file, **_):
+    group = bpy.data.collections.new("Group")
+    group.objects.link(shot)
+    file.scene.collection.objects.unlink(shot)
+    shot.scale = (0.4, 0.3, 1.0)
+    for x in (-1.0, 1.0):
+        holder = add(f"Holder {x}", None, (x, 0.0, 0.0))
+        holder.instance_type, holder.instance_collection = "COLLECTION", group
+        animate(holder, "location", (x, 0.0, 0.0), (x, 0.0, 0.3), (x + 0.5, 0.0, 0.0))
+
+
+def off(shot, **_):
+    moves(shot)
+    shot.cycles.use_motion_blur = False
+
+
+QUICK = [from_the_frame, turns, curve, lens, rolling, form_of_what_moves, instances]
+SLOW = [moves, to_the_frame, turns_in_steps, grows, camera, form, form_off, off]
+CASES = [*QUICK, *(pytest.param(build, marks=pytest.mark.slow) for build in SLOW)]
+
+
+@pytest.mark.parametrize("build", CASES, ids=[build.__name__ for build in QUICK + SLOW])
+def test_a_blur_is_that_of_cycles(shot, file, add, pictures, build):
+    build(shot=shot, scene=file.scene, camera=file.camera, add=add, file=file)
+    file.scene.frame_set(5)
+    found = []
+    for file.scene.render.engine in ("CYCLES", "SDF_LIGHTS"):
+        bpy.ops.sdf_lights.cycles_settings_copy()
+        file.scene.sdf_lights.device = "CPU"
+        found.append(pictures()["ViewLayer"]["Combined"][..., :3].astype(float))
+    theirs, ours = found
+    blocks = [picture.reshape(4, 4, 6, 4, 3).mean((1, 3)) for picture in (ours, theirs)]
+    print(build.__name__, ours.mean() / theirs.mean() - 1.0, np.abs(blocks[0] - blocks[1]).max() / theirs.mean())
+    assert ours.mean() == pytest.approx(theirs.mean(), rel=0.01)
+    assert np.abs(blocks[0] - blocks[1]).max() < 0.03 * theirs.mean()
+    assert file.scene.frame_current == 5 and file.scene.frame_subframe == 0.0
+
+
+@pytest.fixture
+def blurred(file):
+    """The scene, with blur over the whole of frame 4.5 to 5.5."""
+    bpy.ops.preferences.addon_enable(module="cycles")
+    file.scene.render.use_motion_blur, file.scene.render.motion_blur_shutter = True, 1.0
+    file.scene.frame_set(5)
+    return file.scene
+
+
+def test_lamps_and_lights_move_and_change(blurred, add, lamp, synced):
+    flying = add("Flying", lamp())
+    animate(flying, "location", (-2.0, 0.0, 1.0), (0.0, 0.0, 1.0), (2.0, 0.0, 1.0))
+    fading = add("Fading", bpy.data.lights.new("Fading", "POINT"), (0.0, 0.0, 3.0))
+    animate(fading.data, "energy", 0.0, 10.0, 20.0)
+    still = add("Still", lamp(), (0.0, 2.0, 1.0))
+    blurred.frame_set(5)
+    scene = synced()
+    assert scene.warnings == [] and scene.shutter is not None
+    lamps = {item.name: item for item in scene.lamps}
+    assert [round(item.matrix[0, 3], 5) for item in lamps["Flying"].motion] == [-1.0, 0.0, 1.0]
+    assert lamps["Still"].motion == () and still.location.y == 2.0
+    assert [item.power for item in scene.lights[0].motion] == pytest.approx([5.0, 10.0, 15.0])
+    assert flying.location.x == 0.0 and blurred.frame_current == 5
+
+
+def test_a_lamp_keeps_its_shape_and_says_so(blurred, add, lamp, synced):
+    growing = add("Growing", lamp(radius=0.5))
+    for frame, radius in ((4, 0.4), (5, 0.5), (6, 0.8)):
+        growing.data.sdf_lamp.sphere.radius = radius
+        growing.data.keyframe_insert("sdf_lamp.sphere.radius", frame=frame)
+    blurred.frame_set(5)
+    scene = synced()
+    assert scene.lamps[0].motion == () and scene.shutter is None
+    assert len(scene.warnings) == 1 and "'Growing' changes its shape" in scene.warnings[0]
+
+
+def test_nothing_moves_in_a_scene_that_stands_still(blurred, stage, synced):
+    assert synced().shutter is None
+    animate(stage, "location", (0.0, 0.0, 1.0), (0.0, 0.0, 2.0), (0.0, 0.0, 3.0))
+    blurred.frame_set(5)
+    assert synced().shutter is not None
+    blurred.render.use_motion_blur = False
+    assert synced().shutter is None
+
+
+def test_an_object_that_comes_while_the_shutter_is_open_stands_still(blurred, add, quad, synced):
+    square = add("Square", quad())
+    animate(square, "location", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0))
+    animate(square, "hide_render", True, False, False)
+    blurred.frame_set(5)
+    assert all(instance.motion is None for instance in synced().instances)
+
+
+def test_both_eyes_move(blurred, file, add, quad, pictures):
+    add("Square", quad(), (0.0, 0.0, 1.0), (math.pi / 2, 0.0, 0.0))
+    animate(file.camera, "location", (-1.0, -5.0, 1.0), (0.0, -5.0, 1.0), (1.0, -5.0, 1.0))
+    blurred.render.use_multiview = True
+    blurred.frame_set(5)
+    assert bpy.ops.render.render() == {"FINISHED"}
+    assert blurred.frame_current == 5
