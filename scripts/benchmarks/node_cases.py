@@ -25,6 +25,19 @@ MOST_TOGETHER = 64  # combinations of modes of a node that nothing is known abou
 EXPLAINED = {
     "Bevel Normal": "the mean of four normals depends on the sampling pattern: Cycles' own patterns differ as much",
     "NewGeometry Parametric": "triangles are as small as pixels: a hundredth of a pixel beside is another one",
+    **dict.fromkeys(
+        ("BsdfHair BSDF", *(f"BsdfHairPrincipled {model}BSDF" for model in ("", "HUANG ", "HUANG ABSORPTION "))),
+        "light rays do not see all directions that fibers draw, so the light of a wide sun depends on how both are weighted: "
+        "where drawn rays do not find its sun, Cycles' own pictures lose 3 to 20 %",
+    ),
+    **dict.fromkeys(
+        (f"Volume{kind} Volume of varying density" for kind in ("Absorption", "Principled", "Scatter")),
+        "a density that varies is replaced by its mean, and the render says so",
+    ),
+    **dict.fromkeys(
+        (f"Volume{kind} FOURNIER_FORAND Volume" for kind in ("Coefficients", "Scatter")),
+        "Henyey and Greenstein's phase function with the same mean stands for this one, and the render says so",
+    ),
 }
 ABSTRACT = {"ShaderNode", "ShaderNodeCustomGroup", "ShaderNodeTree"}
 # What the output of a node is linked to.

@@ -84,7 +84,8 @@ class Pair:
         found = self.difference()
         if found is None or self.case.name in EXPLAINED:
             return False
-        if max(found.mean - found.mean_doubt, found.p99 - found.p99_doubt) > 2.0 * LIMIT:
+        # Twice the doubt, because few seeds may agree by chance.
+        if max(found.mean - 2.0 * found.mean_doubt, found.p99 - 2.0 * found.p99_doubt) > 2.0 * LIMIT:
             return False
         coarse = found.mean_doubt > LIMIT or found.p99_doubt > COARSE
         return coarse or found.mean > 0.5 * LIMIT or found.p99 > max(found.p99_doubt, LIMIT)

@@ -47,6 +47,7 @@ class Recipe:
 # Not compared, and why.
 LEFT_OUT = {
     "ShaderNodeScript": "Open Shading Language, which Cycles runs in a mode of its own only",
+    "ShaderNodeEeveeSpecular": "EEVEE alone has it",
     "ShaderNodeOutputLineStyle": "of line styles, which Freestyle reads",
     "ShaderNodeUVAlongStroke": "of line styles, which Freestyle reads",
     "ShaderNodeOutputAOV": "an output: it makes a pass",

@@ -24,6 +24,7 @@ _OLD_NAMES = (
     {
         "Emission": "Emit",
         "Environment": "Env",
+        "Ambient Occlusion": "AO",
         "Object Index": "IndexOB",
         "Material Index": "IndexMA",
         "Volume Direct": "VolumeDir",

@@ -49,6 +49,7 @@ DATA_SUMS = {
     "material_index": 1,
     "glossy_albedo": 3,
     "transmission_albedo": 3,
+    "occlusion": 3,
 }
 
 
@@ -226,6 +227,15 @@ PASSES = (
         "use_pass_environment",
         "Light of the world that the camera sees directly",
         light=True,
+    ),
+    Pass(
+        "Ambient Occlusion",
+        "RGB",
+        Kind.COLOR,
+        Rule.MEAN,
+        "occlusion",
+        "use_pass_ambient_occlusion",
+        "How little is near that hides the sky, within the distance of the world's Ambient Occlusion",
     ),
     Pass(
         "SDF Lamps",

@@ -314,6 +314,7 @@ class Scene:
     portals: list[Portal] = field(default_factory=list)
     world: World = field(default_factory=World)
     mist: Mist = field(default_factory=Mist)
+    occlusion_distance: float = 10.0  # metres within which the pass Ambient Occlusion looks for surfaces
     passes: list[Pass] = field(default_factory=list)  # that there are beside ``passes.PASSES``
     attributes: list[Attribute] = field(default_factory=list)  # that passes look up, beside those that materials do
     settings: Settings = field(default_factory=Settings)

@@ -73,7 +73,7 @@ class _Probe(bpy.types.RenderEngine):
 
     def render(self, depsgraph):
         try:
-            self.scenes[depsgraph.view_layer.name] = sync_package.sync(depsgraph)
+            self.scenes[depsgraph.view_layer.name] = sync_package.sync(depsgraph, self)
         except Exception as error:  # Blender would swallow it
             self.scenes[depsgraph.view_layer.name] = error
 

@@ -166,6 +166,22 @@ def test_settings_are_copied_once(scene, tmp_path):
     has(properties.settings_of(scene), FINAL | dict(seed=99))
 
 
+def test_a_copy_can_be_undone(scene):
+    scene.render.engine = ENGINE
+    cycles._engine_changed()
+    before = properties.settings_of(scene).samples
+    scene.cycles.samples = before + 1
+    assert {"REGISTER", "UNDO"} <= cycles.SDFLIGHTS_OT_cycles_settings_copy.bl_options
+    bpy.ops.ed.undo_push(message="Before")
+    assert bpy.ops.sdf_lights.cycles_settings_copy() == {"FINISHED"}
+    assert properties.settings_of(bpy.context.scene).samples == before + 1
+    bpy.ops.ed.undo_push(message="Copy")
+    bpy.ops.ed.undo()
+    assert properties.settings_of(bpy.context.scene).samples == before
+    bpy.ops.ed.redo()
+    assert properties.settings_of(bpy.context.scene).samples == before + 1
+
+
 def test_saving_settles(scene, tmp_path):
     make(scene)
     scene = saved(scene, tmp_path, "CYCLES")

@@ -139,7 +139,7 @@ def test_sun_and_empty_and_nested_collections(room, light, collection, compare):
     sun.light_linking.blocker_collection = collection(["Screen"])
     outer = collection(excluded=["Wall"])
     outer.children.link(collection(["Wall", "Floor", "Pane"]))
-    spot = light("SPOT", GREEN, (0.0, 0.0, 3.0), 200.0, shadow_soft_size=0.1)
+    spot = light("SPOT", GREEN, (0.0, -0.5, 2.5), 200.0, shadow_soft_size=0.1, spot_size=2.6)
     spot.light_linking.receiver_collection = outer
     point = light("POINT", BLUE, (0.5, -0.5, 1.8))
     point.light_linking.receiver_collection = collection()

@@ -156,3 +156,65 @@ def test_a_blur_is_that_of_cycles(shot, file, add, pictures, build):
     assert ours.mean() == pytest.approx(theirs.mean(), rel=0.01)
     assert np.abs(blocks[0] - blocks[1]).max() < 0.03 * theirs.mean()
     assert file.scene.frame_current == 5 and file.scene.frame_subframe == 0.0
+
+
+@pytest.fixture
+def blurred(file):
+    """The scene, with blur over the whole of frame 4.5 to 5.5."""
+    bpy.ops.preferences.addon_enable(module="cycles")
+    file.scene.render.use_motion_blur, file.scene.render.motion_blur_shutter = True, 1.0
+    file.scene.frame_set(5)
+    return file.scene
+
+
+def test_lamps_and_lights_move_and_change(blurred, add, lamp, synced):
+    flying = add("Flying", lamp())
+    animate(flying, "location", (-2.0, 0.0, 1.0), (0.0, 0.0, 1.0), (2.0, 0.0, 1.0))
+    fading = add("Fading", bpy.data.lights.new("Fading", "POINT"), (0.0, 0.0, 3.0))
+    animate(fading.data, "energy", 0.0, 10.0, 20.0)
+    still = add("Still", lamp(), (0.0, 2.0, 1.0))
+    blurred.frame_set(5)
+    scene = synced()
+    assert scene.warnings == [] and scene.shutter is not None
+    lamps = {item.name: item for item in scene.lamps}
+    assert [round(item.matrix[0, 3], 5) for item in lamps["Flying"].motion] == [-1.0, 0.0, 1.0]
+    assert lamps["Still"].motion == () and still.location.y == 2.0
+    assert [item.power for item in scene.lights[0].motion] == pytest.approx([5.0, 10.0, 15.0])
+    assert flying.location.x == 0.0 and blurred.frame_current == 5
+
+
+def test_a_lamp_keeps_its_shape_and_says_so(blurred, add, lamp, synced):
+    growing = add("Growing", lamp(radius=0.5))
+    for frame, radius in ((4, 0.4), (5, 0.5), (6, 0.8)):
+        growing.data.sdf_lamp.sphere.radius = radius
+        growing.data.keyframe_insert("sdf_lamp.sphere.radius", frame=frame)
+    blurred.frame_set(5)
+    scene = synced()
+    assert scene.lamps[0].motion == () and scene.shutter is None
+    assert len(scene.warnings) == 1 and "'Growing' changes its shape" in scene.warnings[0]
+
+
+def test_nothing_moves_in_a_scene_that_stands_still(blurred, stage, synced):
+    assert synced().shutter is None
+    animate(stage, "location", (0.0, 0.0, 1.0), (0.0, 0.0, 2.0), (0.0, 0.0, 3.0))
+    blurred.frame_set(5)
+    assert synced().shutter is not None
+    blurred.render.use_motion_blur = False
+    assert synced().shutter is None
+
+
+def test_an_object_that_comes_while_the_shutter_is_open_stands_still(blurred, add, quad, synced):
+    square = add("Square", quad())
+    animate(square, "location", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0))
+    animate(square, "hide_render", True, False, False)
+    blurred.frame_set(5)
+    assert all(instance.motion is None for instance in synced().instances)
+
+
+def test_both_eyes_move(blurred, file, add, quad, pictures):
+    add("Square", quad(), (0.0, 0.0, 1.0), (math.pi / 2, 0.0, 0.0))
+    animate(file.camera, "location", (-1.0, -5.0, 1.0), (0.0, -5.0, 1.0), (1.0, -5.0, 1.0))
+    blurred.render.use_multiview = True
+    blurred.frame_set(5)
+    assert bpy.ops.render.render() == {"FINISHED"}
+    assert blurred.frame_current == 5

@@ -123,7 +123,7 @@ def test_material_slots(synced, add):
     other.material_slots[0].material = own
     scene = synced()
     names = [[scene.materials[i].name for i in instance(scene, name).materials] for name in (obj.name, "Other")]
-    assert names == [["First", "Second", ""], ["Own", "Second", ""]]
+    assert names == [["First", "Second", "default_surface"], ["Own", "Second", "default_surface"]]
     assert instance(scene, obj.name).mesh == instance(scene, "Other").mesh
     slots = mesh_of(scene, "Other").slots
     assert sorted(slots) == sorted(np.repeat(np.minimum(indices, 2), 2))

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from sdf_lights.blender.naming import ENGINE
+from sdf_lights.render.cryptomatte import number_of
 
 pytest.importorskip("_cycles")
 
-DATA = ("z", "mist", "uv", "object_index", "material_index")
+DATA = ("z", "ambient_occlusion", "mist", "uv", "object_index", "material_index")
 LIGHT = ("emit", "environment")
 LOBES = [f"{lobe}_{part}" for lobe in ("diffuse", "glossy", "transmission") for part in ("direct", "indirect", "color")]
 
@@ -69,6 +70,7 @@ def scene(file, add, quad, material):
     world = bpy.data.worlds.new("World")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.3, 0.4, 1.0)
+    world.light_settings.distance = 1.5
     world.mist_settings.start, world.mist_settings.depth, world.mist_settings.falloff = 2.0, 8.0, "QUADRATIC"
     file.scene.world = world
     file.camera.data.lens = 30.0
@@ -207,6 +209,38 @@ def test_a_light_may_have_a_pass_of_its_own(scene, pictures, file, lamp, add):
     alone = pictures()["ViewLayer"]
     assert alone["Light Left_001"].max() == 0.0
     assert alone["Light Right"].mean() == pytest.approx(found["Light Right"].mean(), rel=0.02)
+
+
+def test_blenders_node_picks_an_object(scene, pictures, file):
+    """The Cryptomatte node of the compositor finds an object by its name."""
+    switch_on(file.layer, ["cryptomatte_object"])
+    scene.sdf_lights.samples = 16
+    if hasattr(scene, "compositing_node_group"):
+        tree = scene.compositing_node_group = bpy.data.node_groups.new("Picked", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        end = tree.nodes.new("NodeGroupOutput")
+    else:
+        scene.use_nodes = True
+        tree = scene.node_tree
+        tree.nodes.clear()
+        end = tree.nodes.new("CompositorNodeComposite")
+    node = tree.nodes.new("CompositorNodeCryptomatteV2")
+    node.source, node.scene, node.layer_name = "RENDER", scene, f"{file.layer.name}.CryptoObject"
+    node.matte_id = "Plastic"
+    tree.links.new(node.outputs["Matte"], end.inputs[0])
+    found = pictures()
+    passes, number = found[file.layer.name], number_of("Plastic")
+    expected = sum(
+        np.where(
+            passes[f"CryptoObject{level:02}"][..., i] == np.float32(number),
+            passes[f"CryptoObject{level:02}"][..., i + 1],
+            0,
+        )
+        for level in range(3)
+        for i in (0, 2)
+    )
+    assert expected.max() == 1.0
+    np.testing.assert_allclose(found["Composite"]["Combined"][..., 0], expected, atol=1e-5)
 
 
 KINDS = {"Object": "object", "Material": "material", "Asset": "asset"}

@@ -38,6 +38,19 @@ def test_the_gpu_renders_when_it_is_asked_to():
     assert film.samples == 4 and film.read("Combined")[..., :3].mean() > 0.0
 
 
+def test_the_gpu_says_that_everything_stands_still():
+    device_or_skip()
+
+    def picture(scene) -> tuple[np.ndarray, list[str]]:
+        scene.settings.device, scene.settings.samples = Device.GPU, 1
+        return session.render(scene, ()).read("Combined"), scene.warnings
+
+    blurred, told = picture(scenes.SCENES["rolling"](16, 12))
+    sharp, nothing = picture(scenes.SCENES["torus_room"](16, 12))
+    assert len(told) == 1 and "Motion blur" in told[0] and nothing == []
+    np.testing.assert_array_equal(blurred, sharp)
+
+
 def test_the_gpu_says_that_it_leaves_subsurface_scattering_out():
     """Such surfaces are opaque there, and a thin wall is as it is elsewhere."""
     device_or_skip()

@@ -45,7 +45,6 @@ QUICK = (
     "field_lamps",
     "varying_lamps",
     "moving",
-    "rolling",
 )
 
 

@@ -144,7 +144,7 @@ def _fill(
     view_layer = depsgraph.view_layer_eval
     world = _world(depsgraph)
     if world is not None:
-        scene.mist = mist_of(world.mist_settings)
+        scene.mist, scene.occlusion_distance = mist_of(world.mist_settings), world.light_settings.distance
     if view_layer.use_sky:
         scene.world = world_of(world, depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}

@@ -17,20 +17,23 @@ from ...render.scene import ALL_SETS, OPEN_SET
 KINDS = RECEIVER, BLOCKER = "receiver_collection", "blocker_collection"
 
 
-def linked(depsgraph: bpy.types.Depsgraph, kind: str) -> Iterator[tuple[bpy.types.Object, bpy.types.Collection]]:
-    """Objects whose light is linked, with their collection of that kind."""
+def linked(depsgraph: bpy.types.Depsgraph) -> list[tuple[str, bpy.types.Object, bpy.types.Collection]]:
+    """Of each object whose light is linked the kind, the object and the collection."""
+    found = []
     for obj in depsgraph.objects:
-        linking = getattr(obj.original, "light_linking", None)
-        collection = getattr(linking, kind, None)
-        if collection is not None:
-            yield obj.original, collection
+        linking = getattr(obj, "light_linking", None)
+        if linking is None:
+            continue
+        for kind in KINDS:
+            collection = getattr(linking, kind)
+            if collection is not None:
+                found.append((kind, obj.original, collection.original))
+    return found
 
 
 def signature(depsgraph: bpy.types.Depsgraph) -> tuple:
     """What changes where objects have to be read again because of light linking."""
-    return tuple(
-        (kind, obj.session_uid, collection.session_uid) for kind in KINDS for obj, collection in linked(depsgraph, kind)
-    )
+    return tuple((kind, obj.session_uid, collection.session_uid) for kind, obj, collection in linked(depsgraph))
 
 
 def _states(collection: bpy.types.Collection) -> Iterator[tuple[bpy.types.Object, bool]]:
@@ -45,14 +48,11 @@ def _states(collection: bpy.types.Collection) -> Iterator[tuple[bpy.types.Object
 class _Sets:
     """Sets of objects that the same collections name, of one kind of linking, numbered from ``OPEN_SET`` + 1 on."""
 
-    def __init__(self, depsgraph: bpy.types.Depsgraph, kind: str):
+    def __init__(self, links: list[tuple[bpy.types.Object, bpy.types.Collection]]):
         self._masks: dict[int, int] = {}  # by emitter
         self._sets: dict[int, int] = {}  # by object
-        collections = {}
-        emitters = []
-        for obj, collection in linked(depsgraph, kind):
-            collections[collection.session_uid] = collection
-            emitters.append((obj.session_uid, collection.session_uid))
+        collections = {collection.session_uid: collection for _, collection in links}
+        emitters = [(obj.session_uid, collection.session_uid) for obj, collection in links]
         states = {uid: {obj.session_uid: part for obj, part in _states(found)} for uid, found in collections.items()}
         numbers: dict[tuple, int] = {}
         for uid in {uid for found in states.values() for uid in found}:
@@ -65,25 +65,35 @@ class _Sets:
             masks[uid] = included or ALL_SETS & ~excluded
         self._masks = {emitter: masks[collection] for emitter, collection in emitters}
 
-    def mask(self, emitter: bpy.types.Object) -> int:
+    def mask(self, emitter: int) -> int:
         """Bits of the sets that an emitter is linked to."""
-        return self._masks.get(emitter.session_uid, ALL_SETS) if self._masks else ALL_SETS
+        return self._masks.get(emitter, ALL_SETS)
 
-    def number(self, obj: bpy.types.Object) -> int:
+    def number(self, obj: int) -> int:
         """The set that an object is in."""
-        return self._sets.get(obj.session_uid, OPEN_SET) if self._sets else OPEN_SET
+        return self._sets.get(obj, OPEN_SET)
 
 
 class Linking:
     """Light and shadow linking of all objects of a dependency graph. Objects are original ones."""
 
     def __init__(self, depsgraph: bpy.types.Depsgraph):
-        self._light, self._shadow = _Sets(depsgraph, RECEIVER), _Sets(depsgraph, BLOCKER)
+        links = linked(depsgraph)
+        self._light, self._shadow = (
+            _Sets([(obj, collection) for own, obj, collection in links if own == kind]) for kind in KINDS
+        )
+        self._any = bool(links)
 
     def of_emitter(self, obj: bpy.types.Object) -> dict[str, int]:
-        """Fields of ``render.scene.Emitter``."""
-        return dict(receivers=self._light.mask(obj), blockers=self._shadow.mask(obj))
+        """Fields of ``render.scene.Emitter`` that are not as usual."""
+        if not self._any:
+            return {}
+        uid = obj.session_uid
+        return dict(receivers=self._light.mask(uid), blockers=self._shadow.mask(uid))
 
-    def of_object(self, obj: bpy.types.Object) -> dict[str, int]:
-        """Fields of ``render.scene.Instance``."""
-        return dict(light_set=self._light.number(obj), shadow_set=self._shadow.number(obj))
+    def of_instance(self, obj: bpy.types.Object, owner: bpy.types.Object) -> dict[str, int]:
+        """Fields of ``render.scene.Instance`` that are not as usual; ``owner``: its instancer, or itself."""
+        if not self._any:
+            return {}
+        uid = owner.session_uid
+        return dict(light_set=self._light.number(uid), shadow_set=self._shadow.number(uid)) | self.of_emitter(obj)

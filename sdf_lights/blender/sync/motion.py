@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import NamedTuple
 
 import bpy
@@ -17,7 +17,7 @@ import numpy as np
 
 from ...render.errors import RenderError
 from ...render.motion import exposure, poses, resampled
-from ...render.scene import Camera, Lamp, Scene, Shutter
+from ...render.scene import Camera, Emitter, Lamp, Scene, Shutter
 from .attributes import random_number
 from .common import Warnings, is_finite, matrix_of
 from .images import Images
@@ -25,6 +25,7 @@ from .lights import light_of
 from .mesh import Forms
 
 _CURVE_POINTS = 257
+_KEPT = ("emission", "visibility", *(item.name for item in fields(Emitter)))  # what of a light is that of the frame
 _OPENS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}  # of the time that the shutter is open, from the frame on
 
 
@@ -225,9 +226,9 @@ class Motion:
                     f"Lamp '{light.name}' changes its shape while the shutter is open: it has that of the frame; "
                     "motion blur is for its transform, power and color."
                 )
-            found = [replace(other, shape=light.shape, emission=light.emission) for other in found]
-        else:
-            found = [replace(other, emission=light.emission) for other in found]
+            found = [replace(other, shape=light.shape) for other in found]
+        kept = {name: getattr(light, name) for name in _KEPT}
+        found = [replace(other, **kept) for other in found]
         if all(_same_place(other, found[0]) for other in found[1:]):
             return False
         light.motion = resampled(tuple(found))
@@ -263,7 +264,7 @@ class _Seen:
         try:
             owner = matrix_of(item.object.original.evaluated_get(depsgraph).matrix_world)
             images = Images(aside, ignore)
-            light = light_of(item.object, matrix, known, ignore, images, owner, random_number(item))
+            light = light_of(item.object, matrix, known, depsgraph, ignore, images, owner, random_number(item))
         except RenderError:
             return
         if light is not None:

@@ -157,8 +157,7 @@ class _Reader:
                 tuple(obj.color),
                 original.pass_index,
                 random_number(item),
-                **self._linking.of_object((item.parent if item.is_instance else obj).original),
-                **self._linking.of_emitter(original),
+                **self._linking.of_instance(original, item.parent.original if item.is_instance else original),
                 asset=_topmost(original).name,
                 light_group=original.lightgroup,
             )

@@ -23,6 +23,8 @@ TRAVEL_SET, PHASE_SET, PLACE_SET = range(1, 4)
 
 # And for the way below a surface, which has 256 steps.
 SUBSURFACE_SETS = 1 << 40
+# And for the pass Ambient Occlusion.
+OCCLUSION_SETS = 1 << 50
 
 # Where a ray of a path ends; AT_EXIT: the way below a surface has ended, and the hit is in the workspace's ray.
 AT_SURFACE, IN_MEDIUM, AT_EXIT = range(3)

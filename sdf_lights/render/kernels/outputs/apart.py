@@ -39,7 +39,7 @@ def add_surface(block, workspace, first):
 
 @kernel
 def leave(block, workspace):
-    """See ``data.leave``."""
+    """See ``data.forget_numbers``."""
     call_part(code_table(block)[LEAVE], block, workspace, (0.0,), 1)
 
 

@@ -7,12 +7,16 @@ from __future__ import annotations
 import math
 
 from ....jit import kernel, table
-from ....vec import ZERO, add, average, dot, length, mul, scale, sub, vec
+from ....vec import ZERO, add, average, dot, frame, length, madd, mul, normalize, scale, sub, to_world, vec
 from ...nodes.lookups import attribute_here
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
-from ..path import path_table, sample_table
+from ..next_event import look
+from ..path import OCCLUSION_SETS, path_table, sample_table
+from ..rays import SHADOW_OPAQUE
+from ..sampler import draw2
 from ..shading import energy, fresnel, microfacet
+from ..shading.diffuse import cosine_hemisphere
 from ..shading.program import AOV
 from ..shading.records import (
     FACETS,
@@ -23,11 +27,13 @@ from ..shading.records import (
     MICROFACET,
     PORTAL,
     STRAIGHT,
+    SUBSURFACE,
     THIN_GLASS,
     closure_table,
     surface_table,
 )
 from ..shading.values import number, vector
+from ..visibility import leave, transmittance
 from .light import is_diffuse
 from .records import (
     DATA_NAMES,
@@ -43,6 +49,7 @@ _MIST, _UV = DATA_NAMES["mist"], DATA_NAMES["uv"]
 _OBJECT_INDEX, _MATERIAL_INDEX = DATA_NAMES["object_index"], DATA_NAMES["material_index"]
 _GLOSSY, _TRANSMISSION = DATA_NAMES["glossy_albedo"], DATA_NAMES["transmission_albedo"]
 
+_OCCLUSION = DATA_NAMES["occlusion"]
 _aovs = table("aovs", AOV)
 
 _WHITE = (1.0, 1.0, 1.0)
@@ -135,6 +142,25 @@ def _albedos(block, workspace):
 
 
 @kernel
+def _visible_sky(block, workspace, surface):
+    """How much (RGB) of the sky surfaces nearby leave in one direction, drawn about the normal of diffuse closures."""
+    closures, normal = closure_table(workspace), ZERO
+    for index in range(surface.closure_count):
+        closure = closures[index]
+        if is_diffuse(closure.kind) and closure.kind != SUBSURFACE:
+            normal = madd(normal, abs(average(vec(closure.weight))), vec(closure.normal))
+    normal = vec(surface.n) if dot(normal, normal) == 0.0 else normalize(normal)
+    path, ng = path_table(workspace)[0], vec(surface.ng)
+    u = draw2(path.index, path.seed, OCCLUSION_SETS + path.dimension)
+    t, b = frame(normal)
+    wi = to_world(cosine_hemisphere(u[0], u[1]), t, b, normal)
+    if block.has_media:
+        look(block, workspace, ng, wi)
+    start = leave(vec(surface.position), ng, wi)
+    return transmittance(block, workspace, start, wi, block.occlusion_distance, SHADOW_OPAQUE)
+
+
+@kernel
 def _add_matte(workspace, surface, weight):
     if weight > 0.0:
         hits = matte_hit_table(workspace)
@@ -167,14 +193,17 @@ def add_surface(block, workspace, first):
     transparent."""
     path, surface = path_table(workspace)[0], surface_table(workspace)[0]
     sums, throughput = output_sum_table(workspace), vec(path.throughput)
+    transparency = vec(surface.transparency)
+    alpha = (
+        min(max(1.0 - transparency[0], 0.0), 1.0),
+        min(max(1.0 - transparency[1], 0.0), 1.0),
+        min(max(1.0 - transparency[2], 0.0), 1.0),
+    )
+    place = _place(block, _OCCLUSION)
+    if place >= 0:
+        _add(sums, place, mul(mul(throughput, alpha), _visible_sky(block, workspace, surface)))
     place = _place(block, _MIST)
     if place >= 0:
-        transparency = vec(surface.transparency)
-        alpha = (
-            min(max(1.0 - transparency[0], 0.0), 1.0),
-            min(max(1.0 - transparency[1], 0.0), 1.0),
-            min(max(1.0 - transparency[2], 0.0), 1.0),
-        )
         sums[place] += _mist(block, vec(surface.position)) * average(mul(throughput, alpha))
     glossy, transmission = _place(block, _GLOSSY), _place(block, _TRANSMISSION)
     if glossy >= 0 or transmission >= 0:
@@ -198,7 +227,7 @@ def add_surface(block, workspace, first):
 
 
 @kernel
-def leave(block, workspace, unused):
+def forget_numbers(block, workspace, unused):
     """Forget the numbers of surfaces that are more transparent than solid, as nothing is behind them."""
     if not sample_table(workspace)[0].found:
         sums = output_sum_table(workspace)

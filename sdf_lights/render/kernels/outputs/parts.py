@@ -26,7 +26,7 @@ _KERNELS: dict[int, tuple[int, Callable, int]] = {
     apart.LIGHT: (LIGHT, light.add_light, 5),
     apart.DIVIDE: (LOBES, light.divide, 6),
     apart.SURFACE: (DATA, data.add_surface, 1),
-    apart.LEAVE: (DATA, data.leave, 1),
+    apart.LEAVE: (DATA, data.forget_numbers, 1),
 }
 _parts: dict[tuple, CallablePart] = {}
 
@@ -73,6 +73,7 @@ def pack(
         "matte_kinds": len(film.matte_places),
         "matte_slots": film.matte_slots,
         "uv_attribute": attributes.index(UV) if UV in attributes else 0,
+        "occlusion_distance": scene.occlusion_distance,
         "mist_start": scene.mist.start,
         "mist_inverse_depth": 1.0 / scene.mist.depth if scene.mist.depth > 0.0 else 0.0,
         "mist_power": scene.mist.power,

@@ -51,6 +51,7 @@ SCALARS = [
     ("matte_kinds", np.int64),
     ("matte_slots", np.int64),
     ("uv_attribute", np.int64),
+    ("occlusion_distance", np.float64),
     ("mist_start", np.float64),
     ("mist_inverse_depth", np.float64),
     ("mist_power", np.float64),
