@@ -220,7 +220,8 @@ def test_blenders_node_picks_an_object(scene, pictures, file):
         tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
         end = tree.nodes.new("NodeGroupOutput")
     else:
-        scene.use_nodes, tree = True, scene.node_tree
+        scene.use_nodes = True
+        tree = scene.node_tree
         tree.nodes.clear()
         end = tree.nodes.new("CompositorNodeComposite")
     node = tree.nodes.new("CompositorNodeCryptomatteV2")
