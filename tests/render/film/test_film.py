@@ -150,6 +150,12 @@ def test_the_sums_do_not_depend_on_the_order_of_tiles_or_batches():
         assert film.noise() == films[0].noise()
 
 
+def test_passes_that_a_back_end_lacks_are_named():
+    (told,) = new_film(("Depth", "UV", "Diffuse Direct")).beyond("The GPU")
+    assert told.startswith("The GPU leaves these passes black: UV, Diffuse Direct; ")
+    assert new_film(("Depth", "Emission", "Environment")).beyond("The GPU") == []
+
+
 def test_border():
     """A film of the border alone holds the same as that part of the whole frame."""
     whole, part = new_film(), new_film(border=(2, 1, 7, 5))
