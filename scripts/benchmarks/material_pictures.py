@@ -23,8 +23,8 @@ from .node_pictures import CYCLES, OURS, difference_of, warnings_of
 SIZE, QUICK_SIZE = 72, 48  # pixels a side
 FEW, MANY = 4, 68  # samples that times are told from
 QUICK_MANY = 36
-SEEDS = 3
-REFERENCE_SAMPLES, QUICK_REFERENCE_SAMPLES = 256, 64  # of each of at least two renders of a reference
+SEEDS, QUICK_SEEDS = 3, 2
+REFERENCE_SAMPLES, QUICK_REFERENCE_SAMPLES = 256, 128  # of each of at least two renders of a reference
 REFERENCE_SECONDS = 8.0  # most time for a reference beyond those
 CLEAR = 0.05  # part of the least error judged, below which a reference is good enough
 GUIDED = "guided"  # our engine as it is by default: noisy pixels take more samples, paths divide
@@ -64,7 +64,7 @@ def measure(name: str, options) -> dict:
 
 
 def _figures(name: str, scene, options) -> dict:
-    seeds = options.repeats or (1 if options.quick else SEEDS)
+    seeds = options.repeats or (QUICK_SEEDS if options.quick else SEEDS)
     many = QUICK_MANY if options.quick else MANY
     taken: dict[tuple[str, int], list[pictures.Picture]] = {}
 
@@ -84,8 +84,9 @@ def _figures(name: str, scene, options) -> dict:
         np.mean([errors.rel_mse(pixels, truth.pixels) for pixels in clean[engine, many]]) for engine in (CYCLES, GUIDED)
     )
     _complete(truth, least, options)
+    made = clean[GUIDED, many] + clean[OURS, many]
     if options.sheets:
-        node_sheets.keep(name, truth.pixels, np.mean(clean[GUIDED, many] + clean[OURS, many], axis=0))
+        node_sheets.keep(name, truth.pixels, np.mean(made, axis=0))
 
     each, work, error = {}, {}, {}
     for engine in (CYCLES, OURS):
@@ -97,13 +98,16 @@ def _figures(name: str, scene, options) -> dict:
     for engine in (CYCLES, GUIDED):
         found = float(np.mean([errors.rel_mse(pixels, truth.pixels) for pixels in clean[engine, many]]))
         error[engine] = max(found - doubt, 0.01 * found)
-    ours, light = np.mean(clean[GUIDED, many] + clean[OURS, many], axis=(0, 1, 2)), truth.pixels.mean(axis=(0, 1))
+    ours, light = np.mean(made, axis=(0, 1, 2)), truth.pixels.mean(axis=(0, 1))
     pair = difference_of(
         [(plain + guided) / 2.0 for plain, guided in zip(clean[OURS, many], clean[GUIDED, many])], truth.renders
     )
     pixels = truth.pixels[..., 0].size
+    # Of the mean of a channel, from the variances of its pixels.
+    variance = truth.variance.sum(axis=(0, 1)) + np.var(made, axis=0, ddof=1).sum(axis=(0, 1)) / len(made)
     return dict(
         mean_difference=float(np.max(np.abs(ours - light)) / light.mean()),
+        mean_doubt=float(np.sqrt(variance.max()) / pixels / light.mean()),
         mean_ratio=float(ours.mean() / light.mean()),
         block_difference=pair.mean,
         block_doubt=pair.mean_doubt,

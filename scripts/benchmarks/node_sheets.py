@@ -11,8 +11,13 @@ import contact_sheet
 import host
 import numpy as np
 
-SIDE, MATERIAL_SIDE = 88, 128  # pixels a side of a picture on a sheet
+SIDE, MATERIAL_SIDE = 88, 96  # pixels a side of a picture on a sheet
 COLUMNS, MOST = 8, 160  # pairs side by side, and on one sheet
+DOCUMENT, DOCUMENT_COLUMNS = host.REPOSITORY / "docs" / "materials.md", 5
+START, END = (
+    "<!-- materials: made by ./scripts/bench nodes --parts materials --document -->",
+    "<!-- end of materials -->",
+)
 
 
 def _path(name: str) -> pathlib.Path:
@@ -38,6 +43,46 @@ def join(folder: pathlib.Path, groups: dict[str, list], materials: list[str]) ->
             written.append(folder / f"{part}{f'-{number + 1}' if len(cells) > MOST else ''}.png")
             contact_sheet.write(written[-1], contact_sheet.sheet(cells[start : start + MOST], COLUMNS))
     return written
+
+
+def document(rows: list[dict], summary: dict) -> None:
+    """Write the pictures and the table of all materials into the documents."""
+    cells = [_cell(row["material"], MATERIAL_SIDE) for row in rows if _path(row["material"]).is_file()]
+    contact_sheet.write(DOCUMENT.parent / "images" / "materials.jpg", contact_sheet.sheet(cells, DOCUMENT_COLUMNS))
+    before, mark, rest = DOCUMENT.read_text(encoding="utf-8").partition(START)
+    _, closing, after = rest.partition(END)
+    if not (mark and closing):
+        raise ValueError(f"{DOCUMENT.name} lacks the marks of the table of materials.")
+    text = f"{before}{START}\n{materials_table(rows, summary)}{END}{after}"
+    DOCUMENT.write_text(text, encoding="utf-8")
+
+
+def materials_table(rows: list[dict], summary: dict) -> str:
+    """Markdown: a line for each material, with how it compares with Cycles."""
+    from . import machine
+
+    about = machine.describe()
+    lines = [
+        f"Blender {about['blender']}, {about['processor']}, {about['cores']} cores at a load of {about.get('load', '?')}, "
+        f"{rows[0].get('samples')} samples a pixel. "
+        f"The worst mean difference is {_percent(summary.get('materials_worst_mean_difference'))}. Samples a second are "
+        f"{summary.get('samples_ratio_to_cycles_geomean', 0.0):.2f} × Cycles' in the geometric mean, "
+        f"{summary.get('samples_ratio_to_cycles_min', 0.0):.2f} × at least; Cycles' error × time is "
+        f"{summary.get('error_time_ratio_to_cycles_geomean', 0.0):.2f} × ours.",
+        "",
+        "| material | nodes | difference of the mean | samples a second | Cycles' error × time to ours |",
+        "|---|---|---|---|---|",
+    ]
+    for row in rows:
+        name = row["material"].replace("_", " ")
+        if row["mean_difference"] is None:
+            lines.append(f"| {name} | {row['nodes'] or ''} | {row['error']} | | |")
+        else:
+            lines.append(
+                f"| {name} | {row['nodes']} | {_percent(row['mean_difference'])} | {row['samples_ratio']:.2f} × "
+                f"| {row['error_time_ratio']:.2f} × |"
+            )
+    return "\n".join(lines) + "\n"
 
 
 def _cell(name: str, side: int) -> np.ndarray:

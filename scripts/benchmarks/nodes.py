@@ -33,6 +33,7 @@ PARTS = {
 LIT_SAMPLES, QUICK_LIT_SAMPLES = 32, 8  # of each render, at first
 LIT_ROUNDS, QUICK_LIT_ROUNDS = 2, 2  # of more samples, where noise leaves cases in doubt
 QUICK_WORLDS = 4  # of so many worlds and lights one
+# Of all parts together; of materials alone, a quick run has all of them.
 QUICK_MATERIALS = ("car_paint", "leaf", "oak", "brick", "dirty_glass", "skin", "neon_sign", "terrain")
 BRIEF = dict(parts=["values"])
 
@@ -51,6 +52,9 @@ def arguments(parser) -> None:
     parser.add_argument("--first", action="store_true", help="only the first case of each node, as with --quick")
     parser.add_argument(
         "--sheets", type=pathlib.Path, metavar="FOLDER", help="write contact sheets: Cycles left, ours right"
+    )
+    parser.add_argument(
+        "--document", action="store_true", help="write pictures and a table of the materials into docs/materials.md"
     )
     parser.add_argument("--table", type=pathlib.Path, metavar="FILE", help="write a table of all nodes, as Markdown")
     methods.picture_arguments(parser)
@@ -129,6 +133,9 @@ def run(options) -> tuple[dict, list[dict]]:
         rows.append(parts.of("compiling", functools.partial(material_compile.measured, options.quick)))
     if options.sheets:
         node_sheets.join(options.sheets, groups, names)
+    made = [row for row in rows if "material" in row]
+    if options.document and made:
+        node_sheets.document(made, summary_of(rows))
     if options.table:
         options.table.write_text(node_sheets.table(rows), encoding="utf-8")
     parts.finish()
@@ -159,7 +166,8 @@ def _materials(options) -> list[str]:
     return [
         name
         for name in MATERIALS
-        if _like(name, options) and (not options.quick or options.like or name in QUICK_MATERIALS)
+        if _like(name, options)
+        and (not options.quick or options.like or options.parts == ["materials"] or name in QUICK_MATERIALS)
     ]
 
 
@@ -172,10 +180,8 @@ def _material(name: str, options, other: Isolated) -> dict:
     from . import material_pictures
 
     given = argparse.Namespace(
-        **{
-            key: getattr(options, key)
-            for key in ("size", "quick", "repeats", "device", "reference_seconds", "fresh", "sheets")
-        }
+        **{key: getattr(options, key) for key in ("size", "quick", "repeats", "device", "reference_seconds", "fresh")},
+        sheets=bool(options.sheets or options.document),
     )
     try:
         return other.call(material_pictures.measure, name, given)

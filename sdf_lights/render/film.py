@@ -71,7 +71,7 @@ class Film:
     - ``active``: 1 where the pixel takes more samples.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
     - ``divided``: (pixels, 3) into how many branches paths were to divide, in all and in "half", and the surfaces that
-      branches met. None, where the back end lets no path divide.
+      branches met, with a part of one for rays that left the scene. None, where the back end lets no path divide.
     - ``squares``: (pixels, 2) sums of the squares of what a sample had, as a sum of RGB, before its path divided, and of
       what its branches brought, each times its number of branches.
     - ``rate``: samples that a pixel takes for one that is set, where the back end can; ``next_update``: with how many samples

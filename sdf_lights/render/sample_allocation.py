@@ -7,7 +7,8 @@ n samples of a pixel with k branches each have the squared error
     w (D n^−a + I / (n k)).
 
 D comes from what is sampled before paths divide, I from branches, and w is the weight of the pixel in the error of the
-picture. The samples take the time n (C + m k), where a branch meets m surfaces. The scatter of samples estimates D and I.
+picture. The samples take the time n (C + m k), where a branch meets m surfaces; a ray that leaves the scene counts as a part of
+one. The scatter of samples estimates D and I.
 The method of Lagrange gives each pixel those n and k, of a few, that minimise error + λ time. Edges and highlights get many
 samples with few branches. Places that other surfaces light get few samples with many branches. λ makes the mean number
 of samples the one that is set. If all pixels have the same number, λ is error by time, which minimises the product of the

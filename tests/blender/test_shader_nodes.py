@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every shader node, in every mode that this Blender has, looks as in its Cycles: within 1 %, in the mean and the 99th percentile.
 
+Materials of many nodes are within 2 % in the mean.
+
 Whole grids of nodes are rendered in a process of its own, by ``scripts/bench nodes``; each case is one test. The default suite
 takes the first case of each node of values, the slow one all of them, and the first of each closure, volume and displacement.
 """
@@ -19,6 +21,7 @@ SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 
 from benchmarks import node_cases, nodes  # noqa: E402  (found on the path set above)
+from benchmarks.materials import MATERIALS  # noqa: E402
 
 # Nodes, or single cases, that are not modelled yet. What is here and agrees with Cycles fails a test.
 NOT_MODELLED: set[str] = set()
@@ -33,7 +36,7 @@ def _named(cases: list) -> list:
     return [pytest.param(case, id=case.name) for case in cases]
 
 
-def _rows(folder, *arguments: str) -> dict[str, dict]:
+def _rows(folder, *arguments: str, key: str = "case") -> dict[str, dict]:
     """Rows of the benchmark by the name of the case."""
     out = folder / "rows.json"
     done = subprocess.run(
@@ -43,7 +46,7 @@ def _rows(folder, *arguments: str) -> dict[str, dict]:
         timeout=1800,
     )
     assert done.returncode in (0, 1) and out.is_file(), done.stdout + done.stderr
-    return {row["case"]: row for row in json.loads(out.read_text(encoding="utf-8"))["rows"]}
+    return {row[key]: row for row in json.loads(out.read_text(encoding="utf-8"))["rows"]}
 
 
 def _listed(case) -> bool:
@@ -74,6 +77,11 @@ def closures(tmp_path_factory):
     return _rows(tmp_path_factory.mktemp("closures"), "--parts", "lit", "--quick", "--first")
 
 
+@pytest.fixture(scope="module")
+def artists_materials(tmp_path_factory):
+    return _rows(tmp_path_factory.mktemp("materials"), "--parts", "materials", "--quick", key="material")
+
+
 @pytest.mark.parametrize("case", _named(nodes.first_of_each_node(_cases("values"))))
 def test_the_first_case_of_each_node_of_values(case, first_values):
     _check(case, first_values[case.name])
@@ -102,3 +110,12 @@ def test_what_is_listed_differs(values):
     cases = node_cases.cases()
     known = {case.node for case in cases} | {case.name for case in cases}
     assert [name for name in sorted(NOT_MODELLED) if name not in known or _agrees(name, values, cases)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MATERIALS)
+def test_every_material_of_many_nodes(name, artists_materials):
+    row = artists_materials[name]
+    assert row["error"] == "", row["error"]
+    assert row["mean_doubt"] < 0.01
+    assert row["mean_difference"] < 0.02 + 2.0 * row["mean_doubt"], row["warning"]

@@ -78,6 +78,8 @@ FIRST_ROULETTE = 3  # bounces: chance disturbs the even spread of samples more t
 
 SAME_PLACE = 1e-9  # square of the distance in metres within which a portal leads nowhere else
 
+ESCAPE = 0.5  # time of a ray that meets nothing, in surfaces that rays meet: measured with materials of many nodes
+
 ENDS, GOES_ON, DIVIDES = range(3)  # what becomes of a path at a surface
 
 
@@ -272,6 +274,8 @@ def intersect_and_gather(block, workspace):
             path.event = IN_MEDIUM
             return True
     if not found:
+        sample = sample_table(workspace)[0]
+        sample.met += ESCAPE * sample.divided
         if block.outputs & DATA and path.kind == CAMERA:
             outputs.leave(block, workspace)
         gather_world(block, workspace)

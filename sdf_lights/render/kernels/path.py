@@ -31,7 +31,7 @@ AT_SURFACE, IN_MEDIUM, AT_EXIT = range(3)
 
 # What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out. Where the path has
 # ``divided``, ``before`` and ``lamps_before`` are what there was of both till then. It was to divide into so many
-# ``branches``, which ``met`` so many surfaces.
+# ``branches``, which ``met`` so many surfaces; a ray that leaves the scene counts as a part of one.
 SAMPLE = np.dtype(
     [
         ("combined", "f8", 3),
@@ -49,7 +49,7 @@ SAMPLE = np.dtype(
         ("lamps_before", "f8", 3),
         ("divided", "i8"),
         ("branches", "i8"),
-        ("met", "i8"),
+        ("met", "f8"),
     ],
     align=True,
 )
@@ -180,4 +180,4 @@ def clear_sample(workspace):
     sample.found = 0
     sample.divided = 0
     sample.branches = 1
-    sample.met = 0
+    sample.met = 0.0

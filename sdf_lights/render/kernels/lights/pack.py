@@ -43,10 +43,10 @@ def pack_lights(
     tables, bounds, infinite = pack_near(scene, lamp_bounds, lamp_power, triangles, sources)
     emitters, world = tables["light_emitters"], int(tables["light_header"]["world_emitter"][0])
     portals.pack(tables, scene)
-    irradiance = environment.pack(tables, scene, world, world_map)
+    irradiance, importance = environment.pack(tables, scene, world, world_map)
     emitters["met"][world] &= emitters["visibility"][world]
     if irradiance > 0.0:
-        infinite.append((world, irradiance, (0.0, 0.0, 0.0), 0))
+        infinite.append((world, irradiance, importance, (0.0, 0.0, 0.0), 0))
     bounds = joined([bounds, *elsewhere]) if elsewhere else bounds
     sources = (scene.lamps if sources is None else sources)[: int(tables["light_header"]["lamp_count"][0])]
     triangles = triangles or Triangles()
@@ -202,7 +202,7 @@ def _pack_lights(tables, scene, first, infinite) -> list[Bounds]:
             continue
         found = module.pack(row, light, rgb)
         if isinstance(found, Far):
-            infinite.append((emitter, found.irradiance, found.direction, 1))
+            infinite.append((emitter, found.irradiance, found.irradiance, found.direction, 1))
         elif found is not None:
             bounds.append(_bounds(emitter, **found._asdict()))
     for kind, known in KINDS.items():

@@ -74,7 +74,13 @@ TREE = np.dtype(
 PLACE = np.dtype([("leaf", np.int32), ("infinite", np.int32)], align=True)
 
 INFINITE = np.dtype(
-    [("emitter", np.int64), ("irradiance", np.float64), ("direction", np.float64, 3), ("directional", np.int64)],
+    [
+        ("emitter", np.int64),
+        ("irradiance", np.float64),
+        ("importance", np.float64),  # what of the irradiance counts in the choice among lights
+        ("direction", np.float64, 3),
+        ("directional", np.int64),
+    ],
     align=True,
 )
 

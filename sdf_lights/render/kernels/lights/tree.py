@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Choosing one emitter out of all, with the exact probability of the choice.
 
-Suns and the world are infinite emitters, chosen by their irradiance. The rest hang in the light tree (Conty Estevez and
-Kulla 2018), whose nodes estimate the irradiance of all that is below: the intensity, at its centroid, spread by its
-variance. Estimates are poor for what is large for its distance; there a choice between two children, made once at
-every level, is far from the contributions of the emitters below. So a *cut* of the tree (Walter et al. 2005, "Lightcuts") is
-made for every point that is lit: nodes are replaced by their children, those first that are expected to add the most
-variance, until little of that is left or there are ``MOST_NODES``. One of them is drawn in proportion to its estimate,
-and below it one child at each level. Every probability is positive.
+Suns and the world are infinite emitters, chosen by their irradiance, an even world by a part of it. The rest hang in
+the light tree (Conty Estevez and Kulla 2018), whose nodes estimate the irradiance of all that is below: the intensity,
+at its centroid, spread by its variance. Estimates are poor for what is large for its distance; there a choice between
+two children, made once at every level, is far from the contributions of the emitters below. So a *cut* of the tree
+(Walter et al. 2005, "Lightcuts") is made for every point that is lit: nodes are replaced by their children, those first
+that are expected to add the most variance, until little of that is left or there are ``MOST_NODES``. One of them is
+drawn in proportion to its estimate, and below it one child at each level. Every probability is positive.
 
 With light linking there are more trees than one: number 0 has every emitter, and each of the others those that light some
 surfaces (``linking.py``).
@@ -102,17 +102,18 @@ def _first_probability(nodes, child, x, n):
 
 
 @kernel
-def _irradiance(infinite, n):
+def _importance(infinite, n):
+    """What an infinite emitter counts in the choice at a surface that faces n."""
     if infinite.directional == 0 or (n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0):
-        return infinite.irradiance
-    return infinite.irradiance * max(dot(n, vec(infinite.direction)), BELOW)
+        return infinite.importance
+    return infinite.importance * max(dot(n, vec(infinite.direction)), BELOW)
 
 
 @kernel
-def _total_irradiance(table, tree, n):
+def _total_importance(table, tree, n):
     total = 0.0
     for i in range(tree.first, tree.end):
-        total += _irradiance(table[i], n)
+        total += _importance(table[i], n)
     return total
 
 
@@ -196,13 +197,13 @@ def fit_cut(nodes, root, x, n, cut):
 
 
 @kernel
-def _infinite_probability(tree, irradiance, cut):
+def _infinite_probability(tree, importance, cut):
     """Probability of choosing among the infinite emitters."""
     if tree.first == tree.end:
         return 0.0
     if tree.nodes == 0:
         return 1.0
-    p = irradiance / (irradiance + cut.total)
+    p = importance / (importance + cut.total)
     return min(max(p, LEAST_INFINITE), 1.0 - LEAST_INFINITE)
 
 
@@ -222,17 +223,17 @@ def select(block, number, x, n, u, cut):
         if tree.nodes == 0:
             return -1, 0.0, u
     else:
-        irradiance = _total_irradiance(infinite, tree, n)
-        p = _infinite_probability(tree, irradiance, cut)
+        importance = _total_importance(infinite, tree, n)
+        p = _infinite_probability(tree, importance, cut)
         if u < p:
             u /= p
             last = tree.end - 1
             for i in range(tree.first, last):
-                share = _irradiance(infinite[i], n) / irradiance
+                share = _importance(infinite[i], n) / importance
                 if u < share:
                     return infinite[i].emitter, p * share, min(u / share, BELOW_ONE)
                 u -= share
-            share = _irradiance(infinite[last], n) / irradiance
+            share = _importance(infinite[last], n) / importance
             return infinite[last].emitter, p * share, min(max(u / share, 0.0), BELOW_ONE)
         u = min((u - p) / (1.0 - p), BELOW_ONE)
         probability = 1.0 - p
@@ -261,10 +262,11 @@ def select(block, number, x, n, u, cut):
 @kernel
 def irradiance(block, number, x):
     """Estimate of the irradiance at x of all emitters of a tree together, without shadows, wherever a surface there faces."""
-    tree, facing_all = tree_table(block)[number], (0.0, 0.0, 0.0)
-    total = _total_irradiance(infinite_table(block), tree, facing_all)
+    tree, total = tree_table(block)[number], 0.0
+    for i in range(tree.first, tree.end):
+        total += infinite_table(block)[i].irradiance
     if tree.nodes > 0:
-        value, _ = estimate(node_table(block)[tree.root], x, facing_all)
+        value, _ = estimate(node_table(block)[tree.root], x, (0.0, 0.0, 0.0))
         total += value
     return total
 
@@ -279,10 +281,10 @@ def selection_probability(block, number, x, n, emitter, cut):
         return 0.0
     if tree.nodes > 0:
         fit_cut(nodes, tree.root, x, n, cut)
-    irradiance = _total_irradiance(infinite, tree, n)
-    p = _infinite_probability(tree, irradiance, cut)
+    importance = _total_importance(infinite, tree, n)
+    p = _infinite_probability(tree, importance, cut)
     if endless >= 0:
-        return p * _irradiance(infinite[endless], n) / irradiance
+        return p * _importance(infinite[endless], n) / importance
     # The last node of the cut whose leaves do not begin after the emitter's.
     k, end = 0, cut.count
     while end - k > 1:
