@@ -93,8 +93,8 @@ scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_pe
 scene.sdf_lights.samples = 16
 scene.sdf_lights.filter, scene.sdf_lights.filter_width = "BOX", 1.0
 bpy.ops.wm.save_as_mainfile(filepath={str(tmp_path / "lamp.blend")!r})
-scene.render.use_motion_blur = True
-bpy.ops.wm.save_as_mainfile(filepath={str(tmp_path / "blurred.blend")!r})
+scene.view_layers[0].use_pass_vector = True
+bpy.ops.wm.save_as_mainfile(filepath={str(tmp_path / "passes.blend")!r})
 host.finish(0)
 """,
         encoding="utf-8",
@@ -116,11 +116,9 @@ host.finish(0)
     assert colour[0, 0].max() == 0.0
 
     # What is not rendered as the file says is told, and fails a strict render.
-    done = run(
-        "--scene", tmp_path / "blurred.blend", "--device", "reference", "--strict", "--out", tmp_path / "blurred"
-    )
-    assert done.returncode == 1 and not (tmp_path / "blurred.exr").exists()
-    assert "motion blur is not supported" in done.stdout + done.stderr
+    done = run("--scene", tmp_path / "passes.blend", "--device", "reference", "--strict", "--out", tmp_path / "passes")
+    assert done.returncode == 1 and not (tmp_path / "passes.exr").exists()
+    assert "these passes are not supported and are left out: Vector" in done.stdout + done.stderr
     assert "1 thing is not rendered as the scene says" in done.stderr
 
 

@@ -183,7 +183,7 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
             places,
         )
         del near["light_infinite"]
-        result.suns.append({emitter: direction for emitter, _, direction, _ in infinite})
+        result.suns.append({emitter: direction for emitter, _, _, direction, _ in infinite})
         result.tables.append({**tables, **cuts.pack_cuts(built, places), **near, **camera.pack_camera(there)})
         if bounds is not None:
             result.bounds.append(bounds)
