@@ -18,7 +18,7 @@ from .common import Warnings
 
 
 class Asked(NamedTuple):
-    """What is looked at, all of it evaluated."""
+    """What is looked at: objects as evaluated; scene and layer themselves, as settings of Cycles do not tag them for an update."""
 
     scene: bpy.types.Scene
     view_layer: bpy.types.ViewLayer
@@ -28,7 +28,7 @@ class Asked(NamedTuple):
 
 def report_unmodelled(depsgraph: bpy.types.Depsgraph, world: bpy.types.World | None, warn: Warnings) -> None:
     """Warn of everything in the dependency graph that a ``CHECKS`` function finds."""
-    asked = Asked(depsgraph.scene_eval, depsgraph.view_layer_eval, world, list(depsgraph.objects))
+    asked = Asked(depsgraph.scene, depsgraph.view_layer, world, list(depsgraph.objects))
     for check in CHECKS:
         for sentence in check(asked):
             warn(sentence)
