@@ -26,7 +26,7 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 
 SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
 # Scenes that are not compared with the others: one has tests of its own, some have what the GPU leaves out.
-APART = ("torus_room", "subsurface", "subsurface_profile")
+APART = ("torus_room", "subsurface", "subsurface_profile", "moving", "rolling")
 
 
 def pictures(renderer, name: str, sampling: LampSampling, bounces: int | None = None) -> dict[str, np.ndarray]:
