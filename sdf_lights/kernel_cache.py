@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compiled kernels on disk: a file each, whose checksum is verified before anything of it is read.
 
-A file is written beside its place, flushed and renamed, so neither a second process nor a sudden end leaves half of one. What is
-damaged, or could be another user's work, is deleted, and compiled again. A folder that cannot be written costs the time to compile:
-``problem`` says so, and nothing fails.
+A file is written beside its place, flushed and renamed, so neither a second process nor a sudden end leaves half of
+one. What is damaged, or could be another user's work, is deleted, and compiled again. A folder that cannot be written
+costs the time to compile: ``problem`` says so, and nothing fails.
 """
 
 from __future__ import annotations

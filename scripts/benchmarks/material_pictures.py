@@ -9,7 +9,6 @@ kept in the user's cache.
 
 from __future__ import annotations
 
-import hashlib
 import pathlib
 import statistics
 
@@ -17,7 +16,8 @@ import bpy
 import host
 import numpy as np
 
-from . import errors, materials, node_sheets, pictures, references, simple_scenes
+from . import errors, materials, node_sheets, pictures, references
+from .beside_cycles import GUIDED, complete, error_of, reference_of, settings
 from .node_pictures import CYCLES, OURS, difference_of, warnings_of
 
 SIZE, QUICK_SIZE = 72, 48  # pixels a side
@@ -26,25 +26,6 @@ QUICK_MANY = 36
 SEEDS, QUICK_SEEDS = 3, 2
 REFERENCE_SAMPLES, QUICK_REFERENCE_SAMPLES = 256, 128  # of each of at least two renders of a reference
 REFERENCE_SECONDS = 8.0  # most time for a reference beyond those
-CLEAR = 0.05  # part of the least error judged, below which a reference is good enough
-GUIDED = "guided"  # our engine as it is by default: noisy pixels take more samples, paths divide
-# What both engines have by default.
-LIMITS = dict(max_bounces=12, diffuse_bounces=4, glossy_bounces=4, transmission_bounces=12, volume_bounces=0)
-TRANSPARENT = 8
-
-
-def settings(scene, engine: str, samples: int, seed: int, device: str) -> None:
-    simple_scenes.plain_cycles(scene, samples, LIMITS["max_bounces"])
-    simple_scenes.plain_sdf_lights(scene, samples, LIMITS["max_bounces"], device)
-    for owner in (scene.cycles, scene.sdf_lights):
-        for name, value in LIMITS.items():
-            if hasattr(owner, name):
-                setattr(owner, name, value)
-        owner.seed = seed
-    scene.cycles.transparent_max_bounces = scene.sdf_lights.transparent_bounces = TRANSPARENT
-    scene.render.engine = CYCLES if engine == CYCLES else OURS
-    if engine == GUIDED:
-        scene.sdf_lights.indirect_paths, scene.sdf_lights.guided_samples = 0, True
 
 
 def failed(name: str, why: str) -> dict:
@@ -83,7 +64,10 @@ def _figures(name: str, scene, options) -> dict:
     least = min(
         np.mean([errors.rel_mse(pixels, truth.pixels) for pixels in clean[engine, many]]) for engine in (CYCLES, GUIDED)
     )
-    _complete(truth, least, options)
+    seconds = options.reference_seconds
+    if seconds is None:
+        seconds = 0.0 if options.quick else REFERENCE_SECONDS
+    complete(truth, scene, least, _reference_samples(options), seconds, options.device)
     made = clean[GUIDED, many] + clean[OURS, many]
     if options.sheets:
         node_sheets.keep(name, truth.pixels, np.mean(made, axis=0))
@@ -96,8 +80,7 @@ def _figures(name: str, scene, options) -> dict:
     work[GUIDED] = max(_work(taken[GUIDED, many]) - (_work(taken[OURS, FEW]) - FEW * each[OURS]), 1e-6)
     doubt = errors.rel_variance(truth.variance, truth.pixels)
     for engine in (CYCLES, GUIDED):
-        found = float(np.mean([errors.rel_mse(pixels, truth.pixels) for pixels in clean[engine, many]]))
-        error[engine] = max(found - doubt, 0.01 * found)
+        error[engine] = error_of(taken[engine, many], truth)
     ours, light = np.mean(made, axis=(0, 1, 2)), truth.pixels.mean(axis=(0, 1))
     pair = difference_of(
         [(plain + guided) / 2.0 for plain, guided in zip(clean[OURS, many], clean[GUIDED, many])], truth.renders
@@ -130,44 +113,15 @@ def _work(made: list[pictures.Picture]) -> float:
 
 
 def _reference(name: str, scene, options) -> references.Reference:
-    """That of Cycles for a material, with two renders at least; it depends on the scripts that build the scene."""
-    digest = hashlib.sha256()
     here = pathlib.Path(__file__).parent
-    for path in sorted(
-        [
-            *(here / "materials").glob("*.py"),
-            *(host.REPOSITORY / "scripts" / "scenery").glob("*.py"),
-            here / "node_data.py",
-            here / "simple_scenes.py",
-        ]
-    ):
-        digest.update(path.read_bytes())
-    truth = references.Reference(
-        f"{name} {scene.render.resolution_x} {_reference_samples(options)} {LIMITS} "
-        f"{bpy.app.version_string} {digest.hexdigest()}"
-    )
-    if options.fresh:
-        truth.forget()
-    while len(truth.renders) < 2:
-        truth.add(lambda seed: _reference_render(scene, seed, options))
-    return truth
-
-
-def _complete(truth: references.Reference, least: float, options) -> None:
-    """Add renders until the reference is clear of the least error that it judges, or the time is spent."""
-    limit = options.reference_seconds
-    if limit is None:
-        limit = 0.0 if options.quick else REFERENCE_SECONDS
-    before = truth.seconds
-    while truth.seconds - before < limit and errors.rel_variance(truth.variance, truth.pixels) > CLEAR * least:
-        truth.add(lambda seed: _reference_render(bpy.context.scene, seed, options))
+    scripts = [
+        *(here / "materials").glob("*.py"),
+        *(host.REPOSITORY / "scripts" / "scenery").glob("*.py"),
+        here / "node_data.py",
+        here / "simple_scenes.py",
+    ]
+    return reference_of(name, scene, scripts, _reference_samples(options), options.fresh, options.device)
 
 
 def _reference_samples(options) -> int:
     return QUICK_REFERENCE_SAMPLES if options.quick else REFERENCE_SAMPLES
-
-
-def _reference_render(scene, seed: int, options) -> tuple[np.ndarray, float]:
-    settings(scene, CYCLES, _reference_samples(options), seed % (1 << 31), options.device)
-    picture = pictures.render()
-    return picture.pixels, picture.seconds

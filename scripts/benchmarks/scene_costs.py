@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a scene of ``artist_scenes`` costs beside its samples: the start of a process, synchronisation, memory.
 
-Each engine has a process of its own. Its first render of one sample in a small picture is the start, with compiled kernels on disk;
-the next ones, in which all of the scene is handed over anew, are synchronisation. Memory is the most that the process held while it
-rendered, less what it held before with the scene in Blender. All times are processor times.
+Each engine has a process of its own. Its first render of one sample in a small picture is the start, with compiled
+kernels on disk; the next ones, in which all of the scene is handed over anew, are synchronisation. Memory is the most
+that the process held while it rendered, less what it held before with the scene in Blender. All times are processor
+times.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ import statistics
 import sys
 
 from . import artist_scenes, pictures
+from .beside_cycles import GUIDED, settings
 from .isolation import Isolated
-from .scene_pictures import CYCLES, ENGINES, OURS, settings, width_of
+from .node_pictures import CYCLES
+from .scene_pictures import ENGINES, width_of
 
 TINY = 16  # pixels across, where samples cost nothing
 TURNS = 3
@@ -33,7 +36,7 @@ def ratios(name: str, options) -> dict:
             process.close()
     row = {}
     for cost, least in (("start", LEAST_SECONDS), ("sync", LEAST_SECONDS), ("memory", LEAST_BYTES)):
-        ours, theirs = found[OURS][cost], found[CYCLES][cost]
+        ours, theirs = found[GUIDED][cost], found[CYCLES][cost]
         row |= {cost: ours, f"cycles_{cost}": theirs}
         if ours is not None and theirs is not None:
             row[f"{cost}_ratio"] = max(ours, least) / max(theirs, least)

@@ -18,7 +18,8 @@ from .common import Warnings
 
 
 class Asked(NamedTuple):
-    """What is looked at: objects as evaluated; scene and layer themselves, as settings of Cycles do not tag them for an update."""
+    """What is looked at: evaluated objects, but the scene and layer themselves. Settings of Cycles do not tag them for an
+    update, so evaluated copies may be old."""
 
     scene: bpy.types.Scene
     view_layer: bpy.types.ViewLayer

@@ -175,7 +175,7 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
         tables = lamps.pack_lamps(built)
         rows = tables["lamps"]
         low, high = lamp_boxes([tables])
-        near, bounds, infinite = lights.pack_near(
+        near, bounds, suns = lights.pack_near(
             there,
             np.stack([low, high], axis=1),
             4.0 * np.pi * rows["volume"][:, None] * rows["emission"],
@@ -183,7 +183,7 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
             places,
         )
         del near["light_infinite"]
-        result.suns.append({emitter: direction for emitter, _, _, direction, _ in infinite})
+        result.suns.append(dict(zip(suns["emitter"].tolist(), suns["direction"])))
         result.tables.append({**tables, **cuts.pack_cuts(built, places), **near, **camera.pack_camera(there)})
         if bounds is not None:
             result.bounds.append(bounds)

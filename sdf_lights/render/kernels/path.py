@@ -132,7 +132,8 @@ def of_instance(instance):
 def contribute(block, workspace, radiance, factor, source, scatters):
     """Add ``throughput × radiance × factor`` to the sample.
 
-    ``source``: the emitter that sent it; ``of_instance`` of what emissive surface; or ``NO_EMITTER``. ``scatters``: how often the light was scattered on its way to the camera.
+    ``source`` is the emitter that sent it, ``of_instance(…)`` for an emissive surface, or ``NO_EMITTER``. ``scatters`` is how
+    often the light was scattered on its way to the camera.
     """
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]

@@ -46,7 +46,8 @@ def pack_lights(
     irradiance, importance = environment.pack(tables, scene, world, world_map)
     emitters["met"][world] &= emitters["visibility"][world]
     if irradiance > 0.0:
-        infinite.append((world, irradiance, importance, (0.0, 0.0, 0.0), 0))
+        sky = np.array([(world, irradiance, importance, (0.0, 0.0, 0.0), 0)], INFINITE)
+        infinite = np.concatenate([infinite, sky])
     bounds = joined([bounds, *elsewhere]) if elsewhere else bounds
     sources = (scene.lamps if sources is None else sources)[: int(tables["light_header"]["lamp_count"][0])]
     triangles = triangles or Triangles()
@@ -56,12 +57,11 @@ def pack_lights(
         shining &= np.isfinite(bounds.lo).all(axis=1) & np.isfinite(bounds.hi).all(axis=1)
         bounds = _chosen(bounds, shining)
     if hides_horizon(scene.world.medium):
-        infinite = []
-    endless = np.array(infinite, INFINITE)
+        infinite = infinite[:0]
 
     def build(lit):
         leaf, place = np.full((2, len(emitters)), -1)
-        own = endless if lit is None else endless[lit[endless["emitter"]]]
+        own = infinite if lit is None else infinite[lit[infinite["emitter"]]]
         place[own["emitter"]] = np.arange(len(own))
         below = bounds if bounds is None or lit is None else _chosen(bounds, lit[bounds.emitter])
         if below is None or not len(below.emitter):
@@ -90,8 +90,8 @@ def pack_near(
     lamp_power: np.ndarray | None = None,
     triangles: Triangles | None = None,
     sources: list[Lamp] | None = None,
-) -> tuple[dict[str, np.ndarray], Bounds | None, list[tuple]]:
-    """As ``pack_lights``, without the world and the light tree: tables, what the tree has to know, and suns."""
+) -> tuple[dict[str, np.ndarray], Bounds | None, np.ndarray]:
+    """As ``pack_lights``, without the world and the light tree: tables, what the tree has to know, and suns (INFINITE)."""
     lamp_bounds = np.zeros((0, 2, 3)) if lamp_bounds is None else np.asarray(lamp_bounds, float)
     lamp_power = np.zeros(0) if lamp_power is None else np.asarray(lamp_power, float)
     triangles = triangles or Triangles()
@@ -121,7 +121,7 @@ def pack_near(
     _control(emitters, scene, [*sources, *scene.lights])
     _control_triangles(emitters, scene, triangles, world + 1)
     emitters["met"] = np.where(emitters["met"] == NEVER, int(Ray.CAMERA), int(Ray.ALL)) & emitters["visibility"]
-    return tables, _join([b for b in bounds if b is not None and len(b.emitter)]), infinite
+    return tables, _join([b for b in bounds if b is not None and len(b.emitter)]), np.array(infinite, INFINITE)
 
 
 def _chosen(bounds: Bounds, rows: np.ndarray) -> Bounds:
