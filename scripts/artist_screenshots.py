@@ -28,8 +28,9 @@ PICTURES = {  # of a session: files in docs/images by the picture's name
         "solid": "viewport_solid",
         "rendered": "viewport_rendered",
     },
-    "nodes": {"node_emission": "lamp_nodes_emission"},  # these two are sessions of the tests
+    "nodes": {"node_emission": "lamp_nodes_emission"},  # these three are sessions of the tests
     "panels": {"preset_browser": "lamp_presets"},
+    "native": {"arrow_label": "lamp_arrow", "last_good": "lamp_last_good", "warnings": "lamp_warnings"},
 }
 
 

@@ -4,12 +4,13 @@
 own validator.
 
 Blender extracts every wheel of a zip that its platform and Python accept, so a zip holds one Python's wheels and says
-which Blender versions have that Python.
+which Blender versions have that Python. Two builds of the same sources are the same bytes.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import importlib.util
 import pathlib
 import re
@@ -20,11 +21,13 @@ import tomllib
 import zipfile
 from dataclasses import dataclass
 
+import shipped_kernels
 from packaging.requirements import Requirement
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 MANIFEST = REPOSITORY / "blender_manifest.toml"
 BUNDLED = REPOSITORY / "scripts" / "requirements" / "bundled.txt"
+WHEELS = REPOSITORY / "scripts" / "requirements" / "wheels.sha256"  # as sha256sum writes it
 CONTENTS = ("__init__.py", "LICENSE", "README.md", "sdf_lights", "shaders_glsl")
 
 # Tags that pip accepts for each of Blender's platforms, newest first.
@@ -114,8 +117,20 @@ def collect_wheels(platform: str, python: str) -> list[pathlib.Path]:
     wheels = present()
     if len(wheels) != len(pins):
         raise BuildError(f"pip found {len(wheels)} of {len(pins)} wheels for {platform} and Python {python}.")
+    _check_hashes(wheels)
     _check_numpy(wheels, python)
     return wheels
+
+
+def _check_hashes(wheels: list[pathlib.Path]) -> None:
+    """Every wheel has to be the one that was looked at when its version was chosen."""
+    lines = [line.split() for line in WHEELS.read_text(encoding="utf-8").splitlines() if line]
+    pinned = {name: digest for digest, name in lines}
+    for wheel in wheels:
+        found = hashlib.sha256(wheel.read_bytes()).hexdigest()
+        if pinned.get(wheel.name) != found:
+            wheel.unlink()
+            raise BuildError(f"{wheel.name} has the hash {found}, which is not the one in {WHEELS.name}.")
 
 
 def _check_numpy(wheels: list[pathlib.Path], python: str) -> None:
@@ -148,8 +163,36 @@ def manifest(platform: str, python: str, wheels: list[pathlib.Path]) -> str:
     return re.sub(r"^blender_version_min = .*$", "\n".join(lines), text, count=1, flags=re.MULTILINE)
 
 
-def build(platform: str, python: str, out: pathlib.Path, with_wheels: bool = True) -> pathlib.Path:
-    """Build and validate one zip; its path. Raises BuildError."""
+def _add_kernels(stage: pathlib.Path, platform: str, python: str) -> bool:
+    """Compile what the zip ships, where this machine can. Raises BuildError."""
+    interpreter = shipped_kernels.interpreter(python)
+    if platform != this_platform() or interpreter is None:
+        return False
+    try:
+        shipped_kernels.ship(shipped_kernels.compiled(stage, interpreter), stage / "sdf_lights")
+    except subprocess.CalledProcessError as error:
+        raise BuildError(f"Compiling the kernels failed:\n{error.stdout}{error.stderr}".rstrip()) from error
+    return True
+
+
+def settle(path: pathlib.Path) -> None:
+    """Write a zip again so that only what is in it decides its bytes: names in order, one date, the same rights."""
+    settled = path.with_suffix(".part")
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(settled, "w") as target:
+        for item in sorted(source.infolist(), key=lambda item: item.filename):
+            if item.is_dir():
+                continue
+            entry = zipfile.ZipInfo(item.filename, (1980, 1, 1, 0, 0, 0))
+            entry.create_system, entry.external_attr = 3, 0o100644 << 16
+            entry.compress_type = zipfile.ZIP_STORED if item.filename.endswith(".whl") else zipfile.ZIP_DEFLATED
+            target.writestr(entry, source.read(item), compresslevel=9)
+    settled.replace(path)
+
+
+def build(
+    platform: str, python: str, out: pathlib.Path, with_wheels: bool = True, with_kernels: bool = False
+) -> pathlib.Path:
+    """Build and validate one zip; its path. Kernels are compiled where this machine can. Raises BuildError."""
     wheels = collect_wheels(platform, python) if with_wheels else []
     about = tomllib.loads(MANIFEST.read_text(encoding="utf-8"))
     name = f"{about['id']}-{about['version']}-{platform}-python{python}" + ("" if with_wheels else "-no_wheels")
@@ -165,6 +208,8 @@ def build(platform: str, python: str, out: pathlib.Path, with_wheels: bool = Tru
     for wheel in wheels:
         (stage / "wheels").mkdir(exist_ok=True)
         shutil.copy2(wheel, stage / "wheels" / wheel.name)
+    if with_kernels and with_wheels and not _add_kernels(stage, platform, python):
+        print(f"{name}: without compiled kernels, which only {platform} with Python {python} can make", file=sys.stderr)
     (stage / "blender_manifest.toml").write_text(manifest(platform, python, wheels), encoding="utf-8")
 
     tool, tags = blender_tool()
@@ -174,9 +219,24 @@ def build(platform: str, python: str, out: pathlib.Path, with_wheels: bool = Tru
         [sys.executable, tool, "build", "--source-dir", stage, "--output-filepath", path, f"--valid-tags={tags}"],
         f"Building {path.name}",
     )
+    settle(path)
     _run([sys.executable, tool, "validate", f"--valid-tags={tags}", path], f"Validating {path.name}")
     shutil.rmtree(stage)
     return path
+
+
+def sizes(path: pathlib.Path) -> list[str]:
+    """What takes the room in a zip, line by line: each wheel, the compiled kernels, all else."""
+    found: dict[str, int] = {}
+    with zipfile.ZipFile(path) as archive:
+        for item in archive.infolist():
+            name = "sources"
+            if item.filename.endswith(".whl"):
+                name = item.filename.rpartition("/")[2]
+            elif item.filename.startswith("sdf_lights/compiled/"):
+                name = "compiled kernels"
+            found[name] = found.get(name, 0) + item.compress_size
+    return [f"{size / 1e6:6.1f} MB  {name}" for name, size in found.items()]
 
 
 def this_platform() -> str:
@@ -190,8 +250,53 @@ def this_platform() -> str:
     return name if name in PLATFORMS else ""
 
 
+def python_for(version: str) -> str:
+    """The Python in Blender's own builds of a version such as 5.2. Raises BuildError."""
+    match = re.fullmatch(r"(\d+)\.(\d+)(?:\.\d+)?", version)
+    if match is None:
+        raise BuildError(f"{version!r} is not a version of Blender, such as 5.2.")
+    asked = int(match[1]), int(match[2]), 0
+    for python, host in PYTHONS.items():
+        first, end = (tuple(map(int, text.split("."))) if text else None for text in (host.first, host.end))
+        if first <= asked and (end is None or asked < end):
+            return python
+    first = PYTHONS["3.11"].first
+    raise BuildError(f"Blender {version} is too old: the extension needs Blender {first} or later.")
+
+
+def python_in(command: str) -> str:
+    """The Python of the Blender that a command starts. Raises BuildError."""
+    ask = "import sys; print('Python', *sys.version_info[:2])"
+    try:
+        done = subprocess.run(
+            [command, "--background", "--factory-startup", "--python-expr", ask],
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise BuildError(f"{command} does not start ({error}): say which Blender with --blender 5.2.") from error
+    found = re.search(r"^Python (\d+) (\d+)$", done.stdout, re.MULTILINE)
+    if found is None:
+        raise BuildError(f"{command} does not say which Python it has: say which Blender with --blender 5.2.")
+    python = f"{found[1]}.{found[2]}"
+    if python not in PYTHONS:
+        raise BuildError(f"{command} has Python {python}, for which there are no wheels: choose one with --python.")
+    return python
+
+
+def asked_python(python: str | None, blender: str | None) -> str:
+    """The Python to build for: as told, that of a version of Blender, of the Blender on the path, or of this process."""
+    if python is not None:
+        return python
+    if blender is not None:
+        return python_for(blender)
+    command = shutil.which("blender")
+    return python_in(command) if command else "%d.%d" % sys.version_info[:2]
+
+
 def main(arguments: list[str]) -> int:
-    here, python = this_platform(), "%d.%d" % sys.version_info[:2]
+    here = this_platform()
     parser = argparse.ArgumentParser(
         prog="build_extension", description="Build the extension's zips, with their wheels."
     )
@@ -205,9 +310,13 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--python",
         choices=[*PYTHONS, "all"],
-        default=python,
-        help="Python of the Blender to install in: 3.11 up to Blender 5.0, 3.13 from 5.1 (default: %(default)s); "
+        help="Python of the Blender to install in: 3.11 up to Blender 5.0, 3.13 from 5.1; "
         "3.14 for a Blender that a Linux distribution built; all: the first two",
+    )
+    parser.add_argument(
+        "--blender",
+        metavar="VERSION",
+        help="Blender to install in, such as 5.2 (default: the one on the path, else the one of the Python that is found)",
     )
     parser.add_argument(
         "--out", type=pathlib.Path, default=REPOSITORY / "dist", help="folder for the zips (default: dist)"
@@ -215,14 +324,21 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--no-wheels", action="store_true", help="leave the wheels out: small, but renders slowly, with NumPy"
     )
+    parser.add_argument(
+        "--no-kernels",
+        action="store_true",
+        help="leave compiled kernels out: the first render of an installation then compiles them for a minute",
+    )
     options = parser.parse_args(arguments)
     platforms = list(PLATFORMS) if options.platform == "all" else [options.platform]
-    pythons = ["3.11", "3.13"] if options.python == "all" else [options.python]
     try:
+        pythons = ["3.11", "3.13"] if options.python == "all" else [asked_python(options.python, options.blender)]
         for version in pythons:
             for platform in platforms:
-                path = build(platform, version, options.out, not options.no_wheels)
+                path = build(platform, version, options.out, not options.no_wheels, not options.no_kernels)
                 print(f"{path}  {path.stat().st_size / 1e6:.1f} MB")
+                for line in sizes(path):
+                    print(f"  {line}")
     except BuildError as error:
         print(f"build_extension: {error}", file=sys.stderr)
         return 1

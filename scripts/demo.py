@@ -17,9 +17,16 @@ import time
 import bpy
 import host
 import OpenImageIO
+from stages import Stages
 
 DEMO_SCENE = host.REPOSITORY / "scripts" / "demo_scene.py"
 SCENERY = host.REPOSITORY / "scripts" / "scenery"
+
+
+# Stages, and what they take on two idle cores of an AMD EPYC: ``./scripts/bench start`` measures the whole.
+SCENE, KERNELS, SAMPLES, FINISH = "scene", "kernels", "samples", "finish"
+EXPECTED = {SCENE: 8.0, KERNELS: 60.0, SAMPLES: 25.0, FINISH: 3.0}
+PREVIEW_SIZE = "128x72"
 
 
 class Failure(Exception):
@@ -91,6 +98,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         metavar="NAME",
         help="path of both pictures without ending (default: renders/demo)",
     )
+    parser.add_argument("--preview", action="store_true", help=argparse.SUPPRESS)  # for a process that makes one
     return parser.parse_args(arguments)
 
 
@@ -102,7 +110,6 @@ def demo_scene() -> pathlib.Path:
         digest.update(source.read_bytes())
     path = host.REPOSITORY / "build" / "demo" / f"demo-{digest.hexdigest()[:12]}.blend"
     if not path.is_file():
-        print("Building the demo scene ...", flush=True)
         done = subprocess.run([sys.executable, DEMO_SCENE, path], capture_output=True, text=True)
         if done.returncode or not path.is_file():
             raise Failure(f"The demo scene could not be built:\n{done.stdout}{done.stderr}".rstrip())
@@ -134,24 +141,14 @@ def open_scene(options: argparse.Namespace):
     return scene
 
 
-def clock(seconds: float) -> str:
-    minutes, seconds = divmod(int(seconds + 0.5), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
-
-
 class Progress:
-    """A bar on one line of the terminal, or, in a file, a line now and then, from the engine's status text.
+    """The stages of a render, from the engine's status text.
 
-    Blender passes that text to its ``render_stats`` handlers: «Remaining: 01:02 | … | Noise: 0.0123 | Sample 4/64».
+    Blender passes that to its ``render_stats`` handlers: «Remaining: 01:02 | … | Noise: 0.0123 | Sample 4/64».
     """
 
-    WIDTH = 30
-
-    def __init__(self, stream=sys.stdout):
-        self.stream, self.terminal = stream, stream.isatty()
-        self.interval = 0.1 if self.terminal else 10.0
-        self.shown, self.phase = -1e9, None
+    def __init__(self, stages: Stages):
+        self.stages = stages
         self.sampling_started = self.sampling_ended = None
         self.samples, self.noise = 0, None
 
@@ -161,43 +158,35 @@ class Progress:
         sample = re.search(r"Sample (\d+)/(\d+)", text)
         noise = re.search(r"Noise: ([\d.]+)", status)
         remaining = re.search(r"Remaining: ([\d:]+)", status)
-        if sample:
-            self.samples = int(sample[1])
-            self.sampling_started = self.sampling_started or now
-        elif self.samples:  # what follows the samples, such as denoising
-            self.sampling_ended = self.sampling_ended or now
+        kernels = re.search(r"(\d+) of (\d+)", text)
+        part = int(kernels[1]) / max(int(kernels[2]), 1) if kernels else 0.0
         if noise:
             self.noise = float(noise[1])
-        phase = text.split(" ")[0]
-        if now - self.shown < self.interval and phase == self.phase:
-            return
-        self.shown, self.phase = now, phase
-        line = text
         if sample:
-            part = int(sample[1]) / int(sample[2])
+            self.stages.begin(SAMPLES)
+            self.samples = int(sample[1])
+            self.sampling_started = self.sampling_started or now
+            part = self.samples / int(sample[2])
             if remaining:
                 left = 0
                 for number in remaining[1].split(":"):
                     left = 60 * left + int(number)
                 elapsed = now - self.sampling_started
                 part = max(part, elapsed / (elapsed + left)) if elapsed + left > 0.0 else part
-                line += f"  {clock(left)} left"
-            full = int(part * self.WIDTH)
-            line = f"[{'█' * full}{'·' * (self.WIDTH - full)}] {100.0 * part:3.0f} %  {line}"
+        elif self.samples:  # what follows the samples, such as denoising
+            self.sampling_ended = self.sampling_ended or now
+            self.stages.begin(FINISH)
         if self.noise is not None:
-            line += f"  noise {100.0 * self.noise:.2f} %"
-        self.stream.write(f"\r{line}\x1b[K" if self.terminal else line + "\n")
-        self.stream.flush()
+            text += f"  noise {100.0 * self.noise:.2f} %"
+        self.stages.show(text, part)
 
     def close(self) -> None:
         self.sampling_ended = self.sampling_ended or time.perf_counter()
-        if self.terminal:
-            self.stream.write("\r\x1b[K")
 
 
-def render(scene) -> tuple[Progress, float]:
+def render(scene, stages: Stages) -> tuple[Progress, float]:
     """Render the scene's frame through the engine; what its status said last, and the seconds the whole took."""
-    progress = Progress()
+    progress = Progress(stages)
     bpy.app.handlers.render_stats.append(progress)
     started = time.perf_counter()
     try:
@@ -207,9 +196,59 @@ def render(scene) -> tuple[Progress, float]:
     finally:
         bpy.app.handlers.render_stats.remove(progress)
         progress.close()
+        stages.close()
     if not progress.samples:
         raise Failure("demo: the render failed: no sample was taken; see the message above.")
     return progress, time.perf_counter() - started
+
+
+class Preview:
+    """A small picture by the NumPy reference, which compiles nothing, in a process of its own while kernels compile."""
+
+    def __init__(self, options: argparse.Namespace, out: pathlib.Path):
+        self.path = out.with_name(out.name + "-preview.png")
+        self._out = self.path.with_suffix("")
+        arguments = ["--preview", "--device", "reference", "--samples", "1", "--denoise"]
+        arguments += ["--size", PREVIEW_SIZE, "--out", str(self._out)]
+        if options.scene:
+            arguments += ["--scene", str(options.scene)]
+        if options.frame is not None:
+            arguments += ["--frame", str(options.frame)]
+        command = [sys.executable, str(pathlib.Path(__file__).resolve()), *arguments]
+        self._process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def arrived(self) -> bool:
+        """Whether it is there now; True once."""
+        if self._process is None or self._process.poll() is None:
+            return False
+        code, self._process = self._process.returncode, None
+        return code == 0 and self.path.is_file()
+
+    def drop(self) -> None:
+        """Remove it, as the picture itself is there."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+        for ending in (".png", ".exr"):
+            self.path.with_suffix(ending).unlink(missing_ok=True)
+
+
+def compile_kernels(stages: Stages, options: argparse.Namespace, out: pathlib.Path) -> Preview | None:
+    """Wait until what a picture needs is compiled, by a process for each core; a preview is made meanwhile."""
+    background = host.program("render.cpu.background")
+    if not background.running():
+        return None
+    stages.begin(KERNELS)
+    preview = Preview(options, out)
+
+    def look() -> None:
+        done, total = background.progress()
+        if preview.arrived():
+            stages.say(f"{preview.path}  a preview")
+        stages.show(background.text() or "Compiling kernels, once for this installation", done / max(total, 1))
+
+    background.wait(look)
+    return preview
 
 
 def save(scene, path: pathlib.Path, file_format: str, **settings) -> None:
@@ -269,9 +308,17 @@ def main(arguments: list[str]) -> int:
         host.register_extension()
         if options.strict:
             os.environ["SDF_LIGHTS_STRICT"] = "1"
+        stages = Stages(EXPECTED)
+        stages.show("Building the scene" if options.scene is None else "Opening the scene")
+        if not options.preview and options.device != "reference":
+            background = host.program("render.cpu.background")
+            background.start(low=False, processes=background.NEEDED)
         scene = open_scene(options)
-        progress, seconds = render(scene)
+        preview = None if options.preview else compile_kernels(stages, options, out)
+        progress, seconds = render(scene, stages)
         paths = write(scene, out)
+        if preview is not None:
+            preview.drop()
         pixels, samples = count_samples(scene)
     except Failure as failure:
         print(failure, file=sys.stderr)

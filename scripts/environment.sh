@@ -5,7 +5,7 @@
 # Prints the path of a Python that has Blender (bpy) and all that the scripts and tests need, in a virtual
 # environment of its own inside the checkout; makes or updates that environment first where it has to.
 #
-#   scripts/environment.sh [--blender 4.5|5.0|5.2]
+#   scripts/environment.sh [--blender 4.5|5.0|5.1|5.2]
 #
 # Without --blender the Python that is found decides: 3.13 gives Blender 5.2, 3.11 gives 5.0. $PYTHON names an
 # interpreter to use instead of looking for one. Exit codes: 2 bad call, 3 no suitable Python, 1 anything else.
@@ -37,11 +37,11 @@ blender=
 case ${1-} in
     "") ;;
     --blender) blender=${2-} ;;
-    *) fail 2 "Usage: scripts/environment.sh [--blender 4.5|5.0|5.2]" ;;
+    *) fail 2 "Usage: scripts/environment.sh [--blender 4.5|5.0|5.1|5.2]" ;;
 esac
 
 case $blender in
-    5.2) versions=3.13 ;;
+    5.1 | 5.2) versions=3.13 ;;
     4.5 | 5.0) versions=3.11 ;;
     "")
         versions="3.13 3.11"
@@ -54,7 +54,7 @@ case $blender in
             esac
         fi
         ;;
-    *) fail 2 "No environment for Blender $blender: choose 4.5, 5.0 or 5.2." ;;
+    *) fail 2 "No environment for Blender $blender: choose 4.5, 5.0, 5.1 or 5.2." ;;
 esac
 
 # What the path offers comes first; then what pyenv keeps, although it is not selected.
@@ -73,6 +73,7 @@ done
 
 environment=$root/.venv-$version
 case $version-$blender in
+    3.13-5.1) environment=$environment-blender-5.1 ;;
     3.13-*) blender=5.2 ;;
     3.11-4.5) environment=$environment-blender-4.5 ;;
     3.11-*) blender=5.0 ;;
@@ -88,8 +89,10 @@ if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ] || [ "$(version_of "$interpret
     "$python" -m venv --clear "$environment" >&2 || fail 3 "$python cannot make virtual environments" \
         "(on Debian and Ubuntu: apt-get install python3-venv)."
     [ ! -d "$environment/Scripts" ] || interpreter=$environment/Scripts/python.exe
-    "$interpreter" -m pip install --quiet --disable-pip-version-check --only-binary=:all: \
-        -r "$requirements/blender-$blender.txt" >&2 || fail 1 "pip could not install what Blender $blender needs; see above."
+    # What pip says matters only where it fails.
+    said=$("$interpreter" -m pip install --quiet --disable-pip-version-check --only-binary=:all: \
+        -r "$requirements/blender-$blender.txt" 2>&1) ||
+        { say "$said"; fail 1 "pip could not install what Blender $blender needs; see above."; }
     # Blender's Python module links to libraries of the desktop, which a server may lack.
     missing=$("$interpreter" -c 'import bpy' 2>&1 >/dev/null | grep -o 'lib[A-Za-z0-9_+-]*\.so[.0-9]*' | head -n 1) || true
     [ -z "$missing" ] || fail 1 "Blender's Python module needs the system library $missing; on Debian and Ubuntu:" \

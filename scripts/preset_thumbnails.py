@@ -1,52 +1,138 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders the pictures of the lamp presets, which Blender shows when one is chosen, into their folder."""
+"""Renders the pictures of the lamp presets, which Blender shows when one is chosen, into their folder.
+
+Each is a preset as Blender adds it, above a floor, in Blender's own start-up scene with its world and its view transform.
+"""
 
 from __future__ import annotations
 
 import argparse
+import math
 import pathlib
+import re
 import sys
+import tempfile
 
-REPOSITORY = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts"), str(REPOSITORY / "sdf_lights" / "blender")]
+import bpy
+import host
+import numpy as np
+import OpenImageIO
+from mathutils import Vector
 
-import contact_sheet  # noqa: E402
-from presets import presets  # noqa: E402  (the package around it needs Blender)
+EYE, TARGET = Vector((1.7, -3.4, 1.1)), Vector((0.0, 0.0, 0.42))
+HOVER = 0.15  # metres above the floor
+MARGIN = 1.25  # of the picture's height to the lamp's size
+POINTS = 20_000  # that are tried, to find how far from its middle a lamp reaches
+FLOOR = 0.18  # its albedo
+# Scene-linear radiance that the camera sees where a lamp is as bright as in all but a tenth of what is seen of it.
+# AgX shows colours of that brightness bright and still saturated.
+BRIGHT = 1.6
+BRIGHTEST_TENTH = 0.9
+SEEN = 0.05  # of the greatest radiance: where there is a lamp at all
 
-from sdf_lights.sdf import emission_presets  # noqa: E402
-from sdf_lights.sdf.builtin_colors import blackbody  # noqa: E402
-from sdf_lights.sdf.emission import Emission, EmissionExpression  # noqa: E402
-from sdf_lights.sdf.expression import evaluate  # noqa: E402
+
+def scene_of(name: str, size: int, samples: int) -> bpy.types.Object:
+    """Blender's start-up scene with this preset in place of the cube and the light; returns the lamp."""
+    bpy.ops.wm.read_factory_settings()
+    scene = bpy.context.scene
+    for obj in list(scene.objects):
+        if obj.type != "CAMERA":
+            bpy.data.objects.remove(obj)
+    scene.render.engine = "SDF_LIGHTS"
+    settings = scene.sdf_lights
+    settings.samples, settings.noise_threshold, settings.denoise = samples, 0.0, True
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scene.render.resolution_percentage = 100
+    bpy.ops.sdf_lights.lamp_add(source="PRESET", preset=name.upper())
+    lamp = bpy.context.object
+    shape = host.program("blender.lamp").shape_of(lamp.data.sdf_lamp)
+    low, high = shape.bounds()
+    points = np.random.default_rng(0).uniform(low, high, (POINTS, 3))
+    inside = points[shape.distance(points) <= 0.0]
+    radius = float(np.linalg.norm(inside - 0.5 * (low + high), axis=1).max())
+    lamp.location.z = HOVER - low[2]
+    bpy.ops.mesh.primitive_plane_add(size=40.0)
+    floor = bpy.data.materials.new("Floor")
+    if bpy.app.version < (5, 0, 0):
+        floor.use_nodes = True
+    floor.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (FLOOR, FLOOR, FLOOR, 1.0)
+    bpy.context.object.data.materials.append(floor)
+    camera = scene.camera
+    middle = Vector((0.0, 0.0, HOVER + 0.5 * float(high[2] - low[2])))
+    back = (EYE - TARGET).normalized()
+    distance = MARGIN * radius / math.tan(0.5 * camera.data.angle)
+    camera.location = middle + distance * back
+    camera.rotation_euler = back.to_track_quat("Z", "Y").to_euler()
+    return lamp
 
 
-def preset_emission(preset) -> Emission:
-    known = emission_presets.presets().get(preset.emission)
-    expression = EmissionExpression(known.text if known else preset.emission)
-    return expression.emission(
-        {name: tuple(value) if isinstance(value, list) else value for name, value in preset.emission_values.items()}
-    )
+def rendered(path: pathlib.Path, kind: str) -> np.ndarray:
+    """The scene's picture, (height, width, 3), from a file of that kind."""
+    settings = bpy.context.scene.render
+    settings.image_settings.file_format = kind
+    settings.image_settings.color_mode = "RGB"
+    settings.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+    return OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.FLOAT)[..., :3]
+
+
+def brightness_of(lamp: bpy.types.Object, folder: pathlib.Path) -> float:
+    """The factor with which the camera sees the lamp as bright as ``BRIGHT``."""
+    scene = bpy.context.scene
+    scene.world = None
+    for obj in list(scene.objects):
+        if obj.type == "MESH":
+            bpy.data.objects.remove(obj)
+    lamp.data.sdf_lamp.camera_brightness = 1.0
+    scene.sdf_lights.denoise, scene.sdf_lights.samples = False, 4
+    radiance = rendered(folder / "lamp.exr", "OPEN_EXR").max(axis=2)
+    seen = radiance[radiance > SEEN * radiance.max()]
+    return float(f"{BRIGHT / float(np.quantile(seen, BRIGHTEST_TENTH)):.2g}")
+
+
+def write_brightness(path: pathlib.Path, found: dict[str, float]) -> None:
+    """Put the factors into the tables of the presets."""
+    text = path.read_text(encoding="utf-8")
+    for name, value in found.items():
+        start = text.index(f"[{name}]\n")
+        end = text.find("\n[", start + 1) % (len(text) + 1)
+        table = re.sub(r"camera_brightness = .*\n", "", text[start:end])
+        table = re.sub(r"(\npower = .*\n?)", rf"\1camera_brightness = {value}\n", table, count=1)
+        text = text[:start] + table + text[end:]
+    path.write_text(text, encoding="utf-8")
 
 
 def main(arguments: list[str]) -> None:
-    parser = argparse.ArgumentParser(prog="preset_thumbnails", description=__doc__)
+    parser = argparse.ArgumentParser(prog="preset_thumbnails", description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", metavar="PRESET", help="names of presets; default: all")
-    parser.add_argument("--samples", type=int, default=24, help="samples per pixel (24)")
+    parser.add_argument("--samples", type=int, default=64, help="samples per pixel (64)")
     parser.add_argument("--size", type=int, default=96, help="width and height in pixels (96)")
+    parser.add_argument("--fit", action="store_true", help="find the camera brightness of the presets first")
+    parser.add_argument("--out", type=pathlib.Path, help="folder; default: that of the presets")
     options = parser.parse_args(arguments)
-    known = presets()
+    host.register_extension()
+    module = host.program("blender.presets")
+    known = module.presets()
     for name in options.names:
         if name not in known:
             parser.error(f"there is no preset {name!r}: choose from {', '.join(known)}")
-    for name in options.names or known:
-        preset = known[name]
+    names = options.names or list(known)
+    if options.fit:
+        with tempfile.TemporaryDirectory() as folder:
+            found = {}
+            for name in names:
+                found[name] = brightness_of(scene_of(name, options.size, options.samples), pathlib.Path(folder))
+                print(name, found[name], file=sys.stderr)
+        write_brightness(module.FOLDER / "presets.toml", found)
+        module.presets.cache_clear()
+    for name in names:
         print(name, file=sys.stderr)
-        color = blackbody(preset.temperature) if preset.temperature else preset.color
-        image = contact_sheet.picture(
-            evaluate(preset.expression), color, options.size, options.size, options.samples, preset_emission(preset)
-        )
-        contact_sheet.write(preset.picture, image)
+        scene_of(name, options.size, options.samples)
+        picture = known[name].picture
+        rendered(options.out / picture.name if options.out else picture, "PNG")
 
 
 if __name__ == "__main__":
     main(sys.argv[1:])
+    host.finish(0)

@@ -8,7 +8,7 @@ import json
 import pathlib
 import subprocess
 
-PATIENCE = 900.0  # seconds: kernels may have to be compiled
+PATIENCE = 1200.0  # seconds: kernels may have to be compiled
 
 
 class SessionError(Exception):

@@ -161,7 +161,7 @@ def drag(
 def button_of(area: bpy.types.Area, path: str, kind: str = "UI"):
     """Steps that find the place of a property's button by its data path; None if the region does not show it."""
     region = region_of(area, kind)
-    x = region.x + 0.75 * region.width
+    x = region.x + 0.65 * region.width  # of a number's button the middle: its right end is an arrow, which adds a step
     for y in range(region.y + region.height - 4, region.y + 4, -10):
         move((x, y))
         yield BETWEEN

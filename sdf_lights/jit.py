@@ -14,26 +14,22 @@ import hashlib
 import inspect
 import itertools
 import pathlib
-import re
 
 import numpy as np
 
-from . import kernel_cache
 from .replaced import replaced_on_gpu
 
 try:
-    import numba
     from llvmlite import binding as llvm
     from llvmlite import ir
     from numba import types
     from numba.core import cgutils
-    from numba.core.caching import FunctionCache
     from numba.core.ccallback import CFunc
     from numba.core.codegen import JITCodeLibrary
     from numba.core.compiler import Compiler
     from numba.core.compiler_machinery import PassManager
     from numba.core.registry import CPUDispatcher
-    from numba.core.runtime import rtsys
+    from numba.core.serialize import dumps
     from numba.core.typed_passes import (
         AnnotateTypes,
         IRLegalization,
@@ -55,6 +51,8 @@ try:
     from numba.np.arrayobj import populate_array
     from numba.np.numpy_support import from_dtype
 
+    from .kernel_code import Cache, codegen
+
     AVAILABLE, REASON = True, ""
 except Exception as error:  # an ImportError, or a binary that does not match this NumPy or Python
     AVAILABLE, REASON = False, f"Numba could not be imported ({type(error).__name__}: {error})"
@@ -63,49 +61,51 @@ except Exception as error:  # an ImportError, or a binary that does not match th
 FASTMATH = {"contract", "reassoc", "arcp", "nsz"}
 
 
-_IMPORT = re.compile(r"^\s*from (\.+|sdf_lights\b)([\w.]*) import (\([^)]*\)|[^\n#]+)", re.MULTILINE)
-
-
-@functools.cache
-def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
-    """Source files of the package that the source file ``path`` imports directly."""
-    found = set()
-    for dots, module, names in _IMPORT.findall(path.read_text(encoding="utf-8")):
-        # Absolute imports of the package occur outside it, in tests.
-        root = path.parents[len(dots) - 1] if dots.startswith(".") else pathlib.Path(__file__).parent
-        base = root.joinpath(*filter(None, module.split(".")))
-        candidates = [base.with_suffix(".py"), base / "__init__.py"]
-        for name in re.findall(r"\w+", names):
-            candidates += [base / f"{name}.py", base / name / "__init__.py"]
-        found.update(candidate for candidate in candidates if candidate.is_file())
-    return frozenset(found)
-
-
-@functools.cache
-def source_hash(path: pathlib.Path) -> str:
-    """Hash of a kernel source file and all it imports from the package, of the package's name, Numba and NumPy.
-
-    Numba's own cache looks at the time stamp of the one file that defines a function and misses changes in the
-    functions it calls; a folder named by this hash makes any such change start from a clean cache. A cached kernel
-    also holds the full name of its module, which differs between an extension and a checkout.
-    """
-    reached, pending = set(), {path}
-    while pending:
-        reached |= pending
-        pending = set().union(*map(_imports, pending)) - reached
-    digest = hashlib.sha256(f"{numba.__version__} {np.__version__} {__package__}".encode())
-    for source in sorted(reached):
-        digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
-
-
 _PARTS: list = []
+_LOADED: set = set()  # kernels that C calls
+_BEGUN: list = []  # kernels that Python calls
 _numbers = itertools.count()
 
 
 def compiled_kernels() -> int:
-    """Kernels that were compiled in this process to be linked into others: how far a first compilation has come."""
+    """Kernels that were compiled in this process to be linked into others."""
     return sum(len(part.overloads) for part in _PARTS)
+
+
+def _callees(python) -> list:
+    """Kernels that a function names: in its module, in modules that it imports, and in what it closes over."""
+    names = python.__code__.co_names
+    found = [python.__globals__.get(name) for name in names]
+    found += [getattr(each, name, None) for each in found if inspect.ismodule(each) for name in names]
+    found += [cell.cell_contents for cell in python.__closure__ or ()]
+    return [each for each in found if isinstance(each, _Kernel)]
+
+
+@functools.cache
+def reachable(kernel) -> frozenset:
+    """A kernel and all that it may call."""
+    reached, pending = set(), [kernel]
+    while pending:
+        found = pending.pop()
+        if found not in reached:
+            reached.add(found)
+            pending += _callees(found.__wrapped__)
+    return frozenset(reached)
+
+
+def begun() -> list:
+    """Kernels that Python has called in this process."""
+    return list(_BEGUN)
+
+
+def progress(kernels) -> tuple[int, int]:
+    """How far the compilation of entries is: (kernels that are ready, all that they call)."""
+    ready, wanted = set(), set()
+    for kernel in kernels:
+        reached = reachable(kernel)
+        wanted |= reached
+        ready |= reached if kernel.loaded() else {each for each in reached if each.compiled()}
+    return len(ready), len(wanted)
 
 
 if AVAILABLE:
@@ -202,13 +202,13 @@ if AVAILABLE:
 
     class _PartCompiler(_Compiler):
         def __init__(self, typing_context, target_context, library, *arguments):
-            library = library or _Part(target_context.codegen(), f"kernel{next(_numbers)}")
+            library = library or _Part(codegen(), f"kernel{next(_numbers)}")
             super().__init__(typing_context, target_context, library, *arguments)
 
     class _EntryCompiler(_Compiler):
         def __init__(self, typing_context, target_context, library, *arguments):
             if library is None:
-                library = _Entry(target_context.codegen(), f"entry{next(_numbers)}")
+                library = _Entry(codegen(), f"entry{next(_numbers)}")
                 library.enable_object_caching()
             super().__init__(typing_context, target_context, library, *arguments)
 
@@ -229,8 +229,17 @@ if AVAILABLE:
         def __call__(self, *arguments):
             return self._entry(*arguments)
 
+        def loaded(self) -> bool:
+            """Whether it is ready with all that it calls."""
+            return self in _LOADED or "_entry" in self.__dict__ and bool(self._entry.overloads)
+
+        def compiled(self) -> bool:
+            """Whether it is ready to be linked into others."""
+            return "_numba_type_" in self.__dict__ and bool(self._numba_type_.dispatcher.overloads)
+
         @functools.cached_property
         def _entry(self):
+            _BEGUN.append(self)
             return _entry(self.__wrapped__, self._settings)
 
         @functools.cached_property
@@ -243,48 +252,17 @@ if AVAILABLE:
             _PARTS.append(part)
             return types.Dispatcher(part)
 
-    class _Cache(FunctionCache):
-        """Loads compiled entries without first registering all that Numba can compile, which takes a third of a second.
-
-        What an entry calls outside itself is C's mathematics, Python's interface and Numba's run time. Files are those of
-        ``kernel_cache``; one that cannot be loaded is compiled again.
-        """
-
-        def __init__(self, function):
-            super().__init__(function)
-            self._cache_file = kernel_cache.Files(pathlib.Path(self._cache_path), self._impl.filename_base)
-
-        def load_overload(self, signature, target):
-            rtsys.initialize(target)
-            try:
-                return self._load_overload(signature, target)
-            except Exception:  # whatever Numba makes of a file that another version of it has written
-                self._cache_file.forget(self._index_key(signature, target.codegen()))
-                return None
-
-        def save_overload(self, signature, result):
-            if self._impl.check_cachable(result):
-                self._cache_file.save(self._index_key(signature, result.codegen), self._impl.reduce(result))
-
-    class _PartCache(_Cache):
-        """Of a function whose folder says all that it depends on: what it closes over cannot be hashed."""
-
-        def _index_key(self, signature, codegen):
-            return signature, codegen.magic_tuple(), ""
-
     def _entry(function, options: dict):
         options = dict(options)
         cached = options.pop("cache")
         dispatcher = CPUDispatcher(py_func=function, targetoptions=options, pipeline_class=_EntryCompiler)
         if cached:
-            # Numba reads this process-wide setting when caching is enabled; other add-ons keep theirs.
-            previous = numba.config.CACHE_DIR
-            source = pathlib.Path(function.__code__.co_filename).resolve()
-            numba.config.CACHE_DIR = str(kernel_cache.writable_folder() / source_hash(source))
-            try:
-                dispatcher._cache = _Cache(function)
-            finally:
-                numba.config.CACHE_DIR = previous
+            code = function.__code__
+            # Tests make kernels in functions, which differ in what they close over.
+            closed = dumps(tuple(cell.cell_contents for cell in function.__closure__ or ()))
+            own = hashlib.sha256(code.co_code + closed).hexdigest()[:16]
+            place = function.__qualname__, code.co_firstlineno, own
+            dispatcher._cache = Cache(pathlib.Path(code.co_filename), *place)
         return dispatcher
 
     def kernel(function=None, **options):
@@ -338,6 +316,7 @@ if AVAILABLE:
         """Call code of ``graph.codegen_native.compiled_at_surface`` at an address; all arguments are integers."""
         return _caller([ir.IntType(64)] * 3 + [cgutils.voidptr_t] * 2)(typingctx)
 
+    @replaced_on_gpu
     @intrinsic(prefer_literal=True)
     def call_part(typingctx, address, block, workspace, given, count):
         """Call a ``CallablePart`` at an address for a block and a workspace with a tuple of numbers; a tuple of a literal
@@ -421,6 +400,33 @@ if AVAILABLE:
 
         return types.void(address, numbers), codegen
 
+    def _c_function(function, arguments: int, kernel, key: list) -> CFunc:
+        """``function`` of so many integers and without result, which calls ``kernel``, for C: from a file, or compiled. ``key``
+        tells its file from those of others that reach the same sources."""
+        settings = dict(nopython=True, boundscheck=None, nogil=True, error_model="numpy", fastmath=FASTMATH)
+        # The machine's code has this name. Kernels of several processes that wrote files meet in the one that reads them.
+        function.__name__ = function.__qualname__ = "_".join(map(str, key))
+        compiled = CFunc(
+            function, ((types.int64,) * arguments, types.void), {}, settings, pipeline_class=_EntryCompiler
+        )
+        compiled._cache = Cache(pathlib.Path(kernel.__wrapped__.__code__.co_filename), *key)
+        compiled.compile()
+        _LOADED.add(kernel)
+        return compiled
+
+    class Callback:
+        """A kernel of one record as a C function ``void f(record *)``, for libraries to call: ``address``."""
+
+        def __init__(self, kernel, record: np.dtype):
+            record_at = _record_at(record)
+
+            def function(address):
+                kernel(record_at(address))
+
+            key = [kernel.__wrapped__.__name__]
+            self._compiled = _c_function(function, 1, kernel, key)
+            self.address = self._compiled.address
+
     class CallablePart:
         """A kernel as a C function ``void f(int64 block, int64 workspace, int64 operands, int64 results)``, which code
         that formulas are compiled to calls, and other kernels (``call_part``): compiled when it is first asked for, and
@@ -429,23 +435,11 @@ if AVAILABLE:
         def __init__(self, kernel, static: tuple[int, ...], operands: int, records: tuple | None):
             """``records``: types of the block and the workspace, where the kernel wants them."""
             function = _called(kernel, static, operands, records)
-            settings = dict(nopython=True, boundscheck=None, nogil=True, error_model="numpy", fastmath=FASTMATH)
-            self._compiled = CFunc(
-                function, ((types.int64,) * 4, types.void), {}, settings, pipeline_class=_EntryCompiler
-            )
-            previous = numba.config.CACHE_DIR
-            source = pathlib.Path(kernel.__wrapped__.__code__.co_filename).resolve()
-            # Modules that reach the same sources have the same folder, and may have kernels of the same name.
-            key = [kernel.__wrapped__.__module__, kernel.__wrapped__.__name__, *static, operands]
+            key = [kernel.__wrapped__.__name__, *static, operands]
             if records is not None:  # their fields may change where the kernel's sources do not
                 layouts = "".join(str(from_dtype(np.dtype(record))) for record in records)
                 key.append(hashlib.sha256(layouts.encode()).hexdigest()[:16])
-            numba.config.CACHE_DIR = str(kernel_cache.writable_folder() / source_hash(source) / "-".join(map(str, key)))
-            try:
-                self._compiled._cache = _PartCache(function)
-            finally:
-                numba.config.CACHE_DIR = previous
-            self._compiled.compile()
+            self._compiled = _c_function(function, 4, kernel, key)
             self.address = self._compiled.address
 
         def fill(self, operands: np.ndarray, results: np.ndarray) -> None:
@@ -562,7 +556,9 @@ else:
         return float(np.int64(bits).view(np.float64))
 
     # Kernels that call machine code import these; nothing can call such kernels then.
-    call_address3 = call_field = call_surface_code = call_part = address_of_record = stack_array = CallablePart = None
+    call_address3 = call_field = call_surface_code = call_part = address_of_record = stack_array = CallablePart = (
+        Callback
+    ) = None
 
 
 def specialised(function, name: str, **names):
@@ -575,6 +571,17 @@ def specialised(function, name: str, **names):
     copy = type(python)(python.__code__, {**python.__globals__, **names}, name, python.__defaults__)
     copy.__module__, copy.__qualname__, copy.__doc__ = python.__module__, name, python.__doc__
     return kernel(copy, **function._settings) if AVAILABLE else copy
+
+
+def dispatched(link, cases: list[dict], last):
+    """A kernel that calls one of several kernels by a number.
+
+    ``link(number, …)`` is a kernel that looks at one number: if it is ``NUMBER``, it calls what a case gives, else ``REST(number, …)``.
+    ``cases`` are the values of these names of its module, for each of the numbers; ``last(number, …)`` serves all others.
+    """
+    for names in reversed(cases):
+        last = specialised(link, f"{link.__name__}_{names['NUMBER']}", REST=last, **names)
+    return last
 
 
 def table(name: str, dtype):

@@ -20,9 +20,11 @@ import tempfile
 import time
 
 OLD_DAYS = 90.0  # without use, after which a version's kernels go
+OLD_PARTS = 3600.0  # seconds after which nobody writes an unfinished file any more
 MOST_BYTES = 512 << 20  # of all kernels; beyond, those go that were used least recently
 MAGIC = b"SDF Lights kernel 1\n"
 SUFFIX, UNFINISHED = ".kernel", ".part"
+SHIPPED = pathlib.Path(__file__).resolve().parent / "compiled"  # in an extension whose zip was built with kernels
 _DIGEST = hashlib.sha256().digest_size
 _WRITABLE_BY_OTHERS = 0o022
 
@@ -75,13 +77,17 @@ class Files:
     the folder's name says already.
     """
 
-    def __init__(self, folder: pathlib.Path, name: str):
-        self._folder, self._name = folder, name
+    def __init__(self, folder: pathlib.Path, name: str, most: int | None = None, shipped: pathlib.Path | None = None):
+        """``most``: bytes that the folder may take; beyond, what was used least recently goes. None: any number.
+        ``shipped``: a folder of the extension, for what ``folder`` does not have."""
+        self._folder, self._name, self._most, self._shipped = folder, name, most, shipped
 
     def load(self, key):
         """What was saved by this key, or None."""
         path = self.path(key)
         payload = _verified(path)
+        if payload is None and self._shipped is not None:
+            payload = _content(self._shipped / path.name)
         if payload is None:
             return None
         try:
@@ -92,6 +98,8 @@ class Files:
         if saved != repr(key):
             return None
         _mark_used(self._folder)
+        if self._most is not None:
+            _touch(path)
         return data
 
     def save(self, key, data) -> None:
@@ -106,6 +114,8 @@ class Files:
             note(self._folder, error)
             return
         _tidy()
+        if self._most is not None:
+            _trim_once(self._folder, self._most)
 
     def forget(self, key) -> None:
         """Delete what is kept by this key."""
@@ -129,11 +139,26 @@ def _verified(path: pathlib.Path) -> bytes | None:
             found = file.read() if trusted else b""
     except OSError:
         return None
+    payload = _checked(found)
+    if payload is None:
+        drop(path)
+    return payload
+
+
+def _content(path: pathlib.Path) -> bytes | None:
+    """What a file of the extension itself holds after its checksum: it is trusted as the extension's Python is."""
+    try:
+        return _checked(path.read_bytes())
+    except OSError:
+        return None
+
+
+def _checked(found: bytes) -> bytes | None:
+    """What follows a checksum that is right."""
     start = len(MAGIC) + _DIGEST
     payload = found[start:]
     if found[: len(MAGIC)] == MAGIC and found[len(MAGIC) : start] == hashlib.sha256(payload).digest():
         return payload
-    drop(path)
     return None
 
 
@@ -176,9 +201,14 @@ def _version_folder(folder: pathlib.Path) -> pathlib.Path | None:
 def _mark_used(folder: pathlib.Path) -> None:
     """Note once in a process that kernels of this version are in use."""
     version = _version_folder(folder)
+    if version is not None:
+        _touch(version)
+
+
+def _touch(path: pathlib.Path) -> None:
+    """Note that a file or folder is used now."""
     try:
-        if version is not None:
-            os.utime(version)
+        os.utime(path)
     except OSError:
         pass
 
@@ -189,8 +219,31 @@ def _tidy() -> None:
     tidy(writable_folder(), time.time())
 
 
+@functools.cache
+def _trim_once(folder: pathlib.Path, most: int) -> None:
+    """``trim``, once in a process that compiles."""
+    trim(folder, most)
+
+
+def trim(folder: pathlib.Path, most: int) -> None:
+    """Remove files of a folder that were used least recently, until all take ``most`` bytes."""
+    used = []
+    for path in folder.glob(f"*{SUFFIX}"):
+        try:
+            status = path.stat()
+        except OSError:  # which another process has removed
+            continue
+        used.append((status.st_mtime, status.st_size, path))
+    total = 0
+    for _, size, path in sorted(used, reverse=True):
+        total += size
+        if total > most:
+            drop(path)
+
+
 def tidy(root: pathlib.Path, now: float, most: int = MOST_BYTES) -> None:
-    """Remove versions that were not used for ``OLD_DAYS``, then those used least recently, until all take ``most`` bytes.
+    """Remove versions that were not used for ``OLD_DAYS``, then those used least recently, until all take ``most`` bytes, and
+    what was left unfinished.
 
     ``now`` is in seconds since the epoch, as the times of files are.
     """
@@ -204,6 +257,28 @@ def tidy(root: pathlib.Path, now: float, most: int = MOST_BYTES) -> None:
         # What is in use now stays, however large.
         if used < now - 86_400.0 and (total > most or used < now - 86_400.0 * OLD_DAYS):
             shutil.rmtree(path, ignore_errors=True)
+            continue
+        for part in path.rglob(f"*{UNFINISHED}"):  # of processes that were ended while they wrote
+            if _age(part, now) > OLD_PARTS:
+                drop(part)
+
+
+def size(root: pathlib.Path) -> int:
+    """Bytes of all that is kept in a folder for compiled kernels."""
+    return sum(map(_size, root.rglob(f"*{SUFFIX}")))
+
+
+def clear(root: pathlib.Path) -> None:
+    """Delete all kernels in a folder, and nothing else that may be there."""
+    for path in root.rglob(f"*{SUFFIX}"):
+        drop(path)
+
+
+def _age(path: pathlib.Path, now: float) -> float:
+    try:
+        return now - path.stat().st_mtime
+    except OSError:
+        return 0.0
 
 
 def _size(path: pathlib.Path) -> int:

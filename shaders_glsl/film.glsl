@@ -6,7 +6,9 @@
 // path tracing").
 //
 // Before this file come `#define`s of PIXEL_SIZE and of FILM_name, the place of each sum in a pixel, where a pass
-// needs it, and of GOES_ON; the workspace, with `path_row` and `sample_row`; the kernels.
+// needs it, of GOES_ON, of PIXEL_SEED, the sampler's, and of PATH and SAMPLE, the first rows of the workspace's tables; the
+// workspace; the kernels. CATCHERS: a path that has met a shadow catcher goes on once more from there, past all else (see
+// catchers.py).
 
 layout(local_size_x = 64) in;
 
@@ -18,6 +20,7 @@ layout(std430, binding = 2) buffer Pixels { uint unfinished; uint pixels[]; };
 uniform ivec4 work;
 uniform ivec3 film_place;
 uniform int film_seed;
+uniform int film_offset;  // samples of this seed that others take
 
 float sums[PIXEL_SIZE];  // of this thread's pixel
 
@@ -39,48 +42,67 @@ void put_vector(int at, vec3 value)
 void add_sample(int index)
 {
     sums[FILM_COUNT] += 1.0;
-    vec3 light = sample_row.combined;
-    float total = light.x + light.y + light.z + sample_row.alpha;
+    vec3 light = SAMPLE.combined;
+    float total = light.x + light.y + light.z + SAMPLE.alpha;
     if (!(abs(total) < INFINITE)) {
         sums[FILM_NAN] += isnan(total) ? 1.0 : 0.0;
         sums[FILM_INFINITE] += isnan(total) ? 0.0 : 1.0;
         return;
     }
     add_vector(FILM_COMBINED, light);
-    sums[FILM_COMBINED + 3] += sample_row.alpha;
+    sums[FILM_COMBINED + 3] += SAMPLE.alpha;
     if ((index & HALF_BIT) != 0) {
         add_vector(FILM_HALF, light);
     }
 #ifdef FILM_LAMPS
-    add_vector(FILM_LAMPS, sample_row.lamps);
+    add_vector(FILM_LAMPS, SAMPLE.lamps);
 #endif
 #ifdef FILM_EMISSION
-    add_vector(FILM_EMISSION, sample_row.emission);
+    add_vector(FILM_EMISSION, SAMPLE.emission);
 #endif
 #ifdef FILM_ENVIRONMENT
-    add_vector(FILM_ENVIRONMENT, sample_row.environment);
+    add_vector(FILM_ENVIRONMENT, SAMPLE.environment);
 #endif
 #ifdef FILM_DIFFUSE_ALBEDO
-    add_vector(FILM_DIFFUSE_ALBEDO, sample_row.diffuse_albedo);
+    add_vector(FILM_DIFFUSE_ALBEDO, SAMPLE.diffuse_albedo);
 #endif
-    if (sample_row.found != 0) {
+#ifdef FILM_OUTPUTS
+    for (int i = 0; i < OUTPUTS; i++) {
+        sums[FILM_OUTPUTS + i] += output_sums_rows[i];
+    }
+#endif
+    if (SAMPLE.found != 0) {
 #ifdef FILM_NORMAL
-        add_vector(FILM_NORMAL, sample_row.normal);
+        add_vector(FILM_NORMAL, SAMPLE.normal);
 #endif
 #ifdef FILM_ALBEDO
-        add_vector(FILM_ALBEDO, sample_row.albedo);
+        add_vector(FILM_ALBEDO, SAMPLE.albedo);
 #endif
         if (sums[FILM_SURFACES] == 0.0) {
 #ifdef FILM_POSITION
-            put_vector(FILM_POSITION, sample_row.position);
+            put_vector(FILM_POSITION, SAMPLE.position);
 #endif
 #ifdef FILM_DEPTH
-            sums[FILM_DEPTH] = sample_row.depth;
+            sums[FILM_DEPTH] = SAMPLE.depth;
 #endif
         }
         sums[FILM_SURFACES] += 1.0;
     }
 }
+
+#ifdef CATCHERS
+// What light sampling has prepared, and the media around the path, are of other things.
+void forget()
+{
+    lamp_cuts_row.lamp = -1;
+    light_cut_row.count = 0;
+#ifdef MEDIA
+    if (bare) {
+        inside_rows[0].count = 0;
+    }
+#endif
+}
+#endif
 
 // Software renderers end all loops of a thread after so many turns in all (Mesa: 65535), whatever they were for: then its
 // samples are wrong, and no loop takes a second turn.
@@ -108,16 +130,39 @@ void main()
         sums[i] = film[first + i];
     }
     clear_workspace();
-    path_row.seed = pixel_seed(x, y, film_seed);
+    PATH.seed = PIXEL_SEED(x, y, film_seed);
     int index = work.z + int(sums[FILM_COUNT]);
     bool fresh = true;
+#ifdef CATCHERS
+    bool caught = false;  // the path goes on from where it has met a catcher
+#endif
     while (index < work.w) {
         if (fresh) {
-            path_row.index = index;
+            PATH.index = film_offset + index;
             path_clear_sample();
+#ifdef CATCHERS
+            CLEAR();
+#endif
             integrator_start_path(x, y);
         }
+#ifdef CATCHERS
+        bool met = caught || integrator_intersect_and_gather();
+        caught = false;
+        fresh = !met || integrator_shade_and_scatter(false) != GOES_ON || !integrator_prepare_ray();
+        if (fresh) {
+            if (bare) {
+                ADD_BARE();
+                bare = false;
+            } else {
+                caught = RELEASE();
+                bare = caught;
+            }
+            forget();
+            fresh = !caught;
+        }
+#else
         fresh = integrator_advance(false) != GOES_ON || !integrator_prepare_ray();
+#endif
         if (fresh) {
             add_sample(index);
             index++;

@@ -4,7 +4,7 @@
 // Rays against triangles: the trees that sdf_lights/render/gpu/bvh.py builds.
 //
 // Before this file come `#define`s of STACK, ITEMS_IN_LEAF and TEXTURE_BITS, INSTANCES where meshes are used more than once,
-// IMAGES where textures are read faster as images, the workspace's Record_ray, `scene.hierarchy_root`, and maths.glsl.
+// CATCHERS where there are shadow catchers, ONE_INSTANCE where rays below surfaces look for one alone, IMAGES where textures are read faster as images, the workspace's Record_ray, `scene.hierarchy_root`, and maths.glsl.
 
 // Rows of 2^TEXTURE_BITS words of four numbers: what threads read here is nowhere the same for all of them, and textures
 // are made for that. They may also be larger than buffers.
@@ -25,6 +25,13 @@ vec3 point_of(uvec4 words) { return uintBitsToFloat(words.xyz); }
 const int LEAVE = -2147483647 - 1;  // an instance, or the scene
 
 int waiting[STACK];
+
+#ifdef CATCHERS
+bool bare = false;  // rays meet shadow catchers alone
+#endif
+#ifdef ONE_INSTANCE
+int alone = -1;  // the instance that rays meet, whatever rays it is visible to; −1: all of them
+#endif
 
 // What a ray goes by in one space: in the world, or in a mesh's own.
 struct Line {
@@ -137,6 +144,16 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
             int instance = int(first_corner.w);
             int primitive = int(second_corner.w);
             bool seen = (int(third_corner.w) & mask) != 0;
+#ifdef CATCHERS
+            if (bare && int(third_corner.w) >= 0) {
+                seen = false;
+            }
+#endif
+#ifdef ONE_INSTANCE
+            if (alone >= 0) {
+                seen = instance == alone;
+            }
+#endif
 #ifdef INSTANCES
             if (inside >= 0) {
                 instance = inside;
@@ -182,3 +199,14 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
         }
     }
 }
+
+#ifdef ONE_INSTANCE
+// As hit_scene, with one instance alone.
+bool hit_instance(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, int instance)
+{
+    alone = instance;
+    bool found = hit_scene(ray, o, d, t_min, t_max, 0, false);
+    alone = -1;
+    return found;
+}
+#endif

@@ -15,25 +15,13 @@ import numpy as np
 
 from sdf_lights.graph.formula import Vector, constant
 from sdf_lights.render import motion
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.lights.point import PointLight, SpotLight
+from sdf_lights.render.lights.sun import SunLight
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes.normals import displaced_as_bump
 from sdf_lights.render.nodes.variables import BACKFACING, NORMAL, POSITION, RAY_LENGTH
-from sdf_lights.render.scene import (
-    AreaLight,
-    Camera,
-    Image,
-    Instance,
-    Lamp,
-    Mesh,
-    PointLight,
-    Projection,
-    Ray,
-    Scene,
-    Shutter,
-    SpotLight,
-    SunLight,
-    World,
-)
+from sdf_lights.render.scene import Camera, Image, Instance, Lamp, Mesh, Projection, Ray, Scene, Shutter, World
 from sdf_lights.render.settings import Filter, Settings
 from sdf_lights.sdf import shapes
 from sdf_lights.sdf.emission import Emission, EmissionExpression
@@ -311,7 +299,8 @@ def glowing_bubble(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def light_control(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Light and shadow linking, visibility to some lobes and limits of bounces, each of a lamp, a light and a mesh."""
+    """Light and shadow linking, visibility to some lobes and limits of bounces, each of a lamp, a light and a mesh; and a
+    lamp that the camera sees darker than it is."""
     scene = room(width, height, max_bounces=2)
     floor, back = scene.instances[0], scene.instances[2]
     floor.light_set, back.light_set = 1, 2
@@ -326,7 +315,7 @@ def light_control(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     scene.instances[-1].visibility &= ~Ray.GLOSSY
     down = look_at((0, 0, 0), (0, 0, -1), (0, 1, 0))
     scene.lamps += [
-        torus_lamp(-0.8, 0.0, 2.2, 30.0, 0.4, color=(1.0, 0.2, 0.1), receivers=~4),
+        torus_lamp(-0.8, 0.0, 2.2, 30.0, 0.4, color=(1.0, 0.2, 0.1), receivers=~4, camera_brightness=0.3),
         torus_lamp(0.8, -0.4, 2.0, 30.0, 0.4, color=(0.1, 0.2, 1.0), blockers=1 | 4, max_bounces=1),
     ]
     scene.lights += [
@@ -609,6 +598,29 @@ def only_refractive_caustics(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """Glass that reflects nothing to the rays of diffuse bounces, nor does metal."""
     scene = only_reflective_caustics(width, height)
     scene.settings.caustics_refractive, scene.settings.caustics_reflective = True, False
+    return scene
+
+
+def filtered_glossy(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """A mirror, glass and facets that Filter Glossy blurs behind diffuse bounces."""
+    scene = glass(width, height)
+    scene.settings.filter_glossy = 1.0
+    for index, surface in enumerate(
+        (
+            material("glossy", "mirror", color=(0.9, 0.8, 0.6), roughness=0.0),
+            material("glossy", "brushed", color=(0.9, 0.8, 0.6), roughness=0.2, anisotropy=0.8),
+        )
+    ):
+        scene.materials.append(surface)
+        scene.instances[1 + index].materials = (len(scene.materials) - 1,)
+    return scene
+
+
+def shadow_catcher(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Metal and a glowing box on a floor that catches their light and shadows, seen through a clear sheet, under an SDF lamp."""
+    scene = emissive_mesh(width, height)
+    scene.instances[0].catcher = True
+    scene.lamps.append(torus_lamp())
     return scene
 
 
@@ -1000,6 +1012,8 @@ SCENES = {
         subsurface_profile,
         only_reflective_caustics,
         only_refractive_caustics,
+        filtered_glossy,
+        shadow_catcher,
         textured,
         probed,
         instances,

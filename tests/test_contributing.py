@@ -19,8 +19,8 @@ EXAMPLES = {
     "A value node": (r"\bShaderNodeGamma\b", ()),
     "A BSDF": (r"\btoon\b|Toon\b|TOON\b", ()),
     "A light": (r"\bAreaLight\b|(?<!\")\bAREA\b(?!\")", ()),
-    "A pass": (r"\bdiffuse_albedo\b", ()),
-    "A sampler": (r"\bdef draw4\b|\bvec4 draw4\b|\bsampler\.draw4\b", ()),
+    "A pass": (r"\bglossy_albedo\b", ()),
+    "A sampler": (r"(?i)sobol_", ()),
 }
 PRODUCT = ("sdf_lights", "shaders_glsl")
 SOURCES = (".py", ".glsl", ".comp")
@@ -55,3 +55,9 @@ def test_a_recipe_lists_the_files_that_know_of_its_example(recipe):
     assert {name for name in listed if not name.startswith(elsewhere)} == {
         name for name in knowing if not name.startswith(elsewhere)
     }
+
+
+def test_the_table_counts_the_lists():
+    table = dict(re.findall(r"^\| (A [^|]*) \| [^|]* \| (\d+) \|$", TEXT, re.MULTILINE))
+    counts = {recipe: len(re.findall(r"^\d+\. `", text, re.MULTILINE)) for recipe, text in RECIPES.items()}
+    assert {recipe: int(count) for recipe, count in table.items()} == counts

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The demo command, as a user runs it."""
 
+import io
 import pathlib
 import re
 import subprocess
@@ -15,6 +16,7 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY / "scripts"))
 
 import demo  # noqa: E402  (found on the path set above)
+from stages import Stages  # noqa: E402
 
 DEMO = [REPOSITORY / "scripts" / "demo"]
 
@@ -67,7 +69,27 @@ def test_demo_scene_renders_to_both_files_and_tells_about_it(tmp_path):
     assert int(said[1]) == 96 * 54
     assert float(said[2]) == pytest.approx(16.0, rel=0.05)  # guided samples keep to their number on average
     assert float(said[4]) > 0.0 and float(said[5]) > 0.0
-    assert re.search(r"\[█*·*\] +\d+ %  Sample \d+/16", done.stdout)
+    assert re.search(r"\[█*·*\] +\d+ %  \d+:\d\d left  Sample \d+/16", done.stdout)
+
+
+def test_the_time_left_is_of_all_stages_and_follows_the_machine():
+    """A machine of half the speed, whose second stage is not needed: the bar never goes back, and ends in time."""
+    now = 0.0
+    stream = io.StringIO()
+    stages = Stages({"first": 10.0, "second": 100.0, "third": 20.0}, stream, lambda: now)
+    stages.show("begins")
+    left = []
+    for now in np.linspace(0.0, 20.0, 81):
+        stages.show("first", now / 20.0)
+    assert 140.0 < stages.left() < 250.0  # 240 s at that pace, of which so short a time does not convince
+    stages.begin("third")
+    for now in np.linspace(20.0, 60.0, 161):
+        stages.show("third", (now - 20.0) / 40.0)
+        left.append(now + stages.left())
+    assert left[-1] == pytest.approx(60.0) and max(abs(end - 60.0) for end in left[len(left) // 4 :]) < 6.0
+    stages.begin("first")  # is over
+    parts = [int(text) for text in re.findall(r"(\d+) %", stream.getvalue())]
+    assert parts == sorted(parts) and len(parts) >= 5
 
 
 def test_reference_renders_a_file_that_is_given(tmp_path):
@@ -93,7 +115,7 @@ scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_pe
 scene.sdf_lights.samples = 16
 scene.sdf_lights.filter, scene.sdf_lights.filter_width = "BOX", 1.0
 bpy.ops.wm.save_as_mainfile(filepath={str(tmp_path / "lamp.blend")!r})
-scene.view_layers[0].use_pass_vector = True
+scene.view_layers[0].use_pass_shadow = True
 bpy.ops.wm.save_as_mainfile(filepath={str(tmp_path / "passes.blend")!r})
 host.finish(0)
 """,
@@ -118,7 +140,7 @@ host.finish(0)
     # What is not rendered as the file says is told, and fails a strict render.
     done = run("--scene", tmp_path / "passes.blend", "--device", "reference", "--strict", "--out", tmp_path / "passes")
     assert done.returncode == 1 and not (tmp_path / "passes.exr").exists()
-    assert "these passes are not supported and are left out: Vector" in done.stdout + done.stderr
+    assert "these passes are not supported and are left out: Shadow" in done.stdout + done.stderr
     assert "1 thing is not rendered as the scene says" in done.stderr
 
 

@@ -4,8 +4,11 @@
 
 import os
 import pathlib
+import random
+import shutil
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -105,8 +108,8 @@ import sys
 sys.path.insert(0, {root!r})
 {before}
 from sdf_lights import kernel_cache
-from sdf_lights.render.kernels.sampler import draw1, pixel_seed
-print(draw1(3, pixel_seed(1, 2, 3), 4), pixel_seed(1, 2, 3), bool(kernel_cache.problem()))
+from sdf_lights.render.kernels.samplers import get_1d, pixel_seed
+print(get_1d(3, pixel_seed(1, 2, 3), 4), pixel_seed(1, 2, 3), bool(kernel_cache.problem()))
 """
 
 
@@ -121,6 +124,33 @@ def drawn(cache: pathlib.Path, before: str = "") -> list[str]:
     )
     assert done.returncode == 0, done.stderr
     return done.stdout.split()
+
+
+def test_what_another_copy_has_compiled_is_the_same_bytes_and_is_shipped(tmp_path):
+    """Whatever the folder and the name of the package, and with a cache of its own that is empty."""
+    renamed = tmp_path / "elsewhere" / "renamed"
+    shutil.copytree(REPOSITORY / "sdf_lights", renamed, ignore=shutil.ignore_patterns("__pycache__", "blender"))
+    code = (
+        "from {0}.emitter.primitives.box import box_span; from {0} import jit; "
+        "print(*box_span((0.0, 0.0, -3.0), (0.0, 0.0, 1.0), 1.0, 1.0, 0.5), jit.compiled_kernels())"
+    )
+
+    def run(folder, package: str, cache: pathlib.Path) -> list[str]:
+        environment = {**os.environ, "PYTHONPATH": str(folder), "PYTHONHASHSEED": "0", "SDF_LIGHTS_CACHE": str(cache)}
+        command = [sys.executable, "-c", code.format(package)]
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.split()
+
+    def kept(cache: pathlib.Path) -> dict[pathlib.Path, bytes]:
+        return {path.relative_to(cache): path.read_bytes() for path in cache.rglob("*.kernel")}
+
+    caches = [tmp_path / name for name in ("first", "second", "third")]
+    *span, compiled = run(REPOSITORY, "sdf_lights", caches[0])
+    assert span == ["2.5", "3.5"] and int(compiled) > 0
+    assert run(REPOSITORY, "sdf_lights", caches[1]) == [*span, compiled]
+    assert kept(caches[0]) == kept(caches[1]) != {}
+    shutil.copytree(caches[0], renamed / "compiled")
+    assert run(renamed.parent, "renamed", caches[2]) == [*span, "0"]
+    assert kept(caches[2]) == {}
 
 
 def test_kernels_of_damaged_files_are_compiled_again(tmp_path):
@@ -145,7 +175,70 @@ def test_a_full_disk_costs_time_alone(tmp_path):
     assert drawn(tmp_path / "full", limit) == [*first[:-1], "True"]
 
 
-def test_processes_share_a_folder(tmp_path):
-    with ThreadPoolExecutor(3) as pool:
-        found = list(pool.map(lambda _: drawn(tmp_path), range(3)))
-    assert found[0] == found[1] == found[2]
+def test_four_processes_share_a_folder(tmp_path):
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: drawn(tmp_path), range(4)))
+    assert found[0][-1] == "False" and all(each == found[0] for each in found)
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_processes_that_are_killed_while_they_compile_leave_nothing_that_is_wrong(tmp_path):
+    """Four at once, of which each is killed at some moment; at last one is left alone."""
+    moments = random.Random(3)
+    program = PROGRAM.format(root=str(REPOSITORY), before="")
+    environment = {**os.environ, "SDF_LIGHTS_CACHE": str(tmp_path / "killed")}
+    expected = drawn(tmp_path / "whole")
+    for _ in range(2):
+        running = [
+            subprocess.Popen([sys.executable, "-c", program], env=environment, stdout=subprocess.DEVNULL)
+            for _ in range(4)
+        ]
+        for process in running:
+            time.sleep(moments.uniform(0.2, 1.2))
+            process.kill()
+        for process in running:
+            process.wait()
+        for path in (tmp_path / "killed").rglob("*.kernel"):
+            assert kernel_cache._verified(path) is not None
+    assert drawn(tmp_path / "killed") == expected
+
+
+def test_what_a_killed_process_left_unfinished_goes(tmp_path):
+    now = time.time()
+    (tmp_path / "version" / "module").mkdir(parents=True)
+    old, new = (tmp_path / "version" / "module" / name for name in ("old.part", "new.part"))
+    for path, age in ((old, 7200.0), (new, 10.0)):
+        path.write_bytes(b"half")
+        os.utime(path, (now - age, now - age))
+    kernel_cache.tidy(tmp_path, now)
+    assert new.exists() and not old.exists()
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of its own with 64 KB."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", folder], capture_output=True)
+    if mounted.returncode:
+        pytest.skip("only root can mount a small disk")
+    yield folder
+    subprocess.run(["umount", folder], check=True)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="disks are mounted otherwise")
+def test_a_disk_that_is_full_costs_time_alone(tmp_path, small_disk):
+    """Unlike files with a limit, a full disk lets files begin."""
+    (small_disk / "other").write_bytes(bytes(60 << 10))
+    assert drawn(small_disk) == [*drawn(tmp_path / "free")[:-1], "True"]
+    assert not list(small_disk.rglob("*.part"))
+
+
+def test_a_folder_with_a_limit_loses_what_was_used_least_recently(tmp_path):
+    files = Files(tmp_path, "formulas", 10**9)
+    for number in range(4):
+        files.save(number, bytes(1000))
+        os.utime(files.path(number), (number, number))
+    files.load(0)  # is used now
+    kernel_cache.trim(tmp_path, 2500)
+    assert [files.path(number).exists() for number in range(4)] == [True, False, False, True]

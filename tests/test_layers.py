@@ -233,7 +233,17 @@ def test_tests_and_benchmarks_share_support_and_nothing_else():
 
 
 # Of what is in ``emitter``, each may import itself and those before it.
-PARTS_OF_LAMPS = ("hashing", "intersection", "emission", "tree", "lamps", "building", "sampling")
+PARTS_OF_LAMPS = (
+    "primitives",
+    "hashing",
+    "intersection",
+    "emission",
+    "tree",
+    "lamps",
+    "building",
+    "sampling",
+    "arrays",
+)
 
 
 def test_parts_of_lamps_import_downwards():

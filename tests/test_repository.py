@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import tomllib
+import zipfile
 
 import pytest
 
@@ -37,6 +38,31 @@ def test_manifest_says_what_the_root_package_is():
     assert manifest["blender_version_min"] == build_extension.PYTHONS["3.11"].first
 
 
+@pytest.mark.parametrize(
+    ("version", "python"), [("4.5", "3.11"), ("5.0", "3.11"), ("5.0.1", "3.11"), ("5.1", "3.13"), ("5.2", "3.13")]
+)
+def test_the_zip_of_a_blender_is_that_of_its_python(version, python):
+    assert build_extension.asked_python(None, version) == python
+
+
+@pytest.mark.parametrize(("version", "said"), [("4.2", "too old"), ("new", "is not a version")])
+def test_a_blender_without_a_zip_is_named(version, said):
+    with pytest.raises(build_extension.BuildError, match=said):
+        build_extension.asked_python(None, version)
+
+
+def test_the_blender_on_the_path_is_asked(tmp_path, monkeypatch):
+    command = tmp_path / "blender"
+    command.write_text("#!/bin/sh\necho Blender\necho Python 3 14\n", encoding="utf-8")
+    command.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    assert build_extension.asked_python(None, None) == "3.14"
+    assert build_extension.asked_python("3.11", None) == "3.11"
+    command.write_text("#!/bin/sh\necho Python 3 9\n", encoding="utf-8")
+    with pytest.raises(build_extension.BuildError, match="has Python 3.9"):
+        build_extension.asked_python(None, None)
+
+
 @pytest.mark.parametrize("python", build_extension.PYTHONS)
 def test_manifest_of_a_zip_keeps_to_the_blenders_of_its_python(python):
     wheel = pathlib.Path("numba-1.0-cp300-cp300-any.whl")
@@ -54,6 +80,51 @@ def test_numpy_is_never_bundled():
         line for line in build_extension.BUNDLED.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"
     ]
     assert {pin.split("==")[0] for pin in pins} == {"numba", "llvmlite", "moderngl", "glcontext"}
+
+
+def test_every_wheel_of_every_zip_has_its_hash():
+    pins = {line for line in build_extension.BUNDLED.read_text(encoding="utf-8").split("\n") if line and line[0] != "#"}
+    systems = {"linux-x64": "x86_64", "windows-x64": "win_amd64", "macos-arm64": "arm64"}
+    assert systems.keys() == build_extension.PLATFORMS.keys()
+    found = []
+    for line in build_extension.WHEELS.read_text(encoding="utf-8").splitlines():
+        digest, name = line.split("  ")
+        assert re.fullmatch("[0-9a-f]{64}", digest)
+        package, version, python, _, system = name.removesuffix(".whl").split("-")
+        ending = next(end for end in systems.values() if system.endswith(end))
+        found.append((f"{package}=={version}", python, ending))
+    wanted = {
+        (pin, "cp" + python.replace(".", ""), ending)
+        for pin in pins
+        for python in build_extension.PYTHONS
+        for ending in systems.values()
+    }
+    assert len(found) == len(wanted) and set(found) == wanted
+
+
+def test_a_wheel_with_another_hash_is_refused(tmp_path):
+    wheel = tmp_path / build_extension.WHEELS.read_text(encoding="utf-8").split()[1]
+    wheel.write_bytes(b"another")
+    with pytest.raises(build_extension.BuildError, match=f"{wheel.name} has the hash"):
+        build_extension._check_hashes([wheel])
+    assert not wheel.exists()
+
+
+def test_a_zip_depends_on_nothing_but_what_is_in_it(tmp_path):
+    """Not on the order of files, their dates and rights, or how they were compressed."""
+    contents = {"b/two.py": b"two\n" * 99, "a.whl": bytes(range(256)), "b/one.py": b"one\n"}
+    first, second = tmp_path / "first.zip", tmp_path / "second.zip"
+    for path, names, year in ((first, list(contents), 2001), (second, sorted(contents), 2026)):
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr(zipfile.ZipInfo("b/", (year, 1, 1, 0, 0, 0)), b"")
+            for name in names:
+                entry = zipfile.ZipInfo(name, (year, 1, 1, 0, 0, 0))
+                entry.external_attr = (0o100600 + year % 64) << 16
+                archive.writestr(entry, contents[name], year % 2 * zipfile.ZIP_DEFLATED)
+        build_extension.settle(path)
+    assert first.read_bytes() == second.read_bytes()
+    with zipfile.ZipFile(first) as archive:
+        assert {name: archive.read(name) for name in archive.namelist()} == contents
 
 
 def run(script: str, *arguments, **environment):

@@ -23,6 +23,7 @@ sys.path.insert(0, str(host.REPOSITORY))
 NAMES = (
     "throughput",
     "startup",
+    "start",
     "intervals",
     "builds",
     "estimators",
@@ -36,6 +37,8 @@ NAMES = (
     "nodes",
     "files",
     "scenes",
+    "allocation",
+    "trust",
     "hard",
     "check",
 )

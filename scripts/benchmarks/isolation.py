@@ -4,16 +4,18 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import host
 
-SECONDS = 900  # most time for one call
+SECONDS = 900  # most time for one answer
 
 
 class Isolated:
@@ -23,7 +25,16 @@ class Isolated:
         self._process = None
 
     def call(self, function: Callable, *arguments):
-        """Result of a function of a module. RuntimeError where the process ended before there was any."""
+        """Result of a function of a module. RuntimeError, with how it ended, where the process did so before."""
+        answers = self.stream(function, *arguments)
+        while True:
+            try:
+                next(answers)
+            except StopIteration as end:
+                return end.value
+
+    def stream(self, function: Callable, *arguments) -> Iterator:
+        """What a generator function of a module yields, as it comes. RuntimeError as of ``call``."""
         if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "benchmarks.isolation"],
@@ -31,16 +42,27 @@ class Isolated:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
             )
-        limit = threading.Timer(SECONDS, self._process.kill)
-        limit.start()
         try:
             pickle.dump((function, arguments), self._process.stdin)
             self._process.stdin.flush()
-            return pickle.load(self._process.stdout)
+            is_last = False
+            while not is_last:
+                is_last, answer = self._answer()
+                if not is_last:
+                    yield answer
+            return answer
         except (EOFError, OSError):
             code = self._process.wait()
             self._process = None
-            raise RuntimeError(f"the process ended with code {code}") from None
+            how = f"code {code}" if code >= 0 else signal.Signals(-code).name
+            raise RuntimeError(f"the process ended with {how}") from None
+
+    def _answer(self) -> tuple[bool, object]:
+        """Whether the next answer is the last one, and the answer."""
+        limit = threading.Timer(SECONDS, self._process.kill)
+        limit.start()
+        try:
+            return pickle.load(self._process.stdout)
         finally:
             limit.cancel()
 
@@ -62,8 +84,17 @@ def serve() -> None:
             function, arguments = pickle.load(calls)
         except EOFError:
             host.finish(0)
-        pickle.dump(function(*arguments), results)
-        results.flush()
+        answer = function(*arguments)
+        if inspect.isgenerator(answer):
+            for part in answer:
+                _send(results, False, part)
+            answer = None
+        _send(results, True, answer)
+
+
+def _send(results, is_last: bool, answer) -> None:
+    pickle.dump((is_last, answer), results)
+    results.flush()
 
 
 if __name__ == "__main__":

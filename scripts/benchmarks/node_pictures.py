@@ -308,5 +308,4 @@ def _keep(path: pathlib.Path, picture: np.ndarray) -> None:
 
 def warnings_of(scene: str) -> list[str]:
     """What the last render of a scene by our engine had to say."""
-    feedback = host.program("blender.feedback")
-    return list(feedback._last.get(scene, []))
+    return host.program("blender.feedback").of_last_render(scene)

@@ -27,6 +27,7 @@ from . import node_data, simple_scenes
 from .node_cases import CLOSURE, DISPLACEMENT, LIGHT, RAYS, SCATTERED, VALUE, VOLUME, WORLD, Case
 from .node_recipes import BACK, BALL, BOX, PLANE
 from .node_specials import SPECIALS
+from .node_structures import BARE
 
 # The camera's place, so that axes of world, camera and objects are different ones.
 FRAME = Matrix.Translation((1.3, -2.1, 0.7)) @ Euler((0.5, -0.3, 0.8)).to_matrix().to_4x4()
@@ -215,12 +216,11 @@ def material_of(case: Case) -> bpy.types.Material:
 
 def _meshes(smooth: bool) -> dict[str, bpy.types.Mesh]:
     """One of each shape, for all tiles: places in a unit tile, taken back through ``POSE``."""
-    return {
-        PLANE: _sheet(False),
-        BACK: _sheet(True),
-        BALL: _ball(0.42 if smooth else 0.47, 0.0 if smooth else BUMPS),
-        BOX: _box(),
-    }
+    ball = _ball(0.42 if smooth else 0.47, 0.0 if smooth else BUMPS)
+    bare = ball.copy()
+    while bare.uv_layers:
+        bare.uv_layers.remove(bare.uv_layers[0])
+    return {PLANE: _sheet(False), BACK: _sheet(True), BALL: ball, BARE: bare, BOX: _box()}
 
 
 def _finished(name: str, work: bmesh.types.BMesh, smooth: bool) -> bpy.types.Mesh:

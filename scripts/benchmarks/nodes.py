@@ -14,7 +14,7 @@ import functools
 import pathlib
 import statistics
 
-from . import methods, node_process, some_of
+from . import methods, node_rows, some_of
 from .isolation import Isolated
 from .node_limits import over
 from .progress import Progress
@@ -173,7 +173,7 @@ def _materials(options) -> list[str]:
 
 def _compared(part: str, cases: list, options, progress: Progress) -> list[dict]:
     samples, rounds = (QUICK_LIT_SAMPLES, QUICK_LIT_ROUNDS) if options.quick else (LIT_SAMPLES, LIT_ROUNDS)
-    return node_process.rows_of(cases, samples, rounds, options, lambda text: progress.show(f"{part}: {text}"))
+    return node_rows.rows_of(cases, samples, rounds, options, lambda text: progress.show(f"{part}: {text}"))
 
 
 def _material(name: str, options, other: Isolated) -> dict:

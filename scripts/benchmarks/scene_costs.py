@@ -3,7 +3,8 @@
 """What a scene of ``artist_scenes`` costs beside its samples: the start of a process, synchronisation, memory.
 
 Each engine has a process of its own. Its first render of one sample in a small picture is the start, with compiled
-kernels on disk; the next ones, in which all of the scene is handed over anew, are synchronisation. Memory is the most
+kernels on disk; the next ones, in which all of the scene is handed over anew, are synchronisation; those with Blender's Persistent Data, in
+which only what has changed is, are ``again``. Memory is the most
 that the process held while it rendered, less what it held before with the scene in Blender. All times are processor
 times.
 """
@@ -35,7 +36,12 @@ def ratios(name: str, options) -> dict:
         finally:
             process.close()
     row = {}
-    for cost, least in (("start", LEAST_SECONDS), ("sync", LEAST_SECONDS), ("memory", LEAST_BYTES)):
+    for cost, least in (
+        ("start", LEAST_SECONDS),
+        ("sync", LEAST_SECONDS),
+        ("again", LEAST_SECONDS),
+        ("memory", LEAST_BYTES),
+    ):
         ours, theirs = found[GUIDED][cost], found[CYCLES][cost]
         row |= {cost: ours, f"cycles_{cost}": theirs}
         if ours is not None and theirs is not None:
@@ -51,12 +57,16 @@ def costs(name: str, engine: str, options) -> dict:
     before = _resident("VmRSS")
     start = pictures.render().work
     sync = statistics.median(pictures.render().work for _ in range(TURNS))
+    scene.render.use_persistent_data = True
+    pictures.render()
+    again = statistics.median(pictures.render().work for _ in range(TURNS))
+    scene.render.use_persistent_data = False
     scene.render.resolution_x = width_of(options)
     scene.render.resolution_y = round(width_of(options) * artist_scenes.stage.ASPECT)
     settings(scene, engine, 2, 0, options.device)
     pictures.render()
     peak = _resident("VmHWM")
-    return dict(start=start, sync=sync, memory=None if before is None else peak - before)
+    return dict(start=start, sync=sync, again=again, memory=None if before is None else peak - before)
 
 
 def _resident(entry: str) -> int | None:

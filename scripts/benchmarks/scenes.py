@@ -74,7 +74,7 @@ def summary_of(rows: list[dict]) -> dict:
         ratios = [row[column] for row in known if row.get(column) is not None]
         if ratios:
             summary |= {f"{name}_geomean": statistics.geometric_mean(ratios), f"{name}_min": min(ratios)}
-    for name in ("start", "sync", "memory"):
+    for name in ("start", "sync", "again", "memory"):
         ratios = [row[f"{name}_ratio"] for row in known if row.get(f"{name}_ratio") is not None]
         if ratios:
             summary[f"{name}_ratio_to_cycles_max"] = max(ratios)

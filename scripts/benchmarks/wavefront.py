@@ -39,9 +39,9 @@ def counting(source: str) -> tuple[str, int]:
     """A program whose picture is (rounds, those that shade, those that send a light ray), a sample."""
     for place, text in (
         ("void path_clear_sample()", "vec3 rounds;\n\nvoid path_clear_sample()"),
-        ("path_row.index = index;", "path_row.index = index;\n            rounds = vec3(0.0);"),
+        ("PATH.index = film_offset + index;", "PATH.index = film_offset + index;\n            rounds = vec3(0.0);"),
         (ROUND, f"rounds.x += 1.0;\n        {ROUND}"),
-        ("add_sample(index);", "sample_row.combined = rounds;\n            add_sample(index);"),
+        ("add_sample(index);", "SAMPLE.combined = rounds;\n            add_sample(index);"),
         ("void surface_shade()\n{", "void surface_shade()\n{\n    rounds.y += 1.0;"),
         ("void integrator_light_vertex()\n{", "void integrator_light_vertex()\n{\n    rounds.z += 1.0;"),
     ):

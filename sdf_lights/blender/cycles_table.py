@@ -78,8 +78,25 @@ def _min_samples(prefix: str) -> Callable:
     return read
 
 
+def _samples(scene) -> int:
+    given = scene.cycles.samples
+    if not scene.cycles.use_sample_subset:
+        return given
+    return max(min(given - scene.cycles.sample_offset, scene.cycles.sample_subset_length), 1)
+
+
+def _sample_offset(scene) -> int:
+    return scene.cycles.sample_offset if scene.cycles.use_sample_subset else 0
+
+
 ROWS = (
-    Row("samples", ("samples",), "", _same("samples")),
+    Row(
+        "samples",
+        ("samples", "use_sample_subset", "sample_subset_length"),
+        "Of a sample subset, the samples that it has",
+        _samples,
+    ),
+    Row("sample_offset", ("sample_offset",), "0 where there is no sample subset", _sample_offset),
     Row(
         "noise_threshold",
         ("use_adaptive_sampling", "adaptive_threshold"),
@@ -123,6 +140,12 @@ ROWS = (
     ),
     Row("caustics_reflective", ("caustics_reflective",), "", _same("caustics_reflective")),
     Row("caustics_refractive", ("caustics_refractive",), "", _same("caustics_refractive")),
+    Row(
+        "filter_glossy",
+        ("blur_glossy",),
+        "Cycles' default, 1, blurs what rough surfaces reflect of glossy ones; the default here is 0",
+        _same("blur_glossy"),
+    ),
     Row("filter", ("pixel_filter_type",), "", _same("pixel_filter_type")),
     Row("filter_width", ("filter_width",), "", _same("filter_width")),
     Row(
@@ -197,7 +220,6 @@ ROWS = (
         ("min_light_bounces", "min_transparent_bounces"),
         "Russian roulette begins at the third bounce: the same picture with different noise",
     ),
-    Row("", ("blur_glossy",), "Filter Glossy: nothing is blurred, so caustics keep their edges and their noise"),
     Row(
         "",
         ("use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render"),
@@ -207,11 +229,6 @@ ROWS = (
         "",
         ("film_transparent_glass", "film_transparent_roughness"),
         "Glass hides a transparent film; listed in the scene's report",
-    ),
-    Row(
-        "",
-        ("use_sample_subset", "sample_offset", "sample_subset_length"),
-        "All samples are taken; listed in the scene's report",
     ),
     Row(
         "",
@@ -252,7 +269,7 @@ ROWS = (
             "texture_resolution",
             "texture_resolution_render",
         ),
-        "Simplify: objects are not culled and textures keep their size; listed in the scene's report",
+        "Read where they are, as the rest of Simplify; a viewport culls no objects",
     ),
     Row("", ("rolling_shutter_type", "rolling_shutter_duration"), "Read where they are, as the rest of motion blur"),
     Row(

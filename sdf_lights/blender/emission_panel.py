@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How bright a lamp is from point to point, as panels show it: in the Properties editor and in the 3D view."""
+"""How bright a lamp is from point to point, as panels show it."""
 
 import bpy
 
 from ..render.errors import RenderError
 from ..sdf.syntax import ExpressionError
 from . import emission, labels, parameters
-from .context import LampOperator, lamp_of, light_of
+from .context import LampOperator, light_of
 from .lamp import pattern_of
 
 
@@ -20,9 +20,8 @@ class SDFLIGHTS_OT_emission_to_text(LampOperator, bpy.types.Operator):
     def execute(self, context):
         light = light_of(context)
         settings = light.sdf_lamp.emission
-        text = bpy.data.texts.new(f"{light.name} Emission")
-        text.write(emission.text_of(settings))
-        settings.text, settings.source = text, emission.EXPRESSION
+        settings.text = parameters.new_text(f"{light.name} Emission", emission.text_of(settings))
+        settings.source = emission.EXPRESSION
         return {"FINISHED"}
 
 
@@ -48,7 +47,7 @@ def _draw_pattern(layout, light) -> None:
     if settings.source == emission.EXPRESSION:
         layout.template_ID(settings, "text", new=SDFLIGHTS_OT_emission_to_text.bl_idname, open="text.open")
         if settings.text is None:
-            layout.prop(settings, "expression")
+            labels.draw_expression(layout, settings, is_emission=True)
         else:
             layout.operator("sdf_lights.expression_show", icon="TEXT").emission = True
     if parameters.missing(lamp):
@@ -56,38 +55,9 @@ def _draw_pattern(layout, light) -> None:
     column = layout.column()
     for declared in emission.declarations(settings):
         if parameters.exists(light, declared):
-            label = declared.name.removeprefix(emission.PREFIX).replace("_", " ").title()
-            column.prop(light, parameters.path(declared), text=label)
+            column.prop(light, parameters.path(declared), text=parameters.label_of(declared))
     if settings.source not in ("UNIFORM", emission.EXPRESSION):
         layout.operator(SDFLIGHTS_OT_emission_to_text.bl_idname, text="Edit as Text", icon="TEXT")
 
 
-class _Panel:
-    """The panel in either place."""
-
-    @classmethod
-    def poll(cls, context):
-        return lamp_of(context) is not None
-
-    def draw(self, context):
-        self.layout.use_property_split = True
-        self.layout.use_property_decorate = False
-        draw(self.layout, light_of(context), labels.letters(context))
-
-
-class SDFLIGHTS_PT_emission_pattern(_Panel, bpy.types.Panel):
-    bl_label = "Emission"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "data"
-    bl_parent_id = "SDFLIGHTS_PT_light"
-
-
-class SDFLIGHTS_PT_view3d_emission_pattern(_Panel, bpy.types.Panel):
-    bl_label = "Emission Pattern"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_parent_id = "SDFLIGHTS_PT_view3d"
-
-
-CLASSES = (SDFLIGHTS_OT_emission_to_text, SDFLIGHTS_PT_emission_pattern, SDFLIGHTS_PT_view3d_emission_pattern)
+CLASSES = (SDFLIGHTS_OT_emission_to_text,)

@@ -26,23 +26,27 @@ def changed(self, context):
 class SDFLIGHTS_LampEmission(bpy.types.PropertyGroup):
     """How bright a lamp is from point to point"""
 
-    source: bpy.props.EnumProperty(
-        name="Emission",
-        description="Brightness at each point of the lamp",
-        items=source_items(),
-        default="UNIFORM",
-        update=changed,
-    )
-    expression: bpy.props.StringProperty(
-        name="Expression",
-        description="Brightness or colour as a formula of the point p, the depth below the surface "
-        "and the height from 0 to 1, such as exp(-20 * depth) or blackbody(mix(4000, 1500, height))",
-        default="exp(-20 * depth)",
-        update=changed,
-    )
-    text: bpy.props.PointerProperty(
-        name="Text",
-        description="Text block with the expression, if it has several lines",
-        type=bpy.types.Text,
-        update=changed,
+    __annotations__ = parameters.overridable(
+        {
+            "source": bpy.props.EnumProperty(
+                name="Emission",
+                description="Brightness at each point of the lamp",
+                items=source_items(),
+                default="UNIFORM",
+                update=changed,
+            ),
+            "expression": bpy.props.StringProperty(
+                name="Expression",
+                description="Brightness or colour as a formula of the point p, the depth below the surface "
+                "and the height from 0 to 1, such as exp(-20 * depth) or blackbody(mix(4000, 1500, height))",
+                default="exp(-20 * depth)",
+                update=changed,
+            ),
+            "text": bpy.props.PointerProperty(
+                name="Text",
+                description="Text block with the expression, if it has several lines",
+                type=bpy.types.Text,
+                update=changed,
+            ),
+        }
     )

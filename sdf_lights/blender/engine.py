@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine: F12, background and animation renders, previews of materials, and Rendered viewports.
 
-An instance lives for one render and keeps nothing, or for as long as a viewport is in Rendered shading: see
-``viewport/rendered.py``. ``render()`` copies the scene out of Blender, and from then on
+An instance lives for one render and keeps nothing, for all frames with Persistent Data (``sync/kept.py``), or for as long
+as a viewport is in Rendered shading: see ``viewport/rendered.py``. ``render()`` copies the scene out of Blender, and from then on
 touches Blender only to show progress, to ask whether to stop, and to hand over pixels.
 """
 
@@ -17,7 +17,7 @@ import bpy
 from ..render.errors import RenderError
 from ..render.passes import MATTES
 from ..render.settings import Device
-from . import feedback, findings
+from . import command_line, feedback, findings, lamp_preview
 from .guard import guarded
 from .naming import ENGINE, LABEL
 from .passes import enabled_passes, register_passes
@@ -48,29 +48,43 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
             try:
                 self._render(depsgraph)
             except Exception:
-                if _strict() and bpy.app.binary_path:  # as a Python module, Blender tells its caller
+                if bpy.app.background and bpy.app.binary_path:  # as a Python module, Blender tells its caller
                     fail_at_exit()
                 raise
 
     def _render(self, depsgraph):
         # Not before something is rendered: this imports Numba and every kernel.
         from ..render import libraries, session
-        from .sync import sync_views
+        from .sync import Kept, sync_views
 
         if bpy.app.binary_path:
             libraries.add_search_folder(os.path.dirname(bpy.app.binary_path))
 
+        command_line.begin_log()
         self.update_stats("", "Synchronizing")
         layer = depsgraph.view_layer.name
         views = self._views(layer)
-        scene, cameras = sync_views(depsgraph, self, tuple(views))
+        kept = None
+        if depsgraph.scene.render.use_persistent_data and not self.is_preview:
+            kept = self._kept = getattr(self, "_kept", None) or Kept()
+        else:
+            self._kept = None
+        scene, cameras = sync_views(depsgraph, self, tuple(views), kept)
+        command_line.apply(scene.settings)
         if self.is_preview:
             for name, value in PREVIEW.items():
                 setattr(scene.settings, name, value)
+            if scene.lamps:  # of a light: Blender's scenes for other previews have none
+                scene = lamp_preview.framed(scene)
+                cameras = [scene.camera] * len(cameras)
         reported = self._report_warnings(scene.warnings, 0)
         strict = _strict() and not self.is_preview
         if strict and scene.warnings:
             raise RenderError(findings.failure(len(scene.warnings)))
+        log = command_line.LOG
+        of = f"frame {depsgraph.scene.frame_current} of view layer '{layer}'"
+        log.info("%s: %d objects, %d SDF lamps", of, len(scene.instances), len(scene.lamps))
+        log.debug("%s: %s", of, scene.settings)
         for index, (view, scene.camera) in enumerate(zip(views, cameras)):
             if index > 0 and self.test_break():
                 break
@@ -85,6 +99,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
                 )
                 result.write(film)
                 result.describe(film)
+            log.info("%s: %d samples by the %s", of, film.samples, film.made_by)
         self._report_warnings(scene.warnings, reported)
         if not self.is_preview:
             feedback.record(depsgraph.scene.name, scene.warnings, film.made_by)
@@ -113,7 +128,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
 
 
 def _strict() -> bool:
-    return bpy.app.background and findings.strict()
+    return bpy.app.background and command_line.strict()
 
 
 @functools.cache
@@ -189,10 +204,16 @@ class _Result:
             passes[blender_name].rect.foreach_set(film.read(name).ravel())
 
     def describe(self, film) -> None:
-        """Tell files which names the numbers of Cryptomatte stand for."""
-        from ..render import cryptomatte
+        """Tell files which samples they have, and which names the numbers of Cryptomatte stand for."""
+        from ..render import cryptomatte, merging
 
-        whole = self._engine.get_result()
+        whole, settings = self._engine.get_result(), self._scene.settings
+        # Where all pixels are clean early, the number that was asked for is the weight: noise must have no part in that.
+        stopped = settings.time_limit > 0.0 or self._engine.test_break()
+        samples = film.samples if stopped else settings.samples
+        share = merging.Share(settings.seed, settings.sample_offset, samples)
+        for field, value in share.metadata(self._layer).items():
+            whole.stamp_data_add_field(field=field, value=value)
         names = {
             "object": [instance.name for instance in self._scene.instances],
             "asset": [instance.asset or instance.name for instance in self._scene.instances],

@@ -12,9 +12,12 @@ import numpy as np
 from ..render.errors import RenderError
 from . import labels, viewport
 from .context import LampTab
+from .findings import grouped
 from .lamp import pattern_of, shape_of
+from .naming import ENGINE
 
 _MOST_SHOWN = 30
+_POPUP_WIDTH, _POPUP_LETTERS = 640, 84
 _BUTTON = 6  # letters that the button beside a sentence takes
 
 _last: dict[str, list[str]] = {}
@@ -24,6 +27,11 @@ _made_by: dict[str, str] = {}
 def record(scene: str, sentences: list[str], made_by: str) -> None:
     """Keep what a render of this scene had to say, and what computed it, in place of what the render before it said."""
     _last[scene], _made_by[scene] = list(sentences), made_by
+
+
+def of_last_render(scene: str) -> list[str]:
+    """What the last render of a scene had to say."""
+    return list(_last.get(scene, []))
 
 
 def made_by(scene: str) -> str:
@@ -45,6 +53,8 @@ def culprit(sentence: str) -> str:
 
 def of_lamps(scene: bpy.types.Scene) -> list[tuple[str, str]]:
     """(object, sentence) for each lamp of the scene that cannot be used, or not certainly."""
+    from ..emitter.building.build import is_certified  # not sooner: it imports Numba, which takes a second
+
     found = []
     for obj in scene.objects:
         if obj.type != "LIGHT" or not obj.data.sdf_lamp.use:
@@ -56,7 +66,7 @@ def of_lamps(scene: bpy.types.Scene) -> list[tuple[str, str]]:
         except RenderError as error:
             found.append((obj.name, f"Lamp '{obj.name}': {error}"))
             continue
-        if not shape.certified:
+        if not is_certified(shape):
             found.append(
                 (
                     obj.name,
@@ -109,37 +119,99 @@ class SDFLIGHTS_OT_feedback_clear(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def counted(sentences: list[str]) -> str:
+    """``44 warnings``."""
+    return "1 warning" if len(sentences) == 1 else f"{len(sentences)} warnings"
+
+
+class SDFLIGHTS_OT_warnings_show(bpy.types.Operator):
+    """List the warnings of the last render, by what they are about"""
+
+    bl_idname = "sdf_lights.warnings_show"
+    bl_label = "Warnings of the Last Render"
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_popup(self, width=_POPUP_WIDTH)
+
+    def draw(self, context):
+        self.layout.label(text=self.bl_label)
+        draw_groups(self.layout, _last.get(context.scene.name, []), _POPUP_LETTERS)
+
+    def execute(self, context):
+        return {"FINISHED"}
+
+
+def draw_header(self, context) -> None:
+    """In the image editor's header, beside a render: how many warnings it had."""
+    image = context.space_data.image
+    sentences = _last.get(context.scene.name, []) if image is not None and image.type == "RENDER_RESULT" else []
+    if sentences and context.scene.render.engine == ENGINE:
+        row = self.layout.row()
+        row.alert = True
+        row.operator(SDFLIGHTS_OT_warnings_show.bl_idname, text=f"{counted(sentences)} – Show", icon="ERROR")
+
+
+def draw_groups(layout, sentences: list[str], width: int) -> None:
+    """Sentences under the titles of their groups, each with a button that selects what it is about."""
+    left = _MOST_SHOWN
+    for title, items in grouped(sentences).items():
+        shown = items[:left]
+        left -= len(shown)
+        if shown:
+            layout.label(text=f"{title} ({len(items)})")
+            draw_rows(layout, [(culprit(sentence), sentence) for sentence in shown], width)
+    if len(sentences) > _MOST_SHOWN:
+        layout.label(text=f"and {len(sentences) - _MOST_SHOWN} more, in the console")
+
+
+def draw_rows(layout, rows: list[tuple[str, str]], width: int) -> None:
+    """Sentences in boxes: (object that can be selected, or nothing; sentence)."""
+    for name, sentence in rows:
+        row = layout.box().row()
+        labels.draw_sentence(row.column(), sentence, width)
+        if name:
+            row.operator(SDFLIGHTS_OT_culprit_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF").name = name
+
+
 class SDFLIGHTS_PT_feedback(LampTab, bpy.types.Panel):
     bl_label = "Warnings"
 
     def draw(self, context):
         scene = context.scene
-        lamps, shown, render = of_lamps(scene), viewport.render_warnings(), _last.get(scene.name, [])
+        lamps, shown, render = of_lamps(scene), viewport.render_warnings(), of_last_render(scene.name)
         width = labels.letters(context) - _BUTTON
         if not lamps and not shown and not render:
             self.layout.label(text="No warnings", icon="CHECKMARK")
         if lamps:
             self._list("Lamps", lamps, width)
         if shown:
-            self._list("Rendered Viewport", [(culprit(sentence), sentence) for sentence in shown], width)
+            self.layout.label(text="Rendered Viewport")
+            draw_groups(self.layout, shown, width)
         if render:
-            self._list("Last Render", [(culprit(sentence), sentence) for sentence in render], width)
+            self.layout.label(text="Last Render")
+            draw_groups(self.layout, render, width)
             self.layout.operator(SDFLIGHTS_OT_feedback_clear.bl_idname)
 
     def _list(self, title: str, rows: list[tuple[str, str]], width: int) -> None:
         layout = self.layout
         layout.label(text=title)
-        for name, sentence in rows[:_MOST_SHOWN]:
-            row = layout.box().row()
-            labels.draw_sentence(row.column(), sentence, width)
-            if name:
-                row.operator(SDFLIGHTS_OT_culprit_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF").name = name
+        draw_rows(layout, rows[:_MOST_SHOWN], width)
         if len(rows) > _MOST_SHOWN:
             layout.label(text=f"and {len(rows) - _MOST_SHOWN} more, in the console")
 
 
-CLASSES = (SDFLIGHTS_OT_culprit_select, SDFLIGHTS_OT_feedback_clear, SDFLIGHTS_PT_feedback)
+CLASSES = (
+    SDFLIGHTS_OT_culprit_select,
+    SDFLIGHTS_OT_feedback_clear,
+    SDFLIGHTS_OT_warnings_show,
+    SDFLIGHTS_PT_feedback,
+)
+
+
+def register():
+    bpy.types.IMAGE_HT_header.append(draw_header)
 
 
 def unregister():
+    bpy.types.IMAGE_HT_header.remove(draw_header)
     _last.clear()

@@ -7,9 +7,7 @@ Each sentence begins with the kind of its subject: "Material 'Wood': node …".
 
 from __future__ import annotations
 
-import os
 import re
-import sys
 
 _GROUPS = {
     "Scene": ("Scene",),
@@ -22,8 +20,6 @@ _GROUPS = {
     "Images": ("Image",),
 }
 _OTHERS = "Others"
-
-_STRICT, _ARGUMENT = "SDF_LIGHTS_STRICT", "--sdf-strict"
 
 
 def group_of(sentence: str) -> str:
@@ -51,14 +47,7 @@ def _subject(sentence: str) -> str:
     return sentence.partition(":")[0]
 
 
-def strict() -> bool:
-    """Whether a render has to fail where the scene is not rendered as it says: ``blender … -- --sdf-strict``, or
-    ``SDF_LIGHTS_STRICT=1``."""
-    own = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
-    return _ARGUMENT in own or os.environ.get(_STRICT, "") not in ("", "0")
-
-
 def failure(count: int) -> str:
     """The last sentence of a strict render."""
     things = "1 thing is" if count == 1 else f"{count} things are"
-    return f"{things} not rendered as the scene says, and {_ARGUMENT} forbids this: see the warnings above."
+    return f"{things} not rendered as the scene says, and --sdf-strict forbids this: see the warnings above."

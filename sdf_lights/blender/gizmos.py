@@ -7,12 +7,16 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import blf
 import bpy
-from mathutils import Matrix
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Matrix, Vector
 
-from .properties import PRIMITIVES
+from .properties import PRIMITIVES, values_of
 
 _MOST = 6
+_HALVINGS = 24
+_SETS_UNDO = "use_undo" in bpy.types.Gizmo.bl_rna.properties  # from Blender 5.2 on
 _COLORS = ((0.93, 0.21, 0.31), (0.55, 0.86, 0.0), (0.17, 0.56, 1.0))  # of the axes, as Blender has them
 _TURN = (Matrix.Rotation(math.radians(90.0), 4, "Y"), Matrix.Rotation(math.radians(-90.0), 4, "X"), Matrix())
 
@@ -44,11 +48,80 @@ def handles(shape: str) -> list[Handle]:
     return found[:_MOST]
 
 
+def _with(values: dict, handle: Handle, value: float) -> dict:
+    if handle.component < 0:
+        return values | {handle.name: value}
+    changed = list(values[handle.name])
+    changed[handle.component] = value
+    return values | {handle.name: tuple(changed)}
+
+
+def held(shape: str, values: dict, handle: Handle, wanted: float) -> float:
+    """``wanted``, or the value next to it with which there is a shape still, if there is one with these ``values``."""
+    kind = PRIMITIVES[shape]
+    about = next(about for about in kind.fields() if about.name == handle.name)
+    wanted = min(max(wanted, about.minimum), about.maximum)
+    now = values[handle.name] if handle.component < 0 else values[handle.name][handle.component]
+
+    def is_good(value: float) -> bool:
+        return not kind(**_with(values, handle, value)).validate()
+
+    if is_good(wanted) or not is_good(now):
+        return wanted
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (now + wanted)
+        if is_good(middle):
+            now = middle
+        else:
+            wanted = middle
+    return now
+
+
 def _lamp(context):
     obj = context.object
     if obj is None or obj.type != "LIGHT" or not obj.data.sdf_lamp.use or not obj.data.is_editable:
         return None
     return obj.data.sdf_lamp if obj.data.sdf_lamp.source == "PRIMITIVE" else None
+
+
+class _Shown(NamedTuple):
+    """The word beside an arrow under the mouse, at a point of the world."""
+
+    text: str
+    place: Vector
+
+
+_shown: dict[int, _Shown] = {}  # by region
+_begun: dict[int, float] = {}  # the value before a drag, by the number of its arrow; empty where none is dragged
+
+
+def _push_undo() -> None:
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        bpy.ops.ed.undo_push(message=SDFLIGHTS_GGT_primitive.bl_label)
+
+
+def _draw_label() -> None:
+    context = bpy.context
+    shown = _shown.get(context.region.as_pointer())
+    if shown is None:
+        return
+    at = location_3d_to_region_2d(context.region, context.region_data, shown.place)
+    if at is not None:
+        scale = context.preferences.system.ui_scale
+        blf.enable(0, blf.SHADOW)
+        blf.shadow(0, 5, 0.0, 0.0, 0.0, 0.8)
+        blf.size(0, 12.0 * scale)
+        blf.color(0, 1.0, 1.0, 1.0, 1.0)
+        blf.position(0, at.x + 14.0 * scale, at.y + 14.0 * scale, 0.0)
+        blf.draw(0, shown.text)
+        blf.disable(0, blf.SHADOW)
+
+
+def _label(context, name: str, value: float) -> str:
+    unit = context.scene.unit_settings
+    if unit.system == "NONE":
+        return f"{name}: {value:.4g}"
+    return f"{name}: {bpy.utils.units.to_string(unit.system, 'LENGTH', value * unit.scale_length, precision=4)}"
 
 
 class SDFLIGHTS_GGT_primitive(bpy.types.GizmoGroup):
@@ -69,6 +142,8 @@ class SDFLIGHTS_GGT_primitive(bpy.types.GizmoGroup):
             arrow.draw_style = "BOX" if index > 2 else "NORMAL"
             arrow.use_draw_modal = True
             arrow.alpha, arrow.alpha_highlight = 0.6, 1.0
+            if _SETS_UNDO:
+                arrow.use_undo = True
             arrow.target_set_handler("offset", get=self._getter(index), set=self._setter(index))
             self.made.append(arrow)
         self.refresh(context)
@@ -87,9 +162,8 @@ class SDFLIGHTS_GGT_primitive(bpy.types.GizmoGroup):
             found = self._handle(index)
             if found is None:
                 return 0.0
-            group, handle, scale = found
-            value = getattr(group, handle.name)
-            return (value if handle.component < 0 else value[handle.component]) * scale / handle.factor
+            _, handle, scale = found
+            return self._value(found) * scale / handle.factor
 
         return get
 
@@ -99,7 +173,10 @@ class SDFLIGHTS_GGT_primitive(bpy.types.GizmoGroup):
             if found is None:
                 return
             group, handle, scale = found
-            value = distance * handle.factor / scale  # the property holds it to its limits
+            if not _SETS_UNDO:
+                _begun.setdefault(index, self._value(found))
+            shape = _lamp(bpy.context).shape.lower()
+            value = held(shape, values_of(group, shape), handle, distance * handle.factor / scale)
             if handle.component < 0:
                 setattr(group, handle.name, value)
             else:
@@ -117,7 +194,58 @@ class SDFLIGHTS_GGT_primitive(bpy.types.GizmoGroup):
                 arrow.matrix_basis = place @ _TURN[handle.axis]
                 arrow.color, arrow.color_highlight = _COLORS[handle.axis], (1.0, 1.0, 1.0)
 
-    draw_prepare = refresh
+    def draw_prepare(self, context):
+        self.refresh(context)
+        self._show_label(context)
+        self._watch_drags()
+
+    def _show_label(self, context):
+        region = context.region.as_pointer()
+        _shown.pop(region, None)
+        for index, arrow in enumerate(self.made):
+            found = self._handle(index) if arrow.is_modal or arrow.is_highlight else None
+            if found is not None:
+                group, handle, scale = found
+                value = self._value(found)
+                name = group.bl_rna.properties[handle.name].name
+                if handle.component >= 0:
+                    name += " " + "XYZ"[handle.component]
+                tip = arrow.matrix_basis @ Vector((0.0, 0.0, value * scale / handle.factor))
+                _shown[region] = _Shown(_label(context, name, value), tip)
+
+    @staticmethod
+    def _value(found) -> float:
+        group, handle, _ = found
+        value = getattr(group, handle.name)
+        return value if handle.component < 0 else value[handle.component]
+
+    def _watch_drags(self):
+        """Before 5.2, Blender makes no step of undo for the gizmos of add-ons."""
+        if _SETS_UNDO:
+            return
+        for index, arrow in enumerate(self.made):
+            found = self._handle(index)
+            if found is None:
+                continue
+            if arrow.is_modal:
+                _begun.setdefault(index, self._value(found))
+            elif index in _begun and _begun.pop(index) != self._value(found):
+                bpy.app.timers.register(_push_undo, first_interval=0.0)
 
 
 CLASSES = (SDFLIGHTS_GGT_primitive,)
+
+_handlers: list = []
+
+
+def register():
+    if not bpy.app.background:
+        _handlers.append(bpy.types.SpaceView3D.draw_handler_add(_draw_label, (), "WINDOW", "POST_PIXEL"))
+
+
+def unregister():
+    for handler in _handlers:
+        bpy.types.SpaceView3D.draw_handler_remove(handler, "WINDOW")
+    _handlers.clear()
+    _shown.clear()
+    _begun.clear()

@@ -23,6 +23,14 @@ def draw_sentence(layout, text: str, width: int, icon: str = "ERROR") -> None:
     _draw(layout, textwrap.wrap(text, width), icon)
 
 
+def draw_expression(layout, owner, is_emission: bool = False) -> None:
+    """An expression of one line over all the width, with a button for more."""
+    row = layout.row(align=True)
+    row.use_property_split = False
+    row.prop(owner, "expression", text="")
+    row.operator("sdf_lights.expression_edit", text="", icon="FULLSCREEN_ENTER").emission = is_emission
+
+
 def draw_problem(layout, error: Exception, width: int) -> None:
     """An error in labels. Of one in an expression, the place, what is wrong and the cure begin lines of their own."""
     wrong = error.__cause__

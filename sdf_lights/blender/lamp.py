@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import functools
+from collections import OrderedDict
 
+import bpy
 import numpy as np
 
 from ..render.errors import RenderError
@@ -14,7 +16,12 @@ from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
 from . import emission, parameters
 from .nodes import reading
-from .properties import PRIMITIVES
+from .properties import PRIMITIVES, values_of
+
+
+def _anew(error: ExpressionError) -> ExpressionError:
+    """The same error, to be raised: one that is kept would keep all that has called, such as the engine of a viewport."""
+    return ExpressionError(error.message, error.line, error.column, error.cure)
 
 
 @functools.lru_cache(maxsize=64)
@@ -23,7 +30,7 @@ def _expression_shape(text: str, values: tuple) -> Shape:
     expression = parameters.parsed(text)
     try:
         if isinstance(expression, ExpressionError):
-            raise expression.with_traceback(None)  # or it would remember every call
+            raise _anew(expression)
         return expression.shape(dict(values))
     except ExpressionError as error:
         raise RenderError(f"In its expression: {error}") from error
@@ -43,15 +50,29 @@ def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
         shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner)
     else:
         name = lamp.shape.lower()
-        values = getattr(lamp, name)
-        read = {about.name: getattr(values, about.name) for about in PRIMITIVES[name].fields()}
-        shape = PRIMITIVES[name](
-            **{key: value if isinstance(value, (int, float)) else tuple(value) for key, value in read.items()}
-        )
+        shape = PRIMITIVES[name](**values_of(getattr(lamp, name), name))
     problem = shape.validate()
     if problem:
         raise RenderError(problem)
     return shape
+
+
+LAST_GOOD = "is left out of renders, and shown with its last good shape in viewports."
+_MOST_KEPT = 512
+_good: OrderedDict[int, tuple[Shape, Emission | None]] = OrderedDict()  # by the light's identity in this session
+
+
+def keep(light: bpy.types.Light, shape: Shape, pattern: Emission | None) -> None:
+    """Remember what a lamp was like when it last had a shape and an emission. ``light`` is no evaluated copy."""
+    _good[light.session_uid] = shape, pattern
+    _good.move_to_end(light.session_uid)
+    while len(_good) > _MOST_KEPT:
+        _good.popitem(last=False)
+
+
+def last_good(light: bpy.types.Light) -> tuple[Shape, Emission | None] | None:
+    """Shape and emission that a lamp had before something about it became wrong; None if it never was right."""
+    return _good.get(light.session_uid)
 
 
 @functools.lru_cache(maxsize=64)
@@ -59,7 +80,7 @@ def _emission(text: str, values: tuple) -> Emission:
     expression = emission.parsed(text)
     try:
         if isinstance(expression, ExpressionError):
-            raise expression.with_traceback(None)  # or it would remember every call
+            raise _anew(expression)
         return expression.emission(dict(values))
     except ExpressionError as error:
         raise RenderError(f"In its emission: {error}") from error

@@ -9,7 +9,6 @@ import numpy as np
 from bpy_extras.object_utils import AddObjectHelper, object_data_add
 
 from ..render.errors import RenderError
-from ..sdf import emission_presets
 from ..sdf.catalogue import grouped
 from ..sdf.declarations import USAGE
 from ..sdf.examples import examples
@@ -17,13 +16,17 @@ from ..sdf.shapes import SHAPES
 from ..sdf.shapes.profiles import PROFILES
 from ..sdf.surface_nets import surface_net
 from ..sdf.syntax import ExpressionError
-from . import emission, parameters, readout
+from . import areas, emission, labels, parameters, readout
 from .context import LampOperator, light_of
 from .lamp import pattern_of, shape_of
+from .lamp_presets import load_preset, set_expression
 from .nodes import editor, writing
 from .nodes.tree import output_of, trees
+from .preset_pictures import icon_of
 from .presets import presets
 from .properties import PRIMITIVES, shape_items
+
+_DIALOG_WIDTH, _DIALOG_LETTERS = 700, 100
 
 
 def example_items() -> list[tuple]:
@@ -73,43 +76,10 @@ def profile_expression(name: str, sweep: str) -> str:
     return "\n".join([*lines, f"{sweep}({name}({inner}), {outer})", ""])
 
 
-def _set_text(light: bpy.types.Light, title: str, expression: str) -> None:
-    """Make the light a lamp of this expression: in a text block of its own if it has several lines."""
-    lamp = light.sdf_lamp
-    if "\n" in expression.strip():
-        text = bpy.data.texts.new(title)
-        text.write(expression)
-    else:
-        text, lamp.expression = None, expression.strip()
-    lamp.text, lamp.use, lamp.source = text, True, "EXPRESSION"
-
-
 def load_example(light: bpy.types.Light, name: str) -> None:
     """Make the light a lamp whose expression is an example, in a text block of its own."""
     example = examples()[name.lower()]
-    _set_text(light, example.title, example.text)
-
-
-def load_preset(light: bpy.types.Light, name: str) -> None:
-    """Give the light the shape, colour, emission and power of a preset."""
-    preset = presets()[name.lower()]
-    _set_text(light, preset.title, preset.expression)
-    light.energy, light.exposure = preset.power, 0.0
-    light.sdf_lamp.normalize = True
-    light.use_temperature = preset.temperature > 0.0
-    if light.use_temperature:
-        light.temperature = preset.temperature
-    light.color = preset.color
-    settings = light.sdf_lamp.emission
-    if preset.emission in emission_presets.presets():
-        settings.source = preset.emission.upper()
-    else:
-        settings.text = bpy.data.texts.new(f"{preset.title} Emission")
-        settings.text.write(preset.emission)
-        settings.source = emission.EXPRESSION
-    parameters.update(light)
-    for parameter, value in preset.emission_values.items():
-        light[parameters.PREFIX + emission.PREFIX + parameter] = value
+    set_expression(light, example.title, example.text)
 
 
 class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
@@ -172,7 +142,7 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
         elif self.source == "PRESET":
             load_preset(light, self.preset)
         elif self.source == "PROFILE":
-            _set_text(light, name, profile_expression(self.profile.lower(), self.sweep.lower()))
+            set_expression(light, name, profile_expression(self.profile.lower(), self.sweep.lower()))
         elif self.source == "NODES":
             lamp.nodes = bpy.data.node_groups.get(self.tree) if self.tree else writing.tree_of(name, "sphere(0.5)")
             lamp.source = "NODES"
@@ -232,9 +202,7 @@ class SDFLIGHTS_OT_expression_to_text(LampOperator, bpy.types.Operator):
 
     def execute(self, context):
         light = light_of(context)
-        text = bpy.data.texts.new(light.name)
-        text.write(parameters.text_of(light.sdf_lamp))
-        light.sdf_lamp.text = text
+        light.sdf_lamp.text = parameters.new_text(light.name, parameters.text_of(light.sdf_lamp))
         return {"FINISHED"}
 
 
@@ -263,7 +231,7 @@ class SDFLIGHTS_OT_preset_load(LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
-    """Show the text block of the lamp in a text editor, at the line with the mistake if there is one"""
+    """Show the text block of the lamp in a text editor, which is opened where there is none, at the line with a mistake"""
 
     bl_idname = "sdf_lights.expression_show"
     bl_label = "Show in Text Editor"
@@ -283,18 +251,39 @@ class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
         if isinstance(wrong, ExpressionError):
             line = min(wrong.line, len(text.lines)) - 1
             text.cursor_set(line, character=min(wrong.column - 1, len(text.lines[line].body)))
-        found = [
-            area
-            for window in context.window_manager.windows
-            for area in window.screen.areas
-            if area.type == "TEXT_EDITOR"
-        ]
-        if not found:
-            self.report({"INFO"}, "No text editor is open: change an area's type to Text Editor.")
-        for area in found[:1]:
+        area = areas.area_of(context, "TEXT_EDITOR") or areas.opened(context, "TEXT_EDITOR")
+        if area is None:
+            self.report({"INFO"}, "There is no window for a text editor.")
+        else:
             area.spaces.active.text = text
             area.spaces.active.top = max(text.current_line_index - 5, 0)
             area.tag_redraw()
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_OT_expression_edit(LampOperator, bpy.types.Operator):
+    """Edit the expression in a wide field, with what is wrong with it below"""
+
+    bl_idname = "sdf_lights.expression_edit"
+    bl_label = "Edit Expression"
+
+    emission: bpy.props.BoolProperty(
+        name="Emission", description="Edit the text of the emission, not that of the shape", options={"SKIP_SAVE"}
+    )
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_props_dialog(self, width=_DIALOG_WIDTH)
+
+    def draw(self, context):
+        lamp = light_of(context).sdf_lamp
+        owner, read = (lamp.emission, pattern_of) if self.emission else (lamp, shape_of)
+        self.layout.prop(owner, "expression", text="")
+        try:
+            read(lamp)
+        except RenderError as error:
+            labels.draw_problem(self.layout, error, _DIALOG_LETTERS)
+
+    def execute(self, context):
         return {"FINISHED"}
 
 
@@ -396,12 +385,12 @@ class SDFLIGHTS_MT_examples(bpy.types.Menu):
             self.layout.operator(SDFLIGHTS_OT_example_load.bl_idname, text=title).example = name
 
 
-def _add_menu(idname: str, title: str, source: str, prop: str, items) -> type:
-    """A menu that adds a lamp of one source, by items of an enumeration."""
+def _add_menu(idname: str, title: str, source: str, prop: str, items, icon=lambda name: 0) -> type:
+    """A menu that adds a lamp of one source, by items of an enumeration; ``icon`` gives the number of an item's icon."""
 
     def draw(self, context):
         for name, label, _ in items():
-            operator = self.layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text=label)
+            operator = self.layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text=label, icon_value=icon(name))
             operator.source = source
             setattr(operator, prop, name)
 
@@ -409,7 +398,9 @@ def _add_menu(idname: str, title: str, source: str, prop: str, items) -> type:
 
 
 SDFLIGHTS_MT_examples_add = _add_menu("SDFLIGHTS_MT_examples_add", "Examples", "EXAMPLE", "example", example_items)
-SDFLIGHTS_MT_presets_add = _add_menu("SDFLIGHTS_MT_presets_add", "Presets", "PRESET", "preset", preset_items)
+SDFLIGHTS_MT_presets_add = _add_menu(
+    "SDFLIGHTS_MT_presets_add", "Presets", "PRESET", "preset", preset_items, lambda name: icon_of(name.lower())
+)
 SDFLIGHTS_MT_profiles_add = _add_menu("SDFLIGHTS_MT_profiles_add", "Profiles", "PROFILE", "profile", profile_items)
 
 
@@ -443,6 +434,20 @@ _SHAPES_MENUS = [
 ]
 
 
+_ICONS = {  # of the groups of shapes
+    "Basic": "MESH_UVSPHERE",
+    "Rounded": "MESH_CAPSULE",
+    "Spherical": "SPHERE",
+    "Swept": "MOD_SCREW",
+    "Curved": "HEART",
+    "Tubes": "CURVE_BEZCURVE",
+    "Coils and Knots": "FORCE_VORTEX",
+    "Polyhedra": "MESH_ICOSPHERE",
+    "Minimal Surfaces": "MOD_CAST",
+    "Fractals": "OUTLINER_OB_POINTCLOUD",
+}
+
+
 class SDFLIGHTS_MT_lamp_add(bpy.types.Menu):
     bl_label = "SDF Lamp"
     bl_idname = "SDFLIGHTS_MT_lamp_add"
@@ -451,19 +456,19 @@ class SDFLIGHTS_MT_lamp_add(bpy.types.Menu):
         layout = self.layout
         layout.operator_context = "INVOKE_REGION_WIN"
         for menu in _SHAPES_MENUS:
-            layout.menu(menu.bl_idname)
-        layout.menu(SDFLIGHTS_MT_profiles_add.bl_idname)
+            layout.menu(menu.bl_idname, icon=_ICONS.get(menu.bl_label, "BLANK1"))
+        layout.menu(SDFLIGHTS_MT_profiles_add.bl_idname, icon="MOD_SCREW")
         layout.separator()
-        layout.menu(SDFLIGHTS_MT_presets_add.bl_idname)
-        layout.menu(SDFLIGHTS_MT_examples_add.bl_idname)
+        layout.menu(SDFLIGHTS_MT_presets_add.bl_idname, icon_value=icon_of("campfire"))
+        layout.menu(SDFLIGHTS_MT_examples_add.bl_idname, icon="TEXT")
         layout.separator()
-        layout.menu(SDFLIGHTS_MT_nodes_add.bl_idname)
-        layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text="From an Expression").source = "EXPRESSION"
+        layout.menu(SDFLIGHTS_MT_nodes_add.bl_idname, icon="NODETREE")
+        layout.operator(SDFLIGHTS_OT_lamp_add.bl_idname, text="From an Expression", icon="SCRIPT").source = "EXPRESSION"
 
 
 def draw_menu(self, context):
     """Entry in Add > Light."""
-    self.layout.menu(SDFLIGHTS_MT_lamp_add.bl_idname, icon="LIGHT_POINT")
+    self.layout.menu(SDFLIGHTS_MT_lamp_add.bl_idname, icon_value=icon_of("neon_ring"))
 
 
 def draw_convert(self, context):
@@ -483,6 +488,7 @@ CLASSES = (
     SDFLIGHTS_OT_preset_load,
     SDFLIGHTS_OT_expression_to_text,
     SDFLIGHTS_OT_expression_show,
+    SDFLIGHTS_OT_expression_edit,
     SDFLIGHTS_OT_parameters_remove,
     SDFLIGHTS_OT_lamp_to_mesh,
     SDFLIGHTS_MT_examples,

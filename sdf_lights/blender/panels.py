@@ -5,21 +5,14 @@
 Blender's own panels for other engines are reused where they fit (``stock_panels``).
 """
 
-import math
-
 import bpy
-import numpy as np
 
-from ..render.errors import RenderError
-from ..sdf.shapes import Shape
-from ..sdf.syntax import ExpressionError
-from . import cycles, feedback, labels, parameters, readout, viewport
-from .context import LampTab, lamp_of
-from .lamp import pattern_of, shape_of
-from .naming import ENGINE, LABEL
+from . import cycles, feedback
+from .lamp_panels import draw_emission
+from .lamp_presets import SDFLIGHTS_PT_lamp_presets
+from .naming import ENGINE
 from .passes import owner_of, switches
 from .preferences import draw_back_end
-from .properties import PRIMITIVES
 from .sampling_presets import SDFLIGHTS_PT_sampling_presets, SDFLIGHTS_PT_viewport_sampling_presets
 
 # Blender's panels for every engine that say what is not so here, or that stand below in another form.
@@ -30,7 +23,6 @@ _EXCLUDED = {
     "NODE_DATA_PT_light",
     "NODE_DATA_PT_spot",
     "RENDER_PT_freestyle",
-    "RENDER_PT_simplify",
     "VIEWLAYER_PT_filter",
     "VIEWLAYER_PT_layer_passes",
     "VIEWLAYER_PT_freestyle",
@@ -164,40 +156,23 @@ _RENDER = (
     _settings_panel(
         "SDFLIGHTS_PT_sampling_viewport",
         "Viewport",
-        ("noise_threshold", "samples", "min_samples", "time_limit"),
+        ("noise_threshold", "samples", "min_samples", "time_limit", "denoise"),
         "SDFLIGHTS_PT_sampling",
         viewport=True,
         closed=True,
         presets=SDFLIGHTS_PT_viewport_sampling_presets,
     ),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_viewport_denoise",
-        "Denoise",
-        (),
-        "SDFLIGHTS_PT_sampling_viewport",
-        viewport=True,
-        closed=True,
-        header="denoise",
-    ),
-    _settings_panel(
         "SDFLIGHTS_PT_sampling_render",
         "Render",
-        ("noise_threshold", "samples", "min_samples", "time_limit"),
+        ("noise_threshold", "samples", "min_samples", "time_limit", "denoise"),
         "SDFLIGHTS_PT_sampling",
         presets=SDFLIGHTS_PT_sampling_presets,
     ),
     _settings_panel(
-        "SDFLIGHTS_PT_sampling_render_denoise",
-        "Denoise",
-        (),
-        "SDFLIGHTS_PT_sampling_render",
-        closed=True,
-        header="denoise",
-    ),
-    _settings_panel(
         "SDFLIGHTS_PT_sampling_advanced",
         "Advanced",
-        ("seed", "animate_seed", "guided_samples", "indirect_paths"),
+        ("seed", "animate_seed", "sample_offset", "guided_samples", "indirect_paths"),
         "SDFLIGHTS_PT_sampling",
         closed=True,
     ),
@@ -225,7 +200,7 @@ _RENDER = (
     _settings_panel(
         "SDFLIGHTS_PT_light_paths_caustics",
         "Caustics",
-        ("caustics_reflective", "caustics_refractive"),
+        ("filter_glossy", "caustics_reflective", "caustics_refractive"),
         "SDFLIGHTS_PT_light_paths",
         closed=True,
     ),
@@ -285,114 +260,6 @@ class SDFLIGHTS_PT_override(_Panel, bpy.types.Panel):
 # -- light -------------------------------------------------------------------------------------------------------------
 
 
-def draw_emission(layout, light) -> None:
-    """Colour and power, which an SDF lamp shares with Blender's lights."""
-    column = layout.column()
-    row = column.column(heading="Temperature", align=True).row(align=True)
-    row.prop(light, "use_temperature", text="")
-    value = row.row()
-    value.active = light.use_temperature
-    value.prop(light, "temperature", text="")
-    column.prop(light, "color", text="Tint" if light.use_temperature else "Color")
-    lamp = light.sdf_lamp
-    if lamp.use and not lamp.normalize:
-        column.prop(lamp, "density")
-    else:
-        column.prop(light, "energy", text="Strength" if light.type == "SUN" and not lamp.use else "Power")
-    column.prop(light, "exposure")
-    column.prop(lamp if lamp.use else light, "normalize")
-
-
-def draw_shape(layout, light, obj, width: int) -> None:
-    """Where the shape of an SDF lamp comes from, and its problems, in lines of ``width`` letters."""
-    lamp = light.sdf_lamp
-    layout.prop(lamp, "source")
-    if lamp.source == "EXPRESSION":
-        _draw_expression(layout, lamp)
-    elif lamp.source == "NODES":
-        _draw_nodes(layout, lamp)
-    else:
-        layout.prop(lamp, "shape")
-        name = lamp.shape.lower()
-        for about in PRIMITIVES[name].fields():
-            layout.prop(getattr(lamp, name), about.name)
-    try:
-        _placed_shape(lamp, obj)
-    except RenderError as error:
-        column = layout.column()
-        column.alert = True
-        labels.draw_problem(column, error, width)
-        if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
-            layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
-    row = layout.row(align=True)
-    if lamp.source != "NODES":
-        row.operator("sdf_lights.nodes_new", text="To Nodes", icon="NODETREE")
-    if lamp.source != "EXPRESSION":
-        row.operator("sdf_lights.nodes_to_expression", text="To Expression", icon="TEXT")
-
-
-def _draw_expression(layout, lamp) -> None:
-    layout.template_ID(lamp, "text", new="sdf_lights.expression_to_text", open="text.open")
-    if lamp.text is None:
-        layout.prop(lamp, "expression")
-    else:
-        layout.operator("sdf_lights.expression_show", icon="TEXT")
-    layout.menu("SDFLIGHTS_MT_examples", text="Load Example")
-    _draw_parameters(layout, lamp)
-
-
-def _draw_nodes(layout, lamp) -> None:
-    layout.template_ID(lamp, "nodes", new="sdf_lights.nodes_new")
-    if lamp.nodes is not None:
-        layout.operator("sdf_lights.nodes_show", icon="NODETREE")
-        _draw_parameters(layout, lamp)
-
-
-def _draw_parameters(layout, lamp) -> None:
-    """Properties that an expression or a node tree declares."""
-    if parameters.missing(lamp):
-        parameters.update_soon(lamp.id_data)  # nothing may be changed while drawing
-    column = layout.column()
-    for declared in parameters.declarations(lamp):
-        if parameters.exists(lamp.id_data, declared):
-            label = declared.name.replace("_", " ").title()
-            column.prop(lamp.id_data, parameters.path(declared), text=label)
-    unused = parameters.unused(lamp.id_data)
-    if unused:
-        layout.operator("sdf_lights.parameters_remove", text=f"Remove {len(unused)} Unused", icon="TRASH")
-
-
-def _placed_shape(lamp, obj) -> tuple[Shape, np.ndarray]:
-    """The shape of a lamp, and the matrix of its object. Raises RenderError where there is nothing that could glow."""
-    matrix = np.array([tuple(row) for row in obj.matrix_world] if obj is not None else np.eye(4), np.float64)
-    shape = shape_of(lamp, matrix)
-    if not np.isfinite(matrix).all() or math.isclose(np.linalg.det(matrix[:3, :3]), 0.0, abs_tol=1e-30):
-        raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
-    return shape, matrix
-
-
-def draw_readout(layout, light, obj, width: int) -> None:
-    """What is known of a lamp's shape, in lines of ``width`` letters."""
-    lamp = light.sdf_lamp
-    try:
-        shape, matrix = _placed_shape(lamp, obj)
-    except RenderError:  # which the panel of the shape says
-        layout.label(text="There is no shape")
-        return
-    try:
-        pattern = pattern_of(lamp, matrix)
-    except RenderError:  # which the panel of the emission says
-        pattern = None
-    column = layout.column(align=True)
-    for line in readout.facts(shape, matrix, light, pattern):
-        column.label(text=line)
-    if not shape.certified:
-        labels.draw_sentence(layout, "Thin parts may be missing", width, "INFO")
-    problem = viewport.proxy_error(light)
-    if problem:
-        labels.draw_sentence(layout, f"In the viewport: {problem}", width)
-
-
 class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
     bl_label = "Light"
     bl_context = "data"
@@ -400,6 +267,10 @@ class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
     @classmethod
     def poll(cls, context):
         return super().poll(context) and context.light is not None
+
+    def draw_header_preset(self, context):
+        if context.light.sdf_lamp.use:
+            SDFLIGHTS_PT_lamp_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
         if not context.light.sdf_lamp.use:
@@ -409,10 +280,10 @@ class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
     def draw_properties(self, layout, context):
         light = context.light
         layout.prop(light.sdf_lamp, "use")
-        layout.prop(light.sdf_lamp, "use_pass")
-        draw_emission(layout, light)
         if light.sdf_lamp.use:
             return
+        layout.prop(light.sdf_lamp, "use_pass")
+        draw_emission(layout, light)
         column = layout.column()
         if light.type in {"POINT", "SPOT"}:
             column.prop(light, "shadow_soft_size", text="Radius")
@@ -435,19 +306,17 @@ class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
         column.prop(light, "use_shadow", text="Cast Shadow")
 
 
-class SDFLIGHTS_PT_lamp(_Panel, bpy.types.Panel):
-    bl_label = "Shape"
-    bl_context = "data"
-    bl_parent_id = "SDFLIGHTS_PT_light"
+class SDFLIGHTS_PT_world_preview(_Panel, bpy.types.Panel):
+    bl_label = "Preview"
+    bl_context = "world"
+    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and context.light is not None and context.light.sdf_lamp.use
+        return super().poll(context) and context.world is not None
 
-    def draw_properties(self, layout, context):
-        draw_shape(layout, context.light, context.object, labels.letters(context))
-        layout.prop(context.light.sdf_lamp, "visible_camera", text="Visible to Camera")
-        draw_readout(layout, context.light, context.object, labels.letters(context))
+    def draw(self, context):
+        self.layout.template_preview(context.world)
 
 
 # -- object ------------------------------------------------------------------------------------------------------------
@@ -468,71 +337,6 @@ class SDFLIGHTS_PT_object_visibility(_Panel, bpy.types.Panel):
             column.prop(context.object, f"visible_{name}", text=name.title())
 
 
-# -- 3D view -----------------------------------------------------------------------------------------------------------
-
-
-class _View3D(LampTab):
-    """What the panels of a lamp in the lamps' tab have in common."""
-
-    @classmethod
-    def poll(cls, context):
-        return lamp_of(context) is not None
-
-    def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        self.draw_properties(layout, context)
-
-    def draw_properties(self, layout, context):
-        raise NotImplementedError
-
-
-class SDFLIGHTS_PT_view3d(LampTab, bpy.types.Panel):
-    bl_label = "SDF Lamp"
-
-    def draw(self, context):
-        layout, obj = self.layout, context.object
-        if obj is None or obj.type != "LIGHT":
-            layout.menu("SDFLIGHTS_MT_lamp_add", text="Add SDF Lamp", icon="LIGHT_POINT")
-            return
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        layout.prop(obj.data.sdf_lamp, "use")
-        if context.engine != ENGINE:
-            labels.draw_sentence(
-                layout,
-                f"Renders as a point light: choose {LABEL} in Render Properties",
-                labels.letters(context),
-                "INFO",
-            )
-
-
-class SDFLIGHTS_PT_view3d_shape(_View3D, bpy.types.Panel):
-    bl_label = "Shape"
-    bl_parent_id = "SDFLIGHTS_PT_view3d"
-
-    def draw_properties(self, layout, context):
-        draw_shape(layout, context.object.data, context.object, labels.letters(context))
-
-
-class SDFLIGHTS_PT_view3d_emission(_View3D, bpy.types.Panel):
-    bl_label = "Emission"
-    bl_parent_id = "SDFLIGHTS_PT_view3d"
-
-    def draw_properties(self, layout, context):
-        draw_emission(layout, context.object.data)
-        layout.prop(context.object.data.sdf_lamp, "visible_camera", text="Visible to Camera")
-
-
-class SDFLIGHTS_PT_view3d_readout(_View3D, bpy.types.Panel):
-    bl_label = "Readout"
-    bl_parent_id = "SDFLIGHTS_PT_view3d"
-
-    def draw_properties(self, layout, context):
-        draw_readout(layout, context.object.data, context.object, labels.letters(context))
-
-
 # -- registration ------------------------------------------------------------------------------------------------------
 
 CLASSES = (
@@ -540,12 +344,8 @@ CLASSES = (
     *_PASSES,
     SDFLIGHTS_PT_override,
     SDFLIGHTS_PT_light,
-    SDFLIGHTS_PT_lamp,
+    SDFLIGHTS_PT_world_preview,
     SDFLIGHTS_PT_object_visibility,
-    SDFLIGHTS_PT_view3d,
-    SDFLIGHTS_PT_view3d_shape,
-    SDFLIGHTS_PT_view3d_emission,
-    SDFLIGHTS_PT_view3d_readout,
 )
 
 

@@ -26,6 +26,22 @@ from .nodes.reading import declarations_of, has_emission
 PREFIX = "sdf_"
 
 
+def overridable(annotations: dict) -> dict:
+    """Properties of a group, which library overrides may change."""
+    return {
+        name: made.function(**made.keywords | {"override": {"LIBRARY_OVERRIDABLE"}})
+        for name, made in annotations.items()
+    }
+
+
+def new_text(title: str, text: str) -> bpy.types.Text:
+    """A text block for a lamp, which files lose when no lamp has it any more. Blender keeps those of its own for ever."""
+    made = bpy.data.texts.new(title)
+    made.write(text)
+    made.use_fake_user = False
+    return made
+
+
 def text_of(lamp) -> str:
     """Text of a lamp's expression: that of its text block where there is one."""
     return lamp.text.as_string() if lamp.text is not None else lamp.expression
@@ -133,6 +149,17 @@ def _stored(declaration: Declaration, value):
     return kind(value)
 
 
+def is_temperature(declaration: Declaration) -> bool:
+    """Whether the remark on a parameter says that it is in kelvins."""
+    return declaration.kind == "slider" and declaration.description.rstrip(" .").endswith("in kelvins")
+
+
+def label_of(declaration: Declaration) -> str:
+    """Name of a parameter in panels."""
+    label = declaration.name.removeprefix(emission.PREFIX).replace("_", " ").title()
+    return f"{label} Temperature" if is_temperature(declaration) and "Temp" not in label else label
+
+
 def _ui(declaration: Declaration) -> dict:
     """What the user interface is told of the property."""
     about = {"description": declaration.description, "subtype": "NONE"}
@@ -146,6 +173,8 @@ def _ui(declaration: Declaration) -> dict:
         low, high, about["subtype"] = low[0], high[0], "XYZ"
     if declaration.kind == "angle":
         about["subtype"] = "ANGLE"
+    elif is_temperature(declaration):
+        about["subtype"] = "COLOR_TEMPERATURE"
     return about | {
         "default": _stored(declaration, declaration.default),
         "min": low,

@@ -8,6 +8,7 @@ import bpy
 
 from ..render.passes import (
     MATTES,
+    OLD_NAMES,
     PASSES,
     Kind,
     Owner,
@@ -19,30 +20,10 @@ from ..render.passes import (
 )
 from .properties import group
 
-# Names before Blender 5.0, which compositor nodes and file names of that time go by.
-_OLD_NAMES = (
-    {
-        "Emission": "Emit",
-        "Environment": "Env",
-        "Ambient Occlusion": "AO",
-        "Object Index": "IndexOB",
-        "Material Index": "IndexMA",
-        "Volume Direct": "VolumeDir",
-        "Volume Indirect": "VolumeInd",
-        **{
-            f"{name} {part}": f"{short}{part[:3]}"
-            for name, short in (("Diffuse", "Diff"), ("Glossy", "Gloss"), ("Transmission", "Trans"))
-            for part in ("Direct", "Indirect", "Color")
-        },
-    }
-    if bpy.app.version < (5, 0, 0)
-    else {}
-)
-
 
 def blender_name(item: Pass) -> str:
     """The name that this version of Blender has for a pass."""
-    return _OLD_NAMES.get(item.name, item.name)
+    return OLD_NAMES.get(item.name, item.name) if bpy.app.version < (5, 0, 0) else item.name
 
 
 def _own_switches() -> dict:

@@ -1,13 +1,19 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's preferences: which back end there is, and what is lost without it."""
+"""The add-on's preferences: which back end there is, what is lost without it, compiled kernels, and the log."""
 
 import functools
 import importlib.util
+import sys
+import time
 
 import bpy
 
+from .. import kernel_cache
+from . import command_line, compiling
 from .naming import ROOT
+
+_SECONDS = 2.0  # for which the size of the cache is not looked up again
 
 
 @functools.lru_cache(maxsize=1)
@@ -17,8 +23,13 @@ def back_end() -> tuple[bool, str]:
         return True, "Numba is available: renders run as machine code on all processor cores."
     return False, (
         "Numba is missing: renders run in plain NumPy, about a hundred times slower; install the extension from the "
-        "zip made for this Blender version."
+        f"zip made for this Blender version, whose name ends with {zip_ending()}."
     )
+
+
+def zip_ending() -> str:
+    """How the names of zips end that have Numba for this Python."""
+    return "-python{}.{}.zip".format(*sys.version_info[:2])
 
 
 def draw_back_end(layout) -> None:
@@ -29,19 +40,72 @@ def draw_back_end(layout) -> None:
         column.label(text=line, icon="NONE" if i else "CHECKMARK" if available else "ERROR")
 
 
+_sizes: dict[str, tuple[float, int]] = {}
+
+
+def _cache_size() -> int:
+    folder, now = kernel_cache.cache_folder(), time.monotonic()
+    since, found = _sizes.get(str(folder), (-_SECONDS, 0))
+    if now - since >= _SECONDS:
+        found = kernel_cache.size(folder)
+        _sizes[str(folder)] = now, found
+    return found
+
+
+def draw_cache(layout) -> None:
+    """Where compiled kernels are, how large they are, and a button that deletes them."""
+    row = layout.split(factor=0.75)
+    row.label(text=f"Compiled kernels: {_cache_size() / 1e6:,.0f} MB in {kernel_cache.cache_folder()}")
+    row.operator(SDFLIGHTS_OT_kernels_clear.bl_idname, icon="TRASH")
+    if kernel_cache.problem():
+        layout.label(text=kernel_cache.problem(), icon="ERROR")
+
+
+class SDFLIGHTS_OT_kernels_clear(bpy.types.Operator):
+    """Delete the compiled kernels: the next start of Blender compiles again what it needs"""
+
+    bl_idname = "sdf_lights.kernels_clear"
+    bl_label = "Clear"
+
+    def execute(self, context):
+        kernel_cache.clear(kernel_cache.cache_folder())
+        _sizes.clear()
+        return {"FINISHED"}
+
+
+def _write_log(self, context):
+    command_line.write_log(self.log_level.lower())
+
+
 class SDFLIGHTS_Preferences(bpy.types.AddonPreferences):
     bl_idname = ROOT
 
+    log_level: bpy.props.EnumProperty(
+        name="Log",
+        description="What the add-on writes to the console while it works; --sdf-log on the command line goes before it",
+        default="WARNING",
+        update=_write_log,
+        items=[
+            ("ERROR", "Errors", "What fails"),
+            ("WARNING", "Warnings", "What is not as the scene says, too"),
+            ("INFO", "Information", "What is done, and how long it takes, too"),
+            ("DEBUG", "Debug", "All there is"),
+        ],
+    )
+
     def draw(self, context):
         draw_back_end(self.layout)
+        compiling.draw(self.layout)
+        draw_cache(self.layout)
+        self.layout.prop(self, "log_level")
+        self.layout.operator("sdf_lights.report_copy", icon="COPYDOWN")
+        self.layout.operator("sdf_lights.asset_library_add", icon="ASSET_MANAGER")
 
 
-CLASSES = (SDFLIGHTS_Preferences,)
+CLASSES = (SDFLIGHTS_OT_kernels_clear, SDFLIGHTS_Preferences)
 
 
 def register():
-    pass
-
-
-def unregister():
-    pass
+    addon = bpy.context.preferences.addons.get(ROOT)
+    if addon is not None and addon.preferences.log_level != "WARNING":
+        command_line.write_log(addon.preferences.log_level.lower())

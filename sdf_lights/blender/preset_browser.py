@@ -5,24 +5,20 @@
 from __future__ import annotations
 
 import bpy
-import bpy.utils.previews
 
 from .context import LampTab, light_of
 from .operators import SDFLIGHTS_OT_lamp_add, SDFLIGHTS_OT_preset_load
+from .preset_pictures import icon_of
 from .presets import presets
 
-_pictures = None
 _items: list[tuple] = []  # Blender keeps no reference to the strings that it shows
 
 
 def items(self=None, context=None) -> list[tuple]:
     """Items of an EnumProperty with the presets' pictures."""
-    global _pictures
     if not _items:
-        _pictures = bpy.utils.previews.new()
         for index, (name, preset) in enumerate(presets().items()):
-            picture = _pictures.load(name, str(preset.picture), "IMAGE")
-            _items.append((name.upper(), preset.title, "", picture.icon_id, index))
+            _items.append((name.upper(), preset.title, "", icon_of(name), index))
     return _items
 
 
@@ -56,9 +52,5 @@ def register():
 
 
 def unregister():
-    global _pictures
     del bpy.types.WindowManager.sdf_lights_preset
     _items.clear()
-    if _pictures is not None:
-        bpy.utils.previews.remove(_pictures)
-        _pictures = None

@@ -12,6 +12,7 @@ import math
 import zlib
 
 import bpy
+from bpy.app.handlers import persistent
 
 from ..render.settings import Settings
 from ..sdf.catalogue import grouped
@@ -167,10 +168,16 @@ _SHAPE_GROUPS = {
     name: group(
         f"SDFLIGHTS_Shape_{name}",
         f"Parameters of the shape {shape.label()}",
-        {about.name: parameter_property(about) for about in shape.fields()},
+        parameters.overridable({about.name: parameter_property(about) for about in shape.fields()}),
     )
     for name, shape in PRIMITIVES.items()
 }
+
+
+def values_of(group, shape: str) -> dict:
+    """Parameters of a primitive as its properties have them."""
+    found = {about.name: getattr(group, about.name) for about in PRIMITIVES[shape].fields()}
+    return {name: value if isinstance(value, (int, float)) else tuple(value) for name, value in found.items()}
 
 
 def _summary(shape: type[Shape]) -> str:
@@ -197,82 +204,120 @@ def expression_changed(self, context):
     parameters.update(self.id_data)
 
 
+def make_groups(lamp) -> None:
+    """Let the file hold the parameters of every shape, also where they are the defaults.
+
+    Blender keeps library overrides of a group only where the file that is linked has the group.
+    """
+    for name, kind in PRIMITIVES.items():
+        values, first = getattr(lamp, name), kind.fields()[0].name
+        if not values.is_property_set(first):
+            setattr(values, first, getattr(values, first))
+    if not lamp.emission.is_property_set("source"):
+        lamp.emission.source = lamp.emission.source
+
+
+def _use_changed(self, context):
+    if self.use and self.id_data.is_editable:
+        make_groups(self)
+
+
+@persistent
+def _make_all_groups(*_):
+    """Lamps of files from before."""
+    for light in bpy.data.lights:
+        if light.library is None and light.override_library is None and light.sdf_lamp.use:
+            make_groups(light.sdf_lamp)
+
+
 SDFLIGHTS_LampSettings = group(
     "SDFLIGHTS_LampSettings",
     "Settings of an SDF lamp",
-    {
-        "use": bpy.props.BoolProperty(
-            name="SDF Lamp",
-            description="The inside of a shape glows, in the SDF Lights engine; other engines render the "
-            "light as it is",
-            default=False,
-            update=tag,
-        ),
-        "source": bpy.props.EnumProperty(
-            name="Source",
-            description="Where the shape of the lamp comes from",
-            update=expression_changed,
-            items=[
-                ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
-                ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
-                ("NODES", "Nodes", "Shapes combined by a node tree", 2),
-            ],
-        ),
-        "shape": bpy.props.EnumProperty(
-            name="Shape", description="Shape of the lamp", items=shape_items(), default="SPHERE", update=tag
-        ),
-        "expression": bpy.props.StringProperty(
-            name="Expression",
-            description="Formula of the shape, such as union(torus(1, 0.3), sphere(0.5))",
-            default="union(torus(0.5, 0.1), sphere(0.2))",
-            update=expression_changed,
-        ),
-        "text": bpy.props.PointerProperty(
-            name="Text",
-            description="Text block with the expression, if it has several lines",
-            type=bpy.types.Text,
-            update=expression_changed,
-        ),
-        "nodes": bpy.props.PointerProperty(
-            name="Nodes",
-            description="Node tree whose Lamp Output is the shape",
-            type=bpy.types.NodeTree,
-            poll=lambda self, tree: tree.bl_idname == NODE_TREE,
-            update=expression_changed,
-        ),
-        "normalize": bpy.props.BoolProperty(
-            name="Normalize",
-            description="Keep the power of the whole lamp when its size or shape changes. "
-            "Without it, the radiance per metre stays the same",
-            default=True,
-            update=tag,
-        ),
-        "density": bpy.props.FloatProperty(
-            name="Radiance per Metre",
-            description="Radiance (watts per square metre and steradian) that a ray gains in each metre inside the lamp",
-            default=1.0,
-            min=0.0,
-            soft_max=100.0,
-            precision=3,
-            update=tag,
-        ),
-        "use_pass": bpy.props.BoolProperty(
-            name="Pass",
-            description="The light has a render pass of its own, in every view layer",
-            default=False,
-            update=_passes_changed,
-        ),
-        "visible_camera": bpy.props.BoolProperty(
-            # Blender creates every light hidden from the camera, which is for lights without a shape of their own.
-            name="Camera",
-            description="The camera sees the lamp itself. The switch of the object is for the light "
-            "that other engines show",
-            default=True,
-            update=tag,
-        ),
-        "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
-    }
-    | {name: bpy.props.PointerProperty(type=kind) for name, kind in _SHAPE_GROUPS.items()},
+    parameters.overridable(
+        {
+            "use": bpy.props.BoolProperty(
+                name="SDF Lamp",
+                description="The inside of a shape glows, in the SDF Lights engine; other engines render the "
+                "light as it is",
+                default=False,
+                update=_use_changed,
+            ),
+            "source": bpy.props.EnumProperty(
+                name="Source",
+                description="Where the shape of the lamp comes from",
+                update=expression_changed,
+                items=[
+                    ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
+                    ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
+                    ("NODES", "Nodes", "Shapes combined by a node tree", 2),
+                ],
+            ),
+            "shape": bpy.props.EnumProperty(
+                name="Shape", description="Shape of the lamp", items=shape_items(), default="SPHERE", update=tag
+            ),
+            "expression": bpy.props.StringProperty(
+                name="Expression",
+                description="Formula of the shape, such as union(torus(1, 0.3), sphere(0.5))",
+                default="union(torus(0.5, 0.1), sphere(0.2))",
+                update=expression_changed,
+            ),
+            "text": bpy.props.PointerProperty(
+                name="Text",
+                description="Text block with the expression, if it has several lines",
+                type=bpy.types.Text,
+                update=expression_changed,
+            ),
+            "nodes": bpy.props.PointerProperty(
+                name="Nodes",
+                description="Node tree whose Lamp Output is the shape",
+                type=bpy.types.NodeTree,
+                poll=lambda self, tree: tree.bl_idname == NODE_TREE,
+                update=expression_changed,
+            ),
+            "normalize": bpy.props.BoolProperty(
+                name="Normalize",
+                description="Keep the power of the whole lamp when its size or shape changes. "
+                "Without it, the radiance per metre stays the same",
+                default=True,
+                update=tag,
+            ),
+            "density": bpy.props.FloatProperty(
+                name="Radiance per Metre",
+                description="Radiance (watts per square metre and steradian) that a ray gains in each metre inside the lamp",
+                default=1.0,
+                min=0.0,
+                soft_max=100.0,
+                precision=3,
+                update=tag,
+            ),
+            "use_pass": bpy.props.BoolProperty(
+                name="Pass",
+                description="The light has a render pass of its own, in every view layer",
+                default=False,
+                update=_passes_changed,
+            ),
+            "visible_camera": bpy.props.BoolProperty(
+                # Blender creates every light hidden from the camera, which is for lights without a shape of their own.
+                name="Camera",
+                description="The camera sees the lamp itself. The switch of the object is for the light "
+                "that other engines show",
+                default=True,
+                update=tag,
+            ),
+            "camera_brightness": bpy.props.FloatProperty(
+                name="Camera Brightness",
+                description="Brightness of the lamp itself to the camera, as a factor. "
+                "The light that it casts stays the same",
+                default=1.0,
+                min=0.0,
+                soft_max=1.0,
+                precision=3,
+                update=tag,
+            ),
+            "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
+        }
+        | {name: bpy.props.PointerProperty(type=kind) for name, kind in _SHAPE_GROUPS.items()}
+    ),
 )
 
 
@@ -294,9 +339,12 @@ POINTERS = (
 
 def register():
     for owner, name, group in POINTERS:
-        setattr(owner, name, bpy.props.PointerProperty(name="SDF Lights", type=group))
+        pointer = bpy.props.PointerProperty(name="SDF Lights", type=group, override={"LIBRARY_OVERRIDABLE"})
+        setattr(owner, name, pointer)
+    bpy.app.handlers.load_post.append(_make_all_groups)
 
 
 def unregister():
+    bpy.app.handlers.load_post.remove(_make_all_groups)
     for owner, name, _ in POINTERS:
         delattr(owner, name)

@@ -2,13 +2,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What there is to know of a lamp's shape, for panels: volume, power, bounds, size. Nothing here may hold up drawing.
 
-What takes longer than a redraw is found once for each shape, by a timer while Blender is idle, and kept.
+What takes longer than a redraw is found once for each shape, by a thread, and kept: first a volume, within a budget of
+time; then whether rays are certain to miss nothing, which may take seconds. The next edit ends the thread.
 """
 
 from __future__ import annotations
 
+import atexit
 import functools
 import math
+import threading
 import time
 from typing import NamedTuple
 
@@ -16,6 +19,7 @@ import bpy
 import numpy as np
 
 from ..graph import formula
+from ..interruption import Interrupted, Watch, watched
 from ..sdf.emission import Emission
 from ..sdf.program import NoClosedForm
 from ..sdf.shapes import BOUND, EXACT, Shape
@@ -40,8 +44,24 @@ class Volume(NamedTuple):
     glow: float = 1.0
 
 
+_POLL = 0.1  # seconds between two looks at whether it is found
+
+_certain: dict[Shape, bool] = {}
 _found: dict[tuple[Shape, Emission | None], Volume] = {}
 _wanted: list[tuple[float, Shape, Emission | None]] = []
+_finders: list["_Finder"] = []  # at most one
+
+
+def certain(shape: Shape) -> bool:
+    """Whether rays are certain to miss nothing of a shape. Of fields that is found while Blender is idle; until then they
+    count as certain."""
+    return shape.certified and _certain.get(shape, True)
+
+
+def _wonder(shape: Shape, pattern: Emission | None) -> None:
+    """Find out whether a shape is certain, where the thread that was at it has been ended by another shape."""
+    if shape.certified and (shape, pattern) in _found and shape not in _certain:
+        _want(shape, pattern)
 
 
 def volume_of(shape: Shape, pattern: Emission | None = None) -> Volume | None:
@@ -54,28 +74,88 @@ def volume_of(shape: Shape, pattern: Emission | None = None) -> Volume | None:
         return Volume(exact, 0.0)
     if (shape, pattern) in _found:
         return _found[shape, pattern]
-    if not bpy.app.background:
-        if not _wanted:
-            bpy.app.timers.register(_find, first_interval=_REST)
-        _wanted[:] = [(time.monotonic(), shape, pattern)]
+    _want(shape, pattern)
     return None
 
 
+def _want(shape: Shape, pattern: Emission | None) -> None:
+    if bpy.app.background or any(finder.busy and finder.lit == (shape, pattern) for finder in _finders):
+        return
+    if not bpy.app.timers.is_registered(_find):
+        bpy.app.timers.register(_find, first_interval=_REST)
+    _wanted[:] = [(time.monotonic(), shape, pattern)]
+
+
+class _Finder:
+    """A thread that finds what panels show of a shape. ``news``: it has found something since that was last False."""
+
+    def __init__(self, shape: Shape, pattern: Emission | None):
+        self.lit, self._ended, self.news = (shape, pattern), False, False
+        self._thread = threading.Thread(target=self._work, name="SDF Lights: readout", daemon=True)
+        self._thread.start()
+
+    @property
+    def busy(self) -> bool:
+        return self._thread.is_alive()
+
+    def end(self) -> None:
+        """End it, and wait for that."""
+        self._ended = True
+        self._thread.join()
+
+    def _work(self) -> None:
+        from ..emitter.building.build import is_certified  # not sooner: it imports Numba, which takes a second
+
+        try:
+            with watched(Watch(lambda: self._ended)):
+                if self.lit not in _found:
+                    _keep(_found, self.lit, estimate(*self.lit, _BUDGET))
+                    self.news = True
+                _keep(_certain, self.lit[0], is_certified(self.lit[0]))
+                self.news = True
+        except Interrupted:
+            pass
+
+
+def _keep(known: dict, key, value) -> None:
+    while len(known) >= _MOST_KEPT:
+        del known[next(iter(known))]
+    known[key] = value
+
+
 def _find() -> float | None:
-    if not _wanted:
+    """A timer: begins what is wanted once edits rest, and lets panels be drawn again when there is something new."""
+    if _wanted:
+        asked, *wanted = _wanted[-1]
+        if time.monotonic() - asked < _REST:
+            return _REST
+        _wanted.clear()
+        end()
+        _finders.append(_Finder(*wanted))
+    if not _finders:
         return None
-    asked, *wanted = _wanted[-1]
-    if time.monotonic() - asked < _REST:
-        return _REST
-    _wanted.clear()
-    while len(_found) >= _MOST_KEPT:
-        del _found[next(iter(_found))]
-    _found[tuple(wanted)] = estimate(*wanted, _BUDGET)
+    finder = _finders[0]
+    busy = finder.busy
+    if finder.news:
+        finder.news = False
+        _redraw()
+    if not busy and not _wanted:
+        _finders.clear()
+        return None
+    return _POLL
+
+
+def end() -> None:
+    """End the thread, if there is one."""
+    while _finders:
+        _finders.pop().end()
+
+
+def _redraw() -> None:
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type in {"PROPERTIES", "VIEW_3D"}:
                 area.tag_redraw()
-    return None
 
 
 def estimate(shape: Shape, pattern: Emission | None, budget: float) -> Volume:
@@ -117,12 +197,12 @@ def power_of(
 
 
 @functools.lru_cache(maxsize=256)
-def _shape_facts(shape: Shape) -> tuple[str, ...]:
+def _shape_facts(shape: Shape, certified: bool) -> tuple[str, ...]:
     try:
         kind = f"closed form, {_counted(len(shape.program()), 'instruction')}"
     except NoClosedForm:
         kind = f"field, {_counted(len(formula.order(shape.formula())), 'operation')}"
-    field = _EXACTNESS.get(shape.exactness, "sign only") if shape.certified else "not certified"
+    field = _EXACTNESS.get(shape.exactness, "sign only") if certified else "not certified"
     parts = _counted(shape.size, "part") + (f", {shape.depth} deep" if shape.size > 1 else "")
     return f"Field: {field}", f"Tree: {parts}", f"Rays: {kind}"
 
@@ -135,6 +215,7 @@ def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emi
     """Lines about a lamp with this shape and emission under a matrix (4 × 4)."""
     scale = abs(float(np.linalg.det(matrix[:3, :3])))
     volume = volume_of(shape)
+    _wonder(shape, None)
     lines = [
         "Volume: …"
         if volume is None
@@ -147,7 +228,12 @@ def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emi
     lines.append("Power: …" if power is None else f"Power: {about}{power:.4g} W")
     low, high = _bounds(shape, matrix.tobytes())
     lines.append("Bounds: " + " × ".join(f"{extent:.3g}" for extent in np.maximum(high - low, 0.0)) + " m")
-    return [*lines, *_shape_facts(shape)]
+    return lines
+
+
+def details(shape: Shape) -> tuple[str, ...]:
+    """Lines about how a shape is made and traced."""
+    return _shape_facts(shape, certain(shape))
 
 
 @functools.lru_cache(maxsize=256)
@@ -162,10 +248,16 @@ def _percent(volume: Volume) -> str:
 CLASSES = ()
 
 
+def register():
+    atexit.register(end)
+
+
 def unregister():
+    atexit.unregister(end)
     if bpy.app.timers.is_registered(_find):
         bpy.app.timers.unregister(_find)
-    for known in (_found, _wanted):
+    end()
+    for known in (_certain, _found, _wanted):
         known.clear()
     _bounds.cache_clear()
     _shape_facts.cache_clear()

@@ -104,13 +104,7 @@ class SDFLIGHTS_PT_scene_report(bpy.types.Panel):
         left = _MOST_SHOWN
         for title, rows in report.groups.items():
             layout.label(text=f"{title} ({len(rows)})")
-            for name, sentence in rows[:left]:
-                row = layout.box().row()
-                labels.draw_sentence(row.column(), sentence, width)
-                if name:
-                    row.operator(
-                        feedback.SDFLIGHTS_OT_culprit_select.bl_idname, text="", icon="RESTRICT_SELECT_OFF"
-                    ).name = name
+            feedback.draw_rows(layout, rows[:left], width)
             left -= len(rows[:left])
         if report.hidden:
             number = "1 object is" if report.hidden == 1 else f"{report.hidden} objects are"

@@ -42,7 +42,7 @@ from .emission.varying import attenuated_integral, line_integral
 from .intersection import fields
 from .intersection.fields import LIST
 from .intersection.intervals import primitive_spans, regularize, solve
-from .intersection.primitives import box_span
+from .primitives.box import box_span
 from .tree import interior
 from .tree.crossings import crossings
 from .tree.interior import NODE

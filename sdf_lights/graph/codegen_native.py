@@ -10,6 +10,8 @@ is made, and LLVM's optimiser is not run: hash-consing has already done its work
 takes 5 s for the 2,800 nodes of 200 transformed spheres, where instruction selection alone takes 0.4 s and the code is
 as fast. What depends on parameters alone stays scalar.
 
+What is compiled is kept on disk, too, by a description of the formulas: a second process reads it in a tenth of the time.
+
 ``AVAILABLE`` is False where Numba cannot be imported; then ``numpy_evaluation`` does the same, slower.
 """
 
@@ -17,7 +19,9 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import hashlib
 import math
+import pathlib
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
@@ -25,7 +29,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import jit
+from .. import jit, kernel_cache
 from ..jit import AVAILABLE
 from .formula import (
     CALL,
@@ -47,6 +51,8 @@ from .functions import Function
 LANES = 8  # a cache line of doubles: two registers with AVX2, four with NEON
 
 KEPT = 256  # compiled formulas kept, the most recently used ones; each is some kilobytes of code
+
+MOST_BYTES = 64 << 20  # of code on disk
 
 _SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 
@@ -78,7 +84,7 @@ _lock = threading.RLock()
 
 def compiled(*formulas: Formula) -> Compiled:
     """Code of the formulas, compiled when it is first asked for. Parameter values are not part of it."""
-    return _kept(formulas, lambda: _module(formulas))
+    return _kept(formulas, formulas, (), lambda: _module(formulas))
 
 
 def compiled_at_surface(
@@ -95,19 +101,83 @@ def compiled_at_surface(
     ``void f(int64_t block, int64_t workspace, int64_t operands, int64_t results)`` for a function that is called with
     some number of operands; ``scene`` stands for what these addresses depend on.
     """
-    return _kept((formulas, "surface", scene), lambda: _surface_module(formulas, places, address_of))
+
+    def symbol_of(function: Function, operands: int) -> str:
+        """What code that calls a function knows it by: the same in each process, while its address is not."""
+        known = function.kernel.__module__, function.kernel.__name__, function.static, function.scene, operands, scene
+        symbol = f"sdf_lights_{hashlib.sha256(repr(known).encode()).hexdigest()[:24]}"
+        llvm.add_symbol(symbol, address_of(function, operands))
+        return symbol
+
+    called = [symbol_of(node.value, len(node.operands)) for node in _all_nodes(formulas) if node.kind == CALL]
+    context = "surface", sorted(places.items()), called
+    return _kept((formulas, "surface", scene), formulas, context, lambda: _surface_module(formulas, places, symbol_of))
 
 
-def _kept(key: tuple, module: Callable) -> Compiled:
+def _kept(key: tuple, formulas: tuple[Formula, ...], context: tuple, module: Callable) -> Compiled:
+    """The code of ``key``, from where it is kept, or of the ``module``. It depends on nothing but ``formulas`` and ``context``."""
     with _lock:
         found = _compiled.get(key)
         if found is None:
-            found = _compiled[key] = _compile(module())
+            found = _compiled[key] = _from_disk(formulas, context, module)
             if len(_compiled) > KEPT:
                 _compiled.popitem(last=False)
         else:
             _compiled.move_to_end(key)
         return found
+
+
+def _from_disk(formulas: tuple[Formula, ...], context: tuple, module: Callable) -> Compiled:
+    for node in _all_nodes(formulas):
+        if node.kind in _LIBRARY:
+            _library_function(node.kind, len(node.operands))
+    key = *_processor(), context, _description(formulas)
+    files = kernel_cache.Files(_folder(), "formulas", MOST_BYTES)
+    code = files.load(key)
+    if code is None:
+        code = _machine(len(order(*formulas))).emit_object(llvm.parse_assembly(str(module())))
+        files.save(key, code)
+    return _loaded(code)
+
+
+@functools.cache
+def _folder() -> pathlib.Path:
+    source = pathlib.Path(__file__).resolve()
+    return kernel_cache.writable_folder() / source_hash(source) / "formulas"
+
+
+def _all_nodes(formulas: tuple[Formula, ...]) -> list[Formula]:
+    """Nodes of the formulas, those in loops too."""
+    found, pending = {}, list(order(*formulas))
+    while pending:
+        node = pending.pop()
+        if node not in found:
+            found[node] = None
+            if node.kind == ITERATE:
+                pending += body(node)
+    return list(found)
+
+
+def _description(formulas: tuple[Formula, ...]) -> str:
+    """Text that is the same for formulas of the same code, in each process, and for no others."""
+    lines: list[str] = []
+    numbers: dict[Formula, int] = {}
+
+    def write(nodes: list[Formula]) -> None:
+        for node in nodes:
+            if node in numbers:
+                continue
+            value = node.value
+            if node.kind == ITERATE:
+                write(body(node))
+                value = value.level, value.limit, [numbers[root] for root in value.roots()], value.going is not None
+            elif node.kind == CALL:
+                value = value.name, value.results
+            numbers[node] = len(numbers)
+            lines.append(f"{node.kind} {value!r} {[numbers[operand] for operand in node.operands]}")
+
+    write(order(*formulas))
+    return "\n".join([*lines, repr([numbers[formula] for formula in formulas])])
 
 
 def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> np.ndarray:
@@ -130,11 +200,13 @@ def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> 
 
 
 if AVAILABLE:
+    import llvmlite
     import llvmlite.binding as llvm
     import numba
     from llvmlite import ir
     from numba import types
 
+    from ..kernel_code import base_processor, source_hash
     from . import vector_math
 
     _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
@@ -161,9 +233,16 @@ if AVAILABLE:
 
     @functools.cache
     def _library_function(kind: str, arity: int):
-        function = numba.cfunc(types.float64(*[types.float64] * arity), error_model="numpy")(_LIBRARY[kind])
-        llvm.add_symbol(f"sdf_lights_{kind}", function.address)
-        return function  # the cache keeps its code alive
+        """Let code find the function; what is returned has to be kept."""
+        try:
+            # What Numba's code calls, which is on these platforms what the process has.
+            function = getattr(ctypes.CDLL(None), {"power": "pow"}.get(kind, kind))
+            address = ctypes.cast(function, ctypes.c_void_p).value
+        except (AttributeError, OSError, TypeError):  # on Windows, Numba has functions of its own
+            function = numba.cfunc(types.float64(*[types.float64] * arity), error_model="numpy")(_LIBRARY[kind])
+            address = function.address
+        llvm.add_symbol(f"sdf_lights_{kind}", address)
+        return function
 
     def _declared(module: ir.Module, name: str, result, operands) -> ir.Function:
         known = module.globals.get(name)
@@ -381,7 +460,7 @@ if AVAILABLE:
         workspace: ir.Value
         surface: ir.Value
         places: Mapping[str, Place]
-        address_of: Callable[[Function, int], int]
+        symbol_of: Callable[[Function, int], str]
 
         def variable(self, builder: ir.IRBuilder, node: Formula):
             name, component = node.value
@@ -399,16 +478,17 @@ if AVAILABLE:
                 results = builder.alloca(_DOUBLE, function.results)
             for index, operand in enumerate(operands):
                 builder.store(operand, builder.gep(given, [_INDEX(index)]))
-            address = builder.inttoptr(_INDEX(self.address_of(function, len(operands))), _CALLED.as_pointer())
+            symbol = self.symbol_of(function, len(operands))
+            known = builder.module.globals.get(symbol) or ir.Function(builder.module, _CALLED, symbol)
             builder.call(
-                address,
+                known,
                 [self.block, self.workspace, builder.ptrtoint(given, _INDEX), builder.ptrtoint(results, _INDEX)],
             )
             return [builder.load(builder.gep(results, [_INDEX(index)])) for index in range(function.results)]
 
     _CALLED = ir.FunctionType(ir.VoidType(), [_INDEX] * 4)
 
-    def _surface_module(formulas: tuple[Formula, ...], places: Mapping[str, Place], address_of) -> ir.Module:
+    def _surface_module(formulas: tuple[Formula, ...], places: Mapping[str, Place], symbol_of) -> ir.Module:
         module = ir.Module()
         module.triple = llvm.get_process_triple()
         function = ir.Function(module, ir.FunctionType(ir.VoidType(), [_INDEX] * 3 + [_POINTER] * 2), "read")
@@ -416,7 +496,7 @@ if AVAILABLE:
         builder = ir.IRBuilder(function.append_basic_block("entry"))
         body_block = function.append_basic_block("body")
         builder.position_at_end(body_block)
-        scope = _Scope(builder, _Surface(block, workspace, surface, places, address_of), parameters, {}, {})
+        scope = _Scope(builder, _Surface(block, workspace, surface, places, symbol_of), parameters, {}, {})
         scope.emit(order(*formulas))
         for index, formula in enumerate(formulas):
             builder.store(scope.values[formula], builder.gep(values, [_INDEX(index)]))
@@ -424,6 +504,9 @@ if AVAILABLE:
         builder.position_at_end(function.entry_basic_block)
         builder.branch(body_block)
         return module
+
+    BLOCK = 2048  # operations
+    LARGE = 8 * BLOCK  # from there on compilation counts for more than the speed of what it makes
 
     def _module(formulas: tuple[Formula, ...]) -> ir.Module:
         module = ir.Module()
@@ -442,7 +525,14 @@ if AVAILABLE:
             return builder.bitcast(builder.gep(array, [index]), _LANES.as_pointer())
 
         scope = _Scope(builder, _Lanes(points, n, first), parameters, {}, {})
-        scope.emit(order(*formulas))
+        nodes = order(*formulas)
+        for start in range(0, len(nodes), BLOCK):
+            if start:
+                # LLVM takes quadratic time for a long block, and joins blocks unless a condition is between them.
+                after = builder.append_basic_block()
+                builder.cbranch(builder.icmp_signed(">", n, first), after, done)
+                builder.position_at_end(after)
+            scope.emit(nodes[start : start + BLOCK])
         for index, formula in enumerate(formulas):
             place = builder.add(builder.mul(n, _INDEX(index)), first)
             builder.store(scope.lanes(formula), lanes_at(values, place), align=8)
@@ -461,15 +551,25 @@ if AVAILABLE:
         llvm.initialize_native_asmprinter()
         return llvm.Target.from_triple(llvm.get_process_triple())
 
-    def _compile(module: ir.Module) -> Compiled:
-        machine = _target().create_target_machine(
-            opt=2,
-            codemodel="jitdefault",
-            jit=True,
-            cpu=llvm.get_host_cpu_name(),
-            features=llvm.get_host_cpu_features().flatten(),
+    @functools.cache
+    def _processor() -> tuple:
+        """What machine code depends on beside its formulas and the sources of the package."""
+        versions = llvmlite.__version__, llvm.llvm_version_info, llvm.get_process_triple()
+        base = base_processor()
+        here = (base, "") if base else (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())
+        return *versions, *here
+
+    def _machine(operations: int = 0) -> llvm.TargetMachine:
+        *_, cpu, features = _processor()
+        optimised = 2 if operations < LARGE else 1
+        return _target().create_target_machine(
+            opt=optimised, codemodel="jitdefault", jit=True, cpu=cpu, features=features
         )
-        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(str(module)), machine)
+
+    def _loaded(code: bytes) -> Compiled:
+        """Code that ``emit_object`` has made, linked with what it calls."""
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()
         return Compiled(engine.get_function_address("read"), engine)
 
@@ -478,5 +578,5 @@ else:
     def _module(formulas: tuple[Formula, ...]):
         raise RuntimeError(jit.REASON)
 
-    def _surface_module(formulas: tuple[Formula, ...], places: Mapping[str, Place], address_of):
+    def _surface_module(formulas: tuple[Formula, ...], places: Mapping[str, Place], symbol_of):
         raise RuntimeError(jit.REASON)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .formula import PARAMETER, Formula, constant
+from .formula import PARAMETER, Formula, constant, numbers_may_change
 from .substitution import rewritten
 
 
@@ -19,7 +19,8 @@ class Folding:
 
     def fold(self, formula: Formula) -> Formula:
         """The formula with numbers for its parameters. What no variable reaches has become one constant."""
-        return rewritten((formula,), self._known, self._replace)[0]
+        with numbers_may_change():
+            return rewritten((formula,), self._known, self._replace)[0]
 
     def _replace(self, node: Formula) -> Formula:
         return self._numbers[node.value] if node.kind == PARAMETER else node

@@ -15,6 +15,7 @@ functions of ``functions.py``. Evaluators and code generators walk ``order(formu
 
 from __future__ import annotations
 
+import contextlib
 import contextvars
 import math
 import threading
@@ -224,6 +225,19 @@ def _is(formula: Formula, value: float) -> bool:
 
 _MOST_FACTORS = 16  # of a power that is written as products
 
+_numbers_may_change = contextvars.ContextVar("numbers_may_change", default=False)
+
+
+@contextlib.contextmanager
+def numbers_may_change():
+    """Within, no rule looks at what a number is, except for 0, 1 and which of two numbers is the greater: a formula with other
+    numbers has the same nodes."""
+    token = _numbers_may_change.set(True)
+    try:
+        yield
+    finally:
+        _numbers_may_change.reset(token)
+
 
 def _simplified(kind: str, operands: tuple[Formula, ...]) -> Formula | None:
     """A smaller or faster formula of the same value, to rounding, for all finite operands; None if no rule has one."""
@@ -277,8 +291,10 @@ def _subtract(a: Formula, b: Formula) -> Formula | None:
 
 def _multiply(a: Formula, b: Formula) -> Formula | None:
     for factor, other in ((a, b), (b, a)):
-        if factor.kind == CONSTANT and factor.value in (0.0, 1.0, -1.0):
-            return factor if factor.value == 0.0 else other if factor.value == 1.0 else -other
+        if _is(factor, -1.0) and not _numbers_may_change.get():
+            return -other
+        if factor.kind == CONSTANT and factor.value in (0.0, 1.0):
+            return factor if factor.value == 0.0 else other
         if factor.kind == "negate":
             return -(factor.operands[0] * other)
     return None
@@ -289,7 +305,14 @@ def _divide(a: Formula, b: Formula) -> Formula | None:
         return -(a.operands[0] / b)
     if b.kind == "negate":
         return -(a / b.operands[0])
-    if b.kind == CONSTANT and math.frexp(b.value)[0] in (0.5, -0.5) and 2.0**-1000 < abs(b.value) < 2.0**1000:
+    if _is(b, 1.0):
+        return a
+    if (
+        b.kind == CONSTANT
+        and math.frexp(b.value)[0] in (0.5, -0.5)
+        and 2.0**-1000 < abs(b.value) < 2.0**1000
+        and not _numbers_may_change.get()
+    ):
         return a * (1.0 / b.value)  # exact
     return None
 
@@ -298,6 +321,8 @@ def _power(a: Formula, exponent: Formula) -> Formula | None:
     if exponent.kind != CONSTANT:
         return None
     n = exponent.value
+    if _numbers_may_change.get() and n not in (0.0, 1.0):
+        return None
     if n == 0.5:
         return sqrt(a)
     if n != math.floor(n) or abs(n) > _MOST_FACTORS:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..interruption import check
 from .formula import (
     CONDITIONS,
     CONSTANT,
@@ -620,6 +621,7 @@ def run(roots: tuple[Formula, ...], boxes: Boxes, known: dict | None = None) -> 
     values = dict(known)
     boxes.live.append(values)
     for node in nodes:
+        check()
         operands = [values[operand] for operand in node.operands]
         if node.kind == CONSTANT:
             values[node] = boxes.number(node.value)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from .continuity import declare, declared
 from .formula import (
     CALL,
     CONSTANT,
@@ -53,18 +54,18 @@ def rewritten(
     known: dict,
     replace: Callable[[Formula], Formula],
     called: Callable[..., tuple[Formula, ...]] = call,
-    number: Callable[[Formula], Formula] = lambda node: node,
+    number: Callable[[Formula], Formula] | None = None,
 ) -> list[Formula]:
     """The formulas with ``known`` nodes replaced, every variable and parameter by what ``replace`` makes of it, and, outside
     of loops, every call of a function by what ``called`` makes of the function and its operands, and every constant, once
     for each of its uses, by what ``number`` makes of it.
 
-    What is written is added to ``known``.
+    What is written is added to ``known``. What is declared of their continuity stays.
     """
     written = known
 
     def used(node: Formula):
-        return number(node) if node.kind == CONSTANT else written[node]
+        return number(node) if number is not None and node.kind == CONSTANT else written[node]
 
     for node in order(*roots, known=known.keys()):
         if node in written:
@@ -82,6 +83,13 @@ def rewritten(
             written[node] = operands[0][node.value]
         else:
             written[node] = apply(node.kind, *operands)
+        about = declared(node) if called is call and number is None and node.kind != STATE else None
+        if about is not None:
+            # What the formula does not contain, it does not depend on: of variables that says enough.
+            inputs = [part for part in about.inputs if part in written or part.kind != VARIABLE]
+            if all(part in written or part.kind == CONSTANT for part in (*inputs, *about.whole)):
+                inputs, whole = ([written.get(part, part) for part in group] for group in (inputs, about.whole))
+                declare(written[node], inputs, about.even, whole)
     return [used(root) for root in roots]
 
 

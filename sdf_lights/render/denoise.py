@@ -165,5 +165,10 @@ def denoise_film(film: Film, cancelled: Callable[[], bool] = lambda: False) -> N
     result = denoise(
         film.read("Noisy Image")[..., :3], film.read("Denoising Albedo"), film.read("Denoising Normal"), cancelled
     )
+    if result is not None and film.catches:
+        shadow = denoise(film.read("Shadow Catcher"), cancelled=cancelled)
+        if shadow is None:
+            return
+        film.replace_shadow(shadow)
     if result is not None:
         film.replace_combined(result)

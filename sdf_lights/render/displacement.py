@@ -16,7 +16,7 @@ import numpy as np
 from .material import SHARP_FACE, UNDISPLACED, Material, Node
 from .reference.geometry import Hits, Placed, Surface
 from .reference.nodes import Graph, Points
-from .scene import AttributeValues, Domain, Instance, Mesh, Scene
+from .scene import AttributeValues, Domain, Instance, Mesh, Primitive, Scene
 
 _CHUNK = 1 << 18  # vertices whose formulas are evaluated together
 _FLAT = 1e-5  # corner normals so near to the triangle's are its own
@@ -43,6 +43,8 @@ def displace(scene: Scene, habits: Habits = Habits()) -> None:
         shown.setdefault(instance.mesh, {}).setdefault(tuple(instance.materials), []).append(instance)
     for index, kinds in shown.items():
         mesh = scene.meshes[index]
+        if mesh.primitive != Primitive.TRIANGLES:
+            continue
         for materials, instances in kinds.items():
             material = _materials_of(mesh, materials)
             if not np.isin(material, moving).any():
@@ -158,6 +160,7 @@ def _torn(mesh: Mesh) -> Mesh:
         mesh,
         positions=mesh.positions[vertices],
         motion=None if mesh.motion is None else mesh.motion[:, vertices],
+        shifts=None if mesh.shifts is None else mesh.shifts[:, vertices],
         attributes=attributes,
         triangles=triangles.reshape(-1, 3).astype(np.int32),
     )

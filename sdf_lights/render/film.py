@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
-from .passes import BY_NAME, DATA_SUMS, Pass, Rule, data_width, is_light, matte_of
-from .scene import Scene
+from .passes import BY_NAME, CATCHER_SUMS, DATA_SUMS, Pass, Rule, data_width, is_light, matte_of
+from .scene import Scene, catches_shadows
 from .settings import START_BRANCHES
 
 # Values that a pixel sums up for each pass; "half" sums half of the samples of "combined", to estimate the noise.
@@ -30,6 +32,9 @@ CHANNELS = {
 # divide into many branches tell more.
 SCATTERED = {"combined": "scattered", "half": "scattered_half", "lamps": "scattered_lamps"}
 
+# Light of paths that have met a shadow catcher, among the sums of light.
+CAUGHT_LIGHT = "caught light"
+
 # Depth of a pixel that sees nothing, as Cycles gives it.
 NO_DEPTH = 1e10
 # A sample belongs to "half" if this bit of its index is set: every second block of 8. Each block is a stratified point
@@ -41,11 +46,23 @@ LEAST_SAMPLES = 2 * HALF_BIT
 
 # Kinds of samples that are not finite; each pixel has a count of each.
 DISCARDED = ("NaN", "infinite")
+DENOISED_BYTES = 4 * (4 + 3 + 3 + 3)  # of a pixel: the picture, what guides it, and the result
+GREATEST = float(np.finfo(np.float32).max)  # that a pixel of a pass can have
 
 
 def half_count(count: np.ndarray) -> np.ndarray:
     """How many of the first ``count`` samples of a pixel belong to "half"."""
     return count // (2 * HALF_BIT) * HALF_BIT + np.maximum(count % (2 * HALF_BIT) - HALF_BIT, 0)
+
+
+def bytes_of_a_pixel(scene: Scene, passes: tuple[str, ...] = ()) -> int:
+    """Memory that a film takes for each pixel, with what is added while it is sampled and its passes as Blender has them."""
+    film = Film(dataclasses.replace(scene, border=(0, 0, 1, 1)), passes)
+    arrays = [*vars(film).values(), *film.sums.values()]
+    held = sum(array.nbytes for array in arrays if isinstance(array, np.ndarray))
+    earlier = film.count.nbytes + film.sums["combined"].nbytes  # copies at the last decision, see ``earlier``
+    denoising = DENOISED_BYTES if scene.settings.denoise else 0
+    return held + earlier + denoising + sum(4 * len(item.channels) for item in map(film._table.get, film.passes))
 
 
 def _placed(widths: dict[str, int]) -> tuple[dict[str, int], int]:
@@ -69,6 +86,7 @@ class Film:
       none, and by how much they cover the samples.
     - ``count``: samples; ``surfaces``: samples that met a surface.
     - ``active``: 1 where the pixel takes more samples.
+    - ``catches``: whether Combined has what shadow catchers catch in the place of what they are.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
     - ``divided``: (pixels, 3) into how many branches paths were to divide, in all and in "half", and the surfaces that
       branches met, with a part of one for rays that left the scene. None, where the back end lets no path divide.
@@ -76,6 +94,7 @@ class Film:
       what its branches brought, each times its number of branches.
     - ``rate``: samples that a pixel takes for one that is set, where the back end can; ``next_update``: with how many samples
       that is decided again (``sample_allocation.py``).
+    - ``earlier``: counts and sums at the last such decision.
     - ``branches``: into how many the paths of a pixel divide, where the back end lets them (``sample_allocation.py``).
     - ``samples``: how many samples every active pixel has received whose rate is 1.
     - ``made_by``: what computed them, in words for the user.
@@ -95,9 +114,14 @@ class Film:
         chosen = [self._table[name] for name in self.passes]
         used = {item.source for item in chosen} | {item.per for item in chosen} | {"half"}
         used |= {SCATTERED[name] for name in used & SCATTERED.keys()}
+        self.catches = catches_shadows(scene)
+        self._transparent = scene.settings.transparent_film
+        used |= {*CATCHER_SUMS, "environment"} if self.catches else set()
         pixels = self.width * self.height
         self.sums = {name: np.zeros(pixels * count if name in used else 0) for name, count in CHANNELS.items()}
-        self.light_places, width = _placed({item.source: 3 for item in chosen if is_light(item)})
+        self.light_places, width = _placed(
+            {item.source: 3 for item in chosen if is_light(item)} | ({CAUGHT_LIGHT: 3} if self.catches else {})
+        )
         self.light_sums = np.zeros((pixels, 2 * width))
         widths = {item.source: data_width(item) for item in chosen if data_width(item)}
         self.data_places, width = _placed({name: n for name, n in DATA_SUMS.items() if name in used} | widths)
@@ -110,10 +134,12 @@ class Film:
         self.surfaces = np.zeros(pixels, np.int32)
         self.active = np.ones(pixels, np.uint8)
         self.divided, self.squares = np.zeros((pixels, 3)), np.zeros((pixels, 2))
+        self.earlier: tuple[np.ndarray, np.ndarray] | None = None
         self.branches = np.full(pixels, scene.settings.indirect_paths or START_BRANCHES, np.int32)
         self.rate, self.next_update = np.ones(pixels), 0
         self.discarded = np.zeros(pixels * len(DISCARDED), np.int32)
         self._denoised: np.ndarray | None = None
+        self._clean_shadow: np.ndarray | None = None
 
     def read(self, name: str, rows: slice = slice(None)) -> np.ndarray:
         """(height, width, channels) float32 of the pass ``name``, of the samples so far, or of these rows of it."""
@@ -128,6 +154,8 @@ class Film:
 
         if item.rule is Rule.COUNT:
             return of(self.count).reshape(-1, self.width, 1).astype(np.float32)
+        if item.rule is Rule.RATIO:
+            return self._shadow(of)[0].reshape(-1, self.width, 3).astype(np.float32)
         if item.rule is Rule.MATTE:
             return self._matte(item, of).reshape(-1, self.width, 4)
         parts = [of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count)]
@@ -137,6 +165,8 @@ class Film:
         if item.per is not None:
             parts += [of(values) for values in self._sums_of(item.per)]
         weight, value, *others = self._settled(parts)
+        if item.rule is Rule.WEIGHTED:
+            value, weight = value[:, :-1], value[:, -1:]
         if item.rule not in (Rule.FIRST, Rule.NUMBER):
             value /= np.maximum(weight, 1)
         if len(others) > 1:
@@ -146,15 +176,56 @@ class Film:
             value = np.divide(value, color, out=np.zeros_like(value), where=color != 0.0)
         if item.rule is Rule.COMPLEMENT:
             value = 1.0 - value
+        if self.catches and item.source == "combined":
+            value = self._caught(value, of)
+        if self.catches and item.source == "environment":
+            value += of(self._sums_of("backdrop")[0]) / np.maximum(weight, 1)
         if item.light and self.exposure != 1.0:
             value[:, :3] *= self.exposure
-        value = value.astype(np.float32)
-        if value.shape[-1] == 4:
+        value = np.clip(value, -GREATEST, GREATEST).astype(np.float32)
+        if item.channels == "RGBA":
             # Light that comes through several transparent surfaces may take more than there is in one sample.
             np.clip(value[:, 3], 0.0, 1.0, out=value[:, 3])
         if name == "Depth":
             value[of(self.surfaces) == 0] = NO_DEPTH
         return value.reshape(-1, self.width, value.shape[-1])
+
+    def _shadow(self, of) -> tuple[np.ndarray, np.ndarray]:
+        """(pixels, 3) what other objects make of the light of shadow catchers, and that light; of the rows' pixels."""
+        count, mean = of(self.count), of(self.sums["combined"])[:, 3:] / np.maximum(of(self.count), 1)
+        if not self.catches:
+            return np.ones((len(count), 3)), np.zeros((len(count), 3))
+        before, after = (of(sums) / np.maximum(weight, 1) for sums, weight in self._caught_light(of))
+        light, bare = before + after, of(self._sums_of("bare")[0]) / np.maximum(count, 1)
+        ratio = np.divide(light, bare, out=np.ones_like(light), where=bare != 0.0)
+        alpha = np.clip(mean, 0.0, 1.0)
+        seen = of(self._sums_of("caught")[0]) > 0.0
+        ratio = np.where(seen, 1.0 - alpha + alpha * ratio, 1.0)
+        return (ratio if self._clean_shadow is None else of(self._clean_shadow)), light
+
+    def _caught_light(self, of):
+        """Sums of light of shadow catchers before paths divide and after that, and by what to divide each."""
+        return zip(self._sums_of(CAUGHT_LIGHT), (of(self.count), of(self.divided)[:, :1]))
+
+    def _caught(self, value: np.ndarray, of) -> np.ndarray:
+        """Combined (pixels, 4) of other objects alone, over the shadows on the catchers: as Cycles, darkness in the place of
+        their colour, unless they have a pass of their own."""
+        count = np.maximum(of(self.count), 1)
+        shadow, light = self._shadow(of)
+        alpha = np.clip(of(self._sums_of("uncaught")[0]) / count, 0.0, 1.0)
+        color = value[:, :3] - light
+        # Where all samples have met catchers, nothing is left of the difference but rounding.
+        color = np.where(np.abs(color) > 1e-9 * np.abs(value[:, :3]), color, 0.0)
+        if "Shadow Catcher" not in self.passes:
+            alpha = alpha + (1.0 - alpha) * (1.0 - np.clip(shadow.mean(1, keepdims=True), 0.0, 1.0))
+            if not self._transparent:
+                seen = (of(self._sums_of("backdrop")[0]) + of(self.sums["environment"])) / count
+                color, alpha = color + seen * (1.0 - alpha), np.ones_like(alpha)
+        return np.concatenate([color, alpha], 1)
+
+    def replace_shadow(self, shadow: np.ndarray) -> None:
+        """Take ``shadow`` (height, width, RGB) for what shadow catchers catch: the denoised one."""
+        self._clean_shadow = shadow.reshape(-1, 3)
 
     def _matte(self, item: Pass, of) -> np.ndarray:
         """(pixels, 4) numbers and coverage of the two things of a level, the greatest coverage first."""
@@ -195,6 +266,7 @@ class Film:
     def beyond(self, back_end: str) -> list[str]:
         """A sentence on the passes whose sums are no ``CHANNELS``, for a back end that has only those; none without any."""
         chosen = [self._table[name] for name in self.passes]
+        chosen = [item for item in chosen if item.rule is not Rule.RATIO]
         names = [item.name for item in chosen if is_light(item) or data_width(item) or matte_of(item)]
         if not names:
             return []
@@ -253,10 +325,18 @@ class Film:
         return bool(self.active.any())
 
     def discarded_report(self) -> str | None:
-        """One sentence on samples that were not finite; None if there are none."""
+        """One sentence on samples that were not finite, or pixels that are brighter than numbers of pictures go; None if there
+        are none."""
         counts = self.discarded.reshape(-1, len(DISCARDED))
         if not counts.any():
-            return None
+            brightest = np.abs(self.light()[0]).max(axis=1) * self.exposure
+            if not brightest.max(initial=0.0) > GREATEST:
+                return None
+            y, x = divmod(int(brightest.argmax()), self.width)
+            return (
+                f"Pixel ({x + self.window[0]}, {y + self.window[1]}) and others are brighter than a picture can say, and are held to "
+                f"{GREATEST:.2g}: look there for a material or a light with an extreme value."
+            )
         totals = zip(counts.sum(axis=0, dtype=np.int64), DISCARDED)
         kinds = " and ".join(f"{count} {kind}" for count, kind in totals if count)
         y, x = divmod(int(counts.sum(axis=1).argmax()), self.width)

@@ -96,6 +96,40 @@ def mean_color(image: Image) -> tuple[float, float, float]:
     return tuple(map(float, colors(few).mean((0, 1), dtype=np.float64)))
 
 
+def reduced(pixels: np.ndarray, limit: int, share: float | None = None) -> np.ndarray:
+    """Pixels made smaller, as Cycles' Simplify does: until no side is longer than the ``limit``, where that is not 0. With a
+    ``share`` to that part of their size, or to just the limit; without, to a half, again and again."""
+    height, width = pixels.shape[:2]
+    longest, factor = max(height, width), 1.0 if share is None else share
+    if limit and longest > limit:
+        if share is not None:
+            factor = min(factor, limit / longest)
+        while share is None and longest * factor > limit:
+            factor *= 0.5
+    if factor >= 1.0 or not pixels.size:
+        return pixels
+    inverse = 1.0 / factor
+    result = pixels.astype(np.float32)
+    for axis, size in enumerate((height, width)):
+        result = _averaged(result, max(int(size * factor), 1), inverse, axis)
+    return (np.rint(result) if pixels.dtype.kind == "u" else result).astype(pixels.dtype)
+
+
+def _averaged(values: np.ndarray, count: int, step: float, axis: int) -> np.ndarray:
+    """Means of about ``step`` values each, from each of ``count`` places on."""
+    size, width = values.shape[axis], int(step + 0.5)
+    first = (np.arange(count) * step).astype(int)
+    total, number = 0.0, np.zeros(count)
+    for offset in range(width):
+        there = first + offset < size
+        part = np.take(values, np.minimum(first + offset, size - 1), axis)
+        shape = [1, 1, 1]
+        shape[axis] = count
+        total = total + part * there.reshape(shape).astype(np.float32)
+        number += there
+    return total / number.reshape(shape).astype(np.float32)
+
+
 STEPS = 4 * 255  # of the table of decoded codes: those of bytes are among them
 
 

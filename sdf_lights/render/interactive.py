@@ -18,6 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..interruption import Interrupted, Watch, watched
 from . import sample_allocation
 from .denoise import denoise_film
 from .errors import RenderError
@@ -32,6 +33,8 @@ FIRST_PICTURE, PUBLISH_INTERVAL, BATCH = 0.05, 0.15, 0.3
 # Seconds that a scene has for its first picture, whatever comes after it: a scene that changes all the time would
 # otherwise never be seen.
 OWED = 2.0 * FIRST_PICTURE
+# The same for lamps that are built: while a slider is dragged, only those that take longer than this wait for its end.
+LAMPS_OWED = 1.0
 # Pixels along one pixel of a coarse picture: most of all; where the speed is not known; from one to the next.
 COARSEST, UNKNOWN, REFINEMENT = 16, 8, 4
 # Pixels that are read between two looks for a newer scene.
@@ -128,6 +131,7 @@ class InteractiveRender:
 
     @paused.setter
     def paused(self, value: bool) -> None:
+        """Whether it waits, with what it has, for ``resume``."""
         with self._condition:
             self._paused = value
             self._condition.notify_all()
@@ -217,7 +221,7 @@ class InteractiveRender:
             self._publish(scene, film, divider)
             divider //= REFINEMENT
             part, film = self._at_resolution(scene, divider)
-            self._renderer.aim(part, film)
+            self._renderer.update_camera(part, film)
         self._refine(scene, film)
 
     def _prepare(self, scene: Scene, film: Film, change: Change) -> bool:
@@ -232,9 +236,26 @@ class InteractiveRender:
                 return False
             self._renderer = renderer
         else:
-            if change is Change.LIGHTS:
-                self._renderer.relight(scene)
-            self._renderer.aim(scene, film)
+            if change is Change.LIGHTS and not self._update_lights(scene):
+                return False
+            self._renderer.update_camera(scene, film)
+        return True
+
+    def _update_lights(self, scene: Scene) -> bool:
+        """Bring the back end's lamps and lights up to date. False if there are others meanwhile, and these take long."""
+        owed = time.perf_counter() + LAMPS_OWED
+
+        def stop() -> bool:
+            return self._stopping or (self._pending is not None and time.perf_counter() > owed)
+
+        try:
+            with watched(Watch(stop)):
+                self._renderer.update_lights(scene)
+        except Interrupted:
+            with self._condition:
+                if self._pending is not None:  # it may say that less has changed, since the lamps that are not built
+                    self._pending = self._pending[0], max(self._pending[1], Change.LIGHTS)
+            return False
         return True
 
     def _refine(self, scene: Scene, film: Film) -> None:

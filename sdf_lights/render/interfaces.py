@@ -45,11 +45,11 @@ class BackEnd(Protocol):
 class InteractiveBackEnd(BackEnd, Protocol):
     """A back end of the viewport: it takes changes of a scene, and stops at once."""
 
-    def relight(self, scene: Scene) -> None:
+    def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of a scene that is otherwise the same as before."""
         ...
 
-    def aim(self, scene: Scene, film: FilmOfScene) -> None:
+    def update_camera(self, scene: Scene, film: FilmOfScene) -> None:
         """Take the camera and the settings of a scene that is otherwise the same as before, and another film."""
         ...
 
@@ -60,7 +60,14 @@ class InteractiveBackEnd(BackEnd, Protocol):
 
 @runtime_checkable
 class Light(Protocol):
-    """A kind of light: a module of ``kernels.lights``, whose ``RECORD`` has a row for each light of the kind."""
+    """A kind of light: a module of ``kernels.lights.kinds``, whose ``RECORD`` has a row for each light of the kind.
+
+    ``normal(light, back)`` is optional: the unit normal of its surface, where that is not ``back``, the way to who sees it.
+    """
+
+    def has_size(self, light):
+        """Whether rays can meet the light of a scene."""
+        ...
 
     def pack(self, row, light, rgb):
         """Fill the row of ``light``, whose strength times colour is ``rgb``; what the light tree has to know of it."""
@@ -106,25 +113,25 @@ class Bsdf(Protocol):
 
 @runtime_checkable
 class Sampler(Protocol):
-    """The sampling pattern: ``kernels.sampler``. A set of one to four numbers has a ``dimension`` of its own."""
+    """The sampling pattern: ``kernels.samplers``. A set of one to four numbers has a ``dimension`` of its own."""
 
     def pixel_seed(self, x, y, seed):
         """A number that keeps the patterns of pixels, and of renders with different ``seed``, independent."""
         ...
 
-    def draw1(self, index, seed, dimension):
+    def get_1d(self, index, seed, dimension):
         """A number for sample ``index``; ``seed`` is from ``pixel_seed``."""
         ...
 
-    def draw2(self, index, seed, dimension):
-        """A point of the unit square, arguments as in ``draw1``."""
+    def get_2d(self, index, seed, dimension):
+        """A point of the unit square, arguments as in ``get_1d``."""
         ...
 
-    def draw3(self, index, seed, dimension):
+    def get_3d(self, index, seed, dimension):
         """A point of the unit cube."""
         ...
 
-    def draw4(self, index, seed, dimension):
+    def get_4d(self, index, seed, dimension):
         """A point of the four-dimensional unit cube."""
         ...
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..graph.formula import Formula, Vector
+from . import bsdfs
 from .images import Texture
 from .medium import Medium
 
@@ -90,30 +91,7 @@ NODES: dict[str, dict[str, object]] = {
         thin_film_ior=1.33,
     ),
     "sheen": dict(color=GREY, roughness=0.5, normal=None),  # settings: distribution ("MICROFIBER" | "ASHIKHMIN")
-    "toon": dict(color=GREY, size=0.5, smooth=0.0, normal=None),  # settings: component ("DIFFUSE" | "GLOSSY")
-    # settings: component ("REFLECTION" | "TRANSMISSION")
-    "hair": dict(color=GREY, offset=0.0, roughness_u=0.1, roughness_v=1.0, tangent=None),
-    # settings: model ("CHIANG" | "HUANG"), parametrization ("COLOR" | "MELANIN" | "ABSORPTION")
-    "principled_hair": dict(
-        color=(0.017513, 0.005763, 0.002059),
-        melanin=0.8,
-        melanin_redness=1.0,
-        tint=WHITE,
-        absorption_coefficient=(0.245531, 0.52, 1.365),
-        roughness=0.3,
-        radial_roughness=0.3,
-        coat=0.0,
-        ior=1.55,
-        offset=0.0349066,
-        random_color=0.0,
-        random_roughness=0.0,
-        random=0.0,
-        aspect_ratio=0.85,
-        r_lobe=1.0,
-        tt_lobe=1.0,
-        trt_lobe=1.0,
-    ),
-    "ray_portal": dict(color=WHITE, position=None, direction=None),
+    **{bsdf.kind: dict(bsdf.inputs) for bsdf in bsdfs.ALL},
     "mix_closure": dict(factor=0.5, a=None, b=None),
     "add_closure": dict(a=None, b=None),
 }

@@ -176,7 +176,13 @@ def _mesh_at(mesh: Mesh, time: float) -> Mesh:
         return mesh
     normals = mesh.normals if mesh.motion_normals is None else between(mesh.motion_normals, time)
     return dataclasses.replace(
-        mesh, positions=between(mesh.motion, time), normals=normals, motion=None, motion_normals=None
+        mesh,
+        positions=between(mesh.motion, time),
+        normals=normals,
+        radii=mesh.radii if mesh.motion_radii is None else between(mesh.motion_radii, time),
+        motion=None,
+        motion_normals=None,
+        motion_radii=None,
     )
 
 
@@ -193,7 +199,9 @@ def still(scene: Scene) -> Scene:
         camera=_stop(scene.camera),
         lamps=[_stop(lamp) for lamp in scene.lamps],
         lights=[_stop(light) for light in scene.lights],
-        meshes=[dataclasses.replace(mesh, motion=None, motion_normals=None) for mesh in scene.meshes],
+        meshes=[
+            dataclasses.replace(mesh, motion=None, motion_normals=None, motion_radii=None) for mesh in scene.meshes
+        ],
         instances=[dataclasses.replace(instance, motion=None) for instance in scene.instances],
         shutter=None,
     )

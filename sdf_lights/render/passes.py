@@ -26,6 +26,8 @@ class Rule(enum.Enum):
     NUMBER = "NUMBER"  # of the first sample, 0 where that met no surface: numbers of things must not be averaged
     COMPLEMENT = "COMPLEMENT"  # 1 less the mean over all samples
     COUNT = "COUNT"  # the number of samples
+    RATIO = "RATIO"  # of a shadow catcher: its light, over what that is without other objects
+    WEIGHTED = "WEIGHTED"  # over the samples that have one: their sums end with how many these are
     MATTE = "MATTE"  # of Cryptomatte: what covers most of the pixel, and how much, for two things a pass
 
 
@@ -45,12 +47,20 @@ LIGHT_SUMS = (
 DATA_SUMS = {
     "mist": 1,
     "uv": 3,
+    "vector": 5,  # and how many samples have one
     "object_index": 1,
     "material_index": 1,
     "glossy_albedo": 3,
     "transmission_albedo": 3,
     "occlusion": 3,
+    # Of shadow catchers: their light where there is nothing else, whether there is one, what is behind it, and how much the rest
+    # covers.
+    "bare": 3,
+    "caught": 1,
+    "backdrop": 3,
+    "uncaught": 1,
 }
+CATCHER_SUMS = ("bare", "caught", "backdrop", "uncaught")
 
 
 class Owner(enum.Enum):
@@ -129,6 +139,15 @@ PASSES = (
         "Position", "XYZ", Kind.VECTOR, Rule.FIRST, "position", "use_pass_position", "Position in the world, in metres"
     ),
     Pass("Normal", "XYZ", Kind.VECTOR, Rule.SURFACE_MEAN, "normal", "use_pass_normal", "Shading normal in the world"),
+    Pass(
+        "Vector",
+        "XYZW",
+        Kind.VECTOR,
+        Rule.WEIGHTED,
+        "vector",
+        "use_pass_vector",
+        "Motion in pixels: from here to the frame before, then from the frame after to here. Zero with Motion Blur",
+    ),
     Pass(
         "UV",
         "UVA",
@@ -238,6 +257,16 @@ PASSES = (
         "How little is near that hides the sky, within the distance of the world's Ambient Occlusion",
     ),
     Pass(
+        "Shadow Catcher",
+        "RGB",
+        Kind.COLOR,
+        Rule.RATIO,
+        "bare",
+        "use_pass_shadow_catcher",
+        "What the light of shadow catchers is multiplied by, where other objects shade or light them",
+        owner=Owner.CYCLES,
+    ),
+    Pass(
         "SDF Lamps",
         "RGB",
         Kind.COLOR,
@@ -292,6 +321,21 @@ PASSES = (
 )
 
 BY_NAME = {item.name: item for item in PASSES}
+# Names before Blender 5.0, which compositor nodes and files of that time go by.
+OLD_NAMES = {
+    "Emission": "Emit",
+    "Environment": "Env",
+    "Ambient Occlusion": "AO",
+    "Object Index": "IndexOB",
+    "Material Index": "IndexMA",
+    "Volume Direct": "VolumeDir",
+    "Volume Indirect": "VolumeInd",
+    **{
+        f"{name} {part}": f"{short}{part[:3]}"
+        for name, short in (("Diffuse", "Diff"), ("Glossy", "Gloss"), ("Transmission", "Trans"))
+        for part in ("Direct", "Indirect", "Color")
+    },
+}
 
 # Kinds of Cryptomatte, by what they tell apart, and the names of their passes.
 MATTES = {"object": "CryptoObject", "material": "CryptoMaterial", "asset": "CryptoAsset"}

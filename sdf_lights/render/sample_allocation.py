@@ -23,9 +23,11 @@ picture counts a pixel as one of all.
 
 What neighbours show is noisy, most of all with few samples and rare light. All pixels whose neighbours show the same
 therefore share one expectation: the mean of the noise that these pixels have themselves. So a pixel whose neighbours have
-met no light does not count as clean, if similar pixels have met some. A part of the mean noise of branches is added to
-every pixel. This costs no error at equal time, and lowers the greatest error of a pixel, which occurs where one of few
-branches meets rare light.
+met no light does not count as clean, if similar pixels have met some.
+
+The exponent a is that of the whole picture. It is measured by the difference of two halves: the samples up to the last
+update, and as many since. Where samples are stratified well, as with lamps, edges and textures, a is greater than 1, and
+branches pay. Where they do little, as with many lights, leaves or fog, more samples pay.
 """
 
 from __future__ import annotations
@@ -36,7 +38,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .film import LEAST_SAMPLES, Film, half_count
+from .film import Film
 from .settings import MOST_BRANCHES, Settings
 
 FIRST_UPDATE = 2  # samples before the first update: the fewest that scatter; each later update is at twice as many
@@ -46,19 +48,8 @@ SPREAD = (
     2.5  # branches until samples scatter, as a multiple of the best number by patches: too few cost more than too many
 )
 COST = 1.1  # C, in surfaces that a branch meets: measured with plain materials; less with principled ones
-POWER = 1.4  # a: measured where edges and lamps make the noise; 1 is that of independent samples
-# The variance of the mean, relative to that of independent samples, is D_GAIN n^(1 − a) before paths divide and I_GAIN of
-# branches: measured for 2 to 64 samples of scenes lit by lamps.
-D_GAIN, I_GAIN = 0.65, 0.77
-# The squared difference of the mean of all samples and that of one half, relative to the variance of the mean: measured too.
-# It would be 1 if the halves were independent.
-D_HALVES, I_HALVES = 1.8, 1.1
+MOST_POWER = 2.0  # a is between that of independent samples, 1, and this
 PRIOR = 16.0  # weight, in pixels, of what the neighbours show: 4 and 64 do as well
-RARE = 0.5  # part of the mean of w I that is added to each pixel: 0.3 and 1 do as well, 3 takes time from other pixels
-LEAST_GAIN, MOST_GAIN = 0.05, 4.0  # limits of the factor of a variance that halves estimate
-BLOCK = (
-    8  # side, in pixels, of a block that shares the estimate of its halves: that of one pixel is as noisy as the pixel
-)
 FLOOR = 0.01  # part of the mean square brightness that is added to the squares which errors are relative to
 # Limits of the number of samples, relative to the one that is set; the lower one is rounded down to a power of two. The
 # upper one is at most the number of samples so far, as few samples show little.
@@ -130,8 +121,8 @@ def _branches_by_one(film: Film) -> int:
     """The number of branches of all paths, by the first sample of whole rows of pixels."""
     before, after = _light(film)
     branches, _, met = film.divided.sum(axis=0)
-    first = D_GAIN * _differences(before, film)
-    second = I_GAIN * _differences(after / film.branches, film) * film.branches[0]
+    first = _differences(before, film)
+    second = _differences(after / film.branches, film) * film.branches[0]
     lit = second > 0.0
     if not lit.any():
         return int(film.branches[0])
@@ -150,7 +141,7 @@ def _differences(values: np.ndarray, film: Film) -> np.ndarray:
 
 @dataclass
 class _Noise:
-    """Estimates by the samples of a film: ``first`` w D and ``second`` w I of each pixel, and ``met``, m.
+    """Estimates by the samples of a film: ``first`` w D and ``second`` w I of each pixel, ``power``, a, and ``met``, m.
 
     ``known``: the pixels that have estimates.
     """
@@ -158,6 +149,7 @@ class _Noise:
     known: np.ndarray
     first: np.ndarray
     second: np.ndarray
+    power: float
     met: float
 
 
@@ -169,26 +161,33 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     before, after = sums / count, scattered / branches
     spread = film.squares - np.stack([sums * before, scattered * after], axis=1)
     variance = np.maximum(spread, 0.0) / np.maximum(count - 1, 1)[:, None]
-    first, second = D_GAIN * variance[:, 0], I_GAIN * variance[:, 1]  # of the powers of ``count`` and of ``branches``
     whole = before + after
     weight = 1.0 / np.maximum(_around(whole, known, shape, NEXT) ** 2 + FLOOR * np.mean(whole[known]) ** 2, 1e-30)
 
-    halves = known & (film.count >= LEAST_SAMPLES)
-    if halves.any():
-        half, half_branches = np.maximum(half_count(film.count), 1), np.maximum(film.divided[:, 1], 1.0)
-        one = before - film.sums["half"].reshape(-1, 3).sum(axis=1) / half
-        two = after - film.sums["scattered_half"].reshape(-1, 3).sum(axis=1) / half_branches
-        part = halves * weight
-        first *= _gain(part * one**2 * count**POWER / D_HALVES, part * first, shape)
-        second *= _gain(part * two**2 * branches / I_HALVES, part * second, shape)
     first, second = (
         _expected(found * weight, _around(found, known, shape, reach) * weight, known)
-        for found, reach in ((first, NEXT), (second, NEAR))
+        for found, reach in ((variance[:, 0], NEXT), (variance[:, 1], NEAR))
     )
     if not (first.any() or second.any()):
         return None
-    second += RARE * second[known].mean()
-    return _Noise(known, first, second, film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0))
+    power = _power(film, known, sums, variance[:, 0], weight)
+    return _Noise(known, first, second, power, film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0))
+
+
+def _power(film: Film, known: np.ndarray, sums: np.ndarray, variance: np.ndarray, weight: np.ndarray) -> float:
+    """a, by the difference of the samples up to the last update and of as many since. The ``sums`` are kept for the next."""
+    before, film.earlier = film.earlier, (film.count.copy(), sums)
+    if before is None:
+        return 1.0
+    count, earlier = before
+    twice = known & (count >= FIRST_UPDATE) & (film.count == 2 * count)
+    expected = (weight * variance)[twice].sum()
+    if not expected > 0.0:
+        return 1.0
+    # Of blocks whose samples are independent, these squares are the variance of a sample.
+    found = (weight * (sums - 2.0 * earlier) ** 2 / np.maximum(film.count, 1))[twice].sum()
+    size = np.mean(count[twice])
+    return float(np.clip(1.0 - np.log(max(found / expected, 1e-6)) / np.log(size), 1.0, MOST_POWER))
 
 
 def _expected(found: np.ndarray, told: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -213,7 +212,7 @@ def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tu
     d, i = (2.0 ** (-level / LEVELS) * values.max() for level, values in zip(kinds, (noise.first, noise.second)))
     choices = np.array(list(itertools.product(rates, branches)))
     number = np.maximum(samples * choices[:, :1], kinds[2])
-    error = d * number**-POWER + i / (number * choices[:, 1:])
+    error = d * number**-noise.power + i / (number * choices[:, 1:])
     time = number * (COST + noise.met * choices[:, 1:])
 
     def best(price: float) -> np.ndarray:
@@ -261,22 +260,6 @@ def _alike(first: np.ndarray, second: np.ndarray, count: np.ndarray, known: np.n
     of_pixel = found[keys]
     kinds = np.stack([keys_found // LOWEST % LOWEST, keys_found % LOWEST, counts[keys_found // LOWEST**2]])
     return kinds, of_pixel, np.bincount(of_pixel, known, len(keys_found))
-
-
-def _gain(found: np.ndarray, expected: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Quotient of sums over the other pixels of a pixel's block; 1 where nothing is expected."""
-    found, expected = _others(found, shape), _others(expected, shape)
-    gain = np.divide(found, expected, out=np.ones(len(found)), where=expected > 0.0)
-    return np.clip(gain, LEAST_GAIN, MOST_GAIN)
-
-
-def _others(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Sums over the other pixels of a pixel's block."""
-    rows = values.reshape(shape)
-    for axis in (0, 1):
-        rows = np.add.reduceat(rows, range(0, shape[axis], BLOCK), axis=axis)
-        rows = rows.repeat(BLOCK, axis=axis).take(range(shape[axis]), axis=axis)
-    return np.maximum(rows.ravel() - values, 0.0)
 
 
 def _around(values: np.ndarray, known: np.ndarray, shape: tuple[int, int], weights) -> np.ndarray:

@@ -9,7 +9,7 @@ Images and pixel coordinates have row 0 at the bottom, as Blender's render resul
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -53,9 +53,26 @@ class AttributeValues:
     values: np.ndarray
 
 
+class Primitive(enum.IntEnum):
+    """What the rows of ``Mesh.triangles`` are."""
+
+    TRIANGLES = 0
+    RIBBONS = (
+        1  # segments of Catmull-Rom curves that turn their flat side to every ray, and are shaded as if they were round
+    )
+    STRANDS = 2  # the same, round
+    CONES = 3  # round segments of straight lines
+    SPHERES = 4
+
+
 @dataclass
 class Mesh:
-    """Triangles in local space. Corner arrays hold three values a triangle, in the order of its vertices."""
+    """Triangles in local space. Corner arrays hold three values a triangle, in the order of its vertices.
+
+    Of curves a row is a segment (a, a + 1, a), whose barycentric coordinates are how far along it a point is, and where across
+    it, from −1 to 1; the vertices of a curve follow each other. Of spheres it is (a, a, a). Both have no corners, and
+    attributes instead of UV maps.
+    """
 
     name: str
     positions: np.ndarray  # (V, 3) float32
@@ -68,7 +85,14 @@ class Mesh:
     motion: np.ndarray | None = (
         None  # (K, V, 3) float32 positions at even times of the shutter; None: it keeps its form
     )
+    shifts: np.ndarray | None = (
+        None  # (2, V, 3) float32 to where it is at the frame before and the one after; None: there
+    )
     motion_normals: np.ndarray | None = None  # (K, T, 3, 3) float32, where there are ``normals``
+    primitive: Primitive = Primitive.TRIANGLES
+    radii: np.ndarray | None = None  # (V,) float32 of curves and spheres
+    motion_radii: np.ndarray | None = None  # (K, V) float32, where they have ``motion``
+    subdivisions: int = 2  # of ribbons: each segment is 2 to this power flat pieces
 
 
 ALL_SETS = -1  # bits of all sets of instances
@@ -108,8 +132,10 @@ class Instance(Emitter):
     index: int = 0
     random: float = 0.0  # 0 to 1
     motion: np.ndarray | None = None  # (K, 4, 4) matrices at even times of the shutter; None: it stands still
+    around: np.ndarray | None = None  # (2, 4, 4) matrices at the frame before and the one after; None: as here
     light_set: int = OPEN_SET
     shadow_set: int = OPEN_SET
+    catcher: bool = False  # a shadow catcher
     asset: str = ""  # for Cryptomatte: the name of the object that all its parents end in
 
 
@@ -135,7 +161,7 @@ class Lamp(Emitter):
     ``density`` is given, ρ = density · color instead, whatever the volume.
 
     With a relative ``emission`` e(x), ρ(x) = power · color · e(x) / (4π V ē), where ē is the mean of e over the volume
-    and its channels; or ρ(x) = density · color · e(x).
+    and its channels; or ρ(x) = density · color · e(x). Rays of the camera see ``camera_brightness`` times as much.
     """
 
     name: str
@@ -147,62 +173,20 @@ class Lamp(Emitter):
     visibility: Ray = Ray.ALL
     emission: Emission | None = None  # None: the same everywhere
     motion: tuple = ()
+    camera_brightness: float = 1.0
 
 
 @dataclass
-class PointLight(Emitter):
-    """``emission`` of a light: nodes, whose Emission closures its radiance is multiplied by."""
-
-    name: str
-    matrix: np.ndarray
-    power: float
-    color: RGB = (1.0, 1.0, 1.0)
-    radius: float = 0.0
-    soft_falloff: bool = True
-    visibility: Ray = Ray.ALL
-    cast_shadow: bool = True
-    emission: Material | None = None
-    motion: tuple = ()
-
-
-@dataclass
-class SpotLight(PointLight):
-    """A point light whose intensity falls to 0 at the edge of a cone about its local −z."""
-
-    angle: float = 0.785398  # full cone angle
-    blend: float = 0.15
-
-
-@dataclass
-class SunLight(Emitter):
-    """A light at infinite distance: one direction, or a disk of directions."""
+class Light(Emitter):
+    """One of Blender's lights; ``render.lights`` has their classes, each with its ``color``. ``emission``: nodes, whose Emission
+    closures its radiance is multiplied by."""
 
     name: str
     matrix: np.ndarray  # shines along its local −z
-    strength: float  # irradiance, W/m²
-    color: RGB = (1.0, 1.0, 1.0)
-    angle: float = 0.0  # angular diameter
-    visibility: Ray = Ray.ALL
-    cast_shadow: bool = True
-    emission: Material | None = None
-    motion: tuple = ()
-
-
-@dataclass
-class AreaLight(Emitter):
-    """A rectangle or ellipse that shines to one side."""
-
-    name: str
-    matrix: np.ndarray  # shines along its local −z
-    power: float
-    color: RGB = (1.0, 1.0, 1.0)
-    ellipse: bool = False  # disk or ellipse, else square or rectangle
-    size: tuple[float, float] = (1.0, 1.0)  # full extent along local x and y, before the matrix
-    spread: float = np.pi
-    visibility: Ray = Ray.ALL
-    cast_shadow: bool = True
-    emission: Material | None = None
-    motion: tuple = ()
+    visibility: Ray = field(default=Ray.ALL, kw_only=True)
+    cast_shadow: bool = field(default=True, kw_only=True)
+    emission: Material | None = field(default=None, kw_only=True)
+    motion: tuple = field(default=(), kw_only=True)
 
 
 @dataclass
@@ -214,9 +198,6 @@ class Portal:
     ellipse: bool = False
     size: tuple[float, float] = (1.0, 1.0)  # this and the spread as those of an area light
     spread: float = np.pi
-
-
-Light = PointLight | SpotLight | SunLight | AreaLight
 
 
 @dataclass
@@ -285,6 +266,7 @@ class Camera:
     blade_rotation: float = 0.0
     blade_ratio: float = 1.0
     motion: tuple = ()
+    around: tuple = ()  # itself at the frame before and the one after; none: as here
 
 
 @dataclass
@@ -319,8 +301,35 @@ class Scene:
     attributes: list[Attribute] = field(default_factory=list)  # that passes look up, beside those that materials do
     settings: Settings = field(default_factory=Settings)
     shutter: Shutter | None = None  # None: nothing moves
+    background_moves: bool = False  # whether the pass Vector also has what shows no surface
     warnings: list[str] = field(default_factory=list)
+    kept: dict | None = (
+        None  # what a back end keeps for the next render, whose scene may be nearly the same; None: nothing
+    )
 
     def looked_up(self) -> list[Attribute]:
         """Every attribute that is looked up, in the order of their places."""
         return attributes_of(self.materials, self.attributes)
+
+
+def catches_shadows(scene: Scene) -> bool:
+    """Whether there are shadow catchers."""
+    return any(instance.catcher for instance in scene.instances)
+
+
+def catchers_only(scene: Scene) -> Scene:
+    """The scene whose only objects are its shadow catchers. Indices of instances and of their triangles stay; the others have
+    none. No medium fills the world. What is warned of is not told again."""
+    empty = Mesh("", np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
+    kept = {instance.mesh for instance in scene.instances if instance.catcher}
+    return replace(
+        scene,
+        meshes=[*(mesh if index in kept else empty for index, mesh in enumerate(scene.meshes)), empty],
+        instances=[
+            instance if instance.catcher else replace(instance, mesh=len(scene.meshes), attributes={}, motion=None)
+            for instance in scene.instances
+        ],
+        world=replace(scene.world, medium=None),
+        warnings=[],
+        kept=None,
+    )

@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from .. import jit
-from . import sample_allocation
+from . import memory, sample_allocation
 from .errors import RenderError
-from .film import Film
+from .film import Film, bytes_of_a_pixel
 from .gpu.device import DeviceError
 from .interfaces import BackEnd, InteractiveBackEnd
 from .scene import Scene
@@ -99,6 +99,7 @@ def render(
     Raises RenderError with one sentence for the user.
     """
     on_progress(Progress("Preparing", memory=process_memory()))
+    _check_size(scene, passes)
     if wants_gpu(scene.settings):
         from .gpu.renderer import GpuRenderer
 
@@ -108,6 +109,25 @@ def render(
         except DeviceError as error:
             scene.warnings[:] = [*told, f"The GPU cannot render this: {error}. The CPU has rendered it."]
     return _render(choose_back_end(scene), scene, passes, cancelled, on_progress, on_update)
+
+
+def _check_size(scene: Scene, passes: tuple[str, ...]) -> None:
+    """Raise ``RenderError`` where there is no memory for the picture, or for the scene beside it."""
+    x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
+    needed, free = (x1 - x0) * (y1 - y0) * bytes_of_a_pixel(scene, passes), memory.available()
+    if free is not None and needed > free:
+        raise RenderError(
+            f"A picture of {x1 - x0:,} × {y1 - y0:,} pixels with {len(passes)} passes takes {memory.in_words(needed)}, and "
+            f"{memory.in_words(free)} of memory are free: choose a lower resolution, a render region, or fewer passes."
+        )
+    triangles, instances = sum(len(mesh.triangles) for mesh in scene.meshes), len(scene.instances)
+    geometry = triangles * memory.TRIANGLE_BYTES + instances * memory.INSTANCE_BYTES
+    if free is not None and needed + geometry > free:
+        raise RenderError(
+            f"The scene's {triangles:,} triangles and {instances:,} instances take {memory.in_words(geometry)} beside the "
+            f"picture's {memory.in_words(needed)}, and {memory.in_words(free)} of memory are free: subdivide less, hide "
+            "objects, or make copies instances of one mesh."
+        )
 
 
 def _render(

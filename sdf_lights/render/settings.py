@@ -72,6 +72,13 @@ class Settings:
         0, "Seed of the sampling pattern. The same seed gives the same picture, bit for bit", 0, (1 << 31) - 1
     )
     animate_seed: bool = _setting(True, "Use a different seed for each frame", label="Animate Seed")
+    sample_offset: int = _setting(
+        0,
+        "Number of samples of the same picture to leave out before the first. Renders of several machines with the same seed "
+        "and ranges side by side have different samples, and scripts/merge joins their files",
+        0,
+        1 << 24,
+    )
     max_bounces: int = _setting(12, "Maximum number of bounces of all kinds together", 0, 1024)
     diffuse_bounces: int = _setting(4, "Maximum number of diffuse bounces", 0, 1024)
     glossy_bounces: int = _setting(4, "Maximum number of glossy bounces", 0, 1024)
@@ -103,6 +110,13 @@ class Settings:
     )
     caustics_refractive: bool = _setting(
         True, "Show light that reaches a diffuse surface by refraction", label="Refractive Caustics"
+    )
+    filter_glossy: float = _setting(
+        0.0,
+        "Roughness of reflection and refraction behind rough surfaces, which gives less noise where caustics are. 0 is no "
+        "blur, and no bias",
+        0.0,
+        10.0,
     )
     filter: Filter = _setting(Filter.BLACKMAN_HARRIS, "Pixel filter")
     filter_width: float = _setting(1.5, "Width of the pixel filter in pixels", 0.01, 10.0)

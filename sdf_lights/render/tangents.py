@@ -10,6 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..graph.formula import POINT
+from ..graph.numpy_evaluation import evaluate_all
+from .nodes.projections import sphere_place
+
 _TINY = np.finfo(np.float32).tiny
 _MIX = np.uint64(0x9E3779B97F4A7C15)  # 2^64 over the golden ratio
 
@@ -41,6 +45,11 @@ def tangents(positions: np.ndarray, triangles: np.ndarray, normals: np.ndarray |
     result[:, 3] = np.where(forward, 1.0, -1.0).repeat(3)
     _lend(result, vertices.ravel(), proper.repeat(3))
     return result.reshape(count, 3, 4)
+
+
+def on_sphere(positions: np.ndarray) -> np.ndarray:
+    """(V, 2) texture coordinates of meshes that have none: of the directions from the origin of the object (V, 3)."""
+    return np.stack(evaluate_all(sphere_place(*POINT), positions), axis=-1).astype(np.float32)
 
 
 def _welded(corners: np.ndarray) -> np.ndarray:

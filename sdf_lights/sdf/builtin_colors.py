@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from .builtin_numbers import where
+from .expression_values import Misuse, Scalar, Work, compute, has_field, is_live, kind_of, maximum, minimum, spread
 from .functions import COLOURS, FUNCTIONS, Argument, Function, word
-from .values import Misuse, Scalar, Work, compute, has_field, is_live, kind_of, maximum, minimum, spread
 
 MOST_STOPS = 32
 

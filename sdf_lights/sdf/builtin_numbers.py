@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The words of the expression language for numbers, fields and vectors, and for folding the point.
 
-Most are written once, for floats and formulas alike: see ``values.compute``.
+Most are written once, for floats and formulas alike: see ``expression_values.compute``.
 """
 
 from __future__ import annotations
@@ -12,11 +12,10 @@ from collections.abc import Callable
 from typing import Any
 
 from ..graph import formula
+from ..graph.continuity import declare
 from ..graph.formula import Formula
-from . import values
-from .functions import FUNCTIONS, MATHEMATICS, POINTS, Argument, Function, spread_word, word
-from .noise import value_noise
-from .values import (
+from . import expression_values
+from .expression_values import (
     Condition,
     Misuse,
     Scalar,
@@ -33,6 +32,8 @@ from .values import (
     spread,
     sqrt,
 )
+from .functions import FUNCTIONS, MATHEMATICS, POINTS, Argument, Function, spread_word, word
+from .noise import value_noise
 
 Value = Scalar | Vector
 Vector3 = Vector
@@ -41,7 +42,7 @@ Vector3 = Vector
 
 
 def _vector(slots: Work, size: int, given: tuple) -> Vector:
-    flat = [scalar for value in given for scalar in values.components(value)]
+    flat = [scalar for value in given for scalar in expression_values.components(value)]
     for value in given:
         if kind_of(value) not in ("number", "field", "vector"):
             raise Misuse(
@@ -106,35 +107,41 @@ def _smoothstep(low: Scalar, high: Scalar, a: Scalar) -> Scalar:
 
 
 def _round(a: Scalar) -> Scalar:
-    return values.floor(a + 0.5)
+    return expression_values.floor(a + 0.5)
 
 
 def modulo(a: Scalar, divisor: Scalar) -> Scalar:
     """Remainder with the sign of the divisor."""
-    return a - divisor * values.floor(a / divisor)
+    return a - divisor * expression_values.floor(a / divisor)
 
 
 spread_word("sin", sin, "Sine of an angle in radians.", "angle")
 spread_word("cos", cos, "Cosine of an angle in radians.", "angle")
-spread_word("tan", values.tan, "Tangent of an angle in radians.", "angle")
-spread_word("asin", values.asin, "Angle in radians whose sine is the value.", "value")
-spread_word("acos", values.acos, "Angle in radians whose cosine is the value.", "value")
-spread_word("atan", values.atan, "Angle in radians whose tangent is the value.", "value")
-spread_word("atan2", values.atan2, "Angle in radians of the point (x, y).", "y", "x")
+spread_word("tan", expression_values.tan, "Tangent of an angle in radians.", "angle")
+spread_word("asin", expression_values.asin, "Angle in radians whose sine is the value.", "value")
+spread_word("acos", expression_values.acos, "Angle in radians whose cosine is the value.", "value")
+spread_word("atan", expression_values.atan, "Angle in radians whose tangent is the value.", "value")
+spread_word("atan2", expression_values.atan2, "Angle in radians of the point (x, y).", "y", "x")
 spread_word("radians", lambda a: a * (math.pi / 180.0), "Degrees as radians.", "degrees")
 spread_word("degrees", lambda a: a * (180.0 / math.pi), "Radians as degrees.", "radians")
 spread_word("sqrt", sqrt, "Square root.", "value")
-spread_word("exp", values.exp, "e to the power of the value.", "value")
-spread_word("log", values.log, "Natural logarithm.", "value")
+spread_word("exp", expression_values.exp, "e to the power of the value.", "value")
+spread_word("log", expression_values.log, "Natural logarithm.", "value")
 spread_word(
-    "pow", values.power, "Base to the power of the exponent, also written `base ** exponent`.", "base", "exponent"
+    "pow",
+    expression_values.power,
+    "Base to the power of the exponent, also written `base ** exponent`.",
+    "base",
+    "exponent",
 )
 spread_word("abs", absolute, "The value without its sign.", "value")
 spread_word("sign", _sign, "−1, 0 or 1.", "value", cost=5)
-spread_word("floor", values.floor, "The next whole number below.", "value")
-spread_word("ceil", lambda a: -values.floor(-a), "The next whole number above.", "value")
+spread_word("floor", expression_values.floor, "The next whole number below.", "value")
+spread_word("ceil", lambda a: -expression_values.floor(-a), "The next whole number above.", "value")
 spread_word("round", _round, "The nearest whole number.", "value")
-spread_word("fract", lambda a: a - values.floor(a), "What is left above the next whole number below.", "value")
+spread_word(
+    "fract", lambda a: a - expression_values.floor(a), "What is left above the next whole number below.", "value"
+)
 spread_word(
     "mod", modulo, "Remainder with the sign of the divisor, also written `value % divisor`.", "value", "divisor", cost=4
 )
@@ -233,7 +240,7 @@ def noise(slots: Work, point: Vector3, seed: float = 0.0):
     """
 
     def at(point: Vector, seed: Scalar) -> Scalar:
-        return values.settled(value_noise(formula.Vector(*map(as_formula, point)), seed))
+        return expression_values.settled(value_noise(formula.Vector(*map(as_formula, point)), seed))
 
     return compute(slots, at, point, seed)
 
@@ -283,10 +290,16 @@ def polar(point: Vector, count: Scalar):
     A shape there appears that many times around the axis: `sphere(0.2)(polar(p, 6) - (1, 0, 0))`.
     """
     part = math.tau / count
-    turn = part * _round(values.atan2(point[1], point[0]) / part)
+    turn = part * _round(expression_values.atan2(point[1], point[0]) / part)
     c, s = cos(turn), sin(turn)
     # The point is in the part as it is. That it is held to it is for the intervals, which cannot see that.
     radius, side = norm(point[:2]), sin(minimum(0.5 * part, 0.5 * math.pi))
     x = maximum(point[0] * c + point[1] * s, radius * cos(0.5 * part))
     y = _clamp(point[1] * c - point[0] * s, -side * radius, side * radius)
+    # From one part to the next, the point jumps to its mirror image: y changes its sign there, and nothing else.
+    number = as_formula(count)
+    if number.kind == formula.PARAMETER or number.kind == formula.CONSTANT:
+        for value, even in ((x, False), (y, True)):
+            if isinstance(value, Formula):
+                declare(value, map(as_formula, point[:2]), even, (number,))
     return (x, y, *point[2:])

@@ -14,8 +14,9 @@ import numpy as np
 
 from ..graph import formula
 from ..graph.formula import Formula
-from . import values
+from . import expression_values
 from .builtin_numbers import Value, Vector3, as_formula, cross_product, difference, dot_product, norm, unit
+from .expression_values import Live, Misuse, NeedsNumber, Scalar, Vector, Work, compute, cos, has_field, kind_of, sin
 from .functions import Argument, Function, add, as_shape, of_shape, word
 from .shapes import SHAPES, Box, Shape, Transformed
 from .shapes.base import Parametric
@@ -23,7 +24,6 @@ from .shapes.field import FieldDisplacement
 from .shapes.operators import SetOperation
 from .shapes.polygons import Polygon
 from .shapes.profiles import PROFILES, Profile
-from .values import Live, Misuse, NeedsNumber, Scalar, Vector, Work, compute, cos, has_field, kind_of, sin
 
 Vec3 = tuple[float, float, float]
 
@@ -71,7 +71,7 @@ def _add_shape(name: str, shape: type[Parametric]) -> None:
         if issubclass(shape, Profile)
         else "Operators"
         if "shape" in parts
-        else "Solids from profiles"
+        else "Solids from Profiles"
         if "profile" in parts
         else "Shapes"
     )
@@ -103,7 +103,7 @@ def displace(slots: Work, shape: Shape, amount: Scalar):
 
     Where the field has limits, and limits of its slope, the shape keeps its bound on the distance.
     """
-    amount = of_shape(as_formula(values.lifted(amount, slots)), slots)
+    amount = of_shape(as_formula(expression_values.lifted(amount, slots)), slots)
     slots.step(_DISPLACEMENT_STEPS + 3 * len(formula.order(amount)))
     displaced = FieldDisplacement.of(shape, amount, slots.values)
     return displaced or as_shape(distance(slots, shape, tuple(formula.POINT)) - amount, slots)
@@ -129,7 +129,7 @@ def distance(slots: Work, shape: Any, point: Vector):
         slots.step(4 * _PRIMITIVE * shape.size)
         return Live(shape.distance(np.array(point)))
     slots.operate(_PRIMITIVE * shape.size)
-    return shape.build(formula.Vector(*map(as_formula, values.lifted(point, slots))), slots)
+    return shape.build(formula.Vector(*map(as_formula, expression_values.lifted(point, slots))), slots)
 
 
 # -- transforms -------------------------------------------------------------------------------------------------------

@@ -9,11 +9,11 @@ from collections.abc import Iterable
 # By the module that they are in, which groups them too, but by what their code has in common.
 _TITLES = {
     "primitives": "Basic",
-    "solids": "Round and Box-Like",
-    "balls": "Pieces of Balls",
-    "swept": "From Outlines",
-    "curved": "Eggs and Hearts",
-    "tubes": "Bent Tubes",
+    "solids": "Rounded",
+    "balls": "Spherical",
+    "swept": "Swept",
+    "curved": "Curved",
+    "tubes": "Tubes",
     "coils": "Coils and Knots",
     "orbits": "Fractals",
     "operators": "Sharp",

@@ -7,8 +7,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from .expression_values import Condition, Live, Misuse, components, kind_of
 from .shapes.base import LARGEST
-from .values import Condition, Live, Misuse, components, kind_of
 
 LONGEST_NAME = 40  # letters; Blender's properties have at most 63
 

@@ -22,9 +22,9 @@ from ..graph.formula import PARAMETER, POINT, VARIABLE, Formula, constant, maxim
 from ..graph.substitution import substitute
 from .declarations import Declaration
 from .evaluation import Evaluation
+from .expression_values import Misuse, Work, components, kind_of, lifted
 from .shapes.base import Shape, Slots
 from .syntax import ExpressionError, parse
-from .values import Misuse, Work, components, kind_of, lifted
 
 INPUTS = ("depth", "height")  # slots 0 and 1 of the formulas of an ``Emission``
 

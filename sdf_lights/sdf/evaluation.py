@@ -22,7 +22,7 @@ from . import (  # noqa: F401 (the words of these modules are in FUNCTIONS then)
     builtin_colors,
     builtin_shapes,
     declarations,
-    values,
+    expression_values,
 )
 from ..graph import formula
 from ..graph.formula import LONGEST_LOOP, POINT, Formula
@@ -30,7 +30,7 @@ from .functions import CONSTANTS, FUNCTIONS, as_shape
 from .shapes import Difference, Field, Intersection, Shape, ShapeError, Union
 from .shapes.base import Parametric
 from .syntax import DEEPEST, ExpressionError
-from .values import (
+from .expression_values import (
     Condition,
     Live,
     Misuse,
@@ -58,7 +58,7 @@ _ARITHMETIC: dict[type, Callable] = {
     ast.Mult: lambda a, b: a * b,
     ast.Div: lambda a, b: a / b,
     ast.Mod: modulo,
-    ast.Pow: values.power,
+    ast.Pow: expression_values.power,
 }
 _COMBINATIONS = {ast.BitOr: Union, ast.BitAnd: Intersection, ast.Sub: Difference}
 _SYMBOLS = {
@@ -72,10 +72,10 @@ _SYMBOLS = {
     ast.BitAnd: "&",
 }
 _COMPARISONS: dict[type, Callable] = {
-    ast.Lt: values.less,
-    ast.LtE: values.less_equal,
-    ast.Gt: lambda a, b: values.less(b, a),
-    ast.GtE: lambda a, b: values.less_equal(b, a),
+    ast.Lt: expression_values.less,
+    ast.LtE: expression_values.less_equal,
+    ast.Gt: lambda a, b: expression_values.less(b, a),
+    ast.GtE: lambda a, b: expression_values.less_equal(b, a),
 }
 
 
@@ -365,7 +365,9 @@ class Evaluation:
         breaks = any(isinstance(node, ast.Break) for part in statement.body for node in ast.walk(part))
 
         def flat(names: Mapping[str, object]) -> list:
-            return [scalar for name in carried for scalar in values.components(lifted(names[name], self.slots))]
+            return [
+                scalar for name in carried for scalar in expression_values.components(lifted(names[name], self.slots))
+            ]
 
         def body(*states: Formula):
             self.names = dict(before)
@@ -434,7 +436,7 @@ class Evaluation:
                 message, cure = (message, cure) if ": " in message else (problem.rstrip("."), "change the value")
                 raise self.error(node, message, cure)
         else:
-            for scalar in values.components(value):
+            for scalar in expression_values.components(value):
                 if isinstance(scalar, float) and not math.isfinite(scalar):
                     raise self.error(node, "the value is undefined or too large", "use other numbers")
         return value
@@ -459,7 +461,7 @@ class Evaluation:
         """The error for a name without a value, with the known name that is most like it."""
         # Looking for what is alike takes time for each name, so not among thousands.
         close = difflib.get_close_matches(node.id[:40], itertools.islice(reversed(known), 200), 1)
-        cure = f"did you mean {close[0]}" if close else "give it a value on a line above, or choose a known name"
+        cure = f"did you mean {close[0]}?" if close else "give it a value on a line above, or choose a known name"
         return self.error(node, f"{node.id:.40} is not a known name", cure)
 
     def call(self, node: ast.Call):
@@ -485,7 +487,7 @@ class Evaluation:
         given = [*positional, *named.values()]
         self.limit(node, given)
         if any(map(has_field, given)):
-            self.operate(node, function.cost * sum(len(values.components(value)) for value in given))
+            self.operate(node, function.cost * sum(len(expression_values.components(value)) for value in given))
         else:
             self.step(node, _SHAPE_STEPS if function.makes_shape else 1)
         return self.attempt(node, lambda: function(self.slots, positional, named))
@@ -638,7 +640,9 @@ class Evaluation:
             # Of conditions, four: they are numbers for as long as it takes to choose.
             self.operate(
                 node,
-                4 if isinstance(then, Condition) else max(len(values.components(value)) for value in (then, otherwise)),
+                4
+                if isinstance(then, Condition)
+                else max(len(expression_values.components(value)) for value in (then, otherwise)),
             )
         return self.attempt(node, lambda: choose(self.slots, condition, then, otherwise))
 

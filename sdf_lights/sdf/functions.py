@@ -3,7 +3,7 @@
 """What a word of the expression language is: a Python function whose annotations say which values it takes.
 
 ``FUNCTIONS`` and ``CONSTANTS`` are all that an expression can reach. The words are in ``builtin_shapes`` and
-``builtin_numbers``, colours in ``builtin_colors``; what the values are is said in ``values``.
+``builtin_numbers``, colours in ``builtin_colors``; what the values are is said in ``expression_values``.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from typing import Any, NamedTuple
 
 from ..graph import formula
 from ..graph.formula import Formula
+from .expression_values import Misuse, NeedsNumber, Work, compute, has_field, kind_of, spread
 from .shapes import Box, Field, Shape
 from .shapes.base import Parametric
-from .values import Misuse, NeedsNumber, Work, compute, has_field, kind_of, spread
 
 REQUIRED = object()
 
-SHAPE_GROUPS = ("Shapes", "Profiles", "Solids from profiles", "Combinations", "Operators", "Transforms")
+SHAPE_GROUPS = ("Shapes", "Profiles", "Solids from Profiles", "Combinations", "Operators", "Transforms")
 
 # What an argument can be, and how messages say so. Those of the first group have to be numbers, not fields.
 _WANTED = {
@@ -40,6 +40,9 @@ _WANTED = {
     "any": "a value",
 }
 _ANGLES = ("angle", "angles")
+
+# Labels of user interfaces that differ from the names of arguments: an expression may have either.
+SYNONYMS = {"iterations": "rounds", "exponent": "power"}
 
 
 def _map(function: Callable, value):
@@ -150,8 +153,11 @@ class Function(NamedTuple):
 
     def _bound(self, positional: list, named: dict[str, Any], arguments: tuple[Argument, ...]) -> dict[str, Any]:
         given = {a.name: v for a, v in zip(arguments, positional)}
+        known = {a.name for a in arguments}
         for name, value in named.items():
-            if name not in {a.name for a in arguments}:
+            if name not in known and SYNONYMS.get(name) in known:
+                name = SYNONYMS[name]
+            if name not in known:
                 raise Misuse(f"{self.name} has no argument {name:.40}", f"write {self.signature()}")
             if name in given:
                 raise Misuse(f"{self.name} gets {name} twice", f"write {self.signature()}")

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 
+from ..graph.continuity import declare
 from ..graph.formula import Formula, Vector, apply, clamp
 
 PERIOD = 289
@@ -60,4 +61,4 @@ def value_noise(p: Vector, seed: Formula | float = 0.0) -> Formula:
     along_y = [_mixed(along_x[0, k], along_x[1, k], fade.y) for k in (0, 1)]
     between = _mixed(along_y[0], along_y[1], fade.z)
     # Interval arithmetic, which cannot see through remainders, gets its limits here.
-    return clamp(between * (2.0 / (PERIOD - 1.0)) - 1.0, -1.0, 1.0)
+    return declare(clamp(between * (2.0 / (PERIOD - 1.0)) - 1.0, -1.0, 1.0), p)

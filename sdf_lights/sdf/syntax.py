@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import keyword
 import re
+import warnings
 from typing import NamedTuple
 
 LONGEST = 10_000  # characters
@@ -30,7 +31,7 @@ class ExpressionError(Exception):
     """
 
     def __init__(self, message: str, line: int, column: int, cure: str):
-        super().__init__(f"Line {line}, column {column}: {message}: {cure}.")
+        super().__init__(f"Line {line}, column {column}: {message}: {cure}{'' if cure.endswith('?') else '.'}")
         self.message, self.line, self.column, self.cure = message, line, column, cure
 
 
@@ -83,7 +84,9 @@ def parse(text: str) -> Syntax:
     written = _indented(lines)
     moved = [len(line) - len(new) for line, new in zip(lines, written)]
     try:
-        tree = ast.parse("\n".join(written))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # hints on Python, which nobody writes here
+            tree = ast.parse("\n".join(written))
     except SyntaxError as error:
         problem = re.sub(r"\W*(Perhaps|Maybe|Did) .*|\.$", "", error.msg or "invalid syntax")
         at = min(max(error.lineno or 1, 1), len(lines))

@@ -23,9 +23,9 @@ from sdf_lights.emitter.building.build import build_lamp
 from sdf_lights.emitter.building.pack import new_spans, pack_lamps, pack_scalars
 from sdf_lights.emitter.hashing import following, seeded, uniform_point
 from sdf_lights.emitter.lamps import SCALARS, TABLES, intensity, lamps, radiance, trace, varies
+from sdf_lights.emitter.primitives.disk import disk_point
 from sdf_lights.emitter.sampling import cut as cuts
 from sdf_lights.emitter.sampling.cut import BOXES, CUT, KEYS, REGIONS
-from sdf_lights.emitter.sampling.points import disk_point
 from sdf_lights.emitter.sampling.projection import direction_pdf, sample_direction, way_inside
 from sdf_lights.jit import block_dtype, fill_table, kernel, table
 from sdf_lights.sdf.emission import Emission, EmissionExpression

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Projection sampling of a lamp's bounding box in the world, to compare with: rays may miss what is in it."""
 
-from sdf_lights.emitter.intersection.primitives import box_span
 from sdf_lights.emitter.lamps import lamps
+from sdf_lights.emitter.primitives.box import box_span
 from sdf_lights.jit import kernel
 from sdf_lights.vec import add, normalize, sub, vec
 

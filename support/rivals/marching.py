@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from sdf_lights.emitter.intersection.cover import PRECISION, SIGN, estimate, first_estimate, narrow, signed
+from sdf_lights.emitter.intersection.cover import PRECISION, SIGN, estimate, first_estimate, refine_bracket, signed
 from sdf_lights.emitter.intersection.fields import LANES, STACK, VALUES, evaluate
 from sdf_lights.jit import kernel, stack_array
 from sdf_lights.vec import length
@@ -83,7 +83,7 @@ def _advance(lane, value, rule, lipschitz, speed, size, least, end, out):
     precision = PRECISION * size
     rate = lipschitz * speed
     if lane.locating == 1:
-        zero, other, at_other, third, at_third = narrow(
+        zero, other, at_other, third, at_third = refine_bracket(
             lane.start, lane.at_start, lane.end, lane.at_end, lane.third, lane.asked, value, precision
         )
         lane.start, lane.at_start, lane.end, lane.at_end = lane.asked, value, other, at_other

@@ -27,7 +27,7 @@ from sdf_lights.emitter.building import build
 from sdf_lights.emitter.building.pack import new_spans, pack_lamps, pack_scalars
 from sdf_lights.emitter.hashing import following, seeded, uniform, uniform_point
 from sdf_lights.emitter.lamps import lamps, trace
-from sdf_lights.emitter.sampling.points import disk_point
+from sdf_lights.emitter.primitives.disk import disk_point
 from sdf_lights.graph.codegen_native import LANES
 from sdf_lights.jit import block_dtype, call_field, fill_table, kernel, stack_array, table
 from sdf_lights.vec import (

@@ -31,7 +31,7 @@ from window import (  # noqa: E402
 )
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
-from sdf_lights.blender import preset_browser, viewport  # noqa: E402
+from sdf_lights.blender import preset_browser, preset_pictures, viewport  # noqa: E402
 
 PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
 PATIENCE = 20.0
@@ -42,11 +42,6 @@ def thicknesses():
         round(obj.data.sdf_lamp.box_frame.thickness, 4)
         for obj in sorted(bpy.context.scene.objects, key=lambda obj: obj.name)
     ]
-
-
-def is_drawn():
-    """Whether all lamps are drawn as they are."""
-    return not viewport.drawn.overlay.finder.busy and not any(viewport.drawn.overlay._labels.values())
 
 
 def traces():
@@ -61,7 +56,13 @@ def traces():
             if isinstance(there, list)
             else []
         )
-    for menu in ("NODE_MT_add", "VIEW3D_MT_light_add", "VIEW3D_MT_object_convert"):
+    for menu in (
+        "NODE_MT_add",
+        "VIEW3D_MT_light_add",
+        "VIEW3D_MT_object_convert",
+        "VIEW3D_MT_object_asset",
+        "IMAGE_HT_header",
+    ):
         found += [
             f"{menu}: {draw}"
             for draw in getattr(bpy.types, menu)._dyn_ui_initialize()
@@ -175,14 +176,14 @@ def steps():
     ball.data.sdf_lamp.expression = "box(0.5) - spere(0.6)"
     move(inside(view, 0.4, 0.8))  # where no button tells what it is for
     yield 1.0
-    yield from until(is_drawn)
+    yield from until(lambda: not viewport.drawn.overlay.finder.busy)  # its last good shape has a label
     picture(PICTURES, "expression_error", view)
 
     # Presets: a click on the picture opens all of them.
     ball.data.sdf_lamp.source = "PRIMITIVE"
     bpy.context.window_manager.sdf_lights_preset = "CAMPFIRE"
     report["presets"] = len(preset_browser.items())
-    for thumbnail in preset_browser._pictures.values():
+    for thumbnail in preset_pictures._pictures.values():
         tuple(thumbnail.image_size)  # Blender loads it for the answer, and otherwise once it is shown
     bpy.context.view_layer.objects.active = None
     yield 1.0

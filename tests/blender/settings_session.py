@@ -39,7 +39,8 @@ def steps():
     bpy.ops.sdf_lights.cycles_settings_copy()
     report["copied again"] = settings.samples
 
-    bpy.context.object.is_shadow_catcher = scene.cycles.use_fast_gi = True
+    bpy.context.object.shadow_terminator_shading_offset = 0.2
+    scene.cycles.use_fast_gi = True
     area = areas("VIEW_3D")[0]
     area.type = "PROPERTIES"
     yield

@@ -2,8 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Rendering without a window, as farms do it: the installed extension, and ``blender -b FILE -E SDF_LIGHTS``."""
 
+import contextlib
+import dataclasses
+import json
 import os
+import pathlib
+import signal
 import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
@@ -52,36 +59,53 @@ bpy.ops.wm.save_as_mainfile(filepath={blurred!r})
 """
 
 
-@pytest.mark.gui
-def test_frames_are_rendered_without_a_window(blender_command, blender_zip, tmp_path):
-    openimageio = pytest.importorskip("OpenImageIO")
-    environment = {name: value for name, value in os.environ.items() if name != "SDF_LIGHTS_CACHE"}
-    environment["BLENDER_USER_RESOURCES"] = str(tmp_path / "resources")
-    (tmp_path / "resources").mkdir()
+@dataclasses.dataclass
+class Installed:
+    """A Blender that has the extension, in ``folder``, and the ``file`` of the scene."""
 
-    def run(*arguments) -> subprocess.CompletedProcess:
+    command: list[str]
+    environment: dict[str, str]
+    folder: pathlib.Path
+    file: pathlib.Path
+
+    def run(self, *arguments) -> subprocess.CompletedProcess:
         return subprocess.run(
-            [*blender_command, *map(str, arguments)],
-            env=environment,
+            [*self.command, *map(str, arguments)],
+            env=self.environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
             timeout=600,
         )
 
-    def blender(*arguments) -> None:
-        done = run(*arguments)
+    def blender(self, *arguments) -> None:
+        done = self.run(*arguments)
         assert done.returncode == 0, done.stdout
         assert "Traceback" not in done.stdout and "Error" not in done.stdout, done.stdout
+
+
+@pytest.fixture(scope="module")
+def installed(blender_command, blender_zip, tmp_path_factory) -> Installed:
+    folder = tmp_path_factory.mktemp("installed")
+    environment = {name: value for name, value in os.environ.items() if name != "SDF_LIGHTS_CACHE"}
+    environment["BLENDER_USER_RESOURCES"] = str(folder / "resources")
+    (folder / "resources").mkdir()
+    found = Installed(blender_command, environment, folder, folder / "lamp.blend")
+    script = folder / "make.py"
+    script.write_text(MAKE.format(path=str(found.file)), encoding="utf-8")
+    found.blender("--command", "extension", "install-file", "--repo", "user_default", "--enable", blender_zip)
+    found.blender("--background", "--python-exit-code", "1", "--python", script)
+    return found
+
+
+@pytest.mark.gui
+def test_frames_are_rendered_without_a_window(installed, tmp_path):
+    openimageio = pytest.importorskip("OpenImageIO")
+    file, script, run, blender = installed.file, tmp_path / "make.py", installed.run, installed.blender
 
     def picture(name: str) -> np.ndarray:
         """(32, 48, 3), row 0 at the top."""
         return openimageio.ImageInput.open(str(tmp_path / name)).read_image(openimageio.FLOAT)[..., :3]
-
-    file, script = tmp_path / "lamp.blend", tmp_path / "make.py"
-    script.write_text(MAKE.format(path=str(file)), encoding="utf-8")
-    blender("--command", "extension", "install-file", "--repo", "user_default", "--enable", blender_zip)
-    blender("--background", "--python-exit-code", "1", "--python", script)
 
     blender("--background", file, "-E", "SDF_LIGHTS", "-o", tmp_path / "single_####", "-f", "1")
     blender("--background", file, "-E", "SDF_LIGHTS", "-o", tmp_path / "film_####", "-a")
@@ -112,3 +136,79 @@ def test_frames_are_rendered_without_a_window(blender_command, blender_zip, tmp_
     done = run(*arguments)
     assert done.returncode == 0 and "Fast GI is not supported" in done.stdout, done.stdout
     assert picture("blurred_0001.exr").mean() > 0.0
+
+    # So does one that fails, and one whose arguments are wrong.
+    done = run(
+        "--background", file, "-E", "SDF_LIGHTS", "-o", tmp_path / "wrong_####", "-f", "1", "--", "--sdf-samples", "all"
+    )
+    assert done.returncode == 1 and "--sdf-samples all: write a whole number" in done.stdout, done.stdout
+
+
+def kill_renders(word: str) -> bool:
+    """End the Blender that has this word among its arguments, at once; whether there was one."""
+    found = False
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):  # it may have ended
+            arguments = (process / "cmdline").read_bytes()
+            if word.encode() in arguments and b"SDF_LIGHTS" in arguments:
+                os.kill(int(process.name), signal.SIGKILL)
+                found = True
+    return found
+
+
+FRAMES, TASKS = 10, 2
+
+
+@pytest.mark.gui
+def test_a_farm_renders_an_animation(installed, tmp_path):
+    """By the job that a command writes, with Open Job Description's own runner. One task is killed; its frames are whole after the
+    next run."""
+    openimageio = pytest.importorskip("OpenImageIO")
+    python = tmp_path / "openjd" / "bin" / "python"
+    subprocess.run([sys.executable, "-m", "venv", tmp_path / "openjd"], check=True)
+    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "openjd-cli==0.8.0"]
+    if subprocess.run(pip, capture_output=True).returncode:
+        pytest.skip("pip cannot install openjd-cli")
+    job, folder = installed.folder / "job.json", installed.folder / "frames"
+    installed.blender(
+        *("-b", "-c", "sdf_lights_job", job, installed.file, "--frames", f"1-{FRAMES}", "--samples", "16"),
+        *("--tasks", TASKS, "--folder", folder),
+    )
+    assert len(json.loads(job.read_text())["steps"]) == 2
+    # A template names one program, and the command of a Blender with a window may be longer.
+    start = tmp_path / "start"
+    start.write_text("#!/bin/sh\nexec " + " ".join(installed.command) + ' "$@"\n', encoding="utf-8")
+    start.chmod(0o755)
+    openjd = [
+        python,
+        "-m",
+        "openjd",
+        "run",
+        job,
+        "--job-param",
+        f"Blender={start}",
+        "--step",
+        "Merge",
+        "--run-dependencies",
+    ]
+
+    with open(tmp_path / "log", "w") as log:  # a pipe that nobody reads would fill, and stop it
+        began = subprocess.Popen([*map(str, openjd)], env=installed.environment, stdout=log, stderr=log)
+    killed = False
+    while not killed and began.poll() is None:  # between two tasks there is none to kill
+        time.sleep(0.02)
+        killed = len(list(folder.glob("parts/*.exr"))) > 2 and kill_renders(f"{folder}/parts")
+    assert began.wait(timeout=600) != 0 and killed, (tmp_path / "log").read_text()
+    assert not list(folder.glob("*.exr"))
+
+    done = subprocess.run([*map(str, openjd)], env=installed.environment, capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, done.stdout + done.stderr
+    names = sorted(path.name for path in folder.glob("*.exr"))
+    assert names == [f"{frame:04}.exr" for frame in range(1, FRAMES + 1)]
+
+    def channels(path: pathlib.Path) -> np.ndarray:
+        return openimageio.ImageInput.open(str(path)).read_image(openimageio.FLOAT)[..., :3]
+
+    installed.blender("-b", installed.file, "-E", "SDF_LIGHTS", "-o", tmp_path / "whole_####", "-f", "1")
+    found, whole = channels(folder / "0001.exr"), channels(tmp_path / "whole_0001.exr")
+    assert found.mean() == pytest.approx(whole.mean(), rel=0.02)

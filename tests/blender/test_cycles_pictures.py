@@ -77,12 +77,11 @@ CASES = {
 _plain: dict[str, dict] = {}  # both pictures of the room as it is, which every case needs
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-def test_a_setting_does_what_it_does_in_cycles(room, pictures, name):
-    changes, least = CASES[name]
+@pytest.fixture
+def both(room, pictures):
+    """Function: the pictures of the room by both engines."""
 
-    def both() -> dict[str, np.ndarray]:
+    def run() -> dict[str, np.ndarray]:
         result = {}
         for room.render.engine in ("CYCLES", "SDF_LIGHTS"):
             bpy.ops.sdf_lights.cycles_settings_copy()
@@ -90,11 +89,34 @@ def test_a_setting_does_what_it_does_in_cycles(room, pictures, name):
             result[room.render.engine] = pictures()["ViewLayer"]["Combined"][..., :3].astype(float)
         return result
 
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_a_setting_does_what_it_does_in_cycles(room, both, name):
+    changes, least = CASES[name]
     plain = _plain.get("room") or both()
     _plain["room"] = plain
     for key, value in changes.items():
         setattr(room.cycles, key, value)
-    found = both() if changes else plain
+    compare(name, plain, both() if changes else plain, least)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("roughness", [0.0, 0.2])
+def test_filter_glossy_blurs_what_it_blurs_in_cycles(room, both, roughness):
+    # Not refraction: Cycles adds light rays to it that no microfacet refracts, the more the rougher it is.
+    bpy.data.objects.remove(bpy.data.objects["Glass"])
+    nodes = bpy.data.materials["Metal"].node_tree.nodes
+    next(node for node in nodes if node.type == "BSDF_GLOSSY").inputs["Roughness"].default_value = roughness
+    plain = both()
+    room.cycles.blur_glossy = 1.0
+    compare(f"filter glossy, roughness {roughness}", plain, both(), 0.02)
+
+
+def compare(name: str, plain: dict, found: dict, least: float) -> None:
+    """Both engines agree, and the picture has changed by ``least`` of its mean."""
     ours, theirs = found["SDF_LIGHTS"], found["CYCLES"]
     change = abs(theirs.mean() / plain["CYCLES"].mean() - 1.0)
     print(f"{name}: {ours.mean() / theirs.mean() - 1.0:+.4f}, changed by {change:.4f}")

@@ -30,7 +30,7 @@ class _Layout:
         self.drawn = drawn
 
     def __getattr__(self, name):
-        if name == "column":
+        if name in ("column", "row"):
             return lambda **_: self
         if name == "prop":
             return lambda owner, path, **options: self.drawn.append(("prop", path, options.get("text")))
@@ -123,6 +123,15 @@ def test_an_expression_in_one_line_or_in_a_text_block(data, synced):
     parameters.update(data)
     assert data["sdf_emission.a"] == 2.0
     assert ("prop", '["sdf_emission.a"]', "A") in drawn(data)
+
+
+def test_temperatures_have_blenders_unit(data):
+    data.sdf_lamp.emission.source = "FLAME"
+    for name in ("bottom", "top"):
+        assert data.id_properties_ui(f"sdf_emission.{name}").as_dict()["subtype"] == "COLOR_TEMPERATURE"
+    assert data.id_properties_ui("sdf_emission.fade").as_dict()["subtype"] == "NONE"
+    shown = {path: text for kind, path, text in (entry for entry in drawn(data) if entry[0] == "prop")}
+    assert shown['["sdf_emission.bottom"]'] == "Bottom Temperature" and shown['["sdf_emission.fade"]'] == "Fade"
 
 
 def test_a_preset_becomes_a_text(data):

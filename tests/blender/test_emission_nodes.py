@@ -155,7 +155,7 @@ def test_a_pattern_of_ones_own(made, glow):
     pattern = made.nodes.new("SDFLIGHTS_Node_pattern")
     pattern.pattern, pattern.expression = "EXPRESSION", "exp(-dept)"
     glow(pattern.outputs[0])
-    assert "dept is not a known name: did you mean depth" in problems(made)[pattern.name]
+    assert "dept is not a known name: did you mean depth?" in problems(made)[pattern.name]
     pattern.text = bpy.data.texts.new("Glow")
     pattern.text.write("depth = 0.1 + depth\nfall = slider(20, 1, 50)\nexp(-fall * depth)")
     pattern.match_interface()

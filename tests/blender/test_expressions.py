@@ -3,11 +3,12 @@
 """Expressions as artists meet them: parameters as properties, mistakes in the panel, examples from the menu."""
 
 import math
+import types
 
 import bpy
 import pytest
 
-from sdf_lights.blender import operators, panels, parameters
+from sdf_lights.blender import lamp_panels, operators, parameters
 from sdf_lights.blender.lamp import shape_of
 from sdf_lights.render.errors import RenderError
 from sdf_lights.sdf import expression
@@ -59,13 +60,19 @@ class _Layout:
             return lambda owner, path, **options: self.drawn.append(("prop", path, options.get("text")))
         if name == "label":
             return lambda text="", icon="NONE": self.drawn.append(("label", text, icon))
-        return lambda *arguments, **_: self.drawn.append((name, *arguments))
+
+        def take(*arguments, **_):
+            self.drawn.append((name, *arguments))
+            return types.SimpleNamespace()
+
+        return take
 
 
 def drawn(data) -> list:
     found: list = []
-    panels.draw_shape(_Layout(found), data, None, 40)
-    panels.draw_readout(_Layout(found), data, None, 40)
+    lamp_panels.draw_shape(_Layout(found), data, None, 40)
+    lamp_panels.draw_readout(_Layout(found), data, None, 40)
+    lamp_panels.draw_details(_Layout(found), data, None)
     return found
 
 
@@ -185,7 +192,7 @@ def test_panel_shows_where_a_mistake_is_and_its_cure(written):
     assert labels == [
         ("Line 2, column 8:", "ERROR"),
         ("siez is not a known name", "BLANK1"),
-        ("Did you mean size", "BLANK1"),
+        ("Did you mean size?", "BLANK1"),
         ("There is no shape", "NONE"),
     ]
     with pytest.raises(RenderError, match="In its expression: Line 2, column 8"):

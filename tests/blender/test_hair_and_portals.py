@@ -9,28 +9,6 @@ import pytest
 pytest.importorskip("_cycles")
 
 
-@pytest.fixture
-def render(file, pictures):
-    """Function: both engines' pictures (height, width, RGBA) of ``samples`` samples a pixel."""
-    bpy.ops.preferences.addon_enable(module="cycles")
-    scene = file.scene
-    cycles = scene.cycles
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.blur_glossy, cycles.light_sampling_threshold, cycles.sample_clamp_indirect = 0.0, 0.0, 0.0
-    cycles.pixel_filter_type, scene.render.film_transparent = "BOX", True
-    scene.render.image_settings.color_mode = "RGBA"
-
-    def run(samples: int) -> tuple[np.ndarray, np.ndarray]:
-        cycles.samples, result = samples, {}
-        for scene.render.engine in ("CYCLES", "SDF_LIGHTS"):
-            bpy.ops.sdf_lights.cycles_settings_copy()
-            scene.sdf_lights.device, scene.sdf_lights.guided_samples = "CPU", False
-            result[scene.render.engine] = pictures()["ViewLayer"]["Combined"].astype(float)
-        return result["SDF_LIGHTS"], result["CYCLES"]
-
-    return run
-
-
 def shaded(material, mesh, build):
     """Give a mesh a material that ``build(tree)`` makes."""
     made, tree, output = material(mesh.name)

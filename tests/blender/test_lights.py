@@ -2,14 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """SDF lamps and Blender's lights, as sync reads them."""
 
+import warnings
+
 import bpy
 import numpy as np
 import pytest
 
 from sdf_lights.blender.properties import PRIMITIVES
 from sdf_lights.blender.viewport.lamps import collect
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.lights.point import PointLight, SpotLight
+from sdf_lights.render.lights.sun import SunLight
 from sdf_lights.render.reference.nodes import Graph
-from sdf_lights.render.scene import AreaLight, PointLight, Ray, SpotLight, SunLight
+from sdf_lights.render.scene import Ray
 from sdf_lights.sdf.shapes import Sphere, Torus, Union
 
 
@@ -89,6 +94,35 @@ def test_lamps_are_seen_by_the_camera_unless_told_otherwise(synced, add, lamp):
     assert synced().lamps[0].visibility == Ray.ALL & ~Ray.GLOSSY & ~Ray.CAMERA
 
 
+@pytest.mark.parametrize("flag", ["indirect_only", "holdout"])
+def test_collections_hide_lamps_from_the_camera(file, synced, add, lamp, flag):
+    collection = bpy.data.collections.new("Hidden")
+    file.scene.collection.children.link(collection)
+    obj = add("Lamp", lamp())
+    file.scene.collection.objects.unlink(obj)
+    collection.objects.link(obj)
+    assert synced().lamps[0].visibility & Ray.CAMERA
+    setattr(file.layer.layer_collection.children["Hidden"], flag, True)
+    assert synced().lamps[0].visibility == Ray.ALL & ~Ray.CAMERA
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SUN", "AREA"])
+def test_lights_are_read_without_warnings_of_python(synced, add, kind):
+    """Of what Blender 6.0 does away with."""
+    add("Light", bpy.data.lights.new("Light", kind))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        synced()
+
+
+def test_camera_brightness(synced, add, lamp):
+    data = lamp()
+    add("Lamp", data)
+    assert synced().lamps[0].camera_brightness == 1.0
+    data.sdf_lamp.camera_brightness = 0.25
+    assert synced().lamps[0].camera_brightness == 0.25
+
+
 def test_a_lamp_that_cannot_be_used_is_named_and_the_rest_stays(synced, add, lamp):
     add("Good", lamp())
     add("Zero", lamp(), scale=(1.0, 0.0, 1.0))
@@ -106,6 +140,25 @@ def test_a_lamp_that_cannot_be_used_is_named_and_the_rest_stays(synced, add, lam
     for name in ("Zero", "Nowhere", "Wrong", "Thick", "Dark"):
         [warning] = [warning for warning in scene.warnings if f"'{name}'" in warning]
         assert warning.endswith(".") and "left out" in warning
+
+
+def test_viewports_keep_the_last_good_shape_and_renders_do_not(file, synced, add, lamp):
+    data = lamp(shape="BOX_FRAME", thickness=0.1)
+    add("Frame", data)
+    (shown,) = collect(bpy.context.evaluated_depsgraph_get()).lamps
+    assert not shown.problem
+    data.sdf_lamp.box_frame.thickness = 50.0
+    bpy.context.view_layer.update()
+    found = collect(bpy.context.evaluated_depsgraph_get())
+    assert found.lamps[0].lamp.shape == shown.lamp.shape
+    assert "last good shape" in found.lamps[0].problem and found.errors[data.name_full] == found.lamps[0].problem
+    scene = synced()
+    assert not scene.lamps and "Lamp 'Frame' is left out." in scene.warnings[0]
+    data.sdf_lamp.source, data.sdf_lamp.expression = "EXPRESSION", "sphere(0.5"  # half typed
+    assert collect(bpy.context.evaluated_depsgraph_get()).lamps[0].lamp.shape == shown.lamp.shape
+    data.sdf_lamp.expression += ")"
+    (mended,) = collect(bpy.context.evaluated_depsgraph_get()).lamps
+    assert mended.lamp.shape == Sphere(0.5) and not mended.problem
 
 
 def test_instances_of_a_lamp(file, synced, add, lamp):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adding lamps, presets, and converting lamps to meshes."""
 
+import json
 import math
 
 import bpy
@@ -13,6 +14,7 @@ from sdf_lights.blender.lamp import pattern_of, shape_of
 from sdf_lights.blender.presets import presets
 from sdf_lights.sdf import emission_presets
 from sdf_lights.sdf.expression import evaluate
+from sdf_lights.sdf.functions import CONSTANTS, FUNCTIONS
 
 
 def added():
@@ -25,7 +27,10 @@ def test_presets(file, name):
     assert bpy.ops.sdf_lights.lamp_add(source="PRESET", preset=name.upper()) == {"FINISHED"}
     light = added().data
     assert added().name.startswith(preset.title) and light.energy == preset.power
-    assert shape_of(light.sdf_lamp) == evaluate(preset.expression)
+    points = np.random.default_rng(3).uniform(-0.7, 0.7, (200, 3))
+    # Angles are radians in Blender, so their last digit may differ.
+    wanted = evaluate(preset.expression)
+    assert shape_of(light.sdf_lamp).distance(points) == pytest.approx(wanted.distance(points), abs=1e-12)
     assert light.use_temperature == (preset.temperature > 0.0)
     shape, found = shape_of(light.sdf_lamp), pattern_of(light.sdf_lamp)
     points = np.random.default_rng(4).uniform(-0.1, 0.1, (20, 3))
@@ -34,7 +39,11 @@ def test_presets(file, name):
     for parameter, value in preset.emission_values.items():
         held = light[f"sdf_emission.{parameter}"]
         assert (list(held) if isinstance(value, list) else held) == value
+    assert light.sdf_lamp.camera_brightness == pytest.approx(preset.camera_brightness)
+    assert parameters.declarations(light.sdf_lamp)  # sliders for the shape
     assert not parameters.unused(light) and not parameters.missing(light.sdf_lamp)
+    names = {declaration.name for declaration in parameters.declarations(light.sdf_lamp)}
+    assert not names & (FUNCTIONS.keys() | CONSTANTS.keys())  # or nodes could not have them
     assert preset.picture.is_file() and preset.picture.stat().st_size < 30_000
     low, high = shape_of(light.sdf_lamp).bounds()
     assert 0.1 < max(high - low) < 1.5
@@ -52,6 +61,77 @@ def test_a_preset_on_a_lamp_of_another_emission(file, add, lamp):
     assert data.sdf_lamp.emission.source == "EXPRESSION" and pattern_of(data.sdf_lamp) is not None
     bpy.ops.sdf_lights.preset_load(preset="PEARL")
     assert data.sdf_lamp.emission.source == "UNIFORM" and pattern_of(data.sdf_lamp) is None
+
+
+def test_texts_of_presets_go_with_their_last_lamp(file, add, lamp):
+    data = lamp()
+    bpy.context.view_layer.objects.active = add("Lamp", data)
+    bpy.ops.sdf_lights.preset_load(preset="NEBULA")
+    bpy.ops.sdf_lights.preset_load(preset="RING_LIGHT")
+    assert {text.name: text.users for text in bpy.data.texts if text.users} == {"Ring Light": 1}
+    assert sorted(key for key in data.keys() if key.startswith("sdf_") and key != "sdf_lamp") == [
+        "sdf_radius",
+        "sdf_thickness",
+    ]
+
+
+@pytest.mark.parametrize("source", ["PRESET", "PRIMITIVE", "NODES"])
+def test_lamps_saved_as_presets_come_back(file, add, lamp, source, tmp_path, monkeypatch):
+    """By Blender's own operators, from a file in the user's folder."""
+    monkeypatch.setattr(bpy.utils, "user_resource", lambda kind, path="", create=False: str(tmp_path))
+    data = lamp(shape="TORUS", major_radius=0.7, minor_radius=0.1, power=33.0)
+    bpy.context.view_layer.objects.active = add("Lamp", data)
+    if source == "PRESET":
+        bpy.ops.sdf_lights.preset_load(preset="CAMPFIRE")
+        data["sdf_unrest"], data["sdf_emission.wisps"] = 0.03, 0.4
+    elif source == "NODES":
+        bpy.ops.sdf_lights.preset_load(preset="STAR")
+        data["sdf_points"] = 7
+        bpy.ops.sdf_lights.nodes_new()
+    data.color, data.sdf_lamp.camera_brightness = (1.0, 0.5, 0.25), 0.125
+    data.energy, data.exposure = 10.0, 1.0
+    shape, pattern = shape_of(data.sdf_lamp), pattern_of(data.sdf_lamp)
+    assert bpy.ops.sdf_lights.lamp_preset_add(name="Mine") == {"FINISHED"}
+    (saved,) = tmp_path.iterdir()
+    other = lamp(shape="SPHERE")
+    bpy.context.view_layer.objects.active = add("Other", other)
+    assert bpy.ops.script.execute_preset(filepath=str(saved), menu_idname="SDFLIGHTS_PT_lamp_presets") == {"FINISHED"}
+    points = np.random.default_rng(5).uniform(-1.0, 1.0, (500, 3))
+    assert shape_of(other.sdf_lamp).distance(points) == pytest.approx(shape.distance(points), abs=1e-6)
+    assert (pattern_of(other.sdf_lamp) is None) == (pattern is None)
+    if pattern is not None:
+        assert pattern_of(other.sdf_lamp) == pattern
+    assert tuple(other.color) == (1.0, 0.5, 0.25) and other.sdf_lamp.camera_brightness == 0.125
+    assert other.energy == pytest.approx(20.0) and other.exposure == 0.0
+    assert (other.sdf_lamp.source == "PRIMITIVE") == (source == "PRIMITIVE")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "",
+        "no JSON",
+        "[1]",
+        "[" * 100_000,
+        '{"name": "", "title": ""}',
+        '{"shape": "blob", "power": "x"}',
+        {"shape": "sphere", "values": {"no such": 1.0}},
+        {"shape": "sphere", "values": {"radius": "wide"}},
+        {"values": 3},
+        {"values": {"major_radius": [1.0, 2.0]}},
+        {"emission": 5},
+        {"power": [1.0]},
+        {"density": "dense"},
+        {"camera_brightness": 1e400},
+    ],
+)
+def test_a_preset_that_cannot_be_read_leaves_the_lamp(file, lamp, change, capfd):
+    data = lamp(shape="TORUS")
+    before = data.sdf_lamp.as_text
+    text = change if isinstance(change, str) else json.dumps(json.loads(before) | change)
+    data.sdf_lamp.as_text = text
+    assert data.sdf_lamp.as_text == before
+    assert "The preset" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize("sweep", ["extrusion", "revolution", "partial_revolution"])

@@ -8,22 +8,9 @@ import bpy
 import numpy as np
 import pytest
 
+from tests.blender.animated import animate, form, instances, lens
+
 pytest.importorskip("_cycles")
-
-
-def animate(owner, path: str, *values) -> None:
-    """Give a property these values at frames one after the other, of which the middle one is rendered."""
-    first = 5 - len(values) // 2
-    for frame, value in enumerate(values, first):
-        setattr(owner, path, value)
-        owner.keyframe_insert(path, frame=frame)
-    action = owner.animation_data.action
-    curves = (
-        action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbag(action.slots[0]).fcurves
-    )
-    for curve in curves:
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
 
 
 @pytest.fixture
@@ -91,23 +78,9 @@ def camera(camera, **_):
     animate(camera, "rotation_euler", (half, 0.0, -0.15), (half, 0.1, 0.05), (half + 0.1, 0.0, 0.1))
 
 
-def lens(camera, **_):
-    animate(camera.data, "lens", 25.0, 35.0, 70.0)
-
-
 def rolling(camera, scene, **_):
     animate(camera, "location", (-1.0, -5.0, 1.0), (0.0, -5.0, 1.0), (1.0, -5.0, 1.0))
     scene.cycles.rolling_shutter_type, scene.cycles.rolling_shutter_duration = "TOP", 0.2
-
-
-def form(shot, **_):
-    shot.shape_key_add(name="Basis")
-    key = shot.shape_key_add(name="Lean")
-    for point in key.data:
-        point.co.x += 1.5 * point.co.y
-    for frame, value in ((4, 0.0), (5, 0.3), (6, 1.0)):
-        key.value = value
-        key.keyframe_insert("value", frame=frame)
 
 
 def form_off(shot, **_):
@@ -120,15 +93,9 @@ def form_of_what_moves(shot, **_):
     moves(shot)
 
 
-def instances(shot, add, file, **_):
-    group = bpy.data.collections.new("Group")
-    group.objects.link(shot)
-    file.scene.collection.objects.unlink(shot)
+def small_instances(shot, **rest):
     shot.scale = (0.4, 0.3, 1.0)
-    for x in (-1.0, 1.0):
-        holder = add(f"Holder {x}", None, (x, 0.0, 0.0))
-        holder.instance_type, holder.instance_collection = "COLLECTION", group
-        animate(holder, "location", (x, 0.0, 0.0), (x, 0.0, 0.3), (x + 0.5, 0.0, 0.0))
+    instances(shot, **rest)
 
 
 def off(shot, **_):
@@ -136,7 +103,7 @@ def off(shot, **_):
     shot.cycles.use_motion_blur = False
 
 
-QUICK = [from_the_frame, turns, curve, lens, rolling, form_of_what_moves, instances]
+QUICK = [from_the_frame, turns, curve, lens, rolling, form_of_what_moves, small_instances]
 SLOW = [moves, to_the_frame, turns_in_steps, grows, camera, form, form_off, off]
 CASES = [*QUICK, *(pytest.param(build, marks=pytest.mark.slow) for build in SLOW)]
 

@@ -11,7 +11,7 @@ import pytest
 from sdf_lights.blender import parameters
 from sdf_lights.blender.lamp import shape_of
 from sdf_lights.blender.naming import NODE_TREE
-from sdf_lights.blender.nodes import add_menu, editor, groups, reading, tree, words, writing
+from sdf_lights.blender.nodes import add_menu, editor, function_nodes, groups, reading, tree, writing
 from sdf_lights.blender.properties import PRIMITIVES
 from sdf_lights.render.errors import RenderError
 from sdf_lights.sdf.examples import examples
@@ -94,8 +94,8 @@ def test_every_primitive_as_node_says_the_shape(made, name):
 def test_every_word_has_a_node_in_a_menu(registered):
     listed = [kind for kinds in add_menu.nodes_by_menu().values() for kind in kinds]
     assert len(listed) == len(set(listed))
-    assert set(words.FUNCTION_NODES.values()) <= set(listed)
-    assert set(SHAPES) <= {kind.function.name for kind in words.FUNCTION_NODES.values()}
+    assert set(function_nodes.FUNCTION_NODES.values()) <= set(listed)
+    assert set(SHAPES) <= {kind.function.name for kind in function_nodes.FUNCTION_NODES.values()}
     titles = {name.partition("/")[0] for name in add_menu.nodes_by_menu()}
     assert titles <= set(editor._ORDER)
 

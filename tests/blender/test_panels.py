@@ -30,8 +30,9 @@ def test_readout(file, lamp):
     light = lamp(shape="SPHERE", radius=0.5, power=80.0)
     light.exposure = 1.0
     lines = readout.facts(shape_of(light.sdf_lamp), np.diag([2.0, 1.0, 1.0, 1.0]), light)
-    assert lines[:3] == ["Volume: 1.047 m³", "Power: 160 W", "Bounds: 2 × 1 × 1 m"]
-    assert lines[3:] == ["Field: exact distance", "Tree: 1 part", "Rays: closed form, 1 instruction"]
+    assert lines == ["Volume: 1.047 m³", "Power: 160 W", "Bounds: 2 × 1 × 1 m"]
+    details = readout.details(shape_of(light.sdf_lamp))
+    assert list(details) == ["Field: exact distance", "Tree: 1 part", "Rays: closed form, 1 instruction"]
     light.sdf_lamp.normalize, light.sdf_lamp.density = False, 3.0
     lines = readout.facts(shape_of(light.sdf_lamp), np.eye(4), light)
     assert lines[1] == f"Power: {4 * math.pi * 6.0 * math.pi / 6:.4g} W"
@@ -77,7 +78,7 @@ def test_feedback_names_the_culprit(file, add, lamp):
     add("Broken", broken)
     add("Fine", lamp())
     found = feedback.of_lamps(file.scene)
-    assert [name for name, _ in found] == ["Broken"] and "did you mean sphere" in found[0][1]
+    assert [name for name, _ in found] == ["Broken"] and "did you mean sphere?" in found[0][1]
     assert feedback.culprit("Lamp 'Broken' is left out.") == "Broken"
     assert feedback.culprit("Light 'Broken Data' is odd.") == "Broken"
     assert feedback.culprit("Nothing 'Nowhere' here") == ""
@@ -124,6 +125,26 @@ def test_arrows_are_of_lengths_that_the_shape_has(name):
     listed = gizmos.handles(name)
     assert listed and {handle.name for handle in listed} <= set(lengths)
     assert all((handle.component >= 0) == (lengths[handle.name].size == 3) for handle in listed)
+
+
+@pytest.mark.parametrize("name", PRIMITIVES)
+def test_an_arrow_that_is_dragged_too_far_leaves_a_shape(name):
+    kind = PRIMITIVES[name]
+    values = {about.name: about.default for about in kind.fields()}
+    for handle in gizmos.handles(name):
+        for wanted in (-5.0, 0.0, 1e-4, 100.0):
+            value = gizmos.held(name, values, handle, wanted)
+            shape = kind(**gizmos._with(values, handle, value))
+            assert not shape.validate()
+            if not kind(**gizmos._with(values, handle, wanted)).validate():
+                assert value == wanted
+
+
+def test_an_arrow_stops_where_the_shape_would_end():
+    values = {about.name: about.default for about in PRIMITIVES["box_frame"].fields()}
+    (handle,) = (handle for handle in gizmos.handles("box_frame") if handle.name == "thickness")
+    limit = gizmos.held("box_frame", values, handle, 50.0)
+    assert PRIMITIVES["box_frame"](**values | {"thickness": 1.01 * limit}).validate()
 
 
 def test_arrows_of_a_box_end_on_its_faces():

@@ -58,7 +58,7 @@ def test_registering_twice_and_leaving_nothing_behind(registered):
     assert traces() == everything
 
 
-def test_enabling_does_not_wait_for_numba():
+def test_enabling_does_not_wait_for_numba(tmp_path):
     code = (
         "import sys, time; import bpy, numpy; started = time.process_time(); "
         "import sdf_lights.blender as b; b.register(); "
@@ -66,18 +66,21 @@ def test_enabling_does_not_wait_for_numba():
         "import numba; print(spent, time.process_time() - started, found, flush=True); "
         "import os; os._exit(0)"
     )  # Blender's own way out is slow
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        cwd=REPOSITORY,
-        env=os.environ | {"PYTHONPATH": str(REPOSITORY)},
-    )
-    spent, numba, has_numba = done.stdout.split()[-3:]
-    assert has_numba == "False"
-    # Most of it is for making the classes of the shapes and nodes. Measured: 1.7 to 2.3 times what Numba alone takes.
-    assert float(spent) < 3.0 * float(numba)
+    # The second start counts: as in Blender, the modules' bytecode is on disk by then.
+    bytecode = {"PYTHONDONTWRITEBYTECODE": "", "PYTHONPYCACHEPREFIX": str(tmp_path)}
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            cwd=REPOSITORY,
+            env=os.environ | {"PYTHONPATH": str(REPOSITORY)} | bytecode,
+        )
+        spent, numba, has_numba = done.stdout.split()[-3:]
+        assert has_numba == "False"
+    # Most of it is for making the classes of the shapes and nodes. Measured: 1.0 to 1.5 times what Numba alone takes.
+    assert float(spent) < 2.5 * float(numba)
 
 
 def test_every_setting_has_a_property_with_its_limits(file):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.blender.sync.attributes import read
-from sdf_lights.render.tangents import tangents
+from sdf_lights.render.tangents import on_sphere, tangents
 
 SHAPES = {
     "ball": lambda work: bmesh.ops.create_uvsphere(work, u_segments=24, v_segments=12, radius=1.0, calc_uvs=True),
@@ -81,3 +81,12 @@ def test_what_has_no_texture_gets_the_tangent_of_a_neighbour():
     np.testing.assert_allclose(found[:, 0], [(0, -1, 0, 1)] * 2, atol=1e-6)
     np.testing.assert_allclose(found[1, 2], (1, 0, 0, -1))
     assert tangents(positions, corners[:0], None, uvs[:0]).shape == (0, 3, 4)
+
+
+def test_without_uvs_tangents_go_round_the_axis():
+    angle = np.linspace(0.3, 0.9, 3)
+    positions = np.stack([np.cos(angle), np.sin(angle), [0.1, 0.2, -0.3]], axis=1).astype(np.float32)
+    places = on_sphere(positions)
+    np.testing.assert_allclose(places[:, 0], 0.25 + angle / (2.0 * np.pi), atol=1e-6)
+    np.testing.assert_allclose(places[:, 1], 0.5 + np.arctan([0.1, 0.2, -0.3]) / np.pi, atol=1e-6)
+    assert (on_sphere(np.zeros((1, 3))) == 0.0).all()

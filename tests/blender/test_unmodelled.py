@@ -5,7 +5,7 @@
 import bpy
 import pytest
 
-from sdf_lights.blender import findings, scene_report
+from sdf_lights.blender import command_line, findings, scene_report
 
 bpy.ops.preferences.addon_enable(module="cycles")
 
@@ -24,28 +24,12 @@ def transparent_glass(file, **_):
     file.scene.render.film_transparent = file.scene.cycles.film_transparent_glass = True
 
 
-def sample_subset(file, **_):
-    file.scene.cycles.use_sample_subset = True
-
-
-def culling(file, floor, **_):
-    file.scene.render.use_simplify = file.scene.cycles.use_camera_cull = floor.cycles.use_camera_cull = True
-
-
-def texture_limit(file, **_):
-    file.scene.render.use_simplify, file.scene.cycles.texture_limit_render = True, "1024"
-
-
 def passes(file, **_):
-    file.layer.use_pass_cryptomatte_object = file.layer.cycles.use_pass_shadow_catcher = True
+    file.layer.use_pass_cryptomatte_object = file.layer.use_pass_shadow = True
 
 
 def passes_of_our_own(file, **_):
     file.layer.cycles.denoising_store_passes = True
-
-
-def filters(file, **_):
-    file.layer.use_sky = file.layer.use_strand = False
 
 
 def many_shadows(file, light, **_):
@@ -53,15 +37,6 @@ def many_shadows(file, light, **_):
         other = light.copy()
         file.scene.collection.objects.link(other)
         other.light_linking.blocker_collection = collection(file, f"Blockers {index}")
-
-
-def shadow_catcher(floor, **_):
-    floor.is_shadow_catcher = True
-
-
-def hair(floor, **_):
-    system = floor.modifiers.new("Fur", "PARTICLE_SYSTEM").particle_system
-    system.settings.type, system.name = "HAIR", "Fur"
 
 
 def subdivision(floor, **_):
@@ -82,22 +57,37 @@ def custom_camera(file, **_):
     file.camera.data.type = "CUSTOM"
 
 
+def world_aovs(file, **_):
+    aov = file.layer.aovs.add()
+    aov.name, aov.type = "Mask", "VALUE"
+    world = bpy.data.worlds.new("Sky")
+    world.use_nodes, file.scene.world = True, world
+    world.node_tree.nodes.new("ShaderNodeOutputAOV").aov_name = "Mask"
+
+
+def glowing_volume_in_a_group(file, floor, **_):
+    file.layer.lightgroups.add(name="Key")
+    made = bpy.data.materials.new("Smoke")
+    made.use_nodes = True
+    tree = made.node_tree
+    output = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
+    tree.links.new(tree.nodes.new("ShaderNodeEmission").outputs[0], output.inputs["Volume"])
+    floor.data.materials.append(made)
+    floor.lightgroup = "Key"
+
+
 # What is done to the scene; the group of the sentence, and words in it.
 CASES = {
     fast_gi: ("Scene", "Fast GI"),
     transparent_glass: ("Scene", "transparent glass"),
-    sample_subset: ("Scene", "subset of samples"),
-    culling: ("Scene", "not culled"),
-    texture_limit: ("Scene", "limit on the size of textures"),
-    passes: ("View Layers", "Shadow Catcher", "left out"),
+    passes: ("View Layers", "Shadow", "left out"),
     passes_of_our_own: ("View Layers", "Store Denoising Passes", "View Layer Properties > Passes"),
-    filters: ("View Layers", "Curves"),
     many_shadows: ("Scene", "13 collections", "share collections"),
-    shadow_catcher: ("Objects", "'Floor'", "shadow catcher"),
-    hair: ("Objects", "'Floor'", "'Fur'", "convert it to a mesh"),
     subdivision: ("Objects", "'Floor'", "adaptive subdivision"),
     shadow_terminator: ("Objects", "'Floor'", "shadow terminator"),
     shadow_caustics: ("Scene", "Bulb", "by chance"),
+    world_aovs: ("World", "'Sky'", "Mask"),
+    glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
 }
 
@@ -140,12 +130,10 @@ def test_a_switch_that_is_on_here_too_is_no_finding(room, file):
 
 
 def test_hidden_things_are_no_findings(room, file, synced):
-    room["floor"].is_shadow_catcher = room["floor"].hide_render = True
+    shadow_terminator(**room)
+    room["floor"].hide_render = True
     assert synced().warnings == []
     room["floor"].hide_render = False
-    hair(**room)
-    room["floor"].is_shadow_catcher = room["floor"].modifiers[0].show_render = False
-    assert synced().warnings == []
 
 
 # -- the report --------------------------------------------------------------------------------------------------------
@@ -180,7 +168,7 @@ def test_the_operator_fills_the_list(room, file, material):
         diffuse.inputs["Color"],
     )
     room["floor"].data.materials.append(made)
-    room["floor"].is_shadow_catcher = True
+    shadow_terminator(**room)
     other = bpy.data.objects.new("Other", room["floor"].data)
     file.scene.collection.objects.link(other)
     other.hide_viewport = True
@@ -229,13 +217,18 @@ def test_a_strict_render_fails(room, file, monkeypatch, by):
         monkeypatch.setenv("SDF_LIGHTS_STRICT", "1")
     assert bpy.ops.render.render() == {"FINISHED"}
     fast_gi(**room)
-    shadow_catcher(**room)
+    shadow_terminator(**room)
     with pytest.raises(RuntimeError, match="2 things are not rendered as the scene says"):
         bpy.ops.render.render()
 
 
 def test_only_arguments_after_the_dashes_are_ours(monkeypatch):
     monkeypatch.delenv("SDF_LIGHTS_STRICT", raising=False)
-    for arguments, expected in (([], False), (["--sdf-strict"], False), (["--", "--sdf-strict"], True)):
+    for arguments, expected in (
+        ([], False),
+        (["--sdf-strict"], False),
+        (["--", "--sdf-strict"], True),
+        (["--", "--strict"], True),
+    ):
         monkeypatch.setattr("sys.argv", ["blender", *arguments])
-        assert findings.strict() == expected
+        assert command_line.strict() == expected

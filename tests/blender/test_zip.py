@@ -92,6 +92,14 @@ def test_without_numba_it_still_renders_and_says_what_is_lost(zip_folder, tmp_pa
     assert "slow NumPy renderer takes over" in printed
 
 
+def test_two_zips_of_the_same_sources_are_the_same_bytes(zip_folder, tmp_path):
+    first, second = (
+        build_extension.build(build_extension.this_platform(), PYTHON, folder, with_wheels=False)
+        for folder in (zip_folder, tmp_path)
+    )
+    assert first.read_bytes() == second.read_bytes()
+
+
 @pytest.mark.gui
 def test_zip_in_a_blender_with_a_window(blender_command, blender_zip, tmp_path):
     seen, printed = run_session([*blender_command, "--python", str(SESSION), "--"], blender_zip, tmp_path)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.emitter import lamps
+from sdf_lights.emitter.arrays import Lamps
 from sdf_lights.emitter.building import build, pack, remarks
 from sdf_lights.emitter.building.build import LampError
 from sdf_lights.jit import kernel
@@ -15,7 +16,6 @@ from sdf_lights.sdf.shapes import SHAPES as REGISTRY
 from sdf_lights.sdf.shapes import Box, Cylinder, Difference, Ellipsoid, Intersection, Sphere, Torus, Transformed, Union
 from support.chi2 import chi2_sphere, sphere_integral
 from support.lamps.shapes_under_test import FIELDS, LAMPS, PLACEMENTS, FieldOf, moved, scaled, turned
-from support.lamps.traced import Lamps
 
 PLACES = ("outside", "inside", "surface")
 

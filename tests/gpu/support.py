@@ -18,7 +18,7 @@ from sdf_lights.render.gpu import program, replacements
 from sdf_lights.render.gpu.device import Device, DeviceError, device
 from sdf_lights.render.gpu.tables import Tables
 from sdf_lights.render.gpu.translate import BLOCK, FLOAT, INT, VECTOR, WORKSPACE, Translator, Tuple, Value, known
-from sdf_lights.render.kernels import textures
+from sdf_lights.render.kernels import samplers, textures
 from sdf_lights.render.settings import LampSampling
 from support import scenes
 
@@ -49,7 +49,7 @@ def _flat(value) -> list[float]:
 def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
     """(n, numbers of a result) of a kernel without block or workspace; columns are (n,) numbers or (n, k) tuples."""
     found = device_or_skip()
-    tables = Tables({"sobol": program.sampler.tables()}, {}, frozenset(), {})
+    tables = Tables(samplers.TABLES, {}, frozenset(), {})
     translator = Translator(
         tables, replacements.together(replacements.ALWAYS, replacements.WITH_BOXES), replacements.ROUNDING
     )
@@ -81,16 +81,18 @@ def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
         name, value = translator.function(kernel, arguments)
         kind = value.type
     outputs = _parts(kind, "found")
+    members = "".join(f" int {name};" for name in sorted(tables.used_scalars))
     rows = len(columns[0])
     source = "\n".join(
         [
             "#version 430 core",
             "layout(local_size_x = 64) in;",
             f"#define INPUTS {len(inputs)}",
-            "layout(std140, binding = 0) uniform Scene { int sobol_start; int rows; } scene;",
+            f"layout(std140, binding = 0) uniform Scene {{{members} int rows; }} scene;",
             program.glsl("maths.glsl"),
             *codegen_glsl.helpers("angle"),
-            program.glsl("random.glsl"),
+            program.glsl("words.glsl"),
+            program.glsl("hashing.glsl"),
             translator.structure_source(),
             *translator.globals,
             *translator.functions,
@@ -112,8 +114,12 @@ def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
         ]
     )
     words = np.stack(inputs, axis=1).ravel()
-    uniforms = np.array([len(words), rows, 0, 0], np.int32)
-    words = np.concatenate([words, program.sampler.tables()])
+    starts = {}
+    for name, table in samplers.TABLES.items():
+        starts[f"{name}_start"], starts[f"{name}_rows"] = len(words), len(table)
+        words = np.concatenate([words, table])
+    uniforms = np.array([*(starts[name] for name in sorted(tables.used_scalars)), rows], np.int32)
+    uniforms = np.pad(uniforms, (0, -len(uniforms) % 4))
 
     def run(context):
         shader = found.program(context, source)
@@ -228,14 +234,13 @@ def with_textures(images: list, looked_up: list, place: int, uv: np.ndarray) -> 
     tables = textures.pack_textures(scene, looked_up)
     del tables["decoding"]
     tables |= gpu_images.placed(images, tables["images"])
-    packed = Tables({"sobol": program.sampler.tables(), **tables}, {}, frozenset(), {})
+    packed = Tables({**samplers.TABLES, **tables}, {}, frozenset(), {})
     translator = Translator(
         packed, replacements.together(replacements.ALWAYS, replacements.WITH_BOXES), replacements.ROUNDING
     )
     arguments = [Value(FLOAT, "place"), Value(FLOAT, "u"), Value(FLOAT, "v")]
     name, _ = translator.function(textures.texture_lookup, [known(BLOCK), known(WORKSPACE), *arguments])
     main = _LOOK_UP.replace("NAME", name).replace("PLACE", f"{place}.0")
-    packed.used_scalars["sobol_start"] = "int"
     source = "\n".join(
         [
             "#version 430 core",
@@ -243,7 +248,8 @@ def with_textures(images: list, looked_up: list, place: int, uv: np.ndarray) -> 
             program.glsl("maths.glsl"),
             packed.second_source(),
             *codegen_glsl.helpers("angle"),
-            program.glsl("random.glsl"),
+            program.glsl("words.glsl"),
+            program.glsl("hashing.glsl"),
             translator.structure_source(),
             *translator.globals,
             *translator.functions,

@@ -7,6 +7,7 @@ import pytest
 
 from sdf_lights import jit
 from sdf_lights.emitter import lamps
+from sdf_lights.emitter.arrays import Lamps
 from sdf_lights.emitter.building import build
 from sdf_lights.emitter.tree.interior import tree
 from sdf_lights.jit import kernel
@@ -15,7 +16,6 @@ from sdf_lights.render.kernels.workspace import spans_of
 from sdf_lights.render.settings import LampSampling
 from sdf_lights.sdf.expression import Expression
 from support.lamps.hard_cases import SMOOTH, scattered
-from support.lamps.traced import Lamps
 from tests.gpu.support import with_lamp
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")

@@ -7,9 +7,9 @@ import pytest
 
 from sdf_lights import jit, vec
 from sdf_lights.emitter.emission import varying as emission
-from sdf_lights.emitter.intersection import primitives
-from sdf_lights.emitter.sampling import cut, points
-from sdf_lights.render.kernels import sampler, textures
+from sdf_lights.emitter.primitives import box, capsule, cylinder, disk, frustum, sphere, torus
+from sdf_lights.emitter.sampling import cut
+from sdf_lights.render.kernels import samplers, textures
 from sdf_lights.render.kernels.lights import cone, ellipse, rectangle
 from sdf_lights.render.kernels.lights import triangle as triangles
 from sdf_lights.render.kernels.shading import diffuse, fresnel, microfacet
@@ -40,35 +40,35 @@ FUNCTIONS = {
     "to_world": (vec.to_world, lambda r: [vectors(r), units(r), units(r), units(r)], 2e-6, 0.0),
     "lerp": (vec.lerp, lambda r: [vectors(r), vectors(r), uniform(r)], 1e-6, 0.0),
     "cone": (cone.sample_cone, lambda r: [units(r), uniform(r, 0.01, 1.0), uniform(r), uniform(r)], 3e-6, 0.0),
-    "disk": (points.disk_point, lambda r: [uniform(r), uniform(r)], 2e-6, 0.0),
-    "ball": (points.ball_point, lambda r: [uniform(r), uniform(r), uniform(r)], 4e-6, 0.0),
+    "disk": (disk.disk_point, lambda r: [uniform(r), uniform(r)], 2e-6, 0.0),
+    "ball": (sphere.ball_point, lambda r: [uniform(r), uniform(r), uniform(r)], 4e-6, 0.0),
     "torus point": (
-        points.torus_point,
+        torus.torus_point,
         lambda r: [uniform(r), uniform(r), uniform(r), uniform(r, 0.5, 1.0), uniform(r, 0.01, 0.4)],
         2e-4,
         0.0,
     ),
-    "sphere span": (primitives.sphere_span, lambda r: [vectors(r, 0.4), units(r), uniform(r, 0.8, 1.0)], 1e-5, 0.0),
+    "sphere span": (sphere.sphere_span, lambda r: [vectors(r, 0.4), units(r), uniform(r, 0.8, 1.0)], 1e-5, 0.0),
     "box span": (
-        primitives.box_span,
+        box.box_span,
         lambda r: [vectors(r, 0.4), units(r), *(uniform(r, 0.5, 1.0) for _ in range(3))],
         1e-5,
         1e-5,
     ),
     "capsule span": (
-        primitives.capsule_span,
+        capsule.capsule_span,
         lambda r: [vectors(r, 0.2), units(r), uniform(r, 0.4, 1.0), uniform(r, 0.2, 1.0)],
         1e-5,
         1e-5,
     ),
     "cylinder span": (
-        primitives.cylinder_span,
+        cylinder.cylinder_span,
         lambda r: [vectors(r, 0.2), units(r), uniform(r, 0.4, 1.0), uniform(r, 0.3, 1.0)],
         1e-5,
         1e-5,
     ),
     "frustum span": (
-        primitives.frustum_span,
+        frustum.frustum_span,
         lambda r: [vectors(r, 0.1), units(r), uniform(r, 0.5, 1.0), uniform(r, 0.3, 0.5), uniform(r, 0.3, 1.0)],
         2e-5,
         2e-5,
@@ -153,7 +153,7 @@ def test_torus_to_the_precision_of_float32():
     """The quartic loses half of the digits of thin tori, which the polish gives back but for rays that touch."""
     rng = np.random.default_rng(2)
     columns = [vectors(rng, 0.7), units(rng), uniform(rng, 0.5, 1.0), uniform(rng, 0.05, 0.4)]
-    expected, found = on_cpu(primitives.torus_spans, *columns), on_gpu(primitives.torus_spans, *columns)
+    expected, found = on_cpu(torus.torus_spans, *columns), on_gpu(torus.torus_spans, *columns)
     same = expected[:, 0] == found[:, 0]
     assert same.mean() > 0.99
     lengths = [(rows[:, 2] - rows[:, 1]) + (rows[:, 4] - rows[:, 3]) for rows in (expected, found)]
@@ -164,7 +164,7 @@ def test_torus_to_the_precision_of_float32():
 @pytest.mark.parametrize("dimensions", [1, 2, 3, 4])
 def test_sampling_pattern_is_the_same(dimensions):
     rng = np.random.default_rng(3)
-    kernel = (sampler.draw1, sampler.draw2, sampler.draw3, sampler.draw4)[dimensions - 1]
+    kernel = (samplers.get_1d, samplers.get_2d, samplers.get_3d, samplers.get_4d)[dimensions - 1]
     index, dimension = rng.integers(0, 1 << 20, COUNT), rng.integers(0, 200, COUNT)
     seeds = rng.integers(0, 1 << 31, COUNT)
     expected = on_cpu(lambda i, seed, d: kernel(i, np.uint32(seed), d), index, seeds, dimension)
@@ -175,5 +175,5 @@ def test_sampling_pattern_is_the_same(dimensions):
 def test_seeds_of_pixels_are_the_same():
     rng = np.random.default_rng(4)
     columns = [rng.integers(0, 10_000, COUNT) for _ in range(3)]
-    expected, found = on_cpu(sampler.pixel_seed, *columns), on_gpu(sampler.pixel_seed, *columns)
+    expected, found = on_cpu(samplers.pixel_seed, *columns), on_gpu(samplers.pixel_seed, *columns)
     assert np.abs(found - expected).max() <= 128.0  # float32 shows 24 digits of the 32

@@ -16,8 +16,9 @@ from scipy import stats
 from sdf_lights import jit
 from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.material import Node
+from sdf_lights.render.scene import World
 from sdf_lights.render.settings import LampSampling
-from support import scenes
+from support import media_scenes, scenes
 from support.blocks import means
 from tests.gpu.support import device_or_skip
 from tests.render.test_agreement import PASSES
@@ -25,15 +26,16 @@ from tests.render.test_agreement import PASSES
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
 SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
-# Scenes that are not compared with the others: one has tests of its own, some have what the GPU leaves out.
-APART = ("torus_room", "subsurface", "subsurface_profile", "moving", "rolling")
+# Scenes that are not compared with the others: some have tests of their own, some have what the GPU leaves out.
+APART = ("torus_room", "subsurface", "fog_lamp", "moving", "rolling")
+SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES
 
 
 def pictures(renderer, name: str, sampling: LampSampling, bounces: int | None = None) -> dict[str, np.ndarray]:
     """Every pass: (seeds, height, width, channels)."""
     found = {item: [] for item in PASSES}
     for seed in range(SEEDS):
-        scene = scenes.SCENES[name](32, 24)
+        scene = SCENES[name](32, 24)
         scene.settings.seed, scene.settings.lamp_sampling = 100 + seed, sampling
         scene.settings.indirect_paths, scene.settings.guided_samples = (
             1,
@@ -56,7 +58,7 @@ def pictures(renderer, name: str, sampling: LampSampling, bounces: int | None = 
 
 def several(name: str) -> bool:
     """Whether more than one emitter, besides the world, may light the scene."""
-    scene = scenes.SCENES[name](8, 6)
+    scene = SCENES[name](8, 6)
     glows = any(_glows(material.surface) for material in scene.materials)
     return len(scene.lamps) + len(scene.lights) + 2 * glows > 1  # every triangle is one
 
@@ -120,6 +122,43 @@ def test_lamp_in_a_room_by_cuts():
     compare_cuts("torus_room")
 
 
+def test_light_below_surfaces():
+    compare("subsurface")
+
+
+def test_shadow_catchers():
+    """Under a lamp and a sky, sample by sample."""
+    from sdf_lights.render.cpu.renderer import CpuRenderer
+    from sdf_lights.render.gpu.renderer import GpuRenderer
+
+    device_or_skip()
+    found = []
+    for renderer in (CpuRenderer, GpuRenderer):
+        scene = scenes.torus_room(16, 16)
+        scene.instances[0].catcher = True
+        scene.world = World((0.3, 0.4, 0.6), 0.4)
+        scene.settings.lamp_sampling = LampSampling.MIS
+        scene.settings.indirect_paths, scene.settings.guided_samples = 1, False
+        film = Film(scene, ("Combined", "Shadow Catcher", "Environment"))
+        back_end = renderer(scene, film, lambda: False, lambda text: None)
+        assert back_end.sample(0, SAMPLES, lambda: False, lambda part: None)
+        back_end.finish()
+        assert scene.warnings == []
+        found.append([film.read(item).astype(float) for item in film.passes])
+    assert film.read("Shadow Catcher").min() < 0.9
+    for cpu, gpu in zip(*found):
+        far = np.abs(gpu - cpu).max(-1) > 1e-3 * np.abs(cpu).max()
+        assert far.mean() <= 0.01 * SAMPLES
+
+
+def test_lamp_in_fog():
+    compare("fog_lamp")
+
+
+def test_lamp_in_fog_by_cuts():
+    compare_cuts("fog_lamp")
+
+
 def test_lamp_in_a_room_where_cuts_do_not_pay():
     compare_cuts("torus_room", None)
 
@@ -130,14 +169,12 @@ def test_light_through_a_veil_where_cuts_do_not_pay():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [name for name in scenes.SCENES if name not in APART and scenes.SCENES[name](8, 6).lamps]
-)
+@pytest.mark.parametrize("name", [name for name in SCENES if name not in APART and SCENES[name](8, 6).lamps])
 def test_scene_by_cuts(name):
     compare_cuts(name)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in scenes.SCENES if name not in APART])
+@pytest.mark.parametrize("name", [name for name in SCENES if name not in APART])
 def test_scene(name):
     compare(name)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from sdf_lights import jit
+from sdf_lights.emitter.building.build import build_lamp
 from sdf_lights.render import session
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import lamps, program, renderer
 from sdf_lights.render.gpu.device import DeviceError
-from sdf_lights.render.material import Material, Node
 from sdf_lights.render.settings import Device, LampSampling
 from sdf_lights.sdf.expression import Expression
 from support import scenes
@@ -49,28 +49,6 @@ def test_the_gpu_says_that_everything_stands_still():
     sharp, nothing = picture(scenes.SCENES["torus_room"](16, 12))
     assert len(told) == 1 and "Motion blur" in told[0] and nothing == []
     np.testing.assert_array_equal(blurred, sharp)
-
-
-def test_the_gpu_says_that_it_leaves_subsurface_scattering_out():
-    """Such surfaces are opaque there, and a thin wall is as it is elsewhere."""
-    device_or_skip()
-
-    def picture(surface: Node) -> tuple[np.ndarray, list[str]]:
-        scene = scenes.SCENES["torus_room"](16, 12)
-        scene.materials[0] = Material("deep", surface)
-        scene.settings.device, scene.settings.samples = Device.GPU, 1
-        return session.render(scene, ()).read("Combined"), scene.warnings
-
-    color = {"color": (0.8, 0.6, 0.4)}
-    deep, told = picture(Node("subsurface", color))
-    opaque, nothing = picture(Node("diffuse", color))
-    assert len(told) == 1 and "subsurface" in told[0] and nothing == []
-    np.testing.assert_array_equal(deep, opaque)
-    inputs = {"base_color": (0.8, 0.6, 0.4), "subsurface_weight": 1.0}
-    deep, told = picture(Node("principled", inputs))
-    assert len(told) == 1 and deep[..., :3].mean() > 0.0
-    thin, told = picture(Node("principled", inputs | {"thin_wall": 1.0}))
-    assert told == [] and thin[..., :3].mean() > 0.0
 
 
 def test_automatic_is_the_cpu():
@@ -203,6 +181,26 @@ def test_cancel_stops_within_half_a_second():
     assert film.made_by != "CPU" and time.perf_counter() - deadline < 0.5
 
 
+def test_building_is_told_and_cancel_ends_it():
+    """Times are of processors, of which a build uses several."""
+    device = device_or_skip()
+    rounds = "q = p\nfor i in range({}):\n    q = q + 0.001 * sin(4 * q)\nfield(length(q) - 1.5) & box(2)"
+    build_lamp("Small", Expression(rounds.format(3)).shape(), np.eye(4))  # compiles
+    scene = lit_by(rounds.format(1000))
+    told, asked = [], []
+
+    def cancelled() -> bool:
+        if any("Building lamp" in text for text in told):
+            asked.append(time.process_time())
+        return bool(asked)
+
+    film = session.render(scene, (), cancelled, lambda progress: told.append(progress.text))
+    device.submit(lambda context: None).result()  # the build has ended
+    assert time.process_time() - asked[0] < 1.0
+    assert f"Building lamp “{scene.lamps[0].name}”" in told
+    assert film.samples == 0 and not scene.warnings
+
+
 def test_a_cancelled_render_keeps_what_it_has():
     device_or_skip()
     _, film = render(Device.GPU, cancelled=lambda: True, samples=64)
@@ -223,3 +221,11 @@ def test_adaptive_sampling_and_borders():
     few = count[..., 0] == 16
     assert few.any()
     np.testing.assert_allclose(film.read("Combined")[few], cropped[few], rtol=1e-5, atol=1e-6)
+
+
+def test_ranges_of_samples_are_one_render():
+    device_or_skip()
+    whole = render(Device.GPU, samples=16)[1].read("Combined")
+    halves = [render(Device.GPU, samples=8, sample_offset=first)[1].read("Combined") for first in (0, 8)]
+    assert not np.allclose(*halves)
+    np.testing.assert_allclose(np.mean(halves, axis=0), whole, rtol=1e-4, atol=1e-5)

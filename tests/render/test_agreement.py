@@ -37,6 +37,8 @@ QUICK = (
     "subsurface_profile",
     "only_reflective_caustics",
     "only_refractive_caustics",
+    "filtered_glossy",
+    "shadow_catcher",
     "textured",
     "probed",
     "instances",
@@ -96,5 +98,6 @@ def test_path_tracer_agrees_with_reference(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", scenes.SCENES)
 def test_path_tracer_agrees_with_reference_closely(name):
-    """All scenes, with error bars a third as wide."""
-    compare(name, 32)
+    """All scenes, with error bars 0.6 times as wide."""
+    # Of a rolling shutter the reference builds the scene anew for each line of each sample.
+    compare(name, 4 if name == "rolling" else 12)

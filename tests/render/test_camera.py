@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
-from sdf_lights.emitter.sampling.points import disk_point
+from sdf_lights.emitter.primitives.disk import disk_point
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.render.kernels.camera import (
     FILTER_CELLS,
@@ -25,7 +25,7 @@ from sdf_lights.render.kernels.camera import (
     sample_blades,
     view_depth,
 )
-from sdf_lights.render.reference.camera import Camera as ReferenceCamera
+from sdf_lights.render.reference.camera_rays import Camera as ReferenceCamera
 from sdf_lights.render.scene import FULL_SPHERE, Camera, Eye, Projection, Scene
 from sdf_lights.render.settings import Filter, Settings
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything that is registered as a back end, a light, a BSDF … has the functions of ``interfaces``, with their parameters."""
 
+import importlib
 import inspect
 import types
 
@@ -11,7 +12,7 @@ from sdf_lights import jit
 from sdf_lights.render import interfaces
 from sdf_lights.render.cpu.renderer import CpuRenderer
 from sdf_lights.render.gpu.renderer import GpuRenderer
-from sdf_lights.render.kernels import film, lights, sampler
+from sdf_lights.render.kernels import film, lights, samplers
 from sdf_lights.render.kernels.lights import kinds
 from sdf_lights.render.kernels.shading import special
 from sdf_lights.render.reference.renderer import ReferenceRenderer
@@ -24,10 +25,10 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 REGISTERED = [
     *((back_end, interfaces.BackEnd) for back_end in (CpuRenderer, GpuRenderer, ReferenceRenderer)),
     *((back_end, interfaces.InteractiveBackEnd) for back_end in (CpuRenderer, ReferenceRenderer)),
-    *((kind.module, interfaces.Light) for kind in kinds.KINDS.values()),
+    *((module, interfaces.Light) for module in kinds.KINDS.values()),
     *((module, interfaces.Bsdf) for module in dict.fromkeys(special.CLOSURES.values())),
     (lights, interfaces.LightSampler),
-    (sampler, interfaces.Sampler),
+    *((importlib.import_module(f"{samplers.__name__}.{name}"), interfaces.Sampler) for name in samplers.NAMES),
     (film, interfaces.Film),
 ]
 
@@ -71,9 +72,9 @@ def test_viewports_get_back_ends_that_can_be_interrupted(device):
 
 def test_a_mismatch_is_found():
     assert mismatches(GpuRenderer, interfaces.InteractiveBackEnd)
-    assert mismatches(sampler, interfaces.Light)
+    assert mismatches(samplers.chosen, interfaces.Light)
 
 
 def test_every_table_of_a_light_is_in_the_block():
-    for kind in kinds.KINDS.values():
-        assert lights.TABLES[kind.table] == kind.module.RECORD
+    for module in kinds.KINDS.values():
+        assert lights.TABLES[module.TABLE] == module.RECORD

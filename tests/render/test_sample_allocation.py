@@ -163,3 +163,20 @@ def test_pictures_without_noise_stay_even(light):
     fill(film, light * LEAST_SAMPLES, light * LEAST_SAMPLES / 2, light * LEAST_SAMPLES)
     sample_allocation.update(film, stage().settings)
     assert np.all(film.rate == 1.0)
+
+
+@pytest.mark.parametrize("stratified", [False, True])
+def test_the_fall_of_noise_is_measured(stratified):
+    """The error of independent samples falls by their number; that of one sample in each stratum, faster."""
+    film, rng = Film(stage(), ()), np.random.default_rng(4)
+    places = rng.random((16, film.count.size))
+    if stratified:
+        for first in (0, 8):
+            places[first : first + 8] = (places[first : first + 8] + np.arange(8)[:, None]) / 8.0
+    known, weight = np.ones(film.count.size, bool), np.ones(film.count.size)
+    for count in (8, 16):
+        film.count[:] = count
+        power = sample_allocation._power(
+            film, known, places[:count].sum(axis=0), places[:count].var(axis=0, ddof=1), weight
+        )
+    assert power == sample_allocation.MOST_POWER if stratified else 1.0 <= power < 1.1

@@ -9,14 +9,14 @@ import pytest
 from scipy import stats
 
 from sdf_lights.jit import kernel
-from sdf_lights.render.kernels.sampler import draw1, draw2, draw3, draw4, pixel_seed
+from sdf_lights.render.kernels.samplers import get_1d, get_2d, get_3d, get_4d, pixel_seed
 
 
 @kernel(cache=False)
 def _fill(seeds, dimensions, first, out):
     for row in range(len(seeds)):
         for index in range(out.shape[1]):
-            u = draw4(first + index, seeds[row], dimensions[row])
+            u = get_4d(first + index, seeds[row], dimensions[row])
             out[row, index, 0] = u[0]
             out[row, index, 1] = u[1]
             out[row, index, 2] = u[2]
@@ -70,10 +70,10 @@ def test_low_dimensional_projections_are_stratified():
 
 def test_sets_of_fewer_dimensions_are_prefixes():
     for index in (0, 3, 12345):
-        u = draw4(index, np.uint32(9), 4)
-        assert draw1(index, np.uint32(9), 4) == u[0]
-        assert draw2(index, np.uint32(9), 4) == u[:2]
-        assert draw3(index, np.uint32(9), 4) == u[:3]
+        u = get_4d(index, np.uint32(9), 4)
+        assert get_1d(index, np.uint32(9), 4) == u[0]
+        assert get_2d(index, np.uint32(9), 4) == u[:2]
+        assert get_3d(index, np.uint32(9), 4) == u[:3]
 
 
 def test_range():

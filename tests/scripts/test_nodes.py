@@ -242,7 +242,7 @@ def test_a_node_that_stops_our_engine_is_found_and_the_others_are_compared(monke
 def test_a_case_that_ends_the_process_is_found_and_the_others_are_compared(monkeypatch):
     from types import SimpleNamespace
 
-    from benchmarks import node_process
+    from benchmarks import node_rows
 
     cases = [
         case
@@ -260,9 +260,9 @@ def test_a_case_that_ends_the_process_is_found_and_the_others_are_compared(monke
             rows |= {case.name: node_pictures.Pair(case).row() for case in group}
         return "The process ended with code 0"
 
-    monkeypatch.setattr(node_process, "_run", run)
+    monkeypatch.setattr(node_rows, "_run", run)
     options = SimpleNamespace(device="CPU", fresh=False, sheets=None)
-    rows = node_process.rows_of(cases, 1, 1, options, lambda text: None)
+    rows = node_rows.rows_of(cases, 1, 1, options, lambda text: None)
     assert [row["case"] for row in rows] == [case.name for case in cases] and len(rows) == 7
     assert {row["case"]: row["error"] for row in rows if row["error"]} == {
         "RGB Color": "The process ended with SIGSEGV.",
@@ -272,11 +272,11 @@ def test_a_case_that_ends_the_process_is_found_and_the_others_are_compared(monke
 
 
 def test_the_process_of_cases_gives_their_rows_and_tells_how_it_ended():
-    from benchmarks import node_process
+    from benchmarks import node_rows
 
     rows = {}
     wish = dict(samples=1, rounds=1, device="there is none", fresh=False, sheets=False)
-    ended = node_process._run([SimpleCase("RGB Color")], wish, rows, lambda text: None)
+    ended = node_rows._run([SimpleCase("RGB Color")], wish, rows, lambda text: None)
     assert ended.startswith("The process ended with ") and not rows
 
 

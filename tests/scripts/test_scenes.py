@@ -10,9 +10,6 @@ bpy = pytest.importorskip("bpy")
 
 from benchmarks import artist_scenes, scene_pictures, scenes  # noqa: E402  (found on the path that conftest.py sets)
 
-# Shadow catchers and hair are not modelled yet.
-MODELLED = [name for name in scenes.KNOWN if name not in ("product", "character")]
-
 
 def test_all_scenes_are_known_by_name():
     assert sorted(scenes.KNOWN) == sorted(artist_scenes.SCENES)
@@ -35,7 +32,7 @@ def test_figures_of_rows():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", MODELLED)
+@pytest.mark.parametrize("name", scenes.KNOWN)
 def test_mean_is_that_of_cycles(name):
     options = argparse.Namespace(
         size=None, quick=True, repeats=4, device="CPU", reference_seconds=None, fresh=False, sheet=None

@@ -173,7 +173,7 @@ def test_sliders():
 MISTAKES = [
     ("", 1, 1, "empty", "sphere"),
     ("# only a remark", 1, 1, "empty", "sphere"),
-    ("shpere(1)", 1, 1, "shpere is not a known name", "did you mean sphere"),
+    ("shpere(1)", 1, 1, "shpere is not a known name", "did you mean sphere?"),
     ("size = 2\nsphere(siez)", 2, 8, "siez is not a known name", "size"),
     ("sphere", 1, 1, "needs brackets", "sphere(radius=0.5)"),
     ("sphere(radius=1, foo=2)", 1, 1, "no argument foo", "sphere(radius=0.5)"),
@@ -461,7 +461,9 @@ def test_mistakes_are_located_and_explained(text, line, column, message, cure):
     error = caught.value
     assert (error.line, error.column) == (line, column), str(error)
     assert message in error.message and cure in error.cure
-    assert str(error) == f"Line {line}, column {column}: {error.message}: {error.cure}."
+    end = "" if error.cure.startswith("did you mean") else "."  # its mark ends the sentence
+    assert str(error) == f"Line {line}, column {column}: {error.message}: {error.cure}{end}"
+    assert error.cure.endswith("?") == error.cure.startswith("did you mean")
 
 
 def _fails_soon(text: str) -> None:
@@ -603,3 +605,14 @@ def test_the_examples_of_the_reference_page_work():
         assert (low < high).all()
     for text in emissions:
         EmissionExpression(text)
+
+
+@pytest.mark.parametrize(
+    ("new", "old"),
+    [
+        ("mandelbulb(exponent=6, iterations=3)", "mandelbulb(power=6, rounds=3)"),
+        ("apollonian_gasket(iterations=2)", "apollonian_gasket(rounds=2)"),
+    ],
+)
+def test_arguments_have_the_names_of_their_labels_too(new, old):
+    assert evaluate(new) == evaluate(old)

@@ -4,6 +4,7 @@
 
 import dataclasses
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -12,11 +13,11 @@ from sdf_lights.graph import formula, numpy_evaluation
 from sdf_lights.sdf.declarations import USAGE
 from sdf_lights.sdf.examples import examples
 from sdf_lights.sdf.expression import Declaration, Expression, ExpressionError, evaluate
+from sdf_lights.sdf.expression_values import Work, less
 from sdf_lights.sdf.functions import FUNCTIONS, MATHEMATICS, POINTS
 from sdf_lights.sdf.shapes import SHAPES, Box, Difference, Field, Intersection, Sphere, Torus, Union
 from sdf_lights.sdf.shapes.base import Slots
 from sdf_lights.sdf.shapes.profiles import PROFILES, Profile
-from sdf_lights.sdf.values import Work, less
 
 RNG = np.random.default_rng(5)
 POINTS_NEAR = RNG.uniform(-1.5, 1.5, (500, 3))
@@ -436,6 +437,9 @@ MISTAKES = [
     (f"{'a' * 41} = slider(1, 0, 2)\nsphere(1)", 1, 45, "too long", "40"),
     ("prism(5.5)", 1, 1, "must be a whole number", "change"),
     ("|".join(f"(length(p) - {i + 1})" for i in range(17)), 1, 1, "too many parts that are fields", "min and max"),
+    ("s = sphere()\nunion(" + ", ".join("s" * 2001) + ")", 2, 1, "too many parts", "2000"),
+    ("s = sphere()\nfor i in range(101):\n  s = difference(box(), s)\ns", 3, 7, "too many parts", "100 combinations"),
+    ("sphere(1)" + " " * 10_000, 1, 1, "10009 characters", "10000"),
     ("for i in range(900):\n  for j in range(900):\n    p = p * 2\nlength(p) - 1", 3, 9, "many operations", "fewer"),
     ("n = 0\nfor i in range(900):\n  for j in range(900):\n    n = n + 1\nsphere(n)", 4, 9, "too many steps", "fewer"),
 ]
@@ -448,6 +452,14 @@ def test_mistakes_are_located_and_explained(text, line, column, message, cure):
     error = caught.value
     assert message in error.message and cure in error.cure, str(error)
     assert (error.line, error.column) == (line, column), str(error)
+
+
+def test_python_gives_no_hints_of_its_own():
+    """Its parser has warnings for those who write Python."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        evaluate("field(length(p) - (1if p.x > 0 else 2)) & box(3)")
+    assert not told
 
 
 # -- words and examples -----------------------------------------------------------------------------------------------

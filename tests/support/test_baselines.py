@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from sdf_lights.emitter.arrays import Lamps
 from sdf_lights.emitter.building import build
 from sdf_lights.jit import fill_table
 from sdf_lights.sdf.shapes import Torus
 from support.chi2 import sphere_integral
-from support.lamps.traced import Lamps
 from support.rivals import baselines
 from support.rivals.baselines import EVEN, TORUS_SHELL, LampBlock, Technique
 

@@ -6,6 +6,6 @@
 def modules() -> tuple:
     """Modules with ``CLASSES``, in order of registration."""
     # Not before: the properties of a lamp are read through this package too.
-    from . import editor, emission, groups, link_search, scene, sockets, tree, values, words
+    from . import editor, emission_nodes, function_nodes, groups, link_search, scene, sockets, tree, value_nodes
 
-    return sockets, tree, words, values, scene, emission, groups, link_search, editor
+    return sockets, tree, function_nodes, value_nodes, scene, emission_nodes, groups, link_search, editor

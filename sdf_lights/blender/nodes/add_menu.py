@@ -7,8 +7,8 @@ from __future__ import annotations
 from ...sdf.catalogue import category
 from ...sdf.functions import COLOURS, MATHEMATICS, POINTS
 from ...sdf.shapes import SHAPES
-from . import emission, scene, values
-from .words import FUNCTION_NODES
+from . import emission_nodes, scene, value_nodes
+from .function_nodes import FUNCTION_NODES
 
 
 def _menu_of(node: type) -> str:
@@ -26,10 +26,10 @@ def nodes_by_menu() -> dict[str, list[type]]:
     """Nodes of the Add menu, by menu; a name with a stroke is a submenu."""
     found: dict[str, list[type]] = {
         "Input": [
-            values.SDFLIGHTS_Node_parameter,
-            values.SDFLIGHTS_Node_number,
-            values.SDFLIGHTS_Node_vector,
-            values.SDFLIGHTS_Node_position,
+            value_nodes.SDFLIGHTS_Node_parameter,
+            value_nodes.SDFLIGHTS_Node_number,
+            value_nodes.SDFLIGHTS_Node_vector,
+            value_nodes.SDFLIGHTS_Node_position,
             scene.SDFLIGHTS_Node_expression,
         ],
         "Output": [scene.SDFLIGHTS_Node_output],
@@ -37,14 +37,14 @@ def nodes_by_menu() -> dict[str, list[type]]:
     for node in FUNCTION_NODES.values():
         found.setdefault(_menu_of(node), []).append(node)
     found["Transforms"][:0] = [scene.SDFLIGHTS_Node_object, scene.SDFLIGHTS_Node_place]
-    found["Emission"][:0] = emission.CLASSES
-    found["Fields"][:0] = [values.SDFLIGHTS_Node_distance, values.SDFLIGHTS_Node_field]
+    found["Emission"][:0] = emission_nodes.CLASSES
+    found["Fields"][:0] = [value_nodes.SDFLIGHTS_Node_distance, value_nodes.SDFLIGHTS_Node_field]
     found["Math"][:0] = [
-        values.SDFLIGHTS_Node_math,
-        values.SDFLIGHTS_Node_compare,
-        values.SDFLIGHTS_Node_boolean,
-        values.SDFLIGHTS_Node_combine,
-        values.SDFLIGHTS_Node_separate,
+        value_nodes.SDFLIGHTS_Node_math,
+        value_nodes.SDFLIGHTS_Node_compare,
+        value_nodes.SDFLIGHTS_Node_boolean,
+        value_nodes.SDFLIGHTS_Node_combine,
+        value_nodes.SDFLIGHTS_Node_separate,
     ]
     return found
 

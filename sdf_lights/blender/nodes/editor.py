@@ -11,8 +11,8 @@ import numpy as np
 
 from ...render.errors import RenderError
 from ...sdf.syntax import ExpressionError
+from .. import areas, parameters
 from .. import emission as lamp_emission
-from .. import parameters
 from ..context import LampOperator, light_of
 from ..lamp import pattern_of, shape_of
 from ..naming import NODE_TREE
@@ -40,7 +40,7 @@ _ORDER = (
     "Input",
     "Output",
     "Shapes",
-    "Solids from profiles",
+    "Solids from Profiles",
     "Profiles",
     "Combine",
     "Operators",
@@ -170,45 +170,48 @@ class SDFLIGHTS_OT_nodes_to_expression(LampOperator, bpy.types.Operator):
         except RenderError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        text = bpy.data.texts.new(light.name)
-        text.write(written)
-        light.sdf_lamp.text, light.sdf_lamp.source = text, "EXPRESSION"
+        light.sdf_lamp.text = parameters.new_text(light.name, written)
+        light.sdf_lamp.source = "EXPRESSION"
         if glow and in_nodes:
             settings = light.sdf_lamp.emission
-            settings.text = bpy.data.texts.new(f"{light.name} Emission")
-            settings.text.write(glow)
+            settings.text = parameters.new_text(f"{light.name} Emission", glow)
             settings.source = lamp_emission.EXPRESSION
         return {"FINISHED"}
 
 
 class SDFLIGHTS_OT_nodes_show(LampOperator, bpy.types.Operator):
-    """Show the lamp's node tree in a node editor"""
+    """Show the lamp's node tree in a node editor, which is opened where there is none"""
 
     bl_idname = "sdf_lights.nodes_show"
     bl_label = "Edit Nodes"
 
     def execute(self, context):
         tree = light_of(context).sdf_lamp.nodes
-        if tree is None or not show(context, tree):
-            self.report({"INFO"}, "No node editor is open: change an area's type to SDF Lamp nodes.")
+        if tree is None:
+            self.report({"INFO"}, "The lamp has no node tree: make one with New.")
+            return {"CANCELLED"}
+        if not show(context, tree):
+            area = areas.opened(context, NODE_TREE)
+            if area is None:
+                self.report({"INFO"}, "There is no window for a node editor.")
+            else:
+                area.spaces.active.node_tree = tree
         return {"FINISHED"}
 
 
 def show(context, tree: bpy.types.NodeTree) -> bool:
-    """Shows the tree in the first node editor that has no pin, one of this type before others."""
-    found = [
-        area.spaces.active
-        for window in context.window_manager.windows
-        for area in window.screen.areas
-        if area.type == "NODE_EDITOR"
-    ]
-    found.sort(key=lambda space: space.tree_type != NODE_TREE)
-    for space in found:
-        if not space.pin:
-            space.tree_type = NODE_TREE
-            space.node_tree = tree
-            return True
-    return False
+    """Shows the tree in a node editor that is open and has no pin, one of this type before others."""
+
+    def fits(area) -> int:
+        space = area.spaces.active
+        return 0 if space.pin else 1 + (space.tree_type == NODE_TREE)
+
+    area = areas.area_of(context, "NODE_EDITOR", fits)
+    if area is None:
+        return False
+    area.spaces.active.tree_type = NODE_TREE
+    area.spaces.active.node_tree = tree
+    return True
 
 
 CLASSES = (*_MENUS, SDFLIGHTS_OT_nodes_new, SDFLIGHTS_OT_nodes_to_expression, SDFLIGHTS_OT_nodes_show)

@@ -28,10 +28,10 @@ from ...sdf import declarations as declared
 from ...sdf.declarations import LONGEST_NAME, Declaration
 from ...sdf.emission import INPUTS, Emission, as_emission, name_inputs
 from ...sdf.evaluation import Evaluation
+from ...sdf.expression_values import Condition, Live
 from ...sdf.functions import CONSTANTS, FUNCTIONS, as_shape
 from ...sdf.shapes import Shape
 from ...sdf.syntax import KEYWORDS, ExpressionError, parse
-from ...sdf.values import Condition, Live
 from ..naming import NODE_TREE
 from . import sockets
 from .tree import GROUP, OUTPUT, LampNode, finds_problems, output_of

@@ -15,7 +15,7 @@ from ..properties import tag
 from . import sockets
 from .reading import EMISSION, SHAPE, Broken, held, word
 from .tree import OBJECT, OUTPUT
-from .values import ValueNode
+from .value_nodes import ValueNode
 
 _SHAPE = (("shape", "Shape", sockets.SHAPE),)
 

@@ -15,11 +15,11 @@ import bpy
 
 from ...sdf.emission import INPUTS, name_inputs
 from ...sdf.evaluation import Evaluation
+from ...sdf.expression_values import kind_of
 from ...sdf.functions import CONSTANTS, FUNCTIONS
 from ...sdf.syntax import parse
-from ...sdf.values import kind_of
 from ..naming import NODE_TREE
-from . import emission, scene, sockets, values, words
+from . import emission_nodes, function_nodes, scene, sockets, value_nodes
 from .layout import arrange
 from .reading import EMISSION, SHAPE, is_declaration
 from .tree import OUTPUT, output_of
@@ -77,7 +77,7 @@ def add_emission(tree: bpy.types.NodeTree, text: str) -> dict[str, str]:
     recorder.remarks = syntax.remarks
     name_inputs(recorder)
     recorder.last(syntax.tree, "", "", "")
-    taken = {node.parameter for node in tree.nodes if node.bl_idname == values.SDFLIGHTS_Node_parameter.bl_idname}
+    taken = {node.parameter for node in tree.nodes if node.bl_idname == value_nodes.SDFLIGHTS_Node_parameter.bl_idname}
     taken |= set(INPUTS)
     renamed = {name: f"{EMISSION}_{name}" if name in taken else name for name in recorder.declarations}
     before = set(tree.nodes)
@@ -86,8 +86,8 @@ def add_emission(tree: bpy.types.NodeTree, text: str) -> dict[str, str]:
     except NoNode:
         for node in set(tree.nodes) - before:
             tree.nodes.remove(node)
-        node = tree.nodes.new(emission.SDFLIGHTS_Node_pattern.bl_idname)
-        node.pattern, renamed = emission.EXPRESSION, {}
+        node = tree.nodes.new(emission_nodes.SDFLIGHTS_Node_pattern.bl_idname)
+        node.pattern, renamed = emission_nodes.EXPRESSION, {}
         result = _with_text(node, f"{tree.name} Emission", text)
     tree.links.new(result, _input(output_of(tree), EMISSION))
     arrange(tree)
@@ -137,7 +137,7 @@ class _Builder:
         return self._tree.nodes.new(kind.bl_idname)
 
     def _parameter(self, declaration) -> bpy.types.NodeSocket:
-        node = self._new(values.SDFLIGHTS_Node_parameter)
+        node = self._new(value_nodes.SDFLIGHTS_Node_parameter)
         node.parameter = self._renamed.get(declaration.name, declaration.name)
         node.tooltip = declaration.description
         angle = declaration.kind == "angle"
@@ -173,10 +173,10 @@ class _Builder:
         if node.id in CONSTANTS:
             return CONSTANTS[node.id]
         if node.id == "p":
-            self._names["p"] = self._new(values.SDFLIGHTS_Node_position).outputs[0]
+            self._names["p"] = self._new(value_nodes.SDFLIGHTS_Node_position).outputs[0]
             return self._names["p"]
         if node.id in INPUTS:
-            interior = self._new(emission.SDFLIGHTS_Node_interior)
+            interior = self._new(emission_nodes.SDFLIGHTS_Node_interior)
             self._names |= {socket.identifier: socket for socket in interior.outputs}
             return self._names[node.id]
         raise NoNode
@@ -188,7 +188,7 @@ class _Builder:
     def _combined(self, parts: list):
         if len(parts) == 3 and all(isinstance(part, float) for part in parts):
             return tuple(parts)
-        node = self._new(values.SDFLIGHTS_Node_combine)
+        node = self._new(value_nodes.SDFLIGHTS_Node_combine)
         node.plane = len(parts) == 2
         for name, part in zip("xyz", parts):
             self._put(node, name, part)
@@ -205,9 +205,9 @@ class _Builder:
 
     def _separated(self, vector) -> bpy.types.Node:
         for link in vector.links:
-            if link.to_node.bl_idname == values.SDFLIGHTS_Node_separate.bl_idname:
+            if link.to_node.bl_idname == value_nodes.SDFLIGHTS_Node_separate.bl_idname:
                 return link.to_node
-        node = self._new(values.SDFLIGHTS_Node_separate)
+        node = self._new(value_nodes.SDFLIGHTS_Node_separate)
         self._put(node, "vector", vector)
         return node
 
@@ -222,7 +222,7 @@ class _Builder:
             name = {ast.BitOr: "union", ast.BitAnd: "intersection", ast.Sub: "difference"}[kind]
             return self._combination(FUNCTIONS[name], operands, {})
         a, b = self.part(node.left), self.part(node.right)
-        operation = next(name for name, operator in values.OPERATORS.items() if operator is kind)
+        operation = next(name for name, operator in value_nodes.OPERATORS.items() if operator is kind)
         return self._math(operation, a, b)
 
     def _makes_shape(self, node: ast.expr) -> bool:
@@ -236,7 +236,7 @@ class _Builder:
         )
 
     def _math(self, operation: str, a, b):
-        node = self._new(values.SDFLIGHTS_Node_math)
+        node = self._new(value_nodes.SDFLIGHTS_Node_math)
         node.operation = operation
         self._put(node, "a", a)
         self._put(node, "b", b)
@@ -257,7 +257,7 @@ class _Builder:
     def _boolean(self, operation: str, parts: list):
         if not all(isinstance(part, bpy.types.NodeSocket) for part in parts):
             raise NoNode
-        node = self._new(values.SDFLIGHTS_Node_boolean)
+        node = self._new(value_nodes.SDFLIGHTS_Node_boolean)
         node.operation = operation
         for name, part in zip("ab", parts):
             self._put(node, name, part)
@@ -270,8 +270,8 @@ class _Builder:
         return parts[0]
 
     def _comparison(self, node):
-        made = self._new(values.SDFLIGHTS_Node_compare)
-        made.operation = next(name for name, kind in values.COMPARISONS.items() if isinstance(node.ops[0], kind))
+        made = self._new(value_nodes.SDFLIGHTS_Node_compare)
+        made.operation = next(name for name, kind in value_nodes.COMPARISONS.items() if isinstance(node.ops[0], kind))
         self._put(made, "a", self.part(node.left))
         self._put(made, "b", self.part(node.comparators[0]))
         return made.outputs[0]
@@ -287,7 +287,7 @@ class _Builder:
             return self._field(self.part(node.func), self.part(node.args[0]))
         if any(keyword.arg is None for keyword in node.keywords):
             raise NoNode
-        if name in emission.RAMPS.values():
+        if name in emission_nodes.RAMPS.values():
             return self._ramp(name, [self.part(argument) for argument in node.args])
         function = FUNCTIONS[name]
         nodes = [*node.args, *(keyword.value for keyword in node.keywords)]
@@ -316,8 +316,8 @@ class _Builder:
         return self._call_of(function, [made(value) for value in repeated], arguments)
 
     def _ramp(self, name: str, parts: list):
-        node = self._new(emission.SDFLIGHTS_Node_ramp)
-        node.interpolation = next(key for key, found in emission.RAMPS.items() if found == name)
+        node = self._new(emission_nodes.SDFLIGHTS_Node_ramp)
+        node.interpolation = next(key for key, found in emission_nodes.RAMPS.items() if found == name)
         node.stops = (len(parts) - 1) // 2
         for identifier, part in zip((identifier for identifier, _, _ in node.wanted_inputs()), parts):
             self._put(node, identifier, part)
@@ -336,13 +336,13 @@ class _Builder:
         return self._combined(flat * size if len(flat) == 1 else flat)
 
     def _field(self, shape, point):
-        node = self._new(values.SDFLIGHTS_Node_distance)
+        node = self._new(value_nodes.SDFLIGHTS_Node_distance)
         self._put(node, "shape", shape)
         self._put(node, "point", point)
         return node.outputs[0]
 
     def _shape_of_field(self, arguments: dict):
-        node = self._new(values.SDFLIGHTS_Node_field)
+        node = self._new(value_nodes.SDFLIGHTS_Node_field)
         self._put(node, "value", arguments["value"])
         if "bounds" in arguments:
             node.use_bounds = True
@@ -352,12 +352,12 @@ class _Builder:
     def _call_of(self, function, repeated: list, arguments: dict):
         if function.variadic:
             return self._combination(function, repeated, arguments)
-        node = self._new(words.node_of(function))
+        node = self._new(function_nodes.node_of(function))
         self._set(node, function, arguments)
         return node.outputs[0]
 
     def _combination(self, function, repeated: list, arguments: dict):
-        node = self._new(words.node_of(function))
+        node = self._new(function_nodes.node_of(function))
         many = function.arguments[0].name
         if any(s.identifier == "first" for s in node.inputs):
             self._put(node, "first", repeated[0])
@@ -377,7 +377,7 @@ class _Builder:
             return math.radians(part)
         if isinstance(part, tuple):
             return tuple(map(math.radians, part))
-        if part.node.bl_idname == values.SDFLIGHTS_Node_parameter.bl_idname and part.node.kind == "angle":
+        if part.node.bl_idname == value_nodes.SDFLIGHTS_Node_parameter.bl_idname and part.node.kind == "angle":
             return part
         return self._call_of(FUNCTIONS["radians"], [], {"degrees": part})
 
@@ -386,7 +386,7 @@ class _Builder:
         socket = next(s for s in node.inputs if s.identifier == identifier)
         if isinstance(part, bpy.types.NodeSocket):
             if (
-                part.node.bl_idname == values.SDFLIGHTS_Node_parameter.bl_idname
+                part.node.bl_idname == value_nodes.SDFLIGHTS_Node_parameter.bl_idname
                 and part.node.kind == "angle"
                 and (not _takes_angle(node, identifier))
             ):
@@ -407,7 +407,9 @@ class _Builder:
         """A node for a value that an input cannot hold."""
         if isinstance(part, bool):
             raise NoNode
-        node = self._new(values.SDFLIGHTS_Node_vector if isinstance(part, tuple) else values.SDFLIGHTS_Node_number)
+        node = self._new(
+            value_nodes.SDFLIGHTS_Node_vector if isinstance(part, tuple) else value_nodes.SDFLIGHTS_Node_number
+        )
         node.value = part
         return node.outputs[0]
 

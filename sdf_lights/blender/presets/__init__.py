@@ -15,10 +15,11 @@ FOLDER = pathlib.Path(__file__).parent
 
 
 class Preset(NamedTuple):
-    """A lamp. ``temperature`` in kelvins, 0 where it has a ``color`` of its own; ``power`` in watts.
+    """A lamp. ``temperature`` in kelvins, 0 where it has a ``color`` of its own; ``power`` in watts, unless it has a ``density``.
 
-    ``emission`` is the name of a preset of ``sdf.emission_presets``, whose parameters have ``emission_values``, or a text in
-    the language of emissions.
+    The parameters of its ``expression``, or of the primitive ``shape`` in its place, have ``values``. ``emission`` is the name
+    of a preset of ``sdf.emission_presets``, whose parameters have ``emission_values``, or a text in the language of emissions.
+    Values are as Blender's properties hold them: angles in radians.
     """
 
     name: str
@@ -29,6 +30,10 @@ class Preset(NamedTuple):
     color: tuple[float, float, float] = (1.0, 1.0, 1.0)
     emission: str = "uniform"
     emission_values: Mapping[str, float | list[float]] = MappingProxyType({})
+    camera_brightness: float = 1.0
+    shape: str = ""
+    values: Mapping[str, float | list[float]] = MappingProxyType({})
+    density: float | None = None
 
     @property
     def picture(self) -> pathlib.Path:

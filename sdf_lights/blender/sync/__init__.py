@@ -20,14 +20,19 @@ from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
 from .common import Warnings
 from .images import Images
+from .kept import Kept
 from .linking import signature as linking_signature
 from .materials import Materials
 from .motion import Motion, is_wanted
+from .neighbor_frames import NeighborFrames, has_vectors
 from .objects import ALL, LIGHTS, sync_objects
+from .simplify import Culling, texture_limit, texture_share
 from .unmodelled import report_unmodelled
+from .volumes import report_groups
 from .world import mist_of, world_of
 
 __all__ = [
+    "Kept",
     "frame_settings",
     "linking_signature",
     "shows_in",
@@ -52,9 +57,13 @@ def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None =
 
 
 def sync_views(
-    depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None = None, views: tuple[str, ...] = ()
+    depsgraph: bpy.types.Depsgraph,
+    engine: bpy.types.RenderEngine | None = None,
+    views: tuple[str, ...] = (),
+    kept: Kept | None = None,
 ) -> tuple[Scene, list[Camera]]:
-    """As ``sync``, with the cameras of the ``views`` of the render (of the active one without any); the first is seen."""
+    """As ``sync``, with the cameras of the ``views`` of the render (of the active one without any); the first is seen.
+    ``kept``: what the engine has from its last render of this dependency graph."""
     blender_scene = depsgraph.scene_eval
     warnings: list[str] = []
     warn = Warnings(warnings)
@@ -81,8 +90,15 @@ def sync_views(
     scene.passes = layer_passes(depsgraph.view_layer)
     if is_enabled(BY_NAME["UV"], depsgraph.view_layer):
         scene.attributes.append(UV)
-    moves = engine is not None and not engine.is_preview and is_wanted(depsgraph)
-    _fill(depsgraph, scene, warn, motion=Motion(depsgraph, engine, scene, cameras, warn) if moves else None, eyes=eyes)
+    kind = None
+    if engine is not None and not engine.is_preview:
+        kind = Motion if is_wanted(depsgraph) else NeighborFrames if has_vectors(depsgraph) else None
+    motion = kind(depsgraph, engine, scene, cameras, warn) if kind is not None else None
+    if kept is not None:
+        kept.begin(depsgraph)
+        scene.kept = kept.back_end
+    _fill(depsgraph, scene, warn, motion=motion, eyes=eyes, kept=kept)
+    report_groups(scene, warn)
     report_unmodelled(depsgraph, _world(depsgraph), warn)
     return scene, eyes
 
@@ -138,8 +154,10 @@ def _fill(
     shows: Callable = lambda item: True,
     motion: Motion | None = None,
     eyes: Sequence[Camera] = (),
+    kept: Kept | None = None,
 ) -> None:
-    images = Images(scene, warn, depsgraph.scene_eval.frame_current)
+    limits = texture_limit(depsgraph), texture_share(depsgraph)
+    images = Images(scene, warn, depsgraph.scene_eval.frame_current, *limits, kept)
     materials = Materials(scene, depsgraph, images, warn)
     view_layer = depsgraph.view_layer_eval
     world = _world(depsgraph)
@@ -148,7 +166,12 @@ def _fill(
     if view_layer.use_sky:
         scene.world = world_of(world, depsgraph, images, warn)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
-    noted = sync_objects(depsgraph, scene, materials, images, warn, kinds, shows, motion is not None)
+    if not view_layer.use_strand:
+        kinds -= {"CURVES"}
+    if not view_layer.use_volumes:  # as in Cycles, these are objects of that kind, not what fills meshes and the world
+        kinds -= {"VOLUME"}
+    culling = Culling(depsgraph, eyes[0] if eyes else None)
+    noted = sync_objects(depsgraph, scene, materials, images, warn, kinds, shows, motion is not None, culling, kept)
     images.load()
     if motion is not None:
         motion.read(noted.placed, noted.forms, eyes)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import bpy
@@ -14,7 +15,7 @@ from ...render.scene import AttributeValues, Domain, Mesh
 
 _DOMAINS = {"POINT": Domain.VERTEX, "CORNER": Domain.CORNER, "FACE": Domain.TRIANGLE}
 # data_type -> name of an item's value, what it is read as, how many numbers it has
-_TYPES = {
+TYPES = {
     "FLOAT": ("value", np.float32, 1),
     "INT": ("value", np.int32, 1),
     "BOOLEAN": ("value", bool, 1),
@@ -23,6 +24,7 @@ _TYPES = {
     "FLOAT2": ("vector", np.float32, 2),
     "FLOAT_COLOR": ("color", np.float32, 4),
     "BYTE_COLOR": ("color", np.float32, 4),
+    "QUATERNION": ("value", np.float32, 4),
 }
 
 
@@ -50,16 +52,33 @@ def _geometry(
     else:
         index = data.color_attributes.render_color_index
         attribute = data.color_attributes[index] if 0 <= index < len(data.color_attributes) else None
-    if attribute is None or attribute.domain not in _DOMAINS or attribute.data_type not in _TYPES:
+    if attribute is None or attribute.domain not in (*_DOMAINS, "EDGE") or attribute.data_type not in TYPES:
         return None
-    field, dtype, width = _TYPES[attribute.data_type]
+    field, dtype, width = TYPES[attribute.data_type]
     values = read(attribute.data, field, dtype, width).astype(np.float32).reshape(-1, width)
+    if attribute.domain == "EDGE":
+        return AttributeValues(Domain.VERTEX, _of_vertices(data, values, attribute.data_type))
     domain = _DOMAINS[attribute.domain]
     if domain == Domain.CORNER:
         values = values[corners.ravel()]
     elif domain == Domain.TRIANGLE:
         values = values[faces]
     return AttributeValues(domain, np.ascontiguousarray(values))
+
+
+def _of_vertices(data: bpy.types.Mesh, values: np.ndarray, kind: str) -> np.ndarray:
+    """Of values of edges, those of vertices: the mean over their edges, of truth values whether one of them holds."""
+    ends = read(data.edges, "vertices", np.int32, 2)
+    total, count = np.zeros((len(data.vertices), values.shape[1])), np.zeros((len(data.vertices), 1))
+    for end in ends.T:
+        np.add.at(total, end, values)
+        np.add.at(count, end, 1.0)
+    mean = total / np.maximum(count, 1.0)
+    if kind == "BOOLEAN":
+        mean = total > 0.0
+    elif TYPES[kind][1] is np.int32:
+        mean = np.copysign(np.floor(np.abs(mean) + 0.5), mean)
+    return np.ascontiguousarray(mean, np.float32)
 
 
 def _pointiness(data: bpy.types.Mesh, mesh: Mesh, corners, faces, name: str) -> AttributeValues:
@@ -120,7 +139,7 @@ def _island(data: bpy.types.Mesh, mesh: Mesh, corners: np.ndarray, faces: np.nda
     first = read(data.polygons, "loop_start", np.int32)[faces]
     vertices = read(data.attributes[".corner_vert"].data, "value", np.int32)
     islands = np.unique(parents)
-    numbers = [_hashed(int(root)) / 0xFFFFFFFF for root in islands]
+    numbers = [hashed(int(root)) / 0xFFFFFFFF for root in islands]
     values = np.array(numbers, np.float32)[np.searchsorted(islands, parents[vertices[first]])]
     return AttributeValues(Domain.TRIANGLE, values[:, None])
 
@@ -136,7 +155,7 @@ READERS: dict[str, Callable] = {
 
 def property_of(owner, name: str) -> np.ndarray | None:
     """(1, 1 to 4) float32 of a property of Blender's data: a custom one, or one of its own; None where there is none."""
-    if owner is None or not name:
+    if owner is None or not name or re.search(r"\[\d+\]$", name):  # Blender's renderers take whole properties
         return None
     try:
         value = owner[name] if name in owner.keys() else owner.path_resolve(name)
@@ -148,6 +167,66 @@ def property_of(owner, name: str) -> np.ndarray | None:
     return values.reshape(1, -1)
 
 
+class InstanceAttributes:
+    """Attributes that geometry nodes have given to their instances, for as long as the evaluated objects live."""
+
+    def __init__(self):
+        self._found: dict[tuple[int, str], tuple] = {}
+        self._places: dict[int, dict[int, int]] = {}
+        self._sets: dict[int, object] = {}  # their point clouds are theirs
+
+    def of(self, item: bpy.types.DepsgraphObjectInstance, name: str) -> np.ndarray | None:
+        """(1, numbers) float32 of an instance; of instances in instances the innermost that has the attribute."""
+        if not item.is_instance or item.parent is None or not name:
+            return None
+        numbers = [number for number in item.persistent_id if number != _NO_NUMBER]
+        owner = item.parent.as_pointer()
+        if owner not in self._sets:
+            self._sets[owner] = item.parent.evaluated_geometry()
+        return self._within(self._sets[owner], numbers, name)
+
+    def _within(self, geometry, numbers: list[int], name: str) -> np.ndarray | None:
+        if not numbers or not hasattr(geometry, "instances_pointcloud"):  # a reference may be an object or a collection
+            return None
+        points = geometry.instances_pointcloud()
+        number = None if points is None else self._place(points, numbers[-1])  # of the outermost instances
+        if number is None:
+            return None
+        inner = None
+        if len(numbers) > 1:
+            which = self._values(points, ".reference_index")
+            references = geometry.instance_references()
+            if which is not None and int(which[number, 0]) < len(references):
+                inner = self._within(references[int(which[number, 0])], numbers[:-1], name)
+        if inner is not None:
+            return inner
+        values = self._values(points, name)
+        return None if values is None else values[number : number + 1]
+
+    def _place(self, points, number: int) -> int | None:
+        """Which of the instances Blender means by a number: the attribute ``id`` where they have it, else their place."""
+        key = points.as_pointer()
+        if key not in self._places:
+            ids = points.attributes.get("id")
+            numbers = read(ids.data, "value", np.int32).tolist() if ids and ids.data_type == "INT" else None
+            self._places[key] = {} if numbers is None else dict(zip(reversed(numbers), reversed(range(len(numbers)))))
+        places = self._places[key]
+        return places.get(number) if places else number if 0 <= number < len(points.points) else None
+
+    def _values(self, points, name: str) -> np.ndarray | None:
+        key = points.as_pointer(), name
+        if key not in self._found:
+            attribute, values = points.attributes.get(name), None
+            if attribute is not None and attribute.data_type in TYPES:
+                field, dtype, width = TYPES[attribute.data_type]
+                values = read(attribute.data, field, dtype, width).astype(np.float32).reshape(-1, width)
+            self._found[key] = points, values
+        return self._found[key][1]
+
+
+_NO_NUMBER = 2**31 - 1  # where instances are not that deep
+
+
 def random_number(item: bpy.types.DepsgraphObjectInstance) -> float:
     """The number from 0 to 1 that Object Info gives: by its name of an object, Blender's own of an instance."""
     if item.is_instance:
@@ -156,7 +235,7 @@ def random_number(item: bpy.types.DepsgraphObjectInstance) -> float:
         number = 0
         for byte in item.object.name.encode():
             number = (number * 37 + byte) & 0xFFFFFFFF
-        number = _hashed(number, 0)
+        number = hashed(number, 0)
     return number / 0xFFFFFFFF
 
 
@@ -164,7 +243,7 @@ def _rotated(x: int, bits: int) -> int:
     return (x << bits | x >> (32 - bits)) & 0xFFFFFFFF
 
 
-def _hashed(*words: int) -> int:
+def hashed(*words: int) -> int:
     """Hash of one or two whole numbers: the last round of Bob Jenkins' lookup3 (2006)."""
     mask = 0xFFFFFFFF
     a = b = c = (0xDEADBEEF + (len(words) << 2) + 13) & mask

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import bpy
 import numpy as np
 
@@ -58,10 +60,16 @@ def visibility_of(item) -> Ray:
     return Ray(sum(bit for name, bit in _VISIBILITY.items() if getattr(item, name)))
 
 
-def node_tree_of(data: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:
-    """The node tree of a material or world; None where it does without nodes, which Blender 5.0 did away with."""
-    if bpy.app.version < (5, 0, 0) and not data.use_nodes:
-        return None
+def node_tree_of(data: bpy.types.Material | bpy.types.World | bpy.types.Light) -> bpy.types.NodeTree | None:
+    """The node tree of a material, world or light; None where it does without nodes.
+
+    Blender 5.0 did away with that for materials and worlds, Blender 6.0 does for lights, and warns of it before.
+    """
+    if bpy.app.version < ((6, 0, 0) if isinstance(data, bpy.types.Light) else (5, 0, 0)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)
+            if not data.use_nodes:
+                return None
     return data.node_tree
 
 

@@ -19,10 +19,12 @@ from concurrent.futures import ThreadPoolExecutor
 import bpy
 import numpy as np
 
-from ...render.images import Image, Texture
+from ...render import memory
+from ...render.images import Image, Texture, reduced
 from ...render.scene import Scene
 from .colorspaces import OTHER, SRGB, UNKNOWN, conversion, kind_of
 from .common import Warnings
+from .kept import Kept
 from .pixels import File, Form, exists
 
 # From 5.1 on, Cycles goes by the image's setting alone; before, by what the file says of its alpha.
@@ -35,6 +37,8 @@ _TILE_TOKENS = {
 
 FILE, PACKED, BLENDER = "file", "packed", "Blender"  # where pixels come from
 
+MOST_OF_MEMORY = 0.5  # of what is free, for pixels of images
+GENERATED_BYTES = 4 + 16  # of a pixel that Blender makes: its own, at least, and the numbers that it hands out
 CHUNK = 1 << 20  # of Blender's numbers, which are turned into bytes so many at a time
 
 
@@ -44,9 +48,21 @@ class Images:
     Files are read when all are known: see ``load``.
     """
 
-    def __init__(self, scene: Scene, warn: Warnings, frame: int = 1):
+    def __init__(
+        self,
+        scene: Scene,
+        warn: Warnings,
+        frame: int = 1,
+        limit: int = 0,
+        share: float | None = None,
+        kept: Kept | None = None,
+    ):
+        """``limit`` and ``share``: see ``render.images.reduced``. ``kept``: pixels that need not be read again."""
+        self._kept = kept
         self._scene, self._warn, self._frame = scene, warn, frame
+        self._limit, self._share, self._reduced = limit, share, len(scene.images)
         self._known: dict[tuple, int | None] = {}
+        self._bytes = 0  # of the pixels of all images
         self._pending: list[Callable[[], str | None]] = []
 
     def index(self, image: bpy.types.Image, user: bpy.types.ImageUser | None = None) -> int | None:
@@ -90,6 +106,9 @@ class Images:
                 for sentence in pool.map(lambda job: job(), jobs):
                     if sentence:
                         self._warn(sentence)
+        for image in self._scene.images[self._reduced :]:
+            image.pixels = reduced(image.pixels, self._limit, self._share)
+        self._reduced = len(self._scene.images)
 
     def _index(self, image: bpy.types.Image, user, tile: int) -> int | None:
         frame = frame_of(image, user, self._frame)
@@ -141,12 +160,18 @@ class Images:
         if packed is not None and file.dtype == np.uint8 and image.alpha_mode == "PREMUL" and file.channels == 4:
             return None  # Blender may have divided them by alpha, or may not, and Cycles shows what it has
         form, encoded = _form(image, FILE if packed is None else PACKED, file)
+        needed = form.channels(file.channels) * form.dtype(file.dtype).itemsize
+        if not self._fits(image, file.width, file.height, needed):
+            return Image(image.name, np.zeros((0, 0, 4), np.uint8))
         made = Image(image.name, np.zeros((0, 0, 4), np.uint8), encoded)
 
         def read() -> str | None:
-            try:
+            def pixels() -> np.ndarray:
                 with _file_with(path, data) as copy:
-                    made.pixels = File(copy).read(form)
+                    return File(copy).read(form)
+
+            try:
+                made.pixels = pixels() if self._kept is None else self._kept.pixels(path, data, form, pixels)
             except (OSError, MemoryError) as error:
                 return (
                     f"Image '{made.name}' could not be read ({error or 'no memory'}): it is shown in magenta; "
@@ -157,8 +182,23 @@ class Images:
         self._pending.append(read)
         return made
 
+    def _fits(self, image: bpy.types.Image, width: int, height: int, each: int) -> bool:
+        """Whether there is memory for so many pixels of ``each`` bytes, beside the images so far; else a warning says so."""
+        free = memory.available()
+        if free is None or self._bytes + width * height * each <= MOST_OF_MEMORY * free:
+            self._bytes += width * height * each
+            return True
+        self._warn(
+            f"Image '{image.name}' has {width:,} × {height:,} pixels, which take {memory.in_words(width * height * each)}, and "
+            f"{memory.in_words(free)} of memory are free: it is shown in magenta; make it smaller."
+        )
+        return False
+
     def _from_blender(self, image: bpy.types.Image, frame: int, tile: int) -> Image | None:
         """An image of Blender's own pixels."""
+        if image.source == "GENERATED" and not image.is_dirty:
+            if not self._fits(image, image.generated_width, image.generated_height, GENERATED_BYTES):
+                return Image(image.name, np.zeros((0, 0, 4), np.uint8))
         if tile:
             return self._from_saved_tile(image, tile)
         with _at_frame(image, frame):

@@ -10,12 +10,14 @@ import bpy
 import numpy as np
 
 from ...affine import inverse
+from ...render import lights
 from ...render.errors import RenderError
+from ...render.lights.area import is_round, sides
 from ...render.material import Material
-from ...render.scene import MANY_BOUNCES, RGB, AreaLight, Lamp, Light, PointLight, Portal, Ray, SpotLight, SunLight
-from ..lamp import pattern_of, shape_of
+from ...render.scene import MANY_BOUNCES, RGB, Lamp, Light, Portal, Ray
+from ..lamp import LAST_GOOD, keep, last_good, pattern_of, shape_of
 from ..passes import own_pass_name
-from .common import FLAT, Warnings, is_flat, rgb
+from .common import FLAT, Warnings, is_flat, node_tree_of, rgb
 from .images import Images
 from .nodes import Reader, emission_of
 
@@ -46,24 +48,12 @@ def light_of(
             f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again."
         )
     if data.sdf_lamp.use:
-        return _lamp(name, data, matrix, matrix if owner is None else owner, power, color, visibility)
+        own = matrix if owner is None else owner
+        return _lamp(name, data, matrix, own, power, color, visibility, depsgraph.mode == "VIEWPORT", warn)
     if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
-        return Portal(name, matrix, data.shape in {"DISK", "ELLIPSE"}, tuple(_sides(data).tolist()))
+        return Portal(name, matrix, is_round(data), tuple(sides(data).tolist()))
     common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow, emission=emission)
-    if data.type == "SUN":
-        solid = math.pi * math.sin(0.5 * data.angle) ** 2  # ∫ cosine over the sun's disk
-        return SunLight(
-            name, matrix, power * solid if solid > 0.0 and not data.normalize else power, angle=data.angle, **common
-        )
-    if data.type == "AREA":
-        return _area(name, data, matrix, power, common)
-    radius = data.shadow_soft_size
-    if not data.normalize:
-        power *= 4.0 * math.pi * radius**2 if radius > 0.0 else 4.0
-    common |= dict(radius=radius, soft_falloff=data.use_soft_falloff)
-    if data.type == "SPOT":
-        return SpotLight(name, matrix, power, angle=data.spot_size, blend=data.spot_blend, **common)
-    return PointLight(name, matrix, power, **common)
+    return lights.KINDS[data.type].read(data, name, matrix, power, common)
 
 
 def control(light: Lamp | Light, obj: bpy.types.Object, linking: dict[str, int]) -> None:
@@ -93,9 +83,10 @@ def _color(
     if data.use_temperature:
         color *= rgb(data.temperature_color)
     emission = None
-    if data.use_nodes and data.node_tree is not None and not data.sdf_lamp.use:
+    tree = None if data.sdf_lamp.use else node_tree_of(data)
+    if tree is not None:
         settings = _settings(obj, data, matrix, random)
-        reader = Reader(data.node_tree, f"Light '{data.name}'", depsgraph, images, warn, "LIGHT", light=settings)
+        reader = Reader(tree, f"Light '{data.name}'", depsgraph, images, warn, "LIGHT", light=settings)
         factor, emission = emission_of(reader, f"Light '{data.name}'")
         color *= factor
     return rgb(color), emission
@@ -108,30 +99,28 @@ def _settings(obj: bpy.types.Object, data: bpy.types.Light, matrix: np.ndarray, 
     unscaled[:3, :3] /= scale
     if abs(np.linalg.det(unscaled)) < FLAT:  # it has no space of its own to look things up in
         unscaled = np.eye(4)
-    shape: tuple = ("POINT",)
-    if data.type == "SPOT":
-        shape = "SPOT", data.spot_size
-    elif data.type == "SUN":
-        shape = "SUN", data.angle
-    elif data.type == "AREA":
-        shape = "AREA", *np.maximum(_sides(data) * scale[:2], 1e-30)
     info = (*matrix[:3, 3], *obj.color, obj.original.pass_index, random)
     return dict(
         light_matrix=inverse(unscaled)[:3],
         light_normals=matrix[:3, :3].T,
-        light_shape=shape,
+        light_shape=lights.KINDS[data.type].nodes_see(data, scale),
         object_info=info,
         owners=(obj, data),
     )
 
 
-def _sides(data: bpy.types.AreaLight) -> np.ndarray:
-    return np.array((data.size, data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size))
-
-
 def _lamp(
-    name: str, data: bpy.types.Light, matrix: np.ndarray, owner: np.ndarray, power: float, color: RGB, visibility: Ray
+    name: str,
+    data: bpy.types.Light,
+    matrix: np.ndarray,
+    owner: np.ndarray,
+    power: float,
+    color: RGB,
+    visibility: Ray,
+    keeps: bool,
+    warn: Warnings,
 ) -> Lamp:
+    """``keeps``: a lamp that has no shape at present, as where half a word is typed, has its last good one."""
     if is_flat(matrix):
         raise RenderError(
             f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale."
@@ -139,27 +128,15 @@ def _lamp(
     lamp = data.sdf_lamp
     try:
         shape, emission = shape_of(lamp, owner), pattern_of(lamp, owner)
+        keep(data.original, shape, emission)
     except RenderError as error:
-        raise RenderError(f"Lamp '{name}' is left out. {error}") from error
+        last = last_good(data.original) if keeps else None
+        if last is None:
+            raise RenderError(f"Lamp '{name}' is left out. {error}") from error
+        shape, emission = last
+        warn(f"Lamp '{name}' {LAST_GOOD} {error}")
     visibility = visibility | Ray.CAMERA if lamp.visible_camera else visibility & ~Ray.CAMERA
     density = None if lamp.normalize else lamp.density * 2.0**data.exposure
-    return Lamp(name, shape, matrix, power, density, color, visibility, emission)
-
-
-def _area(name: str, data: bpy.types.AreaLight, matrix: np.ndarray, power: float, common: dict) -> AreaLight:
-    ellipse = data.shape in {"DISK", "ELLIPSE"}
-    size = tuple(_sides(data).tolist())
-    # Stretched by the object as Blender does it: each axis by its own length.
-    stretch = float(np.prod(np.linalg.norm(matrix[:3, :2], axis=0)))
-    area = size[0] * size[1] * stretch * (math.pi / 4 if ellipse else 1.0)
-    if area <= 0.0:
-        raise RenderError(f"Area light '{name}' has no area: it is left out; set its size and its scale.")
-    return AreaLight(
-        name,
-        matrix,
-        power if data.normalize else power * area,
-        ellipse=ellipse,
-        size=size,
-        spread=data.spread,
-        **common,
+    return Lamp(
+        name, shape, matrix, power, density, color, visibility, emission, camera_brightness=lamp.camera_brightness
     )

@@ -16,9 +16,12 @@ from .common import Warnings, node_tree_of, rgb
 from .images import Images
 from .nodes import Reader
 from .volumes import medium_of
+from .zones import DEEPEST, Frame, Stack
 
 # What Cycles shows where there is no material.
 DEFAULT = "principled" if bpy.app.version >= (5, 0, 0) else "diffuse"
+
+_MOST_GROUPS = 4096  # in one material, whose AOV Output nodes are looked for
 
 
 class Materials:
@@ -46,13 +49,20 @@ class Materials:
         return found | {SHARP_FACE} if any(material.displacement is not None for material in materials) else found
 
     def _aovs(self, tree: bpy.types.NodeTree, reader: Reader) -> dict:
-        """What AOV Output nodes are given, where there is a pass of that name."""
-        found = {}
+        """What AOV Output nodes are given, also those in groups, where there is a pass of that name."""
+        found: dict = {}
         values = {item.name: len(item.channels) == 1 for item in self._scene.passes}
-        for node in tree.nodes:
-            if node.bl_idname == "ShaderNodeOutputAOV" and not node.mute and node.aov_name in values:
-                name, like = ("Value", 0.0) if values[node.aov_name] else ("Color", (0.0, 0.0, 0.0))
-                found[node.aov_name] = reader.read(node.inputs[name], like)
+        waiting: list[tuple[bpy.types.NodeTree, Stack]] = [(tree, ())] if values else []
+        for inner, stack in waiting:
+            for node in inner.nodes:
+                if node.mute:
+                    continue
+                if node.bl_idname == "ShaderNodeOutputAOV" and node.aov_name in values:
+                    name, like = ("Value", 0.0) if values[node.aov_name] else ("Color", (0.0, 0.0, 0.0))
+                    found[node.aov_name] = reader.read(node.inputs[name], like, stack)
+                elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
+                    if len(stack) <= DEEPEST and len(waiting) < _MOST_GROUPS:
+                        waiting.append((node.node_tree, (*stack, Frame(node))))
         return found
 
     def _read(self, material: bpy.types.Material) -> Material:
@@ -65,9 +75,6 @@ class Materials:
         reader = Reader(tree, owner, self._depsgraph, self._images, self._warn, material_index=material.pass_index)
         output = reader.output()
         if output is None:
-            self._warn(
-                f"{owner} has no Material Output node, so it is black: add one and link a shader to its Surface."
-            )
             return Material(material.name)
         sampling = getattr(getattr(material, "cycles", None), "emission_sampling", "AUTO")
         surface, displacement, normal = reader.read(output.inputs["Surface"], None), None, None

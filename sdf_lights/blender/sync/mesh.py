@@ -5,17 +5,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Protocol
 
 import bpy
 import numpy as np
 
 from ...render.material import Attribute
 from ...render.scene import Mesh, Scene
-from ...render.tangents import tangents
+from ...render.tangents import on_sphere, tangents
 from .attributes import READERS, read
 from .common import Warnings
+from .kept import Entry, Kept
 
 
 @dataclass
@@ -27,6 +28,22 @@ class _Known:
     faces: np.ndarray  # (T,) face of Blender's mesh that each triangle is a part of
 
 
+class Form(NamedTuple):
+    """What something looks like at a time: positions (V, 3), corner normals (T, 3, 3) and radii (V,), where it has them."""
+
+    positions: np.ndarray
+    normals: np.ndarray | None = None
+    radii: np.ndarray | None = None
+
+
+class Readable(Protocol):
+    """Something that can be read again at another time."""
+
+    def read(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Form | None:
+        """The form of an evaluated object, or of an instance; None where it has other vertices or corners."""
+        ...
+
+
 class Forms(NamedTuple):
     """How to read the positions and normals of a mesh again, at another time."""
 
@@ -36,22 +53,23 @@ class Forms(NamedTuple):
     triangles: np.ndarray  # (T, 3)
     smooth: bool
 
-    def read(self, data: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray | None] | None:
-        """Positions (V, 3) and corner normals (T, 3, 3) of ``data``; None where it has other vertices or corners."""
+    def read(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Form | None:
+        """See ``Readable``."""
+        data = obj.data
         if len(data.vertices) != self.vertices or len(data.loops) != self.corners_in_all:
             return None
         positions = read(data.attributes["position"].data, "vector", np.float32, 3)
         if not np.isfinite(positions).all():
             return None
         if not self.smooth:
-            return positions, None
+            return Form(positions)
         normals = normals_of(data, self.triangles, self.corners)
         if normals is None:  # flat now
             a, b, c = positions[self.triangles].transpose(1, 0, 2)
             flat = np.cross(b - a, c - a)
             length = np.linalg.norm(flat, axis=1, keepdims=True)
             normals = np.repeat((flat / np.where(length > 0.0, length, 1.0))[:, None], 3, axis=1)
-        return positions, normals
+        return Form(positions, normals)
 
 
 def normals_of(data: bpy.types.Mesh, triangles: np.ndarray, corners: np.ndarray) -> np.ndarray | None:
@@ -66,11 +84,11 @@ def normals_of(data: bpy.types.Mesh, triangles: np.ndarray, corners: np.ndarray)
 class Meshes:
     """Puts each evaluated mesh into the scene once, however many instances show it."""
 
-    def __init__(self, scene: Scene, warn: Warnings):
-        self._scene, self._warn = scene, warn
+    def __init__(self, scene: Scene, warn: Warnings, kept: Kept | None = None):
+        self._scene, self._warn, self._kept = scene, warn, kept
         self._known: dict[int, _Known | None] = {}
         self._edited: dict[int, bpy.types.Mesh] = {}
-        self.forms: dict[int, Forms] = {}  # of each mesh of the scene
+        self.forms: dict[int, Readable] = {}  # of each mesh of the scene
 
     def evaluated(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
         """The evaluated mesh of an object of a dependency graph, as arrays can be read from it.
@@ -86,15 +104,18 @@ class Meshes:
             self._edited[key] = owner.to_mesh()
         return self._edited[key]
 
-    def index(self, data: bpy.types.Mesh, slots: int, attributes: Iterable[Attribute]) -> int | None:
-        """Index of the mesh in the scene, with at least these attributes; None where there are no triangles.
+    def index(
+        self, data: bpy.types.Mesh, slots: int, attributes: Iterable[Attribute], owners: frozenset[int] = frozenset()
+    ) -> int | None:
+        """Index of the mesh in the scene, with at least these attributes; None where there are no triangles. ``owners``: see
+        ``kept.Entry``.
 
         Faces whose slot is past the number of ``slots`` use the last one, as in Blender.
         Evaluated data stays where it is as long as its dependency graph, so its address tells it apart; names do not.
         """
         key = data.as_pointer()
         if key not in self._known:
-            self._known[key] = self._add(data, slots)
+            self._known[key] = self._again(data, slots, owners) or self._add(data, slots, owners)
         known = self._known[key]
         if known is None:
             return None
@@ -104,17 +125,36 @@ class Meshes:
                 layer = uv_layer(data, attribute.name)
                 if layer is not None:
                     mesh.uvs[attribute.name] = read(layer.uv, "vector", np.float32, 2)[known.corners]
-            if attribute.kind == "tangent" and attribute.name in mesh.uvs and attribute.name not in mesh.tangents:
-                mesh.tangents[attribute.name] = tangents(
-                    mesh.positions, mesh.triangles, mesh.normals, mesh.uvs[attribute.name]
-                )
+            if attribute.kind == "tangent" and attribute.name not in mesh.tangents:
+                places = mesh.uvs.get(attribute.name)
+                if places is None and not attribute.name and not data.uv_layers:
+                    undeformed = read(data.vertices, "undeformed_co", np.float32, 3)
+                    places = on_sphere(undeformed)[mesh.triangles]
+                if places is not None:
+                    mesh.tangents[attribute.name] = tangents(mesh.positions, mesh.triangles, mesh.normals, places)
             if attribute.kind in READERS and attribute not in mesh.attributes:
                 found = READERS[attribute.kind](data, mesh, known.corners, known.faces, attribute.name)
                 if found is not None:
                     mesh.attributes[attribute] = found
         return known.index
 
-    def _add(self, data: bpy.types.Mesh, slot_count: int) -> _Known | None:
+    def _again(self, data: bpy.types.Mesh, slot_count: int, owners: frozenset[int]) -> _Known | None:
+        """Add a mesh that is kept from the last render."""
+        if self._kept is None or data.is_editmode:
+            return None
+        entry = self._kept.mesh((data.as_pointer(), slot_count), owners)
+        if entry is None:
+            return None
+        corners, faces, forms = entry.known
+        return self._put(entry.mesh, corners, faces, forms)
+
+    def _put(self, mesh: Mesh, corners: np.ndarray, faces: np.ndarray, forms: Forms) -> _Known:
+        index = len(self._scene.meshes)
+        self._scene.meshes.append(mesh)
+        self.forms[index] = forms
+        return _Known(index, corners, faces)
+
+    def _add(self, data: bpy.types.Mesh, slot_count: int, owners: frozenset[int]) -> _Known | None:
         data.calc_loop_triangles()
         if not data.loop_triangles:
             return None
@@ -142,10 +182,12 @@ class Meshes:
         if slots is not None and slots.domain == "FACE" and slots.data_type == "INT":
             mesh.slots = read(slots.data, "value", np.int32)[faces]
             np.clip(mesh.slots, 0, slot_count - 1, out=mesh.slots)
-        index = len(self._scene.meshes)
-        self.forms[index] = Forms(len(data.vertices), len(data.loops), corners, triangles, mesh.normals is not None)
-        self._scene.meshes.append(mesh)
-        return _Known(len(self._scene.meshes) - 1, corners, faces)
+        forms = Forms(len(data.vertices), len(data.loops), corners, triangles, mesh.normals is not None)
+        if self._kept is not None and owners and finite.all() and not data.is_editmode:
+            entry = Entry(mesh, (corners, faces, forms), owners)
+            self._kept.keep_mesh((data.as_pointer(), slot_count), entry)
+            mesh = replace(mesh)  # the scene may give it motion
+        return self._put(mesh, corners, faces, forms)
 
 
 def uv_layer(data: bpy.types.Mesh, name: str):

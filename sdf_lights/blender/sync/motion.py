@@ -8,7 +8,7 @@ The times, and what moves at all, are those of Cycles; lamps and lights, which s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import fields, replace
 from typing import NamedTuple
 
@@ -22,9 +22,10 @@ from .attributes import random_number
 from .common import Warnings, is_finite, matrix_of
 from .images import Images
 from .lights import light_of
-from .mesh import Forms
+from .mesh import Form, Readable
 
 _CURVE_POINTS = 257
+_STILL = 1e-5  # metres
 _KEPT = ("emission", "visibility", *(item.name for item in fields(Emitter)))  # what of a light is that of the frame
 _OPENS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}  # of the time that the shutter is open, from the frame on
 
@@ -35,6 +36,7 @@ class Key(NamedTuple):
     instancer: int
     obj: int
     number: tuple[int, ...]
+    hair: bool = False  # the particle hair on it
 
 
 class Placed(NamedTuple):
@@ -52,11 +54,11 @@ class Wish(NamedTuple):
     forms: bool
 
 
-def key_of(item: bpy.types.DepsgraphObjectInstance) -> Key:
+def key_of(item: bpy.types.DepsgraphObjectInstance, hair: bool = False) -> Key:
     """See ``Key``."""
     instancer = item.parent.original.as_pointer() if item.is_instance and item.parent is not None else 0
     number = tuple(item.persistent_id) if item.is_instance else ()
-    return Key(instancer, item.object.original.as_pointer(), number)
+    return Key(instancer, item.object.original.as_pointer(), number, hair)
 
 
 def wish_of(*owners: bpy.types.Object | None) -> Wish:
@@ -107,19 +109,18 @@ class Motion:
         self._depsgraph, self._engine, self._scene = depsgraph, engine, scene
         self._cameras, self._warn = cameras, warn
 
-    def read(self, placed: dict[Key, Placed], forms: dict[int, Forms], views: list[Camera]) -> None:
+    def read(self, placed: dict[Key, Placed], forms: dict[int, Readable], views: list[Camera]) -> None:
         """Evaluate the scene at all times, and give it, and the cameras ``views``, their motion. The frame is as before
         then."""
         blender_scene = self._depsgraph.scene_eval
         camera_object = self._engine.camera_override or blender_scene.camera
         wishes, deforms = self._wishes(placed, forms)
-        camera = wish_of(camera_object).steps if camera_object is not None else 0
+        camera = self._wish(camera_object).steps if camera_object is not None else 0
         steps = max([camera, *(wish.steps for wish in wishes.values())], default=0)
         if steps == 0:
             return
-        shutter = shutter_of(blender_scene)
         self._frame = blender_scene.frame_current, blender_scene.frame_subframe
-        seen = [_Seen(placed, forms, deforms) for _ in range(steps + 1)]
+        seen = [Seen(placed, forms, deforms) for _ in range(steps + 1)]
         eyes: list[list[Camera]] = [[] for _ in views]
         try:
             for step in self._times(steps):
@@ -132,20 +133,30 @@ class Motion:
             self._go_back()
         moves = self._give(placed, wishes, deforms, seen, steps)
         for view, eye in zip(views, eyes):
-            if any(not _same_place(at, eye[0]) for at in eye[1:]):
-                view.motion, moves = resampled(tuple(eye)), True
+            moves |= self._give_camera(view, eye)
         if moves:
-            self._scene.shutter = shutter
+            self._finish()
 
-    def _wishes(self, placed: dict[Key, Placed], forms: dict[int, Forms]) -> tuple[dict[Key, Wish], set[int]]:
+    def _wish(self, *owners: bpy.types.Object | None) -> Wish:
+        return wish_of(*owners)
+
+    def _give_camera(self, view: Camera, seen: list[Camera]) -> bool:
+        """Give a camera its motion. Returns whether it moves."""
+        if all(same_place(at, seen[0]) for at in seen[1:]):
+            return False
+        view.motion = resampled(tuple(seen))
+        return True
+
+    def _finish(self) -> None:
+        """Called where something moves."""
+        self._scene.shutter = shutter_of(self._depsgraph.scene_eval)
+
+    def _wishes(self, placed: dict[Key, Placed], forms: dict[int, Readable]) -> tuple[dict[Key, Wish], set[int]]:
         """What each instance wants, and the meshes whose form may change."""
         wishes, deforms = {}, set()
         known: dict[int, bool] = {}
-        for item in self._depsgraph.object_instances:
-            key = key_of(item)
-            if key not in placed:
-                continue
-            wishes[key] = wish_of(item.parent if item.is_instance else None, item.object)
+        for item, key in self._items(placed):
+            wishes[key] = self._wish(item.parent if item.is_instance else None, item.object)
             place = placed[key]
             if place.instance < 0 or not wishes[key].forms or not wishes[key].steps:
                 continue
@@ -155,31 +166,42 @@ class Motion:
                 deforms.add(self._scene.instances[place.instance].mesh)
         return wishes, deforms
 
+    def _items(self, wanted: Container[Key]) -> Iterator[tuple[bpy.types.DepsgraphObjectInstance, Key]]:
+        """All that is wanted, with its keys: an object, and the hair on it."""
+        for item in self._depsgraph.object_instances:
+            for hair in (False, True) if len(item.object.particle_systems) else (False,):
+                key = key_of(item, hair)
+                if key in wanted:
+                    yield item, key
+
     def _times(self, steps: int) -> Iterator[int]:
         """Go to each of the even times in turn; its number."""
-        scene = self._depsgraph.scene_eval
-        length = scene.render.motion_blur_shutter
+        opens, length = self._span()
         frame, subframe = self._frame
-        opens = frame + subframe + _OPENS.get(scene.render.motion_blur_position, -0.5) * length
         for step in range(steps + 1):
-            time = opens + length * step / steps
+            time = frame + subframe + opens + length * step / steps
             whole = math.floor(time)
             self._engine.frame_set(whole, time - whole)
             yield step
 
+    def _span(self) -> tuple[float, float]:
+        """When the first of the times is, from the frame on, and how long they last, in frames."""
+        render = self._depsgraph.scene_eval.render
+        length = render.motion_blur_shutter
+        return _OPENS.get(render.motion_blur_position, -0.5) * length, length
+
     def _go_back(self) -> None:
         self._engine.frame_set(*self._frame)
 
-    def _look(self, seen: _Seen, wishes: dict[Key, Wish], step: int, steps: int) -> None:
+    def _look(self, seen: Seen, wishes: dict[Key, Wish], step: int, steps: int) -> None:
         """Note where everything is now that has to be known at this step."""
-        for item in self._depsgraph.object_instances:
-            key = key_of(item)
-            wish = wishes.get(key)
-            if wish is not None and wish.steps and step % (steps // wish.steps) == 0:
+        for item, key in self._items(wishes):
+            wish = wishes[key]
+            if wish.steps and step % (steps // wish.steps) == 0:
                 seen.note(key, item, self._depsgraph, self._scene)
 
     def _give(
-        self, placed: dict[Key, Placed], wishes: dict[Key, Wish], deforms: set[int], seen: list[_Seen], steps: int
+        self, placed: dict[Key, Placed], wishes: dict[Key, Wish], deforms: set[int], seen: list[Seen], steps: int
     ) -> bool:
         """Give the scene its motion. Returns whether anything moves."""
         moves = False
@@ -202,16 +224,20 @@ class Motion:
                 moves |= self._give_light(place, found)
         return moves
 
-    def _reform(self, index: int, seen: list[_Seen]) -> bool:
+    def _reform(self, index: int, seen: list[Seen]) -> bool:
         if any(index not in each.forms for each in seen):
             return False  # it has other vertices at some time
-        positions = [each.forms[index][0] for each in seen]
-        if all(np.array_equal(form, positions[0]) for form in positions[1:]):
+        forms = [each.forms[index] for each in seen]
+        positions = [form.positions for form in forms]
+        sizes = [form.radii for form in forms]
+        if all(_same_form(form, forms[0]) for form in forms[1:]):
             return False
         mesh = self._scene.meshes[index]
         mesh.motion = np.stack(positions)
         if mesh.normals is not None:
-            mesh.motion_normals = np.stack([each.forms[index][1] for each in seen])
+            mesh.motion_normals = np.stack([form.normals for form in forms])
+        if mesh.radii is not None:
+            mesh.motion_radii = np.stack(sizes)
         return True
 
     def _give_light(self, place: Placed, found: list) -> bool:
@@ -229,19 +255,19 @@ class Motion:
             found = [replace(other, shape=light.shape) for other in found]
         kept = {name: getattr(light, name) for name in _KEPT}
         found = [replace(other, **kept) for other in found]
-        if all(_same_place(other, found[0]) for other in found[1:]):
+        if all(same_place(other, found[0]) for other in found[1:]):
             return False
         light.motion = resampled(tuple(found))
         return True
 
 
-class _Seen:
+class Seen:
     """What there is at one time."""
 
-    def __init__(self, placed: dict[Key, Placed], forms: dict[int, Forms], deforms: set[int]):
+    def __init__(self, placed: dict[Key, Placed], forms: dict[int, Readable], deforms: set[int]):
         self._placed, self._forms, self._deforms = placed, forms, deforms
         self.places: dict[Key, np.ndarray | object] = {}
-        self.forms: dict[int, tuple[np.ndarray, np.ndarray | None]] = {}
+        self.forms: dict[int, Form] = {}
 
     def note(
         self, key: Key, item: bpy.types.DepsgraphObjectInstance, depsgraph: bpy.types.Depsgraph, scene: Scene
@@ -254,7 +280,7 @@ class _Seen:
             self.places[key] = matrix
             mesh = scene.instances[place.instance].mesh
             if mesh in self._deforms and mesh not in self.forms:
-                form = self._forms[mesh].read(item.object.data)
+                form = self._forms[mesh].read(item.object, depsgraph)
                 if form is not None:
                     self.forms[mesh] = form
             return
@@ -271,7 +297,14 @@ class _Seen:
             self.places[key] = light
 
 
-def _same_place(a, b) -> bool:
+def _same_form(a: Form, b: Form) -> bool:
+    if a.radii is None or b.radii is None:
+        return np.array_equal(a.positions, b.positions)
+    # Hair of particles comes from the world, by other roundings at each time: this is what Cycles takes for still.
+    return all(np.abs(x - y).max(initial=0.0) <= _STILL for x, y in ((a.positions, b.positions), (a.radii, b.radii)))
+
+
+def same_place(a, b) -> bool:
     """Whether all numbers of two lights or cameras are the same."""
     for name, value in vars(a).items():
         other = getattr(b, name)

@@ -18,18 +18,21 @@ import mathutils
 import numpy as np
 
 from ...graph.folding import Folding
-from ...graph.formula import CONSTANT, Formula, Vector, constant, parameter
+from ...graph.formula import CONSTANT, Formula, Vector, call, constant, parameter
+from ...render import bsdfs
 from ...render.images import Texture
 from ...render.material import NODES, Attribute, Material, Node, Table
 from ...render.nodes import DEFINITIONS
 from ...render.nodes.colors import luminance_weights
 from ...render.nodes.definition import mean
-from ...render.nodes.geometry import generated, to_object, transformed_normal, uv
-from ...render.nodes.variables import INCOMING, NORMAL, POSITION
+from ...render.nodes.geometry import generated, strand_random, to_object, transformed_normal, uv
+from ...render.nodes.lookups import ATTRIBUTE
+from ...render.nodes.variables import BARYCENTRIC, INCOMING, NORMAL, POSITION, as_vector
 from . import zones
 from .attributes import property_of
 from .common import Warnings, matrix_of, rgb
 from .images import Images
+from .links import INLINED, NOWHERE, Links
 from .zones import Stack, by_identifier
 
 
@@ -44,6 +47,8 @@ _IMPLICIT = {"ShaderNodeTexImage": uv, "ShaderNodeTexEnvironment": lambda node: 
 # Nodes of which it is zero, though they hide its value as textures do.
 _NO_COORDINATES = {"ShaderNodeMapRange", "ShaderNodeVectorRotate", "ShaderNodeTexWhiteNoise"}
 
+_TEXTURES = "Brick", "Checker", "Gabor", "Gradient", "Magic", "Noise", "Voronoi", "Wave"
+_FOLDED = {f"ShaderNodeTex{name}" for name in _TEXTURES}  # what Blender computes where all its inputs are constants
 
 BLACK = (0.0, 0.0, 0.0)
 
@@ -81,12 +86,6 @@ _PRINCIPLED = {name: name.replace("_", " ").title() for name in NODES["principle
     "coat_ior": "Coat IOR",
     "thin_film_ior": "Thin Film IOR",
     "subsurface_ior": "Subsurface IOR",
-}
-_PRINCIPLED_HAIR = {name: name.replace("_", " ").title() for name in NODES["principled_hair"]} | {
-    "ior": "IOR",
-    "r_lobe": "R lobe",
-    "tt_lobe": "TT lobe",
-    "trt_lobe": "TRT lobe",
 }
 _ROUGH = dict(roughness="Roughness", normal="Normal", anisotropy="Anisotropy", rotation="Rotation", tangent="Tangent")
 _FILM = dict(thin_film_thickness="Thin Film Thickness", thin_film_ior="Thin Film IOR")
@@ -128,20 +127,6 @@ _TABLE = {
         dict(color="Color", roughness="Roughness", normal="Normal"),
         lambda node: {"distribution": node.distribution},
     ),
-    "ShaderNodeBsdfToon": _Entry(
-        "toon",
-        dict(color="Color", size="Size", smooth="Smooth", normal="Normal"),
-        lambda node: {"component": node.component},
-    ),
-    "ShaderNodeBsdfHair": _Entry(
-        "hair",
-        dict(color="Color", offset="Offset", roughness_u="RoughnessU", roughness_v="RoughnessV", tangent="Tangent"),
-        lambda node: {"component": node.component.upper()},
-    ),
-    "ShaderNodeBsdfHairPrincipled": _Entry(
-        "principled_hair", _PRINCIPLED_HAIR, lambda node: {"model": node.model, "parametrization": node.parametrization}
-    ),
-    "ShaderNodeBsdfRayPortal": _Entry("ray_portal", dict(color="Color", position="Position", direction="Direction")),
     "ShaderNodeBsdfTransparent": _Entry("transparent", dict(color="Color")),
     "ShaderNodeBsdfTranslucent": _Entry("translucent", dict(color="Color", normal="Normal")),
     "ShaderNodeEmission": _Entry("emission", dict(color="Color", strength="Strength")),
@@ -150,7 +135,17 @@ _TABLE = {
     "ShaderNodeMixShader": _Entry("mix_closure", dict(factor="Fac", a="Shader", b="Shader_001")),
     "ShaderNodeAddShader": _Entry("add_closure", dict(a="Shader", b="Shader_001")),
 }
+for _bsdf in bsdfs.ALL:
+    _TABLE[_bsdf.blender] = _Entry(
+        _bsdf.kind,
+        {name: _bsdf.socket(name) for name in _bsdf.inputs},
+        lambda node, names=_bsdf.settings: {name: getattr(node, name).upper() for name in names},
+    )
 _TABLE["ShaderNodeBsdfGlossy"] = _TABLE["ShaderNodeBsdfAnisotropic"]
+
+
+MOST_INPUTS = 20_000  # of a tree with all groups written out: a file from a stranger may double them at each level
+MOST_IES_BYTES = 16 << 20  # of a text of a lamp's light; a device, which has no end, is no such file
 
 
 class Reader:
@@ -180,58 +175,80 @@ class Reader:
         self.domain, self.material_index = domain, material_index
         self.light = light or {}
         self.parameters: list[float | Attribute | Table | Texture] = []
-        self._links: dict[int, dict] = {}
+        self._followed, self._reading = 0, False  # inputs that were asked for; whether one is being read
+        self.links = Links()
         self._values: dict[tuple, object] = {}
         self._constants: dict[tuple, Formula | Vector] = {}
 
     # -- walking -------------------------------------------------------------------------------------------------------
 
     def output(self) -> bpy.types.Node | None:
-        """The output node that counts: Blender's choice for engines that read Cycles' nodes."""
-        return self.tree.get_output_node("CYCLES")
+        """The output node that counts: Blender's choice for engines that read Cycles' nodes. Says why where there is none."""
+        if self.links.circular(self.tree):
+            self._warn(f"{self._owner}: its links go round in a circle, so it is black: remove one of them.")
+            return None
+        found = self.tree.get_output_node("CYCLES")
+        if found is None and self.domain == "SURFACE":
+            self._warn(
+                f"{self._owner} has no Material Output node, so it is black: add one and link a shader to its Surface."
+            )
+        return found
 
     def resolve(self, socket, stack: Stack = ()):
         """What an input socket is fed by, through groups, reroutes and muted nodes.
 
-        Returns (node, output socket, stack), or (None, input socket, stack) with the socket whose own value counts.
+        Returns (node, output socket, stack), or (None, input socket, stack) with the socket whose own value counts, or
+        ``NOWHERE``.
         """
-        receiver = socket
+        return self._walk(socket, stack)[:3]
+
+    def _walk(self, socket, stack: Stack):
+        """As ``resolve``, with the types of the sockets on the way, from the input on, and whether they convert constants alone: what
+        varies passes such sockets as it is where Blender takes trees apart."""
+        receiver, passing = socket, False  # reroutes or muted nodes have been met since the receiver
+        types: list[tuple[str, bool]] = []  # whether of constants alone
+        known = 0  # of these, up to the receiver
+        self._followed += 1
+        if self._followed > MOST_INPUTS:
+            if self._followed == MOST_INPUTS + 1:
+                self._warn(
+                    f"{self._owner}: its groups are nested so often that it has more than {MOST_INPUTS:,} inputs, so parts of it "
+                    "are left out: use fewer groups inside one another."
+                )
+            return None, receiver, stack, types
         while True:
-            link = self._link(socket)
+            link = self.links.into(socket)
             if link is None:
-                return None, receiver, stack
+                found = NOWHERE if passing and not INLINED else receiver
+                return None, found, stack, types[:known]
             if len(stack) > zones.DEEPEST:
                 self.report(link.from_node, "its groups or zones are nested too deeply, so it is left out")
-                return None, receiver, stack
+                return None, receiver, stack, types[:known]
             node, output = link.from_node, link.from_socket
             if node.bl_idname == "NodeReroute":
-                socket = node.inputs[0]
+                socket, passing = node.inputs[0], True
                 continue
             if node.mute:
                 socket = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
-            elif node.bl_idname in zones.PASSES:
+                if socket is None:
+                    return None, receiver, stack, types[:known]
+                types += [(output.type, INLINED), (socket.type if INLINED else output.type, INLINED)]
+                passing = True
+                continue
+            if node.bl_idname in zones.PASSES:
                 found = zones.PASSES[node.bl_idname](self, node, output, stack)
                 if found is None:
-                    return node, output, stack
+                    return node, output, stack, types
                 socket, stack = found
             else:
-                return node, output, stack
+                return node, output, stack, types
             if socket is None:
-                return None, receiver, stack
-            receiver = socket
-
-    def _link(self, socket):
-        """The link into an input. Blender searches all links of a tree for this, so each tree is gone through once."""
-        tree = socket.id_data
-        links = self._links.get(tree.as_pointer())
-        if links is None:
-            links = {
-                link.to_socket.as_pointer(): link
-                for link in tree.links
-                if link.is_valid and not link.is_muted and not link.to_socket.is_unavailable
-            }
-            self._links[tree.as_pointer()] = links
-        return links.get(socket.as_pointer())
+                return None, receiver, stack, types[:known]
+            if socket is NOWHERE:
+                return None, NOWHERE, stack, types
+            kept = INLINED and node.bl_idname != zones.CONVERSION
+            types += [(output.type, kept), (socket.type, kept)]
+            receiver, passing, known = socket, False, len(types)
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
@@ -241,22 +258,42 @@ class Reader:
         None where ``like`` is None and nothing is linked: the input then has its default. A value where a shader is
         expected is one that emits it.
         """
-        value = self._read(socket, like, stack)
+        outermost, self._reading = not self._reading, True
+        try:
+            value = self._read(socket, like, stack)
+        except RecursionError:
+            if not outermost:
+                raise
+            self._warn(
+                f"{self._owner}: its chains of nodes are too long, so it is left out: join some of the nodes into one."
+            )
+            return None
+        finally:
+            self._reading = self._reading and not outermost
         if socket.type == "SHADER" and isinstance(value, (Formula, Vector)):
             return Node("emission", {"color": _converted(value, "VECTOR", BLACK)})
         return value
 
     def _read(self, socket, like, stack: Stack):
-        node, end, inner = self.resolve(socket, stack)
+        node, end, inner, types = self._walk(socket, stack)
         if node is not None:
             value = self._value(node, end, inner)
             if value is not MISSING:
-                return _converted(value, end.type, like)
-            end = socket
-        if like is None and (end is socket or end.hide_value):
+                return _converted(*self._carried(value, end.type, types), like)
+            end, types = socket, []
+        if like is None and not _replaces(end, socket):
             return None
         value = self._constant(end, inner)
-        return None if value is None else _converted(value, end.type, like)
+        return None if value is None else _converted(*self._carried(value, end.type, types), like)
+
+    def _carried(self, value, socket_type: str, types: list[tuple[str, bool]]):
+        """A value of a socket through sockets of these ``types``, the last one first; and the type that it has then."""
+        if isinstance(value, (Formula, Vector)):
+            for passed, of_constants in reversed(types):
+                if passed in _LIKE and passed != socket_type:
+                    if not of_constants or numbers_of(self, value) is not None:
+                        value, socket_type = _converted(value, socket_type, _LIKE[passed]), passed
+        return value, socket_type
 
     def number_of(self, socket, stack: Stack) -> float | None:
         """The number at an input; None where it varies."""
@@ -264,15 +301,15 @@ class Reader:
         return None if value is None else numbers_of(self, _converted(value, kind, 0.0))
 
     def value(self, socket, stack: Stack) -> tuple[Formula | Vector | None, str]:
-        """What an input of a value node has, and the type of the socket that it comes from; None where that is not
+        """What an input of a value node has, and the type of the last socket that it comes through; None where that is not
         a value."""
-        node, end, inner = self.resolve(socket, stack)
+        node, end, inner, types = self._walk(socket, stack)
         if node is not None:
             value = self._value(node, end, inner)
             if value is not MISSING and isinstance(value, (Formula, Vector)):
-                return value, end.type
-            end = socket
-        return self._constant(end, inner), end.type
+                return self._carried(value, end.type, types)
+            end, types = socket, []
+        return self._carried(self._constant(end, inner), end.type, types)
 
     def _constant(self, socket, stack: Stack) -> Formula | Vector | None:
         """A socket's own value, as parameters."""
@@ -287,6 +324,9 @@ class Reader:
             return None
         if isinstance(value, tuple):
             return Vector(*map(self.parametric, value))
+        if isinstance(value, float) and value != value:
+            self._warn(f"{self._owner}: a value of a node is not a finite number; 0 is used.")
+            value = 0.0
         self.parameters.append(value)
         return parameter(len(self.parameters) - 1)
 
@@ -318,7 +358,21 @@ class Reader:
             value = None if socket is None else self.read(socket, NODES[entry.kind][name], stack)
             if value is not None:
                 inputs[name] = value
+        if entry.kind == "principled_hair" and self._varies(node, stack):
+            place = self.parametric(Attribute("strand", "random"))
+            inputs["random"] = strand_random(place, inputs["random"])
+        if entry.kind == "principled_hair" and node.model == "HUANG":
+            place = self.parametric(Attribute("strand", "normal"))
+            inputs["axis"] = as_vector(call(ATTRIBUTE, place, *BARYCENTRIC))
         return Node(entry.kind, inputs, entry.settings(node))
+
+    def _varies(self, node, stack: Stack) -> bool:
+        """Whether Principled Hair varies from strand to strand, by their own random numbers."""
+        sockets = {socket.identifier: socket for socket in node.inputs}
+        if self.resolve(sockets["Random"], stack)[0] is not None:
+            return False
+        amounts = [sockets[name] for name in ("Random Roughness", "Random Color")]
+        return any(self.resolve(each, stack)[0] is not None or each.default_value != 0.0 for each in amounts)
 
     def _unsupported(self, node, output, stack: Stack):
         if output.type != "SHADER":
@@ -382,7 +436,7 @@ class _Inputs:
     def vector(self, socket: str) -> Vector:
         if (
             socket == "Vector"
-            and not self.is_linked(socket)
+            and not self.is_given(socket)
             and self._socket(socket) is not None
             and self._socket(socket).hide_value
             and self._node.bl_idname not in _NO_COORDINATES
@@ -395,7 +449,7 @@ class _Inputs:
     color = vector
 
     def normal(self, socket: str) -> Vector:
-        return self.vector(socket) if self.is_linked(socket) else NORMAL
+        return self.vector(socket) if self.is_given(socket) else NORMAL
 
     def coordinates(self) -> Vector:
         """What an unlinked Vector input of a texture stands for."""
@@ -420,6 +474,22 @@ class _Inputs:
     def is_linked(self, socket: str) -> bool:
         found = self._socket(socket)
         return found is not None and self._reader.resolve(found, self._stack)[0] is not None
+
+    def is_given(self, socket: str) -> bool:
+        found = self._socket(socket)
+        if found is None:
+            return False
+        node, end, _ = self._reader.resolve(found, self._stack)
+        return node is not None or _replaces(end, found) or self._is_folded(end, found)
+
+    def _is_folded(self, end, receiver) -> bool:
+        """Whether Blender computes the node itself, as it does with a texture of constants, and takes the value of a group's
+        input that shows none, too."""
+        if not INLINED or end in (receiver, NOWHERE) or self._node.bl_idname not in _FOLDED:
+            return False
+        others = [socket for socket in self._node.inputs if socket.enabled and socket.identifier != receiver.identifier]
+        values = [self._reader.value(socket, self._stack)[0] for socket in others]
+        return not any(isinstance(each, Formula | Vector) and numbers_of(self._reader, each) is None for each in values)
 
     def own(self, output: str) -> Formula | Vector:
         return self._reader.parametric(constant_of(by_identifier(self._node.outputs, output)))
@@ -476,13 +546,22 @@ class _Inputs:
         self._reader.report(self._node, sentence)
 
 
+def _replaces(end, receiver) -> bool:
+    """Whether the value of the socket at the end of a walk stands in for the coordinates or the normal that an input has where
+    nothing is linked: it is that of a group's input that shows it."""
+    return INLINED and end is not receiver and not end.hide_value
+
+
 def ies_text(node) -> str:
     """The IES file of a node, from a text of the file or from disk; nothing where there is none."""
     if node.mode == "INTERNAL":
-        return "" if node.ies is None else node.ies.as_string()
-    path = bpy.path.abspath(node.filepath, library=node.id_data.library)
+        text = "" if node.ies is None else node.ies.as_string()
+        return text if len(text) <= MOST_IES_BYTES else ""
+    path = pathlib.Path(bpy.path.abspath(node.filepath, library=node.id_data.library))
     try:
-        return pathlib.Path(path).read_text(encoding="latin-1")
+        if not path.is_file() or path.stat().st_size > MOST_IES_BYTES:
+            return ""
+        return path.read_text(encoding="latin-1")
     except (OSError, ValueError):
         return ""
 
@@ -521,6 +600,9 @@ def constant_of(socket):
     if value is None or isinstance(value, (str, bpy.types.ID)):
         return None
     return rgb(value) if hasattr(value, "__len__") else float(value)
+
+
+_LIKE = {"VALUE": 0.0, "VECTOR": BLACK, "RGBA": BLACK}  # type of a socket -> what values of it are like
 
 
 def _converted(value, socket_type: str, like):

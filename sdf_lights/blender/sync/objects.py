@@ -13,19 +13,21 @@ import numpy as np
 from ...render.errors import RenderError
 from ...render.material import Attribute
 from ...render.scene import AttributeValues, Domain, Instance, Lamp, Portal, Ray, Scene
-from .attributes import property_of, random_number
+from .attributes import InstanceAttributes, property_of, random_number
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
 from .images import Images
+from .kept import Kept, owners_of
 from .lights import control, light_of
 from .linking import Linking
 from .materials import Materials
-from .mesh import Forms, Meshes
+from .mesh import Meshes, Readable
 from .motion import Key, Placed, key_of
+from .particle_hair import ParticleHairs
+from .simplify import Culling
+from .strands import Strands
 
 # Curves, text, surfaces and metaballs are not here: Blender lists their evaluated meshes as instances of their own.
 _UNSUPPORTED = {
-    "CURVES": "hair curves",
-    "POINTCLOUD": "a point cloud",
     "VOLUME": "a volume",
     "GREASEPENCIL": "Grease Pencil",
     "GPENCIL": "Grease Pencil",
@@ -35,7 +37,7 @@ _UNSUPPORTED = {
 _THICKNESS = 1e-6
 
 
-ALL = frozenset({"MESH", "LIGHT", *_UNSUPPORTED})
+ALL = frozenset({"MESH", "CURVES", "POINTCLOUD", "LIGHT", *_UNSUPPORTED})
 LIGHTS = frozenset({"LIGHT"})
 
 
@@ -48,26 +50,36 @@ def sync_objects(
     kinds: frozenset[str] = ALL,
     shows: Callable[[bpy.types.DepsgraphObjectInstance], bool] = lambda item: True,
     notes: bool = False,
+    culling: Culling | None = None,
+    kept: Kept | None = None,
 ) -> Noted:
     """Append every mesh, instance, lamp and light of the dependency graph to ``scene``: those of the ``kinds`` that it
-    ``shows``. Lights need no ``materials``.
+    ``shows`` and ``culling`` does not leave out. Lights need no ``materials``.
 
     An object that cannot be used is left out with a warning that names it; the rest is rendered. Returns what it takes to
     find all of them again at another time, if it ``notes`` that.
     """
-    reader = _Reader(depsgraph, scene, materials, images, warn, notes)
+    reader = _Reader(depsgraph, scene, materials, images, warn, notes, culling, kept)
     for item in depsgraph.object_instances:
         # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
         if item.object.type in kinds and item.show_self and shows(item):
             reader.read(item)
-    return Noted(reader.placed, reader.meshes.forms)
+        if item.object.type == "MESH" and "CURVES" in kinds and item.show_particles and has_hair(item) and shows(item):
+            reader.read(item, hair=True)
+    return Noted(reader.placed, reader.forms)
+
+
+def has_hair(item: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether an instance shows particle hair. Objects that are being edited show none, as in Cycles."""
+    obj = item.object
+    return len(obj.particle_systems) > 0 and obj.mode not in ("PARTICLE_EDIT", "EDIT")
 
 
 class Noted(NamedTuple):
     """Where each instance is in the scene, and how to read meshes again."""
 
     placed: dict[Key, Placed]
-    forms: dict[int, Forms]
+    forms: dict[int, Readable]
 
 
 class _Flags(NamedTuple):
@@ -75,6 +87,7 @@ class _Flags(NamedTuple):
 
     visibility: Ray
     holdout: bool
+    catcher: bool
 
 
 class _Reader:
@@ -88,19 +101,26 @@ class _Reader:
         images: Images,
         warn: Warnings,
         notes: bool,
+        culling: Culling | None,
+        kept: Kept | None,
     ):
         self._depsgraph = depsgraph
         self._view_layer = depsgraph.view_layer  # the original, which knows original objects
         self._scene, self._materials, self._images, self._warn = scene, materials, images, warn
-        self.meshes = Meshes(scene, warn)
+        self.meshes = Meshes(scene, warn, kept)
+        self.forms = self.meshes.forms
+        self._strands = Strands(scene, depsgraph, self.forms)
+        self._hairs = ParticleHairs(scene, depsgraph, self._strands, self.forms)
         self.placed: dict[Key, Placed] = {}
-        self._notes = notes
+        self._notes, self._culling = notes, culling
         self._linking = Linking(depsgraph)
+        self._instances = InstanceAttributes()
         self._flags: dict[int, _Flags] = {}
-        # By object and mesh: index of the mesh, those of its materials, and the attributes that they look up.
-        self._shown: dict[tuple[int, int], tuple[int | None, tuple[int, ...], set[Attribute]]] = {}
+        # By object and mesh, and whether it is the hair on it: index of the mesh, those of its materials, and the attributes that they look up.
+        self._shown: dict[tuple[int, int, bool], tuple[int | None, tuple[int, ...], set[Attribute]]] = {}
 
-    def read(self, item: bpy.types.DepsgraphObjectInstance) -> None:
+    def read(self, item: bpy.types.DepsgraphObjectInstance, hair: bool = False) -> None:
+        """Add what an instance shows to the scene; with ``hair`` its particle hair instead."""
         obj = item.object
         kind = obj.type
         if kind in _UNSUPPORTED:
@@ -116,32 +136,49 @@ class _Reader:
                 "it is left out; clear its location, rotation and scale."
             )
             return
+        if kind != "LIGHT" and self._culling is not None and self._culling.leaves_out(obj, matrix):
+            return
         flags = self._flags_of(obj)
         if item.is_instance and item.parent is not None:
             instancer = self._flags_of(item.parent)
-            flags = _Flags(flags.visibility & instancer.visibility, flags.holdout or instancer.holdout)
+            flags = _Flags(
+                flags.visibility & instancer.visibility,
+                flags.holdout or instancer.holdout,
+                flags.catcher or instancer.catcher,
+            )
         before = len(self._scene.instances), len(self._scene.lamps), len(self._scene.lights)
-        if kind == "MESH":
-            self._mesh(item, obj, matrix, flags)
+        if kind in ("MESH", "CURVES", "POINTCLOUD"):
+            self._surface(item, obj, matrix, flags, hair)
         else:
             self._light(obj, matrix, flags, random_number(item))
         after = len(self._scene.instances), len(self._scene.lamps), len(self._scene.lights)
         if self._notes and after != before:
-            self.placed[key_of(item)] = Placed(*(old if new > old else -1 for old, new in zip(before, after)))
+            self.placed[key_of(item, hair)] = Placed(*(old if new > old else -1 for old, new in zip(before, after)))
 
-    def _mesh(
-        self, item: bpy.types.DepsgraphObjectInstance, obj: bpy.types.Object, matrix: np.ndarray, flags: _Flags
+    def _surface(
+        self,
+        item: bpy.types.DepsgraphObjectInstance,
+        obj: bpy.types.Object,
+        matrix: np.ndarray,
+        flags: _Flags,
+        hair: bool,
     ) -> None:
         matrix = invertible(matrix)
         if matrix is None:
             return
         original = obj.original
-        mesh = self.meshes.evaluated(obj, self._depsgraph)
-        key = original.as_pointer(), mesh.as_pointer()
+        data = self.meshes.evaluated(obj, self._depsgraph) if obj.type == "MESH" else obj.data
+        key = original.as_pointer(), data.as_pointer(), hair
         if key not in self._shown:
             slots = tuple(self._materials.index(material) for material in slot_materials(obj))
             wanted = self._materials.needs(slots)
-            self._shown[key] = self.meshes.index(mesh, len(slots), wanted), slots, wanted
+            if hair:
+                found = self._hairs.index(original.evaluated_get(self._depsgraph), len(slots), wanted)
+            elif obj.type == "MESH":
+                found = self.meshes.index(data, len(slots), wanted, owners_of(item))
+            else:
+                found = self._strands.index(data, wanted)
+            self._shown[key] = found, slots, wanted
         index, slots, wanted = self._shown[key]
         if index is None:
             return
@@ -159,6 +196,7 @@ class _Reader:
                 random_number(item),
                 **self._linking.of_instance(original, item.parent.original if item.is_instance else original),
                 asset=_topmost(original).name,
+                catcher=flags.catcher,
                 light_group=original.lightgroup,
             )
         )
@@ -178,9 +216,10 @@ class _Reader:
                 "instancer": (item.parent, item.object) if item.is_instance else (item.object, item.object.data),
                 "view_layer": (self._depsgraph.view_layer, self._depsgraph.scene, self._depsgraph.scene.world),
             }.get(attribute.kind, ())
-            values = next(
-                (value for value in (property_of(owner, attribute.name) for owner in owners) if value is not None), None
-            )
+            values = self._instances.of(item, attribute.name) if attribute.kind == "instancer" else None
+            if values is None:
+                properties = (property_of(owner, attribute.name) for owner in owners)
+                values = next((value for value in properties if value is not None), None)
             if values is not None:
                 found[attribute] = AttributeValues(Domain.WHOLE, values)
         return found
@@ -195,6 +234,8 @@ class _Reader:
         if isinstance(light, Portal):
             self._scene.portals.append(light)
             return
+        if isinstance(light, Lamp) and (flags.holdout or obj.original.indirect_only_get(view_layer=self._view_layer)):
+            light.visibility &= ~Ray.CAMERA  # also where the lamp itself is visible to the camera
         control(light, obj, self._linking.of_emitter(obj.original))
         if isinstance(light, Lamp):
             self._scene.lamps.append(light)
@@ -208,7 +249,8 @@ class _Reader:
             rays = visibility_of(obj)
             if original.indirect_only_get(view_layer=self._view_layer):
                 rays &= ~Ray.CAMERA
-            self._flags[key] = _Flags(rays, obj.is_holdout or original.holdout_get(view_layer=self._view_layer))
+            held = obj.is_holdout or original.holdout_get(view_layer=self._view_layer)
+            self._flags[key] = _Flags(rays, held, original.is_shadow_catcher)
         return self._flags[key]
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...render.errors import reason_of
 from ...render.images import LARGEST
 
 Conversion = Callable[[np.ndarray], np.ndarray]  # of colours (n, 3) float32
@@ -116,7 +117,7 @@ class File:
         wish.attribute("oiio:UnassociatedAlpha", 1)
         opened = self._library.ImageInput.open(self.path, wish)
         if opened is None:
-            raise OSError(self._library.geterror().strip() or "its format is not known")
+            raise OSError(reason_of(self._library, "its format is not known"))
         return opened
 
     @property
@@ -148,7 +149,7 @@ class File:
             else:
                 band = self._input.read_scanlines(top, end, spec.z, 0, self.channels, kind)
             if band is None:
-                raise OSError(self._input.geterror().strip() or "it ends too early")
+                raise OSError(reason_of(self._input, "it ends too early"))
             yield first, np.asarray(band).reshape(end - top, self.width, self.channels)
 
     def _types(self) -> dict:

@@ -48,6 +48,7 @@ def _names(names) -> str:
 
 
 def settings_of_cycles(asked: Asked) -> Iterator[str]:
+    """Settings of Cycles' scene."""
     scene, render = asked.scene, asked.scene.render
     owner = f"Scene '{scene.name}'"
     if _cycles(scene, "use_fast_gi", False):
@@ -57,18 +58,6 @@ def settings_of_cycles(asked: Asked) -> Iterator[str]:
             f"{owner}: transparent glass on a transparent film is not supported: glass is opaque there; "
             "render the background, too."
         )
-    if _cycles(scene, "use_sample_subset", False):
-        yield (
-            f"{owner}: a subset of samples is not supported: all of them are taken; to share samples among machines, "
-            "give each a seed of its own and fewer samples."
-        )
-    if not render.use_simplify:
-        return
-    culling = [name for name in ("camera", "distance") if _cycles(scene, f"use_{name}_cull", False)]
-    if any(_cycles(obj, f"use_{name}_cull", False) for name in culling for obj in asked.objects):
-        yield f"{owner}: objects are not culled by camera or distance: all of them are rendered."
-    if _cycles(scene, "texture_limit_render", "OFF") != "OFF":
-        yield f"{owner}: a limit on the size of textures is not supported: they have the size of their files."
 
 
 # -- the view layer ----------------------------------------------------------------------------------------------------
@@ -81,6 +70,7 @@ _OTHERS = {"use_pass_cryptomatte_accurate", "use_pass_grease_pencil"} | {
 
 
 def passes(asked: Asked) -> Iterator[str]:
+    """Passes of the view layer that no row of ``PASSES`` is."""
     layer = asked.view_layer
     known = {item.switch for item in PASSES if item.owner is not Owner.OWN} | {"use_pass_combined"} | _OTHERS
     lacking, elsewhere = [], []
@@ -106,27 +96,11 @@ def passes(asked: Asked) -> Iterator[str]:
         )
 
 
-def filters(asked: Asked) -> Iterator[str]:
-    layer = asked.view_layer
-    off = [
-        label
-        for name, label in (
-            ("use_strand", "Curves"),
-            ("use_volumes", "Volumes"),
-        )
-        if not getattr(layer, name, True)
-    ]
-    if off:
-        yield (
-            f"View layer '{layer.name}': its filter is not supported, so this is rendered all the same: {_names(off)}; "
-            "exclude collections, or hide the world from the camera."
-        )
-
-
 # -- objects -----------------------------------------------------------------------------------------------------------
 
 
 def light_linking(asked: Asked) -> Iterator[str]:
+    """More collections of shadow linking than there are bits."""
     known = {
         collection
         for obj in asked.objects
@@ -139,29 +113,8 @@ def light_linking(asked: Asked) -> Iterator[str]:
         )
 
 
-def shadow_catchers(asked: Asked) -> Iterator[str]:
-    for obj in asked.objects:
-        if obj.is_shadow_catcher and obj.type not in {"LIGHT", "LIGHT_PROBE"}:  # where Blender switches it on by itself
-            yield (
-                f"Object '{obj.name}' is a shadow catcher, which is not supported: it is rendered as it is; "
-                "render the scene with and without the other objects, and divide."
-            )
-
-
-def hair(asked: Asked) -> Iterator[str]:
-    for obj in asked.objects:
-        for modifier in obj.modifiers:
-            if modifier.type != "PARTICLE_SYSTEM" or not modifier.show_render:
-                continue
-            settings = modifier.particle_system.settings
-            if settings.render_type == "PATH" and (settings.type == "HAIR" or settings.use_strand_primitive):
-                yield (
-                    f"Object '{obj.name}': the hair of particle system '{modifier.particle_system.name}' is not "
-                    "supported and is left out; convert it to a mesh."
-                )
-
-
 def subdivision(asked: Asked) -> Iterator[str]:
+    """Adaptive subdivision."""
     for obj in asked.objects:
         if _cycles(obj, "use_adaptive_subdivision", False) or any(
             getattr(modifier, "use_adaptive_subdivision", False) for modifier in obj.modifiers
@@ -173,6 +126,7 @@ def subdivision(asked: Asked) -> Iterator[str]:
 
 
 def shadow_terminators(asked: Asked) -> Iterator[str]:
+    """The shading offset of shadow terminators."""
     for obj in asked.objects:
         if obj.type == "MESH" and obj.shadow_terminator_shading_offset > 0.0:
             yield (
@@ -185,6 +139,7 @@ def shadow_terminators(asked: Asked) -> Iterator[str]:
 
 
 def shadow_caustics(asked: Asked) -> Iterator[str]:
+    """Shadow caustics (manifold next event estimation)."""
     lights = [
         obj.name for obj in asked.objects if obj.type == "LIGHT" and _cycles(obj.data, "is_caustics_light", False)
     ]
@@ -198,20 +153,31 @@ def shadow_caustics(asked: Asked) -> Iterator[str]:
 
 
 def world_shadows(asked: Asked) -> Iterator[str]:
+    """A world that casts no shadows."""
     world = asked.world
     if world is not None and not _cycles(world, "use_shadows", True):
         yield f"World '{world.name}': its light always casts shadows; switch its Cast Shadow on in Cycles to compare."
 
 
+def world_aovs(asked: Asked) -> Iterator[str]:
+    """AOV Output nodes of the world."""
+    tree, names = getattr(asked.world, "node_tree", None), {aov.name for aov in asked.view_layer.aovs if aov.is_valid}
+    nodes = tree.nodes if tree is not None and names else ()
+    given = {node.aov_name for node in nodes if node.bl_idname == "ShaderNodeOutputAOV" and not node.mute}
+    if given & names:
+        yield (
+            f"World '{asked.world.name}': AOV Output nodes of worlds are not supported, so {_names(sorted(given & names))} "
+            "is 0 where the world is seen; give what you need to a large sphere's material."
+        )
+
+
 CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     settings_of_cycles,
     passes,
-    filters,
     light_linking,
-    shadow_catchers,
-    hair,
     subdivision,
     shadow_terminators,
     shadow_caustics,
     world_shadows,
+    world_aovs,
 )

@@ -13,7 +13,9 @@ import numpy as np
 from ...graph.formula import Vector, constant
 from ...render.medium import BLACK, RGB, Medium, Scattering
 from ...render.nodes.means import mean_inside, varies
+from ...render.passes import light_group_pass
 from ...render.phases import fournier_forand_mean, limited, mie
+from ...render.scene import Scene
 from ...sdf.builtin_colors import blackbody
 from .common import Warnings
 from .nodes import Reader, Stack, by_identifier, numbers_of
@@ -31,6 +33,20 @@ def medium_of(reader: Reader, output: bpy.types.Node, owner: str, warn: Warnings
         )
         found = replace(found, emission=BLACK)
     return None if found.does_nothing else found
+
+
+def report_groups(scene: Scene, warn: Warnings) -> None:
+    """Say which objects glow inside without being in their light group."""
+    groups = {item.name for item in scene.passes}
+    for instance in scene.instances:
+        media = (scene.materials[index].medium for index in instance.materials)
+        if not instance.light_group or light_group_pass(instance.light_group).name not in groups:
+            continue
+        if any(medium is not None and any(medium.emission) for medium in media):
+            warn(
+                f"Object '{instance.name}': the emission of its volume is not counted to the light group "
+                f"'{instance.light_group}', which is not supported; let its surface glow, or take that light from Emission."
+            )
 
 
 class _Volume:

@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 import bpy
 
+from .links import NOWHERE
+
 DEEPEST = 64  # groups, rounds and closures inside one another
 MOST_ROUNDS = 256
 
@@ -42,9 +44,14 @@ def _by_name(sockets, name: str):
     return next((socket for socket in sockets if socket.name == name), None)
 
 
+CONVERSION = "NodeImplicitConversion"
+
+
 def _group(reader, node, output, stack: Stack):
     if node.node_tree is None:
         return None
+    if reader.links.circular(node.node_tree):
+        return NOWHERE, stack
     inside = next(
         (inner for inner in node.node_tree.nodes if inner.bl_idname == "NodeGroupOutput" and inner.is_active_output),
         None,
@@ -149,7 +156,7 @@ PASSES = {
     "NodeClosureInput": _closure_input,
     "NodeSeparateBundle": _separate_bundle,
     "GeometryNodeMenuSwitch": _menu_switch,
-    "NodeImplicitConversion": _conversion,
+    CONVERSION: _conversion,
 }
 """bl_idname → the socket where a walk that comes to an output of the node goes on, and the stack there; None: the node
 itself is the end."""

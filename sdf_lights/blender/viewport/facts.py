@@ -20,6 +20,7 @@ import numpy as np
 
 from ... import jit
 from ...graph.lipschitz import global_lipschitz
+from ...interruption import Interrupted, Watch, watched
 from ...sdf.emission import Emission
 from ...sdf.shapes import Shape
 
@@ -80,8 +81,8 @@ def measured(shape: Shape, emission: Emission | None = None) -> Facts:
     if found.problem:
         return found
     lipschitz = shape.lipschitz
-    if not math.isfinite(lipschitz):
-        lipschitz = global_lipschitz(shape.formula(), found.low, found.high, shape.parameters())
+    if not math.isfinite(lipschitz):  # what may jump is drawn too, only less exactly
+        lipschitz = global_lipschitz(shape.formula(), found.low, found.high, shape.parameters(), tears=False)
     if not math.isfinite(lipschitz):
         return found._replace(problem="nothing bounds how fast its field changes, so it cannot be drawn.")
     return found._replace(lipschitz=lipschitz)
@@ -99,7 +100,7 @@ def _inside(shape: Shape, emission: Emission | None, low: np.ndarray, high: np.n
     """All but the slope, and perhaps a tighter box, from the lamp of these as the path tracer builds it."""
     identity = np.eye(4)
     if not jit.AVAILABLE:
-        from ...render.reference.lamps import SdfLamp
+        from ...render.reference.sdf_lamps import SdfLamp
         from ...render.scene import Lamp
 
         try:
@@ -136,6 +137,7 @@ class FactFinder:
         )  # by lamp: of a slider that moves only the last place counts
         self._last: dict[str, Facts] = {}
         self._thread: threading.Thread | None = None
+        self._ended = False  # what the thread works on is not wanted any more
 
     def find(self, lamp: str, shape: Shape, emission: Emission | None = None, wait: bool = False) -> Facts | None:
         """Facts of the shape and the emission of that lamp, or for a while an estimate; None where there is nothing to
@@ -166,9 +168,10 @@ class FactFinder:
         """Forgets what is still wanted, and waits for the thread."""
         with self._lock:
             self._wanted.clear()
-            thread = self._thread
+            self._ended, thread = True, self._thread
         if thread is not None:
             thread.join()
+        self._ended = False
 
     def _estimate(self, lamp: str, shape: Shape, emission: Emission | None) -> Facts | None:
         last, filled, mean = self._last.get(lamp), TYPICAL, np.ones(3)
@@ -199,7 +202,10 @@ class FactFinder:
                 known = lit in self._known
             if not known:
                 try:
-                    facts = measured(*lit)
+                    with watched(Watch(lambda: self._ended)):
+                        facts = measured(*lit)
+                except Interrupted:
+                    continue
                 except Exception as error:
                     facts = NO_FACTS._replace(
                         problem=f"measuring its shape failed ({type(error).__name__}: {error}): simplify it."

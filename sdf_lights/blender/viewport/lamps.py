@@ -16,12 +16,14 @@ from ..sync.lights import light_of
 
 class Placed(NamedTuple):
     """A lamp in its place. ``owner``: name of the object that is selected for it, which is the instancer of an instance.
-    ``light``: name of its Light. ``key`` tells it from all others, from one redraw to the next."""
+    ``light``: name of its Light. ``key`` tells it from all others, from one redraw to the next. ``problem``: why it has its
+    last good shape and not that of now; empty where it has."""
 
     lamp: Lamp
     owner: str
     light: str
     key: str
+    problem: str = ""
 
 
 class Collected(NamedTuple):
@@ -40,17 +42,19 @@ def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
         if obj.type != "LIGHT" or not item.show_self or not obj.data.sdf_lamp.use:
             continue
         light = obj.data.original.name_full
-        matrix = matrix_of(item.matrix_world)
+        matrix, problems = matrix_of(item.matrix_world), []
         try:
             if not is_finite(matrix):
                 raise RenderError(f"Lamp '{obj.name}' has a transform that is not made of finite numbers: clear it.")
             own = matrix_of(obj.original.evaluated_get(depsgraph).matrix_world)
-            lamp = light_of(obj, matrix, Ray.ALL, depsgraph, lambda warning: None, None, own)
+            lamp = light_of(obj, matrix, Ray.ALL, depsgraph, problems.append, None, own)
         except RenderError as error:
             found.errors[light] = str(error)
             continue
         owner = item.parent if item.is_instance and item.parent is not None else obj
         owner = owner.original.name_full
         key = f"{owner}/{obj.original.name_full}/{tuple(item.persistent_id) if item.is_instance else ''}"
-        found.lamps.append(Placed(lamp, owner, light, key))
+        if problems:
+            found.errors[light] = problems[0]
+        found.lamps.append(Placed(lamp, owner, light, key, "".join(problems)))
     return found

@@ -138,9 +138,12 @@ class Overlay:
             at = location_3d_to_region_2d(region, context.region_data, Vector(place))
             if at is not None:
                 blf.size(0, 11.0 * context.preferences.system.ui_scale)
-                blf.color(0, 1.0, 1.0, 1.0, 0.8)
+                blf.color(0, 1.0, 1.0, 1.0, 1.0)
+                blf.enable(0, blf.SHADOW)  # the lamp below it may be white
+                blf.shadow(0, 5, 0.0, 0.0, 0.0, 1.0)
                 blf.position(0, at.x, at.y, 0.0)
                 blf.draw(0, text)
+                blf.disable(0, blf.SHADOW)
 
     def _visible(self, context) -> list[Placed]:
         depsgraph, space = context.evaluated_depsgraph_get(), context.space_data
@@ -199,6 +202,10 @@ class Overlay:
                 brightness = exposure
                 if flat and settings.brightness == "SHAPE":
                     brightness = _shape_brightness(item.lamp, facts)
+                else:
+                    brightness *= item.lamp.camera_brightness
+                if item.problem:
+                    boxes.append((item, facts, "Last good shape"))
                 drawn.append(Drawn(item.lamp, facts, brightness, marks.get(item.owner, (0.0, 0.0))))
         if waiting or self.finder.busy:
             _redraw_later(0.0 if waiting else POLL)

@@ -109,7 +109,7 @@ class Painter:
                 shader = shaders.lamp_shader(code)
                 self._shaders[code] = shader, batch_for_shader(shader, "TRIS", {"corner": _CUBE}, indices=_FACES)
             except shaders.ShaderError as error:
-                self._shaders[code] = error
+                self._shaders[code] = error.with_traceback(None)
             while len(self._shaders) > KEPT:
                 self._shaders.popitem(last=False)
 

@@ -45,6 +45,8 @@ class RenderedView:
         self._drawn_status = ""
         self._region = 0
         _running.add(self)
+        # Blender may free its part of an engine before Python's, which then cannot be asked for what to close.
+        weakref.finalize(self, self._render.stop).atexit = False
 
     @property
     def news(self) -> bool:

@@ -12,8 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...affine import inverse
+from ...interruption import check, say
 from ...sdf.emission import Emission
-from ...sdf.program import NoClosedForm, Op
+from ...sdf.program import NoClosedForm
+from .. import primitives
 from ..emission.smoothness import Tried, try_rays
 from ..emission.varying import GLOW, CompiledEmission, compile_emission
 from ..intersection.intervals import rows_needed
@@ -77,10 +79,13 @@ def build_lamp(
 
     Raises ``LampError`` where the lamp has no interior or emits nothing: the caller leaves it out of the scene.
     """
+    say(f"Building lamp “{name}”")
+    check()
     matrix = np.asarray(matrix, np.float64)
     color = np.asarray(color, np.float64)
     _check_placement(name, shape, matrix)
     _check_emission(name, power, density, color)
+    check()
     low, high = shape.bounds(matrix)
     _check_bounds(name, low, high)
     try:
@@ -91,6 +96,7 @@ def build_lamp(
         tight_low, tight_high = tree.bounds(matrix)
         low, high = np.maximum(low, tight_low), np.minimum(high, tight_high)
         _check_bounds(name, low, high)
+    check()
     local_volume, error = volume_of(shape)
     volume = local_volume * abs(float(np.linalg.det(matrix[:3, :3])))
     if not (volume > 0.0 and math.isfinite(volume)):
@@ -130,12 +136,20 @@ def build_lamp(
     return BuiltLamp(name, row, program, tree, glow, found, remarks)
 
 
+def is_certified(shape) -> bool:
+    """Whether rays are certain to find all of a valid shape that has limits. Builds its tree, where that tells."""
+    if not shape.certified or math.isfinite(shape.lipschitz):
+        return shape.certified
+    try:
+        return interior.tree(shape).certified
+    except interior.TreeError:
+        return True  # there will be no rays
+
+
 def _is_primitive(shape) -> bool:
     try:
         program = shape.program()
-        return (
-            len(program) == 1 and program["op"][0] != Op.SPONGE
-        )  # which has neither two intervals at most, nor points
+        return len(program) == 1 and primitives.has_points(program["op"][0])
     except NoClosedForm:
         return False
 

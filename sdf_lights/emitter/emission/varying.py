@@ -127,6 +127,7 @@ def line_integral(block, index, center, x, d, spans, count, t_min, t_max, u):
     return attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, u, (0.0, 0.0, 0.0))
 
 
+@replaced_on_gpu
 @kernel
 def attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, u, extinction):
     """As ``line_integral``, of ρ exp(−extinction (t − t_min)); the extinction is RGB, in 1/m."""
@@ -173,6 +174,7 @@ def place_colour(block, index, offset, lane, stack):
         stack[k * LANES + lane] = p[k]
 
 
+@replaced_on_gpu
 @kernel
 def colours(block, index, stack):
     """Colours at the points in ``stack`` (``COLOUR_STACK`` elements), for ``density``."""

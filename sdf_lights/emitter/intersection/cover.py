@@ -224,7 +224,7 @@ def estimate(start, at_start, end, at_end, third, at_third, precision):
 
 
 @kernel(forceinline=True)
-def narrow(start, at_start, end, at_end, third, t, value, precision):
+def refine_bracket(start, at_start, end, at_end, third, t, value, precision):
     """A bracket with a new value: (zero, NaN while it is not located; end, at_end, third, at_third).
 
     The new ``start`` is t. ``third`` is NaN in a new bracket.
@@ -277,7 +277,7 @@ def cover(block, row, first, count, o, d, pending, used, tolerance, precision, s
             if state != OPEN:
                 t, value = pending[ASKED + lane], signed(stack[VALUES + lane])
                 lane += 1
-                zero, end, at_end, third, at_third = narrow(
+                zero, end, at_end, third, at_third = refine_bracket(
                     start, at_start, end, at_end, fall if state == OLD else math.nan, t, value, precision
                 )
                 if not math.isnan(zero):

@@ -16,10 +16,9 @@ from ...jit import kernel
 from ...replaced import replaced_on_gpu
 from ...sdf.program import Op
 from ...vec import transform_point, transform_vector
+from .. import primitives
 from .fields import NEGATED
-from .membership import BOX, CAPSULE, CONE, CYLINDER, DIFFERENCE, HALF_SPACE, INTERSECTION, SPHERE, SPONGE, TORUS, UNION
-from .primitives import box_span, capsule_span, cylinder_span, frustum_span, half_space_span, sphere_span, torus_spans
-from .sponge import most_spans, sponge_spans
+from .membership import DIFFERENCE, INTERSECTION, UNION
 
 
 def rows_needed(program: np.ndarray) -> tuple[int, int]:
@@ -27,7 +26,7 @@ def rows_needed(program: np.ndarray) -> tuple[int, int]:
     stack, rows, deepest = [], 0, 0
     for op, arity, parameters in zip(program["op"], program["arity"], program["parameters"]):
         if arity == 0:
-            stack.append(2 if op == Op.TORUS else most_spans(int(parameters[1])) if op == Op.SPONGE else 1)
+            stack.append(primitives.most_spans(op, parameters))
         else:
             both = stack[-2] + stack[-1]
             rows = max(rows, sum(stack) + len(stack) + both)  # the merged list is written above its operands
@@ -41,42 +40,15 @@ def rows_needed(program: np.ndarray) -> tuple[int, int]:
 
 @kernel
 def primitive_spans(row, o, d):
-    """Number of intervals inside the primitive of one instruction, and their ends; as ``torus_spans``. Not of a sponge,
-    which may have more than two."""
-    p = transform_point(row.inverse, o)
-    v = transform_vector(row.inverse, d)
-    op, size = row.op, row.parameters
-    if op == TORUS:
-        return torus_spans(p, v, size[0], size[1])
-    if op == SPHERE:
-        span = sphere_span(p, v, size[0])
-    elif op == BOX:
-        span = box_span(p, v, size[0], size[1], size[2])
-    elif op == CAPSULE:
-        span = capsule_span(p, v, size[0], 0.5 * size[1])
-    elif op == CYLINDER:
-        span = cylinder_span(p, v, size[0], 0.5 * size[1])
-    elif op == CONE:
-        span = frustum_span(p, v, size[0], 0.0, 0.5 * size[1])
-    elif op == HALF_SPACE:
-        span = half_space_span(p, v)
-    else:
-        span = frustum_span(p, v, size[0], size[1], 0.5 * size[2])
-    return (1 if span[0] < span[1] else 0), span[0], span[1], 0.0, 0.0
+    """Number of intervals inside the primitive of one instruction, 0 to 2, and their ends. Not of one that may have more."""
+    return primitives.spans(row.op, row.parameters, transform_point(row.inverse, o), transform_vector(row.inverse, d))
 
 
 @kernel
 def _write_spans(row, o, d, spans, first):
     """Write the intervals inside the primitive of one instruction to rows from ``first``; returns their number."""
-    if row.op == SPONGE:
-        p, v = transform_point(row.inverse, o), transform_vector(row.inverse, d)
-        return sponge_spans(p, v, row.parameters[0], int(row.parameters[1]), spans, first)
-    count, a0, b0, a1, b1 = primitive_spans(row, o, d)
-    if count > 0:
-        spans[first, 0], spans[first, 1] = a0, b0
-    if count > 1:
-        spans[first + 1, 0], spans[first + 1, 1] = a1, b1
-    return count
+    p, v = transform_point(row.inverse, o), transform_vector(row.inverse, d)
+    return primitives.write_spans(row.op, row.parameters, p, v, spans, first)
 
 
 @kernel

@@ -283,15 +283,15 @@ def resolved(place):
 
 
 @kernel
-def tolerance_for(chance):
+def tolerance_for(probability):
     """Relative variance that boxes may leave of a lamp that is chosen with this probability.
 
     A lamp that gives a part of the light adds no more than that part of its variance, and which lamp is chosen varies, too: the
-    tolerance grows with the square of 1 / ``chance``. In steps, as there are boxes for each.
+    tolerance grows with the square of 1 / ``probability``. In steps, as there are boxes for each.
     """
     tolerance = TOLERANCE
-    while chance < 0.25 and tolerance < MOST_TOLERANCE:
-        chance, tolerance = 2.0 * chance, 4.0 * tolerance
+    while probability < 0.25 and tolerance < MOST_TOLERANCE:
+        probability, tolerance = 2.0 * probability, 4.0 * tolerance
     return tolerance
 
 

@@ -9,7 +9,7 @@ density of its cut. That is some percent noisier than the mean along the ray, an
 Where the emission varies, q can follow it all the way down to the leaves of the tree, which are thousands, as no sum over
 boxes has to be made along a ray. In a leaf the emission is asked for at as many points as one evaluation takes, and one of
 them is drawn in proportion to what it gives (resampled importance sampling: Talbot, Cline and Egbert 2005). Leaves may be
-chosen by anything, as the chance of each is known; of those on the boundary the volume of the interior is an estimate, as in all
+chosen by anything, as the probability of each is known; of those on the boundary the volume of the interior is an estimate, as in all
 clipped boxes of a cut.
 """
 
@@ -74,7 +74,7 @@ def _glowing_point(block, lamp, row, place, x, store, cut, u):
     """``sample_point`` by the emission of the tree's leaves."""
     part, points, stack = stack_array(3), stack_array(COLOUR), stack_array(COLOUR_STACK)
     part[0], part[1], part[2] = u
-    index, low, high, chance, level, slope, clipped = _leaf(block, place, store, cut, part)
+    index, low, high, probability, level, slope, clipped = _leaf(block, place, store, cut, part)
     cell, size = lamp_cells(block)[place.first_cell + index], sub(high, low)
     volume, count, state = size[0] * size[1] * size[2], LANES, seeded(u[0], u[1], u[2])
     for _ in range(ATTEMPTS):
@@ -111,7 +111,7 @@ def _glowing_point(block, lamp, row, place, x, store, cut, u):
         return NOTHING
     way = add(sub(vec(row.center), x), transform_point(place.matrix, _lane(points, chosen)))
     return way, scale(
-        density(block, row.glow, stack, chosen), total * place.factor * volume / (count * weight * chance)
+        density(block, row.glow, stack, chosen), total * place.factor * volume / (count * weight * probability)
     )
 
 
@@ -123,25 +123,25 @@ def _leaf(block, place, store, cut, part):
     tree space counts α + b·y; and whether the volume of the interior is known, so that only points of it have to count.
     """
     cells, steps = lamp_cells(block)[place.first_cell :], lamp_steps(block)[place.first_cell :]
-    index, level, slope, chance = 0, 1.0, ZERO, 1.0
+    index, level, slope, probability = 0, 1.0, ZERO, 1.0
     if cut.strategy != PROJECTION:
         boxes = store[cut.slot]
         k = chosen_box(boxes, cut, part)
-        index, slope, chance = np.int64(boxes.cell[k]), slope_of(cut, k), cut.weight[k] / cut.mass[0]
+        index, slope, probability = np.int64(boxes.cell[k]), slope_of(cut, k), cut.weight[k] / cut.mass[0]
         level = np.float64(cut.level[k]) - dot(slope, add(vec(boxes.center), vec(cut.origin)))
         if boxes.solid[k]:
             low, high = add(vec(boxes.center), corner(boxes, k)), add(vec(boxes.center), far_corner(boxes, k))
-            return index, low, high, chance, level, slope, False
+            return index, low, high, probability, level, slope, False
     first = steps[index].first
     while first >= 0:
         a, b = steps[first], steps[first + 1]
         one = a.light * (level + dot(slope, vec(a.centroid)))
         two = b.light * (level + dot(slope, vec(b.centroid)))
         side = choose(part, steps[index].axis, one, two)
-        chance *= (two if side else one) / (one + two)
+        probability *= (two if side else one) / (one + two)
         index = first + side
         first = steps[index].first
-    return index, vec(cells[index].low), vec(cells[index].high), chance, level, slope, True
+    return index, vec(cells[index].low), vec(cells[index].high), probability, level, slope, True
 
 
 @kernel

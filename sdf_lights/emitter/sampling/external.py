@@ -56,6 +56,7 @@ def register(found: External | None) -> None:
 
 
 def registered() -> External | None:
+    """The external sampler that renders use; None where none is registered."""
     return _registered[0] if _registered else None
 
 

@@ -13,12 +13,12 @@ over the intervals [c − h, c + h] of the ray inside.
 
 from ...jit import kernel
 from ...vec import add, normalize, sub, transform_point, vec
+from .. import primitives
 from ..hashing import following, seeded, uniform
 from ..intersection import fields
 from ..intersection.membership import contains
 from ..lamps import CLOSED, PRIMITIVE, instructions, lamps, lists, nodes
 from ..tree.interior import INSIDE, tree_point
-from .points import primitive_point
 
 ATTEMPTS = 4096  # draws before giving up; the least acceptance that lamps allow makes that a chance of 1e-9
 
@@ -42,7 +42,7 @@ def interior_point(block, lamp, u1, u2, u3):
     """
     row = lamps(block)[lamp]
     if row.kind == PRIMITIVE:
-        return transform_point(row.matrix, primitive_point(row.primitive, row.parameters, u1, u2, u3))
+        return transform_point(row.matrix, primitives.point(row.primitive, row.parameters, u1, u2, u3))
     tree = nodes(block)[row.first_node : row.first_node + row.node_count]
     state = seeded(u1, u2, u3)
     q = (0.0, 0.0, 0.0)

@@ -27,14 +27,15 @@ import numpy as np
 from ...graph.codegen_native import evaluate
 from ...graph.interval_arithmetic import Arithmetic, Boxes, run
 from ...graph.lipschitz import lipschitz
+from ...interruption import SLICE, check
 from ...jit import kernel, stack_array, table
 from ...sdf.program import INSTRUCTION, NoClosedForm
 from ...sdf.shapes.base import Shape
+from .. import primitives
 from ..hashing import bits, following
 from ..intersection.fields import DEEPEST, LANES, LIST, STACK, TERM, VALUES, CompiledField, compile_terms
 from ..intersection.intervals import rows_needed
-from ..intersection.membership import BOX, CONE, CYLINDER, FRUSTUM, HALF_SPACE, SPONGE, place
-from ..intersection.sponge import sponge_plane
+from ..intersection.membership import place
 from .pruning import prune_field, prune_program
 from .slopes import fill_gradients
 
@@ -59,6 +60,8 @@ TABLES = {"lamp_nodes": NODE}
 
 MOST_NODES = 1 << 15  # of a tree …
 NODES_A_PART = 128  # … or so many for each term or instruction, where that is more
+FIELD_WORK = 1 << 30  # operations times nodes of a field without parts, about a second for each core, but at least …
+FEWEST_NODES = 1 << 12
 MOST_ROWS = 1 << 21  # of all lists together
 RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the boundary are not divided below it …
 ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
@@ -69,6 +72,7 @@ SHORT_PROGRAM = 4  # rows of a list of instructions that rays have no smaller bo
 PLANES = 7  # along each axis that a box with more than that may be cut along
 FACE = 0.7  # of what a cut along a flat face leaves to do counts, as the face is then done with
 CASES = 4  # that a box may be taken apart into for it
+ROWS = 1 << 14  # of the lists of boxes that are divided between two looks whether to go on: some hundredths of a second
 BOUNDS_WORK = 150_000  # operations of formulas times boxes, to find Lipschitz bounds of boxes
 KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
 
@@ -303,12 +307,9 @@ def _middle(box, axis):
 
 
 @kernel
-def _sponge_face(row, box, axis):
-    """``sponge.sponge_plane`` for a box."""
-    c = (_middle(box, 0), _middle(box, 1), _middle(box, 2))
-    h = (0.5 * (box[3] - box[0]), 0.5 * (box[4] - box[1]), 0.5 * (box[5] - box[2]))
-    c, h = place(row, c, h)
-    return sponge_plane(c[axis], h[axis], max(h[0], h[1], h[2]), row.parameters[0], int(row.parameters[1]))
+def _center_and_half(box):
+    c = (0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]))
+    return c, (0.5 * (box[3] - box[0]), 0.5 * (box[4] - box[1]), 0.5 * (box[5] - box[2]))
 
 
 @kernel
@@ -323,24 +324,12 @@ def _flat_face(program, lists, node, box):
         if lists[entry] < 0:
             continue
         row = program[lists[entry]]
-        if (
-            row.op != BOX
-            and row.op != CYLINDER
-            and row.op != CONE
-            and row.op != FRUSTUM
-            and row.op != HALF_SPACE
-            and row.op != SPONGE
-        ):
-            continue
-        for local in range(0 if row.op == BOX or row.op == SPONGE else 2, 3):
-            if row.op == BOX:
-                size = row.parameters[local]
-            elif row.op == SPONGE:
-                size = _sponge_face(row, box, local)
-            elif row.op == HALF_SPACE:
-                size = 0.0
-            else:
-                size = 0.5 * row.parameters[2 if row.op == FRUSTUM else 1]
+        c, h = _center_and_half(box)
+        c, h = place(row, c, h)
+        for local in range(3):
+            size = primitives.face(row.op, row.parameters, local, c, h)
+            if size == math.inf:
+                continue
             m = row.inverse[local]
             for axis in range(3):
                 slope = m[axis]
@@ -357,8 +346,7 @@ def _flat_face(program, lists, node, box):
 @kernel(forceinline=True)
 def _pruned(program, lists, node, box, out, starts):
     """``pruning.prune_program`` for a box."""
-    c = (0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5]))
-    h = (0.5 * (box[3] - box[0]), 0.5 * (box[4] - box[1]), 0.5 * (box[5] - box[2]))
+    c, h = _center_and_half(box)
     return prune_program(program, lists, node.row_first, node.row_count, c, h, out, starts)
 
 
@@ -414,20 +402,23 @@ def _best_axis(program, lists, nodes, boxes, index, place, out, starts):
 
 
 @kernel
-def grow_program(program, nodes, boxes, levels, lists, known, used, mass, smallest):
-    """Divide the boxes of a program's tree in two, in turn: where that leaves rays little to do if much matters in a
-    box, else along a flat face where there is one, else in the middle of the axis that makes the most volume certain.
-    Arguments as of ``grow_field``."""
+def grow_program(program, nodes, boxes, levels, lists, known, used, mass, index, rows, smallest):
+    """Divide the boxes of a program's tree in two, in turn from ``index`` on: where that leaves rays little to do if much
+    matters in a box, else along a flat face where there is one, else in the middle of the axis that makes the most volume
+    certain. Returns the index to go on from once the lists of what was divided have so many ``rows``, −1 at the end.
+    Other arguments as of ``grow_field``."""
     out, starts = np.empty(len(program), LIST), np.empty(DEEPEST, np.int64)
-    index = 0
     while index < used[0] and used[0] + 2 <= len(nodes):
+        if rows <= 0:
+            return index
         node, box = nodes[index], boxes[index]
         parent = index
         index += 1
         if node.state != BOUNDARY or _small_enough(box, levels[parent], smallest, mass):
             continue
         if used[1] + 2 * node.row_count > len(lists):
-            return
+            return -1
+        rows -= node.row_count
         axis, position = _flat_face(program, lists, node, box)
         if node.row_count > SHORT_PROGRAM:
             axis, position = _best_plane(
@@ -444,6 +435,7 @@ def grow_program(program, nodes, boxes, levels, lists, known, used, mass, smalle
             _settle(nodes, boxes, child, INSIDE if inside else OUTSIDE if outside else BOUNDARY, mass)
             if nodes[child].state == BOUNDARY:
                 _store(nodes, child, lists, known, used, out, count)
+    return -1
 
 
 @kernel
@@ -567,27 +559,30 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used,
     columns[unknown] = np.arange(len(unknown))
     bounds = np.full((len(nodes), len(unknown)), np.inf)
     first, last, work = 0, 1, BOUNDS_WORK
+    together = max(int(SLICE / field.costs.sum()), 1)  # boxes, if all that matters in the first matters in each
     while first < last:
         if len(unknown) and work > 0:
             work -= _find_bounds(field, unknown, nodes, boxes, lists, np.arange(first, last), mass, bounds, work)
-        grow_field(
-            terms,
-            field.parameters,
-            field.cares,
-            field.gains,
-            columns,
-            bounds,
-            nodes,
-            boxes,
-            levels,
-            lists,
-            known,
-            used,
-            mass,
-            first,
-            last,
-            smallest,
-        )
+        for start in range(first, last, together):
+            check()
+            grow_field(
+                terms,
+                field.parameters,
+                field.cares,
+                field.gains,
+                columns,
+                bounds,
+                nodes,
+                boxes,
+                levels,
+                lists,
+                known,
+                used,
+                mass,
+                start,
+                min(start + together, last),
+                smallest,
+            )
         first, last = last, int(used[0])
 
 
@@ -658,10 +653,13 @@ def tree(shape: Shape) -> Tree:
         program = shape.program(matrix)
     except NoClosedForm:
         field = compile_terms(shape.terms(matrix, 1.0))
+    check()
     if (rows_needed(program)[1] if field is None else field.depth) > DEEPEST:
         raise TreeError("its shape has too many parts inside one another: simplify it.")
     size = len(program) or len(field.terms)
     limit = 1 << max(MOST_NODES, NODES_A_PART * size).bit_length() - 1
+    if size == 1 and field is not None:
+        limit = min(limit, max(FEWEST_NODES, 1 << int(FIELD_WORK / field.operations[0]).bit_length() - 1))
     nodes = np.zeros(limit, NODE)
     boxes = np.empty((limit, 6))
     levels = np.zeros(limit, np.int64)
@@ -675,13 +673,18 @@ def tree(shape: Shape) -> Tree:
     smallest = RESOLUTION * 2.0 * half.max()
     guessed = False
     if field is None:
-        grow_program(program, nodes, boxes, levels, lists, known, used, mass, smallest)
+        index = 0
+        while index >= 0:
+            check()
+            index = grow_program(program, nodes, boxes, levels, lists, known, used, mass, index, ROWS, smallest)
     else:
         _grow_levels(field, nodes, boxes, levels, lists, known, used, mass, smallest)
         guessed = _guess(shape, center, nodes[: used[0]], boxes)
+    check()
     kept, kept_boxes = np.empty_like(nodes), np.empty_like(boxes)
     count = finish(nodes, boxes, int(used[0]), kept, kept_boxes)
     nodes, boxes, lists = kept[:count].copy(), kept_boxes[:count].copy(), lists[: used[1]].copy()
+    check()
     if field is not None and shape.certified and not guessed:
         fill_gradients(field, nodes, nodes["state"] == BOUNDARY, boxes, lists)
     else:

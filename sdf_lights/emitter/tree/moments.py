@@ -19,12 +19,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...interruption import SLICE, check
 from ...jit import kernel, stack_array, table
 from ..emission.varying import COLOUR, COLOUR_STACK, CompiledEmission, run_colour
 from ..hashing import following, uniform_point
 from ..intersection.fields import LANES, STACK, VALUES, run_terms
 from ..intersection.membership import contains
 from .interior import BOUNDARY, INSIDE, NODE, Tree
+from .volume import leaf_costs
 
 CELL = np.dtype(
     [
@@ -322,6 +324,19 @@ def cells(tree: Tree, volume: float) -> np.ndarray:
     return weigh(tree, volume, None).cells
 
 
+def _sample_all(tree: Tree, arrays, glow, offset, sides, nodes, boxes, totals, used: int, state) -> None:
+    """``sample_leaves`` for the first ``used`` nodes, some of them at a time."""
+    leaves = tree.boundary
+    cost = float(leaf_costs(tree, leaves).mean()) / LANES * max(sides) ** 3 if len(leaves) else 1.0  # of a leaf
+    together = max(int(SLICE / cost), 1)
+    for first in range(0, used, together):
+        check()
+        last = min(first + together, used)
+        state = np.uint64(
+            sample_leaves(*arrays, glow, offset, sides, nodes, boxes, totals, first, last, np.uint64(state))
+        )
+
+
 def weigh(tree: Tree, volume: float, emission: CompiledEmission | None) -> Weighed:
     """As ``cells``, for an emission that varies. Where that is dark everywhere its ``mean`` is zero, and of no use."""
     if tree.nodes["mass"][0] == 0.0:
@@ -334,14 +349,13 @@ def weigh(tree: Tree, volume: float, emission: CompiledEmission | None) -> Weigh
     offset, state = tuple(tree.center.tolist()), np.uint64(1)
     if emission is None:
         leaves = np.count_nonzero((tree.nodes["first"] < 0) & (tree.nodes["state"] == BOUNDARY))
-        sample_leaves(
-            *arrays, (0, 0), offset, SIDES if leaves < FEW else COARSE_SIDES, nodes, boxes, totals, 0, used, state
-        )
+        sides = SIDES if leaves < FEW else COARSE_SIDES
+        _sample_all(tree, arrays, (0, 0), offset, sides, nodes, boxes, totals, used, state)
     else:
         glow = emission.address, emission.parameters.ctypes.data
         used, state = divide(*arrays, glow, offset, TRIAL_SIDES, nodes, boxes, totals, used, state)
         totals[:] = 0.0
-        sample_leaves(*arrays, glow, offset, GLOW_SIDES, nodes, boxes, totals, 0, used, np.uint64(state))
+        _sample_all(tree, arrays, glow, offset, GLOW_SIDES, nodes, boxes, totals, used, np.uint64(state))
     nodes, boxes, totals = nodes[:used], boxes[:used], totals[:used]
     on_boundary = (nodes["first"] < 0) & (nodes["state"] == BOUNDARY)
     sampled, certain = totals[on_boundary, VOLUME].sum(), totals[~on_boundary, VOLUME].sum()

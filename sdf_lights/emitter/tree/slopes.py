@@ -19,6 +19,7 @@ import math
 
 import numpy as np
 
+from ...graph.lipschitz import may_tear, torn
 from ...jit import kernel
 from ...sdf.shapes.base import Family
 from ..intersection.fields import DEEPEST, NEGATED, CompiledField
@@ -28,6 +29,7 @@ from .parallel import TASKS, in_parallel
 WORK = 2_500_000  # operations on boxes, about 40 ms: of boxes below that there are no bounds of their own
 OVERHEAD = 10.0  # operations that a box costs without any
 TAPES = 1024  # of formulas that are kept
+CASES = 4  # that a box may be taken apart into, to find where it jumps
 
 _WITHOUT, _EXCLUSIVE = int(Family.DIFFERENCE), int(Family.EXCLUSIVE)
 
@@ -231,6 +233,20 @@ def _spread(nodes, boundary, known):
             node.gradient[0, axis], node.gradient[1, axis] = low, high
 
 
+def _torn(
+    field: CompiledField, boxes: np.ndarray, lists: np.ndarray, first: np.ndarray, count: np.ndarray
+) -> np.ndarray:
+    """In which boxes (n, 6) a term of their lists may jump, which the bounds of gradients do not tell."""
+    found = np.zeros(len(boxes), bool)
+    for number, term in enumerate(field.source):
+        if term.arity == 0 and not math.isfinite(term.lipschitz) and may_tear(term.formula):
+            matters = [number in lists[start : start + size] for start, size in zip(first, count)]
+            places = np.flatnonzero(matters)
+            corners = boxes[places]
+            found[places] |= torn(term.formula, corners[:, :3], corners[:, 3:], term.parameters, CASES)
+    return found
+
+
 def fill_gradients(
     field: CompiledField, nodes: np.ndarray, boundary: np.ndarray, boxes: np.ndarray, lists: np.ndarray
 ) -> None:
@@ -248,6 +264,7 @@ def fill_gradients(
     rows = nodes[chosen]
     bounds = gradients(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])
     outward = np.array([[-np.inf], [np.inf]], np.float32)
+    bounds[_torn(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])] = [[-np.inf], [np.inf]]
     with np.errstate(over="ignore"):
         nodes["gradient"][chosen] = np.nextafter(bounds.astype(np.float32), outward)
     known = np.zeros(len(nodes), bool)

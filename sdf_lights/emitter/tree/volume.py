@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...interruption import SLICE, check
 from ...jit import kernel, stack_array
 from ..hashing import following, uniform_point
 from ..intersection.fields import LANES, STACK, VALUES, run_terms
@@ -187,19 +188,20 @@ def _sample_field(
 
 
 @kernel
-def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, seed):
+def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, randoms, sums):
     """Divide the ``leaves`` into parts of the volumes ``coarsest`` (leaves,) at most, and sample what is still unsure.
 
-    Returns the volume that is certainly inside, the volume of what was sampled, the estimate of its part inside, the
-    variance of that, and how many times the list of each leaf was evaluated.
+    To ``sums`` (4,) are added the volume that is certainly inside, the volume of what was sampled, the estimate of its
+    part inside, and the variance of that. ``randoms`` (1,) is the seed, and then that of the leaves that follow. Returns how
+    many times the list of each leaf was evaluated.
     """
     stack = stack_array(STACK)
     # Centre and half sizes of cells, and whether the field is close to linear around them, as far as is known.
     pending = np.empty((LANES * MOST_DIVISIONS, 7))
     states, chosen = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
     points, values = np.empty((3, LANES)), np.empty(LANES)
-    random = np.uint64(seed)
-    full, unsure, inside, variance = 0.0, 0.0, 0.0, 0.0
+    random = randoms[0]
+    full, unsure, inside, variance = sums[0], sums[1], sums[2], sums[3]
     calls = np.zeros(len(leaves))
     for index in range(len(leaves)):
         node, box = nodes[leaves[index]], boxes[leaves[index]]
@@ -261,7 +263,9 @@ def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, se
                         pending[top, 3 + k] = 0.5 * half[k]
                     pending[top, 6] = 1.0 if slopes[0] != 0.0 else 0.0
                     top += 1
-    return full, unsure, inside, variance, calls
+    randoms[0] = random
+    sums[0], sums[1], sums[2], sums[3] = full, unsure, inside, variance
+    return calls
 
 
 def measure(tree: Tree) -> Volume:
@@ -271,17 +275,21 @@ def measure(tree: Tree) -> Volume:
     certain = float(sizes[tree.inside].sum())
     if not len(leaves):
         return Volume(certain, 0.0, certain, certain)
-    costs = _costs(tree, leaves)
+    costs = leaf_costs(tree, leaves)
 
-    def sampled(coarsest: np.ndarray, share: slice, seed: int) -> tuple[float, ...]:
-        return sample(
-            tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, leaves[share], coarsest[share], seed
-        )[:4]
+    def sampled(coarsest: np.ndarray, share: slice, seed: int, parts: int = 1) -> np.ndarray:
+        random, sums = np.array([seed], np.uint64), np.zeros(4)
+        # The parts follow one another, so their number changes no bit.
+        for part in zip(np.array_split(leaves[share], parts), np.array_split(coarsest[share], parts)):
+            check()
+            sample(tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, *part, random, sums)
+        return sums
 
     def estimate(work: float) -> Volume:
         """The volume, for about so much work; but no leaf is left out."""
         coarsest = _coarsest(sizes[leaves], costs, work)
-        found = in_parallel(lambda share: sampled(coarsest, slice(share, None, TASKS), SEED + share))
+        parts = math.ceil(max(work, costs.sum()) / TASKS / SLICE)
+        found = in_parallel(lambda share: sampled(coarsest, slice(share, None, TASKS), SEED + share, parts))
         full, unsure, inside, variance = map(sum, zip(*found))
         low, high = certain + full, certain + full + unsure
         return Volume(min(max(low + inside, low), high), SAFETY * math.sqrt(variance), low, high)
@@ -313,7 +321,7 @@ def _coarsest(sizes: np.ndarray, costs: np.ndarray, work: float) -> np.ndarray:
     return float(LANES) ** (high + GOLDEN * np.arange(len(sizes)) % 1.0)
 
 
-def _costs(tree: Tree, leaves: np.ndarray) -> np.ndarray:
+def leaf_costs(tree: Tree, leaves: np.ndarray) -> np.ndarray:
     """Rough ns of what ``sample`` evaluates at the end of each leaf's list: a field twice, a program once."""
     rows = tree.nodes[leaves]
     if tree.field is None:

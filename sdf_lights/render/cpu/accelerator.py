@@ -16,8 +16,11 @@ import numpy as np
 from ..errors import RenderError
 from ..kernels.lights import shadow_bits
 from ..kernels.rays import NONE, mask_of, world_positions
+from ..kernels.strands.departure import SHAPE
+from ..kernels.strands.parts import filter_address
 from ..libraries import load_embree
-from ..scene import Mesh, Scene
+from ..scene import Mesh, Primitive, Scene
+from ..strands import EMBREE_TYPES, Buffers, buffers, can_be_baked, first_numbers, has_strands, strand_of, tessellation
 
 
 class _Api:
@@ -41,6 +44,10 @@ class _Api:
         "rtcSetGeometryInstancedScene": (None, "pp"),
         "rtcSetGeometryTransform": (None, "puip"),
         "rtcSetGeometryTimeStepCount": (None, "pu"),
+        "rtcSetGeometryTessellationRate": (None, "pf"),
+        "rtcSetGeometryUserData": (None, "pp"),
+        "rtcSetGeometryIntersectFilterFunction": (None, "pp"),
+        "rtcSetGeometryOccludedFilterFunction": (None, "pp"),
     }
     _TYPES = {
         "p": ctypes.c_void_p,
@@ -48,6 +55,7 @@ class _Api:
         "u": ctypes.c_uint,
         "z": ctypes.c_size_t,
         "c": ctypes.c_char_p,
+        "f": ctypes.c_float,
         None: None,
     }
 
@@ -65,44 +73,102 @@ class _Api:
 
 _TRIANGLES, _INSTANCE = 0, 121
 _INDEX_BUFFER, _VERTEX_BUFFER = 0, 1
-_UINT3, _FLOAT3, _FLOAT3X4_ROW_MAJOR = 0x5003, 0x9003, 0x9134
+_UINT, _UINT3, _FLOAT3, _FLOAT4, _FLOAT3X4_ROW_MAJOR = 0x5001, 0x5003, 0x9003, 0x9004, 0x9134
 _ROBUST = 4
+
+
+class _Device:
+    """A device of Embree, as long as something of it is in use."""
+
+    def __init__(self, api: _Api):
+        self._api, self.handle = api, api.rtcNewDevice(b"threads=0")
+        if not self.handle:
+            raise RenderError("Embree could not start a device: free memory and render again.")
+
+    def __del__(self):
+        if self.handle:
+            self._api.rtcReleaseDevice(self.handle)
+
+
+class _Inner:
+    """An Embree scene of one mesh in its own space, which instances share, and the arrays that it reads."""
+
+    def __init__(self, api: _Api, device: _Device, handle: int):
+        self._api, self._device, self.handle = api, device, handle
+        self.arrays: list = []
+
+    def __del__(self):
+        self._api.rtcReleaseScene(self.handle)
+
+
+def accelerator_of(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None = None) -> Accelerator:
+    """An ``Accelerator``: the one that the scene has kept where nothing has moved since, which gives the same hits."""
+    before = scene.kept.get(_KEPT) if scene.kept is not None else None
+    if before is not None and before.serves(scene, transparent, deep):
+        return before
+    made = Accelerator(scene, transparent, deep, before)
+    if scene.kept is not None:
+        scene.kept[_KEPT] = made
+    return made
+
+
+_KEPT = "accelerator"
 
 
 class Accelerator:
     """Embree's structures over all instances of a scene. Hold on to it while kernels use its block scalars."""
 
-    def __init__(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None = None):
+    def __init__(
+        self,
+        scene: Scene,
+        transparent: np.ndarray,
+        deep: np.ndarray | None = None,
+        before: Accelerator | None = None,
+    ):
         """``transparent``, ``deep``: (materials,) bool, True where a material lets some light straight through, and where
         light may scatter below it. ``inner_scenes`` (instances,) has an Embree scene of nothing else for these, in the
-        world if the instance is baked; 0 for others."""
-        self._api = api = _Api()
-        self._device = api.rtcNewDevice(b"threads=0")
-        if not self._device:
-            raise RenderError("Embree could not start a device: free memory and render again.")
+        world if the instance is baked; 0 for others. Shared meshes of the one ``before`` that are the same are not sorted
+        again."""
+        self._api = api = _Api() if before is None else before._api
+        self._device = _Device(api) if before is None else before._device
         self._keep, self._scenes = [], []
+        self._signature = _signature(scene, transparent, deep)
+        self._inner: dict[tuple, _Inner] = {}
         uses = np.bincount([instance.mesh for instance in scene.instances], minlength=len(scene.meshes))
         self.baked = np.array(
-            [uses[instance.mesh] == 1 and instance.motion is None for instance in scene.instances], dtype=bool
+            [
+                uses[instance.mesh] == 1
+                and instance.motion is None
+                and can_be_baked(scene.meshes[instance.mesh], instance)
+                for instance in scene.instances
+            ],
+            dtype=bool,
         )
         shared: dict[int, int] = {}
+        old = {} if before is None else before._inner
         self.inner_scenes = np.zeros(len(scene.instances), np.int64)
         self.scene = self._new_scene()
         bits = shadow_bits(scene)
+        self._first_strands = first_numbers(scene) if has_strands(scene) else np.zeros(0, np.int64)
         for index, instance in enumerate(scene.instances):
             mesh = scene.meshes[instance.mesh]
             if not len(mesh.triangles):
                 continue
             if self.baked[index]:
-                forms = [world_positions(form, instance.matrix) for form in _forms(mesh)]
-                geometry = self._triangles(forms, mesh.triangles)
+                geometry = self._geometry(mesh, instance.matrix)
             else:
                 if instance.mesh not in shared:
-                    inner = self._new_scene()
-                    self._attach([inner], self._triangles(_forms(mesh), mesh.triangles), 0, NONE)
-                    api.rtcCommitScene(inner)
-                    shared[instance.mesh] = inner
-                geometry = api.rtcNewGeometry(self._device, _INSTANCE)
+                    form = _form_of(mesh, scene)
+                    found = old.get(form)
+                    if found is None:
+                        found = _Inner(api, self._device, self._new_scene(own=False))
+                        first = len(self._keep)
+                        self._attach([found.handle], self._geometry(mesh), 0, NONE)
+                        api.rtcCommitScene(found.handle)
+                        found.arrays = [*self._keep[first:], mesh]
+                    self._inner[form] = found
+                    shared[instance.mesh] = found.handle
+                geometry = api.rtcNewGeometry(self._device.handle, _INSTANCE)
                 poses = instance.matrix[None] if instance.motion is None else instance.motion
                 api.rtcSetGeometryInstancedScene(geometry, shared[instance.mesh])
                 api.rtcSetGeometryTimeStepCount(geometry, len(poses))
@@ -111,13 +177,16 @@ class Accelerator:
                     api.rtcSetGeometryTransform(geometry, step, _FLOAT3X4_ROW_MAJOR, matrix.ctypes.data)
             alone = []
             if deep is not None and any(deep[material] for material in instance.materials):
-                alone = [self._new_scene()] if self.baked[index] else []
+                apart = self.baked[index] or mesh.primitive != Primitive.TRIANGLES
+                alone = [self._new_scene()] if apart else []
                 self.inner_scenes[index] = alone[0] if alone else shared[instance.mesh]
-            self._attach([self.scene, *alone], geometry, index, mask_of(instance, transparent, bits))
+            # As in Cycles, there is nothing below curves and spheres for light to leave again.
+            inside = alone if mesh.primitive == Primitive.TRIANGLES else []
+            self._attach([self.scene, *inside], geometry, index, mask_of(instance, transparent, bits))
             for inner in alone:
                 api.rtcCommitScene(inner)
         api.rtcCommitScene(self.scene)
-        error = api.rtcGetDeviceError(self._device)
+        error = api.rtcGetDeviceError(self._device.handle)
         if error:
             raise RenderError(
                 "Embree ran out of memory while sorting the scene's triangles: reduce subdivision or instance objects."
@@ -131,18 +200,51 @@ class Accelerator:
         block["rtc_intersect"] = self._api.address("rtcIntersect1")
         block["rtc_occluded"] = self._api.address("rtcOccluded1")
 
-    def _new_scene(self) -> int:
-        scene = self._api.rtcNewScene(self._device)
+    def serves(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> bool:
+        """Whether these are the structures of a scene, too."""
+        return self._signature == _signature(scene, transparent, deep)
+
+    def _new_scene(self, own: bool = True) -> int:
+        scene = self._api.rtcNewScene(self._device.handle)
         self._api.rtcSetSceneFlags(scene, _ROBUST)
         self._api.rtcSetSceneBuildQuality(scene, 1)
-        self._scenes.append(scene)
+        if own:
+            self._scenes.append(scene)
         return scene
+
+    def _geometry(self, mesh: Mesh, matrix: np.ndarray | None = None) -> int:
+        """The geometry of a mesh, in the world by ``matrix``, or in its own space."""
+        if mesh.primitive != Primitive.TRIANGLES:
+            return self._strands(mesh, buffers(mesh, matrix))
+        forms = [form if matrix is None else world_positions(form, matrix) for form in _forms(mesh)]
+        return self._triangles(forms, mesh.triangles)
+
+    def _strands(self, mesh: Mesh, given: Buffers) -> int:
+        """A geometry of curves or spheres."""
+        api, share = self._api, self._api.rtcSetSharedGeometryBuffer
+        geometry = api.rtcNewGeometry(self._device.handle, EMBREE_TYPES[mesh.primitive])
+        api.rtcSetGeometryTimeStepCount(geometry, len(given.vertices))
+        for step, vertices in enumerate(given.vertices):
+            share(geometry, _VERTEX_BUFFER, step, _FLOAT4, vertices.ctypes.data, 0, 16, len(vertices))
+        if given.indices is not None:
+            share(geometry, _INDEX_BUFFER, 0, _UINT, given.indices.ctypes.data, 0, 4, len(given.indices))
+        if mesh.primitive == Primitive.RIBBONS:
+            api.rtcSetGeometryTessellationRate(geometry, tessellation(mesh))
+        strands, record = strand_of(mesh), np.zeros(1, SHAPE)
+        record["strand_of_address"], record["strand_of_count"] = strands.ctypes.data, len(strands)
+        record["first_strands_address"] = self._first_strands.ctypes.data
+        record["first_strands_count"] = len(self._first_strands)
+        self._keep += [given, strands, record]
+        api.rtcSetGeometryUserData(geometry, record.ctypes.data)
+        api.rtcSetGeometryIntersectFilterFunction(geometry, filter_address())
+        api.rtcSetGeometryOccludedFilterFunction(geometry, filter_address())
+        return geometry
 
     def _triangles(self, forms: list[np.ndarray], triangles: np.ndarray) -> int:
         """A geometry whose vertices are at ``forms``, each (V, 3), at even times."""
         indices = np.ascontiguousarray(triangles, np.uint32)
         self._keep.append(indices)
-        geometry = self._api.rtcNewGeometry(self._device, _TRIANGLES)
+        geometry = self._api.rtcNewGeometry(self._device.handle, _TRIANGLES)
         share = self._api.rtcSetSharedGeometryBuffer
         self._api.rtcSetGeometryTimeStepCount(geometry, len(forms))
         for step, positions in enumerate(forms):
@@ -167,10 +269,46 @@ class Accelerator:
             return
         for scene in reversed(getattr(self, "_scenes", [])):
             api.rtcReleaseScene(scene)
-        if getattr(self, "_device", None):
-            api.rtcReleaseDevice(self._device)
 
 
 def _forms(mesh: Mesh) -> list[np.ndarray]:
     """Positions (V, 3) of a mesh at even times of the shutter."""
     return [mesh.positions] if mesh.motion is None else list(mesh.motion)
+
+
+class _Same:
+    """An array that equals itself alone, and is kept from being another one at its address."""
+
+    def __init__(self, array: np.ndarray | None):
+        self._array = array
+
+    def __eq__(self, other):
+        return self._array is other._array
+
+    def __hash__(self):
+        return id(self._array)
+
+
+def _form_of(mesh: Mesh, scene: Scene) -> tuple:
+    """What decides an Embree scene of a mesh in its own space. Of curves and spheres that is their number in the scene, too."""
+    arrays = (mesh.positions, mesh.triangles, mesh.radii, mesh.motion, mesh.motion_radii)
+    own = () if mesh.primitive == Primitive.TRIANGLES else (object(),)
+    return (*map(_Same, arrays), mesh.primitive, mesh.subdivisions, *own)
+
+
+def _signature(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> tuple | None:
+    """What decides the structures of a scene; None where that is not asked for."""
+    if scene.kept is None:
+        return None
+    bits = shadow_bits(scene)
+    forms = [_form_of(mesh, scene) for mesh in scene.meshes]
+    return tuple(
+        (
+            forms[instance.mesh],
+            np.asarray(instance.matrix).tobytes(),
+            _Same(instance.motion),
+            mask_of(instance, transparent, bits),
+            deep is not None and any(deep[material] for material in instance.materials),
+        )
+        for instance in scene.instances
+    )

@@ -32,11 +32,13 @@ from ..kernels.packing import (
 )
 from ..kernels.shading import special
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
+from ..kernels.strands import parts as strand_parts
 from ..kernels.subsurface import parts as subsurface_parts
 from ..kernels.workspace import WORKSPACE, WORKSPACE_TABLES
-from ..scene import Lamp, Scene
+from ..scene import Lamp, Scene, catchers_only, catches_shadows
 from ..settings import LampSampling
-from .accelerator import Accelerator
+from ..strands import has_strands
+from .accelerator import accelerator_of
 
 
 class PackedScene:
@@ -45,17 +47,23 @@ class PackedScene:
     Appends to ``scene.warnings`` what had to be left out.
     """
 
-    def __init__(self, scene: Scene, film: Film):
+    def __init__(self, scene: Scene, film: Film, block: np.ndarray | None = None):
+        """``block``: memory for it. Without that, a scene with shadow catchers has another one of them alone beside it."""
         self._images = scene.images  # whose pixels the tables point at
         self._tables: dict[str, np.ndarray] = {}
-        self.block = np.zeros(1, BLOCK)
+        catches = block is None and catches_shadows(scene)
+        self._blocks = np.zeros(2 if catches else 1, BLOCK) if block is None else block
+        self.block = self._blocks[:1]
+        self._bare: PackedScene | None = None
         materials = self._pack_shading(scene)
         self._flags = materials["materials"]["flags"]
         deep = self._flags & HAS_SUBSURFACE != 0
-        self._accelerator = Accelerator(scene, self._flags & HAS_TRANSPARENCY != 0, deep)
+        self._accelerator = accelerator_of(scene, self._flags & HAS_TRANSPARENCY != 0, deep)
         self._emissive = emissive_triangles(scene, materials["materials"])
         self.control = np.zeros(1, np.int64)
-        self._fill(geometry.pack_geometry(scene, self._accelerator.baked) | {"control": self.control}, {})
+        strands = has_strands(scene)
+        code = {"strand_code": strand_parts.addresses(strands, (BLOCK, WORKSPACE)), "control": self.control}
+        self._fill(geometry.pack_geometry(scene, self._accelerator.baked) | code, {"has_strands": strands})
         self._accelerator.fill(self.block)
         self._boxes = instance_boxes(scene)
         tables, scalars = media.pack_media(scene)
@@ -69,11 +77,14 @@ class PackedScene:
             {"has_subsurface": bool(deep.any())},
         )
         self._moving: motion.Moving | None = None
-        self.relight(scene)
-        self.aim(scene, film)
+        self.update_lights(scene)
+        self.update_camera(scene, film)
         self._pack_motion(scene)
         # A name that no module declares, or one without its table, is a mistake of this file.
         assert self._tables.keys() == TABLES.keys(), self._tables.keys() ^ TABLES.keys()
+        if catches:
+            self._bare = PackedScene(catchers_only(scene), film, self._blocks[1:])
+            self._bare.block["outputs"] = 0
 
     def _pack_shading(self, scene: Scene) -> dict[str, np.ndarray]:
         """Tables of materials, of the nodes of lights and of the world."""
@@ -91,11 +102,13 @@ class PackedScene:
         for name, value in scalars.items():
             self.block[name] = value
 
-    def relight(self, scene: Scene) -> None:
+    def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``, whose meshes, materials and world are the same as before.
 
         Workspaces made before do not fit any more.
         """
+        if self._bare is not None:
+            self._bare.update_lights(catchers_only(scene))
         if any(light.emission is not None for light in scene.lights) or len(scene.lights) + 1 != len(
             self._tables["emissions"]
         ):
@@ -116,20 +129,26 @@ class PackedScene:
         self._external = external.NONE
         self.span_rows = int(self.block["lamp_rows"][0])
 
-    def aim(self, scene: Scene, film: Film) -> None:
+    def update_camera(self, scene: Scene, film: Film) -> None:
         """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film.
 
         All else is the same as before.
         """
+        if self._bare is not None:
+            self._bare.update_camera(catchers_only(scene), film)
+            self._bare.block["outputs"] = 0
         self._show(np.array([int(scene.lamps[index].visibility) for index in self._built], np.int64))
         self._fill(
             {**camera.pack_camera(scene), **film_kernels.pack_film(film)},
             {**camera.camera_scalars(scene), **film_kernels.film_scalars(film)},
         )
         emitters = [*(scene.lamps[index] for index in self._built), *scene.lights, scene.world]
-        self._fill(*output_parts.pack(scene, film, emitters, self._emissive.instance, (BLOCK, WORKSPACE)))
+        tables, scalars = output_parts.pack(scene, film, emitters, self._emissive.instance)
+        tables["output_code"] = output_parts.addresses(film, (BLOCK, WORKSPACE))
+        self._fill(tables, scalars)
         self.output_counts = output_parts.workspace_counts(film)
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
+        self.block["shows_environment"] = film.sums["environment"].size > 0
         self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
         if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             self._external = self._pack_external([scene.lamps[index] for index in self._built])
@@ -151,13 +170,15 @@ class PackedScene:
     def own_block(self) -> tuple[np.ndarray, list[np.ndarray]]:
         """A block for a thread, and what it has to keep alive: of a scene that moves, each thread has it at another time."""
         if not self.moves:
-            return self.block, []
-        memory, tables = self._moving.own()
-        tables |= {"moving": memory, "instances": self._tables["instances"].copy()}
-        block = self.block.copy()
-        for name, array in tables.items():
-            fill_table(block, name, array)
-        return block, [*tables.values(), memory]
+            return self._blocks, []
+        blocks, kept = self._blocks.copy(), []
+        for row, packed in enumerate([self, self._bare] if self._bare else [self]):
+            memory, tables = packed._moving.own()
+            tables |= {"moving": memory, "instances": packed._tables["instances"].copy()}
+            for name, array in tables.items():
+                fill_table(blocks[row : row + 1], name, array)
+            kept += [*tables.values(), memory]
+        return blocks, kept
 
     def _pack_external(self, sources: list[Lamp]) -> external.Packed:
         found = external.registered()
@@ -181,8 +202,8 @@ class PackedScene:
         """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""
         self._accelerator = None
         self._tables, self._images, self.lamps, self._external = {}, [], [], external.NONE
-        self._elsewhere = self._moving = None
-        self.block[:] = 0
+        self._elsewhere = self._moving = self._bare = None
+        self._blocks[:] = 0
 
 
 def _new_table(name: str, count: int) -> np.ndarray:
@@ -197,8 +218,8 @@ def _new_table(name: str, count: int) -> np.ndarray:
 class Workspace:
     """Scratch memory of one thread: ``block`` is one record of tables. ``scene`` is the block of the scene for it."""
 
-    def __init__(self, packed: PackedScene, aside: bool = True):
-        if aside:
+    def __init__(self, packed: PackedScene, secondary: bool = True):
+        if secondary:
             self.scene, self._own = packed.own_block()
         self._span_rows = packed.span_rows
         counts = {
@@ -216,9 +237,9 @@ class Workspace:
         self.block = np.zeros(1, WORKSPACE)
         for name, array in self._tables.items():
             fill_table(self.block, name, array)
-        if aside:
-            self._aside = Workspace(packed, aside=False)
-            fill_table(self.block, "aside", self._aside.block)
+        if secondary:
+            self._secondary = Workspace(packed, secondary=False)
+            fill_table(self.block, "secondary", self._secondary.block)
 
     def lamp_lengths(self) -> np.ndarray:
         """(lamps, 2) lengths that rays of this thread could not resolve in each lamp, and had inside it."""

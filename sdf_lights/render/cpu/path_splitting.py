@@ -24,6 +24,7 @@ from ..kernels.integrator import (
 from ..kernels.media.records import inside_table
 from ..kernels.motion import set_time
 from ..kernels.outputs import apart as outputs
+from ..kernels.outputs.records import CATCHERS
 from ..kernels.outputs.state import keep_first_scattering, use_first_scattering
 from ..kernels.path import (
     AT_EXIT,
@@ -38,8 +39,8 @@ from ..kernels.path import (
     sample_table,
 )
 from ..kernels.rays import hit_instance, ray_table
-from ..kernels.sampler import draw1, pixel_seed
-from ..kernels.workspace import aside_table, cut_table
+from ..kernels.samplers import get_1d, pixel_seed
+from ..kernels.workspace import cut_table, secondary_table
 
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
 # greatest error of a pixel is up to a quarter greater.
@@ -148,7 +149,7 @@ def choose_branches(workspace, branches):
     if count < 2 or not 0.0 < total < np.inf:
         return
     # The emission along the ray that came here may take this number, too: it is added to what branches bring.
-    passed = draw1(waiting.index, waiting.seed, waiting.dimension + EMISSION_SET)
+    passed = get_1d(waiting.index, waiting.seed, waiting.dimension + EMISSION_SET)
     for branch in range(branches):
         path = paths[FIRST_BRANCH + branch]
         if path.alive:
@@ -159,8 +160,33 @@ def choose_branches(workspace, branches):
 
 
 @kernel
+def trace_catchers(block, bare, workspace):
+    """Follow the path of a sample that has met a shadow catcher in ``bare``, the block of a scene of only these."""
+    if not outputs.release(block, workspace):
+        return
+    forget_cuts(workspace)
+    if bare.has_media:
+        inside_table(workspace)[0].count = 0
+    if shade_and_scatter(bare, workspace, False) == GOES_ON:
+        trace_path(bare, workspace, False)
+    forget_cuts(workspace)
+    outputs.add_bare(block, workspace)
+
+
+@kernel
+def forget_cuts(workspace):
+    """What light sampling has prepared is of another scene."""
+    for row in range(2):
+        cut_table(workspace)[row].lamp = -1
+        lights.light_cut_table(workspace)[row].count = 0
+
+
+@kernel
 def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
-    """Add samples to the active pixels of the tile [x0, x1) × [y0, y1), until those with the rate 1 have ``samples``."""
+    """Add samples to the active pixels of the tile [x0, x1) × [y0, y1), until those with the rate 1 have ``samples``.
+
+    ``blocks`` has the scene, and that of its shadow catchers alone where there are any.
+    """
     block, workspace = blocks[0], workspaces[0]
     path = path_table(workspace)[0]
     for y in range(y0, y1):
@@ -173,11 +199,16 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
             path.seed, branches = pixel_seed(x, y, block.seed), branches_of(block, pixel)
             start, end = samples_due(block, pixel, samples)
             for index in range(start, end):
-                path.index = index
+                path.index = block.sample_offset + index
                 clear_sample(workspace)
                 if block.moves:
-                    set_time(block, workspace, aside_table(workspace)[0], y)
+                    set_time(block, workspace, secondary_table(workspace)[0], y)
                 if block.outputs:
                     outputs.clear(block, workspace)
-                trace_branches(block, workspace, x, y, branches, branches_before(block, pixel))
+                before = block.sample_offset * branches + branches_before(block, pixel)
+                trace_branches(block, workspace, x, y, branches, before)
+                if block.outputs & CATCHERS:
+                    if block.moves:
+                        set_time(blocks[1], workspace, secondary_table(workspace)[0], y)
+                    trace_catchers(block, blocks[1], workspace)
                 add_sample(block, workspace, pixel, index)

@@ -11,15 +11,18 @@ from collections.abc import Callable
 
 from ... import emitter as lamps
 from ... import jit, kernel_cache
+from ...interruption import Interrupted, Watch, check, watched
 from .. import sample_allocation
 from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
+from . import background
 from .block import PackedScene, Workspace
 from .path_splitting import render_tile
 
 TILE = 32
 POLL_SECONDS = 0.05
+GRACE_SECONDS = 0.2  # that a cancelled build may take to end
 
 
 class CpuRenderer:
@@ -39,13 +42,20 @@ class CpuRenderer:
         """Pack the scene, and compile the kernels or load them, in a thread of its own. False if cancelled meanwhile."""
         say("Building the scene")
         failures: list[Exception] = []
+        ended = threading.Event()
+        watch = Watch(ended.is_set)
 
         def load() -> None:
             try:
-                packed = PackedScene(scene, self._film)
-                self._workspaces = _workspaces(packed, scene)
+                with watched(watch):
+                    background.wait(check)
+                    packed = PackedScene(scene, self._film)
+                    check()
+                self._workspaces = _workspaces(packed, scene, len(self._tiles))
                 self._packed = packed
                 self._render((0, 0, 0, 0), 0, self._workspaces[0])
+            except Interrupted:
+                pass
             except Exception as error:
                 failures.append(error)
 
@@ -55,28 +65,29 @@ class CpuRenderer:
         thread.join(POLL_SECONDS)
         while thread.is_alive():
             if cancelled():
+                ended.set()
+                thread.join(GRACE_SECONDS)  # compiling cannot be stopped: then it ends by itself
                 return False
-            done = jit.compiled_kernels() - compiled
-            say(f"Compiling kernels, once for this installation: {done} done" if done > 1 else "Building the scene")
+            say(_compiling(compiled) or watch.doing or "Building the scene")
             thread.join(2 * POLL_SECONDS)
         _raise_first(failures)
         if kernel_cache.problem():
             scene.warnings.append(kernel_cache.problem())
         return True
 
-    def relight(self, scene: Scene) -> None:
+    def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``, which is otherwise the same as before."""
-        self._packed.relight(scene)
+        self._packed.update_lights(scene)
         self._warnings = scene.warnings
-        self._workspaces = _workspaces(self._packed, scene)
+        self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
 
-    def aim(self, scene: Scene, film: Film) -> None:
+    def update_camera(self, scene: Scene, film: Film) -> None:
         """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
         self._film, self._settings, self._tiles = film, scene.settings, _tiles(film)
         before = self._packed.output_counts
-        self._packed.aim(scene, film)
+        self._packed.update_camera(scene, film)
         if self._packed.output_counts != before:
-            self._workspaces = _workspaces(self._packed, scene)
+            self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
 
     def interrupt(self) -> None:
         """Stop sampling within milliseconds, if ``stop`` then says so too. May be called by another thread."""
@@ -154,13 +165,31 @@ class CpuRenderer:
             self._packed.release()
 
 
+def _compiling(before: int) -> str:
+    """How far the kernels are, in words; "" where none are compiled. ``before``: ``jit.compiled_kernels()`` at first."""
+    if jit.compiled_kernels() - before <= 1:
+        return background.text()
+    return background.sentence(*jit.progress([render_tile, *jit.begun()]))
+
+
 def _tiles(film: Film) -> list[tuple[int, int, int, int]]:
     x0, y0, x1, y1 = film.window
     return [(x, y, min(x + TILE, x1), min(y + TILE, y1)) for y in range(y0, y1, TILE) for x in range(x0, x1, TILE)]
 
 
-def _workspaces(packed: PackedScene, scene: Scene) -> list[Workspace]:
-    return [Workspace(packed) for _ in range(scene.settings.threads or os.cpu_count() or 1)]
+def _workspaces(packed: PackedScene, scene: Scene, tiles: int) -> list[Workspace]:
+    """One for each thread: not more than there are tiles, and as many as there is memory for."""
+    wanted = min(scene.settings.threads or os.cpu_count() or 1, max(tiles, 1))
+    found = [Workspace(packed)]
+    try:
+        while len(found) < wanted:
+            found.append(Workspace(packed))
+    except MemoryError:
+        del found[max(len(found) // 2, 1) :]  # the rest of the render needs some, too
+        scene.warnings.append(
+            f"There is no memory for {wanted} threads, so {len(found)} render: choose fewer in the performance settings."
+        )
+    return found
 
 
 def _raise_first(failures: list[Exception]) -> None:

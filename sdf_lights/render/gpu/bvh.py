@@ -22,6 +22,7 @@ LEAF = 4  # items in a leaf at most
 STEP_COST = 1.0  # of passing a node, in tests of an item
 DEEPEST = 60  # levels of one tree; what is below becomes leaves, whatever they hold
 MOST_IN_LEAF = 16  # items that a reference to a leaf can count
+CATCHER = -(1 << 31)  # the sign of a mask: of shadow catchers
 
 # Boxes of the two children of a node, and their references: index of a node, or the complement of
 # MOST_IN_LEAF × first item + (number of items − 1).

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from ...emitter.intersection.cover import SIGN, estimate, first_estimate, narrow, signed
+from ...emitter.intersection.cover import SIGN, estimate, first_estimate, refine_bracket, signed
 from ...emitter.tree.crossings import WAITING, down, rates
 from ...emitter.tree.interior import BOUNDARY, INSIDE
 from ...jit import kernel, stack_array, table
@@ -81,7 +81,7 @@ def _locate(o, d, brackets, found, precision, spans):
         else:
             t = estimate(start, at_start, end, at_end, third, at_third, precision)
         value = signed(field_at(madd(o, t, d)))
-        zero, end, at_end, third, at_third = narrow(start, at_start, end, at_end, third, t, value, precision)
+        zero, end, at_end, third, at_third = refine_bracket(start, at_start, end, at_end, third, t, value, precision)
         if min(abs(at_end), abs(at_third)) <= SIGN:
             third = math.nan
         start, at_start = t, value

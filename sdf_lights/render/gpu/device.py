@@ -101,13 +101,13 @@ _found: list = []
 
 
 def device() -> Device:
-    """The device of this process. Raises ``DeviceError``, the same one every time."""
+    """The device of this process. Raises ``DeviceError``, with the same reason every time."""
     with _lock:
         if not _found:
             try:
                 _found.append(Device())
             except DeviceError as error:
-                _found.append(error)
+                _found.append(error.with_traceback(None))
         if isinstance(_found[0], DeviceError):
-            raise _found[0]
+            raise DeviceError(*_found[0].args)  # the one that is kept would keep all that has called
         return _found[0]

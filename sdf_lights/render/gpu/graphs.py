@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Graphs of materials as GLSL: in the place of ``kernels.shading.values.run``, which calls machine code."""
+"""Graphs of materials as GLSL: in the place of ``kernels.shading.operands.run``, which calls machine code."""
 
 from __future__ import annotations
 

@@ -12,14 +12,15 @@ import math
 
 import numpy as np
 
-from ...emitter.emission.varying import GOLDEN, lamp_glows, place_point, point_count
-from ...emitter.intersection.primitives import box_span
+from ...emitter.emission.varying import COLOUR, GOLDEN, lamp_glows, place_point, point_count
 from ...emitter.lamps import intensity, lamps
+from ...emitter.primitives.box import box_span
 from ...emitter.sampling import cut as cuts
 from ...emitter.sampling.cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, part_in_two, put, spread_variance
 from ...emitter.sampling.cut_tables import placements
 from ...emitter.sampling.projection import direction_pdf, sample_direction, way_inside
 from ...emitter.sampling.strategies import BOXES as BY_BOXES
+from ...graph.codegen_native import LANES
 from ...graph.formula import Formula, order
 from ...jit import kernel
 from ...vec import ZERO, dot, length, madd, mul, sub, transform_point, transform_vector, vec
@@ -28,6 +29,7 @@ from ..kernels.lamp_tree import found_table, tree_table
 from ..kernels.lights.records import LIGHT_CUT
 from ..kernels.lights.records import MOST_NODES as MOST_NODES_IN_CUT
 from ..kernels.lights.tree import estimate
+from ..kernels.media.beams import attenuation
 from ..kernels.path import path_table
 from ..kernels.workspace import cut_of
 
@@ -246,7 +248,13 @@ def colour(block, formula, first, p):
 
 @kernel
 def line_integral(block, index, center, x, d, spans, count, t_min, t_max, u):
-    """In the place of ``emission.line_integral``: one point at a time."""
+    """In the place of ``emission.line_integral``."""
+    return attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, u, None)
+
+
+@kernel
+def attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, u, extinction):
+    """In the place of ``emission.attenuated_integral``: one point at a time. ``extinction`` may be None."""
     glow = lamp_glows(block)[index]
     p, way = transform_point(glow.inverse, sub(x, center)), transform_vector(glow.inverse, d)
     rate = glow.rate * length(way)
@@ -262,8 +270,20 @@ def line_integral(block, index, center, x, d, spans, count, t_min, t_max, u):
             for point in range(points):
                 t, weight = place_point((point + shift) / points)
                 value = colour(block, formula, first, madd(p, start + size * t, way))
+                if extinction is not None:
+                    value = mul(value, attenuation(extinction, start + size * t - t_min))
                 total = madd(total, size * weight / points, value)
     return mul(total, vec(glow.scale))
+
+
+@kernel
+def colours(block, index, stack):
+    """In the place of ``emission.colours``: likewise."""
+    glow = lamp_glows(block)[index]
+    for lane in range(block.lanes):
+        p = (stack[lane], stack[LANES + lane], stack[2 * LANES + lane])
+        value = colour(block, glow.address, glow.parameters, p)
+        stack[COLOUR + lane], stack[COLOUR + LANES + lane], stack[COLOUR + 2 * LANES + lane] = value
 
 
 class Formulas:
@@ -281,4 +301,5 @@ class Formulas:
 
     @property
     def nodes(self) -> int:
+        """How many nodes all formulas have together."""
         return sum(len(order(*formula)) for formula in self.fields + self.colours)

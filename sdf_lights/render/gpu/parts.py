@@ -12,10 +12,11 @@ from __future__ import annotations
 import numpy as np
 
 from ...affine import inverse
+from ...emitter import primitives
 from ...emitter.intersection.intervals import _combine, _write_spans, solve
 from ...emitter.intersection.membership import DIFFERENCE, INTERSECTION, UNION
-from ...emitter.intersection.primitives import box_span
 from ...emitter.lamps import instructions
+from ...emitter.primitives.box import box_span
 from ...jit import kernel, table
 from ...sdf.program import INSTRUCTION, Op
 from ...vec import sub, vec
@@ -46,20 +47,9 @@ field_table = table("lamp_fields", FIELD)
 
 def _box(row) -> np.ndarray:
     """(2, 3) corners of a primitive's box; infinite for a half space."""
-    op, size = Op(row["op"]), row["parameters"]
-    if op == Op.HALF_SPACE:
-        return np.array([[-np.inf] * 3, [np.inf] * 3])
-    wide = size[0]
-    if op == Op.BOX:
-        half = size[:3]
-    elif op in (Op.SPHERE, Op.SPONGE):
-        half = np.full(3, wide)
-    elif op == Op.TORUS:
-        half = np.array([wide + size[1], wide + size[1], size[1]])
-    elif op == Op.FRUSTUM:
-        half = np.array([max(size[:2]), max(size[:2]), 0.5 * size[2]])
-    else:
-        half = np.array([wide, wide, 0.5 * size[1] + (wide if op == Op.CAPSULE else 0.0)])
+    half = primitives.half_size(row["op"], row["parameters"])
+    if not np.isfinite(half).all():
+        return np.array([-half, half])
     matrix = inverse(np.vstack([row["inverse"], [0.0, 0.0, 0.0, 1.0]]))
     center, reach = matrix[:3, 3], np.abs(matrix[:3, :3]) @ half
     return np.array([center - reach, center + reach])
@@ -160,7 +150,7 @@ def rows_written_out(program: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
     places, stack, used = [], [], 0
     for index, row in enumerate(program):
         if row["arity"] == 0:
-            most = 2 if row["op"] == Op.TORUS else 1
+            most = primitives.most_spans(row["op"], row["parameters"])
         else:
             second, first = stack.pop(), stack.pop()
             most = first + second - (1 if row["op"] == Op.INTERSECTION else 0)
@@ -189,8 +179,9 @@ class WrittenOut:
         if len(programs) != 1:
             return None
         ops = set(programs[0]["op"].tolist())
+        many = any(op < Op.UNION and not primitives.has_two_spans_at_most(op) for op in ops)
         few = (
-            1 < len(programs[0]) <= cls.MOST and not len(parts_of(programs[0])) and not ops & {Op.SPONGE, Op.EXCLUSIVE}
+            1 < len(programs[0]) <= cls.MOST and not len(parts_of(programs[0])) and not many and Op.EXCLUSIVE not in ops
         )
         return cls(programs[0]) if few else None
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import pathlib
-from dataclasses import replace
 
 import numpy as np
 
@@ -14,26 +13,32 @@ from ...emitter.intersection import intervals
 from ...emitter.sampling import cut
 from ...emitter.tree import interior
 from ...graph import codegen_glsl
+from ...graph.codegen_native import LANES
 from ..film import CHANNELS, HALF_BIT, SCATTERED, Film
-from ..kernels import camera, geometry, integrator, lamp_tree, lights, path, rays, sampler, shading
-from ..kernels.packing import build_lamps, emissive_triangles, emitter_tables, integrator_scalars
+from ..kernels import camera, geometry, integrator, lamp_tree, lights, path, rays, samplers, shading
+from ..kernels.media import pack as media
+from ..kernels.media import parts as media_parts
+from ..kernels.outputs import apart as outputs
+from ..kernels.packing import build_lamps, emissive_triangles, emitter_tables, instance_boxes, integrator_scalars
+from ..kernels.shading.operands import run
 from ..kernels.shading.program import LOBE_PRINCIPLED
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
-from ..kernels.shading.values import run
+from ..kernels.shading.special_lobes import LOBE_SUBSURFACE, WITH_SUBSURFACE, WITH_THIN_SCATTERING
+from ..kernels.subsurface import parts as subsurface_parts
 from ..kernels.workspace import WORKSPACE_TABLES
-from ..material import Node
 from ..scene import Scene
 from ..settings import LampSampling
+from ..strands import without_strands
+from . import catchers, lamps, parts, replacements, special
 from . import crossings as field_crossings
 from . import images as gpu_images
-from . import lamps, parts, replacements, special
 from .bvh import MOST_IN_LEAF, Hierarchy
 from .device import DeviceError
 from .graphs import GraphSource
 from .layout import Record
 from .tables import NEAR, Tables
 from .translate import BLOCK, INT, WORKSPACE, Translator, Value, known
-from .translate.values import ASIDE
+from .translate.values import SECONDARY
 
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
 
@@ -49,6 +54,7 @@ SETTLED = frozenset(
     {
         "caustics",
         "transparent_film",
+        "shows_environment",
         "emitters_hit",
         "transparent_shadows",
         "emission_graphs",
@@ -56,10 +62,20 @@ SETTLED = frozenset(
         "lamp_strategy",
         "few_lamps",
         "has_media",
+        "camera_in_media",
         "has_subsurface",
+        "has_strands",
         "outputs",
     }
 )
+
+
+# Kernels that the CPU compiles apart, by the tables that hold their addresses there.
+CODE = {
+    "media_code": {place: kernel for place, (kernel, _) in media_parts.KERNELS.items()},
+    "subsurface_code": subsurface_parts.KERNELS,
+    "output_code": catchers.CODE,
+}
 
 
 class GpuScene:
@@ -70,24 +86,22 @@ class GpuScene:
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             raise DeviceError("it has no such sampling of lamps")
         self._images = images
-        scene = without_media(scene)
+        scene = without_strands(scene, "The GPU")
         self.formulas = lamps.Formulas()
         materials, graphs = shading.pack_materials(scene)
-        deep = materials["materials"]["flags"] & HAS_SUBSURFACE != 0
-        if deep.any():
-            scene = without_subsurface(scene, deep)
-            materials, graphs = shading.pack_materials(scene)
         self.graphs, self.lobes = GraphSource(graphs.structures), materials["lobes"]
         materials["graph_addresses"] = np.zeros(1, np.int64)  # of machine code, which is not for here
         flags = materials["materials"]["flags"]
-        transparent = flags & HAS_TRANSPARENCY != 0
+        self.deep, transparent = bool((flags & HAS_SUBSURFACE).any()), flags & HAS_TRANSPARENCY != 0
         bits = lights.shadow_bits(scene)
-        self.hierarchy = Hierarchy(scene, [rays.mask_of(instance, transparent, bits) for instance in scene.instances])
+        masks = [rays.mask_of(instance, transparent, bits) for instance in scene.instances]
+        if film.catches:
+            masks = [catchers.mask(scene, index, mask) for index, mask in enumerate(masks)]
+        self.hierarchy = Hierarchy(scene, masks)
         built, sources = build_lamps(scene)
         self.lamps = built
-        emitters = emitter_tables(
-            scene, built, sources, emissive_triangles(scene, materials["materials"]), materials, graphs
-        )
+        emissive = emissive_triangles(scene, materials["materials"])
+        emitters = emitter_tables(scene, built, sources, emissive, materials, graphs)
         self._place_fields(emitters, sources)
         self.asked_for_cuts = scene.settings.lamp_sampling is LampSampling.CUT
         self.cuts = self.asked_for_cuts and scene.settings.max_bounces <= CUT_BOUNCES
@@ -103,20 +117,35 @@ class GpuScene:
             **geometry.pack_geometry(scene, self.hierarchy.baked),
             **emitters,
             **camera.pack_camera(scene),
-            "sobol": sampler.tables(),
+            **samplers.TABLES,
         }
         tables |= gpu_images.placed(scene.images, self.images)
+        media_tables, media_scalars = media.pack_media(scene)
+        self.media = bool(media_scalars["has_media"])
+        if self.media:
+            tables |= media_tables
+            bounds = media_tables["media_bounds"]
+            media_scalars |= media.camera_scalars(scene.camera, bounds, scene, *instance_boxes(scene))
+        caught, caught_scalars = {}, {}
+        if film.catches:
+            shown = [*sources, *scene.lights, scene.world]
+            caught, caught_scalars = catchers.pack(scene, film, shown, emissive.instance)
+        tables |= caught
         varying = bool((materials["emissions"]["graph"] != shading.NO_GRAPH).any())
         scalars = {
-            "has_media": 0,
-            "has_subsurface": 0,
+            **media_scalars,
+            "has_subsurface": int(self.deep),
+            "has_strands": 0,
             "outputs": 0,
+            **caught_scalars,
             "emission_graphs": varying,
             **camera.camera_scalars(scene),
             **integrator_scalars(scene, flags, tables),
             "hierarchy_root": self.hierarchy.root,
             "tree_width": lamp_tree.WIDTH,
             "few_lamps": int(len(built) <= lamps.FEW),
+            "lanes": LANES,
+            "shows_environment": int(film.sums["environment"].size > 0),
         }
         shining = np.flatnonzero((tables["light_emitters"]["leaf"] >= 0) | (tables["light_emitters"]["infinite"] >= 0))
         self.one_emitter = len(shining) == 1 and len(tables["light_trees"]) == 1
@@ -126,8 +155,9 @@ class GpuScene:
             settled.add("lamp_count")
         if scalars["camera_aperture"] == 0.0:
             settled.add("camera_aperture")
-        self.tables = Tables(tables, scalars, frozenset(settled), self._workspace(tables), room // 4)
+        changing = catchers.CHANGING if film.catches else {}
         self.film = film
+        self.tables = Tables(tables, scalars, frozenset(settled), self._workspace(tables), room // 4, CODE, changing)
         self.scalars = scalars
 
     def _place_fields(self, tables, sources) -> None:
@@ -171,7 +201,9 @@ class GpuScene:
 
     def _workspace(self, tables) -> dict:
         lobes = tables["lobes"]
-        each = np.where(lobes["kind"] == LOBE_PRINCIPLED, PRINCIPLED_CLOSURES, 1)
+        deep = lobes["features"] & (WITH_SUBSURFACE | WITH_THIN_SCATTERING) != 0
+        each = np.where(lobes["kind"] == LOBE_PRINCIPLED, PRINCIPLED_CLOSURES + 2 * deep, 1)
+        each[lobes["kind"] == LOBE_SUBSURFACE] = 2  # and what does not go deep
         materials = tables["materials"]["lobes"]
         closures = max((int(each[first:last].sum()) for first, last in materials), default=1)
         rows = [field_crossings.INTERVALS + 1]
@@ -191,7 +223,8 @@ class GpuScene:
             "light_hits": lights.hit_capacity(tables),
             **path.COUNTS,
             "path": 1,
-            "ray": 1,
+            "sample": 1,
+            "ray": 3 if self.film.catches else 2 if self.media or self.deep else 1,  # those that are kept
             "surface": 1,
             "closures": max(min(closures, 64), 2),
             "registers": self.graphs.registers(),
@@ -199,6 +232,10 @@ class GpuScene:
             "light_cut": 1,
             **lamp_tree.workspace_counts(len(self.lamps)),
         }
+        if self.media:
+            counts["inside"] = 2  # of the path and of a light ray
+        if self.film.catches:
+            counts |= {"path": 2, "sample": 2, "output_sums": catchers.columns(self.film)}
         dtypes = {**WORKSPACE_TABLES, **lamps.ROWS, "lamp_cuts": lamps.FLAT_CUT if self.cuts else lamps.WITHOUT_BOXES}
         return {name: (dtypes[name], count) for name, count in counts.items()}
 
@@ -210,7 +247,15 @@ class GpuScene:
         translator.function(integrator.start_path, [scene, workspace, Value(INT, "x"), Value(INT, "y")])
         translator.function(integrator.prepare_ray, [scene, workspace])
         translator.function(integrator.advance, [scene, workspace, known(False)])
-        return self.assembled(translator, glsl("film.glsl"))
+        seed, _ = translator.function(samplers.pixel_seed, [Value(INT, name) for name in ("x", "y", "film_seed")])
+        calls = ["", f"#define PIXEL_SEED {seed}"]
+        if self.film.catches:
+            translator.function(integrator.intersect_and_gather, [scene, workspace])
+            translator.function(integrator.shade_and_scatter, [scene, workspace, known(False)])
+            for kernel in (outputs.clear, outputs.release, outputs.add_bare):
+                name, _ = translator.function(kernel, [scene, workspace])
+                calls.append(f"#define {kernel.__name__.upper()} {name}")
+        return self.assembled(translator, "\n".join(calls) + "\n" + glsl("film.glsl"))
 
     def translator(self) -> Translator:
         """What reads kernels as GLSL for this scene."""
@@ -223,20 +268,22 @@ class GpuScene:
                 groups.append(replacements.ONE_LIGHT_RAY)
         if not self.lamps:
             groups.append(replacements.NO_LAMPS)
+        if self.film.catches:
+            groups.append(replacements.CATCHERS)
         written = {run: self.graphs.native}
         if self.written_out is not None:
             written[intervals.solve] = self.written_out.native(self._first_written_out)
         chosen = replacements.together(*groups, special.natives(self.lobes), written)
-        return Translator(self.tables, chosen, replacements.ROUNDING)
+        return Translator(self.tables, chosen, replacements.ROUNDING | replacements.ROWS)
 
     def assembled(self, translator: Translator, main: str) -> str:
         """A whole shader: what the translator has read, and its ``main``."""
         graphs = self.graphs.source(translator)
         kernels = "\n\n".join(translator.functions)
         self.tables.used_scalars |= dict.fromkeys(
-            ("hierarchy_root", "sobol_start", "lamp_fields_start", "lamp_parameters_start"), "int"
+            ("hierarchy_root", "lamp_fields_start", "lamp_parameters_start"), "int"
         )
-        workspace = self.tables.workspace_source(aside=ASIDE.prefix in kernels or ASIDE.prefix in graphs)
+        workspace = self.tables.workspace_source(secondary=SECONDARY.prefix in kernels or SECONDARY.prefix in graphs)
         return "\n".join(
             [
                 "#version 430 core",
@@ -246,7 +293,8 @@ class GpuScene:
                 self.tables.second_source(),
                 *codegen_glsl.helpers("angle"),
                 workspace,
-                glsl("random.glsl"),
+                glsl("words.glsl"),
+                glsl("hashing.glsl"),
                 glsl("rays.glsl"),
                 self._lamp_source(),
                 translator.structure_source(),
@@ -273,7 +321,15 @@ class GpuScene:
         places, used = film_places(self.film)
         numbers |= {f"FILM_{name.upper()}": place for name, place in places.items()}
         numbers["PIXEL_SIZE"] = used
-        switches = {"INSTANCES": self.hierarchy.instanced, "IMAGES": self._images}
+        rows = "rows[0]" if self.film.catches else "row"
+        numbers |= {"PATH": f"path_{rows}", "SAMPLE": f"sample_{rows}", "OUTPUTS": catchers.columns(self.film)}
+        switches = {
+            "INSTANCES": self.hierarchy.instanced,
+            "IMAGES": self._images,
+            "ONE_INSTANCE": self.deep,
+            "CATCHERS": self.film.catches,
+            "MEDIA": self.media,
+        }
         return [f"#define {name} {value}" for name, value in numbers.items()] + [
             f"#define {name}" for name, on in switches.items() if on
         ]
@@ -333,47 +389,6 @@ class GpuScene:
         return "\n".join(parts)
 
 
-def without_media(scene: Scene) -> Scene:
-    """The scene with clear air; it gets a warning where there is more."""
-    if scene.world.medium is None and all(material.medium is None for material in scene.materials):
-        return scene
-    scene.warnings.append("The GPU leaves volumes out: choose the CPU as the device to see them.")
-    return replace(
-        scene,
-        world=replace(scene.world, medium=None),
-        materials=[replace(material, medium=None) for material in scene.materials],
-    )
-
-
-def without_subsurface(scene: Scene, deep: np.ndarray) -> Scene:
-    """The scene with opaque surfaces where light would enter them, in the materials (materials,) that are ``deep``. It gets a
-    warning."""
-    known: dict[int, Node] = {}
-
-    def opaque(node):
-        if not isinstance(node, Node):
-            return node
-        if id(node) not in known:
-            inputs = {name: opaque(value) for name, value in node.inputs.items()}
-            if node.kind == "subsurface":
-                known[id(node)] = Node(
-                    "diffuse", {name: inputs[name] for name in ("color", "normal") if name in inputs}
-                )
-            else:
-                inputs.pop("subsurface_weight", None)
-                known[id(node)] = Node(node.kind, inputs, node.settings)
-        return known[id(node)]
-
-    scene.warnings.append("The GPU leaves subsurface scattering out: choose the CPU as the device to see it.")
-    return replace(
-        scene,
-        materials=[
-            replace(material, surface=opaque(material.surface)) if left_out else material
-            for material, left_out in zip(scene.materials, deep)
-        ],
-    )
-
-
 def film_places(film: Film) -> tuple[dict[str, int], int]:
     """Place of each sum among the floats of a pixel, and how many there are."""
     places, used = {}, 0
@@ -384,7 +399,9 @@ def film_places(film: Film) -> tuple[dict[str, int], int]:
     for name in ("count", "surfaces", "nan", "infinite"):
         places[name] = used
         used += 1
-    return places, used
+    if film.catches:
+        places["outputs"] = used
+    return places, used + catchers.columns(film)
 
 
 def glsl(name: str) -> str:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, wait
@@ -11,6 +12,8 @@ from concurrent.futures import Future, wait
 import numpy as np
 
 from ...emitter.building.remarks import unresolved
+from ...interruption import Watch, check, watched
+from ...interruption import say as say_to_watch
 from ..errors import RenderError
 from ..film import Film
 from ..motion import still
@@ -33,29 +36,39 @@ class GpuRenderer:
     """
 
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
-        self._film, self._say, self._warnings = film, say, scene.warnings
+        self._film, self._warnings = film, scene.warnings
         self._device = device()
         scene.warnings += film.beyond("The GPU")
         self._made: list = []
         self._places, self._size = film_places(film)
         self._work, self._longest = FIRST_WORK, MOST_SAMPLES
-        self._seed = scene.settings.seed
+        self._seed, self._offset = scene.settings.seed, scene.settings.sample_offset
         if scene.shutter is not None:
             scene.warnings.append(
                 "Motion blur is not supported on the GPU: everything stands still in a frame; choose the CPU as device."
             )
         say("Building the scene")
-        self.ready = self._wait(self._device.submit(self._prepare, scene), cancelled)
+        self.ready = self._set_up(scene, cancelled, say)
 
     @property
     def name(self) -> str:
+        """See ``interfaces.BackEnd``."""
         return f"GPU ({self._device.name})"
 
-    def _wait(self, future: Future, cancelled: Callable[[], bool]) -> bool:
-        """Wait for something that cannot be stopped half-way; False if cancelled meanwhile."""
+    def _set_up(self, scene: Scene, cancelled: Callable[[], bool], say: Callable[[str], None]) -> bool:
+        """Wait for ``_prepare``, and tell what it is at. False if cancelled meanwhile: then it ends by itself, a compiler of
+        the driver's, which cannot be stopped, when it is through."""
+        ended = threading.Event()
+        watch = Watch(ended.is_set)
+        future = self._device.submit(self._prepare, scene, watch)
+        told = watch.doing
         while not future.done():
             if cancelled():
+                ended.set()
                 return False
+            if watch.doing != told:
+                told = watch.doing
+                say(told)
             wait([future], POLL_SECONDS)
         self._result(future)
         return True
@@ -73,12 +86,16 @@ class GpuRenderer:
         except Exception as error:
             raise DeviceError(f"it failed ({type(error).__name__}: {error})") from error
 
-    def _prepare(self, context, scene: Scene) -> None:
-        packed = GpuScene(still(scene), self._film, self._device.images, self._device.largest_buffer)
-        self._packed = packed
-        source = packed.source()
-        self._say("Compiling the scene's program for the GPU")
-        self._program = self._device.program(context, source)
+    def _prepare(self, context, scene: Scene, watch: Watch) -> None:
+        with watched(watch):
+            packed = GpuScene(still(scene), self._film, self._device.images, self._device.largest_buffer)
+            self._packed = packed
+            check()
+            source = packed.source()
+            check()
+            say_to_watch("Compiling the scene's program for the GPU")
+            self._program = self._device.program(context, source)
+            check()
         words, second, uniforms = packed.tables.pack(packed.scalars)
         hierarchy = packed.hierarchy
         self._uniforms = self._buffer(context, uniforms)
@@ -132,7 +149,7 @@ class GpuRenderer:
                 texture.use(unit)
         x, y, _, _ = self._film.window
         self._program["film_place"] = x, y, self._film.width
-        self._program["film_seed"] = self._seed
+        self._program["film_seed"], self._program["film_offset"] = self._seed, self._offset
 
     def _begin(self, context, pixels: np.ndarray) -> None:
         self._bind()
@@ -169,6 +186,10 @@ class GpuRenderer:
         discarded = film.discarded.reshape(len(film.active), -1)
         for column, name in enumerate(("nan", "infinite")):
             discarded[pixels, column] += sums[:, self._places[name]].astype(np.int32)
+        if film.catches:
+            first, columns = self._places["outputs"], film.light_sums.shape[1]
+            film.light_sums[pixels] += sums[:, first : first + columns]
+            film.data_sums[pixels] += sums[:, first + columns : first + columns + film.data_sums.shape[1]]
         film.count[pixels] += sums[:, self._places["count"]].astype(np.int32)
         film.surfaces[pixels] += seen
 

@@ -12,26 +12,32 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 
+from ... import bits
 from ...emitter import hashing
 from ...emitter import lamps as emitter_lamps
 from ...emitter.emission import varying
-from ...emitter.intersection import cover, fields, intervals, primitives, sponge
+from ...emitter.intersection import cover, fields, intervals
+from ...emitter.primitives import sponge, torus
 from ...emitter.sampling import cut, cut_points
 from ...emitter.tree import crossings
-from ...jit import float_bits, stack_array
-from ..kernels import gather, geometry, lamp_tree, next_event, rays, sampler, textures
-from ..kernels.lights import rectangle, tree, triangle
-from ..kernels.shading import values
+from ...jit import call_part, float_bits, stack_array
+from ..kernels import gather, geometry, lamp_tree, next_event, rays, textures
+from ..kernels.lights import emitters, rectangle, tree, triangle
+from ..kernels.media import light_rays, stack, travel
+from ..kernels.outputs import catchers as output_catchers
+from ..kernels.shading import operands
+from ..kernels.subsurface import disk
+from ..kernels.subsurface import records as subsurface
 from ..kernels.workspace import cut_of, light_cut_of, spans_of
+from . import catchers, images, lamps, parts, still
 from . import crossings as field_crossings
-from . import images, lamps, parts, still
 from .layout import Array
-from .translate import BOOL, FLOAT, INT, UINT, VECTOR, Native, Ref, Tuple, Value
+from .translate import BOOL, CONSTANT, FLOAT, INT, UINT, ULONG, VECTOR, Native, Ref, Tuple, Value, known
 
 # Constants that stand for the rounding of float64: (module that uses it, name) -> its value in float32.
 ROUNDING = {
-    (primitives, "QUARTIC_ROUNDING"): 4e-7,
-    (primitives, "POLISH"): 3e-2,
+    (torus, "QUARTIC_ROUNDING"): 4e-7,
+    (torus, "POLISH"): 3e-2,
     (sponge, "_ROUNDING"): 1e-6,
     (cover, "SIGN"): 1e-30,
     (cover, "LARGEST"): 1e30,
@@ -39,6 +45,16 @@ ROUNDING = {
     (emitter_lamps, "SMALLEST_INTERVAL"): 2e-6,
     (rectangle, "SMALL"): 3e-3,
     (triangle, "SMALL"): 3e-2,
+}
+
+# Rows of tables of the workspace: paths do not divide here, so there are fewer. (module that uses it, name) -> row.
+ROWS = {
+    (stack, "LIGHT_RAY"): 1,
+    (light_rays, "LIGHT_RAY"): 1,
+    (travel, "KEPT_RAY"): 1,
+    (disk, "KEPT_RAY"): 1,
+    (output_catchers, "CAUGHT"): 1,
+    (output_catchers, "CAUGHT_RAY"): 2,
 }
 
 
@@ -51,13 +67,40 @@ def _ray(any_hit: str) -> Native:
     def call(function, arguments):
         block, workspace, *rest = arguments
         texts = [
-            *function.passed(rest[:2]),
+            *(function.converted(value, VECTOR).text for value in rest[:2]),
             *(function.converted(value, FLOAT).text for value in rest[2:4]),
             function.converted(rest[4], INT).text,
         ]
-        return Value(BOOL, f"hit_scene({workspace.constant.prefix}ray_row, {', '.join(texts)}, {any_hit})")
+        return Value(BOOL, f"hit_scene({_first_ray(function, workspace)}, {', '.join(texts)}, {any_hit})")
 
     return Native(call)
+
+
+def _first_ray(function, workspace) -> str:
+    """The record of the ray in a workspace."""
+    return function.translator.tables.table("ray", None, workspace).type.lvalue.replace("{}", "0")
+
+
+def _instance_ray(function, arguments):
+    _, workspace, index, *rest = arguments
+    texts = [
+        *(function.converted(value, VECTOR).text for value in rest[:2]),
+        *(function.converted(value, FLOAT).text for value in rest[2:]),
+        function.converted(index, INT).text,
+    ]
+    return Value(BOOL, f"hit_instance({_first_ray(function, workspace)}, {', '.join(texts)})")
+
+
+def _part(function, arguments):
+    """A call of what the CPU compiles apart: here it is a kernel like others."""
+    kernel, block, workspace, given, _ = arguments
+    name, result = function.translator.function(kernel.constant, [block, workspace, *given.items])
+    if result.type == CONSTANT:
+        return known((result.constant,))
+    text = f"{name}({', '.join(function.passed(list(given.items)))})"
+    if isinstance(result.type, Tuple):
+        return Value(result.type, text)
+    return Value(Tuple((result.type,)), text, items=(Value(result.type, text),))
 
 
 def _field_value(function, arguments):
@@ -89,15 +132,14 @@ IN_GLSL = {
     field_crossings.field_at: Native("field", FLOAT),
     field_crossings.halves: Native("unpackHalf2x16", Tuple((FLOAT, FLOAT))),
     lamps.colour: Native("lamp_colour", VECTOR),
+    catchers.is_bare: Native(lambda function, arguments: Value(BOOL, "bare")),
 }
 
 ALWAYS = {
     **IN_GLSL,
-    sampler.pixel_seed: Native("pixel_seed", UINT),
-    sampler.draw1: Native("draw1", FLOAT),
-    sampler.draw2: Native("draw2", Tuple((FLOAT,) * 2)),
-    sampler.draw3: Native("draw3", VECTOR),
-    sampler.draw4: Native("draw4", Tuple((FLOAT,) * 4)),
+    bits.reverse_32: Native("bitfieldReverse", UINT),
+    bits.reverse_64: Native("reverse_64", ULONG),
+    bits.unit_float: Native("unit_float", FLOAT),
     hashing.seeded: Native("counted_seeded", UINT),
     hashing.following: Native("counted_following", UINT),
     hashing.uniform: Native("counted_uniform", FLOAT),
@@ -108,6 +150,8 @@ ALWAYS = {
     geometry.form_of: still.form_of,
     textures.texel: images.texel,
     textures.decoded: images.decoded,
+    subsurface.intersect_instance: Native(_instance_ray),
+    call_part: Native(_part),
     float_bits: Native("floatBitsToUint", UINT),
     stack_array: Native(_stack),
     spans_of: Native(_spans),
@@ -117,7 +161,9 @@ ALWAYS = {
     fields.value: Native(_field_value),
     emitter_lamps.note_length: Native(_note),
     emitter_lamps.solve_all: parts.solve_all,
+    varying.attenuated_integral: lamps.attenuated_integral,
     varying.line_integral: lamps.line_integral,
+    varying.colours: lamps.colours,
     cut_points.sample_point: lamps.sample_point,
     cut_points.project_afar: cut.project,
     lamp_tree.lamps_along: lamps.lamps_along,
@@ -130,11 +176,13 @@ ONE_EMITTER = {tree.select: lamps.select_only, tree.selection_probability: lamps
 ONE_LIGHT_RAY = {next_event.renew_lamp: lamps.keep_lamp}  # of one emitter, without transparent shadows
 NO_LAMPS = {next_event.light_lamp: lamps.no_light, gather.lamp_reach: lamps.no_reach}
 
-GROUPS = ALWAYS, WITH_BOXES, WITHOUT_BOXES, BY_PROJECTION, ONE_EMITTER, ONE_LIGHT_RAY, NO_LAMPS
+CATCHERS = {emitters.reaches: catchers.reaches}
+
+GROUPS = ALWAYS, WITH_BOXES, WITHOUT_BOXES, BY_PROJECTION, ONE_EMITTER, ONE_LIGHT_RAY, NO_LAMPS, CATCHERS
 
 
 # Kernels that are written as GLSL for each scene: the graphs of materials, and lamps of many parts.
-WRITTEN = values.run, intervals.solve
+WRITTEN = operands.run, intervals.solve
 
 
 def together(*groups: dict) -> dict[Callable, object]:

@@ -11,6 +11,8 @@ import numpy as np
 
 from ...jit import kernel
 from ..kernels.shading import apart, special
+from ..kernels.shading.records import BURLEY
+from ..kernels.subsurface import disk, walk
 from .translate import BLOCK, FLOAT, INT, Native, Tuple, Value, known
 
 _ADD = None, ("lobe", INT), ("weight", FLOAT)
@@ -47,9 +49,16 @@ def _no_scattering(block, workspace, lobe, r, g, b, ior):
     return 0.0
 
 
+@kernel
+def _nowhere(block, workspace, closure):
+    """In the place of a way below surfaces that no material takes."""
+    return 0.0
+
+
 def natives(lobes: np.ndarray) -> dict:
-    """What stands in the place of the kernels of ``apart``, for a scene with these lobes."""
+    """What stands in the place of the kernels of ``apart``, and of those below surfaces, for a scene with these lobes."""
     found, closures, refined, thin, deep = special.kinds(lobes)
+    methods = special.methods(lobes)
     return {
         apart.add: _choice("special_add", _ADD, {kind: special.LOBES[kind][0] for kind in found}),
         apart.evaluate: _choice(
@@ -60,6 +69,8 @@ def natives(lobes: np.ndarray) -> dict:
         apart.thin_wall: special.THIN_WALL if thin else _no_wall,
         apart.transparency: _shaded_transparency if thin else _opaque,
         apart.subsurface: special.SCATTERING if deep else _no_scattering,
+        disk.scatter: disk.scatter if BURLEY in methods else _nowhere,
+        walk.walk: walk.walk if methods - {BURLEY} else _nowhere,
     }
 
 

@@ -10,10 +10,12 @@ threads read together is fastest there.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .layout import Array, Record, layout_of, size_of, words_of
-from .translate.values import ASIDE, BLOCK, CONSTANT, Ref, Value, known, safe_name
+from .translate.values import BLOCK, CONSTANT, SECONDARY, Ref, Value, known, safe_name
 
 MOST_VALUES = 32  # different values of a field that are worth knowing
 NEAR = "near_"  # begins the names of functions that read tables in the uniform block
@@ -23,7 +25,8 @@ SECOND_BINDING = 4
 SMALL = 256  # words of a table that may be there
 LARGE = frozenset({"lamp_boxes", "lamp_parts"})  # tables that all threads read from end to end: there if they fit
 PLACED = "lamp_parameters"  # likewise, of which programs hold the place
-BUFFERED = frozenset({"lamp_fields", "sobol"})  # tables that shaders written by hand look for in the buffer
+CLEARED = frozenset({"path", "sample"})  # tables of which the first row is cleared, where there are several
+BUFFERED = frozenset({"lamp_fields"})  # tables that shaders written by hand look for in the buffer
 
 
 class Tables:
@@ -31,7 +34,8 @@ class Tables:
 
     ``tables`` are those of the block, ``scalars`` its numbers; ``settled`` names scalars that programs are made for.
     ``workspace`` maps names to (dtype, count) of what each thread has. ``room``: words of a buffer; tables for which the
-    first has none are in a second one.
+    first has none are in a second one. ``code`` has the kernels by place of tables that hold addresses on the CPU. ``changing``:
+    scalars that are not the same for all of a path.
     """
 
     def __init__(
@@ -41,8 +45,11 @@ class Tables:
         settled: frozenset[str],
         workspace: dict[str, tuple[np.dtype, int]],
         room: float = np.inf,
+        code: dict[str, dict[int, Callable]] | None = None,
+        changing: dict[str, Value] | None = None,
     ):
         self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
+        self._code, self._changing = code or {}, changing or {}
         self.used_scalars: dict[str, str] = {}
         self._near: dict[str, int] = {}  # first word of each table that is in the uniform block
         used = 0
@@ -73,6 +80,9 @@ class Tables:
     def scalar(self, name: str):
         """The value of a scalar of the block: a number if the program is made for it, else a uniform."""
         number = self._scalars[name]
+        if name in self._changing:
+            self.used_scalars[name] = "int"
+            return self._changing[name]
         if name in self._settled:
             return known(number)
         kind = "float" if isinstance(number, (float, np.floating)) else "int"
@@ -86,9 +96,11 @@ class Tables:
             self.used_scalars[name + "_start"] = "int"
             start = f"scene.{name}_start + {base.type.reader}int_at({base.text} + {offset})"
             return Value(Ref(Array(layout_of(np.dtype(dtype), name)), reader=self.reader(name)), start)
+        if name in self._code:
+            return known(self._code[name])
         if base.constant is not BLOCK and (name in self._workspace or name not in self._tables):
-            if name == "aside":
-                return known(ASIDE)
+            if name == "secondary":
+                return known(SECONDARY)
             if name not in self._workspace:
                 return known(None)
             dtype, count = self._workspace[name]
@@ -105,6 +117,13 @@ class Tables:
         if not len(self._tables[name]):
             rows = "0"
         return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), f"scene.{name}_start", count=rows)
+
+    def constant(self, array: np.ndarray) -> Value | None:
+        """The table that is this array, of a module of kernels; None if there is none."""
+        for name, own in self._tables.items():
+            if own is array:
+                return self.table(name, array.dtype, known(BLOCK))
+        return None
 
     def row(self, name: str, index: int, text: str) -> Value:
         """A row of a table that is known to be that with this index, of which more is known than of all of them."""
@@ -131,7 +150,7 @@ class Tables:
 
     # For the GPU
 
-    def workspace_source(self, aside: bool) -> str:
+    def workspace_source(self, secondary: bool) -> str:
         """Structures and global variables of the workspace, and a function that clears what is not an array."""
 
         lines, cleared = [], []
@@ -141,12 +160,12 @@ class Tables:
             if isinstance(inner, Record):
                 kind = "Record_" + name
                 lines.append(f"struct {kind} {{ {' '.join(_member(*item) for item in inner.fields.items())} }};")
-            for prefix in ("", "aside_") if aside else ("",):
+            for prefix in ("", "secondary_") if secondary else ("",):
                 single = count == 1 and isinstance(inner, Record)
                 lines.append(f"{kind} {prefix}{name}{'_row' if single else f'_rows[{count}]'};")
-                if single:
+                if single or name in CLEARED:
                     cleared += [
-                        f"    {prefix}{name}_row.{safe_name(field)} = {scalar}(0);"
+                        f"    {prefix}{name}_{'row' if single else 'rows[0]'}.{safe_name(field)} = {scalar}(0);"
                         for field, (_, scalar) in inner.fields.items()
                         if isinstance(scalar, str)
                     ]

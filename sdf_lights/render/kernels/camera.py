@@ -10,10 +10,10 @@ import math
 
 import numpy as np
 
-from ...emitter.sampling.points import disk_point
+from ...emitter.primitives.disk import disk_point
 from ...jit import kernel, table
 from ...vec import cross, madd, normalize, scale, sub, transform_point, transform_vector
-from ..scene import Projection, Scene
+from ..scene import Camera, Projection, Scene
 from ..settings import Filter, Settings
 
 CAMERA = np.dtype(
@@ -104,7 +104,11 @@ def filter_inverse_cdf(settings: Settings) -> np.ndarray:
 
 def pack_camera(scene: Scene) -> dict[str, np.ndarray]:
     """Tables of the camera and of the pixel filter."""
-    camera = scene.camera
+    return {"camera": camera_record(scene.camera, scene), "filter_offsets": filter_inverse_cdf(scene.settings)}
+
+
+def camera_record(camera: Camera, scene: Scene) -> np.ndarray:
+    """(1,) ``CAMERA`` of a camera that sees the frame of ``scene``."""
     record = np.zeros(1, CAMERA)
     left, right, bottom, top = camera.window
     record["matrix"] = np.asarray(camera.matrix, np.float64)[:3, :4]
@@ -121,7 +125,7 @@ def pack_camera(scene: Scene) -> dict[str, np.ndarray]:
         record["eye"], record["convergence"] = camera.eye.offset, min(camera.eye.convergence, NONE)
         if camera.eye.merge is not None:
             record["merge"] = camera.eye.merge
-    return {"camera": record, "filter_offsets": filter_inverse_cdf(scene.settings)}
+    return record
 
 
 def camera_scalars(scene: Scene) -> dict[str, float]:
@@ -340,3 +344,19 @@ def view_depth(block, position):
     if camera.projection >= FIRST_PANORAMA:
         return math.sqrt(offset[0] ** 2 + offset[1] ** 2 + offset[2] ** 2)
     return -(m[0, 2] * offset[0] + m[1, 2] * offset[1] + m[2, 2] * offset[2])
+
+
+@kernel
+def pixel_of(camera, position, distant):
+    """Pixel (x, y) from the lower left corner of the whole frame at which a camera shows a position; of what is infinitely
+    ``distant``, towards this direction."""
+    m, away = camera.matrix, 0.0 if distant else 1.0
+    offset = (position[0] - away * m[0, 3], position[1] - away * m[1, 3], position[2] - away * m[2, 3])
+    x = m[0, 0] * offset[0] + m[1, 0] * offset[1] + m[2, 0] * offset[2]
+    y = m[0, 1] * offset[0] + m[1, 1] * offset[1] + m[2, 1] * offset[2]
+    z = -(m[0, 2] * offset[0] + m[1, 2] * offset[1] + m[2, 2] * offset[2])
+    if camera.projection == PERSPECTIVE:
+        x, y = (x / z, y / z) if z != 0.0 else (0.0, 0.0)
+    elif camera.projection >= FIRST_PANORAMA:
+        x, y = panorama_place(camera, x, y, z)
+    return (x - camera.corner[0]) / camera.step[0], (y - camera.corner[1]) / camera.step[1]

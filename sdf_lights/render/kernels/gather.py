@@ -10,17 +10,17 @@ from ... import emitter as lamps
 from ...emitter.sampling.strategies import NO_BSDF_RAYS, NO_LIGHT_RAYS
 from ...jit import kernel
 from ...replaced import replaced_on_gpu
-from ...vec import largest, mul, vec
+from ...vec import largest, mul, scale, vec
 from . import lights
-from .emission import modulated
+from .emission_graphs import modulated
 from .geometry import surface_table
 from .lamp_tree import found_table, lamps_along
 from .media import apart as media
 from .media.beams import attenuation
 from .media.records import inside_table
 from .next_event import competes, facing, lamp_density, renew_lamp, rival_density
-from .path import CAMERA, EMISSION_SET, contribute, of_instance, path_table, uncover
-from .sampler import draw1
+from .path import CAMERA, EMISSION_SET, contribute, of_instance, path_table, show_environment, uncover
+from .samplers import get_1d
 from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
 
@@ -90,11 +90,13 @@ def gather_lamps(block, workspace, t_to):
         count = path.kept_count if path.kept == lamp else lamps.trace(block, lamp, origin, direction, spans)
         if count == 0:
             continue
-        u = draw1(path.index, path.seed, path.dimension + EMISSION_SET) if lamps.varies(block, lamp) else 0.5
+        u = get_1d(path.index, path.seed, path.dimension + EMISSION_SET) if lamps.varies(block, lamp) else 0.5
         if block.has_media and inside_table(workspace)[0].count > 0:
             radiance = media.seen_lamp(block, workspace, lamp, count, t_to, u)
         else:
             radiance = lamps.radiance(block, lamp, origin, direction, spans, count, path.t_min, t_to, u)
+        if path.kind == CAMERA:
+            radiance = scale(radiance, lights.camera_brightness(block, lamp))
         if largest(radiance) <= 0.0:
             continue
         contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, count), lamp, path.bounce)
@@ -157,9 +159,11 @@ def _nothing(radiance):
 def gather_world(block, workspace):
     """Add the background, and end the path in the alpha channel."""
     path = path_table(workspace)[0]
-    if path.kind == CAMERA and block.transparent_film:
+    hidden = path.kind == CAMERA and block.transparent_film != 0
+    if hidden:
         uncover(workspace, 1.0)
-        return
+        if not block.shows_environment:
+            return
     world = lights.world_emitter(block)
     if not lights.visibility(block, world) & path.kind:
         return
@@ -168,6 +172,9 @@ def gather_world(block, workspace):
     if block.emission_graphs:
         radiance = modulated(block, workspace, world, radiance, vec(path.origin), direction, np.inf, path.kind)
     if _nothing(radiance):
+        return
+    if hidden:  # from Combined alone
+        show_environment(workspace, radiance)
         return
     pdf = lights.world_pdf(block, vec(path.origin), vec(path.normal), direction) if path.pdf > 0.0 else 0.0
     contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), world, path.bounce)

@@ -15,10 +15,12 @@ from ...jit import kernel, table
 from ...replaced import replaced_on_gpu
 from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
 from ..material import Attribute
-from ..scene import AttributeValues, Domain, Instance, Mesh, Ray, Scene
+from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
+from ..strands import first_numbers, radii_of, strand_of, world_scale
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.program import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
+from .strands import apart as strands
 
 # All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows as
 # materials look up attributes.
@@ -28,6 +30,7 @@ INSTANCE = np.dtype(
         ("inverse", np.float64, (3, 4)),
         ("baked", np.int64),
         ("holdout", np.int64),
+        ("catcher", np.int64),
         ("positions", np.int64),
         ("triangles", np.int64),
         ("triangle_count", np.int64),
@@ -49,6 +52,12 @@ INSTANCE = np.dtype(
         ("forms", np.int64),
         ("vertex_count", np.int64),
         ("time", np.float64),
+        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their curves, and
+        # that of the first curve of the instance (see ``strands.py``).
+        ("primitive", np.int64),
+        ("radii", np.int64),
+        ("strands", np.int64),
+        ("first_strand", np.int64),
     ],
     align=True,
 )
@@ -69,16 +78,21 @@ TABLES = {
     "instance_materials": np.dtype(np.int32),
     "attributes": ATTRIBUTE,
     "attribute_values": np.dtype(np.float32),
+    "radii": np.dtype(np.float32),
+    "strand_of": np.dtype(np.int32),
+    **strands.TABLES,
 }
+SCALARS = strands.SCALARS
 
 NO_DOMAIN = -1
+TRIANGLES, SPHERES = int(Primitive.TRIANGLES), int(Primitive.SPHERES)
 NO_TIME = -1.0
 SHADOW = int(Ray.SHADOW)
 CORNER, VERTEX, TRIANGLE_DOMAIN, WHOLE = (int(domain) for domain in Domain)
 # Bump mapping takes differences over this part of a pixel (Blender's filter width), or over this distance in metres
 # where the pixel's width is not known. Bilinear texels make the result all but independent of it.
-_BUMP_FILTER = 0.1
-_BUMP_DISTANCE = 1e-4
+BUMP_FILTER = 0.1
+BUMP_DISTANCE = 1e-4
 
 instance_table = table("instances", INSTANCE)
 pose_table = table("instance_poses", POSE)
@@ -87,6 +101,7 @@ triangle_table = table("triangles", TRIANGLE)
 normal_table = table("corner_normals", CORNER_NORMALS)
 attribute_table = table("attributes", ATTRIBUTE)
 attribute_value_table = table("attribute_values", np.float32)
+radius_table = table("radii", np.float32)
 slot_table = table("slots", np.int32)
 material_table = table("instance_materials", np.int32)
 surface_table = table("surface", SURFACE)
@@ -102,7 +117,7 @@ class _Rows:
     def add(self, array: np.ndarray) -> int:
         """Append (rows, …) values; the row at which they start."""
         base = self.dtype if self.dtype.fields is None else self.dtype.fields[self.dtype.names[0]][0].base
-        flat = np.ascontiguousarray(array, base).reshape(len(array), -1)
+        flat = np.ascontiguousarray(array, base).reshape(len(array), int(np.prod(np.shape(array)[1:])))
         self.parts.append(flat)
         start, self.count = self.count, self.count + len(flat)
         return start
@@ -113,13 +128,17 @@ class _Rows:
         return np.concatenate(self.parts).reshape(-1).view(self.dtype)
 
 
+_MADE_HERE = {"instances", "attributes", *strands.TABLES}
+
+
 def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     """Tables of all meshes and instances. ``baked``: (instances,) bool from ``cpu.accelerator.Accelerator``."""
-    rows = {name: _Rows(dtype) for name, dtype in TABLES.items() if name not in ("instances", "attributes")}
+    rows = {name: _Rows(dtype) for name, dtype in TABLES.items() if name not in _MADE_HERE}
     wanted = scene.looked_up()
     attributes = _Attributes(wanted, rows["attribute_values"])
     packed: dict[int, dict[str, object]] = {}
     instances = np.zeros(len(scene.instances), INSTANCE)
+    first_strands = first_numbers(scene)
     for index, instance in enumerate(scene.instances):
         mesh, record = scene.meshes[instance.mesh], instances[index]
         if instance.mesh not in packed:
@@ -136,16 +155,23 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
             places["forms"] = 0 if mesh.motion is None else len(mesh.motion)
             places["vertex_count"] = len(mesh.positions)
             places["box_center"], places["box_size"] = box_around(mesh.positions)
+            places["primitive"] = int(mesh.primitive)
+            if mesh.primitive != Primitive.TRIANGLES:
+                factor = world_scale(instance.matrix) if baked[index] else 1.0
+                places["radii"] = rows["radii"].add(factor * radii_of(mesh))
+                places["strands"] = rows["strand_of"].add(strand_of(mesh))
             packed[instance.mesh] = places
         for name, place in packed[instance.mesh].items():
             record[name] = place
         matrix = np.asarray(instance.matrix, np.float64)
         record["matrix"], record["inverse"] = matrix[:3], inverse(matrix)[:3]
         record["baked"], record["holdout"] = baked[index], instance.holdout
+        record["catcher"] = instance.catcher
         record["mirrored"] = np.linalg.det(matrix[:3, :3]) < 0.0
         record["materials"] = rows["instance_materials"].add(np.array(instance.materials, np.int32))
         record["material_count"] = len(instance.materials)
         record["attributes"] = attributes.place(instance, mesh)
+        record["first_strand"] = first_strands[index]
         record["index"], record["random"], record["color"] = instance.index, instance.random, instance.color
         if instance.motion is not None:
             record["poses"] = rows["instance_poses"].add(instance.motion[:, :3])
@@ -205,7 +231,8 @@ def attribute_values(mesh: Mesh, attribute: Attribute) -> AttributeValues | None
     if attribute.kind in ("uv", "tangent"):
         maps = mesh.uvs if attribute.kind == "uv" else mesh.tangents
         found = maps.get(attribute.name)
-        return None if found is None else AttributeValues(Domain.CORNER, found)
+        if found is not None:
+            return AttributeValues(Domain.CORNER, found)
     return mesh.attributes.get(attribute)
 
 
@@ -304,7 +331,13 @@ def hit_material(instance, block, triangle):
 @kernel
 def find_surface(block, workspace, wo, ray_kind, footprint):
     """Fill ``SURFACE`` from the hit that ``rays.intersect`` left in the workspace, as far as the material needs it."""
-    _fill_surface(block, ray_table(workspace)[0], surface_table(workspace)[0], wo, ray_kind, footprint)
+    ray = ray_table(workspace)[0]
+    if block.has_strands:
+        ray.id = 0
+        if instance_table(block)[hit_instance(ray)].primitive != TRIANGLES:
+            strands.fill(block, workspace, 0, wo, ray_kind, footprint)
+            return
+    _fill_surface(block, ray, surface_table(workspace)[0], wo, ray_kind, footprint)
 
 
 @kernel
@@ -346,6 +379,7 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
         smooth = normalize(transform_normal(instance.inverse, object_normal))
         if dot(smooth, smooth) > 0.5:
             n = smooth
+    surface.strand = 0
     surface.backfacing = 0
     if dot(ng, wo) < 0.0:
         surface.backfacing = 1
@@ -363,7 +397,7 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
     surface.material = hit_material(instance, block, triangle)
     flags = shading_material_table(block)[surface.material].flags
     if flags & NEEDS_DERIVATIVES:
-        surface.bump_step = _BUMP_FILTER * footprint if footprint > 0.0 else _BUMP_DISTANCE
+        surface.bump_step = BUMP_FILTER * footprint if footprint > 0.0 else BUMP_DISTANCE
         for axis in range(3):
             surface.dpdu[axis] = edge1[axis]
             surface.dpdv[axis] = edge2[axis]
@@ -387,13 +421,16 @@ def _find_radial(surface, instance):
 
 
 @kernel
-def find_shadow_surface(block, workspace, aside, wo):
-    """Fill what ``shading.transparency`` reads in the workspace ``aside``, from the hit in ``workspace``; the material's
+def find_shadow_surface(block, workspace, secondary, wo):
+    """Fill what ``shading.transparency`` reads in the workspace ``secondary``, from the hit in ``workspace``; the material's
     index."""
     ray = ray_table(workspace)[0]
-    surface = surface_table(aside)[0]
+    surface = surface_table(secondary)[0]
     instance = instance_at(block, hit_instance(ray))
     triangle = np.int64(ray.primitive)
+    if block.has_strands and instance.primitive != TRIANGLES:
+        strands.fill(block, workspace, 1, wo, SHADOW, 0.0)
+        return surface.material
     surface.material = hit_material(instance, block, triangle)
     # Embree gives the normal of the triangle as it was built: in world space if baked, in the mesh's own space if not.
     facing = dot(hit_normal(ray), wo if instance.baked else transform_vector(instance.inverse, wo))

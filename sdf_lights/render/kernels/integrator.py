@@ -22,7 +22,7 @@ from .media import apart as media
 from .media.records import inside_table
 from .next_event import light_vertex
 from .outputs import apart as outputs
-from .outputs.records import DATA, LOBES
+from .outputs.records import CATCHERS, DATA, LOBES
 from .path import (
     AT_EXIT,
     AT_SURFACE,
@@ -36,11 +36,11 @@ from .path import (
     sample_table,
     uncover,
 )
-from .rays import beyond, intersect, ray_table
-from .sampler import draw1, draw2, draw3
+from .rays import beyond, intersect, ray_table, start_anew
+from .samplers import get_1d, get_2d, get_3d
 from .shading import sample as sample_surface
 from .shading import shade
-from .shading.caustics import darken_microfacets
+from .shading.caustics import blur_lobes, darken_microfacets
 from .shading.records import (
     BENDS_EXITS,
     DIFFUSE,
@@ -58,6 +58,7 @@ from .workspace import cut_of
 
 SCALARS = [
     ("seed", np.int64),
+    ("sample_offset", np.int64),  # samples of the seed that others take
     ("max_bounces", np.int64),
     ("diffuse_bounces", np.int64),
     ("glossy_bounces", np.int64),
@@ -67,6 +68,8 @@ SCALARS = [
     ("clamp_direct", np.float64),
     ("clamp_indirect", np.float64),
     ("transparent_film", np.int64),
+    ("shows_environment", np.int64),  # 1: a pass has what a transparent film hides
+    ("filter_glossy", np.float64),  # blurs what rays of a density below it meet
     ("caustics", np.int64),  # bits of GLOSSY and TRANSMISSION: what may follow a diffuse bounce
     ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
     ("transparent_shadows", np.int64),
@@ -131,7 +134,7 @@ def scatter(block, workspace):
     """Continue the path from ``workspace.surface``. False if it ends there."""
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
-    u = draw3(path.index, path.seed, path.dimension + SCATTER_SET)
+    u = get_3d(path.index, path.seed, path.dimension + SCATTER_SET)
     wi, weight, pdf, glossy_pdf, kind = sample_surface(block, workspace, u[0], u[1], u[2])
     if pdf <= 0.0 or largest(weight) <= 0.0:
         return False
@@ -163,6 +166,8 @@ def scatter(block, workspace):
     put(path.direction, wi)
     path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
     path.pdf = 0.0 if kind & SINGULAR else pdf
+    if not kind & SINGULAR:
+        path.least_pdf = min(path.least_pdf, pdf)
     path.glossy_pdf = glossy_pdf
     path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
     path.in_medium, path.light_tree = 0, lights.tree_of(block, surface.instance)
@@ -178,7 +183,7 @@ def survives(path):
     if path.bounce < FIRST_ROULETTE or path.last:
         return True
     survival = min(1.0, largest(vec(path.throughput)))
-    if draw1(path.index, path.seed, path.dimension + ROULETTE_SET) >= survival:
+    if get_1d(path.index, path.seed, path.dimension + ROULETTE_SET) >= survival:
         return False
     put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
     return True
@@ -196,9 +201,9 @@ def nothing_left(block, surface):
 def start_path(block, workspace, x, y):
     """Camera ray through a point of the pixel drawn from the pixel filter."""
     path = path_table(workspace)[0]
-    u = draw2(path.index, path.seed, 0)
+    u = get_2d(path.index, path.seed, 0)
     dx, dy = filter_offset(block, u[0], u[1])
-    lens = draw2(path.index, path.seed, 1) if block.camera_aperture > 0.0 else (0.5, 0.5)
+    lens = get_2d(path.index, path.seed, 1) if block.camera_aperture > 0.0 else (0.5, 0.5)
     origin, direction, t_min, t_max = camera_ray(block, x + 0.5 + dx, y + 0.5 + dy, lens[0], lens[1])
     put(path.origin, origin)
     put(path.start, origin)
@@ -207,13 +212,15 @@ def start_path(block, workspace, x, y):
     # Where a panorama shows nothing the path finds nothing, and its pixel stays black.
     put(path.throughput, (1.0, 1.0, 1.0) if t_max >= 0.0 else BLACK)
     path.t_min, path.t_max, path.near = t_min, t_max, t_min
-    path.pdf = 0.0
+    path.pdf, path.least_pdf = 0.0, np.inf
     path.kind = CAMERA
     path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
-    path.event, path.in_medium, path.crossed = AT_SURFACE, 0, 0
+    path.event, path.in_medium, path.crossed, path.catches = AT_SURFACE, 0, 0, 0
     path.dimension = CAMERA_SETS
     path.share, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1
+    if block.has_strands:
+        ray_table(workspace)[0].id = 0
     if block.has_media:
         media.bounds(block, workspace, media.BEGIN)
 
@@ -259,6 +266,7 @@ def intersect_and_gather(block, workspace):
     path = path_table(workspace)[0]
     if block.has_subsurface and path.event == AT_EXIT:
         return True
+    start_anew(block, workspace)
     found = intersect(block, workspace, vec(path.start), vec(path.direction), path.t_min, path.t_max, path.kind)
     t_to = float(ray_table(workspace)[0].t_far) if found else path.t_max
     if block.has_media and not found and (path.t_max == np.inf or path.kind == CAMERA):
@@ -310,6 +318,8 @@ def shade_and_scatter(block, workspace, whole):
     if block.has_media and not exits:
         if path.event == IN_MEDIUM:
             path.dimension += VERTEX_SETS
+            if block.has_strands:
+                ray_table(workspace)[0].id = 0
             return GOES_ON if media.scatter(block, workspace) else ENDS
         if media.bounds(block, workspace, media.PASS):
             path.dimension += VERTEX_SETS
@@ -320,6 +330,8 @@ def shade_and_scatter(block, workspace, whole):
         if path.kind == CAMERA:
             uncover(workspace, 1.0)
         return ENDS
+    if block.outputs & CATCHERS and path.kind == CAMERA and instance_table(block)[surface.instance].catcher:
+        outputs.catch(block, workspace)
     flags = shading_material_table(block)[surface.material].flags
     if flags & NEEDS_RAY:
         describe_ray(path, surface)
@@ -332,6 +344,8 @@ def shade_and_scatter(block, workspace, whole):
         subsurface.emerge(block, workspace)
     if path.kind == DIFFUSE and block.caustics != GLOSSY | TRANSMISSION:
         darken_microfacets(workspace, block.caustics)
+    if path.least_pdf < block.filter_glossy:
+        blur_lobes(workspace, path.least_pdf / block.filter_glossy)
     sample.met += sample.divided
     if not exits:
         gather_surface(block, workspace)

@@ -16,7 +16,7 @@ from ..scene import Scene, Shutter
 from .camera import camera_table
 from .path import path_table
 from .rays import ray_table
-from .sampler import draw1
+from .samplers import get_1d
 
 TIME_SET = 1 << 44  # of random numbers
 
@@ -112,18 +112,18 @@ def _time_at(times, u):
 
 
 @kernel
-def set_time(block, workspace, aside, y):
-    """Draw the time of the workspace's path, which begins in the line ``y``, and bring what moves to it. ``aside``: the
+def set_time(block, workspace, secondary, y):
+    """Draw the time of the workspace's path, which begins in the line ``y``, and bring what moves to it. ``secondary``: the
     workspace whose rays have the same time."""
     path = path_table(workspace)[0]
-    time = _time_at(time_table(block), draw1(path.index, path.seed, TIME_SET))
+    time = _time_at(time_table(block), get_1d(path.index, path.seed, TIME_SET))
     if block.rolling_shutter != NOT_ROLLING:
         line = 1.0 - y / camera_table(block)[0].rows
         time = (time - 0.5) * block.rolling_shutter + (line - 0.5) * (1.0 - block.rolling_shutter) + 0.5
     time = min(max(time, 0.0), 1.0)
     block.time = time
     ray_table(workspace)[0].time = time
-    ray_table(aside)[0].time = time
+    ray_table(secondary)[0].time = time
     if block.moving_steps > 0:
         moving, places, keys = moving_table(block), place_table(block), key_table(block)
         count = len(places)

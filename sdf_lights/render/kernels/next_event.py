@@ -17,18 +17,18 @@ from ...jit import kernel
 from ...replaced import replaced_on_gpu
 from ...vec import dot, largest, length, mul, negate, scale, vec
 from . import lights
-from .emission import modulated
+from .emission_graphs import modulated
 from .geometry import surface_at, surface_table
 from .media import apart as media
 from .outputs import apart as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
 from .path import LIGHT_SET, contribute, path_table
-from .sampler import draw4
+from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
 from .visibility import BLACK, leave, shadow_ray, transmittance, visible_lamp
-from .workspace import aside_table, box_table, cut_of, light_cut_of, region_table, spans_of
+from .workspace import box_table, cut_of, light_cut_of, region_table, secondary_table, spans_of
 
 SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
 NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, as in Cycles
@@ -48,15 +48,15 @@ def competes(block, emitter):
 def shade_triangle(block, workspace, emitter, x, wi, distance):
     """Radiance (RGB) of a textured emissive triangle, shaded where the ray from x along wi meets it: transparent surfaces may
     be in front of it."""
-    aside = aside_table(workspace)[0]
-    surface = surface_table(aside)[0]
+    secondary = secondary_table(workspace)[0]
+    surface = surface_table(secondary)[0]
     instance, primitive, u, v = lights.triangle_point(block, x, emitter, wi)
     surface_at(block, surface, np.int64(instance), np.int64(primitive), u, v, negate(wi), NO_RAY, 0.0)
     surface.ray_length = distance
     surface.ray_singular = 0
     for index in range(5):
         surface.depth[index] = 0
-    shade(block, aside)
+    shade(block, secondary)
     return vec(surface.emission)
 
 
@@ -200,7 +200,7 @@ def light_vertex(block, workspace):
     path.two_sided, path.has_glossy, path.scattered = int(transmits(workspace)), int(has_lobes(workspace)), path.bounce
     path.light_tree = lights.tree_of(block, surface.instance)
     cut_of(workspace).lamp = -1
-    u = draw4(path.index, path.seed, path.dimension + LIGHT_SET)
+    u = get_4d(path.index, path.seed, path.dimension + LIGHT_SET)
     emitter, pmf, u0 = lights.select(block, path.light_tree, x, facing(path, n), u[0], light_cut_of(workspace))
     if pmf <= 0.0 or not lights.reaches(block, emitter, path.bounce):
         return

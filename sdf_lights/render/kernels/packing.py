@@ -18,9 +18,11 @@ from ...emitter.sampling import external, strategies
 from ...jit import block_dtype
 from ..material import Node
 from ..motion import at, light_steps, thing_at
-from ..scene import Instance, Lamp, Mesh, Scene
+from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
-from . import camera, emission, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
+from ..strands import margin
+from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
+from .lights import kinds
 from .media import pack as media
 from .media import records as media_records
 from .outputs import records as output_records
@@ -62,7 +64,8 @@ SCALARS = [
     *strategies.SCALARS,
     *camera.SCALARS,
     *rays.SCALARS,
-    *emission.SCALARS,
+    *geometry.SCALARS,
+    *emission_graphs.SCALARS,
     *integrator.SCALARS,
     *film.SCALARS,
     *motion.SCALARS,
@@ -118,7 +121,7 @@ def emitter_tables(
     """Tables of the lamps ``built`` from ``sources``, of the tree that rays find them by, and of all other lights; of trees that
     hold at all times, if it is known what is ``elsewhere``."""
     rows = max((image.pixels.shape[0] for image in scene.images), default=0) if scene.world.emission is not None else 0
-    world_map = emission.world_map(materials | camera.pack_camera(scene), graphs, BLOCK, rows)
+    world_map = emission_graphs.world_map(materials | camera.pack_camera(scene), graphs, BLOCK, rows)
     lamp_tables = lamps.pack_lamps(built)
     rows = lamp_tables["lamps"]
     low, high = lamp_boxes([lamp_tables, *(elsewhere.tables if elsewhere else ())])
@@ -204,7 +207,9 @@ def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     bounds = {}
     for mesh in {instance.mesh for instance in used}:
         positions = geometry.positions_of(scene.meshes[mesh])
+        beyond = margin(scene.meshes[mesh])
         bounds[mesh] = np.stack([positions.min(axis=0), positions.max(axis=0)]).astype(np.float64)
+        bounds[mesh] += np.array([[-beyond], [beyond]])
     if not used:
         return np.zeros((0, 3)), np.zeros((0, 3))
     low, high = np.stack([bounds[instance.mesh] for instance in used], axis=1)
@@ -230,6 +235,7 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
     settings = scene.settings
     names = (
         "seed",
+        "sample_offset",
         "max_bounces",
         "diffuse_bounces",
         "glossy_bounces",
@@ -238,18 +244,16 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
         "transparent_bounces",
         "clamp_direct",
         "clamp_indirect",
+        "filter_glossy",
         "transparent_film",
     )
-    finite = bool(
-        len(tables["light_areas"])
-        or (tables["light_balls"]["radius"] > 0.0).any()
-        or (tables["light_suns"]["one_minus_cos"] > 0.0).any()
-    )
+    finite = any(kinds.KINDS[kinds.kind_of(light)].has_size(light) for light in scene.lights)
     world = scene.world.strength > 0.0 and (scene.world.image is not None or max(scene.world.color) > 0.0)
     emissive = bool((flags & HAS_EMISSION).any())
     return {
         **{name: getattr(settings, name) for name in names},
         "finite_lights": finite,
+        "shows_environment": 0,
         "caustics": settings.caustics_reflective * GLOSSY | settings.caustics_refractive * TRANSMISSION,
         "emitters_hit": finite or world or emissive or media.glows(scene),
         "transparent_shadows": bool((flags & HAS_TRANSPARENCY).any()),
@@ -274,6 +278,8 @@ def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:
         if not emits[list(instance.materials)].any():
             continue
         mesh = scene.meshes[instance.mesh]
+        if mesh.primitive != Primitive.TRIANGLES:  # found by chance alone, as in Cycles
+            continue
         material = _triangle_materials(mesh, instance)
         chosen = np.flatnonzero(emits[material])
         corners = mesh.positions[mesh.triangles[chosen]].astype(np.float64)

@@ -21,8 +21,8 @@ LIGHT_SET, SCATTER_SET, ROULETTE_SET, EMISSION_SET = range(4)
 MEDIA_SETS = 1 << 24
 TRAVEL_SET, PHASE_SET, PLACE_SET = range(1, 4)
 
-# And for the way below a surface, which has 256 steps.
-SUBSURFACE_SETS = 1 << 40
+# And for the way below a surface, which has 256 steps. As all sets that the GPU draws, they are numbers of 31 bits.
+SUBSURFACE_SETS = 1 << 28
 # And for the pass Ambient Occlusion.
 OCCLUSION_SETS = 1 << 50
 
@@ -56,7 +56,7 @@ SAMPLE = np.dtype(
 
 # ``origin`` is where the path last scattered (the camera at first), with shading normal ``normal``: light sampling
 # there competes with the ray, so MIS asks for its pdf there. ``start`` is ``origin`` moved off the surface. ``glossy_pdf``
-# is the part of ``pdf`` that microfacets have; ``two_sided`` is 1 where light on either side of that surface counted,
+# is the part of ``pdf`` that microfacets have, and ``least_pdf`` the least of any direction drawn so far that is not singular; ``two_sided`` is 1 where light on either side of that surface counted,
 # ``has_glossy`` where it has microfacets, and ``scattered`` is how often the light was scattered after it.
 # ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
 # ``light_tree`` is that of what scattered it last, 0 for the camera: its emitters are those that the ray can meet.
@@ -64,6 +64,7 @@ SAMPLE = np.dtype(
 # ``expected``: of a branch, an estimate of the light that it will bring, from the irradiance where it has met a surface.
 # ``event`` says where the ray ends, ``in_medium`` is 1 where a medium has scattered the path last, and it has ``crossed`` so
 # many surfaces that only bound media.
+# ``catches`` is 1 from where the camera's path has met a shadow catcher.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
     [
@@ -77,6 +78,7 @@ PATH = np.dtype(
         ("throughput", "f8", 3),
         ("pdf", "f8"),
         ("glossy_pdf", "f8"),
+        ("least_pdf", "f8"),
         ("two_sided", "i8"),
         ("has_glossy", "i8"),
         ("scattered", "i8"),
@@ -103,6 +105,7 @@ PATH = np.dtype(
         ("event", "i8"),
         ("in_medium", "i8"),
         ("crossed", "i8"),
+        ("catches", "i8"),
     ],
     align=True,
 )
@@ -113,7 +116,9 @@ WAITING, FIRST_BRANCH = 1, 2
 # The ray itself, those of the branches, and the path's while light rays leave it on its way.
 FIRST_BRANCH_RAY = 1
 KEPT_RAY = FIRST_BRANCH_RAY + MOST_BRANCHES
-COUNTS = {"path": FIRST_BRANCH + MOST_BRANCHES, "sample": 1, "ray": KEPT_RAY + 1}
+# The path that has met a shadow catcher, with its ray, and the sample while it is traced among catchers alone.
+CAUGHT, CAUGHT_RAY, KEPT_SAMPLE = FIRST_BRANCH + MOST_BRANCHES, KEPT_RAY + 1, 1
+COUNTS = {"path": CAUGHT + 1, "sample": KEPT_SAMPLE + 1, "ray": CAUGHT_RAY + 1}
 
 path_table = table("path", PATH)
 sample_table = table("sample", SAMPLE)
@@ -145,15 +150,24 @@ def contribute(block, workspace, radiance, factor, source, scatters):
             value = scale(value, limit / brightness)
     value = scale(value, path.share)
     put_sum(sample.combined, value)
-    if 0 <= source < block.lamp_count:
+    if 0 <= source < block.lamp_count and not path.catches:
         put_sum(sample.lamps, value)
-    if scatters == 0:
+    if scatters == 0 and not path.catches:
         if source == lights.world_emitter(block):
             put_sum(sample.environment, value)
         else:
             put_sum(sample.emission, value)
     if block.outputs & LIGHT:
         outputs.add_light(block, workspace, value, source, scatters)
+
+
+@kernel
+def show_environment(workspace, radiance):
+    """Add light of the world to its own pass alone, which has what a transparent film hides."""
+    path = path_table(workspace)[0]
+    sample = sample_table(workspace)[0]
+    if not path.catches:
+        put_sum(sample.environment, scale(mul(vec(path.throughput), radiance), path.share))
 
 
 @kernel

@@ -16,9 +16,9 @@ from ..scene import Ray
 from .geometry import _fill_surface, surface_table
 from .path import path_table
 from .rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, hit_instance, intersect, occluded, ray_table
-from .sampler import draw2
+from .samplers import get_2d
 from .visibility import leave
-from .workspace import aside_table
+from .workspace import secondary_table
 
 # Sets of random numbers, beside those of ``path.VERTEX_SETS``. All nodes of a kind have the same, as in Cycles.
 OCCLUSION_SET = 1 << 25
@@ -81,7 +81,7 @@ def occlusion(block, workspace, local, distance, samples, x, y, z):
     t, b = frame(n)
     free = 0
     for index in range(count):
-        u = draw2(path.index * count + index, path.seed, path.dimension + OCCLUSION_SET)
+        u = get_2d(path.index * count + index, path.seed, path.dimension + OCCLUSION_SET)
         side = _disk(u[0], u[1])
         up = math.sqrt(max(1.0 - side[0] * side[0] - side[1] * side[1], 0.0))
         d = add(add(scale(t, side[0]), scale(b, side[1])), scale(n, up))
@@ -134,12 +134,12 @@ def bevel(block, workspace, radius, samples, x, y, z):
     count = int(samples)
     if not _is_met(surface) or radius <= 0.0 or count < 1 or _is_blurred(path):
         return own
-    other = surface_table(aside_table(workspace)[0])[0]
+    other = surface_table(secondary_table(workspace)[0])[0]
     p, ng = vec(surface.position), vec(surface.ng)
     tangent, bitangent = frame(ng)
     total = ZERO
     for index in range(count):
-        u = draw2(path.index * count + index, path.seed, path.dimension + BEVEL_SET)
+        u = get_2d(path.index * count + index, path.seed, path.dimension + BEVEL_SET)
         # Half of the probes go along the normal, a quarter along each tangent.
         along, first, second, place = ng, tangent, bitangent, 2.0 * u[0]
         pick, pick_first = 0.5, 0.25
@@ -159,11 +159,11 @@ def bevel(block, workspace, radius, samples, x, y, z):
         while t < np.inf:
             _fill_surface(block, ray_table(workspace)[0], other, along, NO_RAY, 0.0)
             normal = vec(other.ng)
-            chance = pick * abs(dot(along, normal))
+            probability = pick * abs(dot(along, normal))
             rival, third = pick_first * abs(dot(first, normal)), 0.25 * abs(dot(second, normal))
-            squares = chance * chance + rival * rival + third * third
+            squares = probability * probability + rival * rival + third * third
             if squares > 0.0 and drawn > 0.0:
-                weight = chance / squares * _falloff(radius, length(sub(vec(other.position), p))) / drawn
+                weight = probability / squares * _falloff(radius, length(sub(vec(other.position), p))) / drawn
                 total = madd(total, -weight if other.backfacing else weight, vec(other.n))
             t = _next_own(block, workspace, start, way, beyond(t), 2.0 * height)
     square = dot(total, total)
@@ -193,7 +193,7 @@ def raycast(block, workspace, local, x, y, z, dx, dy, dz, distance, at_x, at_y, 
     if not found:
         return 0.0, 0.0, distance, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     ray = ray_table(workspace)[0]
-    other = surface_table(aside_table(workspace)[0])[0]
+    other = surface_table(secondary_table(workspace)[0])[0]
     _fill_surface(block, ray, other, negate(d), NO_RAY, 0.0)
     same = 1.0 if other.instance == surface.instance else 0.0
     return (

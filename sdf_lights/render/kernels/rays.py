@@ -25,8 +25,8 @@ RAY = np.dtype(
         ("time", np.float32),
         ("t_far", np.float32),
         ("mask", np.uint32),
-        ("id", np.uint32),
-        ("flags", np.uint32),
+        ("id", np.uint32),  # number of the curve or sphere that it has left, and does not meet again
+        ("flags", np.uint32),  # of the one that it has gone through last; none of Embree's uses this field
         ("normal", np.float32, (3,)),
         ("u", np.float32),
         ("v", np.float32),
@@ -82,7 +82,7 @@ def new_rays(count: int) -> np.ndarray:
 
 @kernel
 def _set_ray(ray, o, d, t_min, t_max, mask):
-    # Its time stays as ``motion.set_time`` has left it.
+    # Its time stays as ``motion.set_time`` has left it, and its ID and flags as strands have.
     ray.origin[0] = o[0]
     ray.origin[1] = o[1]
     ray.origin[2] = o[2]
@@ -92,7 +92,6 @@ def _set_ray(ray, o, d, t_min, t_max, mask):
     ray.direction[2] = d[2]
     ray.t_far = t_max
     ray.mask = mask
-    ray.flags = 0
 
 
 @replaced_on_gpu
@@ -121,6 +120,13 @@ def occluded(block, workspace, o, d, t_min, t_max, mask):
     _set_ray(ray, o, d, t_min, t_max, mask)
     call_address3(block.rtc_occluded, block.embree_scene, workspace.ray_address, 0)
     return ray.t_far < 0.0
+
+
+@kernel
+def start_anew(block, workspace):
+    """The rays to come have gone through no curve or sphere yet."""
+    if block.has_strands:
+        ray_table(workspace)[0].flags = 0
 
 
 @kernel

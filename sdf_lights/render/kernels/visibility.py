@@ -13,10 +13,10 @@ from . import lights
 from .geometry import find_shadow_surface, shading_material_table
 from .media import apart
 from .path import path_table
-from .rays import OFFSET, TRANSPARENT_PLACES, beyond, intersect, occluded, ray_table
+from .rays import OFFSET, TRANSPARENT_PLACES, beyond, intersect, occluded, ray_table, start_anew
 from .shading import transparency
 from .shading.records import HAS_TRANSPARENCY
-from .workspace import aside_table
+from .workspace import secondary_table
 
 BLACK = (0.0, 0.0, 0.0)
 
@@ -63,6 +63,7 @@ def transmittance(block, workspace, start, direction, t_max, blockers):
 
     ``blockers``: the kind of ray, see ``lights.blockers``.
     """
+    start_anew(block, workspace)
     if occluded(block, workspace, start, direction, 0.0, t_max, blockers):
         return BLACK
     if block.has_media:
@@ -84,10 +85,10 @@ def transmittance(block, workspace, start, direction, t_max, blockers):
 @kernel
 def pass_through(block, workspace, direction):
     """Transparency (RGB) of the surface that a shadow ray has hit."""
-    aside = aside_table(workspace)[0]  # the path's own surface is still needed
-    material = find_shadow_surface(block, workspace, aside, negate(direction))
+    secondary = secondary_table(workspace)[0]  # the path's own surface is still needed
+    material = find_shadow_surface(block, workspace, secondary, negate(direction))
     if shading_material_table(block)[material].flags & HAS_TRANSPARENCY:
-        return transparency(block, aside)
+        return transparency(block, secondary)
     return BLACK
 
 
@@ -97,6 +98,7 @@ def visible_lamp(block, workspace, lamp, x, direction, spans, count, start, u):
 
     ``start`` is x moved off its surface; u is for ``lamps.radiance``.
     """
+    start_anew(block, workspace)
     if block.has_media:
         return apart.lamp(block, workspace, lamp, x, direction, count, start, u)
     t_end = spans[count - 1, 0] + spans[count - 1, 1]

@@ -29,12 +29,12 @@ WORKSPACE_TABLES = {
     **MEDIA_TABLES,
     **OUTPUT_TABLES,
 }
-# ``aside`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
-WORKSPACE = block_dtype({**WORKSPACE_TABLES, "aside": None})
+# ``secondary`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
+WORKSPACE = block_dtype({**WORKSPACE_TABLES, "secondary": None})
 
 span_table = table("spans", np.float64)
 hit_table = table("light_hits", lights.HIT)
-aside_table = table("aside", WORKSPACE)
+secondary_table = table("secondary", WORKSPACE)
 region_table = table("lamp_regions", cuts.KEYS)
 box_table = table("lamp_boxes", cuts.BOXES)
 cut_table = table("lamp_cuts", cuts.CUT)

@@ -45,11 +45,11 @@ class Disc:
         """Unit vectors (n, 3) in the disc, of equal solid angle."""
         rings, sectors = 4, 8
         cosine = 1.0 - (1.0 - math.cos(self.half_angle)) * (np.arange(rings) + 0.5) / rings
-        turn = 2.0 * math.pi * (np.arange(sectors) + 0.5) / sectors
+        phi = 2.0 * math.pi * (np.arange(sectors) + 0.5) / sectors
         side = np.cross(self.direction, np.eye(3)[np.argmin(np.abs(self.direction))])
         side /= np.linalg.norm(side)
         up = np.cross(self.direction, side)
-        around = np.multiply.outer(np.cos(turn), side) + np.multiply.outer(np.sin(turn), up)
+        around = np.multiply.outer(np.cos(phi), side) + np.multiply.outer(np.sin(phi), up)
         points = cosine[:, None, None] * self.direction + np.sqrt(1.0 - cosine**2)[:, None, None] * around
         return points.reshape(-1, 3)
 

@@ -44,6 +44,10 @@ class NodeInputs(Protocol):
     def is_linked(self, socket: str) -> bool:
         """Whether a link leads to the input."""
 
+    def is_given(self, socket: str) -> bool:
+        """Whether an input that has coordinates or a normal where nothing is linked has something else: by a link, or by the
+        value of a group's input."""
+
     def has(self, socket: str) -> bool:
         """Whether the node has such an input in this version of Blender."""
 
@@ -107,6 +111,8 @@ class GivenNode(NodeInputs):
 
     def is_linked(self, socket: str) -> bool:
         return isinstance(self._inputs.get(socket), (Formula, Vector))
+
+    is_given = is_linked
 
     def own(self, output: str) -> Formula | Vector:
         value = self._inputs[output]

@@ -259,21 +259,32 @@ def particle_info(node: NodeInputs):
 
 @defines("ShaderNodeHairInfo")
 def hair_info(node: NodeInputs):
-    """What Cycles gives on meshes: zero."""
-    return {
-        "Is Strand": constant(0.0),
-        "Intercept": constant(0.0),
-        "Length": constant(0.0),
-        "Thickness": constant(0.0),
-        "Tangent Normal": ZERO,
-        "Random": constant(0.0),
-    }
+    """All outputs, of hair curves and particle hair; zero where there is none."""
+    results = {"Intercept": constant(0.0), "Length": constant(0.0), "Random": constant(0.0)}
+    for name in results:
+        if name in node.wanted:
+            results[name] = attribute(node, Attribute("strand", name.lower()))[0]
+    if node.setting("domain") in ("WORLD", "LIGHT"):
+        return {**results, "Is Strand": constant(0.0), "Thickness": constant(0.0), "Tangent Normal": ZERO}
+    older = node.setting("blender_version") < (5, 0)
+    strand, thickness, x, y, z = call(lookups.UNSCALED_STRAND_INFO if older else lookups.STRAND_INFO)
+    return {**results, "Is Strand": strand, "Thickness": thickness, "Tangent Normal": Vector(x, y, z)}
+
+
+def strand_random(place: Formula, otherwise: Formula) -> Formula:
+    """The random number of a strand, for a parameter that is its ``Attribute``; ``otherwise`` where there is none."""
+    number, _, _, known = call(lookups.COLOR_ATTRIBUTE, place, *BARYCENTRIC)[:4]
+    return select(known < 0.5, otherwise, number)
 
 
 @defines("ShaderNodePointInfo")
 def point_info(node: NodeInputs):
-    """What Cycles gives on meshes: the position, and zero."""
-    return {"Position": ZERO, "Radius": constant(0.0), "Random": constant(0.0)}
+    """All outputs, of point clouds; zero elsewhere."""
+    if node.setting("domain") in ("WORLD", "LIGHT"):
+        return {"Position": ZERO, "Radius": constant(0.0), "Random": constant(0.0)}
+    x, y, z, radius = call(lookups.POINT_INFO)
+    random = attribute(node, Attribute("point", "random"))[0] if "Random" in node.wanted else constant(0.0)
+    return {"Position": Vector(x, y, z), "Radius": radius, "Random": random}
 
 
 @defines("ShaderNodeVolumeInfo")

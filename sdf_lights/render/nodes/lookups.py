@@ -7,20 +7,26 @@ Each is a kernel of the CPU, which the GPU's translator reads too; the NumPy ref
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...graph.functions import Function
 from ...jit import kernel, table
-from ...vec import dot, length, normalize, scale, sub, transform_normal, transform_point, transform_vector
+from ...vec import dot, length, normalize, scale, sub, transform_normal, transform_point, transform_vector, vec
 from ..kernels.camera import FIRST_PANORAMA, MIRROR_BALL, ORTHOGRAPHIC, camera_table, panorama_place
 from ..kernels.geometry import (
     CORNER,
+    SPHERES,
     TRIANGLE_DOMAIN,
+    TRIANGLES,
     VERTEX,
     _corner,
     attribute_table,
     attribute_value_table,
+    form_of,
     instance_table,
+    radius_table,
     surface_table,
     triangle_table,
 )
@@ -222,6 +228,8 @@ def _wireframe(block, workspace, x, y, z):
     """Distance in metres to the nearest edge of the triangle."""
     surface = surface_table(workspace)[0]
     instance = instance_table(block)[surface.instance]
+    if instance.primitive != TRIANGLES:
+        return np.inf
     triangle = np.int64(surface.primitive)
     a, b, c = (
         _corner(block, instance, triangle, 0),
@@ -230,6 +238,53 @@ def _wireframe(block, workspace, x, y, z):
     )
     p = (x, y, z)
     return min(_edge_distance(p, a, b), _edge_distance(p, b, c), _edge_distance(p, c, a))
+
+
+_THIRD = 1.0 / math.sqrt(3.0)
+
+
+@kernel
+def _vertex_radius(block, instance, vertex):
+    form, part = form_of(block, instance)
+    radii, place = radius_table(block), instance.radii + vertex
+    if len(radii) == instance.radii + instance.vertex_count or part <= 0.0:
+        return float(radii[place])
+    first = float(radii[place + form * instance.vertex_count])
+    return first + part * (float(radii[place + (form + 1) * instance.vertex_count]) - first)
+
+
+@kernel
+def _in_world(instance, size):
+    """A radius or a thickness as it is in the world: what becomes of it along the diagonal."""
+    if instance.baked:
+        return size
+    return length(transform_vector(instance.matrix, (size * _THIRD, size * _THIRD, size * _THIRD)))
+
+
+@kernel
+def _strand_info(block, workspace, scaled):
+    surface = surface_table(workspace)[0]
+    if surface.strand == 0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    instance = instance_table(block)[surface.instance]
+    row = triangle_table(block)[instance.triangles + surface.primitive]
+    first = _vertex_radius(block, instance, np.int64(row.v[0]))
+    last = _vertex_radius(block, instance, np.int64(row.v[1]))
+    thickness = 2.0 * (first + surface.barycentric[0] * (last - first))
+    tangent, wo = vec(surface.dpdu), vec(surface.wo)
+    n = normalize(sub(wo, scale(tangent, dot(tangent, wo) / max(dot(tangent, tangent), 1e-300))))
+    return 1.0, _in_world(instance, thickness) if scaled else thickness, n[0], n[1], n[2]
+
+
+@kernel
+def _point_info(block, workspace):
+    surface = surface_table(workspace)[0]
+    instance = instance_table(block)[surface.instance]
+    if instance.primitive != SPHERES:
+        return 0.0, 0.0, 0.0, 0.0
+    x, y, z = _corner(block, instance, np.int64(surface.primitive), 0)
+    vertex = np.int64(triangle_table(block)[instance.triangles + surface.primitive].v[0])
+    return x, y, z, _in_world(instance, _vertex_radius(block, instance, vertex))
 
 
 def _scene(name: str, kernel, results: int, *static: int) -> Function:
@@ -273,6 +328,12 @@ TO_WINDOW = _scene("to_window", _to_window, 3)
 OBJECT_INFO = _of_object("object_info", _object_info, 9)
 """→ location, colour, alpha, index, random number of the object."""
 
+STRAND_INFO = _of_object("strand_info", _strand_info, 5, 1)
+"""→ 1 on a curve of hair, its thickness, and its normal that is nearest to the view."""
+UNSCALED_STRAND_INFO = _of_object("strand_info", _strand_info, 5, 0)
+"""The same, but the thickness is that in the object, as before Blender 5.0."""
+POINT_INFO = _of_object("point_info", _point_info, 4)
+"""→ center and radius of the sphere of a point cloud."""
 WIREFRAME = _of_object("wireframe", _wireframe, 1)
 
 

@@ -45,7 +45,7 @@ def bevel(node: NodeInputs):
     if not _has_rays(node):
         return {"Normal": NORMAL}
     found = as_vector(call(BEVEL, node.number("Radius"), node.parameter(float(node.setting("samples"))), *NORMAL))
-    if not node.is_linked("Normal"):
+    if not node.is_given("Normal"):
         return {"Normal": found}
     return {"Normal": unit_or(node.vector("Normal") + (found - NORMAL), NORMAL)}
 
@@ -56,7 +56,7 @@ def raycast(node: NodeInputs):
     attributes = {name: constant(0.0) for name in node.wanted if name.startswith("Attribute_")}
     if attributes:
         node.report("attributes of what its rays meet are not modelled, so they are zero")
-    origin = node.vector("Position") if node.is_linked("Position") else POSITION
+    origin = node.vector("Position") if node.is_given("Position") else POSITION
     direction, distance = node.normal("Direction"), node.number("Length")
     if not _has_rays(node):
         return {

@@ -12,15 +12,22 @@ from __future__ import annotations
 import numpy as np
 
 from ..scene import Ray
+from .geometry import Surface
 from .vectors import cosine_hemisphere, dot, frame, normalize, reflect
 
 SINGULAR_ALPHA2 = 2e-10  # a smoother GGX is a perfect mirror, as in Cycles
+
+
+def grey(values: np.ndarray) -> np.ndarray:
+    """Values (N,) as RGB (N, 3)."""
+    return np.repeat(values[:, None], 3, 1)
 
 
 class Lobe:
     """``albedo`` (N, 3) is an estimate of what the lobe scatters in all, with its weight."""
 
     diffuse = False  # darkens gradually where its normal is not the surface's
+    widths: tuple[str, ...] = ()  # parameters that Filter Glossy raises
     counts_as_diffuse: bool | None = None  # in passes; None: as ``diffuse``
 
     def __init__(self, weight: np.ndarray, normal: np.ndarray, albedo: np.ndarray | None = None, **parameters):
@@ -29,6 +36,7 @@ class Lobe:
         vars(self).update(parameters)
 
     def select(self, rows: np.ndarray) -> "Lobe":
+        """The lobe of some points, given as indices or as a mask."""
         return type(self)(
             **{name: value[rows] if isinstance(value, np.ndarray) else value for name, value in vars(self).items()}
         )
@@ -38,12 +46,15 @@ class Lobe:
         return np.full(len(wi), int(Ray.DIFFUSE))
 
     def evaluate(self, wo: np.ndarray, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """f · |cos| (N, 3) without the weight, and pdf (N,), for wo and wi (N, 3)."""
         raise NotImplementedError
 
     def direction(self, rng: np.random.Generator, wo: np.ndarray) -> np.ndarray:
+        """Directions wi (N, 3) by the pdf of ``evaluate``."""
         return cosine_hemisphere(rng, self.normal)
 
     def sample(self, rng: np.random.Generator, wo: np.ndarray):
+        """wi (N, 3), weights where singular (N, 3), probability (N,) that there is a direction, singular (N,)."""
         count = len(wo)
         return self.direction(rng, wo), np.zeros((count, 3)), np.ones(count), np.zeros(count, bool)
 
@@ -55,7 +66,7 @@ class Diffuse(Lobe):
 
     def evaluate(self, wo, wi):
         pdf = np.maximum(dot(self.normal, wi), 0.0) / np.pi
-        return np.repeat(pdf[:, None], 3, 1), pdf
+        return grey(pdf), pdf
 
 
 class Translucent(Lobe):
@@ -68,7 +79,7 @@ class Translucent(Lobe):
 
     def evaluate(self, wo, wi):
         pdf = np.maximum(-dot(self.normal, wi), 0.0) / np.pi
-        return np.repeat(pdf[:, None], 3, 1), pdf
+        return grey(pdf), pdf
 
     def direction(self, rng, wo):
         return cosine_hemisphere(rng, -self.normal)
@@ -121,7 +132,7 @@ class Sheen(Lobe):
         z = np.maximum(dot(self.normal, wi), 0.0)
         square = (self.a * dot(t, wi) + self.b * z) ** 2 + (self.a * dot(b, wi)) ** 2 + z * z
         pdf = z / np.pi * (self.a / np.maximum(square, 1e-300)) ** 2
-        return np.repeat(pdf[:, None], 3, 1), pdf
+        return grey(pdf), pdf
 
     def direction(self, rng, wo):
         t, b = self._frame(wo)
@@ -189,11 +200,14 @@ class Microfacet(Lobe):
     NONE reflects all, or refracts all where it ``transmits``. Visible normals are drawn as Dupuy and Benyoub 2023 do.
     """
 
+    widths = ("alpha",)
+
     def kind(self, wi):
         return np.where(dot(self.normal, wi) < 0.0, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
 
     @property
     def singular(self):
+        """Where (N,) it is a perfect mirror."""
         return self.alpha**2 <= SINGULAR_ALPHA2
 
     def fresnel(self, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -274,3 +288,25 @@ class Microfacet(Lobe):
         valid = (dot(self.normal, wo) > 0.0) & ((dot(self.normal, wi) < 0.0) == through) & (total > 0.0)
         probability = np.where(valid, np.where(through, 1.0 - share, share), 0.0)
         return wi, np.where(through[:, None], t, r), probability, singular
+
+
+def specular_normal(surface: Surface, normal: np.ndarray) -> np.ndarray:
+    """``normal`` turned towards the geometric one just so far that the mirror direction of wo leaves the surface.
+
+    By bisection of the way between the two normals.
+    """
+    height = dot(surface.ng, surface.wo)
+    least = np.minimum(0.9 * height, 0.01)
+    rows = np.flatnonzero(dot(reflect(surface.wo, normal), surface.ng) < least)
+    if not len(rows):
+        return normal
+    n, g, wo = normal[rows], surface.ng[rows], surface.wo[rows]
+    low, high = np.zeros(len(rows)), np.ones(len(rows))
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        trial = normalize(n + middle[:, None] * (g - n))
+        good = dot(reflect(wo, trial), g) >= least[rows]
+        low, high = np.where(good, low, middle), np.where(good, middle, high)
+    result = normal.copy()
+    result[rows] = normalize(n + high[:, None] * (g - n))
+    return result

@@ -112,6 +112,7 @@ class Round(Fiber):
         return np.clip(dot(self.tangent, wi), -1.0, 1.0), np.arctan2(dot(x, wi), dot(z, wi))
 
     def direction_of(self, wo, sine, phi):
+        """Directions (N, 3) of an inclination and an azimuth about the fiber."""
         x, z = self.axes(wo)
         c = np.sqrt(np.maximum(1.0 - sine * sine, 0.0))
         return sine[:, None] * self.tangent + (c * np.sin(phi))[:, None] * x + (c * np.cos(phi))[:, None] * z
@@ -122,6 +123,7 @@ class Round(Fiber):
 
 
 def cosine_of(sine):
+    """The cosine, not negative, of angles with these sines."""
     return np.sqrt(np.maximum(1.0 - sine * sine, 0.0))
 
 
@@ -155,6 +157,7 @@ def logistic(x, s):
 
 
 def draw_logistic(rng, s):
+    """Angles in −π … π by the density of ``logistic``."""
     edge = 1.0 / (1.0 + np.exp(np.minimum(np.pi / s, 700.0)))
     u = edge + (1.0 - 2.0 * edge) * rng.random(len(s))
     return np.clip(s * np.log(u / (1.0 - u)), -np.pi, np.pi)
@@ -163,6 +166,8 @@ def draw_logistic(rng, s):
 class Chiang(Round):
     """Chiang et al. 2016. ``offset`` (N,) is that of the ray from the middle of the fiber; ``v``, ``v0`` (N,) variances along it
     and of R, ``s`` (N,) the width about it."""
+
+    widths = ("v", "v0", "s")
 
     def orders(self, wo):
         """What R, TT, TRT and all beyond keep, (4, N, 3); the turns of the first three (3, N); the sine of wo."""
@@ -208,6 +213,8 @@ class Huang(Round):
     """Huang, Hullin and Hanika 2022, by following a ray through the fiber: roughness ``alpha``, ``aspect`` (N,), ``factors`` (N, 3)
     of R, TT and TRT. Light rays do not see it: what is drawn counts as singular. ``glass(name, roughness, cosine, ior)`` is the
     albedo of rough glass from "glass" outside or "glass_inside"."""
+
+    widths = ("alpha",)
 
     def evaluate(self, wo, wi):
         return np.zeros(wo.shape), np.zeros(len(wo))

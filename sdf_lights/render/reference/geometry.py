@@ -45,6 +45,7 @@ class Surface:
     ray_pdf: np.ndarray  # density with which it was scattered; 0: singular, or the camera
 
     def select(self, rows: np.ndarray) -> "Surface":
+        """The hits of some rows, given as indices or as a mask."""
         return Surface(**{name: value[rows] for name, value in vars(self).items()})
 
 

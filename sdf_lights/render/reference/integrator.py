@@ -14,15 +14,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import ALL_SETS, Ray, Scene
+from ..scene import ALL_SETS, Ray, Scene, catchers_only
 from ..scene import Emitter as Control
-from .camera import Camera
+from ..strands import without_strands
+from .bsdfs.ray_portal import THROUGH_PORTAL
+from .camera_rays import Camera
 from .geometry import Geometry, Surface
 from .hits import Hits
-from .lamps import SdfLamp
 from .lights import Emitter, Sky, Triangles, blender_light
 from .materials import Materials, Shading
-from .rare import THROUGH_PORTAL
+from .sdf_lamps import SdfLamp
 from .subsurface import INSIDE, pass_below
 from .vectors import dot
 
@@ -50,9 +51,12 @@ class Paths:
     kind: np.ndarray
     bounces: np.ndarray  # (N, 5): all, diffuse, glossy, transmission, transparent
     last: np.ndarray  # only gathers emission
+    catches: np.ndarray  # has met a shadow catcher
+    least_pdf: np.ndarray  # of the directions drawn so far that are not singular
     light_set: np.ndarray  # of the instance where it last scattered; EVERY_SET for the camera
 
     def select(self, rows: np.ndarray) -> "Paths":
+        """Some of the paths, given as indices or as a mask."""
         return Paths(**{name: value[rows] for name, value in vars(self).items()})
 
 
@@ -87,12 +91,17 @@ class Samples:
         self.combined, self.lamps, self.emission, self.environment = np.zeros((4, count, 3))
         self.position, self.normal, self.albedo, self.diffuse_albedo = np.zeros((4, count, 3))
         self.alpha, self.depth, self.found = np.ones(count), np.zeros(count), np.zeros(count, bool)
+        # Of shadow catchers: see ``passes.CATCHER_SUMS``, and the light of paths that have met one.
+        self.bare, self.backdrop, self.light = np.zeros((3, count, 3))
+        self.caught, self.uncaught = np.zeros(count, bool), np.zeros(count)
 
 
 class Integrator:
-    """Everything of a scene that paths meet. ``use_embree`` as in ``Geometry``."""
+    """Everything of a scene that paths meet. ``use_embree`` as in ``Geometry``; ``bare``: the scene has only the shadow catchers
+    of another one."""
 
-    def __init__(self, scene: Scene, use_embree: bool | None = None):
+    def __init__(self, scene: Scene, use_embree: bool | None = None, bare: bool = False):
+        scene = without_strands(scene, "The NumPy reference")
         self.scene, self.settings = scene, scene.settings
         self.geometry = Geometry(scene, use_embree)
         self.materials = Materials(scene, self.geometry)
@@ -121,6 +130,11 @@ class Integrator:
         if self.triangles is not None:
             self.emitters.append(self.triangles)
         self.holdout = np.array([i.holdout for i in scene.instances] or [False])
+        self.catchers = np.array([i.catcher for i in scene.instances] or [False])
+        self.bare: Integrator | None = None
+        if self.catchers.any() and not bare:
+            self.bare = Integrator(catchers_only(scene), use_embree, True)
+        self._caught: list[tuple[Paths, Hits]] = []
 
     def _emissive_triangles(self) -> Triangles | None:
         """The emissive triangles that light sampling knows of; others are found by chance only."""
@@ -157,13 +171,43 @@ class Integrator:
             np.full(count, int(Ray.CAMERA)),
             np.zeros((count, 5), int),
             np.zeros(count, bool),
+            np.zeros(count, bool),
+            np.full(count, np.inf),
             np.full(count, EVERY_SET),
         )
         while len(paths.sample):
             if stop():
                 return None
             paths = self._step(paths, samples, rng)
+        return samples if self.bare is None else self._trace_catchers(samples, rng, stop)
+
+    def _trace_catchers(self, samples: Samples, rng: np.random.Generator, stop) -> Samples | None:
+        """Follow the paths that have met catchers where there are only these."""
+        alone = Samples(len(samples.alpha))
+        for paths, hits in self._caught:
+            paths = self.bare._meet(paths, hits, paths.near + hits.distance, alone, rng)
+            while len(paths.sample):
+                if stop():
+                    return None
+                paths = self.bare._step(paths, alone, rng)
+        self._caught = []
+        samples.bare = alone.combined
+        samples.uncaught = np.where(samples.caught, samples.uncaught, samples.alpha)
         return samples
+
+    def _catch(self, paths: Paths, hits: Hits, samples: Samples) -> None:
+        """Keep those of the paths that meet their first shadow catcher."""
+        met = (paths.kind == Ray.CAMERA) & self.catchers[hits.instance] & ~self.holdout[hits.instance] & ~paths.catches
+        if self.bare is None or not met.any():
+            return
+        part = paths.select(np.flatnonzero(met))
+        self._caught.append((part, Hits(*(array[met] for array in vars(hits).values()))))
+        rows = part.sample
+        samples.caught[rows] = True
+        samples.uncaught[rows] = np.maximum(samples.alpha[rows] - part.throughput.mean(1), 0.0)
+        if not self.settings.transparent_film and not self.sky.black and self.sky.visibility & Ray.CAMERA:
+            samples.backdrop[rows] = part.throughput * self.sky.radiance(part.direction, part.kind)
+        paths.catches = paths.catches | met
 
     def _step(self, paths: Paths, samples: Samples, rng: np.random.Generator) -> Paths:
         """Carry all paths to their next surface, gather light, scatter; the paths that go on."""
@@ -174,6 +218,11 @@ class Integrator:
         self._gather_sky(paths.select(~found), samples)
         paths, end = paths.select(found), end[found]
         hits = Hits(*(array[found] for array in vars(hits).values()))
+        self._catch(paths, hits, samples)
+        return self._meet(paths, hits, end, samples, rng)
+
+    def _meet(self, paths: Paths, hits: Hits, end: np.ndarray, samples: Samples, rng: np.random.Generator) -> Paths:
+        """Scatter paths where they have hit surfaces, at the distances ``end``; those that go on."""
         surface = self.geometry.surface(hits, paths.direction)
         surface.ray_kind, surface.depth, surface.ray_pdf = paths.kind, paths.bounces, paths.pdf
         surface.ray_singular = (paths.pdf <= 0.0) & (paths.kind != Ray.CAMERA)
@@ -184,6 +233,7 @@ class Integrator:
         shading.darken_microfacets(
             paths.kind == Ray.DIFFUSE, self.settings.caustics_reflective, self.settings.caustics_refractive
         )
+        shading.blur(paths.least_pdf, self.settings.filter_glossy)
         weight = np.where(held, 1.0, shading.holdout) * camera * paths.throughput.mean(1)
         samples.alpha[paths.sample] -= weight
         rows = np.flatnonzero(~held)
@@ -226,10 +276,12 @@ class Integrator:
             if limit > 0.0:
                 value = value * np.where(which, np.minimum(1.0, limit / np.maximum(value.sum(1), 1e-300)), 1.0)[:, None]
         samples.combined[paths.sample] += value
+        samples.light[paths.sample] += value * paths.catches[:, None]
+        own = value * ~paths.catches[:, None]
         if lamp:
-            samples.lamps[paths.sample] += value
+            samples.lamps[paths.sample] += own
         seen = samples.environment if sky else samples.emission
-        seen[paths.sample] += value * (scatters == 0)[:, None]
+        seen[paths.sample] += own * (scatters == 0)[:, None]
 
     def _gather_emitters(self, paths: Paths, end: np.ndarray, samples: Samples) -> None:
         """Lamps and lights along the rays, up to the distance ``end``."""
@@ -241,6 +293,7 @@ class Integrator:
                 paths, lamp.pdf(spans, count), lamp.visibility, control
             )
             radiance = lamp.radiance(spans, paths.origin, paths.direction, paths.near, end)
+            weight = np.where(paths.kind == Ray.CAMERA, lamp.lamp.camera_brightness, 1.0) * weight
             self._contribute(paths, radiance * weight[:, None], paths.bounces[:, 0], samples, lamp=True)
         for light in self.lights:
             distance, radiance, pdf = light.hit(paths.origin, paths.direction)
@@ -255,6 +308,10 @@ class Integrator:
         if self.settings.transparent_film:
             camera = paths.kind == Ray.CAMERA
             samples.alpha[paths.sample] -= camera * paths.throughput.mean(1)
+            hidden = paths.select(camera & ~paths.catches & ((self.sky.visibility & Ray.CAMERA) != 0))
+            if len(hidden.sample) and not self.sky.black:
+                radiance = self.sky.radiance(hidden.direction, hidden.kind)
+                samples.environment[hidden.sample] += hidden.throughput * radiance
             paths = paths.select(~camera)
         if self.sky.black:
             return
@@ -341,14 +398,18 @@ class Integrator:
             light = self._march(paths, surface, wi, last, casts, functools.partial(emitter.radiance, spans, x, wi))
         else:
             pdf, distance = pdf[rows], distance[rows]
+            end = distance - 4.0 * self.geometry.epsilon
             if hits is not None:
                 hits = Hits(*(array[rows] for array in vars(hits).values()))
-                radiance = self.materials.shade(self.geometry.surface(hits, wi), np.zeros(count)).emission
+                lit = self.geometry.surface(hits, wi)
+                radiance = self.materials.shade(lit, np.zeros(count)).emission
+                # The ray starts an offset away from x, which brings a triangle seen at a grazing angle nearer by more than that.
+                end = distance - 4.0 * self.geometry.epsilon / np.maximum(np.abs(dot(lit.ng, wi)), 1e-5)
             else:
                 radiance = radiance[rows]
             light = radiance
             if emitter.cast_shadow:
-                light = light * self._march(paths, surface, wi, distance - 4.0 * self.geometry.epsilon, casts)
+                light = light * self._march(paths, surface, wi, end, casts)
         if owner is not None:
             rivals = np.array([competes(instance.visibility, instance) for instance in self.scene.instances])
             scatter_pdf = np.where(rivals[owner[rows]], scatter_pdf, 0.0)
@@ -484,5 +545,7 @@ class Integrator:
             np.where(passes, paths.kind, kind),
             bounces,
             last,
+            paths.catches,
+            np.where(passes | (pdf <= 0.0), paths.least_pdf, np.minimum(paths.least_pdf, pdf)),
             np.where(passes, paths.light_set, self.light_sets[surface.instance]),
         ).select(alive)

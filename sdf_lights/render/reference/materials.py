@@ -12,6 +12,8 @@ from ...graph.formula import Vector
 from ..material import Material, Node
 from ..scene import Ray, Scene
 from ..tables import albedo
+from . import bsdfs
+from .bsdfs.ray_portal import THROUGH_PORTAL, Portal
 from .closures import (
     DIELECTRIC,
     F82,
@@ -26,12 +28,12 @@ from .closures import (
     Translucent,
     f0_of_ior,
     masking,
+    specular_normal,
 )
 from .fibers import Chiang, Hair
 from .geometry import Geometry, Surface
-from .hair_materials import hair, principled_hair
 from .nodes import Graph, Points
-from .rare import THROUGH_PORTAL, Pane, Portal, Toon, Velvet
+from .rare import AshikhminShirley, Pane, Velvet
 from .special import CONDUCTOR, THINNEST_FILM, conductor_reflectance
 from .special_materials import (
     as_facets,
@@ -43,7 +45,7 @@ from .special_materials import (
     principled_facets,
 )
 from .subsurface import Subsurface, scattering
-from .vectors import dot, normalize, reflect
+from .vectors import dot, normalize
 
 CUTOFF = 1e-5  # lobes of less weight are left out
 LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
@@ -75,10 +77,12 @@ class Table:
 
 
 def ior_axis(ior: np.ndarray) -> np.ndarray:
+    """Coordinate of the tables of glass for an index of refraction (N,)."""
     return np.sqrt(np.abs((ior - 1.0) / (ior + 1.0)))
 
 
 def cosine_axis(cosine: np.ndarray) -> np.ndarray:
+    """Coordinate of the tables for a cosine (N,)."""
     return np.sqrt(np.maximum(cosine, 0.0))
 
 
@@ -122,6 +126,19 @@ class Shading:
                     lobe.transmission = lobe.transmission * (1.0 if refractive else light)
                 elif not (refractive if lobe.transmits else reflective):
                     lobe.weight = lobe.weight * light
+
+    def blur(self, least_pdf: np.ndarray, limit: float) -> None:
+        """Raise the roughness of lobes where the ``least_pdf`` (N,) of a path is below ``limit``: Filter Glossy of Cycles."""
+        blurred = least_pdf < limit
+        if not blurred.any():
+            return
+        roughness = 0.5 * np.sqrt(np.where(blurred, 1.0 - least_pdf / limit, 0.0))
+        for rows, lobes in self.groups:
+            for lobe in lobes:
+                for name in getattr(lobe, "widths", ()):
+                    setattr(lobe, name, np.maximum(getattr(lobe, name), roughness[rows]))
+                if isinstance(lobe, (Microfacet, AshikhminShirley)):
+                    self.scatters[rows] |= (lobe.weight.mean(1) >= CUTOFF) & ~lobe.singular
 
     def evaluate(self, wi: np.ndarray, kinds: Ray = Ray.ALL) -> tuple[np.ndarray, np.ndarray]:
         """f · |cos| (N, 3), of lobes that scatter as one of these ``kinds`` of rays, and pdf (N,) of all lobes that are not
@@ -234,7 +251,7 @@ class Materials:
             points = Points(graph, part, self.geometry, self.scene.images, footprint[rows], rng)
             if graph.normal is not None:
                 part.ns = surface.ns[rows] = points.unit_or_own(points.value(graph.normal, 3))
-            builder = _Builder(points, self.table)
+            builder = Builder(points, self.table)
             builder.build(graph.surface)
             shading.emission[rows], shading.holdout[rows] = builder.emission, builder.holdout
             lobes = [lobe for lobe in builder.lobes if (lobe.weight.mean(1) >= CUTOFF).any()]
@@ -261,7 +278,7 @@ class Materials:
                 node.kind in ("subsurface", "principled") and node["normal"] is not None
                 for node in self.graphs[index].nodes()
             ):
-                builder = _Builder(
+                builder = Builder(
                     Points(self.graphs[index], part, self.geometry, self.scene.images, footprint[rows]), self.table
                 )
                 builder.build(self.graphs[index].surface)
@@ -299,7 +316,7 @@ class Materials:
             elif node.kind == "ray_portal":
                 portals += weight[:, None] * np.maximum(points.input(node, "color"), 0.0)
             elif node.kind == "principled" and np.any(points.input(node, "thin_wall") > 0.0):
-                builder = _Builder(points, self.table)
+                builder = Builder(points, self.table)
                 builder._principled(node, weight[:, None])
                 clear += sum(lobe.weight for lobe in builder.lobes if isinstance(lobe, Straight))
             elif node.kind == "principled":
@@ -344,7 +361,7 @@ def leaves(node, points: Points, weight: np.ndarray) -> Iterator[tuple[Node, np.
         yield node, weight
 
 
-class _Builder:
+class Builder:
     """Lobes, emission (N, 3) and holdout (N,) of one material at ``points``."""
 
     def __init__(self, points: Points, table: Table):
@@ -353,19 +370,24 @@ class _Builder:
         self.lobes: list[Lobe] = []
 
     def build(self, surface) -> None:
+        """Add all closures of the node that a material ends in."""
         if surface is not None and not isinstance(surface, Node):
             surface = Node("emission", {"color": surface})
         for node, weight in leaves(surface, self.points, np.ones(self.points.count)):
             method = getattr(self, "_" + node.kind, None)
-            if method is None:  # a value where a closure is wanted is light, as in Blender
+            if node.kind in bsdfs.NODES:
+                bsdfs.NODES[node.kind](self, node, weight[:, None])
+            elif method is None:  # a value where a closure is wanted is light, as in Blender
                 self.emission += weight[:, None] * self.points.value(node, 3)
             else:
                 method(node, weight[:, None])
 
-    def _color(self, node: Node, name: str = "color") -> np.ndarray:
+    def color(self, node: Node, name: str = "color") -> np.ndarray:
+        """An input as RGB (N, 3), not negative."""
         return np.maximum(self.points.input(node, name), 0.0)
 
-    def _share(self, node: Node, name: str) -> np.ndarray:
+    def fraction(self, node: Node, name: str) -> np.ndarray:
+        """An input held to 0 … 1."""
         return np.clip(self.points.input(node, name), 0.0, 1.0)
 
     # --- closures of one lobe -----------------------------------------------------------------------------------------
@@ -377,15 +399,15 @@ class _Builder:
         self.emission += weight * self.points.input(node, "color") * self.points.input(node, "strength")[:, None]
 
     def _transparent(self, node, weight):
-        self.lobes.append(Straight(weight * self._color(node), self.surface.ns))
+        self.lobes.append(Straight(weight * self.color(node), self.surface.ns))
 
     def _translucent(self, node, weight):
         # As in Cycles, though nothing mirrors here.
         normal = specular_normal(self.surface, self.points.normal(node))
-        self.lobes.append(Translucent(weight * self._color(node), normal))
+        self.lobes.append(Translucent(weight * self.color(node), normal))
 
     def _diffuse(self, node, weight):
-        self._add_diffuse(weight, self._color(node), self.points.input(node, "roughness"), self.points.normal(node))
+        self._add_diffuse(weight, self.color(node), self.points.input(node, "roughness"), self.points.normal(node))
 
     def _add_diffuse(self, weight, color, roughness, normal):
         if np.any(roughness >= 1e-5):
@@ -394,7 +416,7 @@ class _Builder:
             self.lobes.append(Diffuse(weight * color, normal))
 
     def _subsurface(self, node, weight):
-        color = self._color(node)
+        color = self.color(node)
         radius = self.points.input(node, "radius") * self.points.input(node, "scale")[:, None]
         self._scatter_below(
             node,
@@ -403,7 +425,7 @@ class _Builder:
             radius,
             self.points.input(node, "anisotropy"),
             self.points.input(node, "ior"),
-            self._share(node, "roughness"),
+            self.fraction(node, "roughness"),
         )
 
     def _scatter_below(self, node, weight, color, radius, anisotropy, ior, alpha):
@@ -414,7 +436,7 @@ class _Builder:
         self.lobes += [Diffuse(shallow, normal), lobe]
 
     def _glossy(self, node, weight):
-        color, roughness = self._color(node), self._share(node, "roughness")
+        color, roughness = self.color(node), self.fraction(node, "roughness")
         normal = specular_normal(self.surface, self.points.normal(node))
         weight = weight * color
         lobe = glossy_facets(
@@ -432,7 +454,7 @@ class _Builder:
         self.lobes.append(lobe)
 
     def _metallic(self, node, weight):
-        roughness, normal = self._share(node, "roughness"), specular_normal(self.surface, self.points.normal(node))
+        roughness, normal = self.fraction(node, "roughness"), specular_normal(self.surface, self.points.normal(node))
         weight, white = np.repeat(weight, 3, 1), np.ones(self.points.count)
         if node.settings.get("fresnel_type") == "PHYSICAL_CONDUCTOR":
             self._conductor(
@@ -444,8 +466,8 @@ class _Builder:
                     ior=white,
                     term=CONDUCTOR,
                     transmits=False,
-                    n=self._color(node, "ior"),
-                    k=self._color(node, "extinction"),
+                    n=self.color(node, "ior"),
+                    k=self.color(node, "extinction"),
                 ),
             )
             return
@@ -459,8 +481,8 @@ class _Builder:
                 ior=white,
                 term=F82,
                 transmits=False,
-                f0=self._share(node, "base_color"),
-                tint=self._share(node, "edge_tint"),
+                f0=self.fraction(node, "base_color"),
+                tint=self.fraction(node, "edge_tint"),
             ),
         )
         self._finish_metal(node, lobe, mean_roughness(lobe))
@@ -484,40 +506,11 @@ class _Builder:
         self.lobes.append(lobe)
 
     def _sheen(self, node, weight):
-        color, normal = weight * self._color(node), self.points.normal(node)
+        color, normal = weight * self.color(node), self.points.normal(node)
         if node.settings.get("distribution") == "ASHIKHMIN":
-            self.lobes.append(Velvet(color, normal, sigma=np.maximum(self._share(node, "roughness"), 0.01)))
+            self.lobes.append(Velvet(color, normal, sigma=np.maximum(self.fraction(node, "roughness"), 0.01)))
         else:
             self._add_sheen(color, normal, self.points.input(node, "roughness"))
-
-    def _toon(self, node, weight):
-        size = np.clip(self.points.input(node, "size"), 1e-5, 1.0) * 0.5 * np.pi
-        self.lobes.append(
-            Toon(
-                weight * self._color(node),
-                self.points.normal(node),
-                size=size,
-                smooth=self._share(node, "smooth") * 0.5 * np.pi,
-                glossy=node.settings.get("component") == "GLOSSY",
-            )
-        )
-
-    def _hair(self, node, weight):
-        self.lobes.append(
-            hair(self.points, node, weight * self._color(node), specular_normal(self.surface, self.surface.ns))
-        )
-
-    def _principled_hair(self, node, weight):
-        self.lobes.append(principled_hair(self.points, node, weight, self.table))
-
-    def _ray_portal(self, node, weight):
-        surface, points = self.surface, self.points
-        position = surface.position if node["position"] is None else points.value(node["position"], 3)
-        towards = -surface.wo
-        if node["direction"] is not None:
-            given = normalize(points.value(node["direction"], 3))
-            towards = np.where((dot(given, given) > 0.5)[:, None], given, towards)
-        self.lobes.append(Portal(weight * self._color(node), surface.ns, position=position, towards=towards))
 
     def _refraction(self, node, weight):
         ior = self._relative(np.maximum(self.points.input(node, "ior"), 1e-5))
@@ -526,9 +519,9 @@ class _Builder:
                 self.points,
                 node,
                 Microfacet(
-                    weight * self._color(node),
+                    weight * self.color(node),
                     specular_normal(self.surface, self.points.normal(node)),
-                    alpha=self._share(node, "roughness") ** 2,
+                    alpha=self.fraction(node, "roughness") ** 2,
                     ior=ior,
                     term=NONE,
                     transmits=True,
@@ -538,10 +531,10 @@ class _Builder:
         )
 
     def _glass(self, node, weight):
-        ior, color = np.maximum(self.points.input(node, "ior"), 1e-5), self._color(node)
+        ior, color = np.maximum(self.points.input(node, "ior"), 1e-5), self.color(node)
         normal = specular_normal(self.surface, self.points.normal(node))
         f0 = np.repeat(f0_of_ior(ior)[:, None], 3, 1)
-        self._add_glass(node, np.repeat(weight, 3, 1), normal, self._share(node, "roughness"), ior, f0, color, color)
+        self._add_glass(node, np.repeat(weight, 3, 1), normal, self.fraction(node, "roughness"), ior, f0, color, color)
 
     def _relative(self, ior):
         return np.where(self.surface.backfacing, 1.0 / ior, ior)
@@ -596,7 +589,7 @@ class _Builder:
     def _principled(self, node, weight):
         surface, points = self.surface, self.points
         weight = np.repeat(weight, 3, 1)
-        alpha = self._share(node, "alpha")[:, None]
+        alpha = self.fraction(node, "alpha")[:, None]
         if np.any(alpha < 1.0):
             self.lobes.append(Straight(weight * (1.0 - alpha), surface.ns))
             weight = weight * alpha
@@ -606,16 +599,16 @@ class _Builder:
         strength = points.input(node, "emission_strength")[:, None]
         self.emission += weight * points.input(node, "emission_color") * strength
 
-        base, tint = self._color(node, "base_color"), self._color(node, "specular_tint")
-        color, roughness = np.minimum(base, 1.0), self._share(node, "roughness")
+        base, tint = self.color(node, "base_color"), self.color(node, "specular_tint")
+        color, roughness = np.minimum(base, 1.0), self.fraction(node, "roughness")
         mirror = specular_normal(surface, normal)
-        metallic = self._share(node, "metallic")[:, None]
+        metallic = self.fraction(node, "metallic")[:, None]
         if np.any(metallic > CUTOFF):
             self._metal(node, weight * metallic, mirror, roughness, color, np.minimum(tint, 1.0))
             weight = weight * (1.0 - metallic)
         ior = np.maximum(points.input(node, "ior"), 1e-5)
         f0 = f0_of_ior(ior)
-        transmission = self._share(node, "transmission_weight")[:, None]
+        transmission = self.fraction(node, "transmission_weight")[:, None]
         if np.any(transmission > CUTOFF):
             # Two crossings tint by the colour.
             thin, share = points.input(node, "thin_wall")[:, None] > 0.0, weight * transmission
@@ -634,7 +627,7 @@ class _Builder:
         if np.any(ior != 1.0) or np.any(points.input(node, "thin_film_thickness") > THINNEST_FILM):
             weight = self._layer(weight, mirror, roughness, ior, tint * f0[:, None], _compensated(node), node)
         weight = self._principled_below(node, weight, color, roughness, ior)
-        self._add_diffuse(weight, base, self._share(node, "diffuse_roughness"), normal)
+        self._add_diffuse(weight, base, self.fraction(node, "diffuse_roughness"), normal)
 
     def _add_pane(self, node, weight, normal, roughness, ior, tint, color):
         """A thin wall as OpenPBR 1.1 has it: any number of bounces between its sides."""
@@ -698,7 +691,7 @@ class _Builder:
 
     def _principled_below(self, node, weight, color, roughness, ior):
         """Scattering below the surface, or within a thin wall; the weight of what is diffuse."""
-        points, amount = self.points, self._share(node, "subsurface_weight")[:, None]
+        points, amount = self.points, self.fraction(node, "subsurface_weight")[:, None]
         if not np.any(amount > CUTOFF):
             return weight
         below, anisotropy = weight * amount * color, points.input(node, "subsurface_anisotropy")
@@ -709,7 +702,7 @@ class _Builder:
             self._add_diffuse(
                 below / np.where(color > 0.0, color, 1.0) * thin * back,
                 color,
-                self._share(node, "diffuse_roughness"),
+                self.fraction(node, "diffuse_roughness"),
                 normal,
             )
             self.lobes.append(Translucent(below * thin * (1.0 - back), normal))
@@ -793,10 +786,10 @@ class _Builder:
         if not np.any(amount):
             return weight
         if node["coat_normal"] is not None and node["coat_normal"] != node["normal"]:
-            blend = self._share(node, "coat_weight")[:, None]
+            blend = self.fraction(node, "coat_weight")[:, None]
             normal = normalize((1.0 - blend) * normal + blend * self.points.normal(node, "coat_normal"))
         own = self._add_sheen(
-            weight * self._color(node, "sheen_tint") * amount, normal, self.points.input(node, "sheen_roughness")
+            weight * self.color(node, "sheen_tint") * amount, normal, self.points.input(node, "sheen_roughness")
         )
         return self._below(weight, own)
 
@@ -818,40 +811,18 @@ class _Builder:
         return own
 
     def _coat(self, node, weight):
-        amount = self._share(node, "coat_weight")[:, None]
+        amount = self.fraction(node, "coat_weight")[:, None]
         if not np.any(amount > CUTOFF):
             return weight
         ior = np.maximum(self.points.input(node, "coat_ior"), 1.0)
         normal = specular_normal(self.surface, self.points.normal(node, "coat_normal"))
         f0 = np.repeat(f0_of_ior(ior)[:, None], 3, 1)
-        below = self._layer(weight * amount, normal, self._share(node, "coat_roughness"), ior, f0, True)
+        below = self._layer(weight * amount, normal, self.fraction(node, "coat_roughness"), ior, f0, True)
         # Beer's law along the refracted ray; the tint is that of a ray straight in and out.
         depth = 1.0 / np.sqrt(1.0 - (1.0 - dot(normal, self.surface.wo) ** 2) / ior**2)
-        tint = self._color(node, "coat_tint") ** depth[:, None]
+        tint = self.color(node, "coat_tint") ** depth[:, None]
         return (weight * (1.0 - amount) + below) * (1.0 - amount + amount * tint)
 
 
 def _compensated(node: Node) -> bool:
     return node.settings.get("distribution", "MULTI_GGX") == "MULTI_GGX"
-
-
-def specular_normal(surface: Surface, normal: np.ndarray) -> np.ndarray:
-    """``normal`` turned towards the geometric one just so far that the mirror direction of wo leaves the surface.
-
-    By bisection of the way between the two normals.
-    """
-    height = dot(surface.ng, surface.wo)
-    least = np.minimum(0.9 * height, 0.01)
-    rows = np.flatnonzero(dot(reflect(surface.wo, normal), surface.ng) < least)
-    if not len(rows):
-        return normal
-    n, g, wo = normal[rows], surface.ng[rows], surface.wo[rows]
-    low, high = np.zeros(len(rows)), np.ones(len(rows))
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        trial = normalize(n + middle[:, None] * (g - n))
-        good = dot(reflect(wo, trial), g) >= least[rows]
-        low, high = np.where(good, low, middle), np.where(good, middle, high)
-    result = normal.copy()
-    result[rows] = normalize(n + high[:, None] * (g - n))
-    return result

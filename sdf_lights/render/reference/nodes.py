@@ -19,7 +19,7 @@ from ..material import NODES, Attribute, Material, Node, Table
 from ..scene import Domain, Projection
 from ..sky import kernels
 from . import probes
-from .camera import Camera
+from .camera_rays import Camera
 from .geometry import Placed, Surface
 from .images import lookup
 from .vectors import normalize
@@ -105,6 +105,7 @@ class Points(Inputs):
         return self.value(node[name], 1 if isinstance(NODES[node.kind][name], float) else 3)
 
     def value(self, value, width: int) -> np.ndarray:
+        """A formula, a vector or a number at all points: (N,) or (N, ``width``)."""
         if isinstance(value, Vector):
             array = np.stack([np.broadcast_to(self._values[formula], self.count) for formula in value], -1)
             return array if width == 3 else array.mean(-1)

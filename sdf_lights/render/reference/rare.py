@@ -1,21 +1,15 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lobes of Ashikhmin's papers, toon shading, thin panes and portals over arrays of points. See ``closures.py``."""
+"""Lobes of Ashikhmin's papers and thin panes over arrays of points. See ``closures.py``."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..scene import Ray
-from .closures import Lobe, Microfacet
+from .closures import Lobe, Microfacet, grey
 from .special import frame_about
 from .vectors import dot, normalize, reflect, uniform_cone
-
-THROUGH_PORTAL = 1 << 13  # kind of a ray that goes on elsewhere
-
-
-def _grey(values: np.ndarray) -> np.ndarray:
-    return np.repeat(values[:, None], 3, 1)
 
 
 class AshikhminShirley(Lobe):
@@ -25,12 +19,14 @@ class AshikhminShirley(Lobe):
     """
 
     glossy = True
+    widths = ("alpha", "across")
 
     def kind(self, wi):
         return np.full(len(wi), int(Ray.GLOSSY))
 
     @property
     def singular(self):
+        """Where (N,) it is a perfect mirror."""
         return np.maximum(self.alpha, self.across) <= 1e-4
 
     def _exponents(self):
@@ -46,7 +42,7 @@ class AshikhminShirley(Lobe):
         power = np.where(p + q > 0.0, (x * p + y * q) / np.where(p + q > 0.0, p + q, 1.0), x)
         pdf = np.sqrt((x + 1.0) * (y + 1.0)) * hn**power / (8.0 * np.pi * ho)
         pdf = np.where((co > 0.0) & (ci > 0.0) & ~self.singular, pdf, 0.0)
-        return _grey(pdf * ci / np.maximum(np.maximum(co, ci), 1e-6)), pdf
+        return grey(pdf * ci / np.maximum(np.maximum(co, ci), 1e-6)), pdf
 
     def sample(self, rng, wo):
         count, n, (x, y) = len(wo), self.normal, self._exponents()
@@ -81,46 +77,10 @@ class Velvet(Lobe):
         ratio = np.maximum(hn / np.where(usable, ho, 1.0), 1e-5)
         masking = np.minimum(1.0, 2.0 * ratio * np.minimum(co, ci))
         value = np.where(usable, 0.25 * density * masking / np.where(usable, co, 1.0), 0.0)
-        return _grey(value), np.where(usable, 0.5 / np.pi, 0.0)
+        return grey(value), np.where(usable, 0.5 / np.pi, 0.0)
 
     def direction(self, rng, wo):
         return uniform_cone(rng, self.normal, np.ones(len(wo)))
-
-
-class Toon(Lobe):
-    """The same everywhere in a cone of half angle ``size`` (N,), and falls off within ``smooth`` (N,) of it; about the normal, or
-    the mirror direction where it is ``glossy``."""
-
-    glossy = False
-
-    @property
-    def diffuse(self):
-        return not self.glossy
-
-    def kind(self, wi):
-        return np.full(len(wi), int(Ray.GLOSSY if self.glossy else Ray.DIFFUSE))
-
-    def _axis(self, wo):
-        return reflect(wo, self.normal) if self.glossy else self.normal
-
-    @property
-    def _widest(self):
-        return np.minimum(self.size + self.smooth, 0.5 * np.pi)
-
-    def evaluate(self, wo, wi):
-        angle = np.arccos(np.clip(dot(self._axis(wo), wi), -1.0, 1.0))
-        pdf = 1.0 / (2.0 * np.pi * (1.0 - np.cos(self._widest)))
-        seen = (
-            (dot(self.normal, wi) > 0.0)
-            & (angle < self._widest)
-            & (~np.array(self.glossy) | (dot(self.normal, wo) > 0.0))
-        )
-        pdf = np.where(seen, pdf, 0.0)
-        fall = np.clip(1.0 - (angle - self.size) / np.maximum(self.smooth, 1e-12), 0.0, 1.0)
-        return _grey(pdf * np.where(angle < self.size, 1.0, fall)), pdf
-
-    def direction(self, rng, wo):
-        return uniform_cone(rng, self._axis(wo), 1.0 - np.cos(self._widest))
 
 
 class Pane(Microfacet):
@@ -138,17 +98,3 @@ class Pane(Microfacet):
     def sample(self, rng, wo):
         wi, value, probability, singular = super().sample(rng, wo)
         return self._mirrored(wi), value, probability, singular
-
-
-class Portal(Lobe):
-    """The ray goes on from ``position`` (N, 3) along ``towards`` (N, 3)."""
-
-    def kind(self, wi):
-        return np.full(len(wi), THROUGH_PORTAL)
-
-    def evaluate(self, wo, wi):
-        return np.zeros(wo.shape), np.zeros(len(wo))
-
-    def sample(self, rng, wo):
-        count = len(wo)
-        return self.towards, np.ones((count, 3)), np.ones(count), np.ones(count, bool)

@@ -8,8 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..film import DISCARDED, HALF_BIT, Film
+from ..film import CAUGHT_LIGHT, DISCARDED, HALF_BIT, Film
 from ..motion import at, time_of
+from ..passes import CATCHER_SUMS
 from ..scene import Scene
 from .integrator import Integrator, Samples
 
@@ -40,12 +41,12 @@ class ReferenceRenderer:
         self._integrator = Integrator(scene, use_embree)
         self.ready = True
 
-    def relight(self, scene: Scene) -> None:
+    def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``, which is otherwise the same as before."""
         self._scene = scene
         self._integrator = Integrator(scene, self._use_embree)
 
-    def aim(self, scene: Scene, film: Film) -> None:
+    def update_camera(self, scene: Scene, film: Film) -> None:
         """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
         self._film, self._seed, self._scene = film, scene.settings.seed, scene
         self._integrator = Integrator(scene, self._use_embree)
@@ -70,7 +71,7 @@ class ReferenceRenderer:
             for index in range(first, first + count):
                 for pixels in groups:
                     height = (pixels[0] // film.width + film.window[1]) / self._scene.height
-                    time = time_of(shutter, self._part(index), height)
+                    time = time_of(shutter, self._part(self._scene.settings.sample_offset + index), height)
                     self._integrator = Integrator(at(self._scene, time), self._use_embree)
                     if not self._sample(pixels, index, 1, stop, lambda part: report((index - first) / count)):
                         return False
@@ -87,12 +88,12 @@ class ReferenceRenderer:
     ) -> bool:
         """As ``sample``, of the pixels ``active``."""
         film = self._film
-        total = len(active) * count
+        total, taken = len(active) * count, self._scene.settings.sample_offset + first
         for start in range(0, total, WAVE):
             index, place = np.divmod(np.arange(start, min(start + WAVE, total)), len(active))
             pixel = active[place]
             row, column = np.divmod(pixel, film.width)
-            rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([self._seed, first, start])))
+            rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([self._seed, taken, start])))
             samples = self._integrator.trace(column + film.window[0], row + film.window[1], rng, stop)
             if samples is None:
                 return False
@@ -115,6 +116,8 @@ class ReferenceRenderer:
         self._sum("half", pixel[half], samples.combined[half])
         for name in ("lamps", "emission", "environment", "diffuse_albedo"):
             self._sum(name, pixel[rows], getattr(samples, name)[rows])
+        if film.catches:
+            self._add_catchers(pixel[rows], rows, samples)
         for name in ("normal", "albedo"):
             self._sum(name, pixel[surface], getattr(samples, name)[surface])
         # Distances are those of the first sample that met a surface.
@@ -124,6 +127,15 @@ class ReferenceRenderer:
         self._sum("position", new, samples.position[where])
         self._sum("depth", new, self._integrator.camera.depth(samples.position[where])[:, None])
         np.add.at(film.surfaces, pixel[surface], 1)
+
+    def _add_catchers(self, pixel: np.ndarray, rows: np.ndarray, samples: Samples) -> None:
+        film = self._film
+        np.add.at(
+            film.light_sums, (pixel[:, None], film.light_places[CAUGHT_LIGHT] + np.arange(3)), samples.light[rows]
+        )
+        for name in CATCHER_SUMS:
+            values = getattr(samples, name)[rows].reshape(len(rows), -1)
+            np.add.at(film.data_sums, (pixel[:, None], film.data_places[name] + np.arange(values.shape[1])), values)
 
     def _sum(self, name: str, pixel: np.ndarray, values: np.ndarray) -> None:
         sums = self._film.sums[name]

@@ -29,8 +29,11 @@ class Facets(Microfacet):
     The Fresnel term may be CONDUCTOR, too, of indices ``n`` and ``k`` (N, 3).
     """
 
+    widths = ("alpha", "across")
+
     @property
     def singular(self):
+        """Where (N,) it is a perfect mirror."""
         return self.alpha * self.across <= 2e-10
 
     def _slopes(self, w):

@@ -55,11 +55,11 @@ def sun_of(sky: Sky) -> Sun | None:
     # Rings and sectors of equal solid angle.
     rings, sectors = 32, 64
     cosine = 1.0 - (1.0 - np.cos(half)) * (np.arange(rings) + 0.5) / rings
-    sine, turn = np.sqrt(1.0 - cosine**2), 2.0 * np.pi * (np.arange(sectors) + 0.5) / sectors
+    sine, phi = np.sqrt(1.0 - cosine**2), 2.0 * np.pi * (np.arange(sectors) + 0.5) / sectors
     east = np.cross(direction, (1.0, 0.0, 0.0) if abs(direction[0]) < 0.7 else (0.0, 1.0, 0.0))
     east /= np.linalg.norm(east)
     north = np.cross(direction, east)
-    around = np.multiply.outer(np.cos(turn), east) + np.multiply.outer(np.sin(turn), north)
+    around = np.multiply.outer(np.cos(phi), east) + np.multiply.outer(np.sin(phi), north)
     points = cosine[:, None, None] * direction + sine[:, None, None] * around
     points = points.reshape(-1, 3)
     found = np.empty(points.shape)

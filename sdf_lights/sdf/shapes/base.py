@@ -21,6 +21,7 @@ import numpy as np
 
 from ...affine import inverse
 from ...graph import numpy_evaluation
+from ...graph.continuity import declare
 from ...graph.formula import POINT, Formula, Vector, parameter
 from .. import program
 
@@ -125,11 +126,31 @@ class Slots:
         return parameter(len(self.values) - 1)
 
 
+def _declaring(build):
+    """``build`` of shapes and profiles that also declares the field continuous, where that is known for all numbers."""
+
+    @functools.wraps(build)
+    def declaring(self, p: Vector, slot: Slots) -> Formula:
+        formula = build(self, p, slot)
+        if self.always_continuous and math.isfinite(self.lipschitz):  # type: ignore[attr-defined]
+            declare(formula, p)
+        return formula
+
+    return declaring
+
+
 class Parametric:
     """A field φ with a name and documented parameters: a frozen dataclass of ``number`` fields.
 
     What shapes, and the profiles they are swept from, have in common.
     """
+
+    always_continuous = True  # where ``lipschitz`` is finite: not only for some numbers in the slots of the formula
+
+    def __init_subclass__(cls, **options):
+        super().__init_subclass__(**options)
+        if "build" in cls.__dict__:
+            cls.build = _declaring(cls.build)  # type: ignore[method-assign]
 
     def __post_init__(self):
         for field in self.fields():

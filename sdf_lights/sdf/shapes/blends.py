@@ -29,6 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...graph.formula import POINT, Formula, Vector, apply, maximum, minimum, sqrt
+from ...interruption import check
 from .base import Family, Shape, Slots, Term, number, part
 from .operators import Composite, Difference, Intersection, SetOperation, checked, common, enclosing, guarded
 
@@ -116,13 +117,20 @@ class BlendedUnion(Blend, abstract=True):
         radius, *others = (getattr(self, field.name) for field in self.fields())
         greatest = radius * self.profile.greatest(*others)
 
+        alike = bool((growth == growth[0]).all())  # then the box around the first k shapes grows from one to the next
+        if alike:
+            least, most = np.minimum.accumulate(lows), np.maximum.accumulate(highs)
+
         def grown(which: slice, level: float):
             margin = level * growth[which]
+            if alike and which.start == 0:
+                return least[which.stop - 1] - margin[0], most[which.stop - 1] + margin[0]
             return (lows[which] - margin).min(axis=0), (highs[which] + margin).max(axis=0)
 
         # Added points have a field up to the radius on one side of the seam, and up to the greatest drop on the other.
         # On the left are k shapes already blended: at most k − 1 drops below the least of them.
         for index in range(1, len(lows)):
+            check()
             left, right = slice(0, index), slice(index, index + 1)
             for first, second in ((greatest, radius), (radius, greatest)):
                 low, high = common((grown(left, first + (index - 1) * greatest), grown(right, second)))

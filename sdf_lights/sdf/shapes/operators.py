@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, reduce
 
@@ -14,6 +14,7 @@ import numpy as np
 from ...affine import inverse
 from ...graph.formula import POINT, Formula, Vector, maximum, minimum, parameter
 from ...graph.substitution import substitute
+from ...interruption import check
 from ..program import NoClosedForm, Op, combine
 from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Family, Shape, ShapeError, Slots, Term, part, undone
 from .primitives import Box
@@ -29,6 +30,13 @@ def balanced(join: Callable, parts: list):
         pairs = [join(a, b) for a, b in zip(parts[::2], parts[1::2])]
         parts = pairs + parts[2 * len(pairs) :]
     return parts[0]
+
+
+def wanted(shapes: Iterable[Shape]) -> Iterator[Shape]:
+    """The shapes, as long as what is made of them is wanted (see ``interruption``)."""
+    for shape in shapes:
+        check()
+        yield shape
 
 
 def enclosing(boxes) -> tuple[np.ndarray, np.ndarray]:
@@ -84,6 +92,10 @@ class Composite(Shape, abstract=True):
     @cached_property
     def certified(self) -> bool:
         return all(child.certified for child in self.children)
+
+    @cached_property
+    def always_continuous(self) -> bool:
+        return all(child.always_continuous for child in self.children)
 
     @cached_property
     def bounded(self) -> bool:
@@ -182,10 +194,10 @@ class SetOperation(Composite, abstract=True):
             steepest = max(a[-1].lipschitz, b[-1].lipschitz)
             return [*a, *b, Term(formula, numbers, 2, self.family, reach, steepest)]
 
-        return self._joined(join, [shape.terms(matrix, factor) for shape in self._operands()])
+        return self._joined(join, [shape.terms(matrix, factor) for shape in wanted(self._operands())])
 
     def program(self, matrix: np.ndarray | None = None) -> np.ndarray:
-        programs = [child.program(matrix) for child in self.children]
+        programs = [child.program(matrix) for child in wanted(self.children)]
         if len(programs) == 1:
             return programs[0]
         return super().program(matrix) if self.op is None else combine(self.op, programs)

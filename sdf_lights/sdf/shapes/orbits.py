@@ -66,6 +66,7 @@ def rounds(default: float):
         maximum=MOST_ROUNDS,
         soft_maximum=12.0,
         whole=True,
+        label="Iterations",
     )
 
 
@@ -100,8 +101,11 @@ class Mandelbulb(Orbital):
     """
 
     radius: float = number(0.5, "Radius of the ball that the shape just fits into")
-    power: float = number(8.0, "Exponent n", unit="NONE", minimum=2.0, maximum=32.0, soft_maximum=16.0)
+    power: float = number(
+        8.0, "Exponent n", unit="NONE", minimum=2.0, maximum=32.0, soft_maximum=16.0, label="Exponent"
+    )
     rounds: float = rounds(4.0)
+    always_continuous = False
 
     @property
     def certified(self) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.emitter import lamps
+from sdf_lights.emitter.arrays import Lamps
 from sdf_lights.emitter.building import build, remarks
 from sdf_lights.emitter.emission.varying import place_point
 from sdf_lights.emitter.tree import interior, moments
@@ -16,7 +17,6 @@ from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.emission_presets import presets
 from sdf_lights.sdf.shapes import Box, BoxFrame, Capsule, Difference, Sphere, Torus, Union
 from support.lamps.shapes_under_test import FIELDS, PLACEMENTS, moved, scaled, turned
-from support.lamps.traced import Lamps
 
 SHIFTS = (np.arange(256) + 0.5) / 256
 

@@ -5,16 +5,17 @@
 import numpy as np
 import pytest
 
+from sdf_lights.emitter.arrays import Lamps
 from sdf_lights.emitter.building import build
 from sdf_lights.emitter.intersection.fields import NEGATED
 from sdf_lights.emitter.intersection.intervals import regularize, rows_needed, solve
 from sdf_lights.emitter.intersection.membership import classify
-from sdf_lights.emitter.intersection.primitives import cylinder_span, frustum_span
+from sdf_lights.emitter.primitives.cylinder import cylinder_span
+from sdf_lights.emitter.primitives.frustum import frustum_span
 from sdf_lights.jit import kernel
 from sdf_lights.sdf.program import Op, combine, primitive
 from sdf_lights.sdf.shapes import Box, Cone, Cylinder, Difference, Sphere, Torus, Transformed, Union
 from support.lamps.shapes_under_test import PLACEMENTS, SHAPES, moved, turned
-from support.lamps.traced import Lamps
 
 STEP = 2e-4  # least step of the marcher, so the size of the smallest thing it can be sure of
 

@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Rays through Embree against brute force in float64, for meshes in the world and by reference, under any transform."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from sdf_lights import jit
 from sdf_lights.jit import block_dtype, fill_table, kernel
-from sdf_lights.render.cpu.accelerator import Accelerator
+from sdf_lights.render.cpu.accelerator import accelerator_of
 from sdf_lights.render.kernels import rays
 from sdf_lights.render.scene import Camera, Instance, Ray, Scene
 from support import scenes
@@ -18,9 +20,9 @@ MIRRORED = scenes.translation(0.3, -0.2, 0.1) @ scenes.rotation("x", 40) @ scene
 
 
 class Probe:
-    def __init__(self, instances, meshes, transparent=(False,)):
-        scene = Scene(Camera(np.eye(4)), 1, 1, instances=instances, meshes=meshes)
-        self.accelerator = Accelerator(scene, np.array(transparent))
+    def __init__(self, instances, meshes, transparent=(False,), kept=None):
+        scene = Scene(Camera(np.eye(4)), 1, 1, instances=instances, meshes=meshes, kept=kept)
+        self.accelerator = accelerator_of(scene, np.array(transparent))
         self.block = np.zeros(1, block_dtype({}, rays.SCALARS))
         self.accelerator.fill(self.block)
         self.workspace = np.zeros(1, block_dtype({"ray": rays.RAY}))
@@ -136,3 +138,32 @@ def test_a_thousand_instances_of_a_hundred_thousand_triangles_fit_in_memory():
 def _resident() -> float:
     with open("/proc/self/statm", encoding="ascii") as file:
         return int(file.read().split()[1]) * 4096.0
+
+
+def test_what_is_kept_gives_the_same_hits():
+    """The next render of the same things has all of it; where something has moved, meshes that are shared keep theirs."""
+    shared, alone, kept = scenes.sphere(columns=14, rows=8), scenes.sphere(columns=10, rows=6), {}
+    origins, directions = random_rays(2000)
+
+    def scene(shift):
+        places = (scenes.translation(-1.0, 0.0, 0.0), MIRRORED, scenes.translation(0.0, 1.0 + shift, 0.0))
+        return [Instance(mesh, matrix, (0,)) for mesh, matrix in zip((0, 0, 1), places)]
+
+    first, again = (Probe(scene(0.0), [shared, alone], kept=kept) for _ in range(2))
+    assert again.accelerator is first.accelerator
+    moved = Probe(scene(0.3), [shared, alone], kept=kept)
+    assert moved.accelerator is not first.accelerator
+    assert [inner.handle for inner in moved.accelerator._inner.values()] == [
+        inner.handle for inner in first.accelerator._inner.values()
+    ]
+    before = first.hits(origins, directions)
+    del first, again  # its structures, of which the others use some
+    expected = Probe(scene(0.3), [shared, alone]).hits(origins, directions)
+    np.testing.assert_array_equal(moved.hits(origins, directions), expected)
+    assert not np.array_equal(before, expected)
+    other = dataclasses.replace(shared, positions=shared.positions * np.float32(0.5))
+    changed = Probe(scene(0.3), [other, alone], kept=kept)
+    expected = Probe(scene(0.3), [other, alone]).hits(origins, directions)
+    np.testing.assert_array_equal(changed.hits(origins, directions), expected)
+    clear = Probe(scene(0.3), [other, alone], (True,), kept=kept)  # light rays are told of what is transparent
+    assert clear.accelerator is not changed.accelerator

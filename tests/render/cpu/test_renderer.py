@@ -2,15 +2,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The CPU back end as a user of ``session`` meets it: reproducible, interruptible, and right at the edges."""
 
+import threading
 import time
 
 import numpy as np
 import pytest
 
 from sdf_lights import jit
+from sdf_lights.graph.formula import Vector, constant
 from sdf_lights.render import session
+from sdf_lights.render.lights.point import PointLight
+from sdf_lights.render.material import Material, Node
+from sdf_lights.render.nodes.variables import RAY_LENGTH
 from sdf_lights.render.scene import Instance, Ray
 from sdf_lights.render.settings import Device
+from sdf_lights.sdf.expression import evaluate
 from support import scenes
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
@@ -77,6 +83,25 @@ def test_baked_and_instanced_meshes_give_one_picture():
 def test_lamp_pass_is_all_light_where_lamps_are_the_only_lights():
     _, film = render(samples=4, passes=("SDF Lamps",))
     assert np.allclose(film.read("SDF Lamps"), film.read("Combined")[..., :3], rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["torus_room", "varying_lamps"])
+def test_camera_brightness_changes_what_the_camera_sees_and_no_light(name):
+    """A transparent pane leaves a ray one of the camera."""
+
+    def dimmed(scene):
+        for lamp in scene.lamps:
+            lamp.camera_brightness = 0.25
+
+    passes = "Emission", "Diffuse Direct", "Diffuse Indirect"
+    (_, plain), (_, dim) = (
+        render(name, samples=4, passes=passes, guided_samples=False, indirect_paths=4, change=change)
+        for change in (lambda scene: None, dimmed)
+    )
+    for item in passes[1:]:
+        assert np.array_equal(dim.read(item), plain.read(item))
+    assert plain.read("Emission").max() > 0.0
+    assert np.allclose(dim.read("Emission"), 0.25 * plain.read("Emission"), rtol=1e-6)
 
 
 def test_cancel_keeps_the_partial_picture_and_is_quick():
@@ -171,3 +196,44 @@ def test_pictures_shown_meanwhile_are_never_too_bright(monkeypatch):
     assert len(seen) >= 3
     for picture in seen:
         assert np.sum(picture > 1.0 + 1e-6) <= scene.settings.threads
+
+
+def test_a_lamp_that_takes_long_to_build_is_told_of_and_can_be_cancelled():
+    """Of processor time, the build takes seconds; the render ends within half a second, and leaves no thread."""
+    render(samples=1)  # compiles
+    scene = scenes.SCENES["torus_room"](40, 30)
+    scene.settings.device = Device.CPU
+    rounds = "q = p\nfor i in range(1000):\n    q = q + 0.001 * sin(2.5 * q)\nfield(length(q) - 0.3) & box(0.4)"
+    scene.lamps[0].shape, scene.lamps[0].name = evaluate(rounds), "Rounds"
+    before, told, cancelled_at = set(threading.enumerate()), [], []
+
+    def cancelled() -> bool:
+        if len(told) > 8 and not cancelled_at:
+            cancelled_at.append(time.process_time())
+        return bool(cancelled_at)
+
+    film = session.render(scene, (), cancelled, lambda progress: told.append(progress.text))
+    assert time.process_time() - cancelled_at[0] < 0.5
+    assert "Building lamp “Rounds”" in told
+    assert film.samples == 0
+    assert set(threading.enumerate()) <= before
+
+
+def test_triangles_glow_beside_lights_with_nodes():
+    """Light adds up: that of a light with nodes, and that of an emissive mesh, whose triangles have no nodes of lights."""
+
+    def mean(lit: bool, glows: bool) -> float:
+        scene = scenes.room(32, 24, max_bounces=0, samples=64)
+        scene.settings.device, scene.settings.noise_threshold = Device.CPU, 0.0
+        tinted = Node("emission", {"color": Vector(constant(1.0), RAY_LENGTH * 0.4, constant(0.5))})
+        if lit:
+            place = scenes.translation(0.4, -1.0, 2.6)
+            scene.lights.append(PointLight("nodes", place, 60.0, radius=0.1, emission=Material("nodes", tinted)))
+        if glows:
+            place = scenes.translation(-0.6, 0.2, 2.2) @ scenes.scaling(0.2, 0.2, 0.2)
+            scenes.add(scene, 1, place, scenes.material("emission", strength=12.0))
+        return float(session.render(scene, ()).read("Combined")[..., :3].mean())
+
+    both, light, mesh = mean(True, True), mean(True, False), mean(False, True)
+    assert min(light, mesh) > 0.01
+    assert both == pytest.approx(light + mesh, rel=0.02)

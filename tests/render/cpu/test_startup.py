@@ -36,7 +36,7 @@ def test_compiled_entry_loads_without_the_compiler(tmp_path):
 
 def test_entry_that_links_other_kernels_loads_without_them(tmp_path):
     code = (
-        "from sdf_lights import jit; from sdf_lights.emitter.intersection.primitives import box_span; "
+        "from sdf_lights import jit; from sdf_lights.emitter.primitives.box import box_span; "
         "print(*box_span((0.0, 0.0, -3.0), (0.0, 0.0, 1.0), 1.0, 1.0, 0.5), jit.compiled_kernels())"
     )
     *first, parts = run(code, tmp_path).split()

@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 
+from sdf_lights.emitter.arrays import Lamps
 from sdf_lights.emitter.building.build import build_lamp
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.render.kernels.lamp_tree import (
@@ -18,7 +19,6 @@ from sdf_lights.render.kernels.lamp_tree import (
 from sdf_lights.render.scene import Ray
 from sdf_lights.sdf import shapes
 from sdf_lights.sdf.expression import Expression
-from support.lamps.traced import Lamps
 from support.scenes import rotation, scaling, translation
 
 SHAPES = (

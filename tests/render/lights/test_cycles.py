@@ -7,7 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from sdf_lights.render.scene import AreaLight, PointLight, SpotLight, SunLight
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.lights.point import PointLight, SpotLight
+from sdf_lights.render.lights.sun import SunLight
 from tests.render.lights.harness import UP, Packed, irradiance, scene_of
 
 bpy = pytest.importorskip("bpy")

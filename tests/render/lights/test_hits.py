@@ -9,7 +9,10 @@ import pytest
 
 from sdf_lights.jit import kernel
 from sdf_lights.render.kernels import lights
-from sdf_lights.render.scene import AreaLight, PointLight, Ray, SpotLight, SunLight, World
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.lights.point import PointLight, SpotLight
+from sdf_lights.render.lights.sun import SunLight
+from sdf_lights.render.scene import Ray, World
 from tests.render.lights.harness import NONE, UP, Packed, place, scene_of
 
 DOWN = np.array([[0.0, 0.0, -1.0]])

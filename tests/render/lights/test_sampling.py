@@ -7,7 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from sdf_lights.render.scene import AreaLight, Image, PointLight, Portal, SpotLight, SunLight, World
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.lights.point import PointLight, SpotLight
+from sdf_lights.render.lights.sun import SunLight
+from sdf_lights.render.scene import Image, Portal, World
 from support.chi2 import chi2_sphere
 from tests.render.lights.harness import UP, Packed, place, scene_of
 

@@ -10,7 +10,10 @@ import pytest
 from scipy import stats
 
 from sdf_lights.render.kernels.lights import Triangles
-from sdf_lights.render.scene import AreaLight, PointLight, SpotLight, SunLight, World
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.lights.point import PointLight, SpotLight
+from sdf_lights.render.lights.sun import SunLight
+from sdf_lights.render.scene import World
 from tests.render.lights.harness import NONE, UP, Packed, place, scene_of
 
 

@@ -16,7 +16,7 @@ from sdf_lights.render import nodes
 from sdf_lights.render.cpu.block import BLOCK
 from sdf_lights.render.kernels import camera, textures
 from sdf_lights.render.kernels.camera import pack_camera
-from sdf_lights.render.kernels.emission import world_map
+from sdf_lights.render.kernels.emission_graphs import world_map
 from sdf_lights.render.kernels.shading.program import pack_materials
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes import lookups

@@ -6,7 +6,7 @@
 import numpy as np
 import pytest
 
-from sdf_lights.render.reference.lamps import SdfLamp
+from sdf_lights.render.reference.sdf_lamps import SdfLamp
 from sdf_lights.render.reference.vectors import cosine_hemisphere, uniform_sphere
 from sdf_lights.render.scene import Lamp
 from sdf_lights.sdf import shapes

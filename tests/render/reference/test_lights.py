@@ -6,9 +6,12 @@ errors (confidence 0.99999 each), seeds are fixed."""
 import numpy as np
 import pytest
 
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.lights.point import PointLight, SpotLight
+from sdf_lights.render.lights.sun import SunLight
 from sdf_lights.render.reference.lights import Sky, blender_light
 from sdf_lights.render.reference.vectors import uniform_sphere
-from sdf_lights.render.scene import AreaLight, Camera, PointLight, Scene, SpotLight, SunLight, World
+from sdf_lights.render.scene import Camera, Scene, World
 from support import scenes
 
 SIGMAS = 4.4

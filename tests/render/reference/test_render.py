@@ -8,11 +8,12 @@ import pytest
 
 from sdf_lights.render import session
 from sdf_lights.render.film import Film
+from sdf_lights.render.lights.point import PointLight
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.passes import BY_NAME
 from sdf_lights.render.reference.integrator import Integrator
 from sdf_lights.render.reference.renderer import ReferenceRenderer
-from sdf_lights.render.scene import Lamp, PointLight, Ray, Scene, World
+from sdf_lights.render.scene import Lamp, Ray, Scene, World
 from sdf_lights.render.settings import Device, Filter
 from sdf_lights.sdf import shapes
 from support import scenes
@@ -141,6 +142,21 @@ def test_emissive_triangles_give_the_same_light_by_either_strategy():
         material.sample_emission = False
     (a, e), (b, f) = (mean_and_error(trace(scene, 60).combined.mean(1)) for scene in (sampled, hit))
     assert abs(a - b) < 4.4 * np.hypot(e, f)
+
+
+def test_an_emissive_triangle_seen_at_a_grazing_angle_is_not_in_its_own_shadow():
+    """A square of a metre, 5 cm above the floor and a metre away: 0.5 / pi times the integral of cos cos / r2."""
+    scene = floor(albedo=0.5)
+    scenes.add(
+        scene,
+        0,
+        scenes.translation(1.5, 0.0, 0.05) @ scenes.scaling(0.5, 0.5, 1),
+        scenes.material("emission", strength=9.0),
+    )
+    mean, error = mean_and_error(trace(scene, 4000).combined[:, 0])
+    x, y = np.meshgrid(1.0 + (np.arange(500) + 0.5) / 500, (np.arange(500) + 0.5) / 500 - 0.5)
+    expected = 0.5 / np.pi * 9.0 * np.mean(0.05**2 / (x * x + y * y + 0.05**2) ** 2)
+    assert abs(mean - expected) < 4.4 * error and error < 0.02 * expected
 
 
 def test_more_emitters_than_are_sampled_at_a_vertex():

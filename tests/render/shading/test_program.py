@@ -54,6 +54,14 @@ def lobes(surface, shadow=False):
     return [int(kind) for kind in surface.tables["lobes"]["kind"][first:end]]
 
 
+def test_what_weighs_nothing_is_left_out_with_all_that_leads_on_from_it():
+    nothing = Node(
+        "add_closure", {"a": mix(0.5, Node("diffuse", {"color": RED}), Node("holdout")), "b": Node("glossy")}
+    )
+    surface = Surface(mix(0.0, Node("diffuse", {"color": BLUE}), nothing))
+    assert len(lobes(surface)) == 1
+
+
 def test_constants_cost_no_code():
     glossy = Node("glossy", {"color": BLUE}, {"distribution": "GGX"})
     surface = Surface(mix(0.25, Node("diffuse", {"color": RED}), glossy))

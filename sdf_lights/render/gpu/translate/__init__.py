@@ -6,26 +6,28 @@ A kernel is written once. What it may contain is what Numba's kernels of this pr
 records and tables, calls of other kernels, ``if``, ``while`` and ``for … in range``. Types are inferred from the
 arguments of a call, and each combination of types gives one GLSL function, named after its module and itself.
 
-- float64 becomes float, all integers become int, uint32 uint; a tuple of two to four floats becomes a vector, any other
+- float64 becomes float, all integers become int, but uint32 uint, and uint64 two of them; a tuple of two to four floats becomes a vector, any other
   tuple a structure.
 - The block and the workspace are no arguments. A record of a table of the block is the int at which it begins in the
   buffer ``words``; tables of the workspace are global variables.
 - Values of small integer fields are known from the scene's own tables (``Tables.values``): a comparison that can have one
   outcome only is decided here, so a program holds no code for kinds of lights, lobes or shapes that the scene lacks.
 
-GLSL has no recursion, no pointers and no 64-bit integers. Kernels that need such things, call foreign code, or draw random
-numbers have a function by the same name in ``shaders_glsl/`` (see ``Native``).
+- An array of a kernel's module is read from the buffer where it is one of the scene's tables (``Tables.constant``).
+
+GLSL has no recursion and no pointers. Kernels that need such things, or call foreign code, have a function by the same name in ``shaders_glsl/`` (see ``Native``).
 """
 
 from .translator import Translator
 from .values import (
-    ASIDE,
     BLOCK,
     BOOL,
     CONSTANT,
     FLOAT,
     INT,
+    SECONDARY,
     UINT,
+    ULONG,
     VECTOR,
     WORKSPACE,
     Native,
@@ -38,13 +40,14 @@ from .values import (
 )
 
 __all__ = [
-    "ASIDE",
+    "SECONDARY",
     "BLOCK",
     "BOOL",
     "CONSTANT",
     "FLOAT",
     "INT",
     "UINT",
+    "ULONG",
     "VECTOR",
     "WORKSPACE",
     "Native",

@@ -11,7 +11,22 @@ from dataclasses import replace
 import numpy as np
 
 from .expressions import Expressions
-from .values import BOOL, CONSTANT, FLOAT, INT, UINT, VECTOR, Native, Ref, Value, is_number, join, known
+from .values import (
+    BOOL,
+    CONSTANT,
+    FLOAT,
+    INT,
+    UINT,
+    ULONG,
+    VECTOR,
+    Native,
+    Ref,
+    Untranslatable,
+    Value,
+    is_number,
+    join,
+    known,
+)
 
 
 class Calls(Expressions):
@@ -43,6 +58,7 @@ class Calls(Expressions):
         return self._builtin(called, arguments, node)
 
     def passed(self, arguments: list[Value]) -> list[str]:
+        """GLSL of the arguments that a call passes on; what is known now is left out."""
         texts = []
         for argument in arguments:
             if argument.type == CONSTANT:
@@ -82,7 +98,11 @@ class Calls(Expressions):
             return Value(INT, f"({arguments[0].count})")
         if called in (min, max):
             return self._extremum(called, arguments)
-        if called in (int, np.int64, np.uint64, np.int32):
+        if called is np.uint64:
+            if arguments[0].type == CONSTANT:
+                return known(np.uint64(arguments[0].constant))
+            return self.converted(arguments[0], ULONG)
+        if called in (int, np.int64, np.int32):
             if arguments[0].type == CONSTANT:
                 return known(int(arguments[0].constant))
             return self.converted(arguments[0], INT)
@@ -111,6 +131,8 @@ class Calls(Expressions):
         kind = arguments[0].type
         for argument in arguments[1:]:
             kind = join(kind, argument.type)
+        if kind == ULONG:
+            raise Untranslatable(f"{called.__name__} of 64 bits has no GLSL reading")
         texts = [self.converted(argument, kind).text for argument in arguments]
         text = texts[0]
         for other in texts[1:]:

@@ -8,7 +8,7 @@ import ast
 import types
 
 from .places import Places
-from .values import BLOCK, BOOL, CONSTANT, FLOAT, INT, UINT, Ref, Scope, Value, is_number, join, known
+from .values import BLOCK, BOOL, CONSTANT, FLOAT, INT, UINT, ULONG, Ref, Scope, Value, is_number, join, known
 
 
 class Expressions(Places):
@@ -43,6 +43,9 @@ class Expressions(Places):
                 return base
             if index.type == CONSTANT:
                 return known(base.constant[index.constant])
+            table = self.translator.tables.constant(base.constant)
+            if table is not None:
+                return self._element(table, node.slice, node)
             return Value(FLOAT, f"({self._value(base).text})[{index.text}]")
         if isinstance(base.type, Ref):
             return self._element(base, node.slice, node)
@@ -82,6 +85,8 @@ class Expressions(Places):
             kind = INT
         if name in ("LShift", "RShift"):
             kind = a.type if a.type != BOOL else INT
+            if kind == ULONG:
+                return Value(ULONG, f"{OF_64_BITS[name]}({a.text}, {self.converted(b, INT).text})")
             return Value(kind, f"({self.converted(a, kind).text} {SYMBOLS[name]} {b.text})")
         if name == "BitAnd" and kind == INT:
             for value, mask in ((a, b), (b, a)):
@@ -90,6 +95,10 @@ class Expressions(Places):
                     if len(found) == 1:
                         return known(next(iter(found)))
         left, right = self.converted(a, kind).text, self.converted(b, kind).text
+        if kind == ULONG and not name.startswith("Bit"):
+            if name not in OF_64_BITS:
+                raise self._error(f"{name} of 64 bits has no GLSL reading")
+            return Value(ULONG, f"{OF_64_BITS[name]}({left}, {right})")
         if name == "Mod":
             if kind == FLOAT:
                 return Value(FLOAT, f"mod({left}, {right})")
@@ -113,7 +122,7 @@ class Expressions(Places):
             return value
         if value.possible is not None and (0 not in value.possible or value.possible == {0}):
             return known(0 not in value.possible)
-        zero = {INT: "0", UINT: "0u", FLOAT: "0.0"}[value.type]
+        zero = {INT: "0", UINT: "0u", ULONG: "uvec2(0u)", FLOAT: "0.0"}[value.type]
         return Value(BOOL, f"({value.text} != {zero})")
 
     def _read_BoolOp(self, node):
@@ -165,6 +174,8 @@ class Expressions(Places):
             if len(outcomes) == 1:
                 return known(outcomes.pop())
         kind = join(a.type, b.type)
+        if kind == ULONG and name not in ("Eq", "NotEq"):
+            raise self._error(f"{name} of 64 bits has no GLSL reading")
         return Value(BOOL, f"({self.converted(a, kind).text} {SYMBOLS[name]} {self.converted(b, kind).text})")
 
     def _read_IfExp(self, node):
@@ -188,6 +199,8 @@ class Expressions(Places):
             kind, f"({test.text} ? {self.converted(a, kind).text} : {self.converted(b, kind).text})", possible=possible
         )
 
+
+OF_64_BITS = {"Add": "add_64", "Mult": "multiply_64", "LShift": "shift_left_64", "RShift": "shift_right_64"}
 
 SYMBOLS = {
     "Add": "+",

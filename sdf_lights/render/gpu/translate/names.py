@@ -11,6 +11,8 @@ from .values import (
     CONSTANT,
     INT,
     SCALARS,
+    UINT,
+    ULONG,
     Ref,
     Tuple,
     Untranslatable,
@@ -119,7 +121,7 @@ class Names:
             items = value.items or [self._item(value, index) for index in range(len(kind.items))]
             return self._tuple([self.converted(item, part) for item, part in zip(items, kind.items, strict=True)], kind)
         if kind in SCALARS and value.type in SCALARS:
-            return Value(kind, f"{kind}({value.text})")
+            return Value(kind, _converted(value.text, value.type, kind))
         raise self._error(f"{value.type} is not {kind}")
 
     def _tuple(self, items: list[Value], kind: Tuple | None = None) -> Value:
@@ -148,3 +150,13 @@ class Names:
         if method is None:
             raise self._error(f"{type(node).__name__} has no GLSL reading", node)
         return method(node)
+
+
+def _converted(text: str, own: str, kind: str) -> str:
+    """GLSL for a scalar of type ``own`` as one of another ``kind``."""
+    if kind == ULONG:
+        return f"word_64({text})"
+    if own == ULONG:
+        low = f"({text}).x"
+        return {UINT: low, INT: f"int{low}"}.get(kind, f"{kind}_of_64({text})")
+    return f"{kind}({text})"

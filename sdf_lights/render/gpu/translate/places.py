@@ -34,9 +34,8 @@ class Places(Names):
                 return Value(inner, lvalue.replace("{}", base.text))
             if inner.vector:
                 return Value(Ref(inner, lvalue), base.text)
-            if "{}" in lvalue:
-                raise self._error(f"{name} is an array in an array of the workspace", node)
-            return Value(Ref(inner, lvalue + "[{}]"), "0")
+            # Of a table of several rows the row is part of the place, which other functions cannot be given then.
+            return Value(Ref(inner, lvalue.replace("{}", base.text) + "[{}]"), "0")
         address = _sum(base.text, offset)
         if isinstance(inner, Array):
             return Value(Ref(inner, reader=base.type.reader), address)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import ast
 from dataclasses import replace
 
+from ..layout import Record
 from .calls import Calls
 from .values import CONSTANT, INT, Ref, Untranslatable, Value, is_number, join, known
 
@@ -104,7 +105,7 @@ class Statements(Calls):
         call = node.iter
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "range"):
             raise self._error("for runs over a range only", node)
-        bounds = [self.converted(self._value(self._expression(argument)), INT) for argument in call.args]
+        bounds = [self.converted(self._expression(argument), INT) for argument in call.args]
         start, end, step = "0", bounds[0].text, "1"
         if len(bounds) > 1:
             start, end = bounds[0].text, bounds[1].text
@@ -149,6 +150,11 @@ class Statements(Calls):
         if isinstance(place, Value) and not isinstance(place.type, Ref):
             self._say(f"{place.text} = {self.converted(self._value(value), place.type).text};")
             return
+        if isinstance(value.type, Ref) and value.type == place.type and isinstance(place.type.layout, Record):
+            row = place.type.lvalue
+            if row:
+                self._say(f"{row.replace('{}', place.text)} = {row.replace('{}', value.text)};")
+                return
         raise self._error("this cannot be assigned to", target)
 
     def _unpack(self, targets: list[ast.expr], value: Value) -> None:

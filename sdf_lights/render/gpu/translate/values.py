@@ -13,7 +13,8 @@ from ....graph.codegen_glsl import literal
 from ..layout import Array, Record
 
 FLOAT, INT, UINT, BOOL = "float", "int", "uint", "bool"
-SCALARS = (BOOL, INT, UINT, FLOAT)  # each can be converted to those after it
+ULONG = "uvec2"  # uint64: the low half and the high one
+SCALARS = (BOOL, INT, UINT, ULONG, FLOAT)  # each can be converted to those after it
 
 # Words that GLSL keeps for itself, or has as functions that generated code calls.
 _RESERVED = frozenset(
@@ -81,7 +82,7 @@ class Scope:
         self.prefix = prefix
 
 
-BLOCK, WORKSPACE, ASIDE = Scope(), Scope(), Scope("aside_")
+BLOCK, WORKSPACE, SECONDARY = Scope(), Scope(), Scope("secondary_")
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,8 @@ def type_of(number) -> str:
         return BOOL
     if isinstance(number, np.uint32):
         return UINT
+    if isinstance(number, np.uint64):
+        return ULONG
     return INT if isinstance(number, (int, np.integer)) else FLOAT
 
 
@@ -130,6 +133,8 @@ def constant_text(number, kind: str) -> str:
         return str(int(number)) if int(number) != -(1 << 31) else "(-2147483647 - 1)"
     if kind == UINT:
         return f"{int(number) & 0xFFFFFFFF}u"
+    if kind == ULONG:
+        return f"uvec2({int(number) & 0xFFFFFFFF}u, {int(number) >> 32 & 0xFFFFFFFF}u)"
     number = float(number)
     if math.isnan(number):
         return "NOT_A_NUMBER"

@@ -5,10 +5,12 @@
 from .along import select_along
 from .emitters import (
     blockers,
+    camera_brightness,
     casts_shadow,
     competes,
     emitter_normal,
     is_lamp,
+    is_triangle,
     light_hits,
     reaches,
     sample_light,
@@ -20,9 +22,8 @@ from .emitters import (
     world_emitter,
 )
 from .environment import world_pdf, world_radiance
-from .kinds import TABLES
 from .linking import emission_lights_up, lights_up, open_tree, shadow_bits, tree_of
-from .pack import hit_capacity, pack_lights, pack_near
+from .pack import TABLES, hit_capacity, pack_lights, pack_near
 from .records import HIT, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
 from .tree import irradiance, select, selection_probability
 from .tree_build import Bounds
@@ -36,6 +37,7 @@ __all__ = [
     "Bounds",
     "Triangles",
     "blockers",
+    "camera_brightness",
     "casts_shadow",
     "competes",
     "emission_lights_up",
@@ -43,6 +45,7 @@ __all__ = [
     "hit_capacity",
     "irradiance",
     "is_lamp",
+    "is_triangle",
     "light_cut_table",
     "light_hits",
     "lights_up",

@@ -5,10 +5,11 @@
 import math
 
 from ....jit import kernel
-from ....vec import largest, put, vec
-from . import area, ball, sun, triangle
+from ....replaced import replaced_on_gpu
+from ....vec import largest, put
+from . import kinds, triangle
 from .environment import sample_world, world_radiance
-from .kinds import AREA, BALL, LAMP, SUN, TRIANGLE, WORLD
+from .kinds import LAMP, TRIANGLE, WORLD
 from .linking import lights_up
 from .records import (
     emitter_table,
@@ -30,20 +31,14 @@ def sample_light(block, emitter, x, n, u1, u2):
     an estimate: shade it at ``triangle_point``.
     """
     row = emitter_table(block)[emitter]
-    if row.kind == BALL:
-        return ball.sample(ball.rows(block)[row.index], x, u1, u2)
-    if row.kind == AREA:
-        return area.sample(area.rows(block)[row.index], x, u1, u2)
     if row.kind == TRIANGLE:
         return triangle.sample(triangle.rows(block)[row.index], x, u1, u2)
-    if row.kind == SUN:
-        return sun.sample(sun.rows(block)[row.index], x, u1, u2)
     if row.kind == WORLD:
         wi, pdf = sample_world(block, x, n, u1, u2)
         if not pdf > 0.0:
             return no_sample()
         return wi, math.inf, world_radiance(block, wi), pdf, False
-    return no_sample()
+    return kinds.sample(row.kind, block, row.index, x, u1, u2)
 
 
 @kernel
@@ -63,14 +58,8 @@ def light_hits(block, number, o, d, t_max, ray_kind, hits):
         row = emitters[emitter]
         if row.met & ray_kind == 0 or (row.leaf < 0 and row.infinite < 0) or not lights_up(block, number, emitter):
             continue
-        distance, radiance, pdf = -1.0, (0.0, 0.0, 0.0), 0.0
-        if row.kind == BALL:
-            distance, radiance, pdf = ball.hit(ball.rows(block)[row.index], o, d)
-        elif row.kind == AREA:
-            distance, radiance, pdf = area.hit(area.rows(block)[row.index], o, d)
-        elif t_max == math.inf:
-            distance, radiance, pdf = sun.hit(sun.rows(block)[row.index], o, d)
-        if distance > 0.0 and (distance < t_max or distance == math.inf) and largest(radiance) > 0.0:
+        distance, radiance, pdf = kinds.hit(row.kind, block, row.index, o, d)
+        if distance > 0.0 and (distance < t_max or distance == t_max == math.inf) and largest(radiance) > 0.0:
             hit = hits[count]
             hit.emitter, hit.distance, hit.pdf = emitter, distance, pdf
             put(hit.radiance, radiance)
@@ -85,10 +74,16 @@ def is_lamp(block, emitter):
 
 
 @kernel
+def is_triangle(block, emitter):
+    """Whether the emitter is a triangle of an emissive surface."""
+    return emitter_table(block)[emitter].kind == TRIANGLE
+
+
+@kernel
 def emitter_normal(block, emitter, back):
-    """Unit normal of a light's surface: that of an area light, else ``back``, the way to who sees it."""
+    """Unit normal of a light's surface where it has one, else ``back``, the way to who sees it."""
     row = emitter_table(block)[emitter]
-    return vec(area.rows(block)[row.index].normal) if row.kind == AREA else back
+    return kinds.normal(row.kind, block, row.index, back)
 
 
 @kernel
@@ -103,6 +98,7 @@ def blockers(block, emitter):
     return emitter_table(block)[emitter].blockers
 
 
+@replaced_on_gpu
 @kernel
 def reaches(block, emitter, bounces):
     """Whether the emitter may light what a path meets after so many bounces."""
@@ -114,6 +110,12 @@ def competes(block, emitter, kinds):
     """Whether rays of all of these kinds of ``scene.Ray`` can meet the emitter as light rays find it."""
     row = emitter_table(block)[emitter]
     return row.met & kinds == kinds and row.alone == 0
+
+
+@kernel
+def camera_brightness(block, emitter):
+    """Factor of the radiance of a lamp that rays of the camera see."""
+    return emitter_table(block)[emitter].camera_brightness
 
 
 @kernel

@@ -10,16 +10,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...medium import hides_horizon
-from ...scene import ALL_SETS, MANY_BOUNCES, Emitter, Lamp, Ray, Scene, SunLight
+from ...scene import ALL_SETS, MANY_BOUNCES, Emitter, Lamp, Ray, Scene
 from ..rays import SHADOW_OPAQUE
-from . import environment, portals, triangle
+from . import environment, portals, records, triangle
 from .extent import Far
-from .kinds import KINDS, LAMP, TABLES, TRIANGLE, WORLD
+from .kinds import KINDS, LAMP, TRIANGLE, WORLD, kind_of
 from .linking import pack_trees, shadow_bit, shadow_bits
 from .records import INFINITE, NODE
 from .tree_build import Bounds, build_tree, joined
 from .triangle import Triangles
 
+TABLES = {
+    **records.TABLES,
+    **triangle.TABLES,
+    **portals.TABLES,
+    **{module.TABLE: module.RECORD for module in KINDS.values()},
+}
 NEVER = 1  # in ``met``, until it is filled: rays do not meet the emitter by chance
 
 
@@ -32,7 +38,7 @@ def pack_lights(
     sources: list[Lamp] | None = None,
     elsewhere: Sequence[Bounds] = (),
 ) -> dict[str, np.ndarray]:
-    """Tables (see ``kinds.TABLES``) of all emitters of ``scene``.
+    """Tables (see ``TABLES``) of all emitters of ``scene``.
 
     ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space; ``lamp_power`` (lamps, RGB) or
     (lamps,) in watts, and ``sources`` are what they were made from (None: ``scene.lamps``). ``world_map`` (a
@@ -102,6 +108,7 @@ def pack_near(
     emitters = np.zeros(world + 1 + len(triangles.instance), TABLES["light_emitters"])
     emitters["visibility"], emitters["cast_shadow"] = int(Ray.ALL), 1
     emitters["blockers"], emitters["max_bounces"] = SHADOW_OPAQUE, MANY_BOUNCES
+    emitters["camera_brightness"] = 1.0
     emitters["kind"][world], emitters["kind"][world + 1 :] = WORLD, TRIANGLE
     emitters["index"][world + 1 :] = np.arange(len(triangles.instance))
     emitters["leaf"] = emitters["infinite"] = -1
@@ -179,6 +186,7 @@ def _lamp_bounds(emitters, sources, bounds, power) -> Bounds:
     emitters["kind"][:count] = LAMP
     emitters["index"][:count] = np.arange(count)
     emitters["visibility"][:count] = [int(lamp.visibility) for lamp in sources] or int(Ray.ALL)
+    emitters["camera_brightness"][:count] = [lamp.camera_brightness for lamp in sources] or 1.0
     mean = np.abs(power.reshape(count, -1)).mean(axis=1) if count else np.zeros(0)
     return _bounds(np.arange(count), bounds[:, 0], bounds[:, 1], mean / (4.0 * math.pi))
 
@@ -187,12 +195,11 @@ def _pack_lights(tables, scene, first, infinite) -> list[Bounds]:
     emitters, bounds = tables["light_emitters"], []
     rows = {kind: [] for kind in KINDS}
     for emitter, light in enumerate(scene.lights, first):
-        kind = next(kind for kind, known in KINDS.items() if isinstance(light, known.scene))
-        module = KINDS[kind].module
+        kind = kind_of(light)
+        module = KINDS[kind]
         emitters[emitter]["kind"], emitters[emitter]["index"] = kind, len(rows[kind])
         emitters[emitter]["visibility"], emitters[emitter]["cast_shadow"] = int(light.visibility), light.cast_shadow
-        strength = light.strength if isinstance(light, SunLight) else light.power
-        rgb = strength * np.asarray(light.color, float)
+        rgb = light.strength * np.asarray(light.color, float)
         row = np.zeros((), module.RECORD)
         rows[kind].append(row)
         if not (np.isfinite(light.matrix).all() and np.isfinite(rgb).all()):
@@ -205,6 +212,6 @@ def _pack_lights(tables, scene, first, infinite) -> list[Bounds]:
             infinite.append((emitter, found.irradiance, found.irradiance, found.direction, 1))
         elif found is not None:
             bounds.append(_bounds(emitter, **found._asdict()))
-    for kind, known in KINDS.items():
-        tables[known.table] = np.array(rows[kind], known.module.RECORD)
+    for kind, module in KINDS.items():
+        tables[module.TABLE] = np.array(rows[kind], module.RECORD)
     return bounds

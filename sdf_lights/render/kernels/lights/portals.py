@@ -13,10 +13,12 @@ import numpy as np
 
 from ....jit import kernel, table
 from ...scene import Scene
-from . import area
+from .kinds import area
 from .records import header_table
 
 SHARE = 0.5  # of the samples of the world, where any portal faces the point
+
+TABLES = {"light_portals": area.RECORD}
 
 rows = table("light_portals", area.RECORD)
 

@@ -25,6 +25,7 @@ EMITTER = np.dtype(
             np.int32,
         ),  # kinds of ray that opaque surfaces stop which cast its shadows: rays.SHADOW_OPAQUE, or a bit of its own
         ("max_bounces", np.int32),  # of what it lights
+        ("camera_brightness", np.float64),  # factor of what the camera sees of a lamp
     ],
     align=True,
 )

@@ -21,6 +21,7 @@ AXIS_SCALE = 0.25
 CANDIDATES = 8
 # Variance along an axis of what an emitter sends out, of the square of half its box: that of a shell a little thicker
 # than a ball.
+BRIGHTEST = 1e28  # intensity of an emitter, so that sums of billions are numbers in single precision
 SPREAD = 0.25
 
 
@@ -168,8 +169,9 @@ def _cost(lo, hi, power) -> np.ndarray:
 
 
 def _fill_leaves(tree, place, leaves, members, bounds) -> None:
-    for name in ("axis", "cos_o", "cos_e", "intensity", "two_sided"):
+    for name in ("axis", "cos_o", "cos_e", "two_sided"):
         tree.nodes[name][leaves] = getattr(bounds, name)[members]
+    tree.nodes["intensity"][leaves] = np.minimum(bounds.intensity[members], BRIGHTEST)
     tree.lo[leaves], tree.hi[leaves] = bounds.lo[members], bounds.hi[members]
     place[leaves, :3] = 0.5 * (bounds.lo[members] + bounds.hi[members])
     place[leaves, 3:] = SPREAD * (0.5 * (bounds.hi[members] - bounds.lo[members])) ** 2

@@ -26,6 +26,8 @@ RECORD = np.dtype(
     align=True,
 )
 
+TABLES = {"light_triangles": RECORD}
+
 rows = table("light_triangles", RECORD)
 
 # Below this solid angle the angles of the spherical triangle sum to π but for their last digits, and the area is

@@ -61,30 +61,30 @@ def distance_density(extinction, length, distance):
 
 
 @kernel
-def shares(weight):
+def channel_probabilities(weight):
     """Probabilities of the three colours in proportion to ``weight``; zeros if all of it vanishes."""
     total = weight[0] + weight[1] + weight[2]
     return scale(weight, 1.0 / total) if 0.0 < total < math.inf else BLACK
 
 
 @kernel
-def mixed_density(extinction, length, distance, share):
-    """Density of a distance where a colour was chosen by ``share`` and then the distance by ``distance_in``."""
+def mixed_density(extinction, length, distance, channel_pmf):
+    """Density of a distance where a colour was chosen by ``channel_pmf`` and then the distance by ``distance_in``."""
     density = 0.0
     for axis in range(3):
-        if share[axis] > 0.0:
-            density += share[axis] * distance_density(extinction[axis], length, distance)
+        if channel_pmf[axis] > 0.0:
+            density += channel_pmf[axis] * distance_density(extinction[axis], length, distance)
     return density
 
 
 @kernel
-def mixed_distance(extinction, length, share, u):
+def mixed_distance(extinction, length, channel_pmf, u):
     """A distance with the density ``mixed_density``."""
     axis = 0
-    while axis < 2 and u >= share[axis]:
-        u -= share[axis]
+    while axis < 2 and u >= channel_pmf[axis]:
+        u -= channel_pmf[axis]
         axis += 1
-    u = min(u / share[axis], 1.0 - 2.0**-53) if share[axis] > 0.0 else 0.5
+    u = min(u / channel_pmf[axis], 1.0 - 2.0**-53) if channel_pmf[axis] > 0.0 else 0.5
     if not extinction[axis] > 0.0:
         return u * length
     return distance_in(extinction[axis], extinction[axis] * length, u)
@@ -113,21 +113,21 @@ def facing_density(near, height, angle, distance):
 
 
 @kernel
-def draw_distance(extinction, length, share, near, height, u):
+def draw_distance(extinction, length, channel_pmf, near, height, u):
     """Where to scatter light that comes from a point: a distance from 0 to ``length`` and its density.
 
     Half of all by what is left of the light, half evenly over the angle in which the point sees the ray; ``height`` < 0:
     there is no such point.
     """
     if height < 0.0:
-        distance = mixed_distance(extinction, length, share, u)
-        return distance, mixed_density(extinction, length, distance, share)
+        distance = mixed_distance(extinction, length, channel_pmf, u)
+        return distance, mixed_density(extinction, length, distance, channel_pmf)
     height = max(height, _CLOSEST * (1.0 + abs(near)))
     angle = view_angle(near, height, length)
     if u < 0.5:
         distance = min(facing_distance(near, height, angle, 2.0 * u), length)
     else:
-        distance = mixed_distance(extinction, length, share, 2.0 * u - 1.0)
+        distance = mixed_distance(extinction, length, channel_pmf, 2.0 * u - 1.0)
     return distance, 0.5 * (
-        facing_density(near, height, angle, distance) + mixed_density(extinction, length, distance, share)
+        facing_density(near, height, angle, distance) + mixed_density(extinction, length, distance, channel_pmf)
     )

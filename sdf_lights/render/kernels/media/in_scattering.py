@@ -18,15 +18,15 @@ from ....jit import kernel, stack_array
 from ....vec import add, average, dot, largest, length, madd, mul, scale, sub, vec
 from ...scene import Ray
 from .. import lights
-from ..emission import modulated
+from ..emission_graphs import modulated
 from ..next_event import NO_RAY, competes, shade_triangle
 from ..outputs.state import LIGHT_RAY, scattered_in_medium
 from ..path import LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
-from ..sampler import draw2, draw4
+from ..samplers import get_2d, get_4d
 from ..visibility import shadow_ray, transmittance
 from ..workspace import light_cut_of
 from . import apart
-from .beams import attenuation, draw_distance, gathered_rgb, shares
+from .beams import attenuation, channel_probabilities, draw_distance, gathered_rgb
 from .phase import phase
 from .records import inside_table
 from .stack import receiver
@@ -56,8 +56,8 @@ def light_ray(block, workspace, ray_length):
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     d, extinction, scattering = vec(path.direction), vec(inside.extinction), vec(inside.scattering)
     start = madd(vec(path.start), path.t_min, d)
-    u = draw4(path.index, path.seed, MEDIA_SETS + path.dimension + LIGHT_SET)
-    v = draw2(path.index, path.seed, MEDIA_SETS + path.dimension + PLACE_SET)
+    u = get_4d(path.index, path.seed, MEDIA_SETS + path.dimension + LIGHT_SET)
+    v = get_2d(path.index, path.seed, MEDIA_SETS + path.dimension + PLACE_SET)
     number = receiver(block, inside)
     emitter, pmf, _, finite, center = lights.select_along(
         block, number, start, d, ray_length, average(extinction), u[0]
@@ -68,10 +68,10 @@ def light_ray(block, workspace, ray_length):
         return
     scattered_in_medium(block, workspace, LIGHT_RAY)
     throughput = mul(vec(path.throughput), scattering)
-    share = shares(mul(throughput, gathered_rgb(extinction, ray_length)))
+    channel_pmf = channel_probabilities(mul(throughput, gathered_rgb(extinction, ray_length)))
     if emitter < block.lamp_count:
         _light_by_lamp(
-            block, workspace, emitter, pmf, start, ray_length, throughput, share, (u[1], u[2], u[3], v[0]), v[1]
+            block, workspace, emitter, pmf, start, ray_length, throughput, channel_pmf, (u[1], u[2], u[3], v[0]), v[1]
         )
         return
     near, height = 0.0, NO_POINT
@@ -83,7 +83,7 @@ def light_ray(block, workspace, ray_length):
             target = sub(madd(x, distance, wi), start)
         near = dot(target, d)
         height = math.sqrt(max(dot(target, target) - near * near, 0.0))
-    place, place_density = draw_distance(extinction, ray_length, share, near, height, v[0])
+    place, place_density = draw_distance(extinction, ray_length, channel_pmf, near, height, v[0])
     if not place_density > 0.0:
         return
     x = madd(start, place, d)
@@ -109,7 +109,7 @@ def light_ray(block, workspace, ray_length):
 
 
 @kernel
-def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, share, u, choice):
+def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, channel_pmf, u, choice):
     """``light_ray`` from an SDF lamp."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     row, d, extinction = lamp_table(block)[lamp], vec(path.direction), vec(inside.extinction)
@@ -122,7 +122,7 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, s
         near = dot(way, d)
         height = math.sqrt(max(dot(way, way) - near * near, 0.0))
         place, place_density = draw_distance(
-            extinction, ray_length, share, near, height, (u[3] + lane * _STEPS[3]) % 1.0
+            extinction, ray_length, channel_pmf, near, height, (u[3] + lane * _STEPS[3]) % 1.0
         )
         places[lane] = place
         places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane] = way

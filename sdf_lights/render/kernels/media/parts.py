@@ -9,7 +9,8 @@ import numpy as np
 from ....jit import CallablePart
 from . import apart, light_rays, stack, travel
 
-_KERNELS = {
+# By place: the kernel, and how many numbers it is given.
+KERNELS = {
     apart.BOUNDS: (stack.bounds, 1),
     apart.ENTER: (travel.enter, 1),
     apart.SCATTER: (travel.scatter, 1),
@@ -25,7 +26,7 @@ def addresses(has_media: bool, records: tuple) -> np.ndarray:
     """The table "media_code", for blocks and workspaces of these ``records``. What it points at is kept for good."""
     table = np.zeros(len(apart.PLACES), np.int64)
     if has_media:
-        for place, (kernel, count) in _KERNELS.items():
+        for place, (kernel, count) in KERNELS.items():
             key = place, tuple(map(str, records))
             if key not in _parts:
                 _parts[key] = CallablePart(kernel, (), count, records)

@@ -73,6 +73,6 @@ def sample_phase(block, inside, d, u1, u2, u3):
                 g = part.g
             left -= part.weight
     cosine = draw_cosine(g, u1)
-    sine, turn = math.sqrt(max(1.0 - cosine * cosine, 0.0)), 2.0 * math.pi * u2
+    sine, phi = math.sqrt(max(1.0 - cosine * cosine, 0.0)), 2.0 * math.pi * u2
     t, b = frame(d)
-    return to_world((sine * math.cos(turn), sine * math.sin(turn), cosine), t, b, d)
+    return to_world((sine * math.cos(phi), sine * math.sin(phi), cosine), t, b, d)

@@ -32,21 +32,21 @@ PART = np.dtype([("weight", "f8"), ("g", "f8"), ("alpha", "f8")], align=True)
 # Of each material its medium, and whether its surfaces are there for nothing else.
 BOUNDS = np.dtype([("medium", "i4"), ("only", "i4")], align=True)
 
-# What a ray is inside of: ``count`` media, each with its ``owner``, the instance and material that bound it; and the sums of
-# their coefficients. ``across`` is the medium behind the surface that the path has met, which it ``enters`` or leaves if
+# What a ray is inside of: ``count`` media, each with its ``owner``, the instance that bounds it, with the one material that
+# has this medium; and the sums of their coefficients. ``across`` is the medium behind the surface that the path has met, which it ``enters`` or leaves if
 # it goes through.
 INSIDE = np.dtype(
     [
         ("count", "i8"),
         ("medium", "i4", MOST_MEDIA),
-        ("owner", "i8", MOST_MEDIA),
+        ("owner", "i4", MOST_MEDIA),
         ("extinction", "f8", 3),
         ("scattering", "f8", 3),
         ("emission", "f8", 3),
         ("scatters", "i8"),
         ("glows", "i8"),
         ("across", "i4"),
-        ("across_owner", "i8"),
+        ("across_owner", "i4"),
         ("enters", "i8"),
     ],
     align=True,

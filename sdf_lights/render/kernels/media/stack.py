@@ -26,18 +26,12 @@ MOST_CROSSINGS = 64  # of the ray that finds out what the camera is in
 
 
 @kernel
-def owner_of(instance, material):
-    """A number that tells the surface of a medium apart: by instance and material."""
-    return np.int64(instance) * np.int64(1 << 31) + np.int64(material)
-
-
-@kernel
 def receiver(block, inside):
     """Light tree of the medium that a ray has entered last."""
     last = inside.count - 1
     if last < 0 or inside.owner[last] == WORLD:
         return lights.open_tree(block)
-    return lights.tree_of(block, inside.owner[last] // np.int64(1 << 31))
+    return lights.tree_of(block, inside.owner[last])
 
 
 @kernel
@@ -67,13 +61,20 @@ def outside(block, inside):
 
 
 @kernel
+def _place_of(inside, medium, owner):
+    """Place of a medium among those that a ray is in; their number if it is not there. A medium belongs to one material."""
+    place = 0
+    while place < inside.count and (inside.owner[place] != owner or inside.medium[place] != medium):
+        place += 1
+    return place
+
+
+@kernel
 def cross(block, inside, medium, owner, enters):
-    """Enter or leave a medium, if there is one."""
+    """Enter or leave a medium of the instance ``owner``, if there is one."""
     if medium == NOTHING:
         return
-    place = 0
-    while place < inside.count and inside.owner[place] != owner:
-        place += 1
+    place = _place_of(inside, medium, owner)
     if enters:
         if place < inside.count or place == MOST_MEDIA:
             return
@@ -111,7 +112,7 @@ def cross_hit(block, inside, ray, direction):
         block,
         inside,
         bounds_table(block)[material].medium,
-        owner_of(hit_instance(ray), material),
+        hit_instance(ray),
         faces(block, ray, direction),
     )
 
@@ -121,7 +122,7 @@ def _note_surface(block, workspace):
     """Remember what is behind the surface that the path has met."""
     inside, surface = inside_table(workspace)[0], surface_table(workspace)[0]
     inside.across = bounds_table(block)[surface.material].medium
-    inside.across_owner = owner_of(surface.instance, surface.material)
+    inside.across_owner = surface.instance
     inside.enters = int(surface.backfacing == 0)
 
 
@@ -155,17 +156,13 @@ def _begin(block, workspace):
             return
         ray = ray_table(workspace)[0]
         material = met_bounds(block, ray)
-        medium, owner = bounds_table(block)[material].medium, owner_of(hit_instance(ray), material)
-        if medium != NOTHING:
-            known = False
-            for place in range(entered.count):
-                known = known or entered.owner[place] == owner
-            if faces(block, ray, UP):
-                if not known and entered.count < MOST_MEDIA:
-                    entered.owner[entered.count] = owner
-                    entered.count += 1
-            elif not known:
+        medium, owner = bounds_table(block)[material].medium, hit_instance(ray)
+        if medium != NOTHING and _place_of(entered, medium, owner) == entered.count:
+            if not faces(block, ray, UP):
                 cross(block, inside, medium, owner, True)
+            elif entered.count < MOST_MEDIA:
+                entered.medium[entered.count], entered.owner[entered.count] = medium, owner
+                entered.count += 1
         t_min = beyond(float(ray.t_far))
 
 

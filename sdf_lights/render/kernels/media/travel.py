@@ -12,8 +12,8 @@ from ...scene import Ray
 from ..outputs.state import scattered_in_medium
 from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, path_table
 from ..rays import ray_table
-from ..sampler import draw2, draw3
-from .beams import attenuation, distance_density, distance_in, gathered_rgb, shares
+from ..samplers import get_2d, get_3d
+from .beams import attenuation, channel_probabilities, distance_density, distance_in, gathered_rgb
 from .in_scattering import light_ray
 from .phase import phase, sample_phase
 from .records import inside_table
@@ -54,32 +54,36 @@ def _travel(block, workspace, length, may_scatter):
         scattering[1] / extinction[1] if extinction[1] > 0.0 else 0.0,
         scattering[2] / extinction[2] if extinction[2] > 0.0 else 0.0,
     )
-    chance = (
+    probability = (
         _scattered_part(albedo[0], left[0]),
         _scattered_part(albedo[1], left[1]),
         _scattered_part(albedo[2], left[2]),
     )
-    share = shares(
+    channel_pmf = channel_probabilities(
         (
             throughput[0] * (albedo[0] * (1.0 - left[0]) + left[0]),
             throughput[1] * (albedo[1] * (1.0 - left[1]) + left[1]),
             throughput[2] * (albedo[2] * (1.0 - left[2]) + left[2]),
         )
     )
-    u = draw2(path.index, path.seed, MEDIA_SETS + path.dimension + TRAVEL_SET)
+    u = get_2d(path.index, path.seed, MEDIA_SETS + path.dimension + TRAVEL_SET)
     color, rest = 0, u[1]
-    while color < 2 and rest >= share[color]:
-        rest -= share[color]
+    while color < 2 and rest >= channel_pmf[color]:
+        rest -= channel_pmf[color]
         color += 1
-    if u[0] >= chance[color]:
-        through = share[0] * (1.0 - chance[0]) + share[1] * (1.0 - chance[1]) + share[2] * (1.0 - chance[2])
+    if u[0] >= probability[color]:
+        through = (
+            channel_pmf[0] * (1.0 - probability[0])
+            + channel_pmf[1] * (1.0 - probability[1])
+            + channel_pmf[2] * (1.0 - probability[2])
+        )
         put(path.throughput, scale(mul(throughput, left), 1.0 / through) if through > 0.0 else BLACK)
         return False
-    distance = distance_in(extinction[color], extinction[color] * length, u[0] / chance[color])
+    distance = distance_in(extinction[color], extinction[color] * length, u[0] / probability[color])
     density = 0.0
     for axis in range(3):
-        if share[axis] > 0.0 and chance[axis] > 0.0:
-            density += share[axis] * chance[axis] * distance_density(extinction[axis], length, distance)
+        if channel_pmf[axis] > 0.0 and probability[axis] > 0.0:
+            density += channel_pmf[axis] * probability[axis] * distance_density(extinction[axis], length, distance)
     value = mul(mul(throughput, scattering), attenuation(extinction, distance))
     put(path.throughput, scale(value, 1.0 / density) if density > 0.0 else BLACK)
     path.length = path.t_min + distance
@@ -115,7 +119,7 @@ def scatter(block, workspace, unused):
     """Continue the path from where a medium scatters it. 0 if it ends there."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     d = vec(path.direction)
-    u = draw3(path.index, path.seed, MEDIA_SETS + path.dimension + PHASE_SET)
+    u = get_3d(path.index, path.seed, MEDIA_SETS + path.dimension + PHASE_SET)
     wi = sample_phase(block, inside, d, u[0], u[1], u[2])
     value, density = phase(block, inside, d[0] * wi[0] + d[1] * wi[1] + d[2] * wi[2])
     if not density > 0.0 or largest(vec(path.throughput)) <= 0.0:
@@ -133,6 +137,7 @@ def scatter(block, workspace, unused):
     put(path.direction, wi)
     path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
     path.pdf, path.glossy_pdf = density, 0.0
+    path.least_pdf = min(path.least_pdf, density)
     path.two_sided, path.has_glossy, path.in_medium = 1, 0, 1
     path.kind, path.light_tree = VOLUME, receiver(block, inside)
     return 1.0

@@ -10,7 +10,7 @@ from ....jit import call_part, kernel
 from .records import code_table
 
 # Places of the addresses, which are 0 for what the film has not.
-PLACES = CLEAR, LIGHT, DIVIDE, SURFACE, LEAVE, ADD = range(6)
+PLACES = CLEAR, LIGHT, DIVIDE, SURFACE, LEAVE, ADD, CATCH, RELEASE, BARE, VECTOR, BACKGROUND = range(11)
 
 
 @kernel
@@ -39,7 +39,7 @@ def add_surface(block, workspace, first):
 
 @kernel
 def leave(block, workspace):
-    """See ``data.forget_numbers``."""
+    """See ``data.leave_scene``."""
     call_part(code_table(block)[LEAVE], block, workspace, (0.0,), 1)
 
 
@@ -47,3 +47,34 @@ def leave(block, workspace):
 def add_sample(block, workspace, pixel):
     """See ``sums.add_sample``."""
     call_part(code_table(block)[ADD], block, workspace, (pixel,), 1)
+
+
+@kernel
+def catch(block, workspace):
+    """See ``catchers.catch``."""
+    call_part(code_table(block)[CATCH], block, workspace, (0.0,), 1)
+
+
+@kernel
+def release(block, workspace):
+    """See ``catchers.release``."""
+    (found,) = call_part(code_table(block)[RELEASE], block, workspace, (0.0,), 1)
+    return found != 0.0
+
+
+@kernel
+def add_bare(block, workspace):
+    """See ``catchers.add_bare``."""
+    call_part(code_table(block)[BARE], block, workspace, (0.0,), 1)
+
+
+@kernel
+def add_vector(block, workspace):
+    """See ``vectors.add_vector``."""
+    call_part(code_table(block)[VECTOR], block, workspace, (0.0,), 1)
+
+
+@kernel
+def add_background_vector(block, workspace):
+    """See ``vectors.add_background_vector``."""
+    call_part(code_table(block)[BACKGROUND], block, workspace, (0.0,), 1)

@@ -14,9 +14,10 @@ from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_mater
 from ..next_event import look
 from ..path import OCCLUSION_SETS, path_table, sample_table
 from ..rays import SHADOW_OPAQUE
-from ..sampler import draw2
+from ..samplers import get_2d
 from ..shading import energy, fresnel, microfacet
 from ..shading.diffuse import cosine_hemisphere
+from ..shading.operands import number, vector
 from ..shading.program import AOV
 from ..shading.records import (
     FACETS,
@@ -32,13 +33,14 @@ from ..shading.records import (
     closure_table,
     surface_table,
 )
-from ..shading.values import number, vector
 from ..visibility import leave, transmittance
+from . import apart
 from .light import is_diffuse
 from .records import (
     DATA_NAMES,
     MATTES,
     MOST_HITS,
+    VECTORS,
     aov_place_table,
     data_place_table,
     matte_hit_table,
@@ -151,7 +153,7 @@ def _visible_sky(block, workspace, surface):
             normal = madd(normal, abs(average(vec(closure.weight))), vec(closure.normal))
     normal = vec(surface.n) if dot(normal, normal) == 0.0 else normalize(normal)
     path, ng = path_table(workspace)[0], vec(surface.ng)
-    u = draw2(path.index, path.seed, OCCLUSION_SETS + path.dimension)
+    u = get_2d(path.index, path.seed, OCCLUSION_SETS + path.dimension)
     t, b = frame(normal)
     wi = to_world(cosine_hemisphere(u[0], u[1]), t, b, normal)
     if block.has_media:
@@ -217,6 +219,8 @@ def add_surface(block, workspace, first):
     _number(block, sums, _OBJECT_INDEX, instance_table(block)[surface.instance].index)
     _number(block, sums, _MATERIAL_INDEX, shading_material_table(block)[surface.material].index)
     _add_aovs(block, workspace, surface, sums)
+    if first and block.outputs & VECTORS:
+        apart.add_vector(block, workspace)
     place = _place(block, _UV)
     if first and place >= 0:
         attributes = instance_table(block)[surface.instance].attributes
@@ -227,10 +231,13 @@ def add_surface(block, workspace, first):
 
 
 @kernel
-def forget_numbers(block, workspace, unused):
-    """Forget the numbers of surfaces that are more transparent than solid, as nothing is behind them."""
+def leave_scene(block, workspace, unused):
+    """Forget the numbers of surfaces that are more transparent than solid, as nothing is behind them. The background moves as
+    the camera turns."""
     if not sample_table(workspace)[0].found:
         sums = output_sum_table(workspace)
         _number(block, sums, _OBJECT_INDEX, 0)
         _number(block, sums, _MATERIAL_INDEX, 0)
+        if block.outputs & VECTORS and block.background_moves:
+            apart.add_background_vector(block, workspace)
     return 0.0

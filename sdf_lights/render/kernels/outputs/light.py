@@ -102,6 +102,9 @@ def add_light(block, workspace, r, g, b, emitter, scatters):
     """Add what the path has brought to Combined, from an emitter, scattered so often."""
     sums, places = output_sum_table(workspace), light_place_table(block)
     start = block.light_columns if sample_table(workspace)[0].divided else 0
+    if path_table(workspace)[0].catches:
+        _add(sums, block.caught_light, start, (r, g, b))
+        return 0.0
     if block.outputs & LOBES and scatters > 0.0:
         by = first_scattering_table(workspace)[LIGHT_RAY if path_table(workspace)[0].bounce == 0 else 0]
         again = 1 if scatters > 1.0 else 0

@@ -10,23 +10,28 @@ import numpy as np
 
 from ....jit import CallablePart
 from ...cryptomatte import number_of
-from ...film import Film
+from ...film import CAUGHT_LIGHT, Film
 from ...material import UV
 from ...passes import BY_NAME, DATA_SUMS, LIGHT_SUMS, Rule, aov_sources, light_group_pass
 from ...passes import MATTES as MATTES_BY_KIND
 from ...scene import Emitter, Scene
-from . import apart, data, light, sums
-from .records import DATA, INSTANCE_MATTE, LIGHT, LOBES, MATTES, MOST_HITS
+from . import apart, catchers, data, light, sums, vectors
+from .records import CATCHERS, DATA, INSTANCE_MATTE, LIGHT, LOBES, MATTES, MOST_HITS, VECTORS
 from .state import LIGHT_RAY
 
 # Of each place of the table of code: the bits of ``outputs`` that need it, the kernel, and how many numbers it is given.
-_KERNELS: dict[int, tuple[int, Callable, int]] = {
+KERNELS: dict[int, tuple[int, Callable, int]] = {
     apart.CLEAR: (LIGHT | DATA, sums.clear, 1),
     apart.ADD: (LIGHT | DATA, sums.add_sample, 1),
     apart.LIGHT: (LIGHT, light.add_light, 5),
     apart.DIVIDE: (LOBES, light.divide, 6),
     apart.SURFACE: (DATA, data.add_surface, 1),
-    apart.LEAVE: (DATA, data.forget_numbers, 1),
+    apart.LEAVE: (DATA, data.leave_scene, 1),
+    apart.CATCH: (CATCHERS, catchers.catch, 1),
+    apart.RELEASE: (CATCHERS, catchers.release, 1),
+    apart.BARE: (CATCHERS, catchers.add_bare, 1),
+    apart.VECTOR: (VECTORS, vectors.add_vector, 1),
+    apart.BACKGROUND: (VECTORS, vectors.add_background_vector, 1),
 }
 _parts: dict[tuple, CallablePart] = {}
 
@@ -34,29 +39,43 @@ _parts: dict[tuple, CallablePart] = {}
 def bits_of(film: Film) -> int:
     """``outputs`` of a film."""
     bits = LIGHT * bool(film.light_places) | LOBES * bool(film.light_places.keys() & set(LIGHT_SUMS))
+    bits |= CATCHERS * film.catches | VECTORS * ("vector" in film.data_places)
     return bits | (DATA | MATTES) * bool(film.matte_places) | DATA * bool(film.data_places)
 
 
-def pack(
-    scene: Scene, film: Film, emitters: list[Emitter], instances: np.ndarray, records: tuple
-) -> tuple[dict[str, np.ndarray], dict[str, float]]:
-    """Tables and scalars for the passes of ``film``. ``emitters`` are lamps, lights and the world, and ``instances`` (triangles,)
-    those of the emissive triangles, in the order of the kernels' emitters. For blocks and workspaces of these ``records``. The kernels are compiled
-    first and kept for good."""
-    bits = bits_of(film)
+def addresses(film: Film, records: tuple) -> np.ndarray:
+    """The table "output_code" for the passes of ``film``, for blocks and workspaces of these ``records``. The kernels are
+    compiled first and kept for good."""
+    return _addresses(bits_of(film), records)
+
+
+def compile_all(records: tuple) -> None:
+    """Compile all kernels here, before a film asks for them."""
+    _addresses(~0, records)
+
+
+def _addresses(bits: int, records: tuple) -> np.ndarray:
     code = np.zeros(len(apart.PLACES), np.int64)
-    for place, (needed, kernel, count) in _KERNELS.items():
+    for place, (needed, kernel, count) in KERNELS.items():
         if bits & needed:
             key = place, tuple(map(str, records))
             if key not in _parts:
                 _parts[key] = CallablePart(kernel, (), count, records)
             code[place] = _parts[key].address
+    return code
+
+
+def pack(
+    scene: Scene, film: Film, emitters: list[Emitter], instances: np.ndarray
+) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+    """Tables, but for that of code, and scalars for the passes of ``film``. ``emitters`` are lamps, lights and the world, and
+    ``instances`` (triangles,) those of the emissive triangles, in the order of the kernels' emitters."""
+    bits = bits_of(film)
     numbers = np.zeros(film.data_sums.shape[1], np.int64)
     for item in map(BY_NAME.get, film.passes):
         if item is not None and item.rule is Rule.NUMBER:
             numbers[film.data_places[item.source]] = 1
     tables = {
-        "output_code": code,
         "film_light": film.light_sums.ravel(),
         "film_data": film.data_sums.ravel(),
         "light_places": np.array([film.light_places.get(name, -1) for name in LIGHT_SUMS], np.int64),
@@ -65,13 +84,16 @@ def pack(
         "aov_places": np.array([film.data_places.get(name, -1) for name in aov_sources(scene.passes)], np.int64),
     }
     tables |= _groups(scene, film, emitters, instances) | _mattes(scene, film)
+    tables |= vectors.pack_vectors(scene, bool(bits & VECTORS))
     attributes = scene.looked_up()
     scalars = {
         "outputs": bits,
+        "background_moves": scene.background_moves,
         "light_columns": film.light_sums.shape[1] // 2,
         "data_columns": film.data_sums.shape[1],
         "matte_kinds": len(film.matte_places),
         "matte_slots": film.matte_slots,
+        "caught_light": film.light_places.get(CAUGHT_LIGHT, -1),
         "uv_attribute": attributes.index(UV) if UV in attributes else 0,
         "occlusion_distance": scene.occlusion_distance,
         "mist_start": scene.mist.start,

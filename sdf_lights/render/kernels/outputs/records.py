@@ -10,8 +10,16 @@ import numpy as np
 
 from ....jit import table
 from ...passes import DATA_SUMS, LIGHT_SUMS
+from ..camera import CAMERA
 
-LIGHT, LOBES, DATA, MATTES = 1, 2, 4, 8  # bits of ``outputs``; DATA also where there are MATTES
+LIGHT, LOBES, DATA, MATTES, CATCHERS, VECTORS = (
+    1,
+    2,
+    4,
+    8,
+    16,
+    32,
+)  # bits of ``outputs``; DATA also where there are MATTES, CATCHERS or VECTORS
 
 # How the first scattering of a path divides its light: the parts of diffuse and of glossy lobes, the rest being that of
 # transmission; 1 where a medium has scattered it.
@@ -22,6 +30,14 @@ FIRST_SCATTERING = np.dtype([("diffuse", "f8", 3), ("glossy", "f8", 3), ("in_med
 INSTANCE_MATTE = np.dtype([("object", "f8"), ("asset", "f8")])
 MATTE_HIT = np.dtype([("instance", "i8"), ("material", "i8"), ("weight", "f8")])
 MOST_HITS = 64
+
+# Of the pass Vector. Of an instance, for the frame before and the one after: from the world at the frame to the world there,
+# and from shifts of the mesh to those of the world. ``shifts``: the first of those of its vertices, or −1.
+VECTOR_INSTANCE = np.dtype(
+    [("pose", "f8", (2, 3, 4)), ("turn", "f8", (2, 3, 4)), ("shifts", "i8"), ("vertex_count", "i8")], align=True
+)
+SHIFT = np.dtype([("d", "f4", (3,))])
+VECTOR_TABLES = {"vector_cameras": CAMERA, "vector_instances": VECTOR_INSTANCE, "vector_shifts": SHIFT}
 
 # A column of light or data by the index of its name; −1: the film has it not.
 LIGHT_NAMES = {name: index for index, name in enumerate(LIGHT_SUMS)}
@@ -43,6 +59,7 @@ TABLES = {
     "instance_mattes": INSTANCE_MATTE,
     "material_mattes": np.dtype(np.float64),
     "output_code": np.dtype(np.int64),
+    **VECTOR_TABLES,
 }
 SCALARS = [
     ("outputs", np.int64),
@@ -50,8 +67,10 @@ SCALARS = [
     ("data_columns", np.int64),
     ("matte_kinds", np.int64),
     ("matte_slots", np.int64),
+    ("caught_light", np.int64),  # column of the light of paths that have met a shadow catcher
     ("uv_attribute", np.int64),
     ("occlusion_distance", np.float64),
+    ("background_moves", np.int64),
     ("mist_start", np.float64),
     ("mist_inverse_depth", np.float64),
     ("mist_power", np.float64),
@@ -75,3 +94,6 @@ matte_hit_table = table("matte_hits", MATTE_HIT)
 code_table = table("output_code", np.int64)
 first_scattering_table = table("first_scatterings", FIRST_SCATTERING)
 output_sum_table = table("output_sums", np.float64)
+vector_camera_table = table("vector_cameras", CAMERA)
+vector_instance_table = table("vector_instances", VECTOR_INSTANCE)
+shift_table = table("vector_shifts", SHIFT)

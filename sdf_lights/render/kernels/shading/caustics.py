@@ -1,10 +1,26 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Caustics that are switched off: microfacets are black to the rays of diffuse bounces, as in Cycles."""
+"""Caustics with less noise, as Cycles has them: microfacets that are black to the rays of diffuse bounces, and lobes that are
+blurred for rays which found their way by a small chance."""
+
+import math
 
 from ....jit import kernel
 from ....vec import ZERO, put
-from .records import GLOSSY, GLOSSY_TOON, MICROFACET, THIN_GLASS, TRANSMISSION, closure_table, surface_table
+from .microfacet import is_singular
+from .records import (
+    ASHIKHMIN_SHIRLEY,
+    CHIANG,
+    FACETS,
+    GLOSSY,
+    HUANG,
+    LAST_GLOSSY,
+    MICROFACET,
+    THIN_GLASS,
+    TRANSMISSION,
+    closure_table,
+    surface_table,
+)
 
 
 @kernel
@@ -14,7 +30,7 @@ def darken_microfacets(workspace, kept):
     closures = closure_table(workspace)
     for i in range(surface_table(workspace)[0].closure_count):
         closure = closures[i]
-        if MICROFACET <= closure.kind <= GLOSSY_TOON:
+        if MICROFACET <= closure.kind <= LAST_GLOSSY:
             reflects = closure.reflects != 0 and kept & GLOSSY != 0 and closure.kind != THIN_GLASS
             transmits = closure.transmits != 0 and kept & TRANSMISSION != 0
             if not (reflects or transmits):
@@ -23,3 +39,24 @@ def darken_microfacets(workspace, kept):
                 put(closure.reflection_tint, ZERO)
             elif not transmits:
                 put(closure.transmission_tint, ZERO)
+
+
+@kernel
+def blur_lobes(workspace, certainty):
+    """Make the lobes of ``workspace.surface`` at least as rough as Filter Glossy asks where a path whose least density was
+    ``certainty`` (0 … 1) times its limit has come. What they scatter in all stays, as in Cycles."""
+    surface, closures = surface_table(workspace)[0], closure_table(workspace)
+    roughness = 0.5 * math.sqrt(1.0 - certainty)
+    for i in range(surface.closure_count):
+        closure = closures[i]
+        kind = closure.kind
+        facets = MICROFACET <= kind <= THIN_GLASS
+        if facets or kind == CHIANG or kind == HUANG:
+            closure.alpha = max(closure.alpha, roughness)
+        if kind == FACETS or kind == ASHIKHMIN_SHIRLEY or kind == CHIANG:
+            closure.a = max(closure.a, roughness)
+        if kind == CHIANG:
+            closure.b = max(closure.b, roughness)
+        if facets and closure.singular != 0 and not is_singular(roughness):
+            closure.singular = 0
+            surface.evaluable += 1

@@ -5,7 +5,7 @@
 Parameters become numbers first, and what is constant then is folded: a mapping that does nothing costs nothing. The
 numbers that are left become parameters again, except 0 and 1: each use of a number has a slot of its own, as numbers that
 are equal by chance do not stay so. So materials that differ in numbers share their code, and a slider compiles nothing,
-but where it reaches or leaves 0 or 1.
+but where it, or what follows from numbers alone, reaches or leaves 0 or 1, or another number becomes the greater.
 """
 
 from __future__ import annotations

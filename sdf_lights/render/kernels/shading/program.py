@@ -370,8 +370,8 @@ class _Program:
             return
         weights = {id(surface): constant(1.0)}
         for node in self._topological(surface):
-            weight = weights[id(node)]
-            if weight.kind == CONSTANT and weight.value == 0.0:
+            weight = weights.get(id(node))  # None: all that leads to it weighs nothing
+            if weight is None or weight.kind == CONSTANT and weight.value == 0.0:
                 continue
             if node.kind == "add_closure":
                 shares = (("a", weight), ("b", weight))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ....graph.codegen_native import Place
 from ....jit import table
+from ... import bsdfs
 
 CLOSURES = 64
 REGISTERS = 1024
@@ -57,6 +58,7 @@ SURFACE = np.dtype(
         ("depth", "i4", 5),  # bounces before this hit: all, diffuse, glossy, transmission, transparent
         ("instance", "i4"),
         ("primitive", "i4"),
+        ("strand", "i4"),  # of a curve, which kind of scene.Primitive it is; else 0
         # Of the material, filled by shade().
         ("closure_count", "i4"),
         ("evaluable", "i4"),  # closures that are not singular; with none of them light sampling is useless
@@ -97,26 +99,25 @@ VARIABLES = {
 }
 
 # Kinds of closure: diffuse ones first, then lobes, which are narrower. Those between SHEEN and MICROFACET, and those between
-# MICROFACET and STRAIGHT, are compiled apart from the others and only for scenes that have them (see special/).
-(
-    LAMBERT,
-    OREN_NAYAR,
-    TRANSLUCENT,
-    SHEEN,
-    VELVET,
-    DIFFUSE_TOON,
-    SUBSURFACE,
-    MICROFACET,
-    FACETS,
-    ASHIKHMIN_SHIRLEY,
-    THIN_GLASS,
-    GLOSSY_TOON,
-    HAIR,
-    CHIANG,
-    HUANG,
-    PORTAL,
-    STRAIGHT,
-) = range(17)
+# MICROFACET and STRAIGHT, are compiled apart from the others and only for scenes that have them (see special/). Those of
+# ``render.bsdfs`` have no name here: ``closure_kind`` tells their numbers.
+_KINDS = (
+    *("lambert", "oren_nayar", "translucent", "sheen", "velvet", "subsurface"),
+    *bsdfs.closures(bsdfs.Group.DIFFUSE),
+    *("microfacet", "facets", "ashikhmin_shirley", "thin_glass"),
+    *bsdfs.closures(bsdfs.Group.GLOSSY),
+    *bsdfs.closures(bsdfs.Group.OTHER),
+    "straight",
+)
+closure_kind = _KINDS.index
+LAMBERT, OREN_NAYAR, TRANSLUCENT, SHEEN, VELVET, SUBSURFACE = range(6)
+MICROFACET = closure_kind("microfacet")
+FACETS, ASHIKHMIN_SHIRLEY, THIN_GLASS = range(MICROFACET + 1, MICROFACET + 4)
+LAST_GLOSSY = THIN_GLASS + len(
+    bsdfs.closures(bsdfs.Group.GLOSSY)
+)  # from MICROFACET to here they are dark where caustics are off
+CHIANG, HAIR, HUANG, PORTAL = map(closure_kind, ("chiang", "hair", "huang", "portal"))
+STRAIGHT = len(_KINDS) - 1
 
 # Fresnel terms of a microfacet closure. DIELECTRIC is the real Fresnel curve remapped from its own F0 … 1 to f0 … 1.
 FRESNEL_NONE, FRESNEL_DIELECTRIC, FRESNEL_F82, FRESNEL_CONDUCTOR = range(4)

@@ -182,8 +182,8 @@ def sample(block, workspace, u1, u2, u3):
     if not 0.0 < pdf < math.inf:
         return ZERO, ZERO, 0.0, 0.0, 0
     if not kind & TRANSPARENT:
-        # A direction must leave on the side that its kind says, whatever the shading normal is.
-        if (dot(vec(surface.ng), wi) < 0.0) != (kind & TRANSMISSION != 0):
+        # A direction must leave on the side that its kind says, whatever the shading normal is. Curves have no other normal.
+        if surface.strand == 0 and (dot(vec(surface.ng), wi) < 0.0) != (kind & TRANSMISSION != 0):
             return ZERO, ZERO, 0.0, 0.0, 0
         if closure.bumped and SHEEN < closure.kind < MICROFACET:
             value = scale(value, _bump_shadowing(surface, closure, wi))

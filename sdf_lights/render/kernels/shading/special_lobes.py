@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ... import bsdfs
 from ...material import Node
 from .records import (
     BENDS_EXITS,
@@ -33,58 +34,43 @@ FIRST = 10  # after the lobes of program.py
     LOBE_CONDUCTOR,  # metallic, of indices
     LOBE_SHEEN,
     LOBE_VELVET,  # sheen of Ashikhmin's distribution
-    LOBE_TOON,
-    LOBE_HAIR,
-    LOBE_CHIANG,  # Principled Hair
-    LOBE_HUANG,  # Principled Hair
-    LOBE_PORTAL,
     LOBE_SUBSURFACE,
-) = range(FIRST, FIRST + 14)
-END = LOBE_SUBSURFACE + 1
+) = range(FIRST, FIRST + 9)
+_REGISTERED = {lobe.name: LOBE_SUBSURFACE + 1 + number for number, lobe in enumerate(bsdfs.LOBES)}
+END = LOBE_SUBSURFACE + 1 + len(_REGISTERED)
+
+
+def lobe_kind(name: str) -> int:
+    """The kind of a lobe of ``render.bsdfs``."""
+    return _REGISTERED[name]
+
 
 # Features, after those of program.py: Principled with microfacets of FACETS, or that can be a thin wall; Beckmann's
-# distribution; toon that is glossy; hair that transmits; what colours Principled Hair.
-WITH_FACETS, WITH_THIN_WALL, WITH_BECKMANN, IS_GLOSSY, IS_TRANSMISSION, WITH_MELANIN, WITH_ABSORPTION = (
-    1 << bit for bit in range(8, 15)
-)
+# distribution.
+WITH_FACETS, WITH_THIN_WALL, WITH_BECKMANN = (1 << bit for bit in range(8, 11))
 # Of scattering below a surface: there is some; Principled has some in a thin wall; not where the path has met a diffuse
 # surface before. The method is the number from bit METHOD on.
-WITH_SUBSURFACE, WITH_THIN_SCATTERING, ONCE = (1 << bit for bit in range(15, 18))
-METHOD = 18
+WITH_SUBSURFACE, WITH_THIN_SCATTERING, ONCE = (1 << bit for bit in range(11, 14))
+METHOD = 14
+_OPTIONS = 16  # from this bit on: options of ``render.bsdfs``, each the same for all that a BSDF may be
+
+
+def option(kind: str, setting: str, value: str) -> int:
+    """The feature of a lobe of a BSDF of ``render.bsdfs`` whose ``setting`` has this value."""
+    return 1 << _OPTIONS + bsdfs.option(kind, setting, value)
+
 
 _ROUGH = ("color", "roughness", "normal", "anisotropy", "rotation", "tangent")
 _FILM = ("thin_film_thickness", "thin_film_ior")
 _CONDUCTOR = ("roughness", "normal", "anisotropy", "rotation", "tangent", *_FILM)
 _SHEEN = ("color", "roughness", "normal")
-_PRINCIPLED_HAIR = (
-    "color",
-    "melanin",
-    "melanin_redness",
-    "tint",
-    "absorption_coefficient",
-    "roughness",
-    "radial_roughness",
-    "coat",
-    "ior",
-    "offset",
-    "random_color",
-    "random_roughness",
-    "random",
-    "aspect_ratio",
-    "r_lobe",
-    "tt_lobe",
-    "trt_lobe",
-)
 
 # Kind of node -> its lobe and the inputs that are the lobe's arguments, in their order.
 SIMPLE = {
     "metallic": (LOBE_METALLIC, ("base_color", "edge_tint", *_CONDUCTOR)),
     "sheen": (LOBE_SHEEN, _SHEEN),
-    "toon": (LOBE_TOON, ("color", "size", "smooth", "normal")),
-    "hair": (LOBE_HAIR, ("color", "offset", "roughness_u", "roughness_v", "tangent")),
-    "principled_hair": (LOBE_CHIANG, _PRINCIPLED_HAIR),
-    "ray_portal": (LOBE_PORTAL, ("color", "position", "direction")),
     "subsurface": (LOBE_SUBSURFACE, ("color", "scale", "radius", "ior", "roughness", "anisotropy", "normal")),
+    **{bsdf.kind: (lobe_kind(bsdf.lobes[0].name), tuple(bsdf.inputs)) for bsdf in bsdfs.ALL},
 }
 
 # Inputs of Principled that are read with one of these features only.
@@ -101,15 +87,18 @@ _OTHERS = {
     ("glossy", "distribution", "ASHIKHMIN_SHIRLEY"): (LOBE_ASHIKHMIN_SHIRLEY, _ROUGH),
     ("metallic", "fresnel_type", "PHYSICAL_CONDUCTOR"): (LOBE_CONDUCTOR, ("ior", "extinction", *_CONDUCTOR)),
     ("sheen", "distribution", "ASHIKHMIN"): (LOBE_VELVET, _SHEEN),
-    ("principled_hair", "model", "HUANG"): (LOBE_HUANG, _PRINCIPLED_HAIR),
+    **{
+        (bsdf.kind, *lobe.when): (lobe_kind(lobe.name), tuple(bsdf.inputs))
+        for bsdf in bsdfs.ALL
+        for lobe in bsdf.lobes
+        if lobe.when is not None
+    },
 }
+_DERIVATIVES = {lobe_kind(lobe.name) for bsdf in bsdfs.ALL for lobe in bsdf.lobes if bsdf.needs_derivatives}
 _FEATURES = {
-    ("distribution", "BECKMANN"): WITH_BECKMANN,
-    ("component", "GLOSSY"): IS_GLOSSY,
-    ("component", "TRANSMISSION"): IS_TRANSMISSION,
-    ("parametrization", "MELANIN"): WITH_MELANIN,
-    ("parametrization", "ABSORPTION"): WITH_ABSORPTION,
-}
+    (kind, "distribution", "BECKMANN"): WITH_BECKMANN
+    for kind in ("glossy", "glass", "refraction", "metallic", "principled")
+} | {(bsdf.kind, *pair): option(bsdf.kind, *pair) for bsdf in bsdfs.ALL for pair in bsdf.options}
 _METHODS = {
     "BURLEY": BURLEY,
     "RANDOM_WALK": RANDOM_WALK,
@@ -125,7 +114,7 @@ def variant(node: Node, kind: int, inputs: tuple[str, ...], can_be: Callable) ->
     """
     features = 0
     for setting in node.settings.items():
-        features |= _FEATURES.get(setting, 0)
+        features |= _FEATURES.get((node.kind, *setting), 0)
         kind, inputs = _OTHERS.get((node.kind, *setting), (kind, inputs))
     if node.kind == "principled":
         film = can_be(_FILM[0], lambda value: value > THINNEST_FILM)
@@ -168,7 +157,7 @@ def needs(node: Node, kind: int, features: int, can_be: Callable) -> int:
     flags = 0
     if kind in (LOBE_ROUGH_GLOSSY, LOBE_ASHIKHMIN_SHIRLEY, LOBE_METALLIC, LOBE_CONDUCTOR) or features & WITH_FACETS:
         flags |= NEEDS_RADIAL if node["tangent"] is None else 0
-    if kind in (LOBE_HAIR, LOBE_CHIANG, LOBE_HUANG):
+    if kind in _DERIVATIVES:
         flags |= NEEDS_DERIVATIVES
     if features & WITH_THIN_WALL and can_be("roughness", lambda value: value**4 < 1e-8):
         flags |= HAS_TRANSPARENCY | SHADES_SHADOWS | NEEDS_SHADOW_POINT | NEEDS_RAY

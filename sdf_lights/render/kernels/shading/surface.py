@@ -10,6 +10,7 @@ import math
 from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, madd, mul, normalize, put, put_sum, scale, vec
 from . import apart, diffuse, energy, fresnel, microfacet
+from .operands import normal, number, run, vector
 from .program import (
     ALPHA,
     BASE_COLOR,
@@ -76,7 +77,6 @@ from .records import (
     surface_table,
 )
 from .special_lobes import WITH_FACETS, WITH_SUBSURFACE, WITH_THIN_SCATTERING, WITH_THIN_WALL
-from .values import normal, number, run, vector
 
 _materials = table("materials", MATERIAL)
 lobe_table = table("lobes", LOBE)
@@ -119,7 +119,8 @@ def begin(workspace, weight, n):
     put(closure.weight, weight)
     put(closure.normal, n)
     smooth = surface.n
-    closure.bumped = int(n[0] != smooth[0] or n[1] != smooth[1] or n[2] != smooth[2])
+    # As in Cycles, nothing of a curve is hidden by its bumps.
+    closure.bumped = int(surface.strand == 0 and (n[0] != smooth[0] or n[1] != smooth[1] or n[2] != smooth[2]))
     return index
 
 
@@ -140,6 +141,7 @@ def finish(workspace, index, albedo):
 
 @kernel
 def add_lambert(workspace, weight, n, through):
+    """Add a Lambert closure of this RGB weight about a unit normal."""
     index = begin(workspace, weight, n)
     if index >= 0:
         closure_table(workspace)[index].kind = TRANSLUCENT if through else LAMBERT
@@ -148,6 +150,7 @@ def add_lambert(workspace, weight, n, through):
 
 @kernel
 def add_diffuse(workspace, weight, color, roughness, n):
+    """Add a diffuse closure: Lambert, or Oren-Nayar where it has a roughness."""
     if roughness < _SMOOTH_DIFFUSE:
         add_lambert(workspace, weight, n, False)
         return
@@ -196,6 +199,8 @@ def specular_normal(surface, n):
     in the plane of n and g: n' = sin a · x + cos a · g. Then r·g = t is
     cos 2a (o·g) + sin 2a (o·x) = t, solved for the angle nearest to g.
     """
+    if surface.strand:  # as in Cycles
+        return n
     g, o = vec(surface.ng), vec(surface.wo)
     height = dot(g, o)
     least = min(0.9 * height, 0.01)  # a grazing view may be mirrored as flat as it came

@@ -11,11 +11,12 @@ from __future__ import annotations
 import math
 
 from ....jit import kernel
+from ....replaced import replaced_on_gpu
 from ....vec import add, average, cross, dot, length, madd, mul, negate, normalize, scale, sub, transform_normal, vec
 from ..geometry import instance_at, surface_table
 from ..path import KEPT_RAY, SUBSURFACE_SETS, path_table
 from ..rays import beyond, hit_normal, ray_table
-from ..sampler import draw4
+from ..samplers import get_4d
 from .coefficients import LEGACY_SCALE
 from .exits import put_exit
 from .records import intersect_instance
@@ -85,6 +86,7 @@ def _axis(u, n, t, b):
     return b, 0.25, n, t, 4.0 * u - 3.0
 
 
+@replaced_on_gpu
 @kernel
 def scatter(block, workspace, closure):
     """As ``walk.scatter``."""
@@ -92,7 +94,7 @@ def scatter(block, workspace, closure):
     ray, index, entry, ng = rays[0], surface.instance, vec(surface.position), vec(surface.ng)
     radius = scale(vec(closure.edge), LEGACY_SCALE)
     count = int(radius[0] > 0.0) + int(radius[1] > 0.0) + int(radius[2] > 0.0)
-    u = draw4(path.index, path.seed, SUBSURFACE_SETS + path.dimension)
+    u = get_4d(path.index, path.seed, SUBSURFACE_SETS + path.dimension)
     color, place = 0, min(int(u[0] * count), count - 1)
     while radius[color] <= 0.0 or place > 0:
         place -= int(radius[color] > 0.0)
@@ -101,7 +103,7 @@ def scatter(block, workspace, closure):
     r = profile_distance(rest) * radius[color]
     half = math.sqrt(max(TRUNCATED * TRUNCATED * radius[color] * radius[color] - r * r, 0.0))
     t, b = _across(ng)
-    axis, chance, across, other, rest = _axis(u[1], ng, t, b)
+    axis, probability, across, other, rest = _axis(u[1], ng, t, b)
     angle = 2.0 * math.pi * rest
     start = add(madd(entry, half, axis), add(scale(across, r * math.cos(angle)), scale(other, r * math.sin(angle))))
     drawn = _profiles(radius, r)
@@ -117,7 +119,7 @@ def scatter(block, workspace, closure):
         n = _hit_normal(block, ray, index)
         # Each of the three axes would have found this point with some probability: the power heuristic.
         all_axes = (0.5 * dot(ng, n), 0.25 * dot(t, n), 0.25 * dot(b, n))
-        own = chance * abs(dot(axis, n)) / dot(all_axes, all_axes)
+        own = probability * abs(dot(axis, n)) / dot(all_axes, all_axes)
         x = madd(start, -t_hit, axis)
         found = scale(_profiles(radius, length(sub(x, entry))), own / density)
         amount = average(found)

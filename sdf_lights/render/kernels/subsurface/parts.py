@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import CallablePart
 from . import apart, exits, walk
 
-_KERNELS = {apart.SCATTER: walk.scatter, apart.EMERGE: exits.emerge}
+KERNELS = {apart.SCATTER: walk.scatter, apart.EMERGE: exits.emerge}
 
 _parts: dict[tuple, CallablePart] = {}
 
@@ -18,7 +18,7 @@ def addresses(has_subsurface: bool, records: tuple) -> np.ndarray:
     """The table "subsurface_code", for blocks and workspaces of these ``records``. What it points at is kept for good."""
     table = np.zeros(len(apart.PLACES), np.int64)
     if has_subsurface:
-        for place, kernel in _KERNELS.items():
+        for place, kernel in KERNELS.items():
             key = place, tuple(map(str, records))
             if key not in _parts:
                 _parts[key] = CallablePart(kernel, (), 1, records)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import kernel, table
+from ....replaced import replaced_on_gpu
 from ....vec import transform_point, transform_vector
 from ..geometry import instance_at
 from ..rays import NONE, intersect_scene, ray_table
@@ -19,6 +20,7 @@ SCALARS = [("has_subsurface", np.int64)]
 inner_table = table("inner_scenes", np.int64)
 
 
+@replaced_on_gpu
 @kernel
 def intersect_instance(block, workspace, index, o, d, t_min, t_max):
     """As ``rays.intersect``, with instance ``index`` alone and whatever rays it is visible to."""

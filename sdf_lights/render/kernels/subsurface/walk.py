@@ -14,13 +14,14 @@ from __future__ import annotations
 import math
 
 from ....jit import kernel
+from ....replaced import replaced_on_gpu
 from ....vec import dot, frame, largest, madd, mul, scale, sub, to_world, vec
 from ..geometry import surface_table
-from ..media.beams import attenuation, fade, shares
+from ..media.beams import attenuation, channel_probabilities, fade
 from ..media.phase import draw_cosine, henyey_greenstein
 from ..path import SUBSURFACE_SETS, path_table
 from ..rays import ray_table
-from ..sampler import draw4
+from ..samplers import get_4d
 from ..shading.records import BURLEY, closure_table
 from ..visibility import leave
 from . import disk
@@ -49,13 +50,13 @@ def _density(extinction, t, found):
 
 
 @kernel
-def _choose(u, share):
-    """A colour by its share, and u remapped to [0, 1)."""
+def _choose(u, channel_pmf):
+    """A colour by its probability, and u remapped to [0, 1)."""
     color = 0
-    while color < 2 and u >= share[color]:
-        u -= share[color]
+    while color < 2 and u >= channel_pmf[color]:
+        u -= channel_pmf[color]
         color += 1
-    return color, min(u / share[color], 1.0 - 2.0**-53) if share[color] > 0.0 else 0.5
+    return color, min(u / channel_pmf[color], 1.0 - 2.0**-53) if channel_pmf[color] > 0.0 else 0.5
 
 
 @kernel
@@ -65,11 +66,13 @@ def scatter(block, workspace, unused):
     closure = closure_table(workspace)[surface_table(workspace)[0].entered]
     if closure.distribution == BURLEY:
         return disk.scatter(block, workspace, closure)
-    return _walk(block, workspace, closure)
+    return walk(block, workspace, closure)
 
 
+@replaced_on_gpu
 @kernel
-def _walk(block, workspace, closure):
+def walk(block, workspace, closure):
+    """``scatter`` by a random walk."""
     path, surface, ray = path_table(workspace)[0], surface_table(workspace)[0], ray_table(workspace)[0]
     extinction, albedo, factor = coefficients(closure)
     g, instance = closure.a, surface.instance
@@ -95,9 +98,9 @@ def _walk(block, workspace, closure):
                 albedo[2] * (1.0 - g) / (1.0 - albedo[2] * g),
             )
             g, guided = 0.0, GUIDED_LATER
-        u = draw4(path.index, path.seed, SUBSURFACE_SETS + MOST_STEPS * path.dimension + step)
-        share = shares(mul(throughput, albedo))
-        color, rest = _choose(u[0], share)
+        u = get_4d(path.index, path.seed, SUBSURFACE_SETS + MOST_STEPS * path.dimension + step)
+        channel_pmf = channel_probabilities(mul(throughput, albedo))
+        color, rest = _choose(u[0], channel_pmf)
         sampled = extinction[color]
         out, back, outward, backward, to_back = 0.0, 0.0, 1.0, 1.0, 0.0
         if step > 0:
@@ -138,7 +141,7 @@ def _walk(block, workspace, closure):
                 distance = t_hit
         density = 0.0
         for axis in range(3):
-            if share[axis] > 0.0:
+            if channel_pmf[axis] > 0.0:
                 own = _density(extinction[axis], distance, found)
                 if step > 0:
                     guide = out * _density(outward * extinction[axis], distance, found)
@@ -147,7 +150,7 @@ def _walk(block, workspace, closure):
                             backward * extinction[axis], distance, found
                         )
                     own = (1.0 - guided) * own + guided * guide
-                density += share[axis] * own
+                density += channel_pmf[axis] * own
         if not density > 0.0:
             return 0.0
         throughput = scale(mul(throughput, attenuation(extinction, distance)), 1.0 / density)

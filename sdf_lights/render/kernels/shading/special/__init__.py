@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Closures that few scenes have: a module each, compiled where a scene has it (see ``apart.py``).
 
-A module has kernels ``evaluate`` and ``sample`` of its closure, and those that add closures for a lobe. What is kept in which
-field of ``CLOSURE`` is up to the module.
+A module of this folder has kernels ``evaluate`` and ``sample`` of its closures, ``CLOSURES`` that names their kinds, and ``LOBES``: of
+each lobe the kernel that adds its closures, and their kinds. What is kept in which field of ``CLOSURE`` is up to the module.
 """
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 from collections.abc import Callable
 
 import numpy as np
@@ -16,76 +18,30 @@ from .....jit import CallablePart
 from ....tables import film as film_table
 from .. import apart
 from ..program import LOBE_PRINCIPLED
-from ..records import (
-    ASHIKHMIN_SHIRLEY,
-    CHIANG,
-    DIFFUSE_TOON,
-    FACETS,
-    GLOSSY_TOON,
-    HAIR,
-    HUANG,
-    PORTAL,
-    SUBSURFACE,
-    THIN_GLASS,
-    VELVET,
-)
+from ..records import FACETS, SUBSURFACE, THIN_GLASS
 from ..shadow_shading import shaded_transparency
 from ..special_lobes import (
     FIRST,
-    LOBE_ASHIKHMIN_SHIRLEY,
-    LOBE_CHIANG,
-    LOBE_CONDUCTOR,
-    LOBE_HAIR,
-    LOBE_HUANG,
-    LOBE_METALLIC,
-    LOBE_PORTAL,
-    LOBE_ROUGH_GLASS,
-    LOBE_ROUGH_GLOSSY,
-    LOBE_ROUGH_REFRACTION,
-    LOBE_SHEEN,
     LOBE_SUBSURFACE,
-    LOBE_TOON,
-    LOBE_VELVET,
+    METHOD,
     WITH_FACETS,
     WITH_SUBSURFACE,
     WITH_THIN_SCATTERING,
     WITH_THIN_WALL,
 )
-from . import ashikhmin_shirley, chiang, facets, film, hair, huang, portal, subsurface, thin_wall, toon, velvet
+from . import facets, film, subsurface, thin_wall
 
 TABLES = {**apart.TABLES, **film.TABLES}
 
+# ``jit`` counts all modules of this folder as sources.
+_MODULES = [importlib.import_module(f".{item.name}", __name__) for item in pkgutil.iter_modules(__path__)]
+
 # Lobe -> what adds its closures, and their kinds.
 LOBES: dict[int, tuple[Callable, tuple[int, ...]]] = {
-    LOBE_ROUGH_GLOSSY: (facets.add_glossy, (FACETS,)),
-    LOBE_ASHIKHMIN_SHIRLEY: (ashikhmin_shirley.add_lobe, (ASHIKHMIN_SHIRLEY,)),
-    LOBE_ROUGH_GLASS: (facets.add_glass, (FACETS,)),
-    LOBE_ROUGH_REFRACTION: (facets.add_refraction, (FACETS,)),
-    LOBE_METALLIC: (facets.add_metallic, (FACETS,)),
-    LOBE_CONDUCTOR: (facets.add_conductor, (FACETS,)),
-    LOBE_SHEEN: (velvet.add_sheen, ()),
-    LOBE_VELVET: (velvet.add_lobe, (VELVET,)),
-    LOBE_TOON: (toon.add_lobe, (DIFFUSE_TOON, GLOSSY_TOON)),
-    LOBE_HAIR: (hair.add_lobe, (HAIR,)),
-    LOBE_CHIANG: (chiang.add_lobe, (CHIANG,)),
-    LOBE_HUANG: (huang.add_lobe, (HUANG,)),
-    LOBE_PORTAL: (portal.add_lobe, (PORTAL,)),
-    LOBE_SUBSURFACE: (subsurface.add_lobe, (SUBSURFACE,)),
+    lobe: row for module in _MODULES for lobe, row in getattr(module, "LOBES", {}).items()
 }
 # Kind of closure -> the module that evaluates and samples it.
-CLOSURES = {
-    FACETS: facets,
-    ASHIKHMIN_SHIRLEY: ashikhmin_shirley,
-    THIN_GLASS: thin_wall,
-    VELVET: velvet,
-    DIFFUSE_TOON: toon,
-    GLOSSY_TOON: toon,
-    HAIR: hair,
-    CHIANG: chiang,
-    HUANG: huang,
-    PORTAL: portal,
-    SUBSURFACE: subsurface,
-}
+CLOSURES = {kind: module for module in _MODULES for kind in getattr(module, "CLOSURES", ())}
 # What Principled calls.
 REFINE, THIN_WALL, SCATTERING = facets.refine, thin_wall.add_lobe, subsurface.add_principled
 # What light rays call at thin walls.
@@ -112,6 +68,13 @@ def kinds(lobes: np.ndarray) -> tuple[set[int], set[int], bool, bool, bool]:
     return found, closures & set(CLOSURES), refined, thin, deep
 
 
+def methods(lobes: np.ndarray) -> set[int]:
+    """Methods of scattering below surfaces (``records.BURLEY`` …) of the lobes of a scene."""
+    features = lobes["features"]
+    deep = (lobes["kind"] == LOBE_SUBSURFACE) | (lobes["kind"] == LOBE_PRINCIPLED) & (features & WITH_SUBSURFACE != 0)
+    return {int(method) for method in np.unique(features[deep] >> METHOD & 3)}
+
+
 def addresses(lobes: np.ndarray, records: tuple) -> np.ndarray:
     """The table "special_code" of a scene with these lobes, for blocks and workspaces of these ``records``. What it points at
     is compiled first and kept for good."""
@@ -130,6 +93,26 @@ def addresses(lobes: np.ndarray, records: tuple) -> np.ndarray:
         table[apart.EVALUATE + kind] = _address(CLOSURES[kind].evaluate, _EVALUATE, records)
         table[apart.SAMPLE + kind] = _address(CLOSURES[kind].sample, _SAMPLE, records)
     return table
+
+
+def _all() -> list[tuple[Callable, int]]:
+    """All kernels here, and how many numbers each takes."""
+    found = [(REFINE, _REFINE), (THIN_WALL, _THIN_WALL), (TRANSPARENCY, _TRANSPARENCY), (SCATTERING, _SCATTERING)]
+    found += [(add, _ADD) for add, _ in LOBES.values()]
+    for closure in CLOSURES.values():
+        found += [(closure.evaluate, _EVALUATE), (closure.sample, _SAMPLE)]
+    return found
+
+
+def kernels() -> list[Callable]:
+    """All kernels here."""
+    return [kernel for kernel, _ in _all()]
+
+
+def compile_all(records: tuple) -> None:
+    """Compile all kernels here, before a scene asks for them."""
+    for kernel, count in _all():
+        _address(kernel, count, records)
 
 
 _parts: dict[tuple, object] = {}

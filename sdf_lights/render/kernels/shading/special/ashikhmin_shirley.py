@@ -9,9 +9,10 @@ import math
 
 from .....jit import kernel
 from .....vec import add, dot, frame, normalize, scale, sub, to_world, vec
+from ..operands import vector
 from ..records import ASHIKHMIN_SHIRLEY, GGX, GLOSSY, SINGULAR, closure_table, surface_table
+from ..special_lobes import LOBE_ASHIKHMIN_SHIRLEY
 from ..surface import finish, lobe_table, positive
-from ..values import vector
 from .facets import begin_glossy, frame_about
 
 _LOWEST = 1e-4  # roughness; a mirror
@@ -22,6 +23,7 @@ _NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
 
 @kernel
 def add_lobe(block, workspace, lobe, weight):
+    """Add the closure of lobe number ``lobe``, a glossy one, with this weight."""
     lobe = lobe_table(block)[int(lobe)]
     color = scale(positive(vector(block, workspace, lobe.args[0])), weight)
     index, _ = begin_glossy(block, workspace, lobe, color, GGX)
@@ -112,3 +114,7 @@ def sample(block, workspace, index, u1, u2, u3):
         return wi[0], wi[1], wi[2], 1.0, 1.0, 1.0, 1.0, GLOSSY | SINGULAR
     r, g, blue, pdf = evaluate(block, workspace, index, wi[0], wi[1], wi[2])
     return wi[0], wi[1], wi[2], r, g, blue, pdf, GLOSSY
+
+
+LOBES = {LOBE_ASHIKHMIN_SHIRLEY: (add_lobe, (ASHIKHMIN_SHIRLEY,))}
+CLOSURES = (ASHIKHMIN_SHIRLEY,)

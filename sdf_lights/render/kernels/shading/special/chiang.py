@@ -12,15 +12,17 @@ import math
 from .....jit import kernel
 from .....vec import add, cross, dot, luminance, madd, mul, normalize, put, scale, vec
 from .. import fresnel
+from ..operands import number
 from ..records import CHIANG, GLOSSY, TRANSMISSION, closure_table, surface_table
+from ..special_lobes import lobe_kind
 from ..surface import begin, finish, lobe_table
-from ..values import number
 from .fibers import (
     COAT,
     IOR,
     OFFSET,
     RADIAL_ROUGHNESS,
     RANDOM_ROUGHNESS,
+    RIBBONS,
     ROUGHNESS,
     TWO_PI,
     about,
@@ -59,6 +61,7 @@ def _width(roughness):
 
 @kernel
 def add_lobe(block, workspace, lobe, weight):
+    """Add the closure of lobe number ``lobe``, Principled Hair, with this weight."""
     lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
     args = lobe.args
     tangent = normalize(vec(surface.dpdu))
@@ -82,7 +85,10 @@ def add_lobe(block, workspace, lobe, weight):
     closure.c = -number(block, workspace, args[OFFSET])
     closure.ior = number(block, workspace, args[IOR])
     put(closure.tangent, tangent)
-    closure.f0[0] = min(max(dot(cross(vec(surface.ng), tangent), z), -1.0), 1.0)
+    place = dot(cross(vec(surface.ng), tangent), z)
+    if surface.strand == RIBBONS:
+        place = -surface.barycentric[1]
+    closure.f0[0] = min(max(place, -1.0), 1.0)
     closure.f0[1] = closure.f0[2] = 0.0
     r, tt, trt, more, _, _, _ = _shares(closure, vec(surface.wo))
     finish(workspace, index, scale(add(add(r, tt), add(trt, more)), weight))
@@ -181,5 +187,12 @@ def sample(block, workspace, index, u1, u2, u3):
     )
     if not pdf > 0.0:
         return _NO_DIRECTION
-    kind = TRANSMISSION if dot(vec(surface.ng), wi) < 0.0 else GLOSSY
+    through = dot(vec(surface.ng), wi) < 0.0
+    if surface.strand:
+        through = order > 0  # as Cycles counts it
+    kind = TRANSMISSION if through else GLOSSY
     return wi[0], wi[1], wi[2], value[0], value[1], value[2], pdf, kind
+
+
+LOBES = {lobe_kind("chiang"): (add_lobe, (CHIANG,))}
+CLOSURES = (CHIANG,)

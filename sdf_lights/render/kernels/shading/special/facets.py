@@ -14,6 +14,7 @@ from .....jit import kernel
 from .....vec import add, cross, dot, frame, madd, mul, normalize, put, scale, to_world, vec
 from .. import energy, fresnel, microfacet
 from ..microfacet import chosen, half_vector, is_singular, scattered, spread
+from ..operands import normal, number, vector
 from ..program import (
     ANISOTROPIC,
     ANISOTROPIC_ROTATION,
@@ -38,7 +39,14 @@ from ..records import (
     closure_table,
     surface_table,
 )
-from ..special_lobes import WITH_BECKMANN
+from ..special_lobes import (
+    LOBE_CONDUCTOR,
+    LOBE_METALLIC,
+    LOBE_ROUGH_GLASS,
+    LOBE_ROUGH_GLOSSY,
+    LOBE_ROUGH_REFRACTION,
+    WITH_BECKMANN,
+)
 from ..surface import (
     NO_FILM,
     begin_glass,
@@ -53,7 +61,6 @@ from ..surface import (
     saturated,
     specular_normal,
 )
-from ..values import normal, number, vector
 from . import film
 
 _BLACK = (0.0, 0.0, 0.0)
@@ -109,9 +116,9 @@ def stretch(closure, along, across, tangent):
     """Give microfacets other roughnesses; the roughness by which their albedo is found."""
     closure.alpha, closure.a = saturate(along), saturate(across)
     put(closure.tangent, tangent)
-    both = closure.alpha * closure.a
-    closure.singular = int(is_singular(math.sqrt(both)))
-    return math.sqrt(math.sqrt(both))
+    alpha_product = closure.alpha * closure.a
+    closure.singular = int(is_singular(math.sqrt(alpha_product)))
+    return math.sqrt(math.sqrt(alpha_product))
 
 
 @kernel
@@ -557,3 +564,13 @@ def add_conductor(block, workspace, lobe, weight):
         )
     finish(workspace, index, scale(mul(vec(closure.weight), smooth), e))
     return 0.0
+
+
+LOBES = {
+    LOBE_ROUGH_GLOSSY: (add_glossy, (FACETS,)),
+    LOBE_ROUGH_GLASS: (add_glass, (FACETS,)),
+    LOBE_ROUGH_REFRACTION: (add_refraction, (FACETS,)),
+    LOBE_METALLIC: (add_metallic, (FACETS,)),
+    LOBE_CONDUCTOR: (add_conductor, (FACETS,)),
+}
+CLOSURES = (FACETS,)

@@ -6,10 +6,15 @@ import math
 
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, scale, vec
-from ..special_lobes import WITH_ABSORPTION, WITH_MELANIN
-from ..values import number, vector
+from ....scene import Primitive
+from ..operands import number, vector
+from ..special_lobes import option
 
 TWO_PI = 2.0 * math.pi
+_OF_MELANIN, _OF_ABSORPTION = (
+    option("principled_hair", "parametrization", value) for value in ("MELANIN", "ABSORPTION")
+)
+RIBBONS = int(Primitive.RIBBONS)
 
 # Places of the arguments of the lobe.
 (
@@ -30,7 +35,8 @@ TWO_PI = 2.0 * math.pi
     R_LOBE,
     TT_LOBE,
     TRT_LOBE,
-) = range(17)
+    AXIS,
+) = range(18)
 
 # Absorption of the two melanins, each for a concentration of 1 (d'Eon et al. 2011, "An energy-conserving hair reflectance
 # model").
@@ -39,6 +45,7 @@ _EUMELANIN, _PHEOMELANIN = (0.506, 0.841, 1.653), (0.343, 0.733, 1.924)
 
 @kernel
 def cosine_of(sine):
+    """The cosine, not negative, of an angle with this sine."""
     return math.sqrt(max(1.0 - sine * sine, 0.0))
 
 
@@ -61,6 +68,8 @@ def cut(surface, n, wi):
     Cycles takes n for the normal of a bump, behind which it cuts light rays; rays that are drawn by the fiber itself go on. So a
     lamp without a size gives less than it should, and others lose what light rays would find: it is done alike here.
     """
+    if surface.strand:
+        return False
     smooth = vec(surface.n)
     return dot(smooth, wi) * dot(smooth, n) * dot(n, wi) < 0.0
 
@@ -86,9 +95,9 @@ def random_factor(block, workspace, lobe, amount):
 def absorption(block, workspace, lobe, roughness):
     """Absorption coefficient (RGB) over the radius of a fiber."""
     args = lobe.args
-    if lobe.features & WITH_ABSORPTION:
+    if lobe.features & _OF_ABSORPTION:
         return vector(block, workspace, args[ABSORPTION])
-    if not lobe.features & WITH_MELANIN:
+    if not lobe.features & _OF_MELANIN:
         return _of_color(vector(block, workspace, args[COLOR]), roughness)
     varied = min(max(number(block, workspace, args[RANDOM_COLOR]), 0.0), 1.0)
     melanin = number(block, workspace, args[MELANIN]) * random_factor(block, workspace, lobe, varied)

@@ -37,11 +37,11 @@ def _sensitivity(block, channel, path):
 def _airy(block, channel, top, bottom, path, re, im):
     """Reflectance of two interfaces of reflectances ``top`` and ``bottom``; re + i · im is the phase that both together
     give to light inside the film."""
-    both = top * bottom
+    product = top * bottom
     passed = 1.0 - top
-    inside = passed * passed * bottom / max(1.0 - both, 1e-9)
+    inside = passed * passed * bottom / max(1.0 - product, 1e-9)
     total, factor = top + inside, inside - passed
-    root = math.sqrt(both)
+    root = math.sqrt(product)
     a, b = re, im
     for order in range(1, _TERMS + 1):
         factor *= root

@@ -11,12 +11,13 @@ import math
 
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, madd, normalize, put, scale, vec
+from ..operands import number, vector
 from ..program import NONE
 from ..records import GLOSSY, HAIR, TRANSMISSION, closure_table, surface_table
-from ..special_lobes import IS_TRANSMISSION
+from ..special_lobes import lobe_kind, option
 from ..surface import begin, finish, lobe_table, positive, specular_normal
-from ..values import number, vector
 
+_IS_TRANSMISSION = option("hair", "component", "TRANSMISSION")
 _HALF_PI = 0.5 * math.pi
 _ALONG = _HALF_PI - 0.001  # inclinations beyond are along the fiber
 _NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
@@ -24,6 +25,7 @@ _NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
 
 @kernel
 def add_lobe(block, workspace, lobe, weight):
+    """Add the closure of lobe number ``lobe``, with this weight."""
     lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
     args = lobe.args
     color = scale(positive(vector(block, workspace, args[0])), weight)
@@ -32,12 +34,14 @@ def add_lobe(block, workspace, lobe, weight):
         return 0.0
     closure = closure_table(workspace)[index]
     closure.kind = HAIR
-    closure.transmits = int(lobe.features & IS_TRANSMISSION != 0)
+    closure.transmits = int(lobe.features & _IS_TRANSMISSION != 0)
     closure.reflects = 1 - closure.transmits
     closure.alpha = min(max(number(block, workspace, args[2]), 0.001), 1.0)
     closure.a = min(max(number(block, workspace, args[3]), 0.001), 1.0)
     closure.b = -number(block, workspace, args[1])
-    if args[4] == NONE:
+    if args[4] == NONE and surface.strand:
+        put(closure.tangent, normalize(vec(surface.dpdu)))
+    elif args[4] == NONE:
         # On a mesh nothing says which way its hair lies.
         put(closure.tangent, normalize(vec(surface.dpdv)))
         closure.b = 0.0
@@ -136,4 +140,11 @@ def sample(block, workspace, index, u1, u2, u3):
     pdf, _ = _density(closure, vec(surface.wo), wi)
     if pdf <= 0.0:
         return _NO_DIRECTION
-    return wi[0], wi[1], wi[2], pdf, pdf, pdf, pdf, TRANSMISSION if dot(vec(surface.ng), wi) < 0.0 else GLOSSY
+    through = dot(vec(surface.ng), wi) < 0.0
+    if surface.strand:
+        through = closure.transmits != 0
+    return wi[0], wi[1], wi[2], pdf, pdf, pdf, pdf, TRANSMISSION if through else GLOSSY
+
+
+LOBES = {lobe_kind("hair"): (add_lobe, (HAIR,))}
+CLOSURES = (HAIR,)

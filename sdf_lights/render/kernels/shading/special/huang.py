@@ -20,15 +20,19 @@ from .....emitter import hashing
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, length, luminance, madd, negate, normalize, put, scale, sub, to_world, vec
 from .. import energy, fresnel, microfacet
+from ..operands import number, vector
+from ..program import NONE
 from ..records import GLOSSY, HUANG, TRANSMISSION, closure_table, surface_table
-from ..surface import begin, finish, lobe_table
-from ..values import number
+from ..special_lobes import lobe_kind
+from ..surface import add_transparency, begin, finish, lobe_table
 from .fibers import (
     ASPECT_RATIO,
+    AXIS,
     IOR,
     OFFSET,
     R_LOBE,
     RANDOM_ROUGHNESS,
+    RIBBONS,
     ROUGHNESS,
     TRT_LOBE,
     TT_LOBE,
@@ -57,6 +61,7 @@ _CERTAIN = 2.0  # density that is about as certain as Cycles takes all direction
 
 @kernel
 def add_lobe(block, workspace, lobe, weight):
+    """Add the closure of lobe number ``lobe``, Principled Hair, with this weight."""
     lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
     args = lobe.args
     r, tt = max(number(block, workspace, args[R_LOBE]), 0.0), max(number(block, workspace, args[TT_LOBE]), 0.0)
@@ -64,6 +69,10 @@ def add_lobe(block, workspace, lobe, weight):
     if r + tt + trt <= 0.0:
         return 0.0
     tangent = normalize(vec(surface.dpdu))
+    aspect = max(number(block, workspace, args[ASPECT_RATIO]), 1e-3)
+    if surface.strand and _is_missed(block, workspace, args[AXIS], min(aspect, 1.0 / aspect)):
+        add_transparency(workspace, (weight, weight, weight))
+        return 0.0
     index = begin(workspace, (weight, weight, weight), vec(surface.n))
     if index < 0:
         return 0.0
@@ -77,12 +86,33 @@ def add_lobe(block, workspace, lobe, weight):
     put(closure.f0, (r, tt, trt))
     put(closure.edge, absorption(block, workspace, lobe, roughness))
     closure.alpha = min(max(roughness, 0.001), 1.0)
-    closure.a = max(number(block, workspace, args[ASPECT_RATIO]), 1e-3)
+    closure.a = aspect
     closure.c = -number(block, workspace, args[OFFSET])
     closure.ior = number(block, workspace, args[IOR])
     first, second, third, _ = _shares(closure, vec(surface.wo))
     finish(workspace, index, scale(add(add(first, second), third), weight))
     return 0.0
+
+
+@kernel
+def _is_missed(block, workspace, axis, aspect):
+    """Whether a ray that meets a round strand goes past the ellipse in it, whose axes have the ratio ``aspect``."""
+    surface = surface_table(workspace)[0]
+    tangent, wo = vec(surface.dpdu), vec(surface.wo)
+    major = (0.0, 0.0, 0.0)
+    if axis != NONE:
+        given = vector(block, workspace, axis)
+        major = normalize(cross(tangent, normalize(cross(given, tangent))))
+    if dot(major, major) < 0.5:
+        y = normalize(tangent)
+        side = normalize((y[2] - y[1], y[0] - y[2], y[1] - y[0]))
+        major = cross(y, side)
+    x, z = dot(wo, major), dot(wo, normalize(cross(major, tangent)))
+    radius = math.sqrt(1.0 - (1.0 - aspect * aspect) * x * x / max(x * x + z * z, 1e-30))
+    place = surface.barycentric[1]
+    if surface.strand != RIBBONS:
+        place = dot(normalize(cross(tangent, wo)), vec(surface.n))
+    return abs(place) >= radius
 
 
 @kernel
@@ -465,9 +495,14 @@ def sample(block, workspace, index, u1, u2, u3):
     value, pdf = _evaluated(block, closure, wo, wi)
     if not pdf > 0.0:
         return _NO_DIRECTION
-    kind = TRANSMISSION if dot(vec(surface.ng), wi) < 0.0 else GLOSSY
+    # Cycles counts all that curves scatter as reflection.
+    kind = TRANSMISSION if surface.strand == 0 and dot(vec(surface.ng), wi) < 0.0 else GLOSSY
     if surface.closure_count == 1 and cut(surface, x, wi):
         # Light rays find nothing here. As in Cycles, which does not know the density, what is drawn counts for most of the light.
         more = max(_CERTAIN / pdf, 1.0)
         value, pdf = scale(value, more), pdf * more
     return wi[0], wi[1], wi[2], value[0], value[1], value[2], pdf, kind
+
+
+LOBES = {lobe_kind("huang"): (add_lobe, (HUANG,))}
+CLOSURES = (HUANG,)

@@ -8,14 +8,16 @@ Fields of the closure: f0 is the place and the tangent the direction from which 
 
 from .....jit import kernel
 from .....vec import dot, negate, normalize, put, put_sum, scale, vec
+from ..operands import vector
 from ..program import NONE
 from ..records import PORTAL, SINGULAR, THROUGH_PORTAL, TRANSPARENT, closure_table, surface_table
+from ..special_lobes import lobe_kind
 from ..surface import begin, finish, lobe_table, positive
-from ..values import vector
 
 
 @kernel
 def add_lobe(block, workspace, lobe, weight):
+    """Add the closure of lobe number ``lobe``, with this weight."""
     args, surface = lobe_table(block)[int(lobe)].args, surface_table(workspace)[0]
     color = scale(positive(vector(block, workspace, args[0])), weight)
     index = begin(workspace, color, vec(surface.n))
@@ -52,3 +54,7 @@ def sample(block, workspace, index, u1, u2, u3):
     wi = vec(closure.tangent)
     put(surface_table(workspace)[0].exit, vec(closure.f0))
     return wi[0], wi[1], wi[2], 1.0, 1.0, 1.0, 1.0, THROUGH_PORTAL | TRANSPARENT | SINGULAR
+
+
+LOBES = {lobe_kind("portal"): (add_lobe, (PORTAL,))}
+CLOSURES = (PORTAL,)

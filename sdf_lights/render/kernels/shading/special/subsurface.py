@@ -14,6 +14,7 @@ from .....jit import kernel
 from .....vec import dot, frame, madd, negate, put, scale, to_world, vec
 from ..diffuse import cosine_hemisphere
 from ..microfacet import visible_normal
+from ..operands import normal, number, vector
 from ..program import (
     BASE_COLOR,
     DIFFUSE_ROUGHNESS,
@@ -36,7 +37,7 @@ from ..records import (
     closure_table,
     surface_table,
 )
-from ..special_lobes import METHOD, ONCE, WITH_SUBSURFACE, WITH_THIN_SCATTERING
+from ..special_lobes import LOBE_SUBSURFACE, METHOD, ONCE, WITH_SUBSURFACE, WITH_THIN_SCATTERING
 from ..surface import (
     add_diffuse,
     add_lambert,
@@ -48,7 +49,6 @@ from ..surface import (
     saturated,
     specular_normal,
 )
-from ..values import normal, number, vector
 
 SMALLEST_RADIUS = 1e-8  # metres; a colour of less is diffuse
 LOWEST_IOR, HIGHEST_IOR = 1.01, 3.8
@@ -180,3 +180,7 @@ def sample(block, workspace, index, u1, u2, u3):
         wi = _refracted(closure, vec(surface.wo), u1, u2)
     pdf = 1.0 if dot(wi, wi) > 0.0 else 0.0
     return wi[0], wi[1], wi[2], 1.0, 1.0, 1.0, pdf, INTO_SUBSURFACE | TRANSMISSION | SINGULAR
+
+
+LOBES = {LOBE_SUBSURFACE: (add_lobe, (SUBSURFACE,))}
+CLOSURES = (SUBSURFACE,)

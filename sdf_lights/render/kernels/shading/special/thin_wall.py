@@ -13,6 +13,7 @@ from .....vec import dot, mul, negate, put, scale, sub, vec
 from ....scene import Ray
 from .. import energy, fresnel, microfacet
 from ..microfacet import is_singular
+from ..operands import normal, number, vector
 from ..program import BASE_COLOR, IOR, NORMAL, ROUGHNESS, SPECULAR_TINT, THIN_FILM_IOR, THIN_FILM_THICKNESS
 from ..records import FRESNEL_DIELECTRIC, GGX, SINGULAR, THIN_GLASS, TRANSMISSION, closure_table, surface_table
 from ..surface import (
@@ -25,7 +26,6 @@ from ..surface import (
     saturated,
     specular_normal,
 )
-from ..values import normal, number, vector
 from .facets import begin_facets, cover, reflectance
 
 _CAMERA = int(Ray.CAMERA)
@@ -137,3 +137,6 @@ def sample(block, workspace, index, u1, u2, u3):
     wi, value, pdf, _, singular = microfacet.sample(closure, wo, u1, u2, u3)
     kind = TRANSMISSION | SINGULAR if singular else TRANSMISSION
     return wi[0], wi[1], wi[2], value[0], value[1], value[2], pdf, kind
+
+
+CLOSURES = (THIN_GLASS,)

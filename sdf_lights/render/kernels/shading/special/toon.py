@@ -9,24 +9,27 @@ import math
 
 from .....jit import kernel
 from .....vec import dot, frame, scale, sub, to_world, vec
-from ..records import DIFFUSE, DIFFUSE_TOON, GLOSSY, GLOSSY_TOON, closure_table, surface_table
-from ..special_lobes import IS_GLOSSY
+from ..operands import normal, number, vector
+from ..records import DIFFUSE, GLOSSY, closure_kind, closure_table, surface_table
+from ..special_lobes import lobe_kind, option
 from ..surface import begin, finish, lobe_table, positive, saturate
-from ..values import normal, number, vector
 
+DIFFUSE_TOON, GLOSSY_TOON = map(closure_kind, ("diffuse_toon", "glossy_toon"))
+_IS_GLOSSY = option("toon", "component", "GLOSSY")
 _HALF_PI = 0.5 * math.pi
 _NOTHING = (0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
 def add_lobe(block, workspace, lobe, weight):
+    """Add the closure of lobe number ``lobe``, with this weight."""
     lobe = lobe_table(block)[int(lobe)]
     args = lobe.args
     color = scale(positive(vector(block, workspace, args[0])), weight)
     index = begin(workspace, color, normal(block, workspace, args[3]))
     if index >= 0:
         closure = closure_table(workspace)[index]
-        closure.kind = GLOSSY_TOON if lobe.features & IS_GLOSSY else DIFFUSE_TOON
+        closure.kind = GLOSSY_TOON if lobe.features & _IS_GLOSSY else DIFFUSE_TOON
         closure.reflects = 1
         closure.transmits = 0
         closure.a = min(max(number(block, workspace, args[1]), 1e-5), 1.0) * _HALF_PI
@@ -89,3 +92,7 @@ def sample(block, workspace, index, u1, u2, u3):
     wi = to_world((radius * math.cos(phi), radius * math.sin(phi), 1.0 - down), t, b, axis)
     red, green, blue, pdf = evaluate(block, workspace, index, wi[0], wi[1], wi[2])
     return wi[0], wi[1], wi[2], red, green, blue, pdf, GLOSSY if closure.kind == GLOSSY_TOON else DIFFUSE
+
+
+LOBES = {lobe_kind("toon"): (add_lobe, (DIFFUSE_TOON, GLOSSY_TOON))}
+CLOSURES = (DIFFUSE_TOON, GLOSSY_TOON)

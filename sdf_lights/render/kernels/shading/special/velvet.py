@@ -10,9 +10,10 @@ import math
 
 from .....jit import kernel
 from .....vec import add, dot, frame, normalize, scale, to_world, vec
+from ..operands import normal, number, vector
 from ..records import DIFFUSE, VELVET, closure_table, surface_table
+from ..special_lobes import LOBE_SHEEN, LOBE_VELVET
 from ..surface import add_fibers, begin, finish, lobe_table, positive, saturate
-from ..values import normal, number, vector
 
 _NOTHING = (0.0, 0.0, 0.0, 0.0)
 _SMALL = 1e-5
@@ -72,3 +73,7 @@ def sample(block, workspace, index, u1, u2, u3):
     wi = to_world((radius * math.cos(phi), radius * math.sin(phi), u2), t, b, n)
     red, green, blue, pdf = evaluate(block, workspace, index, wi[0], wi[1], wi[2])
     return wi[0], wi[1], wi[2], red, green, blue, pdf, DIFFUSE
+
+
+LOBES = {LOBE_SHEEN: (add_sheen, ()), LOBE_VELVET: (add_lobe, (VELVET,))}
+CLOSURES = (VELVET,)

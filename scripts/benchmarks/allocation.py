@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What each term of sample allocation and path splitting gains: error × time with the term off, over that with all of them.
+
+No reference is needed: the error is the variance of renders with different seeds, relative as in ``errors.rel_mse``. The
+time is processor time, without what comes before the first sample. All variants take turns, seed by seed. Rare light makes
+a mean over pixels depend on the seeds, so there is a second figure, without the noisiest ``OUTLIERS`` of the pixels.
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+import host
+import numpy as np
+
+from . import artist_scenes, beside_cycles, errors, lamp_scenes, pictures, simple_scenes, some_of
+from .progress import Progress
+from .resume import Parts
+
+HELP = "what each term of sample allocation and path splitting gains, on scenes with and without lamps"
+
+LAMPS = ("S1", "S2", "S4", "S5")
+ORDINARY = ("animation", "street", "forest", "neon_bar", "living_room_night")
+QUICK = ("S1", "S4", "animation", "street")
+BOUNCES = 4  # of scenes of lamps
+SIZE, QUICK_SIZE = 96, 64
+SAMPLES, QUICK_SAMPLES = 32, 16
+SEEDS, QUICK_SEEDS = 6, 3
+OUTLIERS = 1 / 500
+
+# What is switched off, and what the document says of it. Settings of the scene, or values of ``sample_allocation``.
+ALL = "all"
+TERMS: dict[str, tuple[str, dict, dict]] = {
+    "splitting": ("paths do not divide", dict(indirect_paths=1), {}),
+    "guidance": ("all pixels take the same number of samples", dict(guided_samples=False), {}),
+    "both": ("neither", dict(indirect_paths=1, guided_samples=False), {}),
+    "power": ("noise is taken to fall as that of independent samples", {}, dict(MOST_POWER=1.0)),
+    "expectation": (
+        "neighbours alone tell the noise of a pixel",
+        {},
+        dict(_expected=lambda found, told, known: np.array(told)),
+    ),
+    "first_rows": (
+        "paths divide by a constant until samples scatter",
+        {},
+        dict(first_pixels=lambda film, settings: None),
+    ),
+    "spread": ("paths divide into the best number by the first rows, not into more", {}, dict(SPREAD=1.0)),
+}
+
+
+DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
+BEGIN, END = "<!-- allocation -->", "<!-- end of allocation -->"
+
+
+def arguments(parser) -> None:
+    known = [*LAMPS, *ORDINARY]
+    parser.add_argument("--document-allocation", action="store_true", help="write the table of docs/sampling.md")
+    parser.add_argument(
+        "--only", type=some_of(known), metavar="SCENES", help=f"with commas between: {', '.join(known)}"
+    )
+    parser.add_argument("--terms", type=some_of(TERMS), metavar="TERMS", help=f"of {', '.join(TERMS)}")
+
+
+@contextmanager
+def _without(values: dict) -> Iterator[None]:
+    """``sample_allocation`` with other values of these names."""
+    module = host.program("render.sample_allocation")
+    kept = {name: getattr(module, name) for name in values}
+    try:
+        for name, value in values.items():
+            setattr(module, name, value)
+        yield
+    finally:
+        for name, value in kept.items():
+            setattr(module, name, value)
+
+
+def _open(name: str, size: int) -> bpy.types.Scene:
+    if name in ORDINARY:
+        return artist_scenes.build(name, size)
+    lamp_scenes.SCENES[name].build(size)
+    lamp_scenes.show()
+    return bpy.context.scene
+
+
+def _render(name: str, scene, term: str, samples: int, seed: int, device: str) -> pictures.Picture:
+    if name in ORDINARY:
+        beside_cycles.settings(scene, beside_cycles.GUIDED, samples, seed, device)
+    else:
+        simple_scenes.plain_sdf_lights(scene, samples, BOUNCES, device)
+        scene.sdf_lights.seed = seed
+    chosen, values = TERMS[term][1:] if term != ALL else ({}, {})
+    for setting, value in (dict(indirect_paths=0, guided_samples=True) | chosen).items():
+        setattr(scene.sdf_lights, setting, value)
+    with _without(values):
+        return pictures.render()
+
+
+def measure(name: str, terms: list[str], options) -> list[dict]:
+    """A row for each term, of one scene."""
+    scene = _open(name, QUICK_SIZE if options.quick else SIZE)
+    samples = QUICK_SAMPLES if options.quick else SAMPLES
+    seeds = options.repeats or (QUICK_SEEDS if options.quick else SEEDS)
+    variants = [ALL, *terms]
+    _render(name, scene, ALL, 1, 0, options.device)  # compiles, and loads what later renders have
+    start = statistics.median(_render(name, scene, "both", 1, 0, options.device).work for _ in range(3))
+    made: dict[str, list[pictures.Picture]] = {term: [] for term in variants}
+    for seed in range(max(seeds, 2)):
+        for term in variants:
+            made[term].append(_render(name, scene, term, samples, seed, options.device))
+    stacks = {term: np.array([picture.pixels for picture in pile]) for term, pile in made.items()}
+    work = {term: max(statistics.median(picture.work for picture in pile) - start, 1e-6) for term, pile in made.items()}
+    return [dict(allocation_scene=name, without=term) | gain for term, gain in gains_of(stacks, work).items()]
+
+
+def gains_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict[str, dict[str, float]]:
+    """What each term gains, from pictures (seeds, height, width, channels) and seconds of each variant, ALL among them.
+
+    ``gain``: error × time without the term, over that with all; ``gain_of_most``: without the noisiest pixels; ``time`` alone.
+    """
+    mean = np.mean([stack.mean(axis=0) for stack in stacks.values()], axis=0)
+    floor = mean**2 + errors.FLOOR * mean.mean() ** 2
+    costs = {}
+    for term, stack in stacks.items():
+        noise = np.sort((stack.var(axis=0, ddof=1) / floor).mean(axis=2).ravel())
+        most = noise[: len(noise) - max(int(OUTLIERS * len(noise)), 1)]
+        costs[term] = np.array([noise.mean(), most.mean(), 1.0]) * work[term]
+    return {
+        term: dict(zip(("gain", "gain_of_most", "time"), (costs[term] / costs[ALL]).tolist()))
+        for term in stacks
+        if term != ALL
+    }
+
+
+def summary_of(rows: list[dict]) -> dict:
+    """Geometric means by term, of scenes of lamps and of others, and the least of all; of all pixels but the noisiest."""
+    summary = {}
+    for term in TERMS:
+        for kind, names in (("lamps", LAMPS), ("ordinary", ORDINARY)):
+            gains = [r["gain_of_most"] for r in rows if r["without"] == term and r["allocation_scene"] in names]
+            if gains:
+                summary[f"{term}_gain_{kind}_geomean"] = statistics.geometric_mean(gains)
+                summary[f"{term}_gain_{kind}_min"] = min(gains)
+    return summary
+
+
+def document(rows: list[dict]) -> None:
+    """Write the table of docs/sampling.md."""
+    scenes = list(dict.fromkeys(row["allocation_scene"] for row in rows))
+    found = {(row["without"], row["allocation_scene"]): row for row in rows}
+    lines = [f"| switched off | {' | '.join(scenes)} |", "|---" * (len(scenes) + 1) + "|"]
+    for term, (text, _, _) in TERMS.items():
+        cells = [found.get((term, scene)) for scene in scenes]
+        if any(cells):
+            shown = (f"{row['gain_of_most']:.2f} ({row['gain']:.2f})" if row else "" for row in cells)
+            lines.append(f"| `{term}`: {text} | {' | '.join(shown)} |")
+    before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
+    _, _, after = rest.partition(END)
+    DOCUMENT.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    names = options.only or list(QUICK if options.quick else (*LAMPS, *ORDINARY))
+    terms = options.terms or list(TERMS)
+    progress, parts, rows = Progress(len(names)), Parts(options), []
+    for name in names:
+        progress.show(name)
+        rows += parts.of(name, lambda: measure(name, terms, options))
+        progress.step()
+    parts.finish()
+    progress.close()
+    if options.document_allocation:
+        document(rows)
+    return summary_of(rows), rows

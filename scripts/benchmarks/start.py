@@ -1,0 +1,153 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The first minutes, on empty caches: the demo after its downloads, the first F12 of an installed zip, and how long its window
+is busy while kernels compile beside it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+import host
+from sessions import SessionError, seen_by
+
+from . import some_of
+from .progress import Progress
+from .resume import Parts
+from .startup import work_folder
+
+HELP = "the first minutes: the demo, the first F12 of an installed zip, and the window meanwhile"
+
+PARTS = ("demo", "f12", "window")
+BRIEF = dict(parts=[])  # each takes minutes
+
+LIMITS = dict(demo_seconds_after_downloads=120.0, cold_first_pixels_seconds=15.0, longest_stall_ms=50.0)
+SESSION = pathlib.Path(__file__).with_name("start_session.py")
+WATCHED_SECONDS = 60.0
+
+
+def _environment(**more: str) -> dict[str, str]:
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("SDF_LIGHTS_CACHE")}
+    return kept | more
+
+
+def _demo() -> dict:
+    """Seconds until the demo's preview and its picture are on disk, without kernels, and without its scene."""
+    for scene in (host.REPOSITORY / "build" / "demo").glob("demo-*.blend"):
+        scene.unlink()
+    with tempfile.TemporaryDirectory(dir=work_folder()) as folder:
+        out = pathlib.Path(folder) / "demo"
+        preview = out.with_name("demo-preview.png")
+        command = [sys.executable, host.REPOSITORY / "scripts" / "demo.py", "--out", out]
+        started, seen = time.perf_counter(), None
+        process = subprocess.Popen(
+            command,
+            env=_environment(SDF_LIGHTS_CACHE=str(pathlib.Path(folder) / "kernels")),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        while process.poll() is None:
+            if seen is None and preview.is_file():
+                seen = time.perf_counter() - started
+            time.sleep(0.05)
+        if process.returncode:
+            raise RuntimeError(f"The demo failed:\n{process.stderr.read() if process.stderr else ''}")
+        return dict(preview=seen, picture=time.perf_counter() - started)
+
+
+def _zip(folder: pathlib.Path, python: str, kernels: bool) -> pathlib.Path:
+    import build_extension
+
+    return build_extension.build(build_extension.this_platform(), python, folder, with_kernels=kernels)
+
+
+def _first_picture() -> dict:
+    with tempfile.TemporaryDirectory(dir=work_folder()) as name:
+        folder = pathlib.Path(name)
+        path = _zip(folder, "%d.%d" % sys.version_info[:2], kernels=True)
+        report = folder / "report.json"
+        (folder / "resources").mkdir()
+        done = subprocess.run(
+            [sys.executable, SESSION, report, path, "F12"],
+            env=_environment(BLENDER_USER_RESOURCES=str(folder / "resources")),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        if not report.is_file():
+            raise RuntimeError(f"The first render failed:\n{done.stdout}")
+        return json.loads(report.read_text(encoding="utf-8"))
+
+
+def _stalls() -> dict | None:
+    """What the window saw; None where there is no Blender with one."""
+    command = host.windowed_blender()
+    if command is None:
+        return None
+    with tempfile.TemporaryDirectory(dir=work_folder()) as name:
+        folder = pathlib.Path(name)
+        told = subprocess.run(
+            [*command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
+            capture_output=True,
+            text=True,
+        )
+        found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
+        if found is None:
+            raise RuntimeError(f"Blender does not start:\n{told.stdout}{told.stderr}")
+        path = _zip(folder, f"{found[1]}.{found[2]}", kernels=False)
+        (folder / "resources").mkdir()
+        os.environ["BLENDER_USER_RESOURCES"] = str(folder / "resources")
+        try:
+            return seen_by(command, SESSION, folder, str(path), "STALLS", str(WATCHED_SECONDS))
+        except SessionError as error:
+            raise RuntimeError(str(error)) from error
+        finally:
+            del os.environ["BLENDER_USER_RESOURCES"]
+
+
+def arguments(parser) -> None:
+    parser.add_argument(
+        "--parts", type=some_of(PARTS), default=list(PARTS), metavar="NAMES", help=f"some of {','.join(PARTS)}"
+    )
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    parts, progress = Parts(options), Progress(max(len(options.parts), 1))
+    measures = dict(demo=_demo, f12=_first_picture, window=_stalls)
+    found = {}
+    for name in options.parts:
+        progress.show(name)
+        found[name] = parts.of(name, measures[name])
+        progress.step()
+    parts.finish()
+    progress.close()
+    summary, rows = {}, []
+
+    def add(name: str, value: float, title: str) -> None:
+        summary[name] = value
+        limit = LIMITS[name]
+        rows.append(dict(what=title, value=value, limit=limit, holds="yes" if value <= limit else "no"))
+
+    if demo := found.get("demo"):
+        add("demo_seconds_after_downloads", demo["picture"], "the demo's picture, seconds")
+        rows.append(dict(also="the demo's preview, seconds", value=demo["preview"]))
+    if first := found.get("f12"):
+        add("cold_first_pixels_seconds", first["first"], "the first F12 of an installed zip, seconds")
+        rows.append(dict(also="the same, time of processors", value=first["first_processor"]))
+        rows.append(dict(also="F12 again, seconds", value=first["later"]))
+    if window := found.get("window"):
+        add("longest_stall_ms", window["longest_ms"], "the window without an answer while kernels compile, ms")
+        rows.append(dict(also="the same before the add-on was there", value=window["before_ms"]))
+        rows.append(dict(also="what its thread computed at once, before the add-on", value=window["work_before_ms"]))
+        rows.append(dict(also="what its thread computed at once, while kernels compile", value=window["work_ms"]))
+        rows.append(dict(also="times of more than 50 ms while kernels compile", value=window["over_50"]))
+        rows += [dict(status=text) for text in window["texts"][:: max(len(window["texts"]) // 8, 1)]]
+    return summary, rows

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A session of the benchmark ``start``: install a zip in a Blender whose user folders are empty, and use it for the first time.
+
+    python start_session.py REPORT.json ZIP F12                        in Blender's Python module
+    blender … --python start_session.py -- REPORT.json ZIP STALLS SECONDS
+
+BLENDER_USER_RESOURCES names an empty folder.
+"""
+
+import json
+import os
+import pathlib
+import sys
+import time
+
+import bpy
+
+TICK = 0.005  # seconds from one look at the clock to the next
+EXTENSION = "bl_ext.user_default.sdf_lights"
+
+ARGUMENTS = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+
+
+def install() -> None:
+    bpy.ops.extensions.package_install_files(filepath=ARGUMENTS[1], repo="user_default", enable_on_install=True)
+
+
+def write(report: dict) -> None:
+    pathlib.Path(ARGUMENTS[0]).write_text(json.dumps(report), encoding="utf-8")
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def first_picture() -> None:
+    """Seconds of the first F12 of Blender's own scene, whose light is a lamp, until its first pixels."""
+    bpy.ops.wm.read_factory_settings()
+    install()
+    scene = bpy.context.scene
+    bpy.data.lights["Light"].sdf_lamp.use = True
+    scene.render.engine = "SDF_LIGHTS"
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 64, 36, 100
+    scene.sdf_lights.samples, scene.sdf_lights.denoise = 1, False
+    seconds = []
+    for _ in range(2):
+        started, processor = time.perf_counter(), time.process_time()
+        bpy.ops.render.render()
+        seconds.append((time.perf_counter() - started, time.process_time() - processor))
+    write(dict(first=seconds[0][0], first_processor=seconds[0][1], later=seconds[1][0]))
+
+
+def stalls() -> None:
+    """The longest time that the window did not answer, before the add-on is there and while it compiles."""
+    gaps: list[list[float]] = [[], []]
+    works: list[list[float]] = [[], []]
+    texts: list[str] = []
+    state = dict(last=0.0, work=0.0, phase=0, until=0.0)
+    wanted = float(ARGUMENTS[3])
+
+    def tick():
+        now, work = time.perf_counter(), time.thread_time()
+        if state["last"]:
+            gaps[state["phase"]].append(now - state["last"])
+            works[state["phase"]].append(work - state["work"])
+        state["last"], state["work"] = now, work
+        if state["phase"] == 1:
+            compiling = sys.modules.get(f"{EXTENSION}.sdf_lights.blender.compiling")
+            text = compiling.short() if compiling else ""
+            if text and (not texts or texts[-1] != text):
+                texts.append(text)
+        if now < state["until"]:
+            return TICK
+        if state["phase"] == 0:
+            install()
+            # What Blender itself takes to install is not counted.
+            state.update(last=0.0, phase=1, until=time.perf_counter() + wanted)
+            return TICK
+        (before, after), (work_before, work_after) = ([1000.0 * max(each) for each in both] for both in (gaps, works))
+        over = sum(gap > 0.05 for gap in gaps[1])
+        found = dict(before_ms=before, longest_ms=after, work_before_ms=work_before, work_ms=work_after)
+        write(dict(**found, over_50=over, texts=texts))
+        return None
+
+    state["until"] = time.perf_counter() + 8.0
+    bpy.app.timers.register(tick, first_interval=2.0, persistent=True)
+
+
+if ARGUMENTS[2] == "F12":
+    first_picture()
+else:
+    stalls()

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arguments of renders without a window: ``blender -b FILE -E SDF_LIGHTS -a -- --sdf-samples 0:64 --sdf-threads 8``.
+
+What follows ``--`` belongs to scripts. Only words that begin with ``--sdf-``, and ``--strict``, are read here. They hold for final renders of this
+process, whatever the file says.
+
+``blender -c sdf_lights_merge OUT.exr IN.exr ...`` joins the files of renders that have shared the samples of a frame, and
+``blender -c sdf_lights_job OUT.json FILE.blend`` writes a job for a render farm.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import os
+import sys
+from collections.abc import Sequence
+
+import bpy
+
+from ..render.errors import RenderError
+from ..render.settings import Device, Settings
+from . import render_job
+
+LOG = logging.getLogger("sdf_lights")
+
+_PREFIX = "--sdf-"
+_STRICT = "--strict"  # means the same as with the prefix
+LEVELS = {name.lower(): getattr(logging, name) for name in ("DEBUG", "INFO", "WARNING", "ERROR")}
+_LIMITS = {item.name: item.metadata for item in dataclasses.fields(Settings)}
+
+
+@dataclasses.dataclass
+class Arguments:
+    """What the command line says; ``settings`` by their names in ``Settings``."""
+
+    settings: dict = dataclasses.field(default_factory=dict)
+    strict: bool = False
+    log: str | None = None
+
+
+def arguments(words: Sequence[str] | None = None) -> Arguments:
+    """The arguments among ``words``, those of the process if not given. Raises RenderError with the word that is wrong."""
+    found = Arguments(strict=os.environ.get("SDF_LIGHTS_STRICT", "") not in ("", "0"))
+    rest = iter(_own_words(sys.argv if words is None else words))
+    for word in rest:
+        if word == _STRICT:
+            found.strict = True
+        if not word.startswith(_PREFIX):
+            continue
+        name, equals, value = word.removeprefix(_PREFIX).partition("=")
+        if name == "strict":
+            found.strict = True
+            continue
+        if name not in _READERS:
+            raise RenderError(f"There is no argument {_PREFIX}{name}: choose from {_names()}.")
+        value = value if equals else next(rest, "")
+        try:
+            _READERS[name](found, value)
+        except ValueError as error:
+            raise RenderError(f"{_PREFIX}{name} {value}".rstrip() + f": {error}.") from None
+    return found
+
+
+def strict() -> bool:
+    """Whether a render has to fail where the scene is not rendered as it says: ``-- --sdf-strict`` or
+    ``SDF_LIGHTS_STRICT=1``. So it has where an argument is wrong: another picture than asked for helps nobody."""
+    try:
+        return arguments().strict
+    except RenderError:
+        return True
+
+
+def apply(settings: Settings) -> None:
+    """Give ``settings`` what the command line says."""
+    for name, value in arguments().settings.items():
+        setattr(settings, name, value)
+
+
+def begin_log() -> None:
+    """Write the log to the console, if the command line asks for that."""
+    level = arguments().log
+    if level is not None:
+        write_log(level)
+
+
+def write_log(level: str) -> None:
+    """Write what is of this level or above (``debug``, ``info``, ``warning``, ``error``) to the console from now on."""
+    LOG.setLevel(LEVELS[level])
+    if not LOG.handlers:
+        handler = logging.StreamHandler()
+        handler.setFormatter(logging.Formatter("%(asctime)s %(name)s %(levelname)s: %(message)s"))
+        LOG.addHandler(handler)
+
+
+def _own_words(words: Sequence[str]) -> list[str]:
+    return list(words[words.index("--") + 1 :]) if "--" in words else []
+
+
+def _names() -> str:
+    return ", ".join(_PREFIX + name for name in sorted((*_READERS, "strict")))
+
+
+def _read_device(found: Arguments, value: str) -> None:
+    devices = {item.value.lower(): item for item in Device}
+    if value.lower() not in devices:
+        raise ValueError(f"choose from {', '.join(devices)}")
+    found.settings["device"] = devices[value.lower()]
+
+
+def _read_threads(found: Arguments, value: str) -> None:
+    found.settings["threads"] = _number("threads", value)
+
+
+def _read_samples(found: Arguments, value: str) -> None:
+    """``64``, or ``64:128`` for the samples 64 to 127 of a picture that several renders share."""
+    first, colon, end = value.partition(":")
+    if not colon:
+        found.settings["samples"] = _number("samples", first)
+        return
+    start, stop = _number("sample_offset", first), _number("samples", end)
+    if stop <= start:
+        raise ValueError("the range has no sample: write the first and the one after the last, such as 64:128")
+    found.settings.update(sample_offset=start, samples=stop - start)
+
+
+def _read_log(found: Arguments, value: str) -> None:
+    if value.lower() not in LEVELS:
+        raise ValueError(f"choose from {', '.join(LEVELS)}")
+    found.log = value.lower()
+
+
+def _number(name: str, text: str) -> int:
+    least, most = _LIMITS[name]["minimum"], _LIMITS[name]["maximum"]
+    if not (text.isascii() and text.isdecimal()) or not least <= int(text[:12]) <= most:
+        raise ValueError(f"write a whole number from {least} to {most}")
+    return int(text)
+
+
+_READERS = {"device": _read_device, "threads": _read_threads, "samples": _read_samples, "log": _read_log}
+
+
+def _merge(words: list[str]) -> int:
+    from ..render import libraries, merge_files
+
+    if bpy.app.binary_path:
+        libraries.add_search_folder(os.path.dirname(bpy.app.binary_path))
+    return merge_files.main(words)
+
+
+_commands: list = []
+
+CLASSES = ()
+
+
+def register():
+    for name, run in (("sdf_lights_merge", _merge), ("sdf_lights_job", render_job.command)):
+        _commands.append(bpy.utils.register_cli_command(name, run))
+
+
+def unregister():
+    while _commands:
+        bpy.utils.unregister_cli_command(_commands.pop())

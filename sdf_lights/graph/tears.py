@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where values may jump: at steps, at choices whose sides differ, at cuts, poles and borders. See ``lipschitz.py``."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .formula import OPERATIONS, Formula
+from .interval_arithmetic import Condition
+from .slope import ARITHMETIC, Slope, Tear
+
+EQUAL = 1e-9  # relative: values on both sides of a jump that differ by rounding alone
+
+
+def either(a: np.ndarray | None, b: np.ndarray | None) -> np.ndarray | None:
+    """In which boxes (n,) one of two masks holds; None for none."""
+    return b if a is None else a if b is None else a | b
+
+
+def any_of(mask) -> np.ndarray | None:
+    """The mask (n,), or None where it holds nowhere."""
+    return mask if np.any(mask) else None
+
+
+def alike(limits: tuple[float, float]) -> bool:
+    """Whether two numbers differ by rounding alone."""
+    u, v = limits
+    return abs(u - v) <= EQUAL * (1.0 + abs(u) + abs(v))
+
+
+def torn_choice(condition: Condition, a: Slope, b: Slope, jumps: bool) -> np.ndarray | None:
+    """Where a choice is torn: where what is chosen is, and, if it ``jumps``, where the condition may change."""
+    certain, possible = condition
+    found = any_of(possible & ~np.asarray(certain)) if jumps else None
+    if a.tear.torn is not None:
+        found = either(found, any_of(possible & a.tear.torn))
+    if b.tear.torn is not None:
+        found = either(found, any_of(~np.asarray(certain) & b.tear.torn))
+    return found
+
+
+def common_source(operands: list[Slope]) -> Formula | None:
+    """The one node that tears the operands, if it is one."""
+    sources = {operand.tear.source for operand in operands if operand.tear.torn is not None}
+    return sources.pop() if len(sources) == 1 else None
+
+
+def at_limits(node: Formula, operands: list[Slope]) -> tuple[float, float] | None:
+    """Values of an operation on both sides of the jumps of its one operand that is torn, if these are known."""
+    jumping = [operand for operand in operands if operand.tear.torn is not None]
+    if len(jumping) != 1 or jumping[0].tear.limits is None:
+        return None
+    if not all(operand.is_number for operand in operands if operand is not jumping[0]):
+        return None
+    meaning, limits = OPERATIONS[node.kind].meaning, jumping[0].tear.limits
+    found = [
+        float(meaning(*(end if operand is jumping[0] else operand.value.low for operand in operands))) for end in limits
+    ]
+    return (found[0], found[1]) if np.isfinite(found).all() else None
+
+
+def with_limits(tear: Tear) -> Tear:
+    """What the limits tell of a tear."""
+    if tear.limits is None or tear.torn is None:
+        return tear
+    u, v = tear.limits
+    if alike((u, v)):
+        return Tear(zero=tear.source if alike((u, 0.0)) else tear.zero)
+    return tear._replace(even=tear.even or alike((abs(u), abs(v))))
+
+
+def combined(node: Formula, operands: list[Slope]) -> Tear:
+    """The tear of a continuous operation on operands."""
+    kind, tears = node.kind, [operand.tear for operand in operands]
+    zeros = [tear.zero for tear in tears]
+    common = zeros[0] if len(set(zeros)) == 1 else None
+    if kind == "multiply":
+        # What is 0 where the other factor jumps holds the product together there.
+        torn = None
+        for tear, zero in zip(tears, zeros[::-1]):
+            if tear.torn is not None and (zero is None or tear.source is not zero):
+                torn = either(torn, tear.torn)
+        zero = next((zero for zero in zeros if zero is not None), None)
+    else:
+        torn = None
+        for tear in tears:
+            torn = either(torn, tear.torn)
+        zero = zeros[0] if kind in ("negate", "abs", "divide") else common if kind in ("add", "subtract") else None
+    if torn is None:
+        return Tear(zero=zero)
+    source = common_source(operands)
+    signs = all(tear.torn is None or tear.even for tear in tears)
+    limits = at_limits(node, operands)
+    if limits is None and signs and (kind in ("abs", "cos") or (kind == "multiply" and operands[0] is operands[1])):
+        return Tear(zero=zero)
+    even = signs and kind in ("negate", "multiply", "divide")
+    if signs and kind in ("add", "subtract") and source is not None:
+        even = all(tear.torn is not None or tear.zero is source for tear in tears)
+    return with_limits(Tear(torn, source, limits, even, zero))
+
+
+def outside_domain(node: Formula, operands: list[Slope]) -> np.ndarray | None:
+    """In which boxes an operation may have a pole or no value."""
+    a = operands[0].value
+    if node.kind == "sqrt":
+        return any_of(a.low < 0.0)
+    if node.kind == "log":
+        return any_of(a.low <= 0.0)
+    if node.kind in ("asin", "acos"):
+        return any_of((a.low < -1.0 - EQUAL) | (a.high > 1.0 + EQUAL))
+    if node.kind == "tan":
+        value = ARITHMETIC.tan(a)
+        return any_of((value.low == -np.inf) | (value.high == np.inf))
+    if node.kind in ("divide", "power"):
+        b = operands[1].value
+        if node.kind == "divide":
+            return any_of((b.low <= 0.0) & (b.high >= 0.0))
+        if operands[1].is_number:
+            exponent = float(b.low)
+            if exponent >= 0.0:
+                return None if exponent.is_integer() else any_of(a.low < 0.0)
+            return any_of((a.low <= 0.0) & ((a.high >= 0.0) | (not exponent.is_integer())))
+        return any_of(a.low <= 0.0)
+    return None

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Kernels compiled before a scene asks for them: when a zip is built, and in processes beside a session.
+
+    python -m sdf_lights.render.cpu.ahead [--beside] [--low] [lamps|paths|parts …]
+
+compiles into the cache folder, and prints how far it is, a line «312 of 527» each time, and «finished lamps». Without a name: all.
+``--beside``: ends when its standard input does. ``--low``: only while nothing else wants the processor.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from collections.abc import Callable
+
+import numpy as np
+
+from ... import jit
+from ...emitter.sampling import cut_tables
+from ...emitter.tree import interior, moments, slopes, volume
+from ...sdf.emission import EmissionExpression
+from ...sdf.shapes import SHAPES, Box, Difference, Sphere
+from ..film import Film
+from ..kernels.media import parts as media_parts
+from ..kernels.outputs import parts as output_parts
+from ..kernels.packing import BLOCK
+from ..kernels.shading import special
+from ..kernels.strands import parts as strand_parts
+from ..kernels.subsurface import parts as subsurface_parts
+from ..kernels.workspace import WORKSPACE
+from ..material import Material, Node
+from ..scene import Camera, Instance, Lamp, Mesh, Scene
+from ..settings import Settings
+from .path_splitting import render_tile
+from .renderer import CpuRenderer
+
+INTERVAL = 0.2  # seconds from one line to the next
+
+
+def _lamps() -> tuple[list, Callable[[], None]]:
+    """What lamps are built by: programs and fields, with emission that is the same everywhere and that varies."""
+    from ...emitter import build_lamp
+
+    entries = [
+        *(interior.grow_program, interior.grow_field, interior.finish, moments.sample_leaves, moments.gather),
+        *(moments.divide, slopes.bound_all, slopes._spread, volume.sample),
+        *(cut_tables.roughness, cut_tables.expected_light),
+    ]
+    shapes = Difference(Box((0.5, 0.5, 0.5)), Sphere(0.6)), SHAPES["twist"](Box((0.15, 0.1, 0.4)), 1.5)
+
+    def run() -> None:
+        for shape in shapes:
+            build_lamp("Lamp", shape, np.eye(4))
+            build_lamp("Lamp", shape, np.eye(4), emission=EmissionExpression("exp(-depth)").emission())
+
+    return entries, run
+
+
+def _scene() -> Scene:
+    """A lamp above a floor."""
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+    floor = Mesh("Floor", corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    above = np.eye(4)
+    above[2, 3] = 2.0
+    return Scene(
+        camera=Camera(above),
+        width=1,
+        height=1,
+        meshes=[floor],
+        instances=[Instance(0, np.eye(4), (0,))],
+        materials=[Material("Floor", Node("diffuse", {"color": (0.5, 0.5, 0.5)}))],
+        lamps=[Lamp("Lamp", Sphere(0.5), above)],
+        settings=Settings(samples=1),
+    )
+
+
+def _paths() -> tuple[list, Callable[[], None]]:
+    """The path tracer."""
+
+    def run() -> None:
+        scene = _scene()
+        CpuRenderer(scene, Film(scene, ()), lambda: False, lambda text: None)
+
+    return [render_tile], run
+
+
+def _parts() -> tuple[list, Callable[[], None]]:
+    """What few scenes have: media, scattering below surfaces, hair, special closures, passes."""
+    records = BLOCK, WORKSPACE
+    kernels = [
+        *(kernel for kernel, _ in media_parts.KERNELS.values()),
+        *subsurface_parts.KERNELS.values(),
+        *(kernel for _, kernel, _ in output_parts.KERNELS.values()),
+        *special.kernels(),
+    ]
+
+    def run() -> None:
+        special.compile_all(records)
+        media_parts.addresses(True, records)
+        subsurface_parts.addresses(True, records)
+        strand_parts.addresses(True, records)
+        output_parts.compile_all(records)
+
+    return kernels, run
+
+
+GROUPS: dict[str, Callable[[], tuple[list, Callable[[], None]]]] = {
+    "paths": _paths,
+    "lamps": _lamps,
+    "parts": _parts,
+}
+
+
+def _step_back() -> None:
+    """Take the lowest priority."""
+    if hasattr(os, "nice"):
+        os.nice(19)
+        return
+    import ctypes
+
+    kernel32 = ctypes.windll.kernel32  # type: ignore[attr-defined]
+    kernel32.SetPriorityClass(kernel32.GetCurrentProcess(), 0x40)  # IDLE_PRIORITY_CLASS
+
+
+def _end_with_input() -> None:
+    sys.stdin.read()
+    os._exit(1)
+
+
+def main(words: list[str]) -> None:
+    """Compile groups, and tell on standard output how far that is."""
+    if "--beside" in words:
+        threading.Thread(target=_end_with_input, daemon=True).start()
+    if "--low" in words:
+        _step_back()
+    groups = {name: GROUPS[name]() for name in [word for word in words if word in GROUPS] or GROUPS}
+    kernels = [kernel for entries, _ in groups.values() for kernel in entries]
+    ended = threading.Event()
+
+    def tell() -> None:
+        while not ended.wait(INTERVAL):
+            done, total = jit.progress(kernels)
+            print(f"{done} of {total}", flush=True)
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    for name, (_, run) in groups.items():
+        run()
+        print(f"finished {name}", flush=True)
+    ended.set()
+    teller.join()
+    total = jit.progress(kernels)[1]
+    print(f"{total} of {total}", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

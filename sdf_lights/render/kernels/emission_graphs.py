@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the nodes of lights and of the world make of their radiance."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...jit import address_of_record, call_surface_code, fill_table, kernel, table
+from ...vec import madd, mul, negate, put
+from . import camera, lights, textures
+from .shading.graphs import Graphs
+from .shading.operands import run
+from .shading.program import EMISSION, NO_GRAPH
+from .shading.records import REGISTERS, SURFACE, surface_table
+from .workspace import WORKSPACE, secondary_table
+from .world_sun import WorldMap, find_disc
+
+MAP_ROWS = 512  # of the map of a world's nodes; as many more as its images have
+MOST_MAP_ROWS = 2048
+
+SCALARS = [("emission_graphs", np.int64)]  # 1: lights or the world have nodes that vary
+
+emission_table = table("emissions", EMISSION)
+_registers = table("registers", np.float64)
+
+
+@kernel
+def emission_of(block, emitter):
+    """Row of the nodes of a light or the world."""
+    if emitter == lights.world_emitter(block):
+        return 0
+    return 1 + emitter - block.lamp_count
+
+
+@kernel
+def modulated(block, workspace, emitter, radiance, x, wi, distance, kind):
+    """``radiance`` of the light or world that the ray from x along wi meets, times what its nodes give there. The nodes of a
+    triangle are those of its material, which is shaded elsewhere."""
+    if lights.is_triangle(block, emitter):
+        return radiance
+    record = emission_table(block)[emission_of(block, emitter)]
+    if record.graph == NO_GRAPH:
+        return radiance
+    secondary = secondary_table(workspace)[0]
+    surface = surface_table(secondary)[0]
+    back = negate(wi)
+    put(surface.position, wi if distance == math.inf else madd(x, distance, wi))
+    put(surface.wo, back)
+    normal = lights.emitter_normal(block, emitter, back)
+    put(surface.n, normal)
+    put(surface.ng, normal)
+    surface.backfacing = 0
+    surface.ray_kind = kind
+    surface.ray_singular = 0
+    surface.ray_length = 0.0 if distance == math.inf else distance
+    for index in range(5):
+        surface.depth[index] = 0
+    run(block, secondary, record.graph, record.slots)
+    registers = _registers(secondary)
+    return mul(radiance, (registers[0], registers[1], registers[2]))
+
+
+@kernel
+def _brightness(block, workspace, graph, slots, d):
+    """Mean of RGB that the graph of a world gives along d."""
+    surface = surface_table(workspace)[0]
+    put(surface.position, d)
+    put(surface.wo, negate(d))
+    put(surface.n, negate(d))
+    put(surface.ng, negate(d))
+    call_surface_code(
+        graph,
+        address_of_record(block),
+        address_of_record(workspace),
+        workspace.surface_address,
+        slots,
+        workspace.registers_address,
+    )
+    registers = _registers(workspace)
+    value = abs(registers[0]) + abs(registers[1]) + abs(registers[2])
+    return value / 3.0 if value < math.inf else 0.0
+
+
+@kernel
+def _fill_map(block, workspace, graph, slots, directions, values, map):
+    """Brightness of a world along directions (n, 3), and in the middle of each cell of longitude and latitude."""
+    for index in range(len(directions)):
+        values[index] = _brightness(
+            block, workspace, graph, slots, (directions[index, 0], directions[index, 1], directions[index, 2])
+        )
+    rows, columns = map.shape
+    for row in range(rows):
+        latitude = math.pi * ((row + 0.5) / rows - 0.5)
+        for column in range(columns):
+            longitude = 2.0 * math.pi * (0.5 - (column + 0.5) / columns)
+            d = (math.cos(latitude) * math.cos(longitude), math.cos(latitude) * math.sin(longitude), math.sin(latitude))
+            map[row, column] = _brightness(block, workspace, graph, slots, d)
+
+
+def world_map(tables: dict[str, np.ndarray], graphs: Graphs, block: np.dtype, rows: int) -> WorldMap | None:
+    """What light sampling sees of the world by its nodes; None without nodes. ``rows`` are those of its images.
+
+    ``tables`` are those of ``shading`` and of the camera, for blocks of the type ``block``.
+    """
+    record = tables["emissions"][0]
+    if record["graph"] == NO_GRAPH:
+        return None
+    own = np.zeros(1, block)
+    for name in ("constants", "emissions", *camera.TABLES, *textures.TABLES):
+        fill_table(own, name, tables[name])
+    work = np.zeros(1, WORKSPACE)
+    surface, registers = np.zeros(1, SURFACE), np.zeros(REGISTERS)
+    fill_table(work, "surface", surface)
+    fill_table(work, "registers", registers)
+    rows = min(max(rows, MAP_ROWS), MOST_MAP_ROWS)
+    values = np.zeros((rows, 2 * rows), np.float32)
+    addresses = graphs.addresses((block, WORKSPACE))
+    slots = tables["constants"].ctypes.data + 8 * int(record["slots"])
+    constants = tables["constants"]
+    disc = find_disc(graphs.structures[record["graph"]], constants[int(record["slots"]) :], constants)
+    points = np.zeros((0, 3)) if disc is None else disc.points()
+    found = np.zeros(len(points))
+    _fill_map(own[0], work[0], int(addresses[record["graph"]]), slots, points, found, values)
+    return WorldMap(values) if disc is None else disc.apart(values, float(found.mean()))

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curves and spheres as Embree has them, and the numbers by which rays know what they have left.
+
+As in Cycles, a ray that starts on a curve, or on a sphere, does not meet the same one again.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+
+from .scene import Instance, Mesh, Primitive, Scene
+
+# Kinds of geometry in Embree's C API (rtcore_geometry.h).
+EMBREE_TYPES = {
+    Primitive.CONES: 16,
+    Primitive.SPHERES: 50,
+    Primitive.STRANDS: 58,
+    Primitive.RIBBONS: 59,
+}
+
+
+_SAME = 1e-6  # as far as Cycles takes scales for equal
+
+
+class Buffers(NamedTuple):
+    """What Embree is given: ``vertices`` (N, 4) float32 for each time, with radii; ``indices`` (S,) uint32 of the first vertex of
+    each segment, None of spheres."""
+
+    vertices: list[np.ndarray]
+    indices: np.ndarray | None
+
+
+def has_strands(scene: Scene) -> bool:
+    """Whether there is anything but triangles."""
+    return any(scene.meshes[instance.mesh].primitive != Primitive.TRIANGLES for instance in scene.instances)
+
+
+def strand_of(mesh: Mesh) -> np.ndarray:
+    """(S,) int32 number of the curve that each segment is of; of spheres their own."""
+    rows = mesh.triangles
+    if mesh.primitive == Primitive.SPHERES:
+        return np.arange(len(rows), dtype=np.int32)
+    begins = np.ones(len(rows), bool)
+    begins[1:] = rows[1:, 0] != rows[:-1, 1]
+    return (np.cumsum(begins) - 1).astype(np.int32)
+
+
+def first_numbers(scene: Scene) -> np.ndarray:
+    """(instances,) int64 number of the first curve or sphere of each instance; they count from 1 on."""
+    counts = {
+        index: int(strand_of(mesh)[-1]) + 1 if len(mesh.triangles) else 0
+        for index, mesh in enumerate(scene.meshes)
+        if mesh.primitive != Primitive.TRIANGLES
+    }
+    sizes = np.array([counts.get(instance.mesh, 0) for instance in scene.instances], np.int64)
+    return 1 + np.cumsum(sizes) - sizes
+
+
+def can_be_baked(mesh: Mesh, instance: Instance) -> bool:
+    """Whether an instance can be put into the world: curves and spheres that are stretched are no longer round there."""
+    if mesh.primitive == Primitive.TRIANGLES:
+        return True
+    squares = (np.asarray(instance.matrix, float)[:3, :3] ** 2).sum(0)
+    return float(np.ptp(squares)) < _SAME * max(float(squares.max()), 1.0)
+
+
+def world_scale(matrix: np.ndarray) -> float:
+    """What a radius is multiplied by where curves or spheres are put into the world."""
+    return abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
+
+
+def radii_of(mesh: Mesh) -> np.ndarray:
+    """(V,), or (K V,) of a mesh that moves: the radii of one form after the other."""
+    return mesh.radii if mesh.motion_radii is None else mesh.motion_radii.ravel()
+
+
+def margin(mesh: Mesh) -> float:
+    """How far what is around the vertices goes beyond them; a curve may swing a little further than they are, too."""
+    if mesh.primitive == Primitive.TRIANGLES or not len(mesh.positions):
+        return 0.0
+    swing = 0.0
+    if mesh.primitive in (Primitive.RIBBONS, Primitive.STRANDS) and len(mesh.triangles):
+        forms = mesh.positions[None] if mesh.motion is None else mesh.motion
+        ways = forms[:, mesh.triangles[:, 1]] - forms[:, mesh.triangles[:, 0]]
+        swing = 0.3 * float(np.sqrt((ways.astype(np.float64) ** 2).sum(-1).max()))
+    return float(radii_of(mesh).max()) + swing
+
+
+def buffers(mesh: Mesh, matrix: np.ndarray | None = None) -> Buffers:
+    """Curves or spheres for Embree, in the world by ``matrix``, or as they are."""
+    forms = [mesh.positions] if mesh.motion is None else list(mesh.motion)
+    sizes = [mesh.radii] * len(forms) if mesh.motion_radii is None else list(mesh.motion_radii)
+    factor = 1.0
+    if matrix is not None:
+        forms = [form.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3] for form in forms]
+        factor = world_scale(matrix)
+    vertices = [
+        np.concatenate([form, factor * size[:, None]], 1).astype(np.float32) for form, size in zip(forms, sizes)
+    ]
+    if mesh.primitive == Primitive.SPHERES:
+        return Buffers(vertices, None)
+    first = mesh.triangles[:, 0].astype(np.int64)
+    if mesh.primitive == Primitive.CONES:
+        return Buffers(vertices, first.astype(np.uint32))
+    # Embree's curves begin and end one vertex further: those at the ends are there twice.
+    strand = strand_of(mesh)
+    begins = np.flatnonzero(np.diff(strand, prepend=-1))
+    ends = np.append(begins[1:], len(strand)) - 1
+    curve, places = strand[begins].astype(np.int64), np.zeros(len(mesh.positions) + 2 * len(begins), np.int64)
+    places[first + 2 * strand + 1] = first
+    last = mesh.triangles[ends, 1].astype(np.int64)
+    places[last + 2 * curve + 1] = places[last + 2 * curve + 2] = last
+    places[first[begins] + 2 * curve] = first[begins]
+    return Buffers([form[places] for form in vertices], (first + 2 * strand).astype(np.uint32))
+
+
+def tessellation(mesh: Mesh) -> float:
+    """Embree's rate for ribbons."""
+    return float((1 << mesh.subdivisions) + 1)
+
+
+def without_strands(scene: Scene, name: str) -> Scene:
+    """The scene with triangles alone; it gets a warning where there is more, with the ``name`` of the back end."""
+    known = [scene.meshes[instance.mesh].primitive == Primitive.TRIANGLES for instance in scene.instances]
+    if all(known):
+        return scene
+    left_out = sorted({repr(instance.name) for instance, there in zip(scene.instances, known) if not there})
+    scene.warnings.append(
+        f"{name} leaves hair and point clouds out, those of {', '.join(left_out)}: choose the CPU as the device to see them."
+    )
+    instances = [instance for instance, there in zip(scene.instances, known) if there]
+    return dataclasses.replace(scene, instances=instances)

@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes with participating media, as those of ``scenes``. The NumPy reference has no media: the CPU and the GPU are compared."""
+
+from __future__ import annotations
+
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.lights.point import PointLight, SpotLight
+from sdf_lights.render.lights.sun import SunLight
+from sdf_lights.render.material import Material, Node
+from sdf_lights.render.medium import Medium, Scattering
+from sdf_lights.render.scene import Instance, Lamp, Scene, World
+from sdf_lights.sdf import shapes
+from sdf_lights.sdf.emission import EmissionExpression
+
+from . import scenes
+from .scenes import HEIGHT, WIDTH, add, look_at, material, rotation, scaling, torus_lamp, translation
+
+CLEAR = Node("transparent", {"color": (1.0, 1.0, 1.0)})
+
+
+def smoke(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Closed meshes, of which some overlap: coloured smoke around a lamp, a pane in it, glass that absorbs, gas that glows, and
+    smoke behind a surface that scatters, too."""
+    scene = scenes.room(width, height, max_bounces=2, transparent_bounces=8)
+    scene.meshes.append(scenes.box("plain box"))
+    scene.meshes[3].slots = None
+    puff = Medium((0.1, 0.3, 0.5), (Scattering((1.2, 0.9, 0.7), 0.5), Scattering((0.2, 0.2, 0.4), 0.0, 1.0)))
+    add(scene, 2, translation(-0.7, 0.2, 1.7) @ scaling(0.9, 0.9, 0.9), Material("smoke", CLEAR, medium=puff))
+    add(scene, 0, translation(-0.5, 0.0, 1.2) @ rotation("x", 70) @ scaling(0.3, 0.3, 1), scenes.diffuse(scenes.GREY))
+    amber = Node("glass", {"color": (1.0, 1.0, 1.0), "roughness": 0.0, "ior": 1.3})
+    add(
+        scene,
+        3,
+        translation(0.9, -0.2, 0.5) @ rotation("z", 30) @ scaling(0.4, 0.4, 0.5),
+        Material("amber", amber, medium=Medium((0.2, 0.8, 2.0), (Scattering((0.5, 0.3, 0.1)),))),
+    )
+    add(
+        scene,
+        3,
+        translation(0.1, 0.2, 2.0) @ rotation("y", 20) @ scaling(0.5, -0.4, 0.4),
+        Material("gas", CLEAR, medium=Medium((0.4, 0.2, 0.1), (), (0.1, 0.2, 0.5))),
+    )
+    veil = Node("mix_closure", {"factor": 0.3, "a": CLEAR, "b": Node("diffuse", {"color": (0.2, 0.7, 0.3)})})
+    add(
+        scene,
+        2,
+        translation(-0.9, -0.3, 0.4) @ scaling(0.4, 0.4, 0.4),
+        Material("murk", veil, medium=Medium((0.0, 0.5, 0.5), (Scattering((2.0, 2.0, 2.0), -0.4),))),
+    )
+    scene.lamps.append(torus_lamp(-0.6, 0.0, 2.0, 40.0, 0.6))
+    scene.lights.append(AreaLight("panel", look_at((1.2, -0.8, 2.6), (0.4, 0.2, 1.0)), 30.0, size=(0.5, 0.3)))
+    return scene
+
+
+def haze(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """The world is full of haze, under lamps of which one is not the same everywhere, a spot light, a sun and a sky."""
+    scene = scenes.room(width, height, max_bounces=2)
+    scene.world = World((0.3, 0.4, 0.6), 0.3)
+    scene.world.medium = Medium((0.01, 0.02, 0.04), (Scattering((0.12, 0.1, 0.08), 0.6), Scattering((0.02,) * 3)))
+    add(
+        scene,
+        1,
+        translation(0.7, 0.3, 0.5) @ rotation("z", 25) @ scaling(0.4, 0.4, 0.5),
+        material("glossy", roughness=0.2),
+    )
+    scene.lamps += [
+        torus_lamp(-0.6, 0.3, 1.9, 40.0, 0.7),
+        Lamp(
+            "ember",
+            shapes.Sphere(radius=0.4),
+            translation(0.9, 0.4, 1.9),
+            power=20.0,
+            emission=EmissionExpression("blackbody(mix(1500, 6000, height)) * (0.2 + height ** 2)").emission(),
+        ),
+    ]
+    scene.lights += [
+        SpotLight("spot", look_at((-1.5, -1.5, 2.8), (0.5, 0.5, 0.5)), 120.0, angle=0.6),
+        SunLight("sun", rotation("x", 50.0), 0.5, angle=0.1),
+    ]
+    return scene
+
+
+def fog_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """One lamp in fog, without surfaces."""
+    scene = Scene(scenes.camera((0, -5, 1.5), (0, 0, 1.6), width, height, 0.4), width, height)
+    scene.world = World((0.0, 0.0, 0.0), 0.0)
+    scene.world.medium = Medium((0.02, 0.02, 0.05), (Scattering((0.3, 0.25, 0.2), 0.3),))
+    scene.settings = scenes.settings(max_bounces=1)
+    scene.lamps.append(torus_lamp())
+    return scene
+
+
+def submerged(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """The camera is inside of a mesh that bounds a medium, which is used twice, and mirrored; balls of air are cut out by what
+    they absorb less."""
+    scene = scenes.room(width, height, max_bounces=2)
+    scene.meshes.append(scenes.sphere("pool", 24, 12, smooth=False))
+    scene.materials.append(
+        Material("water", CLEAR, medium=Medium((0.15, 0.05, 0.02), (Scattering((0.05, 0.06, 0.08), 0.7),)))
+    )
+    water = len(scene.materials) - 1
+    scene.instances += [
+        Instance(3, translation(0.0, -3.0, 1.5) @ scaling(4.5, -4.5, 4.5), (water,), "pool"),
+        Instance(3, translation(0.8, 0.3, 1.0) @ rotation("x", 30) @ scaling(0.5, 0.7, 0.5), (water,), "drop"),
+    ]
+    scene.lamps.append(torus_lamp(-0.4, 0.3, 1.9, 60.0, 0.7))
+    scene.lights.append(PointLight("bulb", translation(1.0, -0.5, 2.4), 30.0, radius=0.1))
+    return scene
+
+
+MEDIA_SCENES = {builder.__name__: builder for builder in (smoke, haze, fog_lamp, submerged)}

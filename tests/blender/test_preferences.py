@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the preferences offer: the report of a problem, compiled kernels, the log."""
+
+import logging
+
+import bpy
+
+from sdf_lights import kernel_cache
+from sdf_lights.blender import command_line, feedback, preferences, problem_report
+
+
+def test_a_report_has_versions_settings_and_warnings(file):
+    scene = file.scene
+    scene.sdf_lights.max_bounces = 3
+    feedback.record(scene.name, ["Material 'Wood': node 'Script' is not modelled."], "the CPU")
+    text = problem_report.report(scene)
+    for part in (bpy.app.version_string, "numpy ", "Max Bounces: 3", "Material 'Wood'", "1 warning", "the CPU"):
+        assert part in text
+    assert "of an unknown version" not in text and "Filter Glossy:" not in text
+    feedback.record(scene.name, [], "")
+    assert "Last render: none, no warnings" in problem_report.report(scene)
+
+
+def test_a_report_is_copied(file, capfd):
+    assert bpy.ops.sdf_lights.report_copy() == {"FINISHED"}
+    assert "SDF Lights" in capfd.readouterr().out
+
+
+def test_kernels_are_cleared_and_nothing_else(file, tmp_path, monkeypatch):
+    monkeypatch.setenv("SDF_LIGHTS_CACHE", str(tmp_path))
+    files = kernel_cache.Files(tmp_path / "version" / "module", "kernel")
+    files.save("key", b"code")
+    (tmp_path / "letter.txt").write_text("mine")
+    assert kernel_cache.size(tmp_path) == files.path("key").stat().st_size > 0
+    assert bpy.ops.sdf_lights.kernels_clear() == {"FINISHED"}
+    assert kernel_cache.size(tmp_path) == 0 and files.load("key") is None
+    assert (tmp_path / "letter.txt").read_text() == "mine"
+
+
+def test_the_log_has_the_levels_of_logging():
+    levels = preferences.SDFLIGHTS_Preferences.bl_rna.properties["log_level"].enum_items.keys()
+    assert {level.lower() for level in levels} == set(command_line.LEVELS)
+    before = command_line.LOG.level
+    try:
+        command_line.write_log("info")
+        assert command_line.LOG.level == logging.INFO
+    finally:
+        command_line.LOG.setLevel(before)

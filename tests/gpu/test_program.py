@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A program has code for what its scene has, and for nothing else."""
+
+import importlib
+import pkgutil
+import re
+
+import pytest
+
+from sdf_lights import jit
+from sdf_lights.render.film import Film
+from sdf_lights.render.gpu.program import GpuScene
+from sdf_lights.render.kernels import media, subsurface
+from support import media_scenes, scenes
+
+pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
+
+SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES
+
+
+def kernels_of(package) -> set[str]:
+    """Names in GLSL of all kernels of a package."""
+    found = set()
+    for item in pkgutil.iter_modules(package.__path__):
+        module = importlib.import_module(f"{package.__name__}.{item.name}")
+        own = [kernel for kernel in vars(module).values() if hasattr(kernel, "__wrapped__")]
+        found |= {f"{item.name}_{kernel.__name__.strip('_')}" for kernel in own if kernel.__module__ == module.__name__}
+    return found
+
+
+def kernels(scene) -> set[str]:
+    """Those of media and of ways below surfaces that are in a scene's program."""
+    source = GpuScene(scene, Film(scene, ())).source()
+    assert scene.warnings == []
+    return set(re.findall(r"^\w+ (\w+)\(", source, re.MULTILINE)) & (kernels_of(media) | kernels_of(subsurface))
+
+
+@pytest.mark.parametrize("name", ["torus_room", "glass", "rare", "transparent", "varying_lamps"])
+def test_scenes_without_media_and_subsurface_have_no_code_for_them(name):
+    assert kernels(SCENES[name](8, 6)) == set()
+
+
+def test_media_alone():
+    found = kernels(SCENES["fog_lamp"](8, 6))
+    assert {"stack_bounds", "travel_enter", "in_scattering_light_ray"} <= found
+    assert not found & {"walk_walk", "disk_scatter", "exits_emerge"}
+
+
+def test_each_method_below_surfaces_alone():
+    found = kernels(SCENES["subsurface"](8, 6))
+    assert "walk_walk" in found and "disk_scatter" not in found and "stack_bounds" not in found
+    scene = SCENES["subsurface_profile"](8, 6)
+    [jade] = [index for index, material in enumerate(scene.materials) if material.name == "jade"]
+    scene.materials[jade] = scene.materials[0]  # light walks through that one alone
+    found = kernels(scene)
+    assert "disk_scatter" in found and "walk_walk" not in found
