@@ -19,10 +19,11 @@ CLEAR = 0.05  # part of the least error judged, below which a reference is good 
 # What both engines have by default.
 LIMITS = dict(max_bounces=12, diffuse_bounces=4, glossy_bounces=4, transmission_bounces=12, volume_bounces=0)
 TRANSPARENT = 8
+FILTER_GLOSSY = 1.0  # Cycles' default: without it a lake in the sun throws light that few samples of either engine find
 
 
 def settings(scene, engine: str, samples: int, seed: int, device: str, denoise: bool = False) -> None:
-    """``engine`` is CYCLES, OURS or GUIDED; without clamps, filters of glossy light and noise thresholds."""
+    """``engine`` is CYCLES, OURS or GUIDED; without clamps and noise thresholds."""
     simple_scenes.plain_cycles(scene, samples, LIMITS["max_bounces"])
     simple_scenes.plain_sdf_lights(scene, samples, LIMITS["max_bounces"], device)
     for owner in (scene.cycles, scene.sdf_lights):
@@ -31,6 +32,7 @@ def settings(scene, engine: str, samples: int, seed: int, device: str, denoise: 
                 setattr(owner, name, value)
         owner.seed = seed
     scene.cycles.transparent_max_bounces = scene.sdf_lights.transparent_bounces = TRANSPARENT
+    scene.cycles.blur_glossy = scene.sdf_lights.filter_glossy = FILTER_GLOSSY
     scene.cycles.use_denoising = scene.sdf_lights.denoise = denoise
     if denoise:
         scene.cycles.denoiser = "OPENIMAGEDENOISE"
@@ -47,7 +49,7 @@ def reference_of(
     for path in sorted(scripts):
         digest.update(path.read_bytes())
     truth = references.Reference(
-        f"{name} {scene.render.resolution_x} {samples} {LIMITS} {bpy.app.version_string} {digest.hexdigest()}"
+        f"{name} {scene.render.resolution_x} {samples} {LIMITS} {FILTER_GLOSSY} {bpy.app.version_string} {digest.hexdigest()}"
     )
     if fresh:
         truth.forget()

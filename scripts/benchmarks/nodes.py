@@ -86,6 +86,7 @@ def summary_of(rows: list[dict]) -> dict:
         summary |= dict(
             compile_seconds=compiling["seconds"],
             compile_seconds_from_disk=compiling["seconds_from_disk"],
+            compile_seconds_installed=compiling["seconds_installed"],
             graphs_compiled_after_changes=compiling["graphs_compiled_after_changes"],
         )
     if cases:

@@ -27,10 +27,12 @@ from ..kernels.media import parts as media_parts
 from ..kernels.outputs import parts as output_parts
 from ..kernels.packing import BLOCK
 from ..kernels.shading import special
+from ..kernels.shading.graphs import compile_calls
 from ..kernels.strands import parts as strand_parts
 from ..kernels.subsurface import parts as subsurface_parts
 from ..kernels.workspace import WORKSPACE
 from ..material import Material, Node
+from ..nodes import common
 from ..scene import Camera, Instance, Lamp, Mesh, Scene
 from ..settings import Settings
 from .path_splitting import render_tile
@@ -87,16 +89,18 @@ def _paths() -> tuple[list, Callable[[], None]]:
 
 
 def _parts() -> tuple[list, Callable[[], None]]:
-    """What few scenes have: media, scattering below surfaces, hair, special closures, passes."""
+    """What some scenes have: textures, media, scattering below surfaces, hair, special closures, passes."""
     records = BLOCK, WORKSPACE
     kernels = [
         *(kernel for kernel, _ in media_parts.KERNELS.values()),
         *subsurface_parts.KERNELS.values(),
         *(kernel for _, kernel, _ in output_parts.KERNELS.values()),
         *special.kernels(),
+        *(function.kernel for function, _ in common.calls()),
     ]
 
     def run() -> None:
+        compile_calls(common.calls(), records)
         special.compile_all(records)
         media_parts.addresses(True, records)
         subsurface_parts.addresses(True, records)

@@ -109,6 +109,12 @@ class Graphs:
         return np.array([code.address for code in self._compiled] or [0], np.int64)
 
 
+def compile_calls(calls: Sequence[tuple[Function, int]], records: tuple) -> None:
+    """Compile functions with so many operands, as graphs call them, before a scene asks for them."""
+    for function, operands in calls:
+        _part(function, operands, records if function.scene else None, tuple(map(str, records)))
+
+
 _parts: dict[tuple, CallablePart] = {}
 
 
