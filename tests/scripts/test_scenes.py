@@ -8,7 +8,6 @@ bpy = pytest.importorskip("bpy")
 
 from benchmarks import artist_scenes, scene_pictures, scenes  # noqa: E402  (found on the path that conftest.py sets)
 
-
 SAMPLES, SEEDS = 32, 4
 
 
