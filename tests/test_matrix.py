@@ -5,8 +5,8 @@
 import os
 import pathlib
 import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
+from threading import Lock
 
 import pytest
 
@@ -14,21 +14,28 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 NO_PYTHON = 3  # exit code of scripts/environment.sh
 BLENDERS = ("4.5", "5.0", "5.1", "5.2")
 PYTEST = "-m pytest -c tests/pytest.ini --rootdir . -q --durations=40".split()
-FAULTS = (
-    *(
-        f"tests/blender/test_{name}.py"
-        for name in ("bad_input", "bounded_time", "extreme_values", "faults", "hostile_files")
-    ),
-    *("tests/blender/test_registration.py", "tests/blender/test_soak.py", "tests/test_canaries.py"),
+FAULTS = tuple(
+    f"tests/{name}.py"
+    for name in (
+        *("blender/test_bad_input", "blender/test_bounded_time", "blender/test_extreme_values", "blender/test_faults"),
+        *("blender/test_hostile_files", "blender/test_registration", "blender/test_soak", "test_canaries"),
+    )
 )
 SUITE = ("tests/blender", "tests/render/shading/test_cycles.py", "tests/test_canaries.py")
-# Between two that are tried in full: only what is wrong in files, what fails, and what is overridden.
-BRIEF = ("5.0", "5.1")
-# Materials of many nodes are of nodes that are compared one by one: they are rendered in the newest Blender alone. So is what
-# takes minutes and asks little of Blender.
-OLDER = ("-k", "not every_material_of_many_nodes and not five_hundred_steps and not (killed_process and CPU)")
-
-
+NODES = "tests/blender/test_shader_nodes.py"
+NEWEST = "5.2"
+# Of the Blender that `scripts/test` uses without arguments, its fast tests have been run. The newest has all the others. The
+# oldest has the fast ones, and all nodes of values, as nodes are what changes from one version to the next. Between these
+# two only what is wrong in files, and what fails, is tried.
+JOBS = (  # Blender, pytest's arguments; long ones first, of one Python one after the other, as the first of them compiles
+    (NEWEST, ("-m", "not slow and not gui and not matrix", *SUITE)),
+    ("4.5", ("-m", "not slow and not gui and not matrix", *SUITE)),
+    (NEWEST, ("-m", "slow and not gui and not matrix", NODES)),
+    (NEWEST, ("-m", "slow and not gui and not matrix", *SUITE, f"--ignore={NODES}")),
+    ("4.5", ("-m", "slow", "-k", "values_are_those_of_cycles", NODES)),
+    ("5.1", ("-m", "not gui and not matrix", *FAULTS, "-k", "not five_hundred_steps and not (killed_process and CPU)")),
+    ("5.0", ("-m", "slow and not gui and not matrix", *FAULTS, "-k", "not five_hundred_steps and not killed_process")),
+)
 ENVIRONMENT = REPOSITORY / "scripts" / "environment.sh"
 
 
@@ -36,41 +43,47 @@ def _run(environment: dict, *command) -> subprocess.CompletedProcess:
     return subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True, timeout=2400)
 
 
-def _suite(blender: str) -> tuple[subprocess.CompletedProcess, subprocess.CompletedProcess | None]:
-    """How the environment of a Blender was made, and if it was, how the tests went in it.
-
-    Of the Blender that ``scripts/test`` uses without arguments only the slow tests are left to do.
-    """
+def _job(blender: str, arguments: tuple) -> tuple[subprocess.CompletedProcess, subprocess.CompletedProcess | None]:
+    """How the environment of a Blender was made, and if it was, how the tests went in it."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHON"}
-    made = _run(environment, ENVIRONMENT, "--blender", blender)
+    with _making:
+        made = _run(environment, ENVIRONMENT, "--blender", blender)
     if made.returncode:
         return made, None
-    tests = FAULTS if blender in BRIEF else SUITE
-    chosen = "not gui and not matrix"
-    if sys.executable == made.stdout.strip():
-        chosen = f"slow and {chosen}"
-    older = OLDER if blender != BLENDERS[-1] else ()
-    return made, _run(environment, made.stdout.strip(), *PYTEST, "-m", chosen, *tests, *older)
+    return made, _run(environment, made.stdout.strip(), *PYTEST, *arguments)
+
+
+_making = Lock()
 
 
 @pytest.fixture(scope="module")
-def suites(request):
-    """Blenders whose suites run, two side by side; the one with a Python of its own first, for which all is compiled."""
+def jobs(request):
+    """Jobs of each Blender that is asked for; two run side by side."""
     wanted = {item.callspec.params["blender"] for item in request.session.items if item.module is request.module}
+    running = {}
     with ThreadPoolExecutor(2) as pool:
-        yield {blender: pool.submit(_suite, blender) for blender in reversed(BLENDERS) if blender in wanted}
+        for blender, arguments in JOBS:
+            if blender in wanted:
+                running.setdefault(blender, []).append(pool.submit(_job, blender, arguments))
+        yield running
 
 
 @pytest.mark.matrix
 @pytest.mark.parametrize("blender", BLENDERS)
-def test_blender_suite_and_zip(suites, blender, capfd):
-    made, done = suites[blender].result()
-    if made.returncode == NO_PYTHON:
-        pytest.skip(made.stderr.strip())
-    assert made.returncode == 0, made.stderr
-    lines = done.stdout.strip().splitlines()
-    failures = [line for line in lines if line.startswith(("FAILED ", "ERROR "))]
+def test_blender_suite_and_zip(jobs, blender, capfd):
+    done = [job.result() for job in jobs[blender]]
+    for made, _ in done:
+        if made.returncode == NO_PYTHON:
+            pytest.skip(made.stderr.strip())
+        assert made.returncode == 0, made.stderr
+    told, wrong = [], []
+    for _, tests in done:
+        lines = tests.stdout.strip().splitlines()
+        failures = [line for line in lines if line.startswith(("FAILED ", "ERROR "))]
+        told += [*lines[-1:], *failures]
+        if tests.returncode:
+            wrong += [(tests.stderr + tests.stdout)[-20000:], *failures]
     with capfd.disabled():
-        print(f"\nBlender {blender}:", *lines[-1:], *failures, sep="\n")
+        print(f"\nBlender {blender}:", *told, sep="\n")
     # What Cycles prints is most of the output: the names of what failed come last, where no limit cuts them off.
-    assert done.returncode == 0, "\n".join([(done.stderr + done.stdout)[-20000:], *failures])
+    assert not wrong, "\n".join(wrong)

@@ -104,7 +104,7 @@ def test_unbiased(name):
 
     Of the 12 blocks of 9 scenes and 3 to 6 samplings that is exceeded by chance once in 50 runs with other seeds.
     """
-    reference = [_blocks(_render(name, "MIS", 256, 1000 + seed)) for seed in range(4)]
+    reference = [_blocks(_render(name, "MIS", 128, 1000 + seed)) for seed in range(4)]
     truth, doubt = np.mean(reference, axis=0), np.std(reference, axis=0, ddof=1) / 2.0
     for sampling in samplers.SAMPLERS:
         if sampling in ALONE and name in BESIDE or sampling == "BSDF" and name == "hidden":
