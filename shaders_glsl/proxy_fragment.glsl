@@ -49,6 +49,6 @@ void main()
     }
     float metres = length(lamp.along[0].xyz * d.x + lamp.along[1].xyz * d.y + lamp.along[2].xyz * d.z);
     // Below the largest half float, so that a few lamps in line add up to a number.
-    glow = vec4(min(lamp.emission.rgb * found.sum * metres, vec3(3e4)), 0.0);
+    glow = vec4(clamp(lamp.emission.rgb * found.sum * metres, lamp.least.rgb, vec3(3e4)), 0.0);
     mask = lamp.mask;
 }

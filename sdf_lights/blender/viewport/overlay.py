@@ -36,6 +36,8 @@ STILL = 0.25
 POLL = 0.1
 # Radiance of a lamp where it is as thick as its box is on average, in Solid shading.
 SHAPE_RADIANCE = 1.5
+# In Solid shading, the least radiance of the thinnest lamps, and of a cube the part of which all thicker lamps fill more.
+LEAST_RADIANCE, THIN = 0.5, 0.1
 OUTLINE_WIDTH = 1.5
 
 
@@ -199,14 +201,14 @@ class Overlay:
             elif not item.lamp.visibility & Ray.CAMERA:
                 boxes.append((item, facts, ""))
             else:
-                brightness = exposure
+                brightness, least = exposure, np.zeros(3)
                 if flat and settings.brightness == "SHAPE":
-                    brightness = _shape_brightness(item.lamp, facts)
+                    brightness, least = _shape_brightness(item.lamp, facts)
                 else:
                     brightness *= item.lamp.camera_brightness
                 if item.problem:
                     boxes.append((item, facts, "Last good shape"))
-                drawn.append(Drawn(item.lamp, facts, brightness, marks.get(item.owner, (0.0, 0.0))))
+                drawn.append(Drawn(item.lamp, facts, brightness, marks.get(item.owner, (0.0, 0.0)), tuple(least)))
         if waiting or self.finder.busy:
             _redraw_later(0.0 if waiting else POLL)
         return drawn, boxes
@@ -320,11 +322,17 @@ def _marks(context) -> dict[str, tuple[float, float]]:
     return marks
 
 
-def _shape_brightness(lamp: Lamp, facts: Facts) -> float:
-    """Factor that makes the lamp's brightest colour ``SHAPE_RADIANCE`` where it is as thick as its box on average."""
-    extent = np.linalg.norm(lamp.matrix[:3, :3], axis=0) * (facts.high - facts.low)
-    greatest = radiance_per_metre(lamp, facts).max() * extent.mean()
-    return SHAPE_RADIANCE / greatest if greatest > 0.0 else 0.0
+def _shape_brightness(lamp: Lamp, facts: Facts) -> tuple[float, np.ndarray]:
+    """Factor that makes the lamp's brightest colour ``SHAPE_RADIANCE`` where it is as thick as its box on average, and what
+    is the least light (RGB) of a lamp that is thin everywhere, and would be too dark with that."""
+    size = facts.high - facts.low
+    extent = np.linalg.norm(lamp.matrix[:3, :3], axis=0) * size
+    color = radiance_per_metre(lamp, facts)
+    greatest = color.max() * extent.mean()
+    if not greatest > 0.0:
+        return 0.0, np.zeros(3)
+    filled = facts.volume / max(float(size.mean()) ** 3, 1e-300)
+    return SHAPE_RADIANCE / greatest, LEAST_RADIANCE * max(1.0 - filled / THIN, 0.0) * color / color.max()
 
 
 def _draw_boxes(boxes, view: View) -> None:
