@@ -50,3 +50,46 @@ def test_editors_are_opened_where_there_are_none(seen):
 
 def test_a_line_in_the_header_tells_of_warnings(seen):
     assert seen["warnings"] == "3 warnings" and seen["groups"] == ["Images"]
+
+
+# -- bounds: see bounds_session.py -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def bounds(blender_command, tmp_path_factory):
+    return seen_by(blender_command, SESSION.with_name("bounds_session.py"), tmp_path_factory.mktemp("bounds"))
+
+
+def test_lamps_of_all_sizes_are_framed(bounds):
+    for what in ("framed 5.0", "framed 0.05"):
+        assert 0.5 < bounds[what] < 0.95, what
+    assert bounds["framed all"] > 0.3
+
+
+def test_the_circle_of_the_light_grows_with_the_lamp(bounds):
+    assert bounds["circle 5.0"] == pytest.approx(100.0 * bounds["circle 0.05"], rel=0.02)
+
+
+def test_boxes_and_circles_select_bodies(bounds):
+    assert bounds["in the box"] == ["Ring"] and bounds["in a box in the hole"] == []
+    assert bounds["after B"] == ["Ring"]
+    assert bounds["taken off by the circle"] == [] and bounds["after C"] == ["Ring"]
+
+
+def test_a_thin_lamp_is_seen_all_along_in_solid(bounds):
+    assert min(bounds["thin"]) > 0.1
+
+
+def test_scale_is_applied_to_sizes_or_refused_with_the_reason(bounds):
+    assert bounds["applied"] == pytest.approx([1.0, 1.0, 1.0, 2.0, 0.2])
+    assert "Lamp 'Ring' stays as it is. A Torus has one size" in bounds["refused"]
+
+
+def test_the_origin_goes_to_the_geometry_which_stays(bounds):
+    assert bounds["origin"] == pytest.approx([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], abs=0.01)
+
+
+def test_other_engines_get_the_colour_of_the_pattern(bounds):
+    red, green, blue = bounds["flame"]
+    assert red == pytest.approx(1.0) and red > 1.5 * green > 2.0 * blue
+    assert bounds["even"] == pytest.approx([1.0, 1.0, 1.0]) and bounds["tint"] == pytest.approx([1.0, 0.1, 0.1])
