@@ -42,6 +42,7 @@ def _modules():
         readout,
         render_job,
         sampling_presets,
+        scene_panels,
         scene_report,
         viewport,
     )
@@ -62,6 +63,7 @@ def _modules():
         readout,
         sampling_presets,
         panels,
+        scene_panels,
         lamp_panels,
         scene_report,
         emission_panel,

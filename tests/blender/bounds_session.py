@@ -86,6 +86,7 @@ def framed(view, ring):
 
 def boxed(view, ring):
     """A drag around a part of the ring that is far from its origin, then keys for a circle there."""
+
     def across(x):
         return on_screen(view, (x, 0.0, 0.0))
 
