@@ -210,7 +210,10 @@ def _why_not(lamp, shape: Shape, scale: np.ndarray, numbers: _Numbers) -> str:
             )
         return f"The sizes of a {shape.label()} cannot be that large or small: keep the scale."
     where = "node tree" if lamp.source == "NODES" else "expression"
-    return f"Its {where} has sizes that are no parameters: change them there, or keep the scale."
+    return (
+        f"Its {where} has sizes that are no parameters, or parameters with narrow limits: "
+        "change them there, or keep the scale."
+    )
 
 
 def _without_scale(obj: bpy.types.Object) -> None:
@@ -254,11 +257,12 @@ def origin_to_geometry(obj: bpy.types.Object) -> bool:
     if not light.is_editable:
         raise RenderError("Its data are linked from another file: make a library override first.")
     shape, pattern = shape_of(lamp, matrix), pattern_of(lamp, matrix)
-    box = np.stack(shape.bounds()) if lamp.source == "PRIMITIVE" else points_of(shape)  # those are tight
+    # Boxes of primitives are tight.
+    box, near = (np.stack(shape.bounds()), 1e-4) if lamp.source == "PRIMITIVE" else (points_of(shape), 5e-3)
     if not len(box):
         raise RenderError("Its shape cannot be measured.")
     middle = 0.5 * (box.min(axis=0) + box.max(axis=0))
-    if np.all(np.abs(middle) <= 1e-4 * np.linalg.norm(box.max(axis=0) - box.min(axis=0))):
+    if np.all(np.abs(middle) <= near * np.linalg.norm(box.max(axis=0) - box.min(axis=0))):
         return False
     if lamp.source == "NODES":
         raise RenderError("Its node tree says where its parts are: put a Translate node before Lamp Output.")

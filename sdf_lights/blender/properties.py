@@ -80,7 +80,7 @@ def _setting(field: dataclasses.Field, default):
 
 def group(name: str, doc: str, annotations: dict) -> type:
     """A class of property group made from a dictionary of properties."""
-    return type(name, (bpy.types.PropertyGroup,), {"__doc__": doc, "__annotations__": annotations})
+    return type(name, (bpy.types.PropertyGroup,), {"__doc__": doc, "__slots__": (), "__annotations__": annotations})
 
 
 _FIELDS = {field.name: field for field in dataclasses.fields(Settings) if field.name not in BLENDERS_OWN}
