@@ -16,7 +16,8 @@ from sdf_lights.sdf.expression import evaluate
 
 
 @pytest.mark.parametrize(
-    "text", ["torus(0.5, 0.001)", "box((1, 1, 0.001))", "sphere(3)", "menger_sponge(0.5)", "translate(box(1), (5, 0, 0))"]
+    "text",
+    ["torus(0.5, 0.001)", "box((1, 1, 0.001))", "sphere(3)", "menger_sponge(0.5)", "translate(box(1), (5, 0, 0))"],
 )
 def test_points_are_on_the_surface_and_reach_to_its_ends(text):
     shape = evaluate(text)

@@ -52,6 +52,48 @@ def test_a_line_in_the_header_tells_of_warnings(seen):
     assert seen["warnings"] == "3 warnings" and seen["groups"] == ["Images"]
 
 
+def test_presets_are_bright_and_keep_their_colour(seen):
+    for name, color in seen["presets"].items():
+        # AgX shows colours of this brightness bright and still saturated.
+        assert 0.8 < max(color) < 3.0 and max(color) > 1.5 * min(color), name
+    assert seen["own preset"] == ["TORUS", pytest.approx(0.123)]
+
+
+def test_lamps_of_other_files_can_be_changed_and_lamps_be_assets(seen):
+    assert seen["overridden"] == pytest.approx([0.77])
+    assert seen["asset"] == [True, 128, 128]
+
+
+def test_other_engines_say_what_they_render_and_get_meshes(seen):
+    is_said, *others = seen["other engine"]
+    assert is_said and not any(others) and seen["converted"] == "MESH"
+
+
+def test_words_and_icons(seen):
+    assert seen["labels"] == ["Exponent", "Iterations"] and all(seen["icons"])
+    assert seen["cure"].endswith("did you mean box?")
+    assert len(set(seen["node colours"])) == 3
+
+
+def test_thumbnails_of_lights_show_shape_and_colour(seen):
+    assert seen["thumbnail"][0] > 0.3
+
+
+def test_registering_prints_no_warnings(seen):
+    assert "register_class" not in seen["printed"].partition("REGISTERED")[0]
+
+
+# -- the walk of a new user: see scripts/walk_session.py ---------------------------------------------------------------
+
+
+def test_a_new_user_has_a_neon_sign_in_less_than_twenty_clicks(blender_command, tmp_path):
+    session = SESSION.parents[2] / "scripts" / "walk_session.py"
+    seen = seen_by(blender_command, session, tmp_path, size=(1240, 800))
+    assert seen["engine"] == "SDF_LIGHTS" and seen["lamps"] == ["Neon Heart"]
+    assert seen["reddest"] > 0.2
+    assert seen["actions"] < 20
+
+
 # -- bounds: see bounds_session.py -------------------------------------------------------------------------------------
 
 
