@@ -72,7 +72,7 @@ def test_other_engines_say_what_they_render_and_get_meshes(seen):
 def test_words_and_icons(seen):
     assert seen["labels"] == ["Exponent", "Iterations"] and all(seen["icons"])
     assert seen["cure"].endswith("did you mean box?")
-    assert len(set(seen["node colours"])) == 3
+    assert len(set(map(tuple, seen["node colours"]))) == 3
 
 
 def test_thumbnails_of_lights_show_shape_and_colour(seen):
