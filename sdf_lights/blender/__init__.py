@@ -18,6 +18,7 @@ def _modules():
     """Modules with ``CLASSES`` and, where there is more to do, ``register()`` and ``unregister()``, in order."""
     from . import (
         assets,
+        beside_cycles,
         command_line,
         compiling,
         cycles,
@@ -74,6 +75,7 @@ def _modules():
         gizmos,
         live_text,
         fallback,
+        beside_cycles,
         command_line,
         render_job,
     )

@@ -22,6 +22,7 @@ from .lamp import pattern_of, shape_of
 from .shader_trees import node_tree_of, use_nodes
 
 MARK = "sdf_lights_pattern"  # of a node that is the add-on's own
+DARK = "sdf_lights_dark"  # of the nodes that stand in for those of a light that is to give none
 _FILLED = 0.3  # of its box, by a shape whose volume has no closed form
 _POINTS = 4096
 _CHANGE = 0.01  # relative: less is not worth an update of the scene
@@ -59,6 +60,7 @@ def follow(light: bpy.types.Light) -> None:
     lamp = light.sdf_lamp
     if not lamp.use or not light.is_editable or light.library is not None:
         return
+    _set_dark(light, any(scene.sdf_lights.beside is not None for scene in bpy.data.scenes))
     try:
         shape, pattern = shape_of(lamp), pattern_of(lamp)
         radius, color = radius_of(shape), mean_color(shape, pattern)
@@ -67,6 +69,33 @@ def follow(light: bpy.types.Light) -> None:
     if hasattr(light, "shadow_soft_size") and abs(radius - light.shadow_soft_size) > _CHANGE * radius > 0.0:
         light.shadow_soft_size = radius
     _set_color(light, np.array(color))
+
+
+def _set_dark(light: bpy.types.Light, dark: bool) -> None:
+    """Let the light give Cycles nothing, or again what it gave."""
+    tree = node_tree_of(light)
+    own = [node for node in tree.nodes if DARK in node.keys()] if tree is not None else []
+    if dark == bool(own):
+        return
+    if dark:
+        tree = use_nodes(light) if tree is None else tree
+        others = [node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputLight"]
+        shader, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputLight")
+        shader.inputs["Strength"].default_value = 0.0
+        shader.label = output.label = "SDF Lights renders it"
+        shader.location, output.location = (0.0, -200.0), (200.0, -200.0)
+        shader[DARK] = output[DARK] = True
+        tree.links.new(shader.outputs[0], output.inputs["Surface"])
+        for other in others:
+            other.is_active_output = False
+        output.is_active_output = True
+        return
+    for node in own:
+        tree.nodes.remove(node)
+    for node in tree.nodes:
+        if node.bl_idname == "ShaderNodeOutputLight":
+            node.is_active_output = True
+            break
 
 
 def _own_node(light: bpy.types.Light) -> bpy.types.Node | None:
@@ -82,8 +111,10 @@ def _set_color(light: bpy.types.Light, color: np.ndarray) -> None:
         if node_tree_of(light) is None:
             use_nodes(light)
         tree = node_tree_of(light)
-        node = next((node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission"), None)
-        if node is None or len(tree.nodes) > 2 or any(socket.is_linked for socket in node.inputs):
+        plain = (node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission" and DARK not in node.keys())
+        node = next(plain, None)
+        foreign = [other for other in tree.nodes if DARK not in other.keys()]
+        if node is None or len(foreign) > 2 or any(socket.is_linked for socket in node.inputs):
             return  # nodes of the user's
         node[MARK] = True
     strength = float(color.max())

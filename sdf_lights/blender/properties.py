@@ -107,6 +107,18 @@ SDFLIGHTS_SceneSettings = group(
                 ("IGNORE", "Ignore", "Nothing", 2),
             ],
         ),
+        "beside": bpy.props.PointerProperty(
+            name="Beside",
+            description="Scene whose lamps' light is added to what Cycles renders of this one",
+            type=bpy.types.Scene,
+            options={"HIDDEN"},
+        ),
+        "is_beside": bpy.props.BoolProperty(
+            name="Is Beside",
+            description="The scene renders the light of lamps for another, so that these are all in one light group",
+            options={"HIDDEN"},
+            update=tag,
+        ),
         "origin": bpy.props.EnumProperty(
             name="Origin", description="Where the settings come from", items=cycles.ORIGINS, options={"HIDDEN"}
         ),

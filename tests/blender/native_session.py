@@ -296,7 +296,8 @@ def words():
     report["icons"] = [preset_pictures.icon_of(name) > 0 for name in ("campfire", "neon_ring")]
     tree = bpy.data.node_groups.new("Words", "SDFLIGHTS_NodeTree")
     report["node colours"] = [
-        [round(part, 3) for part in tree.nodes.new(f"SDFLIGHTS_Node_{name}").color] for name in ("sphere", "union", "translate")
+        [round(part, 3) for part in tree.nodes.new(f"SDFLIGHTS_Node_{name}").color]
+        for name in ("sphere", "union", "translate")
     ]
     bpy.data.node_groups.remove(tree)
 
