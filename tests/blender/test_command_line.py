@@ -155,7 +155,7 @@ def kill_renders(word: str) -> bool:
     return found
 
 
-FRAMES, TASKS = 10, 2
+FRAMES, TASKS = 5, 2
 
 
 @pytest.mark.gui
