@@ -179,7 +179,7 @@ def warnings():
     bpy.context.scene.camera = camera
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 16
-    scene.sdf_lights.device, scene.sdf_lights.samples = "REFERENCE", 1
+    scene.sdf_lights.device, scene.sdf_lights.samples, scene.sdf_lights.denoise = "REFERENCE", 1, False
     bpy.ops.render.render()
     editor = areas("IMAGE_EDITOR")[0]
     editor.spaces.active.image = bpy.data.images["Render Result"]
@@ -267,13 +267,20 @@ def other_engine():
     scene.render.engine = "BLENDER_EEVEE" if "BLENDER_EEVEE" in engines else "BLENDER_EEVEE_NEXT"
     areas("PROPERTIES")[0].spaces.active.context = "DATA"
     yield 1.0
-    picture(PICTURES, "other_engine")
     with override(areas("PROPERTIES")[0]):
         report["other engine"] = [
             lamp_panels.SDFLIGHTS_PT_other_engine.poll(bpy.context),
             *(kind.poll(bpy.context) for kind in lamp_panels.IN_PROPERTIES),
         ]
+    scene.render.engine = "CYCLES"
+    yield 1.0
     with override(view):
+        bpy.ops.sdf_lights.beside_cycles_add()
+    yield 1.0
+    picture(PICTURES, "other_engine", areas("PROPERTIES")[0])
+    report["beside"] = [len(bpy.data.scenes), scene.sdf_lights.beside.render.engine, bpy.context.scene == scene]
+    with override(view):
+        bpy.ops.sdf_lights.beside_cycles_remove()
         bpy.ops.sdf_lights.lamp_to_mesh()
     report["converted"] = bpy.context.object.type
     scene.render.engine = "SDF_LIGHTS"

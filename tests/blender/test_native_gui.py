@@ -67,6 +67,7 @@ def test_lamps_of_other_files_can_be_changed_and_lamps_be_assets(seen):
 def test_other_engines_say_what_they_render_and_get_meshes(seen):
     is_said, *others = seen["other engine"]
     assert is_said and not any(others) and seen["converted"] == "MESH"
+    assert seen["beside"] == [2, "SDF_LIGHTS", True]
 
 
 def test_words_and_icons(seen):

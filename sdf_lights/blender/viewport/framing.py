@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from . import bodies
+from . import bodies, keys
 
 MARGIN = 1.4  # Blender's own: half of the picture by half of what is framed
 _FRAMES = 1.0 / 60.0  # seconds between two steps of a smooth change
@@ -96,7 +96,8 @@ class SDFLIGHTS_OT_view_frame(bpy.types.Operator):
         return list(objects) if any(map(bodies.is_lamp, objects)) else []
 
     def invoke(self, context, event):
-        if not self._framed(context) or context.region_data.lock_rotation:
+        blenders = "view3d.view_all" if self.everything else "view3d.view_selected"
+        if not keys.is_of(context, event, blenders) or not self._framed(context) or context.region_data.lock_rotation:
             return {"PASS_THROUGH"}
         return self.execute(context)
 

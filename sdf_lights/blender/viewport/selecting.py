@@ -18,7 +18,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 from gpu_extras.batch import batch_for_shader
 
 from ...render.errors import RenderError
-from . import bodies, picking
+from . import bodies, keys, picking
 from .drawn import shown_lamps
 
 _RADIUS = 25  # pixels of the circle at first
@@ -85,6 +85,11 @@ class _Gesture:
     def poll(cls, context):
         return context.mode == "OBJECT" and getattr(context.space_data, "type", "") == "VIEW_3D"
 
+    def is_not_ours(self, context, event, blenders: str) -> bool:
+        """Whether Blender is to do as it does: without lamps, or where the user has another key for this."""
+        by_key = self.wait_for_input and not keys.is_of(context, event, blenders)
+        return by_key or not shown_lamps(context)
+
     def begin(self, context):
         self._region = context.region
         self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_PIXEL")
@@ -124,7 +129,7 @@ class SDFLIGHTS_OT_select_box(_Gesture, bpy.types.Operator):
     ymax: bpy.props.IntProperty(name="Y Max", options={"HIDDEN", "SKIP_SAVE"})
 
     def invoke(self, context, event):
-        if not shown_lamps(context):
+        if self.is_not_ours(context, event, "view3d.select_box"):
             return {"PASS_THROUGH"}
         self._start = None
         if not self.wait_for_input:
@@ -190,7 +195,7 @@ class SDFLIGHTS_OT_select_circle(_Gesture, bpy.types.Operator):
     y: bpy.props.IntProperty(name="Y", options={"HIDDEN", "SKIP_SAVE"})
 
     def invoke(self, context, event):
-        if not shown_lamps(context):
+        if self.is_not_ours(context, event, "view3d.select_circle"):
             return {"PASS_THROUGH"}
         self._button, self._brush = "", self.mode
         self._now = event.mouse_region_x, event.mouse_region_y
