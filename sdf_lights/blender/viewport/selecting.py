@@ -282,8 +282,8 @@ def register():
             keymap = configuration.keymaps.new(
                 name=f"3D View Tool: {tool}{suffix}", space_type="VIEW_3D", region_type="WINDOW", tool=True
             )
-            for keys, mode in _DIRECT if value == "CLICK_DRAG" else _DIRECT[:3]:
-                held = dict.fromkeys(keys.split(), True)
+            for modifiers, mode in _DIRECT if value == "CLICK_DRAG" else _DIRECT[:3]:
+                held = dict.fromkeys(modifiers.split(), True)
                 item = keymap.keymap_items.new(operator.bl_idname, "LEFTMOUSE", value, **held)
                 item.properties.wait_for_input, item.properties.mode = False, mode
                 _keymaps.append((keymap, item))
