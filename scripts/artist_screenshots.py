@@ -15,6 +15,7 @@ import shutil
 import sys
 import tempfile
 
+import numpy as np
 from host import NO_WINDOW, REPOSITORY, windowed_blender
 from sessions import seen_by
 
@@ -30,24 +31,64 @@ PICTURES = {  # of a session: files in docs/images by the picture's name
     },
     "nodes": {"node_emission": "lamp_nodes_emission"},  # these three are sessions of the tests
     "panels": {"preset_browser": "lamp_presets"},
+    "bounds": {"circle_select": "lamp_circle_select"},
     "native": {"arrow_label": "lamp_arrow", "last_good": "lamp_last_good", "warnings": "lamp_warnings"},
 }
+
+WALK = (
+    "start",
+    "engine",
+    "search",
+    "added",
+    "placed",
+    "rendered",
+)  # pictures of the session "walk", in a strip of rows
+ROW, WIDTH, QUALITY = 2, 1300, 68
+
+
+def write_strip(
+    folder: pathlib.Path, names: tuple[str, ...], path: pathlib.Path, row: int = ROW, across: int = WIDTH
+) -> None:
+    """Pictures side by side, ``row`` in each row, as one JPEG that is ``across`` pixels wide."""
+    import OpenImageIO
+
+    algorithms = OpenImageIO.ImageBufAlgo
+    parts = []
+    for name in names:
+        whole = OpenImageIO.ImageBuf(str(folder / f"{name}.png"))
+        width = across // row
+        height = round(whole.spec().height * width / whole.spec().width)
+        small = algorithms.resize(whole, filtername="lanczos3", roi=OpenImageIO.ROI(0, width, 0, height, 0, 1, 0, 3))
+        parts.append(small.get_pixels(OpenImageIO.FLOAT)[..., :3])
+    rows = [np.concatenate(parts[first : first + row], axis=1) for first in range(0, len(parts), row)]
+    strip = np.ascontiguousarray(np.concatenate(rows, axis=0))
+    spec = OpenImageIO.ImageSpec(strip.shape[1], strip.shape[0], 3, "uint8")
+    spec.attribute("Compression", f"jpeg:{QUALITY}")
+    made = OpenImageIO.ImageBuf(spec)
+    made.set_pixels(OpenImageIO.ROI.All, strip)
+    if not made.write(str(path)):
+        raise OSError(made.geterror())
 
 
 def main(arguments: list[str]) -> None:
     parser = argparse.ArgumentParser(prog="artist_screenshots", description=__doc__.splitlines()[0])
-    parser.add_argument("sessions", nargs="*", metavar="SESSION", help=f"of {', '.join(PICTURES)}; default: all")
+    parser.add_argument(
+        "sessions", nargs="*", metavar="SESSION", help=f"of {', '.join((*PICTURES, 'walk'))}; default: all"
+    )
     options = parser.parse_args(arguments)
     command = windowed_blender()
     if command is None:
         parser.error(NO_WINDOW)
-    for name in options.sessions or PICTURES:
-        if name not in PICTURES:
-            parser.error(f"there is no session {name!r}: choose from {', '.join(PICTURES)}")
+    known = (*PICTURES, "walk")
+    for name in options.sessions or known:
+        if name not in known:
+            parser.error(f"there is no session {name!r}: choose from {', '.join(known)}")
         with tempfile.TemporaryDirectory() as folder:
             session = next(REPOSITORY.glob(f"*/**/{name}_session.py"))
-            seen_by(command, session, pathlib.Path(folder), folder)
-            for picture, file in PICTURES[name].items():
+            seen_by(command, session, pathlib.Path(folder), folder, **({"size": (1240, 800)} if name == "walk" else {}))
+            if name == "walk":
+                write_strip(pathlib.Path(folder), WALK, REPOSITORY / "docs" / "images" / "walk.jpg")
+            for picture, file in PICTURES.get(name, {}).items():
                 shutil.copyfile(pathlib.Path(folder) / f"{picture}.png", REPOSITORY / "docs" / "images" / f"{file}.png")
 
 

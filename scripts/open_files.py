@@ -20,6 +20,8 @@ import bpy
 import host
 from mathutils import Matrix, Vector
 
+from sdf_lights.blender.shader_trees import use_nodes
+
 STAGE = "SDF Lights: what no scene shows"
 MOST_SCENES = 8  # of one file
 FAR = 1e6  # metres: what is bigger is a backdrop
@@ -161,9 +163,8 @@ def _output(tree: bpy.types.NodeTree):
 
 def _material_of(tree: bpy.types.NodeTree) -> bpy.types.Material:
     material = bpy.data.materials.new(f"Group {tree.name}")
-    if not material.use_nodes:
-        material.use_nodes = True
-    nodes, link = material.node_tree.nodes, material.node_tree.links.new
+    made = use_nodes(material)
+    nodes, link = made.nodes, made.links.new
     nodes.clear()
     group, output = nodes.new("ShaderNodeGroup"), nodes.new("ShaderNodeOutputMaterial")
     group.node_tree = tree

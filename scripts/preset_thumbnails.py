@@ -20,6 +20,8 @@ import numpy as np
 import OpenImageIO
 from mathutils import Vector
 
+from sdf_lights.blender.shader_trees import use_nodes
+
 EYE, TARGET = Vector((1.7, -3.4, 1.1)), Vector((0.0, 0.0, 0.42))
 HOVER = 0.15  # metres above the floor
 MARGIN = 1.25  # of the picture's height to the lamp's size
@@ -54,9 +56,7 @@ def scene_of(name: str, size: int, samples: int) -> bpy.types.Object:
     lamp.location.z = HOVER - low[2]
     bpy.ops.mesh.primitive_plane_add(size=40.0)
     floor = bpy.data.materials.new("Floor")
-    if bpy.app.version < (5, 0, 0):
-        floor.use_nodes = True
-    floor.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (FLOOR, FLOOR, FLOOR, 1.0)
+    use_nodes(floor).nodes["Principled BSDF"].inputs["Base Color"].default_value = (FLOOR, FLOOR, FLOOR, 1.0)
     bpy.context.object.data.materials.append(floor)
     camera = scene.camera
     middle = Vector((0.0, 0.0, HOVER + 0.5 * float(high[2] - low[2])))

@@ -29,7 +29,7 @@ import gpu
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
-PATIENCE = 400.0  # seconds until a session gives up to wait: kernels may have to be compiled
+PATIENCE = 800.0  # seconds until a session gives up to wait: kernels may have to be compiled, on a busy machine
 BETWEEN = 0.05  # seconds from one look at a condition to the next
 STEP = 0.4  # seconds of a step that does not say
 KEYS = {" ": "SPACE", "\n": "RET", "\b": "BACK_SPACE", ".": "PERIOD", "-": "MINUS"}

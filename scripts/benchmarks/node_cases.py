@@ -16,6 +16,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from sdf_lights.blender.shader_trees import use_nodes
+
 from . import node_structures  # noqa: F401  (adds its cases)
 from .node_recipes import BALL, LEFT_OUT, PLANE, RECIPES, Recipe
 from .node_sources import Sources
@@ -137,10 +139,8 @@ def _owner(node, name: str):
 def scratch() -> Iterator[bpy.types.NodeTree]:
     """A material's node tree to try nodes in."""
     material = bpy.data.materials.new("Scratch")
-    if not material.use_nodes:
-        material.use_nodes = True
     try:
-        yield material.node_tree
+        yield use_nodes(material)
     finally:
         bpy.data.materials.remove(material)
 

@@ -11,6 +11,8 @@ import host
 from mathutils import Vector
 from scenery.modelling import add, box, plane, turned
 
+from sdf_lights.blender.shader_trees import use_nodes
+
 DIFFUSE = dict(  # name: colour, centre, half sizes, rotation about z in degrees
     Red=((0.70, 0.15, 0.10), (-1.9, -0.6, 0.35), (0.35, 0.35, 0.35), 20.0),
     Blue=((0.15, 0.25, 0.65), (1.9, 0.9, 0.9), (0.2, 0.2, 0.9), 30.0),
@@ -20,9 +22,8 @@ DIFFUSE = dict(  # name: colour, centre, half sizes, rotation about z in degrees
 
 def material(name: str, kind: str, colour, **inputs):
     material = bpy.data.materials.new(name)
-    if not material.use_nodes:
-        material.use_nodes = True
-    nodes, links = material.node_tree.nodes, material.node_tree.links
+    tree = use_nodes(material)
+    nodes, links = tree.nodes, tree.links
     nodes.clear()
     closure, output = nodes.new(kind), nodes.new("ShaderNodeOutputMaterial")
     closure.inputs["Color"].default_value = (*colour, 1.0)

@@ -7,6 +7,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from sdf_lights.blender.shader_trees import use_nodes
+
 
 def image(name: str, pixels: np.ndarray, colour: bool):
     """A painted texture, (height, width, 3) in [0, 1], packed into the .blend; not ``colour``: plain numbers."""
@@ -25,12 +27,7 @@ class Graph:
 
     def __init__(self, name: str | bpy.types.ID):
         self.material = bpy.data.materials.new(name) if isinstance(name, str) else name
-        if isinstance(self.material, bpy.types.NodeTree):
-            tree = self.material
-        else:
-            if not self.material.use_nodes:
-                self.material.use_nodes = True
-            tree = self.material.node_tree
+        tree = self.material if isinstance(self.material, bpy.types.NodeTree) else use_nodes(self.material)
         self.nodes, self.links = tree.nodes, tree.links
         self.nodes.clear()
 

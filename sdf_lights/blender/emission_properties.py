@@ -26,6 +26,7 @@ def changed(self, context):
 class SDFLIGHTS_LampEmission(bpy.types.PropertyGroup):
     """How bright a lamp is from point to point"""
 
+    __slots__ = ()
     __annotations__ = parameters.overridable(
         {
             "source": bpy.props.EnumProperty(

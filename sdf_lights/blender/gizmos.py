@@ -103,7 +103,7 @@ def _push_undo() -> None:
 def _draw_label() -> None:
     context = bpy.context
     shown = _shown.get(context.region.as_pointer())
-    if shown is None:
+    if shown is None or not SDFLIGHTS_GGT_primitive.poll(context):
         return
     at = location_3d_to_region_2d(context.region, context.region_data, shown.place)
     if at is not None:

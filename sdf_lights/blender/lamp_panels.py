@@ -10,7 +10,7 @@ import numpy as np
 from ..render.errors import RenderError
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import emission_panel, labels, parameters, readout, viewport
+from . import beside_cycles, emission_panel, labels, parameters, readout, viewport
 from .context import LampTab, lamp_of, light_of
 from .lamp import pattern_of, shape_of
 from .lamp_presets import SDFLIGHTS_PT_lamp_presets
@@ -251,6 +251,7 @@ def draw_other_engine(layout, context, light) -> None:
         "INFO",
     )
     layout.operator("sdf_lights.lamp_to_mesh", text="Convert to Mesh for This Engine", icon="OUTLINER_OB_MESH")
+    beside_cycles.draw(layout, context)
 
 
 class SDFLIGHTS_PT_other_engine(bpy.types.Panel):

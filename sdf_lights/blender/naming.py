@@ -14,3 +14,5 @@ ENGINE = "SDF_LIGHTS"
 LABEL = "SDF Lights"
 
 NODE_TREE = "SDFLIGHTS_NodeTree"
+BESIDE_GROUP = "Lamps beside Cycles"
+"""Light group of all lamps of a scene whose picture is added to that of Cycles."""

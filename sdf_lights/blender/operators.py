@@ -16,7 +16,7 @@ from ..sdf.shapes import SHAPES
 from ..sdf.shapes.profiles import PROFILES
 from ..sdf.surface_nets import surface_net
 from ..sdf.syntax import ExpressionError
-from . import areas, emission, labels, parameters, readout
+from . import areas, emission, fallback, labels, parameters, readout
 from .context import LampOperator, light_of
 from .lamp import pattern_of, shape_of
 from .lamp_presets import load_preset, set_expression
@@ -25,6 +25,7 @@ from .nodes.tree import output_of, trees
 from .preset_pictures import icon_of
 from .presets import presets
 from .properties import PRIMITIVES, shape_items
+from .shader_trees import use_nodes
 
 _DIALOG_WIDTH, _DIALOG_LETTERS = 700, 100
 
@@ -152,12 +153,10 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
             lamp.source, lamp.shape = self.source, self.shape
         parameters.update(light)
         try:
-            # Other engines see a point light: as large as a ball of the same volume.
-            volume = shape_of(lamp).volume()
-            if volume:
-                light.shadow_soft_size = (0.75 * volume / math.pi) ** (1.0 / 3.0)
+            shape_of(lamp)
         except RenderError as error:  # the node tree has a mistake
             self.report({"WARNING"}, str(error))
+        fallback.follow(light)
         object_data_add(context, light, operator=self, name=name)
         return {"FINISHED"}
 
@@ -362,8 +361,7 @@ def _glowing(light: bpy.types.Light, power: float, mesh: bpy.types.Mesh, matrix)
     area = sum(face.area for face in copy.polygons)
     bpy.data.meshes.remove(copy)
     material = bpy.data.materials.new(light.name)
-    if bpy.app.version < (5, 0, 0):
-        material.use_nodes = True
+    use_nodes(material)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
     shader, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")

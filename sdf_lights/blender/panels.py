@@ -23,6 +23,9 @@ _EXCLUDED = {
     "NODE_DATA_PT_light",
     "NODE_DATA_PT_spot",
     "RENDER_PT_freestyle",
+    "RENDER_PT_simplify",
+    "RENDER_PT_simplify_viewport",
+    "RENDER_PT_simplify_render",
     "VIEWLAYER_PT_filter",
     "VIEWLAYER_PT_layer_passes",
     "VIEWLAYER_PT_freestyle",
@@ -49,7 +52,7 @@ def stock_panels():
             yield panel
 
 
-class _Panel:
+class RenderPanel:
     """What the panels of the Properties editor have in common."""
 
     bl_space_type = "PROPERTIES"
@@ -105,10 +108,10 @@ def _settings_panel(
         namespace["draw_header"] = lambda self, context: self.layout.prop(group(context), header, text="")
     if presets is not None:
         namespace["draw_header_preset"] = lambda self, context: presets.draw_panel_header(self.layout)
-    return type(name, (_Panel, bpy.types.Panel), namespace)
+    return type(name, (RenderPanel, bpy.types.Panel), namespace)
 
 
-class SDFLIGHTS_PT_sampling(_Panel, bpy.types.Panel):
+class SDFLIGHTS_PT_sampling(RenderPanel, bpy.types.Panel):
     bl_label = "Sampling"
 
     def draw_properties(self, layout, context):
@@ -118,9 +121,10 @@ class SDFLIGHTS_PT_sampling(_Panel, bpy.types.Panel):
             layout.operator(cycles.SDFLIGHTS_OT_cycles_settings_copy.bl_idname, icon="COPYDOWN")
 
 
-class SDFLIGHTS_PT_film(_Panel, bpy.types.Panel):
+class SDFLIGHTS_PT_film(RenderPanel, bpy.types.Panel):
     bl_label = "Film"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1  # after Simplify and Motion Blur
 
     def draw_properties(self, layout, context):
         settings = context.scene.sdf_lights
@@ -133,9 +137,10 @@ class SDFLIGHTS_PT_film(_Panel, bpy.types.Panel):
         column.prop(settings, "filter_width", text="Width")
 
 
-class SDFLIGHTS_PT_performance(_Panel, bpy.types.Panel):
+class SDFLIGHTS_PT_performance(RenderPanel, bpy.types.Panel):
     bl_label = "Performance"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
 
     def draw_properties(self, layout, context):
         render = context.scene.render
@@ -212,7 +217,7 @@ _RENDER = (
 # -- view layer --------------------------------------------------------------------------------------------------------
 
 
-class SDFLIGHTS_PT_passes(_Panel, bpy.types.Panel):
+class SDFLIGHTS_PT_passes(RenderPanel, bpy.types.Panel):
     bl_label = "Passes"
     bl_context = "view_layer"
 
@@ -227,7 +232,7 @@ def _passes_panel(label: str, light: bool) -> type:
 
     return type(
         f"SDFLIGHTS_PT_passes_{label.lower()}",
-        (_Panel, bpy.types.Panel),
+        (RenderPanel, bpy.types.Panel),
         {
             "bl_label": label,
             "bl_context": "view_layer",
@@ -240,7 +245,7 @@ def _passes_panel(label: str, light: bool) -> type:
 _PASSES = (SDFLIGHTS_PT_passes, _passes_panel("Data", False), _passes_panel("Light", True))
 
 
-class SDFLIGHTS_PT_override(_Panel, bpy.types.Panel):
+class SDFLIGHTS_PT_override(RenderPanel, bpy.types.Panel):
     bl_label = "Override"
     bl_context = "view_layer"
     bl_options = {"DEFAULT_CLOSED"}
@@ -260,7 +265,7 @@ class SDFLIGHTS_PT_override(_Panel, bpy.types.Panel):
 # -- light -------------------------------------------------------------------------------------------------------------
 
 
-class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
+class SDFLIGHTS_PT_light(RenderPanel, bpy.types.Panel):
     bl_label = "Light"
     bl_context = "data"
 
@@ -306,7 +311,7 @@ class SDFLIGHTS_PT_light(_Panel, bpy.types.Panel):
         column.prop(light, "use_shadow", text="Cast Shadow")
 
 
-class SDFLIGHTS_PT_world_preview(_Panel, bpy.types.Panel):
+class SDFLIGHTS_PT_world_preview(RenderPanel, bpy.types.Panel):
     bl_label = "Preview"
     bl_context = "world"
     bl_options = {"DEFAULT_CLOSED"}
@@ -322,7 +327,7 @@ class SDFLIGHTS_PT_world_preview(_Panel, bpy.types.Panel):
 # -- object ------------------------------------------------------------------------------------------------------------
 
 
-class SDFLIGHTS_PT_object_visibility(_Panel, bpy.types.Panel):
+class SDFLIGHTS_PT_object_visibility(RenderPanel, bpy.types.Panel):
     bl_label = "Ray Visibility"
     bl_context = "object"
     bl_parent_id = "OBJECT_PT_visibility"
@@ -333,8 +338,8 @@ class SDFLIGHTS_PT_object_visibility(_Panel, bpy.types.Panel):
 
     def draw_properties(self, layout, context):
         column = layout.column(align=True)
-        for name in ("camera", "diffuse", "glossy", "transmission", "shadow"):
-            column.prop(context.object, f"visible_{name}", text=name.title())
+        for name in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"):
+            column.prop(context.object, f"visible_{name}", text=name.replace("_", " ").title())
 
 
 # -- registration ------------------------------------------------------------------------------------------------------

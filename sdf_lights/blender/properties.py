@@ -80,7 +80,7 @@ def _setting(field: dataclasses.Field, default):
 
 def group(name: str, doc: str, annotations: dict) -> type:
     """A class of property group made from a dictionary of properties."""
-    return type(name, (bpy.types.PropertyGroup,), {"__doc__": doc, "__annotations__": annotations})
+    return type(name, (bpy.types.PropertyGroup,), {"__doc__": doc, "__slots__": (), "__annotations__": annotations})
 
 
 _FIELDS = {field.name: field for field in dataclasses.fields(Settings) if field.name not in BLENDERS_OWN}
@@ -106,6 +106,18 @@ SDFLIGHTS_SceneSettings = group(
                 ("BOUNDED", "Bounded", "It replaces that of the scene where it is lower", 1),
                 ("IGNORE", "Ignore", "Nothing", 2),
             ],
+        ),
+        "beside": bpy.props.PointerProperty(
+            name="Beside",
+            description="Scene whose lamps' light is added to what Cycles renders of this one",
+            type=bpy.types.Scene,
+            options={"HIDDEN"},
+        ),
+        "is_beside": bpy.props.BoolProperty(
+            name="Is Beside",
+            description="The scene renders the light of lamps for another, so that these are all in one light group",
+            options={"HIDDEN"},
+            update=tag,
         ),
         "origin": bpy.props.EnumProperty(
             name="Origin", description="Where the settings come from", items=cycles.ORIGINS, options={"HIDDEN"}

@@ -83,6 +83,7 @@ class SDFLIGHTS_OT_scene_check(bpy.types.Operator):
 
 class SDFLIGHTS_PT_scene_report(bpy.types.Panel):
     bl_label = "Scene Report"
+    bl_order = 1
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "render"

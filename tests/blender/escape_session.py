@@ -33,7 +33,7 @@ def session():
     addon.register()
     made = bpy.context.scene
     made.render.engine = "SDF_LIGHTS"
-    made.render.resolution_x, made.render.resolution_y = 320, 180
+    made.render.resolution_x, made.render.resolution_y = 160, 90
     # The reference needs no machine code, which may have to be compiled first.
     made.sdf_lights.device, made.sdf_lights.samples, made.sdf_lights.noise_threshold = "REFERENCE", 1 << 20, 0.0
     bpy.context.preferences.view.render_display_type = "NONE"

@@ -6,12 +6,14 @@ import pathlib
 import sys
 
 import bpy
+import numpy as np
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
 from window import (  # noqa: E402
     ARGUMENTS,
+    Eye,
     areas,
     drag,
     inside,
@@ -27,8 +29,9 @@ from window import (  # noqa: E402
 )
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
-from sdf_lights.blender import feedback, gizmos, lamp_panels, viewport  # noqa: E402
+from sdf_lights.blender import feedback, gizmos, lamp_panels, preset_pictures, viewport  # noqa: E402
 from sdf_lights.blender.findings import grouped  # noqa: E402
+from sdf_lights.blender.viewport import bodies  # noqa: E402
 
 PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
 
@@ -176,7 +179,7 @@ def warnings():
     bpy.context.scene.camera = camera
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 16
-    scene.sdf_lights.device, scene.sdf_lights.samples = "REFERENCE", 1
+    scene.sdf_lights.device, scene.sdf_lights.samples, scene.sdf_lights.denoise = "REFERENCE", 1, False
     bpy.ops.render.render()
     editor = areas("IMAGE_EDITOR")[0]
     editor.spaces.active.image = bpy.data.images["Render Result"]
@@ -191,13 +194,168 @@ def warnings():
     yield
 
 
-def steps():
-    addon.register()
+def presets():
+    """Presets as bright as the render shows them to the camera, and one of the user's own."""
+    view, scene = areas("VIEW_3D")[0], bpy.context.scene
+    _clear()
+    scene.sdf_lights_overlay.brightness = "LIGHT"
+    with override(view):
+        bpy.ops.view3d.view_axis(type="FRONT")
+    report["presets"] = {}
+    for name in ("CAMPFIRE", "NEON_RING", "SUNSET"):
+        with override(view):
+            bpy.ops.sdf_lights.lamp_add(source="PRESET", preset=name)
+            bpy.ops.sdf_lights.view_frame()
+        yield 1.0
+        yield from until(is_drawn)
+        points = bodies.points_in_world(bpy.context.object)
+        eye = Eye(*points[:: max(len(points) // 40, 1)].tolist())
+        yield 1.0
+        report["presets"][name] = np.max(list(eye.colors.values()), axis=0).tolist()
+        eye.close()
+        bpy.data.objects.remove(bpy.context.object)
+    scene.sdf_lights_overlay.brightness = "SHAPE"
+    with override(view):
+        bpy.ops.sdf_lights.lamp_add(shape="TORUS")
+        lamp = bpy.context.object.data.sdf_lamp
+        lamp.torus.minor_radius = 0.123
+        bpy.ops.sdf_lights.lamp_preset_add(name="Test of a Ring")
+        bpy.ops.sdf_lights.lamp_add(shape="BOX")
+        file = next(
+            found
+            for folder in bpy.utils.preset_paths("sdf_lights/lamp")
+            for found in pathlib.Path(folder).glob("*.py")
+            if found.stem.lower() == "test_of_a_ring"
+        )
+        bpy.ops.script.execute_preset(filepath=str(file), menu_idname="SDFLIGHTS_PT_lamp_presets")
+        lamp = bpy.context.object.data.sdf_lamp
+    report["own preset"] = [lamp.shape, lamp.torus.minor_radius]
+    file.unlink()
+    yield
+
+
+def files():
+    """A lamp of another file, overridden: viewports follow. A lamp as an asset."""
+    view, folder = areas("VIEW_3D")[0], pathlib.Path(ARGUMENTS[0]).parent
+    _clear()
+    with override(view):
+        bpy.ops.sdf_lights.lamp_add(shape="TORUS")
+        bpy.ops.sdf_lights.lamp_mark_asset()
+        obj = bpy.context.object
+        report["asset"] = [obj.asset_data is not None, *obj.preview.image_size]
+        bpy.data.libraries.write(str(folder / "lamps.blend"), {obj}, fake_user=True)
+        bpy.data.objects.remove(obj)
+        with bpy.data.libraries.load(str(folder / "lamps.blend"), link=True) as (there, here):
+            here.objects = there.objects
+        bpy.context.scene.collection.objects.link(here.objects[0])
+        made = here.objects[0].override_create(remap_local_usages=True)
+        made.data.override_create(remap_local_usages=True)
+        bpy.context.view_layer.objects.active = made
+    made.data.sdf_lamp.torus.major_radius = 0.77
+    yield 1.0
+    yield from until(is_drawn)
+    report["overridden"] = [placed.lamp.shape.major_radius for placed in _shown(view)]
+
+
+def other_engine():
+    """What the panel says with another engine, and the mesh for it."""
+    view, scene = areas("VIEW_3D")[0], bpy.context.scene
+    _clear()
+    with override(view):
+        bpy.ops.sdf_lights.lamp_add(shape="TORUS")
+    engines = {item.identifier for item in scene.render.bl_rna.properties["engine"].enum_items}
+    scene.render.engine = "BLENDER_EEVEE" if "BLENDER_EEVEE" in engines else "BLENDER_EEVEE_NEXT"
+    areas("PROPERTIES")[0].spaces.active.context = "DATA"
+    yield 1.0
+    with override(areas("PROPERTIES")[0]):
+        report["other engine"] = [
+            lamp_panels.SDFLIGHTS_PT_other_engine.poll(bpy.context),
+            *(kind.poll(bpy.context) for kind in lamp_panels.IN_PROPERTIES),
+        ]
+    scene.render.engine = "CYCLES"
+    yield 1.0
+    with override(view):
+        bpy.ops.sdf_lights.beside_cycles_add()
+    yield 1.0
+    picture(PICTURES, "other_engine", areas("PROPERTIES")[0])
+    report["beside"] = [len(bpy.data.scenes), scene.sdf_lights.beside.render.engine, bpy.context.scene == scene]
+    with override(view):
+        bpy.ops.sdf_lights.beside_cycles_remove()
+        bpy.ops.sdf_lights.lamp_to_mesh()
+    report["converted"] = bpy.context.object.type
+    scene.render.engine = "SDF_LIGHTS"
+    yield
+
+
+def words():
+    """The cure for a misspelt word; menus with the words of the field, and icons."""
+    view = areas("VIEW_3D")[0]
+    _clear()
+    with override(view):
+        bpy.ops.sdf_lights.lamp_add(shape="MANDELBULB")
+    lamp = bpy.context.object.data.sdf_lamp
+    report["labels"] = [
+        prop.name for prop in lamp.mandelbulb.bl_rna.properties if prop.identifier in ("power", "rounds")
+    ]
+    lamp.source, lamp.expression = "EXPRESSION", "bx(0.4)"
+    yield 1.0
+    report["cure"] = viewport.proxy_error(bpy.context.object.data)
+    report["icons"] = [preset_pictures.icon_of(name) > 0 for name in ("campfire", "neon_ring")]
+    tree = bpy.data.node_groups.new("Words", "SDFLIGHTS_NodeTree")
+    report["node colours"] = [
+        [round(part, 3) for part in tree.nodes.new(f"SDFLIGHTS_Node_{name}").color]
+        for name in ("sphere", "union", "translate")
+    ]
+    bpy.data.node_groups.remove(tree)
+
+
+def thumbnail():
+    """The preview of a light, as the Properties editor shows it."""
+    view = areas("VIEW_3D")[0]
+    _clear()
+    with override(view):
+        bpy.ops.sdf_lights.lamp_add(shape="TORUS")
+    light = bpy.context.object.data
+    light.color = 1.0, 0.1, 0.1
+    with bpy.context.temp_override(id=light):
+        bpy.ops.ed.lib_id_generate_preview()
+    pixels = np.zeros(0)
+
+    def is_there():
+        nonlocal pixels
+        preview = light.preview
+        if preview is None or not preview.image_size[0]:
+            return False
+        pixels = np.array(preview.image_pixels_float).reshape(*preview.image_size[::-1], 4)
+        return pixels[..., 0].max() > 0.0
+
+    yield from until(is_there, 120.0)
+    yield 1.0
+    is_there()
+    size = pixels.shape[0]
+    report["thumbnail"] = [
+        float((pixels[..., 0] - pixels[..., 2]).max()),
+        float((pixels[..., 0] - pixels[..., 2])[size // 2 - 1 : size // 2 + 1, size // 2].max()),
+    ]
+
+
+def _clear():
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
+
+
+def steps():
+    bpy.app.debug_python = True  # Blender says what it minds about classes
+    addon.register()
+    addon.unregister()
+    addon.register()
+    bpy.app.debug_python = False
+    print("REGISTERED", flush=True)
+    _clear()
     bpy.context.scene.render.engine = "SDF_LIGHTS"
     bpy.ops.ed.undo_push(message="Start")
-    for part in (arrows, last_good, sections, editors, warnings):
+    parts = (arrows, last_good, sections, presets, files, other_engine, words, thumbnail, editors, warnings)
+    for part in parts:
         yield from part()
 
 

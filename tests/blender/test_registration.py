@@ -83,6 +83,19 @@ def test_enabling_does_not_wait_for_numba(tmp_path):
     assert float(spent) < 2.5 * float(numba)
 
 
+def test_registering_prints_nothing(tmp_path):
+    code = (
+        "import warnings; warnings.simplefilter('error'); import bpy; bpy.app.debug_python = True; "
+        "import sdf_lights.blender as b; print('BEGIN'); b.register(); b.unregister(); b.register(); print('END', flush=True); "
+        "import os; os._exit(0)"
+    )
+    environment = os.environ | {"PYTHONPATH": str(REPOSITORY)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=tmp_path, env=environment
+    )
+    assert done.stdout.partition("BEGIN")[2].split() == ["END"] and not done.stderr, done.stdout + done.stderr
+
+
 def test_every_setting_has_a_property_with_its_limits(file):
     group = file.scene.sdf_lights
     for field in dataclasses.fields(Settings):

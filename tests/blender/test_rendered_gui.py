@@ -92,7 +92,7 @@ def test_escape_cancels_the_final_render_and_keeps_its_picture(blender_command, 
     assert found["renders"]
     assert found["seconds"] < 10.0
     height, width, brightest = found["picture"]
-    assert (height, width) == (180, 320) and brightest > 0.1
+    assert (height, width) == (90, 160) and brightest > 0.1
 
 
 def test_a_saved_file_renders_as_before(seen):

@@ -10,6 +10,22 @@ from ...sdf.shapes import SHAPES
 from . import emission_nodes, scene, value_nodes
 from .function_nodes import FUNCTION_NODES
 
+# Of nodes by their menu: headers that Blender's default theme has for such nodes.
+_HEADERS = {
+    "Input": (0.51, 0.19, 0.29),
+    "Shapes": (0.11, 0.45, 0.37),
+    "Solids from Profiles": (0.11, 0.45, 0.37),
+    "Profiles": (0.11, 0.45, 0.37),
+    "Combine": (0.17, 0.40, 0.17),
+    "Operators": (0.17, 0.40, 0.17),
+    "Transforms": (0.24, 0.24, 0.51),
+    "Points": (0.24, 0.24, 0.51),
+    "Fields": (0.47, 0.27, 0.11),
+    "Math": (0.14, 0.38, 0.51),
+    "Emission": (0.43, 0.43, 0.11),
+}
+_BODY, _SHARE = 0.19, 0.5  # grey of Blender's nodes, and how much of the header is in a tint
+
 
 def _menu_of(node: type) -> str:
     function = node.function
@@ -52,3 +68,13 @@ def nodes_by_menu() -> dict[str, list[type]]:
 def node_classes() -> list[type]:
     """All nodes of the Add menu, but groups."""
     return [node for nodes in nodes_by_menu().values() for node in nodes]
+
+
+def _tint() -> None:
+    for menu, nodes in nodes_by_menu().items():
+        header = _HEADERS.get(menu.partition("/")[0])
+        for node in nodes if header is not None else ():
+            node.tint = tuple(_BODY + _SHARE * (component - _BODY) for component in header)
+
+
+_tint()

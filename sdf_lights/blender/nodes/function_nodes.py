@@ -101,9 +101,6 @@ class _WordNode(LampNode):
 
     function: Function
 
-    def init(self, context):
-        self._add_sockets()
-
     def match_interface(self):
         """Adds the inputs that a file of an older version lacks."""
         self._add_sockets()

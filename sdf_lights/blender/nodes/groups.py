@@ -23,9 +23,6 @@ class SDFLIGHTS_NodeGroup(LampNode, bpy.types.NodeCustomGroup):
     def poll(cls, tree):
         return tree.bl_idname == NODE_TREE
 
-    def init(self, context):
-        self.match_interface()
-
     def draw_settings(self, layout):
         layout.template_ID(self, "node_tree", new=SDFLIGHTS_OT_group_new.bl_idname)
 

@@ -55,15 +55,26 @@ def set_registered(registered: bool) -> None:
 class LampNode:
     """What all nodes have in common: they say in words what is wrong with them.
 
-    ``takes`` and ``gives`` list (identifier, label, type) of the inputs and outputs of a new node.
+    ``takes`` and ``gives`` list (identifier, label, type) of the inputs and outputs of a new node. ``tint`` is its colour:
+    Blender gives headers of add-ons' nodes no other than that of inputs, but lets nodes have a colour of their own.
     """
 
     takes: tuple[tuple[str, str, str], ...] = ()
     gives: tuple[tuple[str, str, str], ...] = ()
+    tint: tuple[float, float, float] | None = None
 
     @classmethod
     def poll(cls, tree):
         return tree.bl_idname == NODE_TREE
+
+    def init(self, context):
+        """What a new node has."""
+        if self.tint is not None:
+            self.use_custom_color, self.color = True, self.tint
+        self.match_interface()
+
+    def match_interface(self):
+        """Adds the sockets that a file of an older version lacks."""
 
     def draw_buttons(self, context, layout):
         self.draw_settings(layout)

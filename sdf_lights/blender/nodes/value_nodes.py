@@ -23,9 +23,6 @@ class ValueNode(LampNode):
 
     gives = (("result", "Value", sockets.ANY),)
 
-    def init(self, context):
-        self.match_interface()
-
     def wanted_inputs(self) -> tuple[tuple[str, str, str], ...]:
         """``takes``, where the properties of the node do not change it."""
         return self.takes

@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import warnings
-
-import bpy
 import numpy as np
 
 from ...render.scene import Ray
@@ -58,19 +55,6 @@ def visibility_of(item) -> Ray:
     """Rays that an object is visible to."""
     # Plain numbers: those of enumerations take ten times as long.
     return Ray(sum(bit for name, bit in _VISIBILITY.items() if getattr(item, name)))
-
-
-def node_tree_of(data: bpy.types.Material | bpy.types.World | bpy.types.Light) -> bpy.types.NodeTree | None:
-    """The node tree of a material, world or light; None where it does without nodes.
-
-    Blender 5.0 did away with that for materials and worlds, Blender 6.0 does for lights, and warns of it before.
-    """
-    if bpy.app.version < ((6, 0, 0) if isinstance(data, bpy.types.Light) else (5, 0, 0)):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)
-            if not data.use_nodes:
-                return None
-    return data.node_tree
 
 
 def rgb(value) -> tuple[float, float, float]:

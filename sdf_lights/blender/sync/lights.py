@@ -17,7 +17,8 @@ from ...render.material import Material
 from ...render.scene import MANY_BOUNCES, RGB, Lamp, Light, Portal, Ray
 from ..lamp import LAST_GOOD, keep, last_good, pattern_of, shape_of
 from ..passes import own_pass_name
-from .common import FLAT, Warnings, is_flat, node_tree_of, rgb
+from ..shader_trees import node_tree_of
+from .common import FLAT, Warnings, is_flat, rgb
 from .images import Images
 from .nodes import Reader, emission_of
 

@@ -12,7 +12,8 @@ from ...graph.formula import Vector
 from ...render.material import SHARP_FACE, UNDISPLACED, Attribute, Material, Node, attributes_of
 from ...render.nodes.normals import displaced_as_bump
 from ...render.scene import Scene
-from .common import Warnings, node_tree_of, rgb
+from ..shader_trees import node_tree_of
+from .common import Warnings, rgb
 from .images import Images
 from .nodes import Reader
 from .volumes import medium_of

@@ -13,6 +13,7 @@ import numpy as np
 from ...render.errors import RenderError
 from ...render.material import Attribute
 from ...render.scene import AttributeValues, Domain, Instance, Lamp, Portal, Ray, Scene
+from ..naming import BESIDE_GROUP
 from .attributes import InstanceAttributes, property_of, random_number
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
 from .images import Images
@@ -238,6 +239,8 @@ class _Reader:
             light.visibility &= ~Ray.CAMERA  # also where the lamp itself is visible to the camera
         control(light, obj, self._linking.of_emitter(obj.original))
         if isinstance(light, Lamp):
+            if self._depsgraph.scene.sdf_lights.is_beside:
+                light.light_group = BESIDE_GROUP
             self._scene.lamps.append(light)
         else:
             self._scene.lights.append(light)

@@ -12,7 +12,8 @@ import numpy as np
 
 from ...render.images import MISSING
 from ...render.scene import MANY_BOUNCES, Mist, Ray, World
-from .common import Warnings, node_tree_of, rgb
+from ..shader_trees import node_tree_of
+from .common import Warnings, rgb
 from .images import Images
 from .nodes import Reader, emission_of, numbers_of, texture_matrix
 from .volumes import medium_of

@@ -11,9 +11,9 @@ import traceback
 import bpy
 from bpy.app.handlers import persistent
 
-from . import drawn, picking, properties
+from . import drawn, framing, picking, properties, selecting
 
-CLASSES = (*properties.CLASSES, *picking.CLASSES)
+CLASSES = (*properties.CLASSES, *picking.CLASSES, *framing.CLASSES, *selecting.CLASSES)
 
 _failures: dict[str, str] = {}  # by the draw handler
 _handles: list = []
@@ -104,7 +104,8 @@ _HANDLERS = [
 
 def register():
     properties.register()
-    picking.register()
+    for module in (picking, framing, selecting):
+        module.register()
     draw = bpy.types.SpaceView3D.draw_handler_add
     for function, event in ((_before_scene, "PRE_VIEW"), (_after_scene, "POST_VIEW"), (_labels, "POST_PIXEL")):
         _handles.append(draw(_guarded(function), (), "WINDOW", event))
@@ -125,5 +126,6 @@ def unregister():
     _forget()
     drawn.overlay = None
     _failures.clear()
-    picking.unregister()
+    for module in (selecting, framing, picking):
+        module.unregister()
     properties.unregister()

@@ -9,6 +9,7 @@ the viewport apply to lamps as to all else. Outlines and boxes go into the frame
 
 from __future__ import annotations
 
+import math
 import time
 from collections import OrderedDict
 
@@ -34,8 +35,10 @@ COMPILE_BUDGET = 0.03
 # Seconds without a change after which the view counts as still.
 STILL = 0.25
 POLL = 0.1
-# Radiance of a lamp where it is as thick as its box is on average, in Solid shading.
+# Radiance of a lamp where it is as thick as on average, in Solid shading.
 SHAPE_RADIANCE = 1.5
+# In Solid shading: the least radiance of the thinnest lamps; parts of a cube around it that thick lamps fill, and a ball.
+LEAST_RADIANCE, THIN, BALL = 0.25, 0.03, math.pi / 6.0
 OUTLINE_WIDTH = 1.5
 
 
@@ -199,14 +202,14 @@ class Overlay:
             elif not item.lamp.visibility & Ray.CAMERA:
                 boxes.append((item, facts, ""))
             else:
-                brightness = exposure
+                brightness, least = exposure, np.zeros(3)
                 if flat and settings.brightness == "SHAPE":
-                    brightness = _shape_brightness(item.lamp, facts)
+                    brightness, least = _shape_brightness(item.lamp, facts)
                 else:
                     brightness *= item.lamp.camera_brightness
                 if item.problem:
                     boxes.append((item, facts, "Last good shape"))
-                drawn.append(Drawn(item.lamp, facts, brightness, marks.get(item.owner, (0.0, 0.0))))
+                drawn.append(Drawn(item.lamp, facts, brightness, marks.get(item.owner, (0.0, 0.0)), tuple(least)))
         if waiting or self.finder.busy:
             _redraw_later(0.0 if waiting else POLL)
         return drawn, boxes
@@ -320,11 +323,18 @@ def _marks(context) -> dict[str, tuple[float, float]]:
     return marks
 
 
-def _shape_brightness(lamp: Lamp, facts: Facts) -> float:
-    """Factor that makes the lamp's brightest colour ``SHAPE_RADIANCE`` where it is as thick as its box on average."""
-    extent = np.linalg.norm(lamp.matrix[:3, :3], axis=0) * (facts.high - facts.low)
-    greatest = radiance_per_metre(lamp, facts).max() * extent.mean()
-    return SHAPE_RADIANCE / greatest if greatest > 0.0 else 0.0
+def _shape_brightness(lamp: Lamp, facts: Facts) -> tuple[float, np.ndarray]:
+    """Factor that makes the lamp's brightest colour ``SHAPE_RADIANCE`` where it is as thick as it is on average, and the
+    least light (RGB) that a lamp has which is thin everywhere."""
+    size = float((np.linalg.norm(lamp.matrix[:3, :3], axis=0) * (facts.high - facts.low)).mean())
+    color = radiance_per_metre(lamp, facts)
+    filled = facts.volume * abs(float(np.linalg.det(lamp.matrix[:3, :3]))) / max(size, 1e-100) ** 3
+    if not (color.max() > 0.0 and 0.0 < filled < np.inf):
+        return 0.0, np.zeros(3)
+    # A wire three times as long as the lamp is large, of its volume, is so thick; that of a ball is its diameter.
+    thickness = size * min(1.0, math.sqrt(filled / BALL))
+    least = LEAST_RADIANCE * max(1.0 - filled / THIN, 0.0)
+    return SHAPE_RADIANCE / (color.max() * thickness), least * color / color.max()
 
 
 def _draw_boxes(boxes, view: View) -> None:

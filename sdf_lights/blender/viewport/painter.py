@@ -28,6 +28,8 @@ from .facts import Facts, varies
 LEAST_STEP, LEAST_STEP_OF_PIXEL = 1e-4, 0.25
 # Part of the box by which it is drawn larger.
 MARGIN = 1e-4
+# Least width in pixels of what has to be found on the screen.
+WIDTH = 2.0
 # Shaders and buffers that are kept.
 KEPT = 256
 
@@ -77,12 +79,14 @@ class Depth(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A lamp to draw. ``mask``: what is added to the mask where it is seen (selected, active)."""
+    """A lamp to draw. ``mask``: what is added to the mask where it is seen (selected, active). ``least``: light (RGB) that
+    it has at least where it is seen; where that is not black, it is also at least about ``WIDTH`` pixels wide."""
 
     lamp: Lamp
     facts: Facts
     exposure: float = 1.0
     mask: tuple[float, float] = (0.0, 0.0)
+    least: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 class Painter:
@@ -185,14 +189,25 @@ def radiance_per_metre(lamp: Lamp, facts: Facts) -> np.ndarray:
     return emission_scale(lamp, facts) * facts.mean
 
 
-def least_step(lamp: Lamp, facts: Facts, view: View) -> float:
-    """Shortest step along a ray, in the space of the shape: what is finer cannot be seen in this view."""
-    extent, center = facts.high - facts.low, np.append(0.5 * (facts.low + facts.high), 1.0)
+def pixel_size(lamp: Lamp, facts: Facts, view: View) -> float:
+    """Size of a pixel at the middle of the lamp, in the space of the shape."""
+    center = np.append(0.5 * (facts.low + facts.high), 1.0)
     clip = view.projection @ view.view @ lamp.matrix @ center
     scale = np.abs(np.linalg.det(lamp.matrix[:3, :3])) ** (1.0 / 3.0)
-    pixel = 2.0 * abs(clip[3]) / (view.projection[1, 1] * view.size[1] * scale)
-    diagonal = np.linalg.norm(extent)
-    return min(max(LEAST_STEP * diagonal, LEAST_STEP_OF_PIXEL * pixel), 0.02 * diagonal)
+    return 2.0 * abs(clip[3]) / (view.projection[1, 1] * view.size[1] * scale)
+
+
+def least_step(lamp: Lamp, facts: Facts, view: View) -> float:
+    """Shortest step along a ray, in the space of the shape: what is finer cannot be seen in this view."""
+    diagonal = np.linalg.norm(facts.high - facts.low)
+    return min(max(LEAST_STEP * diagonal, LEAST_STEP_OF_PIXEL * pixel_size(lamp, facts, view)), 0.02 * diagonal)
+
+
+def widening(item: Drawn, view: View) -> float:
+    """By how much a lamp is drawn wider on each side, in the space of its shape."""
+    if not any(item.least) or not item.lamp.shape.exact_outside:  # what the field is elsewhere is no distance
+        return 0.0
+    return 0.5 * WIDTH * pixel_size(item.lamp, item.facts, view)
 
 
 def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
@@ -203,9 +218,11 @@ def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
     extent = facts.high - facts.low
     numbers = _numbers(lamp)
     scale = emission_scale(lamp, facts) if varies(lamp.emission) else radiance_per_metre(lamp, facts)
+    wider = widening(item, view)
+    margin = MARGIN * extent + wider
     block = np.zeros((shaders.HEADER + shaders.vectors_of(len(numbers)), 4))
-    block[0] = *(facts.low - MARGIN * extent), least_step(lamp, facts, view)
-    block[1] = *(facts.high + MARGIN * extent), facts.lipschitz
+    block[0] = *(facts.low - margin), least_step(lamp, facts, view)
+    block[1] = *(facts.high + margin), facts.lipschitz
     block[2] = (*from_view[:3, 3], 1.0) if view.perspective else (*-from_view[:3, 2], 0.0)
     block[3] = -to_view[2]
     block[4, :2] = view.clip
@@ -214,6 +231,7 @@ def uniforms(item: Drawn, view: View, depth: Depth | None) -> np.ndarray:
     block[6] = *(item.exposure * scale), facts.rate
     block[7, :2] = item.mask
     block[8:11, :3] = lamp.matrix[:3, :3].T
+    block[11] = *item.least, wider
     block[shaders.HEADER :].ravel()[: len(numbers)] = numbers
     limit = np.finfo(np.float32).max
     return np.clip(block, -limit, limit).astype(np.float32)

@@ -17,6 +17,8 @@ def redraw(self, context):
 
 
 class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
+    __slots__ = ()
+
     show_lamps: bpy.props.BoolProperty(
         name="SDF Lamps",
         description="Show the glow of SDF lamps in the viewport, with any render engine",

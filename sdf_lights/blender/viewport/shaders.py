@@ -19,7 +19,7 @@ from ...graph.formula import Formula
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
 
 # Vectors of four before the numbers in the uniform block of a lamp; see `Lamp` below.
-HEADER = 11
+HEADER = 12
 # Of 16 KiB, the size of uniform blocks that every graphics API promises.
 MOST_NUMBERS = 4 * (1024 - HEADER)
 # Along a ray: README.md of shaders_glsl. Of the Mandelbox, 200 are too few; no shape looks different with more than 400.
@@ -36,10 +36,12 @@ struct Lamp {
     vec4 emission;   // radiance per metre where the relative emission is 1; points of a ray in each unit of length
     vec4 mask;
     vec4 along[3];   // columns of the shape's matrix: directions in metres
+    vec4 least;      // least light where the lamp is seen; by how much it is drawn wider, in the space of the shape
     vec4 numbers[%d];
 };
 """
 _NUMBER = "#define number(i) lamp.numbers[(i) / 4][(i) % 4]\n"
+_FIELD = "float field(vec3 p)\n{\n    return body(p) - lamp.least.w;\n}\n"
 
 
 class ShaderError(Exception):
@@ -88,7 +90,7 @@ def lamp_shader(code: LampCode) -> gpu.types.GPUShader:
     info.define("INTERVALS_SUM", "emitted")
     info.define("CROSSING_ERROR", "(0.1 * lamp.low.w)")
     info.vertex_source(source("proxy_vertex.glsl"))
-    functions = _NUMBER + codegen_glsl.function(code.field, "field", "number({})")
+    functions = _NUMBER + codegen_glsl.function(code.field, "body", "number({})") + _FIELD
     if code.colour is not None:
         info.define("VARIES", "1")
         functions += codegen_glsl.function(code.colour, "colour", f"number({{}} + {code.parameters})")
