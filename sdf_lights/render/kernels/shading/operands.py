@@ -31,7 +31,7 @@ def vector(block, workspace, operand):
     return (constants[i], constants[i + 1], constants[i + 2])
 
 
-@kernel
+@kernel(forceinline=True)  # see ``camera_ray``
 def normal(block, workspace, operand):
     """The unit normal of an input; the shading normal where there is none or it vanishes."""
     n = vec(surface_table(workspace)[0].n)
