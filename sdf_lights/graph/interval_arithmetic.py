@@ -19,10 +19,8 @@ import numpy as np
 
 from ..interruption import check
 from .formula import (
-    CONDITIONS,
     CONSTANT,
     ITERATE,
-    OPERATIONS,
     PARAMETER,
     RESULT,
     STATE,
@@ -34,6 +32,7 @@ from .formula import (
     order,
 )
 from .numpy_evaluation import rounds
+from .operations import CONDITIONS, OPERATIONS
 
 
 class Precision(NamedTuple):
@@ -142,7 +141,7 @@ def hull(a: Interval, b: Interval) -> Interval:
 
 
 class Arithmetic:
-    """Operations on intervals; those of formulas have the names that ``formula.OPERATIONS`` gives them."""
+    """Operations on intervals; those of formulas have the names that ``operations.OPERATIONS`` gives them."""
 
     def __init__(self, precision: Precision = DOUBLE):
         self.precision = precision
