@@ -18,7 +18,7 @@ from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import first_numbers, radii_of, strand_of, world_scale
 from .rays import hit_instance, hit_normal, ray_table, world_positions
-from .shading.program import MATERIAL
+from .shading.material_compiler import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
 from .strands import apart as strands
 
