@@ -9,7 +9,8 @@ import numpy as np
 from .box_sides import SIGN, STEP, declared_inputs, find_sides, remainder_limits, taken_rows
 from .continuity import declared, joins
 from .formula import CONSTANT, PARAMETER, RESULT, STATE, VARIABLE, Formula
-from .interval_arithmetic import Boxes, Condition, Interval
+from .interval_arithmetic import Condition, Interval
+from .interval_evaluation import Boxes
 from .operations import CONDITIONS
 from .slope import ARITHMETIC, WHOLE, Slope, Tear, length_of, magnitude_of, select_slope
 from .slope_rules import RULES, ZERO, square_parts, under_roots
