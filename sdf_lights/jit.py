@@ -638,7 +638,7 @@ _LINE = 128  # bytes: a cache line, and its neighbour that processors fetch with
 
 
 def new_tables(dtypes: dict[str, np.dtype], counts: dict[str, int]) -> dict[str, np.ndarray]:
-    """Tables of so many elements, all zero, in a piece of memory of their own.
+    """Tables of so many elements, all zero, in a piece of memory of their own. Raises MemoryError where there is none.
 
     No cache line of it is shared with other tables, which may be those of another thread: two threads that write into one line
     wait for each other. Each table begins a line, as Embree asks for of rays.
