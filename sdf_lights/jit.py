@@ -632,3 +632,21 @@ def fill_table(block: np.ndarray, name: str, array: np.ndarray) -> None:
     assert array.flags.c_contiguous and array.ndim == 1
     block[name + "_address"] = array.ctypes.data
     block[name + "_count"] = len(array)
+
+
+_LINE = 128  # bytes: a cache line, and its neighbour that processors fetch with it
+
+
+def new_tables(dtypes: dict[str, np.dtype], counts: dict[str, int]) -> dict[str, np.ndarray]:
+    """Tables of so many elements, all zero, in a piece of memory of their own. Raises MemoryError where there is none.
+
+    No cache line of it is shared with other tables, which may be those of another thread: two threads that write into one line
+    wait for each other. Each table begins a line, as Embree asks for of rays.
+    """
+    sizes = {name: -(-count * dtypes[name].itemsize // _LINE) * _LINE for name, count in counts.items()}
+    memory = np.zeros(sum(sizes.values()) + _LINE, np.uint8)
+    tables, at = {}, -memory.ctypes.data % _LINE
+    for name, count in counts.items():
+        tables[name] = memory[at : at + count * dtypes[name].itemsize].view(dtypes[name])
+        at += sizes[name]
+    return tables

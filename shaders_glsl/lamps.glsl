@@ -5,7 +5,7 @@
 //
 // Before this file come `float field_number(int slot)` over `lamp_numbers`, the functions field_0, field_1, … that are
 // generated from the formulas with `float lamp_field_of(int formula, vec3 p)` that chooses among them, `int first_term(int
-// row)` of the record of a lamp, and offsets of the record FIELD of sdf_lights/render/gpu/lamps.py.
+// row)` of the record of a lamp, and offsets of the record FIELD of sdf_lights/render/gpu/lamp_kernels.py.
 
 int lamp_formula;
 vec3 lamp_center;

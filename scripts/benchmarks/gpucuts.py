@@ -43,7 +43,7 @@ def arguments(parser) -> None:
 @contextlib.contextmanager
 def cuts_with(bounces: int):
     """The GPU has cuts in renders of so many bounces, too."""
-    program = host.program("render.gpu.program")
+    program = host.program("render.gpu.packed_scene")
     usual, program.CUT_BOUNCES = program.CUT_BOUNCES, bounces
     try:
         yield

@@ -53,7 +53,7 @@ LAMP = np.dtype(
     [
         ("center", np.float64, (3,)),  # of the world bounding box; what follows is relative to it
         ("half", np.float64, (3,)),  # of the world bounding box
-        ("reach", np.float64),  # radius of the bounding sphere around the centre
+        ("bounding_radius", np.float64),  # of the sphere around the centre
         ("volume", np.float64),  # m³, in the world
         ("volume_error", np.float64),  # bound on the relative error of the volume; 0 where it has a closed form
         ("emission", np.float64, (3,)),  # ρ, W/(sr·m³): its mean over the volume
@@ -87,7 +87,7 @@ LAMP = np.dtype(
 TABLES = {"lamps": LAMP, "lamp_instructions": INSTRUCTION, **interior.TABLES, **fields.TABLES, **emissions.TABLES}
 SCALARS = [("lamp_rows", np.int64)]  # rows of ``spans`` for intervals: the most that any lamp of the scene can use
 
-SMALLEST_INTERVAL = 1e-10  # of a lamp's reach: shorter intervals and gaps are rounding, where faces coincide
+SMALLEST_INTERVAL = 1e-10  # of a lamp's bounding radius: shorter intervals and gaps are rounding, where faces coincide
 
 lamps = table("lamps", LAMP)
 instructions = table("lamp_instructions", INSTRUCTION)
@@ -148,7 +148,7 @@ def _trace_parts(block, row, lamp, distance, p, d, spans):
     else:
         count, unresolved = crossings(block, row, p, d, start, end, spans)
         note_length(block, lamp, 0, unresolved, spans)
-    count = regularize(spans, count, SMALLEST_INTERVAL * row.reach)
+    count = regularize(spans, count, SMALLEST_INTERVAL * row.bounding_radius)
     kept = 0
     for index in range(count):
         kept = _keep(spans, kept, distance, spans[index, 0], spans[index, 1])
@@ -163,12 +163,12 @@ def trace(block, lamp, o, d, spans):
 
     ``spans`` is ``new_spans``: no closed-form shape of the scene can need more rows, so nothing of them is dropped.
     Row ``block.lamp_rows + lamp`` sums two lengths along rays, of which the first counts for fields alone: what could
-    not be resolved or had no row, and what is inside the lamp. Intervals and gaps below ``SMALLEST_INTERVAL`` × reach are
+    not be resolved or had no row, and what is inside the lamp. Intervals and gaps below ``SMALLEST_INTERVAL`` × the bounding radius are
     rounding noise of coincident faces, and removed.
     """
     row = lamps(block)[lamp]
     distance, p = _approach(row, o, d)
-    if dot(p, p) >= row.reach * row.reach or distance + row.reach <= 0.0:
+    if dot(p, p) >= row.bounding_radius * row.bounding_radius or distance + row.bounding_radius <= 0.0:
         return 0
     if row.kind == PRIMITIVE:
         count, a0, b0, a1, b1 = primitive_spans(instructions(block)[row.first_instruction], p, d)

@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from .formula import CALL, CONDITIONS, CONSTANT, ITERATE, PARAMETER, RESULT, STATE, VARIABLE, Formula, axis_of, order
+from .formula import CALL, CONSTANT, ITERATE, PARAMETER, RESULT, STATE, VARIABLE, Formula, axis_of, order
 from .functions import Function
+from .operations import CONDITIONS, OPERATIONS
 
 _TYPES = {1: "float", 2: "vec2", 3: "vec3", 4: "vec4"}
 _NAME = re.compile(r"(?!gl_)(?!.*__)[A-Za-z]\w*", re.ASCII)
@@ -81,32 +82,6 @@ float {name}_acos(float a)
 """,
 }
 _NEEDS_ATAN2 = frozenset({"atan", "asin", "acos"})
-
-_TEMPLATES = {
-    "negate": "(-{})",
-    "abs": "abs({})",
-    "sqrt": "sqrt({})",
-    "sin": "sin({})",
-    "cos": "cos({})",
-    "tan": "tan({})",
-    "asin": "{name}_asin({})",
-    "acos": "{name}_acos({})",
-    "atan": "{name}_atan({})",
-    "exp": "exp({})",
-    "log": "log({})",
-    "floor": "floor({})",
-    "add": "({} + {})",
-    "subtract": "({} - {})",
-    "multiply": "({} * {})",
-    "divide": "({} / {})",
-    "power": "{name}_power({}, {})",
-    "atan2": "{name}_atan2({}, {})",
-    "minimum": "min({}, {})",
-    "maximum": "max({}, {})",
-    "less": "({} < {})",
-    "less_equal": "({} <= {})",
-    "select": "({} ? {} : {})",
-}
 
 
 def function(formula: Formula | Sequence[Formula], name: str, parameters: str = "k[{}]") -> str:
@@ -214,7 +189,7 @@ class _Writer:
                 written[node] = self.call(node.value, operands, self._variable)
             else:
                 self.used.add(node.kind)
-                text = _TEMPLATES[node.kind].format(*operands, name=self.name)
+                text = OPERATIONS[node.kind].glsl.format(*operands, name=self.name)
                 if uses[node] > 1 or len(text) > _LONGEST:
                     text = self._variable("bool" if node.kind in CONDITIONS else "float", text)
                 written[node] = text

@@ -47,6 +47,7 @@ from .formula import (
     slots,
 )
 from .functions import Function
+from .operations import OPERATIONS, Native
 
 LANES = 8  # a cache line of doubles: two registers with AVX2, four with NEON
 
@@ -129,8 +130,8 @@ def _kept(key: tuple, formulas: tuple[Formula, ...], context: tuple, module: Cal
 
 def _from_disk(formulas: tuple[Formula, ...], context: tuple, module: Callable) -> Compiled:
     for node in _all_nodes(formulas):
-        if node.kind in _LIBRARY:
-            _library_function(node.kind, len(node.operands))
+        if node.kind in OPERATIONS and OPERATIONS[node.kind].native[0] is Native.LIBRARY:
+            _library_function(OPERATIONS[node.kind].native[1], len(node.operands))
     key = *_processor(), context, _description(formulas)
     files = kernel_cache.Files(_folder(), "formulas", MOST_BYTES)
     code = files.load(key)
@@ -217,68 +218,62 @@ if AVAILABLE:
     _FUNCTION = ir.FunctionType(ir.VoidType(), [_INDEX, _POINTER, _POINTER, _POINTER])
     _FLAGS = tuple(jit.FASTMATH)
 
-    # Functions that no processor has an instruction for, as Numba implements them on this platform.
-    _LIBRARY = {
-        "sin": lambda a: math.sin(a),
-        "cos": lambda a: math.cos(a),
-        "tan": lambda a: math.tan(a),
-        "asin": lambda a: math.asin(a),
-        "acos": lambda a: math.acos(a),
-        "atan": lambda a: math.atan(a),
-        "exp": lambda a: math.exp(a),
-        "log": lambda a: math.log(a),
-        "power": lambda a, b: a**b,
-        "atan2": lambda a, b: math.atan2(a, b),
-    }
+    def _scalar_function(name: str, arity: int):
+        """A function of C's mathematics, as Numba implements it on this platform."""
+        function = getattr(math, name)
+        return (lambda a: function(a)) if arity == 1 else (lambda a, b: function(a, b))
 
     @functools.cache
-    def _library_function(kind: str, arity: int):
+    def _library_function(name: str, arity: int):
         """Let code find the function; what is returned has to be kept."""
         try:
             # What Numba's code calls, which is on these platforms what the process has.
-            function = getattr(ctypes.CDLL(None), {"power": "pow"}.get(kind, kind))
+            function = getattr(ctypes.CDLL(None), name)
             address = ctypes.cast(function, ctypes.c_void_p).value
         except (AttributeError, OSError, TypeError):  # on Windows, Numba has functions of its own
-            function = numba.cfunc(types.float64(*[types.float64] * arity), error_model="numpy")(_LIBRARY[kind])
+            scalar = _scalar_function(name, arity)
+            function = numba.cfunc(types.float64(*[types.float64] * arity), error_model="numpy")(scalar)
             address = function.address
-        llvm.add_symbol(f"sdf_lights_{kind}", address)
+        llvm.add_symbol(f"sdf_lights_{name}", address)
         return function
 
     def _declared(module: ir.Module, name: str, result, operands) -> ir.Function:
         known = module.globals.get(name)
         return known or ir.Function(module, ir.FunctionType(result, [o.type for o in operands]), name)
 
-    def _each_lane(kind: str, builder, operands):
+    def _each_lane(name: str, builder, operands):
         """The library's function for one lane after the other."""
-        _library_function(kind, len(operands))
+        _library_function(name, len(operands))
         vector = ir.Constant(_LANES, ir.Undefined)
         for lane in range(LANES):
             scalars = [builder.extract_element(o, _INDEX(lane)) for o in operands]
-            function = _declared(builder.module, f"sdf_lights_{kind}", _DOUBLE, scalars)
+            function = _declared(builder.module, f"sdf_lights_{name}", _DOUBLE, scalars)
             vector = builder.insert_element(vector, builder.call(function, scalars), _INDEX(lane))
         return vector
 
-    def _vector_function(module: ir.Module, kind: str, arity: int) -> ir.Function:
+    def _vector_function(module: ir.Module, name: str, arity: int) -> ir.Function:
         """A function of ``LANES`` numbers: by ``vector_math`` where that holds for all of them, else by the library."""
-        function = ir.Function(module, ir.FunctionType(_LANES, [_LANES] * arity), f"lanes_{kind}")
+        function = ir.Function(module, ir.FunctionType(_LANES, [_LANES] * arity), f"lanes_{name}")
         function.linkage = "internal"
-        entry, fast, slow = (function.append_basic_block(name) for name in ("entry", "fast", "slow"))
+        entry, fast, slow = (function.append_basic_block(block) for block in ("entry", "fast", "slow"))
         builder = ir.IRBuilder(entry)
-        value, holds = vector_math.FUNCTIONS[kind](*(vector_math.Number(builder, o) for o in function.args))
+        value, holds = vector_math.FUNCTIONS[name](*(vector_math.Number(builder, o) for o in function.args))
         builder.cbranch(_any(builder, builder.not_(holds.value)), slow, fast)
         builder.position_at_end(fast)
         builder.ret(value.value)
         builder.position_at_end(slow)
-        builder.ret(_each_lane(kind, builder, function.args))
+        builder.ret(_each_lane(name, builder, function.args))
         return function
 
-    def _library(kind: str):
+    def _library(name: str):
         def emit(builder, *operands):
             if operands[0].type == _DOUBLE:
-                _library_function(kind, len(operands))
-                return builder.call(_declared(builder.module, f"sdf_lights_{kind}", _DOUBLE, operands), operands)
-            known = builder.module.globals.get(f"lanes_{kind}")
-            return builder.call(known or _vector_function(builder.module, kind, len(operands)), operands)
+                _library_function(name, len(operands))
+                return builder.call(_declared(builder.module, f"sdf_lights_{name}", _DOUBLE, operands), operands)
+            if name not in vector_math.FUNCTIONS:
+                return _each_lane(name, builder, operands)
+            known = builder.module.globals.get(f"lanes_{name}")
+            return builder.call(known or _vector_function(builder.module, name, len(operands)), operands)
 
         return emit
 
@@ -300,22 +295,18 @@ if AVAILABLE:
     def _arithmetic(name: str):
         return lambda builder, *operands: getattr(builder, name)(*operands, flags=_FLAGS)
 
-    _EMIT = {
-        "negate": _arithmetic("fneg"),
-        "abs": _instruction("fabs"),
-        "sqrt": _instruction("sqrt"),
-        "floor": _instruction("floor"),
-        "add": _arithmetic("fadd"),
-        "subtract": _arithmetic("fsub"),
-        "multiply": _arithmetic("fmul"),
-        "divide": _arithmetic("fdiv"),
-        "minimum": _choice("<"),
-        "maximum": _choice(">"),
-        "less": _comparison("<"),
-        "less_equal": _comparison("<="),
-        "select": lambda builder, condition, then, otherwise: builder.select(condition, then, otherwise),
-        **{kind: _library(kind) for kind in _LIBRARY},
+    def _selection(unused: str):
+        return lambda builder, condition, then, otherwise: builder.select(condition, then, otherwise)
+
+    _WAYS = {
+        Native.ARITHMETIC: _arithmetic,
+        Native.INTRINSIC: _instruction,
+        Native.LIBRARY: _library,
+        Native.COMPARISON: _comparison,
+        Native.CHOICE: _choice,
+        Native.SELECT: _selection,
     }
+    _EMIT = {kind: _WAYS[operation.native[0]](operation.native[1]) for kind, operation in OPERATIONS.items()}
 
     def _spread(builder: ir.IRBuilder, value):
         """One value in every lane."""

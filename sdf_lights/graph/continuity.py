@@ -16,7 +16,8 @@ from collections.abc import Iterable
 from fractions import Fraction
 from typing import NamedTuple
 
-from .formula import CONDITIONS, CONSTANT, Formula
+from .formula import CONSTANT, Formula
+from .operations import CONDITIONS
 
 
 class Declared(NamedTuple):

@@ -8,7 +8,7 @@ of a slot in an array of values: other values, same formula.
 
 A variable is a named input, such as the position; what names there are is up to who evaluates the formula.
 
-``OPERATIONS`` is the one table of what a node can be and what it means; ``iterate`` adds bounded loops, ``call`` the
+``operations.OPERATIONS`` is the one table of what a node can compute; ``iterate`` adds bounded loops, ``call`` the
 functions of ``functions.py``. Evaluators and code generators walk ``order(formula)`` and add nothing to it: see
 ``numpy_evaluation``, ``codegen_native`` and ``formula_text``. This module knows none of them.
 """
@@ -26,15 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .functions import Function
-
-
-class Operation(NamedTuple):
-    """``meaning`` is the operation on float64 arrays, which is also how constants are folded."""
-
-    arity: int
-    meaning: Callable
-    commutes: bool = False
-
+from .operations import CONDITIONS, OPERATIONS
 
 Numbers = Sequence[float] | np.ndarray  # values of the slots of a formula
 
@@ -44,35 +36,6 @@ STATE, ITERATE, CALL, RESULT = "state", "iterate", "call", "result"
 POSITION = "position"  # the variable that formulas of shapes have
 
 LONGEST_LOOP = 1000  # rounds
-
-OPERATIONS: dict[str, Operation] = {
-    "negate": Operation(1, np.negative),
-    "abs": Operation(1, np.abs),
-    "sqrt": Operation(1, np.sqrt),
-    "sin": Operation(1, np.sin),
-    "cos": Operation(1, np.cos),
-    "tan": Operation(1, np.tan),
-    "asin": Operation(1, np.arcsin),
-    "acos": Operation(1, np.arccos),
-    "atan": Operation(1, np.arctan),
-    "exp": Operation(1, np.exp),
-    "log": Operation(1, np.log),
-    "floor": Operation(1, np.floor),
-    "add": Operation(2, np.add, commutes=True),
-    "subtract": Operation(2, np.subtract),
-    "multiply": Operation(2, np.multiply, commutes=True),
-    "divide": Operation(2, np.divide),
-    "power": Operation(2, np.power),
-    "atan2": Operation(2, np.arctan2),
-    "minimum": Operation(2, np.minimum, commutes=True),
-    "maximum": Operation(2, np.maximum, commutes=True),
-    # Comparisons are conditions: they may only stand as the first operand of select.
-    "less": Operation(2, np.less),
-    "less_equal": Operation(2, np.less_equal),
-    "select": Operation(3, np.where),
-}
-
-CONDITIONS = frozenset({"less", "less_equal"})
 
 
 class Formula:

@@ -7,16 +7,8 @@ from __future__ import annotations
 from collections import Counter
 
 from .formula import CALL, CONSTANT, ITERATE, PARAMETER, POSITION, RESULT, STATE, VARIABLE, Formula, body, order
+from .operations import OPERATIONS
 
-# Symbol and how strongly it binds; everything else is written as a function.
-_INFIX = {
-    "less": ("<", 1),
-    "less_equal": ("<=", 1),
-    "add": ("+", 2),
-    "subtract": ("-", 2),
-    "multiply": ("*", 3),
-    "divide": ("/", 3),
-}
 _NEGATE, _ATOM = 4, 5
 
 _Written = tuple[str, int]  # text, and how strongly its outermost operation binds
@@ -101,8 +93,9 @@ def _line(node: Formula, operands: list[_Written]) -> _Written:
         return f"k{node.value}", _ATOM
     if node.kind == "negate":
         return f"-{_inside(operands[0], _ATOM)}", _NEGATE
-    if node.kind in _INFIX:
-        symbol, strength = _INFIX[node.kind]
+    infix = OPERATIONS[node.kind].infix if node.kind in OPERATIONS else None
+    if infix is not None:
+        symbol, strength = infix
         left, right = operands
         return f"{_inside(left, strength)} {symbol} {_inside(right, strength + 1)}", strength
     name = node.value.name if node.kind == CALL else node.kind

@@ -9,11 +9,11 @@ is true beside the jump.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from .formula import (
-    CONDITIONS,
     CONSTANT,
     ITERATE,
     PARAMETER,
@@ -26,13 +26,11 @@ from .formula import (
     axis_of,
     body,
     constant,
-    cos,
     iterate,
     order,
     select,
-    sin,
-    sqrt,
 )
+from .operations import CONDITIONS, OPERATIONS
 
 _ZERO = constant(0.0)
 _NONE = Vector(_ZERO, _ZERO, _ZERO)
@@ -104,9 +102,24 @@ def _select(condition: Formula, then: Vector, otherwise: Vector) -> Vector:
     return Vector(*(select(condition, a, b) for a, b in zip(then, otherwise)))
 
 
-def _along(derivative: Callable[[Formula, Formula], Formula]) -> Callable:
-    """Rule of a function of one operand, from its derivative in terms of value and operand."""
-    return lambda value, operands, slopes: slopes[0] * derivative(value, operands[0])
+class _Formulas:
+    """The algebra of ``operations.Operation.derivative`` that gives formulas."""
+
+    number = staticmethod(constant)
+
+    def __getattr__(self, kind: str) -> Callable[..., Formula]:
+        return functools.partial(apply, kind)
+
+    def square(self, a: Formula) -> Formula:
+        return a * a
+
+
+_ALGEBRA = _Formulas()
+
+
+def _along(derivative: Callable) -> Callable:
+    """Rule of a function of one operand, from its derivative."""
+    return lambda value, operands, slopes: slopes[0] * derivative(_ALGEBRA, value, operands[0])
 
 
 def _power(value: Formula, operands: list[Formula], slopes: list[Vector]) -> Vector:
@@ -128,17 +141,10 @@ def _or_zero(positive: Formula, value: Formula) -> Formula:
 
 
 _RULES: dict[str, Callable[[Formula, list[Formula], list[Vector]], Vector]] = {
+    **{kind: _along(row.derivative) for kind, row in OPERATIONS.items() if row.derivative is not None},
     "negate": lambda value, operands, slopes: slopes[0] * -1.0,
     "abs": lambda value, operands, slopes: _select(operands[0] < 0.0, slopes[0] * -1.0, slopes[0]),
-    "sqrt": _along(lambda value, a: _or_zero(value, 0.5 / value)),
-    "sin": _along(lambda value, a: cos(a)),
-    "cos": _along(lambda value, a: -sin(a)),
-    "tan": _along(lambda value, a: 1.0 + value * value),
-    "asin": _along(lambda value, a: 1.0 / sqrt(1.0 - a * a)),
-    "acos": _along(lambda value, a: -1.0 / sqrt(1.0 - a * a)),
-    "atan": _along(lambda value, a: 1.0 / (1.0 + a * a)),
-    "exp": _along(lambda value, a: value),
-    "log": _along(lambda value, a: 1.0 / a),
+    "sqrt": lambda value, operands, slopes: slopes[0] * _or_zero(value, 0.5 / value),
     "floor": lambda value, operands, slopes: _NONE,
     "add": lambda value, operands, slopes: slopes[0] + slopes[1],
     "subtract": lambda value, operands, slopes: slopes[0] - slopes[1],

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from .formula import ITERATE, Formula, Numbers, order
-from .interval_arithmetic import run
+from .interval_evaluation import run
 from .slope import NO_GRADIENT, length_bound
 from .slope_evaluation import SlopeBoxes
 

@@ -11,7 +11,6 @@ from .formula import (
     CALL,
     CONSTANT,
     ITERATE,
-    OPERATIONS,
     PARAMETER,
     POSITION,
     RESULT,
@@ -22,6 +21,7 @@ from .formula import (
     body,
     order,
 )
+from .operations import OPERATIONS
 
 
 def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> np.ndarray:

@@ -8,8 +8,10 @@ import numpy as np
 
 from .box_sides import SIGN, STEP, declared_inputs, find_sides, remainder_limits, taken_rows
 from .continuity import declared, joins
-from .formula import CONDITIONS, CONSTANT, PARAMETER, RESULT, STATE, VARIABLE, Formula
-from .interval_arithmetic import Boxes, Condition, Interval
+from .formula import CONSTANT, PARAMETER, RESULT, STATE, VARIABLE, Formula
+from .interval_arithmetic import Condition, Interval
+from .interval_evaluation import Boxes
+from .operations import CONDITIONS
 from .slope import ARITHMETIC, WHOLE, Slope, Tear, length_of, magnitude_of, select_slope
 from .slope_rules import RULES, ZERO, square_parts, under_roots
 from .tears import any_of, at_limits, combined, common_source, either, outside_domain, torn_choice, with_limits

@@ -10,23 +10,16 @@ import numpy as np
 
 from .formula import ITERATE, Formula, order
 from .interval_arithmetic import Condition, Interval
+from .operations import OPERATIONS
 from .slope import ARITHMETIC, Slope, length_of, scaled, select_slope, slope_sum, steepest_bound, unit_bounds
 
 
-def _along(derivative: Callable[[Interval, Interval], Interval]) -> Callable:
-    """Rule of a function of one operand, from its derivative in terms of value and operand."""
-    return lambda value, operands: scaled(operands[0], derivative(value, operands[0].value))
+def _along(derivative: Callable) -> Callable:
+    """Rule of a function of one operand, from its derivative."""
+    return lambda value, operands: scaled(operands[0], derivative(ARITHMETIC, value, operands[0].value))
 
 
-ZERO, _ONE, _MINUS_ONE, _HALF = (ARITHMETIC.number(number) for number in (0.0, 1.0, -1.0, 0.5))
-
-
-def _of_root(value: Interval, operand: Interval) -> Interval:
-    return ARITHMETIC.divide(_HALF, value)
-
-
-def _of_sine_inverse(value: Interval, operand: Interval) -> Interval:
-    return ARITHMETIC.divide(_ONE, ARITHMETIC.sqrt(ARITHMETIC.subtract(_ONE, ARITHMETIC.square(operand))))
+ZERO, _ONE, _MINUS_ONE = (ARITHMETIC.number(number) for number in (0.0, 1.0, -1.0))
 
 
 def _multiply(value: Interval, operands: list[Slope]):
@@ -64,19 +57,11 @@ def _atan2(value: Interval, operands: list[Slope]):
 
 
 RULES: dict[str, Callable] = {
+    **{kind: _along(row.derivative) for kind, row in OPERATIONS.items() if row.derivative is not None},
     "negate": lambda value, operands: (
         None if operands[0].gradient is None else ARITHMETIC.negate(operands[0].gradient),
         operands[0].norm,
     ),
-    "sqrt": _along(_of_root),
-    "sin": _along(lambda value, a: ARITHMETIC.cos(a)),
-    "cos": _along(lambda value, a: ARITHMETIC.negate(ARITHMETIC.sin(a))),
-    "tan": _along(lambda value, a: ARITHMETIC.add(_ONE, ARITHMETIC.square(value))),
-    "asin": _along(_of_sine_inverse),
-    "acos": _along(lambda value, a: ARITHMETIC.negate(_of_sine_inverse(value, a))),
-    "atan": _along(lambda value, a: ARITHMETIC.divide(_ONE, ARITHMETIC.add(_ONE, ARITHMETIC.square(a)))),
-    "exp": _along(lambda value, a: value),
-    "log": _along(lambda value, a: ARITHMETIC.divide(_ONE, a)),
     "add": lambda value, operands: slope_sum(*(operand[1:3] for operand in operands)),
     "subtract": lambda value, operands: slope_sum(operands[0][1:3], scaled(operands[1], _MINUS_ONE)),
     "multiply": _multiply,

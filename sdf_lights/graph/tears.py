@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .formula import OPERATIONS, Formula
+from .formula import Formula
 from .interval_arithmetic import Condition
+from .operations import OPERATIONS
 from .slope import ARITHMETIC, Slope, Tear
 
 EQUAL = 1e-9  # relative: values on both sides of a jump that differ by rounding alone

@@ -275,5 +275,5 @@ FUNCTIONS = {
     "atan2": lambda y, x: (_atan2(y, x), (abs(y) < _MOST) & (abs(x) < _MOST)),
     "exp": lambda x: (_exp(x), abs(x) < 700.0),
     "log": lambda x: (_log(x), (x > _LEAST) & (x < _MOST)),
-    "power": _power,
+    "pow": _power,
 }

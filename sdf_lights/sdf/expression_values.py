@@ -16,7 +16,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ..graph import formula
-from ..graph.formula import CONSTANT, OPERATIONS, Formula
+from ..graph.formula import CONSTANT, Formula
+from ..graph.operations import OPERATIONS
 from .shapes.base import Parametric, Slots
 from .shapes.profiles import Profile
 

@@ -12,7 +12,7 @@ import functools
 
 import numpy as np
 
-from ..graph import interval_arithmetic, numpy_evaluation
+from ..graph import interval_evaluation, numpy_evaluation
 from ..graph.formula import Formula
 
 NEAREST, FARTHEST = 0.01, 163_840.0  # half sizes of the innermost and outermost cube of cells, in metres
@@ -49,7 +49,7 @@ def _search(
     def least(centers: np.ndarray, halves: np.ndarray) -> np.ndarray:
         shape = centers.shape[:-1]
         centers, halves = centers.reshape(-1, 3), np.broadcast_to(halves, centers.shape).reshape(-1, 3)
-        return interval_arithmetic.enclose(formula, centers - halves, centers + halves, parameters)[0].reshape(shape)
+        return interval_evaluation.enclose(formula, centers - halves, centers + halves, parameters)[0].reshape(shape)
 
     centers, halves = _cells(farthest)
     work = operations * (_CALL + len(centers))

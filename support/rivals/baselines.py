@@ -190,7 +190,7 @@ def radial(block, lamp, x, n, u, spans, shell):
     """
     row = lamps(block)[lamp]
     size = (0.75 / math.pi * row.volume) ** (1.0 / 3.0)
-    c = RADIAL * size * size / (size + cuts.beside(row, x))
+    c = RADIAL * size * size / (size + cuts.distance_to_bounds(row, x))
     total = 0.0
     d = _cosine_direction(n, u[0], u[1])
     for technique in range(2):

@@ -80,7 +80,7 @@ def _crossings(block, lamp, u1, u2, u3, u4, spans):
     d = (ring * math.cos(angle), ring * math.sin(angle), z)
     x, y = disk_point(u3, u4)
     t, b = frame(d)
-    o = madd(vec(row.center), row.reach, sub(add(scale(t, x), scale(b, y)), d))
+    o = madd(vec(row.center), row.bounding_radius, sub(add(scale(t, x), scale(b, y)), d))
     return o, d, trace(block, lamp, o, d, spans)
 
 
@@ -165,7 +165,7 @@ def measure(built: build.BuiltLamp) -> tuple[float, int]:
     for name, value in pack_scalars([built]).items():
         blocks[name] = value
     mean, most = _count_crossings(blocks, _spread(LINES), new_spans(int(blocks["lamp_rows"][0]), 1))
-    return 2.0 * math.pi * float(built.row["reach"][0]) ** 2 * mean, most
+    return 2.0 * math.pi * float(built.row["bounding_radius"][0]) ** 2 * mean, most
 
 
 def pack_surfaces(built: list[build.BuiltLamp], sources: list) -> tuple[np.ndarray, tuple]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.blender.properties import PRIMITIVES
-from sdf_lights.blender.viewport.lamps import collect
+from sdf_lights.blender.viewport.lamp_data import collect
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
 from sdf_lights.render.lights.sun import SunLight

@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 320, 180
 @pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
 @pytest.mark.parametrize("aspect", [(1.0, 1.0), (2.0, 1.0), (1.0, 4.0)])
 def test_matrices_of_a_camera_give_it_back(file, kind, fit, aspect):
-    from sdf_lights.blender.viewport.camera import camera_from_matrices
+    from sdf_lights.blender.viewport.viewport_camera import camera_from_matrices
 
     data = file.camera.data
     data.type, data.sensor_fit, data.lens, data.ortho_scale = kind, fit, 35.0, 7.0
@@ -45,7 +45,7 @@ def test_matrices_of_a_camera_give_it_back(file, kind, fit, aspect):
 
 
 def test_orthographic_views_look_behind_their_origin():
-    from sdf_lights.blender.viewport.camera import camera_from_matrices
+    from sdf_lights.blender.viewport.viewport_camera import camera_from_matrices
 
     projection = np.diag([0.1, 0.2, -2.0 / 200.0, 1.0])  # from 100 m behind to 100 m before
     camera = camera_from_matrices(np.eye(4), projection)
@@ -56,7 +56,7 @@ def test_orthographic_views_look_behind_their_origin():
 
 
 def test_a_view_that_is_no_view_is_told():
-    from sdf_lights.blender.viewport.camera import camera_from_matrices
+    from sdf_lights.blender.viewport.viewport_camera import camera_from_matrices
 
     with pytest.raises(RenderError, match="not finite"):
         camera_from_matrices(np.full((4, 4), np.nan), np.eye(4))

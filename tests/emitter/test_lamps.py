@@ -100,7 +100,7 @@ def test_chords_give_back_the_volume():
     rng = np.random.default_rng(7)
     for name in ("torus", "nested", "twenty", "twisted"):
         lamp = Lamps(build.build_lamp(name, LAMPS[name], PLACEMENTS["uneven"]))
-        n, reach = 15_000, lamp.row["reach"]
+        n, reach = 15_000, lamp.row["bounding_radius"]
         d = rng.normal(size=(n, 3))
         d /= np.linalg.norm(d, axis=1, keepdims=True)
         side = np.cross(d, np.eye(3)[np.argmin(np.abs(d), axis=1)])

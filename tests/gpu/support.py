@@ -14,7 +14,7 @@ import pytest
 from sdf_lights.graph import codegen_glsl
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import images as gpu_images
-from sdf_lights.render.gpu import program, replacements
+from sdf_lights.render.gpu import packed_scene, replacements
 from sdf_lights.render.gpu.device import Device, DeviceError, device
 from sdf_lights.render.gpu.tables import Tables
 from sdf_lights.render.gpu.translate import BLOCK, FLOAT, INT, VECTOR, WORKSPACE, Translator, Tuple, Value, known
@@ -89,10 +89,10 @@ def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
             "layout(local_size_x = 64) in;",
             f"#define INPUTS {len(inputs)}",
             f"layout(std140, binding = 0) uniform Scene {{{members} int rows; }} scene;",
-            program.glsl("maths.glsl"),
+            packed_scene.glsl("maths.glsl"),
             *codegen_glsl.helpers("angle"),
-            program.glsl("words.glsl"),
-            program.glsl("hashing.glsl"),
+            packed_scene.glsl("words.glsl"),
+            packed_scene.glsl("hashing.glsl"),
             translator.structure_source(),
             *translator.globals,
             *translator.functions,
@@ -159,7 +159,7 @@ def with_lamp(
     scene = scenes.SCENES["torus_room"](8, 6)
     scene.lamps = [dataclasses.replace(scene.lamps[0], shape=shape, matrix=np.eye(4))]
     scene.settings.lamp_sampling, scene.settings.max_bounces = sampling, 0  # else the GPU has no cuts
-    packed = program.GpuScene(scene, Film(scene, ()))
+    packed = packed_scene.GpuScene(scene, Film(scene, ()))
     assert packed.cuts == (sampling is LampSampling.CUT)
     translator = packed.translator()
     given = [f"number(at + {place})" for place in range(0, numbers.shape[1], 3)]
@@ -245,11 +245,11 @@ def with_textures(images: list, looked_up: list, place: int, uv: np.ndarray) -> 
         [
             "#version 430 core",
             packed.uniform_source(),
-            program.glsl("maths.glsl"),
+            packed_scene.glsl("maths.glsl"),
             packed.second_source(),
             *codegen_glsl.helpers("angle"),
-            program.glsl("words.glsl"),
-            program.glsl("hashing.glsl"),
+            packed_scene.glsl("words.glsl"),
+            packed_scene.glsl("hashing.glsl"),
             translator.structure_source(),
             *translator.globals,
             *translator.functions,

@@ -56,7 +56,7 @@ def traced(block, workspace, o, d):
 def rays(lamp: Lamps, far: float, rng) -> np.ndarray:
     """(COUNT, 6) origins so many reaches away, and directions into the box, as float32 has them."""
     way = rng.normal(size=(COUNT, 3))
-    origins = lamp.row["center"] + far * lamp.row["reach"] * way / np.linalg.norm(way, axis=1, keepdims=True)
+    origins = lamp.row["center"] + far * lamp.row["bounding_radius"] * way / np.linalg.norm(way, axis=1, keepdims=True)
     directions = lamp.row["center"] + lamp.row["half"] * rng.uniform(-1.0, 1.0, (COUNT, 3)) - origins
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     return np.hstack([origins, directions]).astype(np.float32).astype(float)
@@ -67,7 +67,7 @@ def test_intervals_are_those_of_the_cpu(name):
     shape, length_error, other, left = FIELDS[name]
     lamp = Lamps(build.build_lamp(name, shape, np.eye(4)))
     assert lamp.row["kind"] == lamps.FIELD
-    reach = lamp.row["reach"]
+    reach = lamp.row["bounding_radius"]
     for far in (3.0, 0.3):
         given = rays(lamp, far, np.random.default_rng(1))
         expected = np.zeros((COUNT, 3))

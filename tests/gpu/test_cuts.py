@@ -11,7 +11,7 @@ from sdf_lights.emitter.building import pack
 from sdf_lights.emitter.sampling import cut
 from sdf_lights.emitter.sampling.strategies import BOXES
 from sdf_lights.jit import kernel
-from sdf_lights.render.gpu import lamps as gpu_lamps
+from sdf_lights.render.gpu import lamp_kernels as gpu_lamps
 from sdf_lights.render.kernels.workspace import box_table, cut_of, spans_of
 from sdf_lights.sdf.expression import Expression
 from support.chi2 import chi2_sphere, sphere_integral

@@ -12,7 +12,7 @@ from sdf_lights import jit
 from sdf_lights.emitter.building.build import build_lamp
 from sdf_lights.render import session
 from sdf_lights.render.film import Film
-from sdf_lights.render.gpu import lamps, program, renderer
+from sdf_lights.render.gpu import lamp_kernels, packed_scene, renderer
 from sdf_lights.render.gpu.device import DeviceError
 from sdf_lights.render.settings import Device, LampSampling
 from sdf_lights.sdf.expression import Expression
@@ -120,7 +120,7 @@ def balls(count: int) -> str:
 def refusal(scene) -> str:
     """What the GPU says of a scene that it does not render, before anything is compiled."""
     with pytest.raises(DeviceError) as told:
-        program.GpuScene(scene, Film(scene, ())).source()
+        packed_scene.GpuScene(scene, Film(scene, ())).source()
     return str(told.value)
 
 
@@ -131,19 +131,19 @@ def test_samplings_that_only_the_cpu_has():
 
 
 def test_lamps_of_too_many_parts(monkeypatch):
-    monkeypatch.setattr(program, "MOST_ROWS", 30)
+    monkeypatch.setattr(packed_scene, "MOST_ROWS", 30)
     scene = lit_by(f"union({balls(20)})")
     assert "has too many parts" in refusal(scene) and scene.lamps[0].name in refusal(scene)
 
 
 def test_formulas_that_are_too_long(monkeypatch):
-    monkeypatch.setattr(lamps, "MOST_NODES", 30)
+    monkeypatch.setattr(lamp_kernels, "MOST_NODES", 30)
     assert "the formulas of the scene's lamps have" in refusal(lit_by(f"smooth_union({balls(3)}, 0.05)"))
 
 
 def test_a_program_that_does_not_compile(monkeypatch):
     device_or_skip()
-    monkeypatch.setattr(program.GpuScene, "source", lambda self: "#version 430 core\nvoid main() { nonsense; }\n")
+    monkeypatch.setattr(packed_scene.GpuScene, "source", lambda self: "#version 430 core\nvoid main() { nonsense; }\n")
     scene, film = render(Device.GPU, samples=1)
     assert film.made_by == "CPU" and len(scene.warnings) == 1
     assert "could not compile the scene's program" in scene.warnings[0] and "nonsense" in scene.warnings[0]

@@ -12,7 +12,7 @@ import re
 import numpy as np
 import pytest
 
-from sdf_lights.graph import codegen_glsl, interval_arithmetic, numpy_evaluation
+from sdf_lights.graph import codegen_glsl, interval_evaluation, numpy_evaluation
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.gradient import gradient
 from support import glsl
@@ -38,7 +38,7 @@ def _check(formula, points, parameters=(), size: int = 1):
     values = glsl.evaluate(source, "read", points, parameters, size).reshape(len(points), size).astype(np.float64)
     known = 0
     for part, found in zip(parts, values.T):
-        low, high = interval_arithmetic.enclose(part, points, points, parameters, glsl.PRECISION)
+        low, high = interval_evaluation.enclose(part, points, points, parameters, glsl.PRECISION)
         expected = numpy_evaluation.evaluate(part, points, parameters)
         # What is undefined in exact arithmetic, or may be after rounding, can have any value.
         bounded = np.isfinite(expected) & (low > -np.inf) & (high < np.inf)

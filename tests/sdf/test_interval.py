@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from sdf_lights.graph import codegen_native, interval_arithmetic, numpy_evaluation
+from sdf_lights.graph import codegen_native, interval_evaluation, numpy_evaluation
 from sdf_lights.graph import formula as f
 from support.shapes import samples
 
@@ -129,7 +129,7 @@ def test_every_value_is_inside(name):
     low, high = boxes()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        least, most = interval_arithmetic.enclose(formula, low, high, parameters)
+        least, most = interval_evaluation.enclose(formula, low, high, parameters)
     assert least.shape == most.shape == (len(low),) and (least <= most).all()
     rng = np.random.default_rng(4)
     defined = 0
@@ -150,7 +150,7 @@ def test_exact_results_are_inside(kind):
     points = rng.normal(size=(2000, 3)) * 10.0 ** rng.uniform(-100, 100, (2000, 1))
     points[:, 1] *= 10.0 ** rng.uniform(-30, 30, 2000)
     points[::3] = points[::3, [0, 0, 2]] * rng.uniform(0.5, 2.0, (len(points[::3]), 3))
-    least, most = interval_arithmetic.enclose(f.apply(kind, x, y), points, points)
+    least, most = interval_evaluation.enclose(f.apply(kind, x, y), points, points)
     for (u, v, _), low, high in zip(points, least, most):
         exact = f.OPERATIONS[kind].meaning(Fraction(u), Fraction(v))
         assert low <= exact <= high
@@ -168,7 +168,7 @@ def test_bounds_of_small_boxes_are_tight(name):
     widths = []
     for size in (1e-6, 1e-8):
         half = size * np.abs(points).max()
-        least, most = interval_arithmetic.enclose(shape.formula(), points - half, points + half, shape.parameters())
+        least, most = interval_evaluation.enclose(shape.formula(), points - half, points + half, shape.parameters())
         widths.append((most - least) / half)
     # Folds and loops use a coordinate many times over, and each use adds to the width.
     typical = np.median(widths, axis=1)
@@ -177,12 +177,12 @@ def test_bounds_of_small_boxes_are_tight(name):
 
 def test_what_is_undefined_has_bounds_all_the_same():
     low, high = np.array([(-2.0, -1.0, 0.0), (-2.0, 4.0, 0.0)]), np.array([(-1.0, -1.0, 0.0), (4.0, 4.0, 0.0)])
-    least, most = interval_arithmetic.enclose(f.sqrt(x), low, high)
+    least, most = interval_evaluation.enclose(f.sqrt(x), low, high)
     np.testing.assert_array_equal(least, [-INFINITY, 0.0])
     np.testing.assert_allclose(most, [INFINITY, 2.0])
-    assert interval_arithmetic.enclose(f.constant(0.0) / f.constant(0.0) + x, low, high)[1].min() == INFINITY
+    assert interval_evaluation.enclose(f.constant(0.0) / f.constant(0.0) + x, low, high)[1].min() == INFINITY
     # √x < 3 wherever there is a root, but NaN < 3 does not hold either: the other side may come out.
-    least, most = interval_arithmetic.enclose(f.select(f.sqrt(x) < 3.0, 1.0, 2.0) + 0.0 * y, low, high)
+    least, most = interval_evaluation.enclose(f.select(f.sqrt(x) < 3.0, 1.0, 2.0) + 0.0 * y, low, high)
     np.testing.assert_array_equal([least, most], [(1.0, 1.0), (2.0, 2.0)])
 
 
@@ -199,13 +199,13 @@ def test_bounds_know_what_a_square_is():
         (f.apply("atan2", y, x), (-np.pi, np.pi)),
         (f.apply("atan2", y + 3.0, x), (np.arctan2(1, 1), np.arctan2(1, -2))),
     ]:
-        np.testing.assert_allclose(np.ravel(interval_arithmetic.enclose(formula, *box)), bounds, atol=1e-12)
+        np.testing.assert_allclose(np.ravel(interval_evaluation.enclose(formula, *box)), bounds, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", REMAINDERS)
 def test_bounds_know_what_a_remainder_is(name):
     formula, expected = REMAINDERS[name]
-    low, high = interval_arithmetic.enclose(formula, np.full((1, 3), -20.0), np.full((1, 3), 30.0), [3.0])
+    low, high = interval_evaluation.enclose(formula, np.full((1, 3), -20.0), np.full((1, 3), 30.0), [3.0])
     np.testing.assert_allclose([low[0], high[0]], expected, atol=1e-5)
 
 
@@ -213,7 +213,7 @@ def test_numbers_stay_exact():
     """An exponent that is computed is still whole, so negative numbers have powers."""
     formula = f.apply("power", x, f.parameter(0) - 1.0)
     box = np.full((1, 3), -2.0), np.full((1, 3), -1.0)
-    np.testing.assert_allclose(np.ravel(interval_arithmetic.enclose(formula, *box, [4.0])), (-8.0, -1.0))
+    np.testing.assert_allclose(np.ravel(interval_evaluation.enclose(formula, *box, [4.0])), (-8.0, -1.0))
 
 
 def test_whole_numbers_stay_whole():
@@ -222,12 +222,12 @@ def test_whole_numbers_stay_whole():
     for _ in range(6):
         hashed = (34.0 * hashed + 1.0) * hashed
         hashed = hashed - 289.0 * _floor((hashed + 0.5) * (1.0 / 289.0))
-    low, high = interval_arithmetic.enclose(hashed, np.full((1, 3), 17.25), np.full((1, 3), 17.75))
+    low, high = interval_evaluation.enclose(hashed, np.full((1, 3), 17.25), np.full((1, 3), 17.75))
     assert low == high == numpy_evaluation.evaluate(hashed, np.full((1, 3), 17.5))
 
 
 def test_no_boxes():
-    low, high = interval_arithmetic.enclose(f.length(x, y), np.zeros((0, 3)), np.zeros((0, 3)))
+    low, high = interval_evaluation.enclose(f.length(x, y), np.zeros((0, 3)), np.zeros((0, 3)))
     assert low.shape == high.shape == (0,)
 
 
@@ -235,6 +235,6 @@ def test_deep_formulas():
     deep = x
     for i in range(10_000):
         deep = deep + float(i % 7)
-    low, high = interval_arithmetic.enclose(deep, np.zeros((1, 3)), np.ones((1, 3)))
+    low, high = interval_evaluation.enclose(deep, np.zeros((1, 3)), np.ones((1, 3)))
     total = sum(i % 7 for i in range(10_000))
     assert low <= total <= total + 1 <= high <= low + 1.001

@@ -80,7 +80,7 @@ def test_terms_keep_their_promises(shape):
     apart = np.linalg.norm(a - b, axis=1)
     for index, (term, operands) in enumerate(zip(terms, _operands(terms))):
         assert (np.abs(at_a[index] - at_b[index]) <= term.lipschitz * apart + 1e-13 * (1.0 + apart)).all()
-        if term.arity == 2 and np.isfinite(term.reach):
+        if term.arity == 2 and np.isfinite(term.blend_width):
             x, y = at_a[operands]
             lesser, greater = np.minimum(x, y), np.maximum(x, y)
             expected = {
@@ -92,7 +92,7 @@ def test_terms_keep_their_promises(shape):
             distance = {Family.DIFFERENCE: np.abs(x + y), Family.EXCLUSIVE: np.abs(np.abs(x) - np.abs(y))}.get(
                 term.family, np.abs(x - y)
             )
-            apart_enough = distance > term.reach
+            apart_enough = distance > term.blend_width
             np.testing.assert_array_equal(at_a[index][apart_enough], expected[apart_enough])
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.graph import formula_text, numpy_evaluation
-from sdf_lights.graph.formula import OPERATIONS
+from sdf_lights.graph.operations import OPERATIONS
 from support.shapes import samples
 
 _MEANING = {kind: operation.meaning for kind, operation in OPERATIONS.items()}

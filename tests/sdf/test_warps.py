@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from sdf_lights.graph import numpy_evaluation
-from sdf_lights.graph.formula import CONSTANT, OPERATIONS, POINT, VARIABLE, Vector, axis_of, order
+from sdf_lights.graph.formula import CONSTANT, POINT, VARIABLE, Vector, axis_of, order
+from sdf_lights.graph.operations import OPERATIONS
 from sdf_lights.sdf.noise import PERIOD, STEEPEST, value_noise
 from sdf_lights.sdf.shapes import BOUND, Box, Cylinder, Ellipsoid, Sphere, Transformed, Union
 from sdf_lights.sdf.shapes.base import Slots

@@ -61,7 +61,7 @@ class Aim:
         self.spans = pack.new_spans(int(self.lamp.blocks["lamp_rows"][0]), 1)
         row = self.lamp.built.row[0]
         self.axis = row["center"] - self.x
-        part = row["reach"] / np.linalg.norm(self.axis)
+        part = row["bounding_radius"] / np.linalg.norm(self.axis)
         self.least = math.sqrt(1.0 - part * part) if part < 1.0 else -1.0
 
     def sample(self, u):

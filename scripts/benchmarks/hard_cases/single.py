@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sdf_lights.graph import codegen_glsl, interval_arithmetic, numpy_evaluation
+from sdf_lights.graph import codegen_glsl, interval_evaluation, numpy_evaluation
 from sdf_lights.render import session
 from sdf_lights.render.scene import Lamp
 from sdf_lights.render.settings import Device
@@ -67,7 +67,7 @@ def shapes(quick):
         points = (origins + along * toward).astype(np.float32).astype(float)
         formula, numbers = shape.formula(), shape.parameters()
         found = glsl.evaluate(codegen_glsl.function(formula, "field"), "field", points, numbers).astype(float)
-        low, high = interval_arithmetic.enclose(formula, points, points, numbers, glsl.PRECISION)
+        low, high = interval_evaluation.enclose(formula, points, points, numbers, glsl.PRECISION)
         exact = numpy_evaluation.evaluate(formula, points, numbers)
         known = np.isfinite(exact) & (low > -np.inf) & (high < np.inf)
         above, below = (

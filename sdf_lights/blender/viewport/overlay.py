@@ -26,7 +26,7 @@ from ..naming import ENGINE
 from . import rendered, shaders
 from .drawing import draw_rectangle
 from .facts import FactFinder, Facts
-from .lamps import Collected, Placed, collect
+from .lamp_data import Collected, Placed, collect
 from .painter import EDGES, Depth, Drawn, Painter, View, code_of, radiance_per_metre
 from .surfaces import Surfaces
 

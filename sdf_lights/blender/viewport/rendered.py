@@ -23,8 +23,8 @@ from ...render.interactive import Change, InteractiveRender, Picture
 from ...render.scene import Scene
 from ..naming import LABEL, NODE_TREE
 from ..sync import frame_settings, linking_signature, sync_lights, sync_viewport
-from .camera import view_camera
 from .drawing import draw_texture
+from .viewport_camera import view_camera
 
 POLL = 0.04
 

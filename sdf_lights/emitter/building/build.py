@@ -106,7 +106,7 @@ def build_lamp(
 
     row = np.zeros(1, LAMP)
     row["center"], row["half"] = 0.5 * (low + high), 0.5 * (high - low)
-    row["reach"] = np.linalg.norm(row["half"])
+    row["bounding_radius"] = np.linalg.norm(row["half"])
     row["volume"], row["volume_error"] = volume, error / local_volume
     row["visibility"] = int(visibility)
     relative = matrix.copy()

@@ -27,7 +27,7 @@ TERM = np.dtype(
         ("parameters", np.int64),  # index of the formula's first parameter
         ("arity", np.int64),
         ("family", np.int64),  # sdf.shapes.Family
-        ("reach", np.float64),
+        ("blend_width", np.float64),
         ("lipschitz", np.float64),
     ],
     align=True,
@@ -106,9 +106,9 @@ def _cares(terms: list[Term]) -> np.ndarray:
     cares, waiting = np.zeros(len(terms)), [0.0]
     for index in range(len(terms) - 1, -1, -1):
         cares[index] = waiting.pop()
-        # An operand that is farther from zero than the join reaches does not bring its value closer to zero than its
+        # An operand that is farther from zero than the blend width does not bring its value closer to zero than its
         # own; a map may bring any value to zero.
-        needed = cares[index] + terms[index].reach if terms[index].arity == 2 else math.inf
+        needed = cares[index] + terms[index].blend_width if terms[index].arity == 2 else math.inf
         waiting += [needed] * terms[index].arity
     return cares
 
@@ -121,7 +121,7 @@ def compile_terms(terms: list[Term]) -> CompiledField:
         found = compiled(term.formula)
         code.append(found.owner)
         row["address"], row["parameters"] = found.address, used
-        for name in ("arity", "family", "reach", "lipschitz"):
+        for name in ("arity", "family", "blend_width", "lipschitz"):
             row[name] = getattr(term, name)
         parameters.append(term.parameters)
         used += len(term.parameters)

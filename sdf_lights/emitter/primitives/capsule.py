@@ -9,7 +9,7 @@ import numpy as np
 from ...jit import kernel
 from .cylinder import cylinder_span
 from .disk import disk_point
-from .regions import axis_squares, beside, far, near
+from .regions import axis_squares, distance_flags, far, near
 from .spans import one
 from .sphere import ball_point, sphere_span
 
@@ -47,7 +47,7 @@ def classify(size, c, h):
     near_square, far_square = axis_squares(c, h)
     half_height = 0.5 * size[1]
     above, top = max(near(c[2], h[2]) - half_height, 0.0), max(far(c[2], h[2]) - half_height, 0.0)
-    return beside(near_square + above * above, far_square + top * top, size[0])
+    return distance_flags(near_square + above * above, far_square + top * top, size[0])
 
 
 @kernel

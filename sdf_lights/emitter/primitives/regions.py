@@ -28,18 +28,18 @@ def axis_squares(c, h):
 
 
 @kernel
-def beside(low, high, radius):
+def distance_flags(low, high, radius):
     """Flags of a region whose squared distances to a skeleton are all within [low, high]."""
     return (1 if high <= radius * radius else 0), (1 if low >= radius * radius else 0)
 
 
 @kernel
-def round_bar(c, h, narrow, wide, half_height):
+def round_bar(c, h, least_radius, greatest_radius, half_height):
     """Flags of a box in a solid of revolution along z between |z| = ``half_height``, whose radius beside the box is from
-    ``narrow`` to ``wide``."""
+    ``least_radius`` to ``greatest_radius``."""
     near_square, far_square = axis_squares(c, h)
-    inside = far(c[2], h[2]) <= half_height and far_square <= narrow * narrow
-    outside = near(c[2], h[2]) >= half_height or near_square >= wide * wide
+    inside = far(c[2], h[2]) <= half_height and far_square <= least_radius * least_radius
+    outside = near(c[2], h[2]) >= half_height or near_square >= greatest_radius * greatest_radius
     return (1 if inside else 0), (1 if outside else 0)
 
 

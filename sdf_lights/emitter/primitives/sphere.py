@@ -8,7 +8,7 @@ import numpy as np
 
 from ...jit import kernel
 from ...vec import dot, length, madd
-from .regions import axis_squares, beside, far, near
+from .regions import axis_squares, distance_flags, far, near
 from .spans import MISS, one
 
 MOST_SPANS = 1
@@ -38,7 +38,7 @@ def classify(size, c, h):
     """See the package."""
     near_square, far_square = axis_squares(c, h)
     near_z, far_z = near(c[2], h[2]), far(c[2], h[2])
-    return beside(near_square + near_z * near_z, far_square + far_z * far_z, size[0])
+    return distance_flags(near_square + near_z * near_z, far_square + far_z * far_z, size[0])
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 from ...jit import kernel
 from ...vec import dot, length, madd
 from .disk import disk_point
-from .regions import axis_squares, beside, far, near
+from .regions import axis_squares, distance_flags, far, near
 from .spans import overlap, slab
 
 MOST_SPANS = 2
@@ -149,7 +149,7 @@ def classify(size, c, h):
     near_ring, far_ring = math.sqrt(near_square), math.sqrt(far_square)
     near_tube = max(near_ring - size[0], size[0] - far_ring, 0.0)
     far_tube = max(far_ring - size[0], size[0] - near_ring)
-    return beside(near_tube * near_tube + near_z * near_z, far_tube * far_tube + far_z * far_z, size[1])
+    return distance_flags(near_tube * near_tube + near_z * near_z, far_tube * far_tube + far_z * far_z, size[1])
 
 
 @kernel

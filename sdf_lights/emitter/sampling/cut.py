@@ -199,7 +199,7 @@ def _filled(block, lamp, place, offset):
 
 
 @kernel
-def beside(row, x):
+def distance_to_bounds(row, x):
     """Distance from x to the lamp's bounding box."""
     square = 0.0
     for k in range(3):
@@ -215,7 +215,7 @@ def tuned_mis_scale(block, lamp, x):
     The unit of distance is the size of a ball that is as spread out: a thin ring is wide, whatever its volume.
     """
     size = math.sqrt(5.0 / 3.0 * placements(block)[lamp].extent)
-    part = size / (size + 4.0 * beside(lamps(block)[lamp], x))
+    part = size / (size + 4.0 * distance_to_bounds(lamps(block)[lamp], x))
     bsdf_mis_scale = SURROUNDED_MIS_SCALE * part * part
     return bsdf_mis_scale if bsdf_mis_scale > ALONE else NO_BSDF_RAYS
 

@@ -20,10 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...graph.formula import (
-    CONDITIONS,
     CONSTANT,
     ITERATE,
-    OPERATIONS,
     PARAMETER,
     POINT,
     RESULT,
@@ -33,6 +31,7 @@ from ...graph.formula import (
     body,
     sqrt,
 )
+from ...graph.operations import CONDITIONS, OPERATIONS
 from ...jit import kernel
 
 BOXES = 8  # that are bounded together

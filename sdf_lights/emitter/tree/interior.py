@@ -25,7 +25,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...graph.codegen_native import evaluate
-from ...graph.interval_arithmetic import Arithmetic, Boxes, run
+from ...graph.interval_arithmetic import Arithmetic
+from ...graph.interval_evaluation import Boxes, run
 from ...graph.lipschitz import lipschitz
 from ...interruption import SLICE, check
 from ...jit import kernel, stack_array, table

@@ -32,14 +32,14 @@ def _negated(out, used):
 
 
 @kernel
-def _winner(family, a, b, change_a, change_b, reach, care):
+def _winner(family, a, b, change_a, change_b, blend_width, care):
     """Operand that a join comes down to in a box: 1 or 2, −1 or −2 with its sign changed, 0 if both may matter.
 
     a and b are the operands' values at the centre, which change by no more than ``change_a`` and ``change_b`` in the
     box. Values of the join that are farther than ``care`` from zero count by their sign alone: a union, for one, is
-    known by b where a is greater than ``care`` and what the join reaches.
+    known by b where a is greater than ``care`` and the blend width.
     """
-    margin, far = reach + change_a + change_b, reach + care
+    margin, far = blend_width + change_a + change_b, blend_width + care
     above_a, below_a = a - change_a > far, -a - change_a > far
     above_b, below_b = b - change_b > far, -b - change_b > far
     if family == LESSER:
@@ -129,7 +129,7 @@ def prune_field(
                     stack[place + LANES],
                     radius * slope_a,
                     radius * slope_b,
-                    term.reach,
+                    term.blend_width,
                     cares[number],
                 )
                 slope = min(slope, gains[number] * max(slope_a, slope_b))

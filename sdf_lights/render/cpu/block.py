@@ -9,10 +9,10 @@ import numpy as np
 from ... import emitter as lamps
 from ...emitter.sampling import cut as cuts
 from ...emitter.sampling import external
-from ...jit import fill_table
+from ...jit import fill_table, new_tables
 from ..errors import RenderError
 from ..film import Film
-from ..kernels import camera, geometry, lamp_tree, lights, motion, path, rays, shading
+from ..kernels import camera, geometry, lamp_tree, lights, motion, path, shading
 from ..kernels import film as film_kernels
 from ..kernels.media import pack as media
 from ..kernels.media import parts as media_parts
@@ -206,15 +206,6 @@ class PackedScene:
         self._blocks[:] = 0
 
 
-def _new_table(name: str, count: int) -> np.ndarray:
-    """A table of a workspace, with nothing in it."""
-    if name == "ray":
-        return rays.new_rays(count)
-    dtype = WORKSPACE_TABLES[name]
-    # Clearing the megabytes of boxes takes longer than packing a lamp; their keys say that there is nothing.
-    return np.empty(count, dtype) if name == "lamp_boxes" else np.zeros(count, dtype)
-
-
 class Workspace:
     """Scratch memory of one thread: ``block`` is one record of tables. ``scene`` is the block of the scene for it."""
 
@@ -233,7 +224,7 @@ class Workspace:
             **packed.output_counts,
             **lamp_tree.workspace_counts(len(packed.lamps)),
         }
-        self._tables = {name: _new_table(name, count) for name, count in counts.items()}
+        self._tables = new_tables({name: WORKSPACE_TABLES[name] for name in counts}, counts)
         self.block = np.zeros(1, WORKSPACE)
         for name, array in self._tables.items():
             fill_table(self.block, name, array)

@@ -19,7 +19,7 @@ from ..film import Film
 from ..motion import still
 from ..scene import Scene
 from .device import DeviceError, device, megabytes
-from .program import TEXTURE_BITS, GpuScene, film_places
+from .packed_scene import TEXTURE_BITS, GpuScene, film_places
 
 POLL_SECONDS = 0.05
 GROUP = 64  # threads of a work group, as film.glsl has it

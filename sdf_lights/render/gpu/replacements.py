@@ -29,7 +29,7 @@ from ..kernels.shading import operands
 from ..kernels.subsurface import disk
 from ..kernels.subsurface import records as subsurface
 from ..kernels.workspace import cut_of, light_cut_of, spans_of
-from . import catchers, images, lamps, parts, still
+from . import catchers, images, lamp_kernels, parts, still
 from . import crossings as field_crossings
 from .layout import Array
 from .translate import BOOL, CONSTANT, FLOAT, INT, UINT, ULONG, VECTOR, Native, Ref, Tuple, Value, known
@@ -131,7 +131,7 @@ IN_GLSL = {
     field_crossings.choose: Native("choose_field"),
     field_crossings.field_at: Native("field", FLOAT),
     field_crossings.halves: Native("unpackHalf2x16", Tuple((FLOAT, FLOAT))),
-    lamps.colour: Native("lamp_colour", VECTOR),
+    lamp_kernels.colour: Native("lamp_colour", VECTOR),
     catchers.is_bare: Native(lambda function, arguments: Value(BOOL, "bare")),
 }
 
@@ -161,20 +161,20 @@ ALWAYS = {
     fields.value: Native(_field_value),
     emitter_lamps.note_length: Native(_note),
     emitter_lamps.solve_all: parts.solve_all,
-    varying.attenuated_integral: lamps.attenuated_integral,
-    varying.line_integral: lamps.line_integral,
-    varying.colours: lamps.colours,
-    cut_points.sample_point: lamps.sample_point,
+    varying.attenuated_integral: lamp_kernels.attenuated_integral,
+    varying.line_integral: lamp_kernels.line_integral,
+    varying.colours: lamp_kernels.colours,
+    cut_points.sample_point: lamp_kernels.sample_point,
     cut_points.project_afar: cut.project,
-    lamp_tree.lamps_along: lamps.lamps_along,
-    tree.fit_cut: lamps.fit_light_cut,
+    lamp_tree.lamps_along: lamp_kernels.lamps_along,
+    tree.fit_cut: lamp_kernels.fit_light_cut,
 }
-WITH_BOXES = {cut.prepare: lamps.prepare}
-WITHOUT_BOXES = {cut.sample: lamps.sample, cut.density: lamps.density}
-BY_PROJECTION = {next_event.prepare_lamp: lamps.prepare_lamp}  # where boxes are asked for, and do not pay
-ONE_EMITTER = {tree.select: lamps.select_only, tree.selection_probability: lamps.only_probability}
-ONE_LIGHT_RAY = {next_event.renew_lamp: lamps.keep_lamp}  # of one emitter, without transparent shadows
-NO_LAMPS = {next_event.light_lamp: lamps.no_light, gather.lamp_reach: lamps.no_reach}
+WITH_BOXES = {cut.prepare: lamp_kernels.prepare}
+WITHOUT_BOXES = {cut.sample: lamp_kernels.sample, cut.density: lamp_kernels.density}
+BY_PROJECTION = {next_event.prepare_lamp: lamp_kernels.prepare_lamp}  # where boxes are asked for, and do not pay
+ONE_EMITTER = {tree.select: lamp_kernels.select_only, tree.selection_probability: lamp_kernels.only_probability}
+ONE_LIGHT_RAY = {next_event.renew_lamp: lamp_kernels.keep_lamp}  # of one emitter, without transparent shadows
+NO_LAMPS = {next_event.light_lamp: lamp_kernels.no_light, gather.last_lamp_exit: lamp_kernels.no_lamp_exit}
 
 CATCHERS = {emitters.reaches: catchers.reaches}
 

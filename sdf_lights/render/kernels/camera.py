@@ -293,7 +293,7 @@ def _from_an_eye(camera, origin, direction):
     return madd(origin, 1.0, side), direction
 
 
-@kernel
+@kernel(forceinline=True)  # what comes back through memory is slow to read
 def camera_ray(block, px, py, u1, u2):
     """Ray through the point (px, py) of the frame, in pixels from the lower left corner of the whole frame.
 

@@ -104,14 +104,14 @@ def gather_lamps(block, workspace, t_to):
 
 @replaced_on_gpu
 @kernel
-def lamp_reach(block, workspace, path):
+def last_lamp_exit(block, workspace, path):
     """Distance at which the path's ray leaves the last lamp that it crosses; 0 if it crosses none.
 
     The lamps are kept for ``gather_lamps``, and the intervals of a single one.
     """
     spans, found = spans_of(workspace), found_table(workspace)
     origin, direction = vec(path.origin), vec(path.direction)
-    reach = 0.0
+    t_exit = 0.0
     path.found = 0
     candidates = lamps_along(block, workspace, origin, direction, path.t_max, path.kind)
     for index in range(candidates):
@@ -121,12 +121,12 @@ def lamp_reach(block, workspace, path):
         count = lamps.trace(block, lamp, origin, direction, spans)
         path.kept, path.kept_count = lamp, count
         if count > 0:
-            reach = max(reach, spans[count - 1, 0] + spans[count - 1, 1])
+            t_exit = max(t_exit, spans[count - 1, 0] + spans[count - 1, 1])
             found[path.found] = lamp
             path.found += 1
     if candidates > 1:
         path.kept = -1
-    return reach
+    return t_exit
 
 
 @kernel

@@ -18,7 +18,7 @@ from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import first_numbers, radii_of, strand_of, world_scale
 from .rays import hit_instance, hit_normal, ray_table, world_positions
-from .shading.program import MATERIAL
+from .shading.material_compiler import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
 from .strands import apart as strands
 
@@ -287,15 +287,22 @@ def form_of(block, instance):
     return first, place - first
 
 
-@kernel
+@kernel(forceinline=True)  # see ``camera_ray``
 def _corner(block, instance, triangle, corner):
     """World position of a vertex, in float64."""
     index = instance.positions + triangle_table(block)[instance.triangles + triangle].v[corner]
+    p = vec(position_table(block)[index].p) if instance.forms == 0 else _moving_vertex(block, instance, index)
+    return p if instance.baked else transform_point(instance.matrix, p)
+
+
+@kernel
+def _moving_vertex(block, instance, index):
+    """Place of a vertex in its object, of a mesh that changes its form; ``index`` is that of its first form."""
     form, part = form_of(block, instance)
     p = vec(position_table(block)[index + form * instance.vertex_count].p)
     if part > 0.0:
         p = madd(p, part, sub(vec(position_table(block)[index + (form + 1) * instance.vertex_count].p), p))
-    return p if instance.baked else transform_point(instance.matrix, p)
+    return p
 
 
 @kernel

@@ -16,7 +16,7 @@ from ...jit import kernel
 from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
-from .gather import gather_lamps, gather_lights, gather_surface, gather_world, lamp_reach
+from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
 from .media import apart as media
 from .media.records import inside_table
@@ -248,7 +248,7 @@ def prepare_ray(block, workspace):
     path = path_table(workspace)[0]
     path.kept = path.found = -1
     if path.last and not block.emitters_hit:
-        path.t_max = min(path.t_max, lamp_reach(block, workspace, path))
+        path.t_max = min(path.t_max, last_lamp_exit(block, workspace, path))
         return path.t_max > path.t_min
     return True
 

@@ -166,8 +166,8 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         start = leave(x, vec(surface.ng), wi)
         if block.has_media:
             look(block, workspace, vec(surface.ng), wi)
-        to_point, reach = shadow_ray(x, start, wi, distance)
-        weight = mul(weight, transmittance(block, workspace, start, to_point, reach, lights.blockers(block, lamp)))
+        to_point, t_max = shadow_ray(x, start, wi, distance)
+        weight = mul(weight, transmittance(block, workspace, start, to_point, t_max, lights.blockers(block, lamp)))
         if largest(weight) > 0.0:
             divide_light(block, workspace, wi, lamp)
             contribute(
@@ -218,8 +218,8 @@ def light_vertex(block, workspace):
     if lights.casts_shadow(block, emitter):
         if block.has_media:
             look(block, workspace, ng, wi)
-        to_light, reach = shadow_ray(x, start, wi, distance)
-        weight = mul(weight, transmittance(block, workspace, start, to_light, reach, lights.blockers(block, emitter)))
+        to_light, t_max = shadow_ray(x, start, wi, distance)
+        weight = mul(weight, transmittance(block, workspace, start, to_light, t_max, lights.blockers(block, emitter)))
         if largest(weight) <= 0.0:
             return
     if lights.triangle_textured(block, emitter):

@@ -73,13 +73,6 @@ def mask_of(instance, transparent: np.ndarray, shadow_bits: dict[int, int] | Non
     return mask & ~SHADOW_OPAQUE | own
 
 
-def new_rays(count: int) -> np.ndarray:
-    """Zeroed ray records at an address that Embree's aligned loads accept."""
-    memory = np.zeros(count * RAY.itemsize + 64, np.uint8)
-    offset = -memory.ctypes.data % 64
-    return memory[offset : offset + count * RAY.itemsize].view(RAY)
-
-
 @kernel
 def _set_ray(ray, o, d, t_min, t_max, mask):
     # Its time stays as ``motion.set_time`` has left it, and its ID and flags as strands have.

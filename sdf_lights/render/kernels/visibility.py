@@ -45,10 +45,10 @@ def shadow_ray(x, start, wi, distance):
         return wi, np.inf
     target = madd(x, distance, wi)
     way = sub(target, start)
-    reach = length(way)
-    if reach <= 0.0:
+    t_max = length(way)
+    if t_max <= 0.0:
         return wi, 0.0
-    return scale(way, 1.0 / reach), max(reach * (1.0 - OFFSET) - 4.0 * step_size(target), 0.0)
+    return scale(way, 1.0 / t_max), max(t_max * (1.0 - OFFSET) - 4.0 * step_size(target), 0.0)
 
 
 @kernel

@@ -12,7 +12,7 @@ from ...graph.functions import Function
 from ..material import Material
 from ..scene import Scene
 from .geometry import Surface
-from .materials import leaves
+from .material_lobes import leaves
 from .nodes import Graph, Points
 
 

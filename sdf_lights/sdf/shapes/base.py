@@ -100,7 +100,7 @@ class Term(NamedTuple):
 
     A term takes ``arity`` values from a stack and puts its own in their place. Its ``formula`` reads the point where
     arity is 0, else its operands in place of the coordinates x (the first) and y. Where operands a and b (−b in a
-    difference) differ by more than ``reach``, the value is exactly that of one of them, as ``family`` says. Nowhere does
+    difference) differ by more than ``blend_width``, the value is exactly that of one of them, as ``family`` says. Nowhere does
     it change faster than the fastest of its operands.
     """
 
@@ -108,7 +108,7 @@ class Term(NamedTuple):
     parameters: np.ndarray
     arity: int
     family: Family
-    reach: float
+    blend_width: float
     lipschitz: float  # of the value, as a function of the point
 
 

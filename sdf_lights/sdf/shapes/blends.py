@@ -15,7 +15,7 @@ Intersection and difference are De Morgan's: −union(−a, −b) and −union(�
 
 Quilez, "Smooth minimum" has the polynomial, circular and exponential profiles; the seams of hg_sdf (Mercury, 2015) the
 circular one, chamfers and stairs. Theirs are computed here in the form above: their surfaces are the same, their
-Lipschitz bounds were √2 or had no reach.
+Lipschitz bounds were √2 or did not exist.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class Blend(SetOperation, abstract=True):
         """Drop between two fields that differ by ``apart``."""
         return self.profile.drop(maximum(radius - abs(apart), 0.0), radius, *others)
 
-    def _reach(self) -> float:
+    def _blend_width(self) -> float:
         return self.radius
 
 

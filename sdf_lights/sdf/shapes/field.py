@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...graph import interval_arithmetic, lipschitz
+from ...graph import interval_evaluation, lipschitz
 from ...graph.formula import ITERATE, PARAMETER, POINT, Formula, Vector, maximum, order, parameter
 from ...graph.substitution import substitute
 from ..limits import negative_region
@@ -115,7 +115,7 @@ class FieldDisplacement(Displaced, abstract=True):
 
     @cached_property
     def amplitude(self) -> float:
-        low, high = interval_arithmetic.enclose(self.value, *_EVERYWHERE, self.numbers)
+        low, high = interval_evaluation.enclose(self.value, *_EVERYWHERE, self.numbers)
         return max(float(-low[0]), float(high[0]), SMALLEST)
 
     @cached_property

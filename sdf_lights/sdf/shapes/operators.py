@@ -162,7 +162,7 @@ class SetOperation(Composite, abstract=True):
             slot(getattr(self, field.name) * (factor if field.unit == "LENGTH" else 1.0)) for field in self.fields()
         ]
 
-    def _reach(self) -> float:
+    def _blend_width(self) -> float:
         """Where two fields differ by more, their join is one of them."""
         return 0.0
 
@@ -188,11 +188,11 @@ class SetOperation(Composite, abstract=True):
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         slots = Slots()
         formula = self._join(POINT.x, POINT.y, *self._numbers(slots, factor))
-        numbers, reach = np.array(slots.values), self._reach() * factor
+        numbers, blend_width = np.array(slots.values), self._blend_width() * factor
 
         def join(a: list[Term], b: list[Term]) -> list[Term]:
             steepest = max(a[-1].lipschitz, b[-1].lipschitz)
-            return [*a, *b, Term(formula, numbers, 2, self.family, reach, steepest)]
+            return [*a, *b, Term(formula, numbers, 2, self.family, blend_width, steepest)]
 
         return self._joined(join, [shape.terms(matrix, factor) for shape in wanted(self._operands())])
 

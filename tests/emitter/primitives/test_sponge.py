@@ -146,7 +146,7 @@ def check_every_interval(levels, placement, count):
     """Neither a gap of rounding nor a lost interval in rays of a lamp, of which many pass edges closely."""
     shape, matrix = MengerSponge(0.5, levels), PLACED[placement]
     lamp = Lamps(build.build_lamp("sponge", shape, matrix))
-    smallest, back = lamps.SMALLEST_INTERVAL * lamp.row["reach"], np.linalg.inv(matrix[:3, :3])
+    smallest, back = lamps.SMALLEST_INTERVAL * lamp.row["bounding_radius"], np.linalg.inv(matrix[:3, :3])
     for rays in (around, grazing, inside, through_corners):
         origins, along = rays(shape, np.random.default_rng(levels), count)
         origins, along = origins @ matrix[:3, :3].T + matrix[:3, 3], along @ matrix[:3, :3].T

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sdf_lights import jit
-from sdf_lights.jit import block_dtype, fill_table, kernel
+from sdf_lights.jit import block_dtype, fill_table, kernel, new_tables
 from sdf_lights.render.cpu.accelerator import accelerator_of
 from sdf_lights.render.kernels import rays
 from sdf_lights.render.scene import Camera, Instance, Ray, Scene
@@ -26,7 +26,7 @@ class Probe:
         self.block = np.zeros(1, block_dtype({}, rays.SCALARS))
         self.accelerator.fill(self.block)
         self.workspace = np.zeros(1, block_dtype({"ray": rays.RAY}))
-        self._ray = rays.new_rays(1)
+        self._ray = new_tables({"ray": rays.RAY}, {"ray": 1})["ray"]
         fill_table(self.workspace, "ray", self._ray)
 
     def hits(self, origins, directions, mask=int(Ray.CAMERA)):

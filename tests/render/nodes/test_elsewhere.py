@@ -17,7 +17,7 @@ from sdf_lights.render.cpu.block import BLOCK
 from sdf_lights.render.kernels import camera, textures
 from sdf_lights.render.kernels.camera import pack_camera
 from sdf_lights.render.kernels.emission_graphs import world_map
-from sdf_lights.render.kernels.shading.program import pack_materials
+from sdf_lights.render.kernels.shading.material_compiler import pack_materials
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes import lookups
 from sdf_lights.render.nodes.variables import BARYCENTRIC, POSITION, as_vector

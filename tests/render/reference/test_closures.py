@@ -16,7 +16,7 @@ from sdf_lights.render.reference.closures import (
     Translucent,
     dielectric,
 )
-from sdf_lights.render.reference.materials import Table, cosine_axis, ior_axis
+from sdf_lights.render.reference.material_lobes import Table, cosine_axis, ior_axis
 from sdf_lights.render.reference.vectors import normalize
 from support.chi2 import chi2_sphere
 

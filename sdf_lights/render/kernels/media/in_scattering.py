@@ -46,8 +46,8 @@ _STEPS = (0.8566748838545029, 0.7338918566271259, 0.6287067210378087, 0.53859725
 def _shadow(block, workspace, emitter, x, wi, distance):
     """What of the light of an emitter at that distance comes to the point x of the path's ray: RGB."""
     apart.bounds(block, workspace, apart.LOOK)
-    to_light, reach = shadow_ray(x, x, wi, distance)
-    return transmittance(block, workspace, x, to_light, reach, lights.blockers(block, emitter))
+    to_light, t_max = shadow_ray(x, x, wi, distance)
+    return transmittance(block, workspace, x, to_light, t_max, lights.blockers(block, emitter))
 
 
 @kernel

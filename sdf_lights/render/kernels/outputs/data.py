@@ -17,8 +17,8 @@ from ..rays import SHADOW_OPAQUE
 from ..samplers import get_2d
 from ..shading import energy, fresnel, microfacet
 from ..shading.diffuse import cosine_hemisphere
+from ..shading.material_compiler import AOV
 from ..shading.operands import number, vector
-from ..shading.program import AOV
 from ..shading.records import (
     FACETS,
     FRESNEL_CONDUCTOR,

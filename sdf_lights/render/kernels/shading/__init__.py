@@ -7,9 +7,9 @@ import numpy as np
 from ...scene import Scene
 from ...tables import albedo
 from .. import textures
-from . import energy, program, special
+from . import energy, material_compiler, special
 from .graphs import Graphs
-from .program import MATERIAL, NO_GRAPH
+from .material_compiler import MATERIAL, NO_GRAPH
 from .records import CLOSURE, SURFACE, WORKSPACE_COUNTS, WORKSPACE_TABLES
 from .scattering import evaluate, has_lobes, sample, transmits
 from .surface import shade, transparency
@@ -32,11 +32,11 @@ __all__ = [
     "transparency",
 ]
 
-TABLES = {**program.TABLES, **textures.TABLES, **energy.TABLES, **special.TABLES}
+TABLES = {**material_compiler.TABLES, **textures.TABLES, **energy.TABLES, **special.TABLES}
 
 
 def pack_materials(scene: Scene) -> tuple[dict[str, np.ndarray], Graphs]:
     """Everything that the kernels here read of a scene: ``TABLES`` but for the addresses of its graphs, which
-    ``graphs.addresses`` and ``special.addresses`` give. See ``program.pack_materials``."""
-    tables, graphs = program.pack_materials(scene)
+    ``graphs.addresses`` and ``special.addresses`` give. See ``material_compiler.pack_materials``."""
+    tables, graphs = material_compiler.pack_materials(scene)
     return {**tables, "albedo": albedo.load(), **special.tables(tables["lobes"])}, graphs

@@ -7,7 +7,7 @@ import numpy as np
 from ....jit import address_of_record, call_surface_code, kernel, table
 from ....replaced import replaced_on_gpu
 from ....vec import dot, normalize, vec
-from .program import NONE
+from .material_compiler import NONE
 from .records import surface_table
 
 _constants = table("constants", np.float64)
@@ -31,7 +31,7 @@ def vector(block, workspace, operand):
     return (constants[i], constants[i + 1], constants[i + 2])
 
 
-@kernel
+@kernel(forceinline=True)  # see ``camera_ray``
 def normal(block, workspace, operand):
     """The unit normal of an input; the shading normal where there is none or it vanishes."""
     n = vec(surface_table(workspace)[0].n)

@@ -10,8 +10,7 @@ import math
 from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, madd, mul, normalize, put, put_sum, scale, vec
 from . import apart, diffuse, energy, fresnel, microfacet
-from .operands import normal, number, run, vector
-from .program import (
+from .material_compiler import (
     ALPHA,
     BASE_COLOR,
     COAT_IOR,
@@ -58,6 +57,7 @@ from .program import (
     WITH_SHEEN,
     WITH_TRANSMISSION,
 )
+from .operands import normal, number, run, vector
 from .records import (
     FRESNEL_DIELECTRIC,
     FRESNEL_F82,

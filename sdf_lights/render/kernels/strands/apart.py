@@ -17,6 +17,6 @@ _code = table("strand_code", np.int64)
 
 
 @kernel
-def fill(block, workspace, beside, wo, ray_kind, footprint):
+def fill(block, workspace, secondary, wo, ray_kind, footprint):
     """See ``surface.fill``."""
-    call_part(_code(block)[FILL], block, workspace, (beside, wo[0], wo[1], wo[2], ray_kind, footprint), 1)
+    call_part(_code(block)[FILL], block, workspace, (secondary, wo[0], wo[1], wo[2], ray_kind, footprint), 1)

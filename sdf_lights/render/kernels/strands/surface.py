@@ -93,13 +93,13 @@ def _normal(kind, position, middle, tangent, wo, across):
 
 
 @kernel
-def fill(block, workspace, beside, x, y, z, ray_kind, footprint):
-    """Fill ``SURFACE`` of the workspace, or of that ``beside`` it, from the hit in the workspace of a ray that came along −wo.
+def fill(block, workspace, secondary, x, y, z, ray_kind, footprint):
+    """Fill ``SURFACE`` of the workspace, or of its ``secondary`` one, from the hit in the workspace of a ray that came along −wo.
     Rays that leave the workspace's own, or go on behind the other one, do not meet the same curve or sphere again."""
     ray = ray_table(workspace)[0]
     instance = instance_at(block, hit_instance(ray))
     segment = np.int64(ray.primitive)
-    if beside > 0.0:
+    if secondary > 0.0:
         _fill(
             block,
             surface_table(secondary_table(workspace)[0])[0],

@@ -15,9 +15,9 @@ from collections.abc import Callable
 import numpy as np
 
 from .....jit import CallablePart
-from ....tables import film as film_table
+from ....tables import thin_film as film_table
 from .. import apart
-from ..program import LOBE_PRINCIPLED
+from ..material_compiler import LOBE_PRINCIPLED
 from ..records import FACETS, SUBSURFACE, THIN_GLASS
 from ..shadow_shading import shaded_transparency
 from ..special_lobes import (
@@ -29,9 +29,9 @@ from ..special_lobes import (
     WITH_THIN_SCATTERING,
     WITH_THIN_WALL,
 )
-from . import facets, film, subsurface, thin_wall
+from . import facets, subsurface, thin_film, thin_wall
 
-TABLES = {**apart.TABLES, **film.TABLES}
+TABLES = {**apart.TABLES, **thin_film.TABLES}
 
 # ``jit`` counts all modules of this folder as sources.
 _MODULES = [importlib.import_module(f".{item.name}", __name__) for item in pkgutil.iter_modules(__path__)]

@@ -13,9 +13,7 @@ import math
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, madd, mul, normalize, put, scale, to_world, vec
 from .. import energy, fresnel, microfacet
-from ..microfacet import chosen, half_vector, is_singular, scattered, spread
-from ..operands import normal, number, vector
-from ..program import (
+from ..material_compiler import (
     ANISOTROPIC,
     ANISOTROPIC_ROTATION,
     MULTISCATTER,
@@ -25,6 +23,8 @@ from ..program import (
     THIN_FILM_IOR,
     THIN_FILM_THICKNESS,
 )
+from ..microfacet import chosen, half_vector, is_singular, scattered, spread
+from ..operands import normal, number, vector
 from ..records import (
     BECKMANN,
     FACETS,
@@ -61,7 +61,7 @@ from ..surface import (
     saturated,
     specular_normal,
 )
-from . import film
+from . import thin_film
 
 _BLACK = (0.0, 0.0, 0.0)
 _NOTHING = (0.0, 0.0, 0.0, 0.0)
@@ -144,8 +144,8 @@ def _metal_under_film(block, closure, channel, cosine):
     n, k, at_82 = closure.f0[channel], closure.edge[channel], -1.0
     if closure.fresnel == FRESNEL_F82:
         at_82 = fresnel.f82(1.0 / 7.0, n, k)
-        n, k = film.index_of_metal(n, at_82)
-    return film.conductor(block, channel, cosine, n, k, at_82, closure.c, closure.b)
+        n, k = thin_film.index_of_metal(n, at_82)
+    return thin_film.conductor(block, channel, cosine, n, k, at_82, closure.c, closure.b)
 
 
 @kernel
@@ -174,7 +174,7 @@ def reflectance(block, closure, cosine):
             _BLACK,
             0.0,
         )
-    f = film.dielectric(block, cosine, closure.ior, closure.c, closure.b)
+    f = thin_film.dielectric(block, cosine, closure.ior, closure.c, closure.b)
     bottom = fresnel.f0_of_ior(closure.ior)
     if bottom > 1e-5 and f != (1.0, 1.0, 1.0):
         f = (

@@ -11,8 +11,8 @@ import math
 
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, madd, normalize, put, scale, vec
+from ..material_compiler import NONE
 from ..operands import number, vector
-from ..program import NONE
 from ..records import GLOSSY, HAIR, TRANSMISSION, closure_table, surface_table
 from ..special_lobes import lobe_kind, option
 from ..surface import begin, finish, lobe_table, positive, specular_normal

@@ -20,8 +20,8 @@ from .....emitter import hashing
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, length, luminance, madd, negate, normalize, put, scale, sub, to_world, vec
 from .. import energy, fresnel, microfacet
+from ..material_compiler import NONE
 from ..operands import number, vector
-from ..program import NONE
 from ..records import GLOSSY, HUANG, TRANSMISSION, closure_table, surface_table
 from ..special_lobes import lobe_kind
 from ..surface import add_transparency, begin, finish, lobe_table

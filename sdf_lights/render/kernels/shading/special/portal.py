@@ -3,13 +3,13 @@
 """Ray Portal: the ray goes on elsewhere, in another direction.
 
 Fields of the closure: f0 is the place and the tangent the direction from which it goes on. Light rays do not pass it
-(``program.py``).
+(``material_compiler.py``).
 """
 
 from .....jit import kernel
 from .....vec import dot, negate, normalize, put, put_sum, scale, vec
+from ..material_compiler import NONE
 from ..operands import vector
-from ..program import NONE
 from ..records import PORTAL, SINGULAR, THROUGH_PORTAL, TRANSPARENT, closure_table, surface_table
 from ..special_lobes import lobe_kind
 from ..surface import begin, finish, lobe_table, positive

@@ -13,9 +13,7 @@ import math
 from .....jit import kernel
 from .....vec import dot, frame, madd, negate, put, scale, to_world, vec
 from ..diffuse import cosine_hemisphere
-from ..microfacet import visible_normal
-from ..operands import normal, number, vector
-from ..program import (
+from ..material_compiler import (
     BASE_COLOR,
     DIFFUSE_ROUGHNESS,
     NORMAL,
@@ -26,6 +24,8 @@ from ..program import (
     SUBSURFACE_SCALE,
     THIN_WALL,
 )
+from ..microfacet import visible_normal
+from ..operands import normal, number, vector
 from ..records import (
     BURLEY,
     INTO_SUBSURFACE,

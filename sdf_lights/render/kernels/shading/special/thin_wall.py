@@ -12,9 +12,9 @@ from .....jit import kernel
 from .....vec import dot, mul, negate, put, scale, sub, vec
 from ....scene import Ray
 from .. import energy, fresnel, microfacet
+from ..material_compiler import BASE_COLOR, IOR, NORMAL, ROUGHNESS, SPECULAR_TINT, THIN_FILM_IOR, THIN_FILM_THICKNESS
 from ..microfacet import is_singular
 from ..operands import normal, number, vector
-from ..program import BASE_COLOR, IOR, NORMAL, ROUGHNESS, SPECULAR_TINT, THIN_FILM_IOR, THIN_FILM_THICKNESS
 from ..records import FRESNEL_DIELECTRIC, GGX, SINGULAR, THIN_GLASS, TRANSMISSION, closure_table, surface_table
 from ..surface import (
     add_transparency,

@@ -162,8 +162,8 @@ def no_light(block, workspace, lamp, pmf, u, u1, u2, u3):
 
 
 @kernel
-def no_reach(block, workspace, path):
-    """In the place of ``gather.lamp_reach``, where there is no lamp."""
+def no_lamp_exit(block, workspace, path):
+    """In the place of ``gather.last_lamp_exit``, where there is no lamp."""
     return 0.0
 
 

@@ -20,8 +20,8 @@ from ..kernels.media import pack as media
 from ..kernels.media import parts as media_parts
 from ..kernels.outputs import apart as outputs
 from ..kernels.packing import build_lamps, emissive_triangles, emitter_tables, instance_boxes, integrator_scalars
+from ..kernels.shading.material_compiler import LOBE_PRINCIPLED
 from ..kernels.shading.operands import run
-from ..kernels.shading.program import LOBE_PRINCIPLED
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
 from ..kernels.shading.special_lobes import LOBE_SUBSURFACE, WITH_SUBSURFACE, WITH_THIN_SCATTERING
 from ..kernels.subsurface import parts as subsurface_parts
@@ -29,7 +29,7 @@ from ..kernels.workspace import WORKSPACE_TABLES
 from ..scene import Scene
 from ..settings import LampSampling
 from ..strands import without_strands
-from . import catchers, lamps, parts, replacements, special
+from . import catchers, lamp_kernels, parts, replacements, special
 from . import crossings as field_crossings
 from . import images as gpu_images
 from .bvh import MOST_IN_LEAF, Hierarchy
@@ -87,7 +87,7 @@ class GpuScene:
             raise DeviceError("it has no such sampling of lamps")
         self._images = images
         scene = without_strands(scene, "The GPU")
-        self.formulas = lamps.Formulas()
+        self.formulas = lamp_kernels.Formulas()
         materials, graphs = shading.pack_materials(scene)
         self.graphs, self.lobes = GraphSource(graphs.structures), materials["lobes"]
         materials["graph_addresses"] = np.zeros(1, np.int64)  # of machine code, which is not for here
@@ -107,7 +107,7 @@ class GpuScene:
         self.cuts = self.asked_for_cuts and scene.settings.max_bounces <= CUT_BOUNCES
         if self.cuts:
             emitters |= cut.pack_cuts(built, sources)
-            emitters["lamp_boxes"] = lamps.flat_boxes(emitters)
+            emitters["lamp_boxes"] = lamp_kernels.flat_boxes(emitters)
         elif self.asked_for_cuts:  # by projection, whose weight follows from how spread out a lamp is
             emitters["lamp_placements"] = cut.pack_cuts(built, sources)["lamp_placements"]
         self.images = materials.pop("images")
@@ -143,7 +143,7 @@ class GpuScene:
             **integrator_scalars(scene, flags, tables),
             "hierarchy_root": self.hierarchy.root,
             "tree_width": lamp_tree.WIDTH,
-            "few_lamps": int(len(built) <= lamps.FEW),
+            "few_lamps": int(len(built) <= lamp_kernels.FEW),
             "lanes": LANES,
             "shows_environment": int(film.sums["environment"].size > 0),
         }
@@ -190,10 +190,10 @@ class GpuScene:
             glow["parameters"] = used
             numbers.append(compiled.parameters)
             used += len(compiled.parameters)
-        if self.formulas.nodes > lamps.MOST_NODES:
+        if self.formulas.nodes > lamp_kernels.MOST_NODES:
             raise DeviceError(
                 f"the formulas of the scene's lamps have {self.formulas.nodes} nodes together, and drivers "
-                f"are given {lamps.MOST_NODES} at most"
+                f"are given {lamp_kernels.MOST_NODES} at most"
             )
         tables["lamp_parameters"] = np.concatenate(numbers)
         tables["lamp_walk"] = field_crossings.flat_nodes(tables["lamp_nodes"])
@@ -236,7 +236,11 @@ class GpuScene:
             counts["inside"] = 2  # of the path and of a light ray
         if self.film.catches:
             counts |= {"path": 2, "sample": 2, "output_sums": catchers.columns(self.film)}
-        dtypes = {**WORKSPACE_TABLES, **lamps.ROWS, "lamp_cuts": lamps.FLAT_CUT if self.cuts else lamps.WITHOUT_BOXES}
+        dtypes = {
+            **WORKSPACE_TABLES,
+            **lamp_kernels.ROWS,
+            "lamp_cuts": lamp_kernels.FLAT_CUT if self.cuts else lamp_kernels.WITHOUT_BOXES,
+        }
         return {name: (dtypes[name], count) for name, count in counts.items()}
 
     def source(self) -> str:

@@ -10,7 +10,7 @@ import pytest
 
 from sdf_lights import jit
 from sdf_lights.render.film import Film
-from sdf_lights.render.gpu.program import GpuScene
+from sdf_lights.render.gpu.packed_scene import GpuScene
 from sdf_lights.render.kernels import media, subsurface
 from support import media_scenes, scenes
 

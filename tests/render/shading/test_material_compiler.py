@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.graph.formula import CALL, order
-from sdf_lights.render.kernels.shading import program
+from sdf_lights.render.kernels.shading import material_compiler
 from sdf_lights.render.kernels.shading.records import (
     CLOSURES,
     HAS_EMISSION,
@@ -41,7 +41,7 @@ def textured(node, *images):
 def roots(surface, shadow=False):
     """Formulas that fill the registers."""
     graph = surface.record["shadow_graph" if shadow else "graph"]
-    return () if graph == program.NO_GRAPH else surface.graphs.structures[graph]
+    return () if graph == material_compiler.NO_GRAPH else surface.graphs.structures[graph]
 
 
 def calls(surface, shadow=False):
@@ -85,7 +85,7 @@ def test_a_closure_reached_twice_is_one_lobe():
     both = Node("add_closure", {"a": mix(0.5, shared, None), "b": mix(ALPHA, None, shared)})
     surface = textured(both)
     surface.shade(0.5)
-    assert lobes(surface) == [program.LOBE_DIFFUSE]
+    assert lobes(surface) == [material_compiler.LOBE_DIFFUSE]
     assert surface.closures["weight"][0] == pytest.approx(np.multiply(RED, 0.5 + 0.25))
 
 
@@ -115,7 +115,7 @@ def test_shadow_rays_run_only_what_transparency_needs():
     node = Node("principled", {"base_color": COLOR, "roughness": GRAPH.image(1).x, "alpha": ALPHA})
     surface = textured(node, HALF, HALF)
     assert calls(surface, shadow=True) == ["image"] and len(calls(surface)) == 2
-    assert lobes(surface, shadow=True) == [program.LOBE_ALPHA]
+    assert lobes(surface, shadow=True) == [material_compiler.LOBE_ALPHA]
     assert surface.transparency() == pytest.approx(0.75)
     glass = Surface(mix(0.5, Node("transparent", {"color": RED}), Node("glass")))
     assert glass.transparency() == pytest.approx(np.multiply(RED, 0.5))
@@ -174,7 +174,7 @@ def test_materials_that_differ_in_numbers_share_their_code():
         for graph, x in zip(graphs, scales)
     ]
     scene = Scene(camera=None, width=1, height=1, materials=materials)
-    tables, packed = program.pack_materials(scene)
+    tables, packed = material_compiler.pack_materials(scene)
     assert len(set(tables["materials"]["graph"][:-1].tolist())) == 1
     # A scale of 1 costs nothing.
     sizes = [len(order(*packed.structures[index])) for index in tables["materials"]["graph"]]
@@ -214,4 +214,4 @@ def test_a_long_chain_of_shared_mixes_compiles_at_once():
 
 def test_scene_without_materials_has_a_default_one():
     scene = Scene(camera=None, width=1, height=1)
-    assert len(program.pack_materials(scene)[0]["materials"]) == 1
+    assert len(material_compiler.pack_materials(scene)[0]["materials"]) == 1

@@ -3,7 +3,7 @@
 """Reflectance of a surface below a film so thin that light interferes with itself.
 
 Belcour and Barla 2017, "A practical extension to microfacet theory for the modeling of varying iridescence": Airy's sum over
-reflections inside the film, each seen through the Fourier transform of the eye's sensitivity (``tables/film.py``).
+reflections inside the film, each seen through the Fourier transform of the eye's sensitivity (``tables/thin_film.py``).
 """
 
 import math
@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from .....jit import kernel, table
-from ....tables.film import LONGEST, SIZE
+from ....tables.thin_film import LONGEST, SIZE
 from .. import fresnel
 
 TABLES = {"film": np.dtype("f8")}
