@@ -13,6 +13,9 @@ import shutil
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+# The layers below the add-on, and the cases that tests share, by their own names.
+sys.path.insert(0, str(REPOSITORY))
+
 PACKAGE = "sdf_lights_checkout"
 ENGINE = "SDF_LIGHTS"
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 import dataclasses
 import enum
 import pathlib
-import sys
 from collections.abc import Callable
 
 import host
@@ -79,7 +78,6 @@ def with_tables(document: pathlib.Path) -> str:
 
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(REPOSITORY))
     for path in TABLES:
         path.write_text(with_tables(path), encoding="utf-8")
     host.finish(0)

@@ -128,7 +128,7 @@ def test_the_picture_does_not_depend_on_threads(corner, pictures):
     scene, found = corner(both), []
     scene.render.engine, scene.sdf_lights.samples = "SDF_LIGHTS", 4
     for threads in (1, 3):
-        scene.sdf_lights.threads = threads
+        scene.render.threads_mode, scene.render.threads = "FIXED", threads
         found.append(pictures()["ViewLayer"]["Combined"])
     assert found[0][..., :3].std() > 0.1
     assert np.array_equal(*found)
