@@ -14,7 +14,7 @@
 
 import argparse
 
-import host  # noqa: F401  (puts what is measured on the path)
+import host  # puts what is measured on the path
 
 NAMES = (
     "throughput",
