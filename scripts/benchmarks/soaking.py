@@ -22,6 +22,8 @@ from sdf_lights.render import session
 from sdf_lights.render.settings import Device
 from sdf_lights.sdf.expression import evaluate
 
+CLEAN_ALL_BUFFERS = 0  # of tbb/scalable_allocator.h
+
 SHAPES = ["SPHERE", "TORUS", "BOX", "CAPSULE", "CONE"]
 EXPRESSIONS = [
     "sphere({0}) | box(0.3)",
@@ -34,8 +36,11 @@ EXPRESSIONS = [
 def memory() -> int:
     """Resident bytes of this process, now, without what it has freed."""
     gc.collect()
-    with contextlib.suppress(AttributeError, OSError):  # only glibc keeps it, and can be told
+    # These allocators keep what is freed, and can be told. Blender with a window has the second.
+    with contextlib.suppress(AttributeError, OSError):
         ctypes.CDLL("libc.so.6").malloc_trim(0)
+    with contextlib.suppress(AttributeError, OSError):
+        ctypes.CDLL("libtbbmalloc.so.2").scalable_allocation_command(CLEAN_ALL_BUFFERS, None)
     return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
