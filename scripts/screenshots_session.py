@@ -14,18 +14,12 @@ from mathutils import Euler
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
-from window import ARGUMENTS, areas, inside, move, override, picture, region_of, run, until  # noqa: E402
+from window import ARGUMENTS, areas, inside, lamps_are_drawn, move, override, picture, region_of, run, until  # noqa: E402
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
-from sdf_lights.blender import viewport  # noqa: E402
 from sdf_lights.blender.viewport import rendered  # noqa: E402
 
 FOLDER = ARGUMENTS[1]
-
-
-def is_drawn():
-    """Whether all lamps are drawn as they are."""
-    return not viewport.drawn.overlay.finder.busy and not any(viewport.drawn.overlay._labels.values())
 
 
 def is_rendered():
@@ -58,7 +52,7 @@ def taken(view, name, crop=None):
         yield 1.0  # the tabs are known once they are drawn
         region_of(view, "UI").active_panel_category = "SDF Lights"
     yield 1.0
-    yield from until(is_drawn)
+    yield from until(lamps_are_drawn)
     yield 1.0
     picture(FOLDER, name, crop)
 

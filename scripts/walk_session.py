@@ -16,10 +16,9 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
 import window as hands  # noqa: E402
-from window import ARGUMENTS, areas, button_of, inside, move, picture, region_of, report, run, until  # noqa: E402
+from window import ARGUMENTS, areas, button_of, inside, lamps_are_drawn, move, picture, region_of, report, run, until  # noqa: E402
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
-from sdf_lights.blender import viewport  # noqa: E402
 
 FOLDER = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
 LIGHT = 89.0  # pixels from the upper end of the Outliner to the row of the light
@@ -47,10 +46,6 @@ def keys(place, letters: str, number: str) -> None:
         hands.typed(place, letter)
     typed(place, number)
     press(place, "RET")
-
-
-def is_drawn():
-    return not viewport.drawn.overlay.finder.busy and not any(viewport.drawn.overlay._labels.values())
 
 
 def is_rendering():
@@ -99,7 +94,7 @@ def sign(view):
     picture(FOLDER, "search")
     press(place, "RET")
     yield 1.5
-    yield from until(is_drawn)
+    yield from until(lamps_are_drawn)
     yield 0.5
     picture(FOLDER, "added")
     place = move(inside(view, 0.7, 0.8))
@@ -110,7 +105,7 @@ def sign(view):
     yield 0.5
     press(place, "NUMPAD_0")  # what the camera sees
     yield 1.5
-    yield from until(is_drawn)
+    yield from until(lamps_are_drawn)
     yield 1.0
     picture(FOLDER, "placed")
     report["lamps"] = [obj.name for obj in bpy.data.objects if obj.type == "LIGHT" and obj.data.sdf_lamp.use]

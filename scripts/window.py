@@ -75,6 +75,14 @@ def until(condition: Callable[[], object], patience: float = PATIENCE) -> Iterat
         yield BETWEEN
 
 
+def lamps_are_drawn() -> bool:
+    """Whether viewports wait for no lamp: none is being measured, and no shader compiled."""
+    from sdf_lights.blender.viewport import drawn
+
+    labels = {text for region in drawn.overlay._labels.values() for _, text in region}
+    return not drawn.overlay.finder.busy and not labels & {"Compiling…", "Measuring…"}
+
+
 # -- places ---------------------------------------------------------------------------------------------------------
 
 

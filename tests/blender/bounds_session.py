@@ -18,6 +18,7 @@ from window import (  # noqa: E402
     drag,
     event,
     inside,
+    lamps_are_drawn,
     move,
     on_screen,
     override,
@@ -30,15 +31,10 @@ from window import (  # noqa: E402
 )
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
-from sdf_lights.blender import fallback, viewport  # noqa: E402
+from sdf_lights.blender import fallback  # noqa: E402
 from sdf_lights.blender.viewport import bodies  # noqa: E402
 
 PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
-
-
-def is_drawn():
-    labels = [text for region in viewport.drawn.overlay._labels.values() for _, text in region]
-    return not viewport.drawn.overlay.finder.busy and not {"Compiling…", "Measuring…"} & set(labels)
 
 
 def covered(view, obj):
@@ -136,7 +132,7 @@ def thin(view, ring):
     turns = np.linspace(0.1, 1.4, 8)
     eye = Eye(*((np.cos(turn), np.sin(turn), 0.0) for turn in turns), (0.5, 0.0, 0.0))
     yield 1.0
-    yield from until(is_drawn)
+    yield from until(lamps_are_drawn)
     yield 1.0
     background = eye.color(len(turns))
     report["thin"] = [eye.color(index)[0] - background[0] for index in range(len(turns))]

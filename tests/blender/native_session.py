@@ -17,6 +17,7 @@ from window import (  # noqa: E402
     areas,
     drag,
     inside,
+    lamps_are_drawn,
     move,
     on_screen,
     override,
@@ -34,12 +35,6 @@ from sdf_lights.blender.findings import grouped  # noqa: E402
 from sdf_lights.blender.viewport import bodies  # noqa: E402
 
 PICTURES = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
-
-
-def is_drawn():
-    """Whether all lamps are drawn as they are."""
-    labels = [text for region in viewport.drawn.overlay._labels.values() for _, text in region]
-    return not viewport.drawn.overlay.finder.busy and not {"Compiling…", "Measuring…"} & set(labels)
 
 
 def arrows():
@@ -91,13 +86,13 @@ def last_good():
     """A value with which there is no shape leaves what was there, with the reason."""
     view = areas("VIEW_3D")[0]
     lamp = bpy.context.object.data.sdf_lamp
-    yield from until(is_drawn)
+    yield from until(lamps_are_drawn)
     lamp.source, lamp.expression = "EXPRESSION", "sphere(0.4) - box(0.2)"
     yield 1.0
-    yield from until(is_drawn)
+    yield from until(lamps_are_drawn)
     lamp.expression = "sphere(0.4) - bo"
     yield 1.0
-    yield from until(is_drawn)
+    yield from until(lamps_are_drawn)
     report["kept"] = len(_shown(view))
     report["reason"] = viewport.proxy_error(bpy.context.object.data)
     report["said"] = [text for region in viewport.drawn.overlay._labels.values() for _, text in region]
@@ -207,7 +202,7 @@ def presets():
             bpy.ops.sdf_lights.lamp_add(source="PRESET", preset=name)
             bpy.ops.sdf_lights.view_frame()
         yield 1.0
-        yield from until(is_drawn)
+        yield from until(lamps_are_drawn)
         points = bodies.points_in_world(bpy.context.object)
         eye = Eye(*points[:: max(len(points) // 40, 1)].tolist())
         yield 1.0
@@ -253,7 +248,7 @@ def files():
         bpy.context.view_layer.objects.active = made
     made.data.sdf_lamp.torus.major_radius = 0.77
     yield 1.0
-    yield from until(is_drawn)
+    yield from until(lamps_are_drawn)
     report["overridden"] = [placed.lamp.shape.major_radius for placed in _shown(view)]
 
 

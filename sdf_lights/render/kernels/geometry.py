@@ -291,12 +291,12 @@ def form_of(block, instance):
 def _corner(block, instance, triangle, corner):
     """World position of a vertex, in float64."""
     index = instance.positions + triangle_table(block)[instance.triangles + triangle].v[corner]
-    p = vec(position_table(block)[index].p) if instance.forms == 0 else _moving_vertex(block, instance, index)
+    p = vec(position_table(block)[index].p) if instance.forms == 0 else moving_vertex(block, instance, index)
     return p if instance.baked else transform_point(instance.matrix, p)
 
 
 @kernel
-def _moving_vertex(block, instance, index):
+def moving_vertex(block, instance, index):
     """Place of a vertex in its object, of a mesh that changes its form; ``index`` is that of its first form."""
     form, part = form_of(block, instance)
     p = vec(position_table(block)[index + form * instance.vertex_count].p)

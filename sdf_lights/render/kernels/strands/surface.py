@@ -28,10 +28,9 @@ from ...scene import Primitive
 from ..geometry import (
     BUMP_DISTANCE,
     BUMP_FILTER,
-    form_of,
     hit_material,
     instance_at,
-    position_table,
+    moving_vertex,
     surface_table,
     triangle_table,
 )
@@ -45,12 +44,7 @@ _strand_of = table("strand_of", np.int32)
 @kernel
 def vertex(block, instance, index):
     """A vertex at the time of the path, as it is stored."""
-    index += instance.positions
-    form, part = form_of(block, instance)
-    p = vec(position_table(block)[index + form * instance.vertex_count].p)
-    if part > 0.0:
-        p = madd(p, part, sub(vec(position_table(block)[index + (form + 1) * instance.vertex_count].p), p))
-    return p
+    return moving_vertex(block, instance, index + instance.positions)
 
 
 @kernel
