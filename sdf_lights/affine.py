@@ -34,9 +34,10 @@ def inverse_linear(linear: np.ndarray) -> np.ndarray:
 
 
 def inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverse of an affine matrix (4, 4), whose last row is 0, 0, 0, 1; ``LinAlgError`` where it has none."""
+    """Inverses of affine matrices (…, 4, 4), whose last rows are 0, 0, 0, 1; ``LinAlgError`` where one has none."""
     matrix = np.asarray(matrix, float)
-    found = np.eye(4)
-    found[:3, :3] = inverse_linear(matrix[:3, :3])
-    found[:3, 3] = -found[:3, :3] @ matrix[:3, 3]
+    found = np.zeros_like(matrix)
+    linear = inverse_linear(matrix[..., :3, :3])
+    found[..., :3, :3], found[..., 3, 3] = linear, 1.0
+    found[..., :3, 3] = -(linear @ matrix[..., :3, 3:])[..., 0]
     return found

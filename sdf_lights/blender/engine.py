@@ -15,6 +15,7 @@ import sys
 import bpy
 
 from ..render.errors import RenderError
+from ..render.memory import give_back
 from ..render.passes import MATTES
 from ..render.settings import Device
 from . import command_line, feedback, findings, lamp_preview
@@ -51,6 +52,8 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
                 if bpy.app.background and bpy.app.binary_path:  # as a Python module, Blender tells its caller
                     fail_at_exit()
                 raise
+            finally:
+                give_back()
 
     def _render(self, depsgraph):
         # Not before something is rendered: this imports Numba and every kernel.

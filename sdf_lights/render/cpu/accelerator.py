@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import RenderError
 from ..kernels.lights import shadow_bits
-from ..kernels.rays import NONE, mask_of, world_positions
+from ..kernels.rays import NONE, masks_of, world_positions
 from ..kernels.strands.departure import SHAPE
 from ..kernels.strands.parts import filter_address
 from ..libraries import load_embree
@@ -148,7 +148,7 @@ class Accelerator:
         old = {} if before is None else before._inner
         self.inner_scenes = np.zeros(len(scene.instances), np.int64)
         self.scene = self._new_scene()
-        bits = shadow_bits(scene)
+        masks = masks_of(scene.instances, transparent, shadow_bits(scene))
         self._first_strands = first_numbers(scene) if has_strands(scene) else np.zeros(0, np.int64)
         for index, instance in enumerate(scene.instances):
             mesh = scene.meshes[instance.mesh]
@@ -182,7 +182,7 @@ class Accelerator:
                 self.inner_scenes[index] = alone[0] if alone else shared[instance.mesh]
             # As in Cycles, there is nothing below curves and spheres for light to leave again.
             inside = alone if mesh.primitive == Primitive.TRIANGLES else []
-            self._attach([self.scene, *inside], geometry, index, mask_of(instance, transparent, bits))
+            self._attach([self.scene, *inside], geometry, index, masks[index])
             for inner in alone:
                 api.rtcCommitScene(inner)
         api.rtcCommitScene(self.scene)
@@ -300,15 +300,15 @@ def _signature(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -
     """What decides the structures of a scene; None where that is not asked for."""
     if scene.kept is None:
         return None
-    bits = shadow_bits(scene)
+    masks = masks_of(scene.instances, transparent, shadow_bits(scene))
     forms = [_form_of(mesh, scene) for mesh in scene.meshes]
     return tuple(
         (
             forms[instance.mesh],
             np.asarray(instance.matrix).tobytes(),
             _Same(instance.motion),
-            mask_of(instance, transparent, bits),
+            mask,
             deep is not None and any(deep[material] for material in instance.materials),
         )
-        for instance in scene.instances
+        for instance, mask in zip(scene.instances, masks)
     )

@@ -94,7 +94,7 @@ class GpuScene:
         flags = materials["materials"]["flags"]
         self.deep, transparent = bool((flags & HAS_SUBSURFACE).any()), flags & HAS_TRANSPARENCY != 0
         bits = lights.shadow_bits(scene)
-        masks = [rays.mask_of(instance, transparent, bits) for instance in scene.instances]
+        masks = rays.masks_of(scene.instances, transparent, bits)
         if film.catches:
             masks = [catchers.mask(scene, index, mask) for index, mask in enumerate(masks)]
         self.hierarchy = Hierarchy(scene, masks)

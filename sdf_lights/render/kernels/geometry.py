@@ -128,6 +128,26 @@ class _Rows:
         return np.concatenate(self.parts).reshape(-1).view(self.dtype)
 
 
+# What all instances of a mesh have in common.
+_OF_MESH = np.dtype(
+    [
+        (name, INSTANCE[name])
+        for name in (
+            "triangles",
+            "triangle_count",
+            "normals",
+            "slots",
+            "positions",
+            "forms",
+            "vertex_count",
+            "box_center",
+            "box_size",
+            "primitive",
+            "radii",
+            "strands",
+        )
+    ]
+)
 _MADE_HERE = {"instances", "attributes", *strands.TABLES}
 
 
@@ -136,43 +156,30 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     rows = {name: _Rows(dtype) for name, dtype in TABLES.items() if name not in _MADE_HERE}
     wanted = scene.looked_up()
     attributes = _Attributes(wanted, rows["attribute_values"])
-    packed: dict[int, dict[str, object]] = {}
     instances = np.zeros(len(scene.instances), INSTANCE)
-    first_strands = first_numbers(scene)
+    meshes = np.array([instance.mesh for instance in scene.instances], np.int64)
+    used, first = np.unique(meshes, return_index=True)
+    places = np.zeros(len(scene.meshes), _OF_MESH)
+    for number in np.argsort(first):  # in the order in which instances name them
+        mesh, index = scene.meshes[used[number]], first[number]
+        places[used[number]] = _place(mesh, scene.instances[index].matrix if baked[index] else None, rows)
+    for name in _OF_MESH.names:
+        instances[name] = places[name][meshes]
+    matrices = np.array([instance.matrix for instance in scene.instances], np.float64).reshape(-1, 4, 4)
+    instances["matrix"], instances["inverse"] = matrices[:, :3], inverse(matrices)[:, :3]
+    instances["mirrored"] = np.linalg.det(matrices[:, :3, :3]) < 0.0
+    instances["baked"] = baked
+    instances["first_strand"] = first_numbers(scene)
+    for name in ("holdout", "catcher", "index", "random"):
+        instances[name] = [getattr(instance, name) for instance in scene.instances]
+    instances["color"] = np.array([instance.color for instance in scene.instances]).reshape(-1, 4)
+    slots = {}
     for index, instance in enumerate(scene.instances):
-        mesh, record = scene.meshes[instance.mesh], instances[index]
-        if instance.mesh not in packed:
-            places = dict(
-                triangles=rows["triangles"].add(mesh.triangles),
-                triangle_count=len(mesh.triangles),
-                normals=-1 if mesh.normals is None else rows["corner_normals"].add(normals_of(mesh)),
-                slots=-1 if mesh.slots is None else rows["slots"].add(mesh.slots),
-            )
-            positions = positions_of(mesh)
-            if baked[index]:
-                positions = world_positions(positions, instance.matrix)
-            places["positions"] = rows["positions"].add(positions)
-            places["forms"] = 0 if mesh.motion is None else len(mesh.motion)
-            places["vertex_count"] = len(mesh.positions)
-            places["box_center"], places["box_size"] = box_around(mesh.positions)
-            places["primitive"] = int(mesh.primitive)
-            if mesh.primitive != Primitive.TRIANGLES:
-                factor = world_scale(instance.matrix) if baked[index] else 1.0
-                places["radii"] = rows["radii"].add(factor * radii_of(mesh))
-                places["strands"] = rows["strand_of"].add(strand_of(mesh))
-            packed[instance.mesh] = places
-        for name, place in packed[instance.mesh].items():
-            record[name] = place
-        matrix = np.asarray(instance.matrix, np.float64)
-        record["matrix"], record["inverse"] = matrix[:3], inverse(matrix)[:3]
-        record["baked"], record["holdout"] = baked[index], instance.holdout
-        record["catcher"] = instance.catcher
-        record["mirrored"] = np.linalg.det(matrix[:3, :3]) < 0.0
-        record["materials"] = rows["instance_materials"].add(np.array(instance.materials, np.int32))
-        record["material_count"] = len(instance.materials)
-        record["attributes"] = attributes.place(instance, mesh)
-        record["first_strand"] = first_strands[index]
-        record["index"], record["random"], record["color"] = instance.index, instance.random, instance.color
+        record = instances[index]
+        if instance.materials not in slots:
+            slots[instance.materials] = rows["instance_materials"].add(np.array(instance.materials, np.int32))
+        record["materials"], record["material_count"] = slots[instance.materials], len(instance.materials)
+        record["attributes"] = attributes.place(instance, scene.meshes[instance.mesh])
         if instance.motion is not None:
             record["poses"] = rows["instance_poses"].add(instance.motion[:, :3])
             record["pose_count"], record["time"] = len(instance.motion), NO_TIME
@@ -180,6 +187,25 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     tables["instances"] = instances
     tables["attributes"] = np.array(attributes.records or [(0, NO_DOMAIN, 0)], ATTRIBUTE)
     return tables
+
+
+def _place(mesh: Mesh, matrix: np.ndarray | None, rows: dict[str, _Rows]) -> np.ndarray:
+    """Lay the data of a mesh into ``rows``; its record of ``_OF_MESH``. ``matrix``: that of a baked instance."""
+    record = np.zeros((), _OF_MESH)
+    positions = positions_of(mesh)
+    record["triangles"], record["triangle_count"] = rows["triangles"].add(mesh.triangles), len(mesh.triangles)
+    record["normals"] = -1 if mesh.normals is None else rows["corner_normals"].add(normals_of(mesh))
+    record["slots"] = -1 if mesh.slots is None else rows["slots"].add(mesh.slots)
+    record["positions"] = rows["positions"].add(positions if matrix is None else world_positions(positions, matrix))
+    record["forms"] = 0 if mesh.motion is None else len(mesh.motion)
+    record["vertex_count"] = len(mesh.positions)
+    record["box_center"], record["box_size"] = box_around(mesh.positions)
+    record["primitive"] = int(mesh.primitive)
+    if mesh.primitive != Primitive.TRIANGLES:
+        factor = 1.0 if matrix is None else world_scale(matrix)
+        record["radii"] = rows["radii"].add(factor * radii_of(mesh))
+        record["strands"] = rows["strand_of"].add(strand_of(mesh))
+    return record
 
 
 def positions_of(mesh: Mesh) -> np.ndarray:

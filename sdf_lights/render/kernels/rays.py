@@ -12,7 +12,7 @@ import numpy as np
 from ...jit import call_address3, kernel, table
 from ...replaced import replaced_on_gpu
 from ...vec import vec
-from ..scene import Ray
+from ..scene import Instance, Ray
 
 NONE = 0xFFFFFFFF
 
@@ -59,18 +59,30 @@ def world_positions(positions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     return (positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 
 
-def mask_of(instance, transparent: np.ndarray, shadow_bits: dict[int, int] | None = None) -> int:
-    """Kinds of rays that an instance takes part in; ``transparent``: (materials,) bool, True where a material lets some
+def masks_of(
+    instances: list[Instance], transparent: np.ndarray, shadow_bits: dict[int, int] | None = None
+) -> list[int]:
+    """Kinds of rays that each instance takes part in; ``transparent``: (materials,) bool, True where a material lets some
     light straight through; ``shadow_bits``: bits of ``SHADOW_BITS`` by the sets of instances that cast these shadows."""
-    mask = int(instance.visibility)
-    if not instance.visibility & Ray.SHADOW:
-        return mask
+    known: dict[tuple, int] = {}
+    found = []
+    for instance in instances:
+        key = int(instance.visibility), instance.shadow_set, instance.materials
+        if key not in known:
+            known[key] = _mask(*key, transparent, shadow_bits or {})
+        found.append(known[key])
+    return found
+
+
+def _mask(visibility: int, shadow_set: int, materials: tuple[int, ...], transparent, shadow_bits) -> int:
+    if not visibility & SHADOW_OPAQUE:
+        return visibility
     own = SHADOW_OPAQUE
-    for sets, bit in (shadow_bits or {}).items():
-        own |= bit if sets >> instance.shadow_set & 1 else 0
-    if any(transparent[material] for material in instance.materials):
+    for sets, bit in shadow_bits.items():
+        own |= bit if sets >> shadow_set & 1 else 0
+    if any(transparent[material] for material in materials):
         own <<= TRANSPARENT_PLACES
-    return mask & ~SHADOW_OPAQUE | own
+    return visibility & ~SHADOW_OPAQUE | own
 
 
 @kernel

@@ -30,9 +30,9 @@ EVEN = 0.15
 
 
 def image_distribution(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Cumulative probabilities of the cells of an image (height, width, 3), and its mean over the sphere.
+    """Cumulative probabilities of the cells of an image (height, width, 3 or 1), and its mean over the sphere.
 
-    Returns rows (R + 1,), columns (R, C + 1) and the mean of the average of RGB. In images wider than ``MAX_COLUMNS``
+    Returns rows (R + 1,), columns (R, C + 1) and the mean of the average of its channels. In images wider than ``MAX_COLUMNS``
     several pixels share a cell. Everything is zero if the image is black.
     """
     weight = np.abs(pixels[..., :3]).mean(axis=2, dtype=np.float64)
@@ -101,7 +101,7 @@ def pack(tables, scene, emitter, world_map) -> tuple[float, float]:
         # What the map misses between its points still has some probability.
         values = world_map.values
         weight = values + DEFENSIVE * values.mean(dtype=np.float64) + 1e-30
-        rows, columns, _ = image_distribution(np.repeat(weight[..., None], 3, 2))
+        rows, columns, _ = image_distribution(weight[..., None])
         header["graph"], (header["height"], header["width"]) = 1, weight.shape
         header["rows"], header["columns"] = columns.shape[0], columns.shape[1] - 1
         tables["light_image_rows"], tables["light_image_columns"] = rows, columns.ravel()
