@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import os
 import pathlib
 import subprocess
 
@@ -22,12 +23,13 @@ def seen_by(
     *arguments: str,
     size: tuple[int, int] = (1240, 960),
     real_keys: bool = False,
+    environment: dict[str, str] | None = None,
 ) -> dict:
     """The report of a session, with the exit ``code`` of Blender and what it ``printed``.
 
     ``command`` opens a Blender with a window, which gets this ``size`` in pixels. The session's arguments are the path of
     the report, which is in ``folder``, and then ``arguments``. Simulated events need that no real
-    ones are taken: ``real_keys`` is for a session without them. Raises SessionError where the session did not come to its end, or an exception reached Blender.
+    ones are taken: ``real_keys`` is for a session without them. ``environment``: variables beside those of this process. Raises SessionError where the session did not come to its end, or an exception reached Blender.
     """
     path = folder / "report.json"
     events = [] if real_keys else ["--enable-event-simulate"]
@@ -50,6 +52,7 @@ def seen_by(
         stderr=subprocess.STDOUT,
         text=True,
         timeout=PATIENCE,
+        env=os.environ | (environment or {}),
     )
     if not path.is_file():
         raise SessionError(f"Blender ended with code {done.returncode}:\n{done.stdout}")

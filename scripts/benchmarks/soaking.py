@@ -24,6 +24,10 @@ from sdf_lights.sdf.expression import evaluate
 
 CLEAN_ALL_BUFFERS = 0  # of tbb/scalable_allocator.h
 
+# Blender with a window may take its memory from Intel's allocator, which keeps pieces of what is freed as long as its neighbours are
+# in use. With this in its environment it takes all from the C library, which tells what the program itself holds.
+C_LIBRARY = {"LD_PRELOAD": "libc.so.6"}
+
 SHAPES = ["SPHERE", "TORUS", "BOX", "CAPSULE", "CONE"]
 EXPRESSIONS = [
     "sphere({0}) | box(0.3)",

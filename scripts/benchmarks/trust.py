@@ -19,6 +19,7 @@ from sessions import seen_by
 
 from . import isolation, some_of, trust_limits
 from .progress import Progress
+from .soaking import C_LIBRARY
 from .trust_inputs import TRIED
 
 HELP = "inputs tried, faults survived, time of the worst lamps, memory of pictures and scenes"
@@ -27,7 +28,9 @@ PARTS = ("tried", "builds", *trust_limits.PARTS, "soak")
 CHUNKS = 10  # in which inputs of a kind are tried
 STEPS, SECONDS = 500, 780.0  # of the soak, and within which it has to come to its end
 SOAK = pathlib.Path(__file__).with_name("soak_session.py")
-SOAK_HEADS = "steps|before they count|renders|cancels|undos|MB at the end|more MB|more threads|more handles|min"
+SOAK_HEADS = (
+    "allocator of|steps|before they count|renders|cancels|undos|MB at the end|more MB|more threads|more handles|min"
+)
 DOCUMENT = host.REPOSITORY / "docs" / "trust.md"
 MEGABYTE = 1e6
 
@@ -92,31 +95,43 @@ def builds() -> list[dict]:
 
 
 def soak(quick: bool) -> list[dict]:
-    """What a Blender with a window holds after a third of its work, and at the end. None where there is no such Blender."""
+    """What a Blender with a window holds after a third of its work, and at the end, with the allocator of the C library and
+    with its own. None where there is no such Blender."""
     command = host.windowed_blender()
     if command is None:
         print(f"The soak is left out: there is {host.NO_WINDOW}.")
         return []
+    return [_soaked(command, "the C library", C_LIBRARY, quick), _soaked(command, "Blender", {}, quick)]
+
+
+def _soaked(command: list[str], allocator: str, environment: dict[str, str], quick: bool) -> dict:
     steps, seconds = (STEPS, 30.0) if quick else (STEPS, SECONDS)
     with tempfile.TemporaryDirectory() as folder:
         found = seen_by(
-            command, SOAK, pathlib.Path(folder), str(steps), str(seconds), "7", size=(800, 540), real_keys=True
+            command,
+            SOAK,
+            pathlib.Path(folder),
+            str(steps),
+            str(seconds),
+            "7",
+            size=(800, 540),
+            real_keys=True,
+            environment=environment,
         )
     before, after, counts = found["before"], found["after"], found["counts"]
-    return [
-        dict(
-            steps=found["steps"],
-            warm_up=found["steps of the warm-up"],
-            renders=counts.get("render", 0),
-            cancels=counts.get("escape", 0) + counts.get("give_up", 0),
-            undos=counts.get("undo", 0),
-            megabytes=after["memory"] / MEGABYTE,
-            more_megabytes=(after["memory"] - before["memory"]) / MEGABYTE,
-            more_threads=len(after["threads"]) - len(before["threads"]),
-            more_handles=after["handles"] - before["handles"],
-            minutes=found["seconds"] / 60.0,
-        )
-    ]
+    return dict(
+        allocator=allocator,
+        steps=found["steps"],
+        warm_up=found["steps of the warm-up"],
+        renders=counts.get("render", 0),
+        cancels=counts.get("escape", 0) + counts.get("give_up", 0),
+        undos=counts.get("undo", 0),
+        megabytes=after["memory"] / MEGABYTE,
+        more_megabytes=(after["memory"] - before["memory"]) / MEGABYTE,
+        more_threads=len(after["threads"]) - len(before["threads"]),
+        more_handles=after["handles"] - before["handles"],
+        minutes=found["seconds"] / 60.0,
+    )
 
 
 def tried(process: isolation.Isolated, what: str, quick: bool) -> dict:
@@ -186,6 +201,7 @@ def document(rows: list[dict]) -> None:
             kept("soak"),
             SOAK_HEADS.split("|"),
             lambda row: [
+                row["allocator"],
                 *(f"{row[key]:,}" for key in ("steps", "warm_up", "renders", "cancels", "undos")),
                 f"{row['megabytes']:.0f}",
                 f"{row['more_megabytes']:.0f}",

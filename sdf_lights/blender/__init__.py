@@ -45,6 +45,7 @@ def _modules():
         sampling_presets,
         scene_panels,
         scene_report,
+        versions,
         viewport,
     )
 
@@ -52,6 +53,7 @@ def _modules():
         preferences,
         compiling,
         properties,
+        versions,
         cycles,
         *nodes.modules(),
         passes,

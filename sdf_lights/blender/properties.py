@@ -83,6 +83,11 @@ def group(name: str, doc: str, annotations: dict) -> type:
     return type(name, (bpy.types.PropertyGroup,), {"__doc__": doc, "__slots__": (), "__annotations__": annotations})
 
 
+def _version():
+    """Version of the settings that a scene or light has, for ``versions.py``; 0: not saved yet, or by the first version."""
+    return bpy.props.IntProperty(name="Version", description="Version of the settings", min=0, options={"HIDDEN"})
+
+
 _FIELDS = {field.name: field for field in dataclasses.fields(Settings) if field.name not in BLENDERS_OWN}
 
 SDFLIGHTS_ViewportSettings = group(
@@ -119,6 +124,7 @@ SDFLIGHTS_SceneSettings = group(
             options={"HIDDEN"},
             update=tag,
         ),
+        "version": _version(),
         "origin": bpy.props.EnumProperty(
             name="Origin", description="Where the settings come from", items=cycles.ORIGINS, options={"HIDDEN"}
         ),
@@ -327,6 +333,7 @@ SDFLIGHTS_LampSettings = group(
                 update=tag,
             ),
             "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
+            "version": _version(),
         }
         | {name: bpy.props.PointerProperty(type=kind) for name, kind in _SHAPE_GROUPS.items()}
     ),

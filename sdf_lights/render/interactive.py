@@ -25,7 +25,7 @@ from .errors import RenderError
 from .film import Film
 from .interfaces import InteractiveBackEnd
 from .scene import Camera, Ray, Scene
-from .session import LARGEST_BATCH, choose_back_end
+from .session import LARGEST_BATCH, check_size, choose_back_end
 
 # Seconds: how long the first coarse picture may take, how often a new one is published after that, and how long a batch
 # of samples may take, which a pause does not interrupt.
@@ -228,6 +228,7 @@ class InteractiveRender:
         """Bring the back end up to date with a scene. False if there is another one meanwhile."""
         if self._renderer is None or change is Change.ALL:
             self._drop()
+            check_size(scene)
             renderer = choose_back_end(scene)(scene, film, self._useless, self._say)
             if not renderer.ready:
                 with self._condition:

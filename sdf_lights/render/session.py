@@ -99,7 +99,7 @@ def render(
     Raises RenderError with one sentence for the user.
     """
     on_progress(Progress("Preparing", memory=process_memory()))
-    _check_size(scene, passes)
+    check_size(scene, passes)
     if wants_gpu(scene.settings):
         from .gpu.renderer import GpuRenderer
 
@@ -111,7 +111,7 @@ def render(
     return _render(choose_back_end(scene), scene, passes, cancelled, on_progress, on_update)
 
 
-def _check_size(scene: Scene, passes: tuple[str, ...]) -> None:
+def check_size(scene: Scene, passes: tuple[str, ...] = ()) -> None:
     """Raise ``RenderError`` where there is no memory for the picture, or for the scene beside it."""
     x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
     needed, free = (x1 - x0) * (y1 - y0) * bytes_of_a_pixel(scene, passes), memory.available()

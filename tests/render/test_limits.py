@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What does not fit into memory is said before it is begun."""
 
+import time
+
 import numpy as np
 import pytest
 
 from sdf_lights.render import memory, session
 from sdf_lights.render.errors import RenderError
 from sdf_lights.render.film import Film, bytes_of_a_pixel
+from sdf_lights.render.interactive import Change, InteractiveRender
 from sdf_lights.render.passes import PASSES
 from sdf_lights.render.settings import Device
 from support import scenes
@@ -64,8 +67,34 @@ def test_a_scene_without_room_is_refused_before_it_begins(monkeypatch, kind):
     assert [progress.text for progress in told] == ["Preparing"]
 
 
+def test_a_scene_without_room_is_refused_by_a_viewport(monkeypatch):
+    scene = scenes.SCENES["torus_room"](8, 8)
+    scene.settings.device = Device.REFERENCE
+    scene.instances *= 1_000_000
+    monkeypatch.setattr(memory, "available", lambda: 100 << 20)
+    view = InteractiveRender()
+    view.update(scene, Change.ALL)
+    deadline = time.monotonic() + 20.0
+    while not view.finished and time.monotonic() < deadline:
+        time.sleep(0.01)
+    view.stop()
+    assert "100 MB of memory are free: subdivide less" in view.error
+
+
 def test_where_memory_is_not_known_nothing_is_refused(monkeypatch):
     monkeypatch.setattr(memory, "available", lambda: None)
     scene = scenes.SCENES["torus_room"](8, 8)
     scene.settings.device, scene.settings.samples = Device.REFERENCE, 1
     assert session.render(scene, ()).samples == 1
+
+
+@pytest.mark.slow
+def test_a_region_of_16k_is_that_of_a_small_picture():
+    """A still of 16,384 × 16,384 pixels is rendered in parts: the strip of each is the strip of the small picture, but for noise."""
+    means = []
+    for size, samples in ((512, 128), (16_384, 1)):
+        scene = scenes.SCENES["torus_room"](size, size)
+        scene.border = 0, size // 2, size, size // 2 + size // 512
+        scene.settings.samples, scene.settings.denoise, scene.settings.noise_threshold = samples, False, 0.0
+        means.append(session.render(scene, ()).read("Combined")[..., :3].mean(axis=(0, 1)))
+    np.testing.assert_allclose(means[1], means[0], rtol=0.01)

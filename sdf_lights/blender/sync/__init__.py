@@ -14,7 +14,7 @@ from ...render.material import UV
 from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
-from .. import cycles
+from .. import cycles, versions
 from ..passes import is_enabled, layer_passes
 from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
@@ -87,6 +87,7 @@ def sync_views(
         settings=layer_settings(blender_scene, depsgraph.view_layer_eval),
     )
     warn(cycles.missing(blender_scene))
+    warn(versions.newer(depsgraph))
     scene.passes = layer_passes(depsgraph.view_layer)
     if is_enabled(BY_NAME["UV"], depsgraph.view_layer):
         scene.attributes.append(UV)
