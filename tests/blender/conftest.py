@@ -168,6 +168,19 @@ def material():
 
 
 @pytest.fixture
+def compositor(file):
+    """(tree, node): an empty tree of the scene's compositor, and the node whose first input is the result."""
+    scene = file.scene
+    if hasattr(scene, "compositing_node_group"):
+        tree = scene.compositing_node_group = bpy.data.node_groups.new("Compositor", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        return tree, tree.nodes.new("NodeGroupOutput")
+    scene.use_nodes = True
+    scene.node_tree.nodes.clear()
+    return scene.node_tree, scene.node_tree.nodes.new("CompositorNodeComposite")
+
+
+@pytest.fixture
 def pictures(file, tmp_path):
     """Function: render, and read back {layer: {pass: (height, width, channels)}} with row 0 at the bottom."""
     openimageio = pytest.importorskip("OpenImageIO")

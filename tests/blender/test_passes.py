@@ -16,6 +16,7 @@ pytest.importorskip("_cycles")
 
 DATA = ("z", "ambient_occlusion", "mist", "uv", "object_index", "material_index")
 LIGHT = ("emit", "environment")
+MIX = "CompositorNodeMixRGB" if bpy.app.version < (5, 0, 0) else "ShaderNodeMix"  # adds pictures in the compositor
 LOBES = [f"{lobe}_{part}" for lobe in ("diffuse", "glossy", "transmission") for part in ("direct", "indirect", "color")]
 
 
@@ -216,19 +217,11 @@ def test_a_light_may_have_a_pass_of_its_own(scene, pictures, file, lamp, add):
     assert alone["Light Right"].mean() == pytest.approx(found["Light Right"].mean(), rel=0.02)
 
 
-def test_blenders_node_picks_an_object(scene, pictures, file):
+def test_blenders_node_picks_an_object(scene, pictures, file, compositor):
     """The Cryptomatte node of the compositor finds an object by its name."""
     switch_on(file.layer, ["cryptomatte_object"])
     scene.sdf_lights.samples = 16
-    if hasattr(scene, "compositing_node_group"):
-        tree = scene.compositing_node_group = bpy.data.node_groups.new("Picked", "CompositorNodeTree")
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        end = tree.nodes.new("NodeGroupOutput")
-    else:
-        scene.use_nodes = True
-        tree = scene.node_tree
-        tree.nodes.clear()
-        end = tree.nodes.new("CompositorNodeComposite")
+    tree, end = compositor
     node = tree.nodes.new("CompositorNodeCryptomatteV2")
     node.source, node.scene, node.layer_name = "RENDER", scene, f"{file.layer.name}.CryptoObject"
     node.matte_id = "Plastic"
@@ -246,6 +239,38 @@ def test_blenders_node_picks_an_object(scene, pictures, file):
     )
     assert expected.max() == 1.0
     np.testing.assert_allclose(found["Composite"]["Combined"][..., 0], expected, atol=1e-5)
+
+
+def test_light_groups_are_mixed_anew(scene, pictures, file, compositor):
+    """The compositor makes the key light half and the fill three times as bright, as a render with such lights is."""
+    factors = {"Key": 0.5, "Fill": 3.0, "Sky": 1.0}
+    for name in factors:
+        file.layer.lightgroups.add(name=name)
+    bpy.data.objects["Area"].lightgroup, bpy.data.objects["Glow"].lightgroup = "Key", "Fill"
+    scene.world.lightgroup, scene.render.engine = "Sky", ENGINE
+    file.layer.update_render_passes()
+    tree, end = compositor
+    layers, result = tree.nodes.new("CompositorNodeRLayers"), None
+    layers.scene = scene
+    for name, factor in factors.items():
+        node = tree.nodes.new(MIX)
+        if MIX == "ShaderNodeMix":
+            node.data_type, node.clamp_factor = "RGBA", False
+        node.blend_type = "ADD"
+        share, first, second = (socket for socket in node.inputs if socket.enabled)
+        share.default_value, first.default_value = factor, (0.0, 0.0, 0.0, 1.0)
+        if result is not None:
+            tree.links.new(result, first)
+        tree.links.new(layers.outputs[f"Combined_{name}"], second)
+        result = next(socket for socket in node.outputs if socket.enabled)
+    tree.links.new(result, end.inputs[0])
+    mixed = pictures()["Composite"]["Combined"][..., :3]
+    bpy.data.lights["Area"].energy *= factors["Key"]
+    glow = bpy.data.objects["Glow"].data.materials[0].node_tree
+    next(node for node in glow.nodes if node.type == "EMISSION").inputs["Strength"].default_value *= factors["Fill"]
+    again = pictures()["ViewLayer"]["Combined"][..., :3]
+    np.testing.assert_allclose(mixed.mean((0, 1)), again.mean((0, 1)), rtol=0.01)
+    assert np.abs(mixed - again).mean() < 0.05 * again.mean()
 
 
 KINDS = {"Object": "object", "Material": "material", "Asset": "asset"}

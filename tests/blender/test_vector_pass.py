@@ -203,19 +203,11 @@ def test_nothing_else_of_the_picture_changes(shot, file, both):
     np.testing.assert_array_equal(both()[1]["ViewLayer"]["Combined"], plain)
 
 
-def test_blenders_node_blurs_as_with_cycles(shot, file, both):
+def test_blenders_node_blurs_as_with_cycles(shot, file, both, compositor):
     """The Vector Blur node of the compositor makes the same picture of the passes of both engines."""
     camera_and_object(file.camera, shot)
     scene = file.scene
-    if hasattr(scene, "compositing_node_group"):
-        tree = scene.compositing_node_group = bpy.data.node_groups.new("Blurred", "CompositorNodeTree")
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        end = tree.nodes.new("NodeGroupOutput")
-    else:
-        scene.use_nodes = True
-        tree = scene.node_tree
-        tree.nodes.clear()
-        end = tree.nodes.new("CompositorNodeComposite")
+    tree, end = compositor
     layers, node = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeVecBlur")
     layers.scene = scene
     file.layer.update_render_passes()
