@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's preferences: which back end there is, what is lost without it, compiled kernels, and the log."""
+"""The add-on's preferences: what renders on this computer, which back end there is, what is lost without it, compiled kernels, and
+the log."""
 
 import functools
 import importlib.util
@@ -10,6 +11,7 @@ import time
 import bpy
 
 from .. import kernel_cache
+from ..render.settings import Device, Settings
 from . import command_line, compiling
 from .naming import ROOT
 
@@ -73,6 +75,26 @@ class SDFLIGHTS_OT_kernels_clear(bpy.types.Operator):
         return {"FINISHED"}
 
 
+AS_SCENES = "SCENE"
+
+
+def own() -> bpy.types.AddonPreferences | None:
+    """What the user prefers; None where the add-on is registered without being enabled, as by scripts."""
+    addon = bpy.context.preferences.addons.get(ROOT)
+    return addon and addon.preferences
+
+
+def apply(settings: Settings) -> None:
+    """Give ``settings`` what this computer's user prefers for all scenes."""
+    wanted = own()
+    if wanted is None:
+        return
+    if wanted.device != AS_SCENES:
+        settings.device = Device(wanted.device)
+    if wanted.threads:
+        settings.threads = min(settings.threads or wanted.threads, wanted.threads)
+
+
 def _write_log(self, context):
     command_line.write_log(self.log_level.lower())
 
@@ -93,8 +115,26 @@ class SDFLIGHTS_Preferences(bpy.types.AddonPreferences):
         ],
     )
 
+    device: bpy.props.EnumProperty(
+        name="Device",
+        description="What renders on this computer; --sdf-device on the command line goes before it",
+        items=[
+            (AS_SCENES, "As Scenes Say", "What each scene is set to"),
+            (Device.CPU.value, "CPU", "The processor, whatever scenes say"),
+            (Device.GPU.value, "GPU", "The graphics card, whatever scenes say; the processor where there is none"),
+        ],
+    )
+    threads: bpy.props.IntProperty(
+        name="Threads",
+        description="Most threads of renders on this computer. 0: as scenes say; --sdf-threads on the command line goes before it",
+        min=0,
+        max=1024,
+    )
+
     def draw(self, context):
         draw_back_end(self.layout)
+        self.layout.prop(self, "device")
+        self.layout.prop(self, "threads")
         compiling.draw(self.layout)
         draw_cache(self.layout)
         self.layout.prop(self, "log_level")
@@ -106,6 +146,6 @@ CLASSES = (SDFLIGHTS_OT_kernels_clear, SDFLIGHTS_Preferences)
 
 
 def register():
-    addon = bpy.context.preferences.addons.get(ROOT)
-    if addon is not None and addon.preferences.log_level != "WARNING":
-        command_line.write_log(addon.preferences.log_level.lower())
+    wanted = own()
+    if wanted is not None and wanted.log_level != "WARNING":
+        command_line.write_log(wanted.log_level.lower())

@@ -3,11 +3,15 @@
 """What the preferences offer: the report of a problem, compiled kernels, the log."""
 
 import logging
+import sys
 
 import bpy
+import pytest
 
 from sdf_lights import kernel_cache
 from sdf_lights.blender import command_line, feedback, preferences, problem_report
+from sdf_lights.blender.sync import frame_settings
+from sdf_lights.render.settings import Device
 
 
 def test_a_report_has_versions_settings_and_warnings(file):
@@ -47,3 +51,36 @@ def test_the_log_has_the_levels_of_logging():
         assert command_line.LOG.level == logging.INFO
     finally:
         command_line.LOG.setLevel(before)
+
+
+@pytest.fixture
+def preferred(file):
+    """The preferences of the add-on, as if the user had enabled it."""
+    addons = bpy.context.preferences.addons
+    addon = addons.new()
+    addon.module = preferences.ROOT
+    yield addon.preferences
+    addons.remove(addon)
+
+
+@pytest.mark.parametrize(
+    "wanted, threads, expected", [(0, 0, 0), (3, 0, 3), (3, 2, 2), (3, 8, 3)], ids=["neither", "user", "fewer", "more"]
+)
+def test_this_computer_has_a_device_and_threads_of_its_own(preferred, file, wanted, threads, expected):
+    render = file.scene.render
+    render.threads_mode, render.threads = ("FIXED", threads) if threads else ("AUTO", render.threads)
+    assert frame_settings(file.scene).device is Device.REFERENCE
+    preferred.device, preferred.threads = "CPU", wanted
+    for viewport in (False, True):
+        settings = frame_settings(file.scene, viewport)
+        assert settings.device is Device.CPU and settings.threads == expected
+    preferred.device = "SCENE"
+    assert frame_settings(file.scene).device is Device.REFERENCE
+
+
+def test_the_command_line_goes_before_preferences(preferred, file, monkeypatch):
+    preferred.device, preferred.threads = "GPU", 2
+    monkeypatch.setattr(sys, "argv", ["blender", "--", "--sdf-device", "cpu", "--sdf-threads", "5"])
+    settings = frame_settings(file.scene)
+    command_line.apply(settings)
+    assert settings.device is Device.CPU and settings.threads == 5

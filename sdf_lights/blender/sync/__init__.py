@@ -14,7 +14,7 @@ from ...render.material import UV
 from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
 from ...render.settings import Settings
-from .. import cycles, versions
+from .. import cycles, preferences, versions
 from ..passes import is_enabled, layer_passes
 from ..properties import layer_samples, settings_of
 from .camera import border_of, camera_of, frame_size
@@ -135,6 +135,7 @@ def sync_lights(depsgraph: bpy.types.Depsgraph, scene: Scene, space: bpy.types.S
 def frame_settings(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
     """The settings, with the seed of the current frame."""
     settings = settings_of(scene, viewport)
+    preferences.apply(settings)
     if settings.animate_seed:
         settings.seed = (settings.seed + scene.frame_current * _FRAME_STRIDE) & 0x7FFFFFFF
     return settings
