@@ -6,7 +6,7 @@ What follows ``--`` belongs to scripts. Only words that begin with ``--sdf-``, a
 process, whatever the file says.
 
 ``blender -c sdf_lights_merge OUT.exr IN.exr ...`` joins the files of renders that have shared the samples of a frame, and
-``blender -c sdf_lights_job OUT.json FILE.blend`` writes a job for a render farm.
+``blender -c sdf_lights_job OUT.json FILE.blend`` writes a job for a render farm. ``sdf_lights_movie`` makes a movie of the frames.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import bpy
 
 from ..render.errors import RenderError
 from ..render.settings import Device, Settings
-from . import render_job
+from . import movie, render_job
 
 LOG = logging.getLogger("sdf_lights")
 
@@ -155,8 +155,9 @@ CLASSES = ()
 
 
 def register():
-    for name, run in (("sdf_lights_merge", _merge), ("sdf_lights_job", render_job.command)):
-        _commands.append(bpy.utils.register_cli_command(name, run))
+    runs = {"merge": _merge, "job": render_job.command, "movie": movie.command}
+    for name, run in runs.items():
+        _commands.append(bpy.utils.register_cli_command(f"sdf_lights_{name}", run))
 
 
 def unregister():

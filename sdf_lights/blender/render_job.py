@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Jobs of render farms, as Open Job Description templates: frames × ranges of samples, then one picture of each frame.
+"""Jobs of render farms, as Open Job Description templates: frames × ranges of samples, then one picture of each frame, then a movie
+where one is wanted.
 
 A farm that reads such a template, or ``openjd run`` on one machine, starts the tasks, and again those that fail. Written by an operator,
 and by ``blender -c sdf_lights_job OUT.json FILE.blend``. Specification: "Open Job Description", template schema 2023-09.
@@ -29,7 +30,14 @@ def ranges(samples: int, count: int) -> list[tuple[int, int]]:
 
 
 def template(
-    place: pathlib.Path, file: pathlib.Path, folder: pathlib.Path, frames: str, samples: int, count: int, denoise: bool
+    place: pathlib.Path,
+    file: pathlib.Path,
+    folder: pathlib.Path,
+    frames: str,
+    samples: int,
+    count: int,
+    denoise: bool,
+    movie: bool,
 ) -> dict:
     """The job: ``frames`` such as ``"1-10"`` or ``"1-100:2"`` of a .blend, with ``count`` tasks for each, into a folder.
 
@@ -45,7 +53,8 @@ def template(
         space: dict = {"taskParameterDefinitions": parameters}
         if len(parameters) > 1:
             space["combination"] = "Frame * (First, End)"
-        return {"name": title, "parameterSpace": space, "script": {"actions": {"onRun": run}}, **rest}
+        tasks = {"parameterSpace": space} if parameters else {}
+        return {"name": title, **tasks, "script": {"actions": {"onRun": run}}, **rest}
 
     def part(first: str) -> str:
         return f"{{{{Param.Folder}}}}/{_PARTS}/{first}_####"
@@ -71,6 +80,10 @@ def template(
         ],
         dependencies=[{"dependsOn": "Render"}],
     )
+    steps = [render, merge]
+    if movie:
+        arguments = ["-c", "sdf_lights_movie", "{{Param.Folder}}/movie.mp4", "{{Param.File}}", "{{Param.Folder}}/*.exr"]
+        steps.append(step("Movie", [], arguments, dependencies=[{"dependsOn": "Merge"}]))
 
     def path(title: str, kind: str, flow: str, default: pathlib.Path) -> dict:
         found = {"name": title, "type": "PATH", "objectType": kind, "dataFlow": flow}
@@ -86,7 +99,7 @@ def template(
             {"name": "Frames", "type": "STRING", "default": frames},
             {"name": "Blender", "type": "STRING", "default": "blender", "description": "Command that starts Blender"},
         ],
-        "steps": [render, merge],
+        "steps": steps,
     }
 
 
@@ -124,6 +137,9 @@ class SDFLIGHTS_OT_render_job_write(bpy.types.Operator, ExportHelper):
         description="Denoise each joined frame. The pass Denoising Data keeps more detail",
         default=False,
     )
+    movie: bpy.props.BoolProperty(
+        name="Movie", description="Make a movie of the joined frames, as this scene shows them", default=False
+    )
 
     @classmethod
     def poll(cls, context):
@@ -137,7 +153,7 @@ class SDFLIGHTS_OT_render_job_write(bpy.types.Operator, ExportHelper):
         if not bpy.data.filepath:
             self.report({"ERROR"}, "This file has no name yet: save it, so that other machines can open it.")
             return {"CANCELLED"}
-        settings = frames_of(scene), scene.sdf_lights.samples, self.tasks, self.denoise
+        settings = frames_of(scene), scene.sdf_lights.samples, self.tasks, self.denoise, self.movie
         try:
             write(self.filepath, bpy.data.filepath, None, *settings)
         except OSError as error:
@@ -159,12 +175,14 @@ def command(words: list[str]) -> int:
     parser.add_argument("--tasks", type=int, default=4, help="tasks that share the samples of a frame")
     parser.add_argument("--folder", help="where frames go; beside the file where this is missing")
     parser.add_argument("--denoise", action="store_true", help="denoise each joined frame")
+    parser.add_argument("--movie", action="store_true", help="make a movie of the joined frames")
     chosen = parser.parse_args(words)
     try:
         bpy.ops.wm.open_mainfile(filepath=os.path.abspath(chosen.file), load_ui=False)
         scene = bpy.context.scene
         frames, samples = chosen.frames or frames_of(scene), chosen.samples or scene.sdf_lights.samples
-        write(chosen.out, chosen.file, chosen.folder, frames, samples, max(chosen.tasks, 1), chosen.denoise)
+        wanted = max(chosen.tasks, 1), chosen.denoise, chosen.movie
+        write(chosen.out, chosen.file, chosen.folder, frames, samples, *wanted)
     except (OSError, RuntimeError) as error:
         print(f"sdf_lights_job: {str(error).strip()}")
         return 1

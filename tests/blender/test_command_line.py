@@ -155,7 +155,27 @@ def kill_renders(word: str) -> bool:
     return found
 
 
-FRAMES, TASKS = 5, 2
+def environment_with(package: str, folder: pathlib.Path) -> pathlib.Path:
+    """The Python of a new environment that has a package. The test is skipped where there is no index of packages."""
+    python = folder / "bin" / "python"
+    subprocess.run([sys.executable, "-m", "venv", folder], check=True)
+    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", package]
+    if subprocess.run(pip, capture_output=True).returncode:
+        pytest.skip(f"pip cannot install {package}")
+    return python
+
+
+def frames_of_movie(path: pathlib.Path) -> int:
+    import bpy
+
+    clip = bpy.data.movieclips.load(str(path))
+    try:
+        return clip.frame_duration
+    finally:
+        bpy.data.movieclips.remove(clip)
+
+
+FRAMES, TASKS = 10, 2
 
 
 @pytest.mark.gui
@@ -163,17 +183,13 @@ def test_a_farm_renders_an_animation(installed, tmp_path):
     """By the job that a command writes, with Open Job Description's own runner. One task is killed; its frames are whole after the
     next run."""
     openimageio = pytest.importorskip("OpenImageIO")
-    python = tmp_path / "openjd" / "bin" / "python"
-    subprocess.run([sys.executable, "-m", "venv", tmp_path / "openjd"], check=True)
-    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "openjd-cli==0.8.0"]
-    if subprocess.run(pip, capture_output=True).returncode:
-        pytest.skip("pip cannot install openjd-cli")
+    python = environment_with("openjd-cli==0.8.0", tmp_path / "openjd")
     job, folder = installed.folder / "job.json", installed.folder / "frames"
     installed.blender(
         *("-b", "-c", "sdf_lights_job", job, installed.file, "--frames", f"1-{FRAMES}", "--samples", "16"),
-        *("--tasks", TASKS, "--folder", folder),
+        *("--tasks", TASKS, "--folder", folder, "--movie"),
     )
-    assert len(json.loads(job.read_text())["steps"]) == 2
+    assert len(json.loads(job.read_text())["steps"]) == 3
     # A template names one program, and the command of a Blender with a window may be longer.
     start = tmp_path / "start"
     start.write_text("#!/bin/sh\nexec " + " ".join(installed.command) + ' "$@"\n', encoding="utf-8")
@@ -187,7 +203,7 @@ def test_a_farm_renders_an_animation(installed, tmp_path):
         "--job-param",
         f"Blender={start}",
         "--step",
-        "Merge",
+        "Movie",
         "--run-dependencies",
     ]
 
@@ -205,9 +221,66 @@ def test_a_farm_renders_an_animation(installed, tmp_path):
     names = sorted(path.name for path in folder.glob("*.exr"))
     assert names == [f"{frame:04}.exr" for frame in range(1, FRAMES + 1)]
 
+    assert frames_of_movie(folder / "movie.mp4") == FRAMES
+
     def channels(path: pathlib.Path) -> np.ndarray:
         return openimageio.ImageInput.open(str(path)).read_image(openimageio.FLOAT)[..., :3]
 
     installed.blender("-b", installed.file, "-E", "SDF_LIGHTS", "-o", tmp_path / "whole_####", "-f", "1")
     found, whole = channels(folder / "0001.exr"), channels(tmp_path / "whole_0001.exr")
     assert found.mean() == pytest.approx(whole.mean(), rel=0.02)
+
+
+FLAMENCO = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "flamenco" / "sdf_lights.js"
+# What the Flamenco Manager gives to job types, as its documents say, with tasks in the order in which they may run.
+MANAGER = """
+const tasks = [];
+const author = {
+    Command: (name, parameters) => ({ name, parameters }),
+    Task: (name, type) => {
+        const task = { name, type, commands: [], after: [] };
+        task.addCommand = command => task.commands.push(command);
+        task.addDependency = other => task.after.push(other.name);
+        return task;
+    },
+};
+const path = { join: (...parts) => parts.join("/") };
+const frameChunker = (frames, size) => {
+    const [first, last] = frames.split("-").map(Number);
+    return Array.from({ length: last - first + 1 }, (_, index) => String(first + index));
+};
+"""
+COMPILE = """
+import json, sys
+import quickjs
+context = quickjs.Context()
+manager, job_type, settings = sys.stdin.read().split("\\0")
+context.eval(manager + job_type)
+context.eval("compileJob({ settings: " + settings + ", addTask: task => tasks.push(task) })")
+print(json.dumps([json.loads(context.eval("JSON.stringify(tasks)")), json.loads(context.eval("JSON.stringify(JOB_TYPE)"))]))
+"""
+
+
+@pytest.mark.gui
+def test_flamenco_renders_an_animation(installed, tmp_path):
+    """The job type makes tasks, in an engine of JavaScript; each is run as a worker of Flamenco does."""
+    python, folder = environment_with("quickjs==1.19.4", tmp_path / "quickjs"), tmp_path / "frames"
+    settings = dict(frames="1-2", samples=7, tasks_per_frame=2, denoise=False, movie=True)
+    settings |= dict(render_output_path=str(folder), blendfile=str(installed.file))
+    source = "\0".join([MANAGER, FLAMENCO.read_text(encoding="utf-8"), json.dumps(settings)])
+    done = subprocess.run([python, "-c", COMPILE], input=source, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    tasks, job_type = json.loads(done.stdout)
+    assert settings.keys() <= {item["key"] for item in job_type["settings"]}
+    finished: list[str] = []
+    for task in tasks:
+        assert set(task["after"]) <= set(finished)
+        for command in task["commands"]:
+            given = command["parameters"]
+            file = ["-b", given["blendfile"]] if command["name"] == "blender-render" else []
+            assert given["exe"] == "{blender}"
+            installed.blender(*file, *given["args"])
+        finished.append(task["name"])
+    assert len(finished) == 2 * 3 + 1
+    assert sorted(path.name for path in folder.glob("*.exr")) == ["0001.exr", "0002.exr"]
+    assert frames_of_movie(folder / "movie.mp4") == 2

@@ -9,7 +9,8 @@ import bpy
 import numpy as np
 import pytest
 
-from sdf_lights.blender import command_line, render_job
+from sdf_lights.blender import command_line, movie, render_job
+from sdf_lights.blender.shader_trees import use_nodes
 from sdf_lights.render import merge_files, merging
 from sdf_lights.render.errors import RenderError
 from sdf_lights.render.settings import Device
@@ -190,3 +191,36 @@ def test_a_job_is_written(file, stage, tmp_path):
     assert parts == [f"{{{{Param.Folder}}}}/parts/{first}_####.exr" for first in (0, 4, 8)]
     with pytest.raises(RuntimeError, match="choose another folder"):
         bpy.ops.sdf_lights.render_job_write(filepath=str(tmp_path / "missing" / "job.json"))
+
+
+def test_a_movie_is_made_as_the_scene_shows_it(file, pictures, tmp_path, capsys):
+    """In the order of numbers, with the view transform of the file; odd sizes lose a line, as H.264 asks."""
+    scene, blend, out = file.scene, str(tmp_path / "room.blend"), tmp_path / "movie.mp4"
+    scene.world = bpy.data.worlds.new("World")
+    color = use_nodes(scene.world).nodes["Background"].inputs["Color"]
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.fps = 33, 25, 30
+    shades = {}
+    for frame, strength in ((9999, 0.2), (10_000, 0.8)):
+        color.default_value = (strength, strength, strength, 1.0)
+        pictures()
+        (tmp_path / "picture.exr").rename(tmp_path / f"{frame}.exr")
+    for transform in ("Standard", "Raw"):
+        scene.view_settings.view_transform = transform
+        bpy.ops.wm.save_as_mainfile(filepath=blend, check_existing=False)
+        assert movie.command([str(out), blend, str(tmp_path / "*.exr")]) == 0
+        scene = bpy.context.scene
+        assert "has 2 frames" in capsys.readouterr().out and len(bpy.data.scenes) == 1
+        clip = bpy.data.movieclips.load(str(out))
+        assert tuple(clip.size) == (32, 24) and clip.frame_duration == 2 and clip.fps == pytest.approx(30.0)
+        image = bpy.data.images.load(str(out))
+        image.colorspace_settings.name = "Non-Color"
+        shades[transform] = np.array(image.pixels[:4])[0]
+        bpy.data.images.remove(image)
+        bpy.data.movieclips.remove(clip)
+    assert shades["Raw"] == pytest.approx(0.2, abs=0.02)  # the frame with the lower number is the first
+    assert shades["Standard"] == pytest.approx(0.485, abs=0.02)
+    assert movie.command([str(out), blend, str(tmp_path / "missing.exr")]) == 1
+    assert "there is no picture" in capsys.readouterr().out
+    (tmp_path / "text.exr").write_text("no picture")
+    assert movie.command([str(out), blend, str(tmp_path / "text.exr")]) == 1
+    assert "text.exr is no picture" in capsys.readouterr().out
