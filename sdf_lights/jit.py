@@ -365,6 +365,26 @@ if AVAILABLE:
 
         return view
 
+    def array_at(dtype, count: int):
+        """Intrinsic that gives the 1-D array of ``count`` numbers of ``dtype`` at an address, which may be a float."""
+        array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
+        itemsize = np.dtype(dtype).itemsize
+
+        @intrinsic
+        def view(typingctx, address):
+            def codegen(context, builder, signature, arguments):
+                array = context.make_array(array_type)(context, builder)
+                place = context.cast(builder, arguments[0], signature.args[0], types.int64)
+                data = builder.inttoptr(place, context.get_data_type(array_type.dtype).as_pointer())
+                size = context.get_constant(types.intp, itemsize)
+                shape = [context.get_constant(types.intp, count)]
+                populate_array(array, data=data, shape=shape, strides=[size], itemsize=size, meminfo=None)
+                return array._getvalue()
+
+            return array_type(address), codegen
+
+        return view
+
     @intrinsic(prefer_literal=True)
     def _load_numbers(typingctx, address, count):
         """A tuple of a literal ``count`` of doubles at an address."""
@@ -448,7 +468,7 @@ if AVAILABLE:
             _call_each(self.address, len(results), operands.ctypes.data, strides[0], results.ctypes.data, strides[1])
 
     @intrinsic
-    def _call_part(typingctx, address, operands, results):
+    def call_numbers(typingctx, address, operands, results):
         """Call a ``CallablePart`` that needs no records; all arguments are integers."""
         signature, codegen = _caller([ir.IntType(64)] * 4)(typingctx)
 
@@ -461,7 +481,7 @@ if AVAILABLE:
     @kernel
     def _call_each(address, count, operands, operand_stride, results, result_stride):
         for index in range(count):
-            _call_part(address, operands + index * operand_stride, results + index * result_stride)
+            call_numbers(address, operands + index * operand_stride, results + index * result_stride)
 
     def _called(kernel, static: tuple[int, ...], operands: int, records: tuple | None):
         if records is None:
@@ -556,9 +576,9 @@ else:
         return float(np.int64(bits).view(np.float64))
 
     # Kernels that call machine code import these; nothing can call such kernels then.
-    call_address3 = call_field = call_surface_code = call_part = address_of_record = stack_array = CallablePart = (
-        Callback
-    ) = None
+    call_address3 = call_field = call_surface_code = call_part = call_numbers = address_of_record = stack_array = (
+        CallablePart
+    ) = Callback = None
 
 
 def specialised(function, name: str, **names):

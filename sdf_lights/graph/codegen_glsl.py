@@ -84,6 +84,10 @@ float {name}_acos(float a)
 _NEEDS_ATAN2 = frozenset({"atan", "asin", "acos"})
 
 
+class UnwrittenError(ValueError):
+    """A formula calls a function that has no GLSL here."""
+
+
 def function(formula: Formula | Sequence[Formula], name: str, parameters: str = "k[{}]") -> str:
     """Source of ``float name(vec3 p)``; of a function that gives a vector, for two to four formulas.
 
@@ -186,6 +190,8 @@ class _Writer:
             elif node.kind == RESULT:
                 written[node] = operands[0][node.value]
             elif node.kind == CALL:
+                if self.call is None:
+                    raise UnwrittenError(f"{node.value.name} has no form for the graphics card")
                 written[node] = self.call(node.value, operands, self._variable)
             else:
                 self.used.add(node.kind)

@@ -90,10 +90,13 @@ def lamp_shader(code: LampCode) -> gpu.types.GPUShader:
     info.define("INTERVALS_SUM", "emitted")
     info.define("CROSSING_ERROR", "(0.1 * lamp.low.w)")
     info.vertex_source(source("proxy_vertex.glsl"))
-    functions = _NUMBER + codegen_glsl.function(code.field, "body", "number({})") + _FIELD
-    if code.colour is not None:
-        info.define("VARIES", "1")
-        functions += codegen_glsl.function(code.colour, "colour", f"number({{}} + {code.parameters})")
+    try:
+        functions = _NUMBER + codegen_glsl.function(code.field, "body", "number({})") + _FIELD
+        if code.colour is not None:
+            info.define("VARIES", "1")
+            functions += codegen_glsl.function(code.colour, "colour", f"number({{}} + {code.parameters})")
+    except codegen_glsl.UnwrittenError as error:
+        raise ShaderError(str(error)) from None
     info.fragment_source(
         "".join([functions, *map(source, ("proxy_emission.glsl", "intervals.glsl", "proxy_fragment.glsl"))])
     )

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays that formulas read: outlines, curves, grids, weights.
+
+A formula knows a table by a parameter that holds the address of its first number. So the graph, which is the key of compiled
+code, does not depend on what is in a table: an edited outline compiles nothing. An address is below 2⁵³, so float64 holds it.
+
+Tables of the same content are one object, found by a hash. A shape holds its tables, and an ``Address`` its table, so a key of
+a cache that contains one keeps the memory from being used for something else.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import threading
+import weakref
+
+import numpy as np
+
+from .. import jit
+from .formula import CALL, CONSTANT, ITERATE, PARAMETER, Formula, Numbers, body, order
+
+
+class Table:
+    """A read-only 1-D array in a place of its own, compared by identity; made by ``table`` alone."""
+
+    __slots__ = ("array", "key", "__weakref__")
+
+    array: np.ndarray
+    key: bytes
+
+    @property
+    def address(self) -> "Address":
+        """Where the first number lies, for a slot of a formula."""
+        return Address(self)
+
+    @property
+    def bytes(self) -> int:
+        """Size in memory."""
+        return self.array.nbytes
+
+    def __reduce__(self):
+        return table, (np.array(self.array),)
+
+    def __repr__(self):
+        return f"<Table {self.array.dtype} × {len(self.array)}>"
+
+
+class Address(float):
+    """The address of a table, as a number that keeps the table alive."""
+
+    table: Table
+
+    def __new__(cls, owner: Table):
+        found = super().__new__(cls, owner.array.ctypes.data)
+        found.table = owner
+        return found
+
+    def __reduce__(self):
+        return Address, (self.table,)
+
+
+_known: weakref.WeakValueDictionary[bytes, Table] = weakref.WeakValueDictionary()
+_places: weakref.WeakValueDictionary[int, Table] = weakref.WeakValueDictionary()
+_lock = threading.Lock()
+
+
+def table(array: np.ndarray) -> Table:
+    """The table of the content of a 1-D array, which is copied unless that table is there. It begins a line of the cache."""
+    array = np.ascontiguousarray(array)
+    if array.ndim != 1 or not len(array):
+        raise ValueError(f"a table is an array of one dimension that is not empty, not one of shape {array.shape}")
+    key = hashlib.sha256(array.dtype.str.encode() + array.view(np.uint8).data).digest()
+    with _lock:
+        found = _known.get(key)
+        if found is None:
+            memory = np.empty(array.nbytes + 64, np.uint8)
+            start = -memory.ctypes.data % 64
+            copy = memory[start : start + array.nbytes].view(array.dtype)
+            copy[:] = array
+            copy.flags.writeable = False
+            found = Table.__new__(Table)
+            found.array, found.key = copy, key
+            _known[key] = found
+            _places[copy.ctypes.data] = found
+    return found
+
+
+def tables_of(formula: Formula, parameters: Numbers) -> tuple[Table, ...]:
+    """Tables that a formula with these parameters reads. Whoever keeps the numbers alone has to keep these too."""
+    found: dict[Table, None] = {}
+    pending = list(order(formula))
+    seen = set()
+    while pending:
+        node = pending.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        if node.kind == ITERATE:
+            pending += [*body(node), *node.operands]
+        if node.kind == CALL:
+            for operand in node.operands[: node.value.tables]:
+                if operand.kind in (PARAMETER, CONSTANT):
+                    number = parameters[operand.value] if operand.kind == PARAMETER else operand.value
+                    known = _places.get(int(number))
+                    if known is not None:
+                        found[known] = None
+    return tuple(found)
+
+
+def memory() -> int:
+    """Bytes of all tables that live."""
+    with _lock:
+        return sum(known.bytes for known in _known.values())
+
+
+# -- for kernels ---------------------------------------------------------------------------------------------------
+
+_ANY = 1 << 40  # numbers: what a table's length is, its own head tells
+
+if jit.AVAILABLE:
+    doubles_at, floats_at, ints_at = (jit.array_at(dtype, _ANY) for dtype in (np.float64, np.float32, np.int32))
+else:
+
+    def _reader(kind):
+        class Memory:
+            def __init__(self, address):
+                self.start = int(address)
+
+            def __getitem__(self, index):
+                return kind.from_address(self.start + ctypes.sizeof(kind) * int(index)).value
+
+        return Memory
+
+    doubles_at, floats_at, ints_at = _reader(ctypes.c_double), _reader(ctypes.c_float), _reader(ctypes.c_int32)
