@@ -46,7 +46,7 @@ class TableFunction(Function):
     ``derivatives`` takes what the kernel takes and gives the derivative by each coordinate.
     """
 
-    tables: int = 1  # type: ignore[misc]
+    tables: int = 1
     bounds: Function | None = None
     derivatives: Function | None = None
     lipschitz: float = math.inf  # bound on the length of the gradient by all coordinates together
