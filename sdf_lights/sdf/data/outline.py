@@ -26,15 +26,9 @@ from ..shapes.base import LARGEST, Slots, number
 from ..shapes.profiles import Profile
 from . import boxes
 
-MOST_SEGMENTS = 2_000_000
-
 _HEAD = 2  # numbers before the boxes: of leaves, and where segments begin
 _ROW = 6  # numbers of a segment: both ends, and 1/length² and 1/length
-_LEAF = boxes.LEAF
-_TIE = 1e-13  # relative: squares of distances that differ by rounding
-_CANDIDATES = 24  # segments that may be nearest in a box, before its bounds of slopes are left wide
-_ROUNDING = 1e-9
-_DEEP = 64
+_ASIDE = 1e-7  # of the outline's size: how far beside a segment it is looked what is there
 
 if jit.AVAILABLE:
     stack_array = jit.stack_array
@@ -229,9 +223,9 @@ class Outline(Profile, abstract=True):
     offset: float = number(0.0, "By how much the region grows", minimum=-LARGEST)
 
     @classmethod
-    def of(cls, loops: Sequence[np.ndarray], offset: float = 0.0) -> "Outline":
-        """The region that is inside an odd number of closed ``loops`` (n, 2)."""
-        return cls(outline_table(oriented(loops)), offset)
+    def of(cls, loops: Sequence[np.ndarray], offset: float = 0.0, nonzero: bool = False) -> "Outline":
+        """The region inside closed ``loops`` (n, 2), as ``oriented`` has it."""
+        return cls(outline_table(oriented(loops, nonzero)), offset)
 
     @cached_property
     def segments(self) -> np.ndarray:
@@ -263,42 +257,65 @@ class Outline(Profile, abstract=True):
         return ""
 
 
-def oriented(loops: Sequence[np.ndarray]) -> np.ndarray:
-    """Segments (n, 4) of closed loops (m, 2) each, with what is inside an odd number of loops on their left.
+def oriented(loops: Sequence[np.ndarray], nonzero: bool = False) -> np.ndarray:
+    """Segments (n, 4) of closed loops (m, 2) each, with the inside on their left.
 
-    Loops that cross are divided where they do.
+    Inside is what an odd number of loops is around; if ``nonzero``, what more loops go around to the left than to the right,
+    or the other way. Loops that cross are divided where they do, and what is no edge is left out.
     """
     ends = [np.column_stack([loop, np.roll(loop, -1, axis=0)]) for loop in loops if len(loop) > 2]
     if not ends:
         return np.zeros((0, 4))
     segments = divided(np.concatenate(ends))
     normal = np.column_stack([segments[:, 1] - segments[:, 3], segments[:, 2] - segments[:, 0]])  # to the left
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    segments, normal, length = segments[length[:, 0] > 0.0], normal[length[:, 0] > 0.0], length[length[:, 0] > 0.0]
+    length = np.linalg.norm(normal, axis=1)
+    segments, normal = segments[length > 0.0], (normal.T / np.where(length > 0.0, length, 1.0)).T[length > 0.0]
+    if not len(segments):
+        return segments
     middle = 0.5 * (segments[:, :2] + segments[:, 2:])
-    step = 1e-7 * np.ptp(segments.reshape(-1, 2), axis=0).max()
-    left, right = (parity(segments, middle + sign * step * normal / length) for sign in (1.0, -1.0))
+    step = _ASIDE * float(np.ptp(segments.reshape(-1, 2), axis=0).max())
+    left, right = (windings(segments, middle + sign * step * normal) for sign in (1.0, -1.0))
+    left, right = (turns != 0 if nonzero else turns % 2 != 0 for turns in (left, right))
     segments[~left] = segments[~left][:, [2, 3, 0, 1]]
-    return segments[left != right]
+    segments = segments[left != right]
+    # Of two loops that share an edge it is there twice.
+    turned = (segments[:, 0] > segments[:, 2]) | (segments[:, 0] == segments[:, 2]) & (segments[:, 1] > segments[:, 3])
+    ordered = np.where(turned[:, None], segments[:, [2, 3, 0, 1]], segments)
+    _, first = np.unique(ordered, axis=0, return_index=True)
+    return segments[np.sort(first)]
 
 
 @kernel
-def _parities(segments, points, inside):
+def _windings(segments, rows, starts, low, scale, points, turns):
     for index in range(len(points)):
         x, y = points[index, 0], points[index, 1]
-        odd = False
-        for row in range(len(segments)):
-            x0, y0, x1, y1 = segments[row, 0], segments[row, 1], segments[row, 2], segments[row, 3]
-            if (y0 > y) != (y1 > y) and x < x0 + (y - y0) * (x1 - x0) / (y1 - y0):
-                odd = not odd
-        inside[index] = odd
+        line = int((y - low) * scale)
+        turn = 0
+        if 0 <= line < len(starts) - 1:
+            for place in range(starts[line], starts[line + 1]):
+                row = rows[place]
+                x0, y0, x1, y1 = segments[row, 0], segments[row, 1], segments[row, 2], segments[row, 3]
+                if (y0 > y) != (y1 > y) and x < x0 + (y - y0) * (x1 - x0) / (y1 - y0):
+                    turn += 1 if y1 > y0 else -1
+        turns[index] = turn
 
 
-def parity(segments: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Whether points (n, 2) are inside an odd number of the loops that segments (m, 4) make."""
-    inside = np.zeros(len(points), np.bool_)
-    _parities(np.ascontiguousarray(segments), np.ascontiguousarray(points), inside)
-    return inside
+def windings(segments: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """How often the loops that segments (m, 4) make go around points (n, 2), to the left."""
+    segments = np.ascontiguousarray(segments)
+    low, high = segments[:, 1::2].min(axis=1), segments[:, 1::2].max(axis=1)
+    bottom, size = low.min(), max(float(high.max() - low.min()), 1e-300)
+    lines = int(np.clip(len(segments) // 4, 1, 4096))
+    scale = lines / (size * (1.0 + 1e-9))
+    first, last = (((end - bottom) * scale).astype(np.int64) for end in (low, high))
+    counts = last - first + 1
+    rows = np.repeat(np.arange(len(segments)), counts)
+    inside = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts) + np.repeat(first, counts)
+    order = np.argsort(inside, kind="stable")
+    starts = np.searchsorted(inside[order], np.arange(lines + 2))
+    turns = np.zeros(len(points), np.int64)
+    _windings(segments, rows[order], starts, float(bottom), float(scale), np.ascontiguousarray(points), turns)
+    return turns
 
 
 @kernel
@@ -351,46 +368,6 @@ def divided(segments: np.ndarray) -> np.ndarray:
     pieces = [segments[np.setdiff1d(np.arange(len(segments)), out)]]
     for index in np.unique(out):
         start, end = segments[index, :2], segments[index, 2:]
-        places = np.unique(np.concatenate([[0.0], cuts[out == index], [1.0]]))[:, None]
-        points = start + places * (end - start)
-        points[-1] = end
-        pieces.append(np.column_stack([points[:-1], points[1:]]))
-    return np.concatenate(pieces)
-
-
-def union(islands: Sequence[np.ndarray]) -> np.ndarray:
-    """Edge (n, 4) of what is inside one or more regions, each given by segments with its inside on their left."""
-    low = np.array([np.minimum(part[:, :2], part[:, 2:]).min(axis=0) for part in islands])
-    high = np.array([np.maximum(part[:, :2], part[:, 2:]).max(axis=0) for part in islands])
-    kept = []
-    for index, part in enumerate(islands):
-        meets = ((low < high[index]) & (high > low[index])).all(axis=1)
-        meets[index] = False
-        others = [islands[other] for other in np.flatnonzero(meets)]
-        if others:
-            sizes = len(part)
-            pieces = _divided_by(part, np.concatenate(others), sizes)
-            middle = 0.5 * (pieces[:, :2] + pieces[:, 2:])
-            inside = np.zeros(len(pieces), bool)
-            for other in others:
-                inside |= parity(other, middle)
-            part = pieces[~inside]
-        kept.append(part)
-    return np.concatenate(kept)
-
-
-def _divided_by(part: np.ndarray, others: np.ndarray, count: int) -> np.ndarray:
-    """Segments of ``part``, divided where others cross them."""
-    joined = np.ascontiguousarray(np.concatenate([part, others]))
-    low, high = np.minimum(joined[:, :2], joined[:, 2:]), np.maximum(joined[:, :2], joined[:, 2:])
-    room = 8 * len(joined)
-    out, cuts = np.empty(room, np.int64), np.empty(room)
-    found = min(_crossings(joined, low, high, np.argsort(low[:, 0], kind="stable"), out, cuts), room)
-    mine = out[:found] < count
-    out, cuts = out[:found][mine], cuts[:found][mine]
-    pieces = [part[np.setdiff1d(np.arange(count), out)]]
-    for index in np.unique(out):
-        start, end = part[index, :2], part[index, 2:]
         places = np.unique(np.concatenate([[0.0], cuts[out == index], [1.0]]))[:, None]
         points = start + places * (end - start)
         points[-1] = end
