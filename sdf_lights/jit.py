@@ -9,6 +9,7 @@ module still imports and the NumPy reference can take over.
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import hashlib
 import inspect
@@ -385,6 +386,9 @@ if AVAILABLE:
 
         return view
 
+    _ANY = 1 << 40  # numbers: how many there are, a table's own head tells
+    doubles_at, floats_at, ints_at = (array_at(dtype, _ANY) for dtype in (np.float64, np.float32, np.int32))
+
     @intrinsic(prefer_literal=True)
     def _load_numbers(typingctx, address, count):
         """A tuple of a literal ``count`` of doubles at an address."""
@@ -574,6 +578,20 @@ else:
 
     def float_of_bits(bits):
         return float(np.int64(bits).view(np.float64))
+
+    def _reader(kind):
+        class Memory:
+            """Numbers at an address."""
+
+            def __init__(self, address):
+                self._start = int(address)
+
+            def __getitem__(self, index):
+                return kind.from_address(self._start + ctypes.sizeof(kind) * int(index)).value
+
+        return Memory
+
+    doubles_at, floats_at, ints_at = _reader(ctypes.c_double), _reader(ctypes.c_float), _reader(ctypes.c_int32)
 
     # Kernels that call machine code import these; nothing can call such kernels then.
     call_address3 = call_field = call_surface_code = call_part = call_numbers = address_of_record = stack_array = (

@@ -44,6 +44,8 @@ def draw_shape(layout, light, obj, width: int) -> None:
         _draw_expression(layout, lamp)
     elif lamp.source == "NODES":
         _draw_nodes(layout, lamp)
+    elif lamp.source == "OBJECT":
+        _draw_object(layout, lamp)
     else:
         layout.prop(lamp, "shape")
         name = lamp.shape.lower()
@@ -57,6 +59,8 @@ def draw_shape(layout, light, obj, width: int) -> None:
         labels.draw_problem(column, error, width)
         if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
             layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
+    if lamp.source == "OBJECT":
+        return  # no text says what is in an object
     row = layout.row(align=True)
     if lamp.source != "NODES":
         row.operator("sdf_lights.nodes_new", text="To Nodes", icon="NODETREE")
@@ -79,6 +83,17 @@ def _draw_nodes(layout, lamp) -> None:
     if lamp.nodes is not None:
         layout.operator("sdf_lights.nodes_show", icon="NODETREE")
         _draw_parameters(layout, lamp)
+
+
+def _draw_object(layout, lamp) -> None:
+    layout.prop(lamp, "object")
+    if lamp.object is not None and lamp.object.type in ("FONT", "CURVE"):
+        layout.prop(lamp, "object_form")
+        if lamp.object_form == "NEON":
+            layout.prop(lamp, "neon_radius")
+            layout.prop(lamp, "neon_gap")
+        else:
+            layout.prop(lamp, "thickness")
 
 
 def _draw_parameters(layout, lamp) -> None:

@@ -17,7 +17,7 @@ from bpy.app.handlers import persistent
 from ..render.settings import Settings
 from ..sdf.catalogue import grouped
 from ..sdf.shapes import SHAPES, Shape
-from . import cycles, parameters
+from . import cycles, objects, parameters
 from .emission_properties import SDFLIGHTS_LampEmission
 from .naming import NODE_TREE
 
@@ -262,7 +262,51 @@ SDFLIGHTS_LampSettings = group(
                     ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
                     ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
                     ("NODES", "Nodes", "Shapes combined by a node tree", 2),
+                    ("OBJECT", "Object", "A text or a curve of the scene, which stays live", 3),
                 ],
+            ),
+            "object": bpy.props.PointerProperty(
+                name="Object",
+                description="Text or curve whose shape glows. The lamp follows what is edited there",
+                type=bpy.types.Object,
+                poll=lambda self, obj: obj.type in objects.READERS,
+                update=expression_changed,
+            ),
+            "object_form": bpy.props.EnumProperty(
+                name="Form",
+                description="What the lamp makes of the object",
+                update=tag,
+                items=[
+                    ("SOLID", "Solid", "What is filled is extruded, with its bevel; an open curve is a tube", 0),
+                    ("NEON", "Neon", "A glass tube along every curve or letter, with a gap where it is closed", 1),
+                ],
+            ),
+            "thickness": bpy.props.FloatProperty(
+                name="Thickness",
+                description="Thickness of the lamp where the object has no extrusion and no bevel",
+                default=0.1,
+                min=1e-5,
+                soft_max=1.0,
+                unit="LENGTH",
+                update=tag,
+            ),
+            "neon_radius": bpy.props.FloatProperty(
+                name="Tube Radius",
+                description="Radius of the glass tube",
+                default=0.02,
+                min=1e-5,
+                soft_max=0.2,
+                unit="LENGTH",
+                update=tag,
+            ),
+            "neon_gap": bpy.props.FloatProperty(
+                name="Gap",
+                description="Gap between both ends of a tube that would be closed",
+                default=0.03,
+                min=0.0,
+                soft_max=0.5,
+                unit="LENGTH",
+                update=tag,
             ),
             "shape": bpy.props.EnumProperty(
                 name="Shape", description="Shape of the lamp", items=shape_items(), default="SPHERE", update=tag

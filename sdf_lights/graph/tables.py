@@ -11,14 +11,12 @@ a cache that contains one keeps the memory from being used for something else.
 
 from __future__ import annotations
 
-import ctypes
 import hashlib
 import threading
 import weakref
 
 import numpy as np
 
-from .. import jit
 from .formula import CALL, CONSTANT, ITERATE, PARAMETER, Formula, Numbers, body, order
 
 
@@ -113,24 +111,3 @@ def memory() -> int:
     """Bytes of all tables that live."""
     with _lock:
         return sum(known.bytes for known in _known.values())
-
-
-# -- for kernels ---------------------------------------------------------------------------------------------------
-
-_ANY = 1 << 40  # numbers: what a table's length is, its own head tells
-
-if jit.AVAILABLE:
-    doubles_at, floats_at, ints_at = (jit.array_at(dtype, _ANY) for dtype in (np.float64, np.float32, np.int32))
-else:
-
-    def _reader(kind):
-        class Memory:
-            def __init__(self, address):
-                self.start = int(address)
-
-            def __getitem__(self, index):
-                return kind.from_address(self.start + ctypes.sizeof(kind) * int(index)).value
-
-        return Memory
-
-    doubles_at, floats_at, ints_at = _reader(ctypes.c_double), _reader(ctypes.c_float), _reader(ctypes.c_int32)

@@ -12,8 +12,8 @@ from sdf_lights.graph import codegen_native, interval_evaluation, lipschitz, num
 from sdf_lights.graph.formula import POINT, Formula, call, length, parameter
 from sdf_lights.graph.functions import Function, TableFunction
 from sdf_lights.graph.gradient import gradient
-from sdf_lights.graph.tables import doubles_at, table, tables_of
-from sdf_lights.jit import kernel
+from sdf_lights.graph.tables import table, tables_of
+from sdf_lights.jit import doubles_at, kernel
 
 
 @kernel

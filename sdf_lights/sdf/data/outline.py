@@ -20,8 +20,8 @@ import numpy as np
 from ... import jit
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
-from ...graph.tables import Table, doubles_at, table
-from ...jit import kernel
+from ...graph.tables import Table, table
+from ...jit import doubles_at, kernel
 from ..shapes.base import LARGEST, Slots, number
 from ..shapes.profiles import Profile
 from . import boxes

@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps that are made of objects: how they are made, and how they follow what is edited there."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..render.errors import RenderError
+from . import fallback, objects
+from .lamp import shape_of
+
+POWER = 100.0  # W
+
+
+def lamps_of_objects() -> list[bpy.types.Light]:
+    """Lights whose shape is that of an object."""
+    return [
+        light
+        for light in bpy.data.lights
+        if light.sdf_lamp.use and light.sdf_lamp.source == "OBJECT" and light.sdf_lamp.object is not None
+    ]
+
+
+@persistent
+def _changed(scene, depsgraph):
+    """Tells lamps of changes in their objects: Blender only tags what it knows of."""
+    changed = set()
+    for update in depsgraph.updates:
+        if update.is_updated_geometry or update.is_updated_shading or not isinstance(update.id, bpy.types.Object):
+            changed.add(update.id.original.session_uid)
+    if not changed:
+        return
+    for light in lamps_of_objects():
+        obj = light.sdf_lamp.object
+        used = [obj, obj.data, getattr(obj.data, "taper_object", None), getattr(obj.data, "shape_keys", None)]
+        if any(block is not None and block.session_uid in changed for block in used):
+            light.update_tag()
+
+
+class SDFLIGHTS_OT_object_to_lamp(bpy.types.Operator):
+    """Make lamps of the selected objects. They stay live: edit an object, and its lamp follows"""
+
+    bl_idname = "sdf_lights.object_to_lamp"
+    bl_label = "To SDF Lamp"
+    bl_options = {"REGISTER", "UNDO"}
+
+    form: bpy.props.EnumProperty(
+        name="Form",
+        description="What the lamp makes of the object",
+        items=[
+            ("SOLID", "Solid", "What is filled is extruded, with its bevel; an open curve is a tube", 0),
+            ("NEON", "Neon", "A glass tube along every curve or letter, with a gap where it is closed", 1),
+        ],
+    )
+    power: bpy.props.FloatProperty(
+        name="Power", description="Power of each lamp", default=POWER, min=0.0, soft_max=1000.0, unit="POWER"
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT" and any(obj.type in objects.READERS for obj in context.selected_objects)
+
+    def execute(self, context):
+        chosen = [obj for obj in context.selected_objects if obj.type in objects.READERS]
+        made = []
+        for obj in chosen:
+            light = bpy.data.lights.new(f"{obj.name} Lamp", "POINT")
+            light.energy = self.power
+            lamp = light.sdf_lamp
+            lamp.use, lamp.source, lamp.object, lamp.object_form = True, "OBJECT", obj, self.form
+            if self.form == "NEON":
+                light.color = NEON_COLOR
+            try:
+                shape_of(lamp)
+            except RenderError as error:
+                self.report({"WARNING"}, str(error))
+                bpy.data.lights.remove(light)
+                continue
+            fallback.follow(light)
+            made.append(self._placed(obj, light))
+        if not made:
+            return {"CANCELLED"}
+        for obj in context.selected_objects:
+            obj.select_set(False)
+        for obj in made:
+            obj.select_set(True)
+        context.view_layer.objects.active = made[-1]
+        return {"FINISHED"}
+
+    @staticmethod
+    def _placed(obj: bpy.types.Object, light: bpy.types.Light) -> bpy.types.Object:
+        """The lamp's object, which goes where the object goes. That is shown as wires, to be edited, and not rendered."""
+        lamp = bpy.data.objects.new(light.name, light)
+        for collection in obj.users_collection:
+            collection.objects.link(lamp)
+        lamp.parent = obj
+        if obj.is_editable:
+            obj.hide_render, obj.display_type = True, "WIRE"
+        return lamp
+
+
+NEON_COLOR = (1.0, 0.18, 0.09)  # of neon itself; other gases and coatings have others
+
+
+def draw_convert(self, context):
+    """Entries in Object > Convert, for objects that can be lamps."""
+    if SDFLIGHTS_OT_object_to_lamp.poll(context):
+        self.layout.separator()
+        for form, text in (("SOLID", "To SDF Lamp"), ("NEON", "To Neon Lamp")):
+            self.layout.operator(SDFLIGHTS_OT_object_to_lamp.bl_idname, text=text, icon="LIGHT").form = form
+
+
+CLASSES = (SDFLIGHTS_OT_object_to_lamp,)
+
+
+def register():
+    bpy.app.handlers.depsgraph_update_post.append(_changed)
+    bpy.types.VIEW3D_MT_object_convert.append(draw_convert)
+
+
+def unregister():
+    bpy.types.VIEW3D_MT_object_convert.remove(draw_convert)
+    bpy.app.handlers.depsgraph_update_post.remove(_changed)
