@@ -373,6 +373,8 @@ if AVAILABLE:
 
         @intrinsic
         def view(typingctx, address):
+            """The numbers at an address."""
+
             def codegen(context, builder, signature, arguments):
                 array = context.make_array(array_type)(context, builder)
                 place = context.cast(builder, arguments[0], signature.args[0], types.int64)

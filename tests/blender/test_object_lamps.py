@@ -85,10 +85,11 @@ def test_every_glyph_of_the_default_font_is_filled(text, lamp):
     for code in (*range(33, 127), *range(161, 384), *range(0x391, 0x3CA), *range(0x410, 0x450)):
         obj.data.body = chr(code)
         bpy.context.view_layer.update()
-        try:
+        if obj.evaluated_get(bpy.context.view_layer.depsgraph).to_curve(bpy.context.view_layer.depsgraph).splines:
             shape = shape_of(light.sdf_lamp)
-        except RenderError as error:
-            assert "is empty" in str(error), chr(code)
+        else:
+            with pytest.raises(RenderError, match="is empty"):
+                shape_of(light.sdf_lamp)
             continue
         evaluated = obj.evaluated_get(bpy.context.view_layer.depsgraph)
         curve = evaluated.to_curve(bpy.context.view_layer.depsgraph)
@@ -127,7 +128,7 @@ def test_tubes_follow_the_curve_that_blender_makes(curve, lamp, kind, closed, en
     points = [(i, math.sin(2.0 * i), 0.3 * i) for i in range(7)]
     obj = curve(points, kind, closed)
     spline = obj.data.splines[0]
-    spline.resolution_u = 40
+    spline.resolution_u = 64
     if kind == "NURBS":
         spline.use_endpoint_u, spline.use_bezier_u, spline.order_u = end, bezier, 4
     elif end or bezier:
@@ -140,7 +141,7 @@ def test_tubes_follow_the_curve_that_blender_makes(curve, lamp, kind, closed, en
     np.testing.assert_allclose(shape.distance(wires), -0.1, atol=2e-3)
     found = path_of(spline)
     away = np.linalg.norm(found.points[:, None] - wires, axis=2).min(axis=1)
-    assert away.max() < 0.1  # nor is there anything that Blender does not have
+    assert away.max() < 0.2  # nor is there anything that Blender does not have
 
 
 def test_radii_and_a_taper_object_change_the_tube(curve, lamp):

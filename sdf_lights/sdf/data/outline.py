@@ -95,6 +95,7 @@ def _nearest(numbers, x, y):
 
 @kernel
 def outline_distance(address, x, y):
+    """The distance of a point, of the kind ``TableFunction``."""
     square, _, _, side = _nearest(doubles_at(address), x, y)
     if not square < math.inf:
         return math.inf if x == x and y == y else math.nan
@@ -103,6 +104,7 @@ def outline_distance(address, x, y):
 
 @kernel
 def outline_slope(address, x, y):
+    """Its derivatives."""
     square, dx, dy, side = _nearest(doubles_at(address), x, y)
     length = math.sqrt(square)
     if not 0.0 < length < math.inf:
@@ -124,6 +126,7 @@ def _part(low, high, other_low, other_high):
 
 @kernel
 def outline_bounds(address, x_low, x_high, y_low, y_high):
+    """Bounds of the distance and its derivatives in a box."""
     numbers = doubles_at(address)
     x, y, hx, hy = 0.5 * (x_low + x_high), 0.5 * (y_low + y_high), 0.5 * (x_high - x_low), 0.5 * (y_high - y_low)
     radius = math.hypot(hx, hy)

@@ -100,12 +100,14 @@ def _nearest(numbers, x, y, z):
 
 @kernel
 def tube_distance(address, x, y, z):
+    """The distance of a point, of the kind ``TableFunction``."""
     best, _, _, _ = _nearest(doubles_at(address), x, y, z)
     return best if x == x and y == y and z == z else math.nan
 
 
 @kernel
 def tube_slope(address, x, y, z):
+    """Its derivatives."""
     _, dx, dy, dz = _nearest(doubles_at(address), x, y, z)
     length = math.sqrt(dx * dx + dy * dy + dz * dz)
     if not 0.0 < length < math.inf:
@@ -128,6 +130,7 @@ def _axis(low, high, b_low, b_high, c_low, c_high):
 
 @kernel
 def tube_bounds(address, x_low, x_high, y_low, y_high, z_low, z_high):
+    """Bounds of the distance and its derivatives in a box."""
     numbers = doubles_at(address)
     x, y, z = 0.5 * (x_low + x_high), 0.5 * (y_low + y_high), 0.5 * (z_low + z_high)
     hx, hy, hz = 0.5 * (x_high - x_low), 0.5 * (y_high - y_low), 0.5 * (z_high - z_low)
