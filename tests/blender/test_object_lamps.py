@@ -3,6 +3,7 @@
 """Texts and curves as lamps: what they enclose, what they say where they cannot be lamps, and that they stay live."""
 
 import math
+import time
 
 import bpy
 import numpy as np
@@ -219,3 +220,60 @@ def test_a_render_sees_the_text(text, pictures):
     bpy.context.view_layer.objects.active = obj
     bpy.ops.sdf_lights.object_to_lamp(power=500.0)
     assert pictures()["ViewLayer"]["Combined"].max() > 1.0
+
+
+def _around(shape, rng, count):
+    """Rays at the box of a shape from all sides."""
+    low, high = shape.bounds()
+    targets = low + rng.random((count, 3)) * (high - low)
+    directions = rng.normal(size=(count, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return targets - 2.0 * np.linalg.norm(high - low) * directions, directions
+
+
+@pytest.mark.slow
+def test_no_ray_of_a_million_has_a_wrong_number_of_crossings(text, curve, lamp):
+    from support.lamps import oracle
+    from support.lamps.rays import Traced
+
+    spring = [(math.cos(a), math.sin(a), 0.1 * a) for a in np.linspace(0.0, 12.0, 60)]
+    shapes = [
+        _shape(text("OPEN", extrude=0.05, bevel_depth=0.02), lamp),
+        _shape(text("a%ß&8"), lamp, thickness=0.2),
+        _shape(text("Neon"), lamp, object_form="NEON"),
+        _shape(curve(spring, "NURBS", bevel_depth=0.1), lamp),
+    ]
+    for shape in shapes:
+        origins, directions = _around(shape, np.random.default_rng(5), 250_000)
+        traced = Traced(shape)
+        assert traced.tree.certified
+        found = traced.trace(origins, directions)
+        truth = oracle.find(shape, origins, directions)
+        verdict = oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1], truth)
+        assert truth.counts.sum() > 10_000 and verdict.wrong == 0.0
+
+
+def test_a_paragraph_costs_at_most_twice_a_letter(text, lamp):
+    """Processor time of a ray from in front, of a camera or of a point that is lit, at one letter and at 200."""
+    from support.lamps.rays import Traced
+
+    letter = _shape(text("g", extrude=0.1), lamp)
+    paragraph = _shape(text("\n".join(["the quick brown fox jumpsg over dog"[:20]] * 10), extrude=0.1), lamp)
+    taken = []
+    for shape in (letter, paragraph):
+        traced = Traced(shape)
+        low, high = shape.bounds()
+        rng = np.random.default_rng(6)
+        targets = low + rng.random((20_000, 3)) * (high - low)
+        origins = 0.5 * (low + high) + rng.normal(0.0, 0.3, (20_000, 3)) * np.linalg.norm(high - low)
+        origins[:, 2] = high[2] + np.linalg.norm(high - low)
+        directions = targets - origins
+        rays = origins, directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        traced.trace(*rays)
+        turns = []
+        for _ in range(3):
+            started = time.thread_time()
+            traced.trace(*rays)
+            turns.append(time.thread_time() - started)
+        taken.append(min(turns))
+    assert taken[1] < 2.0 * taken[0]
