@@ -17,7 +17,7 @@ import weakref
 
 import numpy as np
 
-from .formula import CALL, CONSTANT, ITERATE, PARAMETER, Formula, Numbers, body, order
+from .formula import CALL, ITERATE, PARAMETER, Formula, Numbers, body, order
 
 
 class Table:
@@ -87,9 +87,13 @@ def table(array: np.ndarray) -> Table:
 
 def tables_of(formula: Formula, parameters: Numbers) -> tuple[Table, ...]:
     """Tables that a formula with these parameters reads. Whoever keeps the numbers alone has to keep these too."""
-    found: dict[Table, None] = {}
-    pending = list(order(formula))
-    seen = set()
+    found = [at_address(parameters[slot]) for slot in sorted(address_slots(formula))]
+    return tuple(dict.fromkeys(known for known in found if known is not None))
+
+
+def address_slots(*formulas: Formula) -> set[int]:
+    """Slots of the formulas that hold addresses."""
+    found, seen, pending = set(), set(), list(order(*formulas))
     while pending:
         node = pending.pop()
         if node in seen:
@@ -98,13 +102,13 @@ def tables_of(formula: Formula, parameters: Numbers) -> tuple[Table, ...]:
         if node.kind == ITERATE:
             pending += [*body(node), *node.operands]
         if node.kind == CALL:
-            for operand in node.operands[: node.value.tables]:
-                if operand.kind in (PARAMETER, CONSTANT):
-                    number = parameters[operand.value] if operand.kind == PARAMETER else operand.value
-                    known = _places.get(int(number))
-                    if known is not None:
-                        found[known] = None
-    return tuple(found)
+            found |= {operand.value for operand in node.operands[: node.value.tables] if operand.kind == PARAMETER}
+    return found
+
+
+def at_address(number: float) -> Table | None:
+    """The table at an address, if there is one."""
+    return _places.get(int(number))
 
 
 def memory() -> int:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.emitter.tree import interior
+from sdf_lights.graph import codegen_glsl
 from sdf_lights.graph.formula import POINT
 from sdf_lights.graph.functions import evaluate
 from sdf_lights.sdf.data.outline import OUTLINE, Outline, windings
@@ -17,6 +18,7 @@ from sdf_lights.sdf.data.tube import TUBE, Tube, with_gap
 from sdf_lights.sdf.shapes import SHAPES, Difference, Sphere, Transformed, Union
 from sdf_lights.sdf.shapes.base import Slots
 from sdf_lights.sdf.shapes.field import Field
+from support import glsl
 
 
 def _flower(x=0.0, y=0.0, count=90):
@@ -143,3 +145,15 @@ def test_a_gap_opens_a_closed_path():
     for gap, left in ((0.5, 2.0 * math.pi - 0.5), (100.0, 0.2 * math.pi)):
         path = with_gap(ring, gap)
         assert np.linalg.norm(np.diff(path, axis=0), axis=1).sum() == pytest.approx(left, rel=1e-3)
+
+
+@pytest.mark.parametrize("shape", [*OUTLINES.values(), *TUBES.values()])
+def test_glsl_has_the_same_distances(shape):
+    points = np.random.default_rng(3).uniform(-1.3, 1.3, (2000, 3)).astype(np.float32)
+    numbers = np.concatenate([[0.0], shape.parameters()[1:], shape.data.array])
+    first = len(shape.parameters())
+    source = f"#define table_number(i) k[{first} + (i)]\n" + codegen_glsl.function(
+        shape.formula(), "read", written=set()
+    )
+    found = glsl.evaluate(source, "read", points, numbers)
+    np.testing.assert_allclose(found, shape.distance(points.astype(float)), atol=2e-5)

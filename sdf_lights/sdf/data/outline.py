@@ -192,12 +192,75 @@ def outline_bounds(address, x_low, x_high, y_low, y_high):
     )
 
 
+_GLSL = """\
+float outline_box(int at, float x, float y)
+{
+    float dx = max(max(table_number(at) - x, x - table_number(at + 2)), 0.0);
+    float dy = max(max(table_number(at + 1) - y, y - table_number(at + 3)), 0.0);
+    return dx * dx + dy * dy;
+}
+
+float outline(int table, float x, float y)
+{
+    int stack[40];
+    float distances[40];
+    int leaves = int(table_number(table));
+    int segments = table + int(table_number(table + 1));
+    float best = 1e30;
+    float best_aside = 0.0;
+    float side = 1.0;
+    int depth = 1;
+    stack[0] = 1;
+    distances[0] = 0.0;
+    while (depth > 0) {
+        depth--;
+        int node = stack[depth];
+        if (distances[depth] > best * 1.000002) {
+            continue;
+        }
+        if (node < leaves) {
+            int near = 2 * node;
+            int far = near + 1;
+            float d_near = outline_box(table + 2 + 4 * near, x, y);
+            float d_far = outline_box(table + 2 + 4 * far, x, y);
+            bool turned = d_far < d_near;
+            stack[depth] = turned ? near : far;
+            distances[depth] = max(d_near, d_far);
+            stack[depth + 1] = turned ? far : near;
+            distances[depth + 1] = min(d_near, d_far);
+            depth += 2;
+            continue;
+        }
+        int at = segments + (node - leaves) * 24;
+        for (int row = 0; row < 4; row++) {
+            vec2 start = vec2(table_number(at), table_number(at + 1));
+            vec2 end = vec2(table_number(at + 2), table_number(at + 3));
+            vec2 u = end - start;
+            vec2 p = vec2(x, y) - start;
+            float across = u.x * p.y - u.y * p.x;
+            float along = dot(u, p) * table_number(at + 4);
+            float aside = abs(across) * table_number(at + 5);
+            vec2 q = along <= 0.0 ? p : vec2(x, y) - end;
+            float square = along > 0.0 && along < 1.0 ? aside * aside : dot(q, q);
+            if (square < best * 0.999998 || (square <= best * 1.000002 && aside > best_aside)) {
+                best = square;
+                best_aside = aside;
+                side = across > 0.0 ? -1.0 : 1.0;
+            }
+            at += 6;
+        }
+    }
+    return side * sqrt(best);
+}
+"""
+
 OUTLINE = TableFunction(
     "outline",
     outline_distance,
     bounds=Function("outline_bounds", outline_bounds, results=6),
     derivatives=Function("outline_slope", outline_slope, results=2),
     lipschitz=1.0,
+    glsl=_GLSL,
     operations=150.0,
 )
 

@@ -189,12 +189,69 @@ def tube_bounds(address, x_low, x_high, y_low, y_high, z_low, z_high):
     )
 
 
+_GLSL = """\
+float tube_box(int at, vec3 p)
+{
+    vec3 low = vec3(table_number(at), table_number(at + 1), table_number(at + 2));
+    vec3 high = vec3(table_number(at + 3), table_number(at + 4), table_number(at + 5));
+    vec3 d = max(low - p, p - high);
+    return length(max(d, 0.0)) + min(max(max(d.x, d.y), d.z), 0.0);
+}
+
+float tube(int table, float x, float y, float z)
+{
+    vec3 point = vec3(x, y, z);
+    int stack[40];
+    float distances[40];
+    int leaves = int(table_number(table));
+    int segments = table + int(table_number(table + 1));
+    float best = 1e30;
+    int depth = 1;
+    stack[0] = 1;
+    distances[0] = -1e30;
+    while (depth > 0) {
+        depth--;
+        int node = stack[depth];
+        if (distances[depth] >= best) {
+            continue;
+        }
+        if (node < leaves) {
+            int near = 2 * node;
+            int far = near + 1;
+            float d_near = tube_box(table + 2 + 6 * near, point);
+            float d_far = tube_box(table + 2 + 6 * far, point);
+            bool turned = d_far < d_near;
+            stack[depth] = turned ? near : far;
+            distances[depth] = max(d_near, d_far);
+            stack[depth + 1] = turned ? far : near;
+            distances[depth + 1] = min(d_near, d_far);
+            depth += 2;
+            continue;
+        }
+        int at = segments + (node - leaves) * 36;
+        for (int row = 0; row < 4; row++) {
+            vec3 p = point - vec3(table_number(at), table_number(at + 1), table_number(at + 2));
+            vec3 u = vec3(table_number(at + 4), table_number(at + 5), table_number(at + 6));
+            float taper = table_number(at + 8);
+            float along = dot(p, u);
+            float s = along - taper * length(p - along * u) / sqrt(max(1.0 - taper * taper, 1e-12));
+            s = abs(taper) >= 1.0 ? (taper < 0.0 ? 1e30 : -1e30) : s;
+            s = min(max(s, 0.0), table_number(at + 7));
+            best = min(best, length(p - s * u) - (table_number(at + 3) - taper * s));
+            at += 9;
+        }
+    }
+    return best;
+}
+"""
+
 TUBE = TableFunction(
     "tube",
     tube_distance,
     bounds=Function("tube_bounds", tube_bounds, results=8),
     derivatives=Function("tube_slope", tube_slope, results=3),
     lipschitz=1.0,
+    glsl=_GLSL,
     operations=200.0,
 )
 
