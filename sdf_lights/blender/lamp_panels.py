@@ -46,6 +46,10 @@ def draw_shape(layout, light, obj, width: int) -> None:
         _draw_nodes(layout, lamp)
     elif lamp.source == "OBJECT":
         _draw_object(layout, lamp)
+    elif lamp.source == "IMAGE":
+        layout.template_ID(lamp, "image", open="image.open")
+        for name in ("image_part", "image_threshold", "image_size", "thickness"):
+            layout.prop(lamp, name)
     else:
         layout.prop(lamp, "shape")
         name = lamp.shape.lower()
@@ -59,8 +63,8 @@ def draw_shape(layout, light, obj, width: int) -> None:
         labels.draw_problem(column, error, width)
         if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
             layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
-    if lamp.source == "OBJECT":
-        return  # no text says what is in an object
+    if lamp.source in ("OBJECT", "IMAGE"):
+        return  # no text says what is in them
     row = layout.row(align=True)
     if lamp.source != "NODES":
         row.operator("sdf_lights.nodes_new", text="To Nodes", icon="NODETREE")

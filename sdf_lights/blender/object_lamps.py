@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps that are made of objects: how they are made, and how they follow what is edited there."""
+"""Lamps of objects and pictures: how they are made, and how they follow what is edited there."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..render.errors import RenderError
-from . import fallback, objects
+from . import fallback, objects, picture_lamps
 from .lamp import shape_of
 
 POWER = 100.0  # W
@@ -32,6 +32,12 @@ def _changed(scene, depsgraph):
             changed.add(update.id.original.session_uid)
     if not changed:
         return
+    images = {update.id.original.session_uid for update in depsgraph.updates if isinstance(update.id, bpy.types.Image)}
+    picture_lamps.forget(images)
+    for light in bpy.data.lights if images else ():
+        image = light.sdf_lamp.image
+        if light.sdf_lamp.source == "IMAGE" and image is not None and image.session_uid in images:
+            light.update_tag()
     for light in lamps_of_objects():
         obj = light.sdf_lamp.object
         used = [obj, obj.data, getattr(obj.data, "taper_object", None), getattr(obj.data, "shape_keys", None)]

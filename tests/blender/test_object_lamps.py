@@ -222,6 +222,61 @@ def test_a_render_sees_the_text(text, pictures):
     assert pictures()["ViewLayer"]["Combined"].max() > 1.0
 
 
+def _image(values: np.ndarray):
+    """An image with these values (height, width) for its alpha."""
+    height, width = values.shape
+    image = bpy.data.images.new("Logo", width, height, alpha=True)
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., 3] = values
+    image.pixels.foreach_set(pixels.ravel())
+    return image
+
+
+def _disk(size: int) -> np.ndarray:
+    y, x = np.mgrid[:size, :size] + 0.5 - 0.5 * size
+    return np.clip(0.3 * size - np.hypot(x, y) + 0.5, 0.0, 1.0)
+
+
+def test_a_picture_is_outlined_to_a_part_of_a_pixel(file, lamp):
+    shape = _shape(None, lamp, source="IMAGE", image=_image(_disk(128)), image_size=2.0, thickness=0.5)
+    assert shape.volume() == pytest.approx(math.pi * 0.6**2 * 0.5, rel=2e-3)
+    points = np.random.default_rng(1).uniform(-1.0, 1.0, (500, 3)) * (1, 1, 0)
+    distance = shape.profile.distance(points)
+    np.testing.assert_allclose(distance, np.hypot(*points.T[:2]) - 0.6, atol=0.2 * 2.0 / 128)
+
+
+def test_a_picture_that_is_painted_on_makes_another_lamp(file, lamp, add):
+    light, image = lamp(), _image(_disk(64))
+    light.sdf_lamp.source, light.sdf_lamp.image = "IMAGE", image
+    add("Logo", light)
+    before = shape_of(light.sdf_lamp).volume()
+    image.pixels.foreach_set(np.ones(64 * 64 * 4, np.float32))
+    image.update()
+    image.update_tag()
+    bpy.context.view_layer.update()
+    assert shape_of(light.sdf_lamp).volume() > 2.0 * before
+
+
+@pytest.mark.parametrize(
+    "make, sentence",
+    [
+        (lambda: None, "has no image"),
+        (lambda: _image(np.zeros((4, 4))), "nothing above the threshold"),
+        (lambda: bpy.data.images.new("Wide", 20_000, 4_000), "scale it down"),
+    ],
+)
+def test_pictures_that_are_no_lamps_say_so_in_a_sentence(file, lamp, make, sentence):
+    with pytest.raises(RenderError, match=sentence):
+        _shape(None, lamp, source="IMAGE", image=make())
+
+
+def test_a_very_wide_picture_is_a_lamp(file, lamp):
+    wide = np.zeros((40, 20_000), np.float32)
+    wide[10:30, 100:-100] = 1.0
+    shape = _shape(None, lamp, source="IMAGE", image=_image(wide), image_size=2.0)
+    assert shape.volume() == pytest.approx(1.98 * 0.002 * 0.1, rel=1e-3)
+
+
 def _around(shape, rng, count):
     """Rays at the box of a shape from all sides."""
     low, high = shape.bounds()

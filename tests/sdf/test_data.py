@@ -13,7 +13,8 @@ from sdf_lights.emitter.tree import interior
 from sdf_lights.graph import codegen_glsl
 from sdf_lights.graph.formula import POINT
 from sdf_lights.graph.functions import evaluate
-from sdf_lights.sdf.data.outline import OUTLINE, Outline, windings
+from sdf_lights.sdf.data.outline import OUTLINE, Outline, outline_table, windings
+from sdf_lights.sdf.data.picture import contour
 from sdf_lights.sdf.data.tube import TUBE, Tube, with_gap
 from sdf_lights.sdf.shapes import SHAPES, Difference, Sphere, Transformed, Union
 from sdf_lights.sdf.shapes.base import Slots
@@ -157,3 +158,12 @@ def test_glsl_has_the_same_distances(shape):
     )
     found = glsl.evaluate(source, "read", points, numbers)
     np.testing.assert_allclose(found, shape.distance(points.astype(float)), atol=2e-5)
+
+
+def test_contours_are_closed_and_around_what_is_above_the_threshold():
+    values = np.random.default_rng(1).random((60, 60))
+    segments = contour(values, 0.5)
+    assert sorted(map(tuple, segments[:, :2])) == sorted(map(tuple, segments[:, 2:]))
+    y, x = np.mgrid[:60, :60] + 0.5
+    found = Outline(outline_table(segments)).distance(np.stack([x, y, 0.0 * x], axis=-1))
+    assert ((found < 0.0) == (values > 0.5)).all()
