@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders lamps that are made of texts, curves and a picture, for docs/lamps.md.
 
-python object_lamps.py [--out FILE.png] [--samples 64] [--size 960x480]
+python object_lamps.py [--out FILE.png] [--samples 16] [--size 800x400]
 """
 
 from __future__ import annotations
@@ -125,8 +125,8 @@ def main(arguments: list[str]) -> None:
     """Render the picture."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--out", type=pathlib.Path, default=REPOSITORY / "docs" / "images" / "lamps_of_objects.png")
-    parser.add_argument("--samples", type=int, default=64)
-    parser.add_argument("--size", default="960x480")
+    parser.add_argument("--samples", type=int, default=16)
+    parser.add_argument("--size", default="800x400")
     options = parser.parse_args(arguments)
     blender.register()
     build()
