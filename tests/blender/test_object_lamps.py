@@ -254,6 +254,16 @@ def test_modifiers_on_the_spline_are_in_the_lamp(curve, lamp):
     assert _shape(obj, lamp).bounds()[1][0] > plain.bounds()[1][0] + 1.0
 
 
+@pytest.mark.parametrize("form", ["SOLID", "NEON"])
+def test_a_text_lamp_is_added_at_once(file, form):
+    assert bpy.ops.sdf_lights.text_lamp_add(form=form, location=(1.0, 2.0, 3.0)) == {"FINISHED"}
+    made = bpy.context.active_object
+    bpy.context.view_layer.update()
+    assert made.type == "LIGHT" and tuple(made.matrix_world.translation) == (1.0, 2.0, 3.0)
+    assert made.parent.data.body == "OPEN"
+    assert type(shape_of(made.data.sdf_lamp)).__name__ == {"SOLID": "Extrusion", "NEON": "Tube"}[form]
+
+
 def _image(values: np.ndarray):
     """An image with these values (height, width) for its alpha."""
     height, width = values.shape
