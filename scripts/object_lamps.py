@@ -96,7 +96,7 @@ def build() -> None:
         mesh.materials.append(material)
         add(name, mesh, location, rotation)
 
-    open_ = add("Open", text("open", 1.15), (-1.75, 0.3, 1.3))
+    open_ = add("Open", text("open", 1.15), (-1.5, 0.3, 1.3))
     made = lamp_of(open_, "NEON", 40.0, (1.0, 0.16, 0.07))
     made.data.sdf_lamp.neon_radius, made.data.sdf_lamp.neon_gap = 0.022, 0.05
     lamp_of(
