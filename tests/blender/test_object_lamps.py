@@ -207,6 +207,30 @@ def test_converting_keeps_the_place_and_lamps_stay_live(text):
     assert made.matrix_world.translation.x == 5.0
 
 
+def test_renders_follow_an_animated_text_that_is_hidden(text, synced):
+    obj = text("AB", extrude=0.1)
+    obj.data.keyframe_insert("extrude", frame=1)
+    obj.data.extrude = 0.4
+    obj.data.keyframe_insert("extrude", frame=10)
+    obj.select_set(True)
+    bpy.ops.sdf_lights.object_to_lamp()
+    obj.hide_viewport = True
+    for frame, height in ((1, 0.2), (10, 0.8)):
+        bpy.context.scene.frame_set(frame)
+        (lamp,) = synced().lamps
+        assert lamp.shape.height == pytest.approx(height, rel=1e-6)
+
+
+def test_a_text_that_is_being_edited_is_a_lamp_of_what_is_there_so_far(text, lamp):
+    obj = text("A")
+    before = _shape(obj, lamp).volume()
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.font.text_insert(text="B")
+    assert _shape(obj, lamp).volume() > 1.5 * before
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def test_converting_without_an_inside_makes_nothing(curve):
     obj = curve([(0, 0, 0), (1, 0, 0)])
     obj.select_set(True)
