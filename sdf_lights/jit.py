@@ -9,6 +9,7 @@ module still imports and the NumPy reference can take over.
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import hashlib
 import inspect
@@ -365,6 +366,31 @@ if AVAILABLE:
 
         return view
 
+    def array_at(dtype, count: int):
+        """Intrinsic that gives the 1-D array of ``count`` numbers of ``dtype`` at an address, which may be a float."""
+        array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
+        itemsize = np.dtype(dtype).itemsize
+
+        @intrinsic
+        def view(typingctx, address):
+            """The numbers at an address."""
+
+            def codegen(context, builder, signature, arguments):
+                array = context.make_array(array_type)(context, builder)
+                place = context.cast(builder, arguments[0], signature.args[0], types.int64)
+                data = builder.inttoptr(place, context.get_data_type(array_type.dtype).as_pointer())
+                size = context.get_constant(types.intp, itemsize)
+                shape = [context.get_constant(types.intp, count)]
+                populate_array(array, data=data, shape=shape, strides=[size], itemsize=size, meminfo=None)
+                return array._getvalue()
+
+            return array_type(address), codegen
+
+        return view
+
+    _ANY = 1 << 40  # numbers: how many there are, a table's own head tells
+    doubles_at, floats_at, ints_at = (array_at(dtype, _ANY) for dtype in (np.float64, np.float32, np.int32))
+
     @intrinsic(prefer_literal=True)
     def _load_numbers(typingctx, address, count):
         """A tuple of a literal ``count`` of doubles at an address."""
@@ -448,7 +474,7 @@ if AVAILABLE:
             _call_each(self.address, len(results), operands.ctypes.data, strides[0], results.ctypes.data, strides[1])
 
     @intrinsic
-    def _call_part(typingctx, address, operands, results):
+    def call_numbers(typingctx, address, operands, results):
         """Call a ``CallablePart`` that needs no records; all arguments are integers."""
         signature, codegen = _caller([ir.IntType(64)] * 4)(typingctx)
 
@@ -461,7 +487,7 @@ if AVAILABLE:
     @kernel
     def _call_each(address, count, operands, operand_stride, results, result_stride):
         for index in range(count):
-            _call_part(address, operands + index * operand_stride, results + index * result_stride)
+            call_numbers(address, operands + index * operand_stride, results + index * result_stride)
 
     def _called(kernel, static: tuple[int, ...], operands: int, records: tuple | None):
         if records is None:
@@ -555,10 +581,24 @@ else:
     def float_of_bits(bits):
         return float(np.int64(bits).view(np.float64))
 
+    def _reader(kind):
+        class Memory:
+            """Numbers at an address."""
+
+            def __init__(self, address):
+                self._start = int(address)
+
+            def __getitem__(self, index):
+                return kind.from_address(self._start + ctypes.sizeof(kind) * int(index)).value
+
+        return Memory
+
+    doubles_at, floats_at, ints_at = _reader(ctypes.c_double), _reader(ctypes.c_float), _reader(ctypes.c_int32)
+
     # Kernels that call machine code import these; nothing can call such kernels then.
-    call_address3 = call_field = call_surface_code = call_part = address_of_record = stack_array = CallablePart = (
-        Callback
-    ) = None
+    call_address3 = call_field = call_surface_code = call_part = call_numbers = address_of_record = stack_array = (
+        CallablePart
+    ) = Callback = None
 
 
 def specialised(function, name: str, **names):

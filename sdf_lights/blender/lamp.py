@@ -14,7 +14,7 @@ from ..render.errors import RenderError
 from ..sdf.emission import Emission
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import emission, parameters
+from . import emission, objects, parameters, picture_lamps
 from .nodes import reading
 from .properties import PRIMITIVES, values_of
 
@@ -46,6 +46,10 @@ def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
     """
     if lamp.source == "EXPRESSION":
         shape = _expression_shape(parameters.text_of(lamp), tuple(parameters.values(lamp).items()))
+    elif lamp.source == "OBJECT":
+        shape = objects.shape_of(lamp.object, lamp)
+    elif lamp.source == "IMAGE":
+        shape = picture_lamps.shape_of(lamp)
     elif lamp.source == "NODES":
         shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner)
     else:

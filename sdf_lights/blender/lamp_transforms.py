@@ -159,6 +159,9 @@ def apply_scale(obj: bpy.types.Object) -> None:
         raise RenderError("Its data are linked from another file: make a library override first.")
     if not np.all(np.abs(scale) > 1e-9):
         raise RenderError("It is scaled to zero.")
+    if lamp.source in ("OBJECT", "IMAGE"):
+        what = "an object: apply the scale there" if lamp.source == "OBJECT" else "a picture: set its width"
+        raise RenderError(f"Its shape is that of {what}.")
     matrix = np.array(obj.matrix_world)
     old, pattern = shape_of(lamp, matrix), pattern_of(lamp, matrix)
     points = _points(old)

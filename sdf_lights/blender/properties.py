@@ -17,7 +17,7 @@ from bpy.app.handlers import persistent
 from ..render.settings import Settings
 from ..sdf.catalogue import grouped
 from ..sdf.shapes import SHAPES, Shape
-from . import cycles, parameters
+from . import cycles, objects, parameters
 from .emission_properties import SDFLIGHTS_LampEmission
 from .naming import NODE_TREE
 
@@ -33,6 +33,12 @@ VIEWPORT = {"samples": 1024, "noise_threshold": 0.1, "min_samples": 1, "time_lim
 _ABBREVIATIONS = {"CPU", "GPU", "MIS", "BSDF"}
 
 LARGEST_INT = (1 << 31) - 1
+
+
+FORMS = [
+    ("SOLID", "Solid", "What is filled is extruded, with its bevel; an open curve is a tube", 0),
+    ("NEON", "Neon", "A glass tube along every curve or letter, with a gap where it is closed", 1),
+]
 
 
 def tag(self, context):
@@ -268,7 +274,83 @@ SDFLIGHTS_LampSettings = group(
                     ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
                     ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
                     ("NODES", "Nodes", "Shapes combined by a node tree", 2),
+                    ("OBJECT", "Object", "A text or a curve of the scene, which stays live", 3),
+                    ("IMAGE", "Image", "The outline of a picture, extruded", 4),
                 ],
+            ),
+            "image": bpy.props.PointerProperty(
+                name="Image",
+                description="Picture whose outline glows",
+                type=bpy.types.Image,
+                update=expression_changed,
+            ),
+            "image_part": bpy.props.EnumProperty(
+                name="Part",
+                description="What of the picture glows",
+                update=tag,
+                items=[
+                    ("ALPHA", "Opaque", "Where its alpha is above the threshold", 0),
+                    ("BRIGHT", "Bright", "Where it is brighter than the threshold", 1),
+                    ("DARK", "Dark", "Where it is darker than the threshold", 2),
+                ],
+            ),
+            "image_threshold": bpy.props.FloatProperty(
+                name="Threshold",
+                description="Alpha or brightness of the edge",
+                default=0.5,
+                min=0.001,
+                max=0.999,
+                subtype="FACTOR",
+                update=tag,
+            ),
+            "image_size": bpy.props.FloatProperty(
+                name="Width",
+                description="Width of the whole picture",
+                default=1.0,
+                min=1e-5,
+                soft_max=10.0,
+                unit="LENGTH",
+                update=tag,
+            ),
+            "object": bpy.props.PointerProperty(
+                name="Object",
+                description="Text or curve whose shape glows. The lamp follows what is edited there",
+                type=bpy.types.Object,
+                poll=lambda self, obj: obj.type in objects.READERS,
+                update=expression_changed,
+            ),
+            "object_form": bpy.props.EnumProperty(
+                name="Form",
+                description="What the lamp makes of the object",
+                update=tag,
+                items=FORMS,
+            ),
+            "thickness": bpy.props.FloatProperty(
+                name="Thickness",
+                description="Thickness of the lamp where the object has no extrusion and no bevel",
+                default=0.1,
+                min=1e-5,
+                soft_max=1.0,
+                unit="LENGTH",
+                update=tag,
+            ),
+            "neon_radius": bpy.props.FloatProperty(
+                name="Tube Radius",
+                description="Radius of the glass tube",
+                default=0.02,
+                min=1e-5,
+                soft_max=0.2,
+                unit="LENGTH",
+                update=tag,
+            ),
+            "neon_gap": bpy.props.FloatProperty(
+                name="Gap",
+                description="Gap between both ends of a tube that would be closed",
+                default=0.03,
+                min=0.0,
+                soft_max=0.5,
+                unit="LENGTH",
+                update=tag,
             ),
             "shape": bpy.props.EnumProperty(
                 name="Shape", description="Shape of the lamp", items=shape_items(), default="SPHERE", update=tag

@@ -84,24 +84,43 @@ float {name}_acos(float a)
 _NEEDS_ATAN2 = frozenset({"atan", "asin", "acos"})
 
 
-def function(formula: Formula | Sequence[Formula], name: str, parameters: str = "k[{}]") -> str:
+class UnwrittenError(ValueError):
+    """A formula calls a function that has no GLSL here."""
+
+
+def function(
+    formula: Formula | Sequence[Formula], name: str, parameters: str = "k[{}]", written: set[str] | None = None
+) -> str:
     """Source of ``float name(vec3 p)``; of a function that gives a vector, for two to four formulas.
 
     ``parameters`` is GLSL for the value in a slot, with ``{}`` for the slot's number. Names of functions start with
-    ``name``, all others are local.
+    ``name``, all others are local. Where there are tables, which ``table_number(i)`` reads, ``written`` takes the names of
+    the functions that read them and have been written; those there are not written again.
     """
     formulas = (formula,) if isinstance(formula, Formula) else tuple(formula)
     if not _NAME.fullmatch(name):
         raise ValueError(f"{name!r} is no name for a GLSL function: it needs letters, digits and single underscores")
     if len(formulas) not in _TYPES:
         raise ValueError(f"a GLSL function gives 1 to 4 values, not {len(formulas)}")
-    writer = _Writer(name, parameters)
+    sources: list[str] = []
+
+    def call(called: Function, operands: list[str], declare: Callable[[str, str], str]) -> list[str]:
+        glsl = getattr(called, "glsl", "")
+        if written is None or not glsl:
+            raise UnwrittenError(f"lamps of the kind '{called.name}' have no form for the graphics card yet")
+        if called.name not in written:
+            written.add(called.name)
+            sources.append(glsl)
+        tables = [f"int({operand})" for operand in operands[: called.tables]]
+        return [declare("float", f"{called.name}({', '.join([*tables, *operands[called.tables :]])})")]
+
+    writer = _Writer(name, parameters, call=call)
     values = writer.write(formulas)
     kind = _TYPES[len(formulas)]
     result = values[0] if len(values) == 1 else f"{kind}({', '.join(values)})"
     used = writer.used | ({"atan2"} if writer.used & _NEEDS_ATAN2 else set())
     lines = [f"{kind} {name}(vec3 p)", "{", *writer.lines, f"    return {result};", "}", ""]
-    return "\n".join([*helpers(name, used), "\n".join(lines)])
+    return "\n".join([*sources, *helpers(name, used), "\n".join(lines)])
 
 
 def helpers(name: str, used: Set[str] = _NEEDS_ATAN2 | {"atan2"}) -> list[str]:

@@ -46,7 +46,7 @@ from .formula import (
     order,
     slots,
 )
-from .functions import Function
+from .functions import Function, compiled_part
 from .operations import OPERATIONS, Native
 
 LANES = 8  # a cache line of doubles: two registers with AVX2, four with NEON
@@ -85,7 +85,22 @@ _lock = threading.RLock()
 
 def compiled(*formulas: Formula) -> Compiled:
     """Code of the formulas, compiled when it is first asked for. Parameter values are not part of it."""
-    return _kept(formulas, formulas, (), lambda: _module(formulas))
+    called = [_part_symbol(node.value, len(node.operands)) for node in _all_nodes(formulas) if node.kind == CALL]
+    return _kept(formulas, formulas, tuple(called), lambda: _module(formulas))
+
+
+def _part_symbol(function: Function, operands: int) -> str:
+    """What code of formulas of the position knows a function by: the same in each process, while its address is not."""
+    if function.scene:
+        raise ValueError(f"{function.name!r} cannot be called in the formula of a shape")
+    symbol = _symbol(function, operands, "position")
+    llvm.add_symbol(symbol, compiled_part(function, operands).address)
+    return symbol
+
+
+def _symbol(function: Function, operands: int, context: object) -> str:
+    known = function.kernel.__module__, function.kernel.__name__, function.static, function.scene, operands, context
+    return f"sdf_lights_{hashlib.sha256(repr(known).encode()).hexdigest()[:24]}"
 
 
 def compiled_at_surface(
@@ -105,8 +120,7 @@ def compiled_at_surface(
 
     def symbol_of(function: Function, operands: int) -> str:
         """What code that calls a function knows it by: the same in each process, while its address is not."""
-        known = function.kernel.__module__, function.kernel.__name__, function.static, function.scene, operands, scene
-        symbol = f"sdf_lights_{hashlib.sha256(repr(known).encode()).hexdigest()[:24]}"
+        symbol = _symbol(function, operands, scene)
         llvm.add_symbol(symbol, address_of(function, operands))
         return symbol
 
@@ -442,7 +456,24 @@ if AVAILABLE:
             return builder.load(builder.bitcast(builder.gep(self.points, [index]), _LANES.as_pointer()), align=8)
 
         def call(self, builder: ir.IRBuilder, function: Function, operands: list):
-            raise ValueError(f"{function.name!r} cannot be called in the formula of a shape")
+            """The function of one point after the other: each result in every lane."""
+            lanes = [ir.Constant(_LANES, ir.Undefined)] * function.results
+            with builder.goto_entry_block():
+                given = builder.alloca(_DOUBLE, max(len(operands), 1))
+                results = builder.alloca(_DOUBLE, function.results)
+            symbol = _part_symbol(function, len(operands))
+            known = builder.module.globals.get(symbol) or ir.Function(builder.module, _CALLED, symbol)
+            for lane in range(LANES):
+                for index, operand in enumerate(operands):
+                    if isinstance(operand.type, ir.VectorType):
+                        operand = builder.extract_element(operand, _INDEX(lane))
+                    builder.store(operand, builder.gep(given, [_INDEX(index)]))
+                addresses = [builder.ptrtoint(pointer, _INDEX) for pointer in (given, results)]
+                builder.call(known, [_INDEX(0), _INDEX(0), *addresses])
+                for index in range(function.results):
+                    value = builder.load(builder.gep(results, [_INDEX(index)]))
+                    lanes[index] = builder.insert_element(lanes[index], value, _INDEX(lane))
+            return lanes
 
     class _Surface(NamedTuple):
         """Where one point of a surface has its variables, and how functions are called from there."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -31,6 +32,27 @@ class Function:
     results: int = 1
     scene: bool = False
     of_object: bool = False
+    tables = 0  # leading operands that are addresses
+
+
+@dataclass(frozen=True)
+class TableFunction(Function):
+    """A field that reads tables (see ``tables``): ``kernel(*addresses, *coordinates)`` gives one number.
+
+    The coordinates are any further operands: those of a point, and numbers. The kernel must end for all numbers, NaN and
+    infinity too. ``bounds`` takes ``(*addresses, low, high, low, high, …)``, the bounds of each coordinate over a box, and gives
+    ``(low, high, slope_low, slope_high, …)``: bounds of the value, and of its derivative by each coordinate. At a crease
+    those of both sides are bounded. They are certain but for rounding, which it covers with ``interval_evaluation.MARGIN``.
+    ``glsl`` is the source of ``float name(int table, …, float x, …)`` in float32, which reads the number i of all tables one
+    after the other by ``table_number(i)``, and is told where its own begin. ``derivatives`` takes what the kernel takes and gives the derivative by each coordinate.
+    """
+
+    tables: int = 1
+    bounds: Function | None = None
+    derivatives: Function | None = None
+    lipschitz: float = math.inf  # bound on the length of the gradient by all coordinates together
+    glsl: str = ""
+    operations: float = 200.0  # that a point takes, as many as that of a formula: about 0.1 ns each
 
 
 def evaluate(function: Function, operands: Sequence[np.ndarray]) -> tuple[np.ndarray, ...]:
@@ -42,7 +64,7 @@ def evaluate(function: Function, operands: Sequence[np.ndarray]) -> tuple[np.nda
     from .. import jit  # not before it is needed: adding a lamp, and enabling the add-on, do not wait for Numba
 
     if jit.AVAILABLE and function.kernel is not inspect.unwrap(function.kernel):
-        _compiled(function, len(arrays)).fill(np.ascontiguousarray(rows), results)
+        compiled_part(function, len(arrays)).fill(np.ascontiguousarray(rows), results)
     else:
         for row, values in zip(results, rows.tolist()):
             row[:] = function.kernel(*function.static, *values)
@@ -50,7 +72,8 @@ def evaluate(function: Function, operands: Sequence[np.ndarray]) -> tuple[np.nda
 
 
 @functools.cache
-def _compiled(function: Function, operands: int):
+def compiled_part(function: Function, operands: int):
+    """Machine code of a function that needs no scene, called with so many operands: a ``jit.CallablePart``."""
     from .. import jit
 
     return jit.CallablePart(function.kernel, function.static, operands, None)

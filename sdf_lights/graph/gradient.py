@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from .formula import (
+    CALL,
     CONSTANT,
     ITERATE,
     PARAMETER,
@@ -25,6 +26,7 @@ from .formula import (
     apply,
     axis_of,
     body,
+    call,
     constant,
     iterate,
     order,
@@ -65,6 +67,8 @@ def _dual(node: Formula, operands: list) -> _Dual | list[_Dual]:
         return _Dual(node, Vector(*(constant(float(axis == axis_of(node))) for axis in range(3))))
     if node.kind == ITERATE:
         return _loop(node, operands)
+    if node.kind == CALL:
+        return _called(node, operands)
     if node.kind == RESULT:
         return operands[0][node.value]
     value = apply(node.kind, *(operand.value for operand in operands))
@@ -74,6 +78,20 @@ def _dual(node: Formula, operands: list) -> _Dual | list[_Dual]:
     if all(slope in (None, _NONE) for slope in slopes):
         return _Dual(value, _NONE)
     return _Dual(value, _RULES[node.kind](value, [operand.value for operand in operands], slopes))
+
+
+def _called(node: Formula, operands: list[_Dual]) -> list[_Dual]:
+    function = node.value
+    values = call(function, *(operand.value for operand in operands))
+    parts = operands[getattr(function, "tables", 0) :]
+    if all(part.slope == _NONE for part in parts):
+        return [_Dual(value, _NONE) for value in values]
+    if getattr(function, "derivatives", None) is None:
+        raise ValueError(f"nothing tells the derivative of {function.name!r}")
+    slope = _NONE
+    for part, derivative in zip(parts, call(function.derivatives, *(operand.value for operand in operands))):
+        slope = slope + part.slope * derivative
+    return [_Dual(values[0], slope)]
 
 
 def _loop(node: Formula, operands: list[_Dual]) -> list[_Dual]:

@@ -7,7 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..interruption import check
-from .formula import CONSTANT, ITERATE, PARAMETER, RESULT, STATE, VARIABLE, Formula, Numbers, axis_of, body, order
+from .formula import CALL, CONSTANT, ITERATE, PARAMETER, RESULT, STATE, VARIABLE, Formula, Numbers, axis_of, body, order
+from .functions import TableFunction, evaluate
 from .interval_arithmetic import DOUBLE, Arithmetic, Condition, Interval, Line, Precision
 from .numpy_evaluation import rounds
 from .operations import CONDITIONS, OPERATIONS
@@ -36,6 +37,29 @@ def _squares(base: Formula, other: Formula) -> int:
         if other is base:
             return count
     return 0
+
+
+MARGIN = 1e-12  # relative to what is bounded: more than rounding does to a few hundred operations
+
+
+def called(node: Formula, operands: list[Interval]) -> tuple[Interval, list[tuple[np.ndarray, np.ndarray]]]:
+    """Bounds of the value of a function of tables, and of its derivative by each of its coordinates."""
+    function = node.value
+    if not isinstance(function, TableFunction) or function.bounds is None:
+        raise ValueError(f"nothing bounds the function {function.name!r}")
+    coordinates = operands[function.tables :]
+    addresses = [operand.low for operand in operands[: function.tables]]
+    bounds = evaluate(function.bounds, [*addresses, *(end for part in coordinates for end in part[:2])])
+    undefined = None
+    for part in coordinates:
+        if part.undefined is not None:
+            undefined = part.undefined if undefined is None else undefined | part.undefined
+    low, high = (np.where(np.isnan(end), unknown, end) for end, unknown in zip(bounds[:2], (-np.inf, np.inf)))
+    slopes = [
+        (np.where(np.isnan(least), -np.inf, least), np.where(np.isnan(most), np.inf, most))
+        for least, most in zip(bounds[2::2], bounds[3::2])
+    ]
+    return Interval(low, high, undefined), slopes
 
 
 class Boxes:
@@ -132,6 +156,10 @@ class Boxes:
         operands = [self._fixed(operand, depth - 1) for operand in formula.operands]
         return None if None in operands else getattr(self.arithmetic, formula.kind)(*operands)
 
+    def call(self, node: Formula, operands: list) -> Interval:
+        """The value of a function of tables."""
+        return called(node, operands)[0]
+
     def divide(self, node: Formula) -> None:
         """Called when the value of a node has become known: the place to treat parts of boxes apart."""
 
@@ -157,6 +185,8 @@ def run(roots: tuple[Formula, ...], boxes: Boxes, known: dict | None = None) -> 
             values[node] = boxes.number(boxes.parameters[node.value])
         elif node.kind == ITERATE:
             values[node] = _loop(node, operands, boxes)
+        elif node.kind == CALL:
+            values[node] = [boxes.call(node, operands)]
         elif node.kind == RESULT:
             values[node] = operands[0][node.value]
         else:

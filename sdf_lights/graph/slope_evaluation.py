@@ -10,9 +10,20 @@ from .box_sides import SIGN, STEP, declared_inputs, find_sides, remainder_limits
 from .continuity import declared, joins
 from .formula import CONSTANT, PARAMETER, RESULT, STATE, VARIABLE, Formula
 from .interval_arithmetic import Condition, Interval
-from .interval_evaluation import Boxes
+from .interval_evaluation import Boxes, called
 from .operations import CONDITIONS
-from .slope import ARITHMETIC, WHOLE, Slope, Tear, length_of, magnitude_of, select_slope
+from .slope import (
+    ARITHMETIC,
+    WHOLE,
+    Slope,
+    Tear,
+    length_of,
+    magnitude_of,
+    scaled,
+    select_slope,
+    slope_sum,
+    steepest_bound,
+)
 from .slope_rules import RULES, ZERO, square_parts, under_roots
 from .tears import any_of, at_limits, combined, common_source, either, outside_domain, torn_choice, with_limits
 
@@ -66,6 +77,22 @@ class SlopeBoxes(Boxes):
             slope = slope._replace(gradient=Interval(low, high), norm=np.where(domain, np.inf, slope.norm))
         tear = self._tear(node, operands, condition)
         return slope._replace(tear=self._rejoined(node, tear) if tear.torn is not None else tear)
+
+    def call(self, node, operands):
+        tables = node.value.tables
+        value, bounds = called(node, [operand.value for operand in operands])
+        parts = operands[tables:]
+        gradient, norm = slope_sum(*(scaled(part, Interval(*slope)) for part, slope in zip(parts, bounds)))
+        if gradient is None:
+            return Slope(value, None, 0.0)
+        most = node.value.lipschitz
+        if np.isfinite(most):
+            units = [(np.maximum(low / most, -1.0), np.minimum(high / most, 1.0)) for low, high in bounds]
+            norm = np.minimum(norm, most * steepest_bound(parts, units))
+        torn = None
+        for part in parts:
+            torn = either(torn, part.tear.torn)
+        return Slope(value, gradient, norm, tear=Tear(torn))
 
     def _compared(self, found: Condition, operands: list[Slope]) -> Condition:
         """A condition on what is torn: a box counts as a whole, as the jump may be between its rows."""

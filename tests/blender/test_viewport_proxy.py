@@ -13,9 +13,12 @@ from sdf_lights.blender.viewport.facts import FactFinder
 from sdf_lights.render import session
 from sdf_lights.render.scene import Camera, Lamp, Scene
 from sdf_lights.render.settings import Filter, Settings
+from sdf_lights.sdf.data.outline import Outline
+from sdf_lights.sdf.data.tube import Tube
 from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.emission_presets import presets
 from sdf_lights.sdf.shapes import SHAPES, Box, Sphere, Torus, Union
+from sdf_lights.sdf.shapes.swept import Extrusion
 from support.shapes import samples
 
 pytestmark = pytest.mark.skipif(
@@ -121,6 +124,23 @@ DUST = {"sierpinski_tetrahedron", "mandelbox"}
 )
 def test_looks_as_in_the_render(painter, name):
     assert difference(painter, samples.SHAPES_TO_TRY[name], points=MANY if name in DUST else USUAL) < 0.02
+
+
+_TURN = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+_RING = np.column_stack([np.cos(_TURN), np.sin(_TURN)]) * (0.4 + 0.1 * np.cos(4.0 * _TURN))[:, None]
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Extrusion(Outline.of([_RING, 0.4 * _RING]), 0.2, 0.02),
+        Union(Tube.of([(np.column_stack([_RING, _TURN / 9.0]), 0.05 + _TURN / 99.0, False)]), Sphere(0.2)),
+    ],
+    ids=["outline", "tube"],
+)
+@pytest.mark.parametrize("name", ["", "skin"])
+def test_shapes_of_tables_look_as_in_the_render(painter, shape, name):
+    assert difference(painter, shape, EmissionExpression(EMISSIONS[name]).emission() if name else None) < 0.03
 
 
 EMISSIONS = {

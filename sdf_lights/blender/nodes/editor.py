@@ -96,6 +96,9 @@ def expression_of(light: bpy.types.Light) -> str:
         return parameters.text_of(lamp)
     if lamp.source == "NODES":
         return reading.text_of(lamp.nodes, parameters.values(lamp), None)
+    if lamp.source in ("OBJECT", "IMAGE"):
+        what = "an object" if lamp.source == "OBJECT" else "a picture"
+        raise RenderError(f"Its shape is that of {what}, which no text says: choose another source first.")
     name = lamp.shape.lower()
     group, named = getattr(lamp, name), {}
     for about in PRIMITIVES[name].fields():

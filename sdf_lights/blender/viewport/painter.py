@@ -18,6 +18,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ...affine import inverse
+from ...graph.tables import Table, address_slots, at_address
 from ...render.scene import Lamp
 from ...sdf.emission import Emission, Placed
 from ...sdf.shapes import Shape
@@ -30,6 +31,9 @@ LEAST_STEP, LEAST_STEP_OF_PIXEL = 1e-4, 0.25
 MARGIN = 1e-4
 # Least width in pixels of what has to be found on the screen.
 WIDTH = 2.0
+# Textures with the tables of a lamp that are kept.
+KEPT_TABLES = 32
+_FLOATS = -1e37, 1e37
 # Shaders and buffers that are kept.
 KEPT = 256
 
@@ -94,6 +98,7 @@ class Painter:
 
     def __init__(self):
         self._shaders: OrderedDict[shaders.LampCode, object] = OrderedDict()
+        self._tables: OrderedDict[tuple[Table, ...], gpu.types.GPUTexture] = OrderedDict()
         self._no_depth: gpu.types.GPUTexture | None = None
 
     def problem(self, lamp: Lamp) -> str:
@@ -131,6 +136,21 @@ class Painter:
             gpu.state.face_culling_set("NONE")
             gpu.state.blend_set("NONE")
 
+    def _texture_of(self, tables: tuple[Table, ...]) -> gpu.types.GPUTexture:
+        found = self._tables.get(tables)
+        if found is None:
+            numbers = np.concatenate([table.array for table in tables])
+            rows = -(-len(numbers) // shaders.TABLE_WIDTH)
+            pixels = np.zeros(rows * shaders.TABLE_WIDTH, np.float32)
+            pixels[: len(numbers)] = np.clip(numbers, *_FLOATS)
+            data = gpu.types.Buffer("FLOAT", len(pixels), pixels)
+            found = gpu.types.GPUTexture((shaders.TABLE_WIDTH, rows), format="R32F", data=data)
+            self._tables[tables] = found
+            while len(self._tables) > KEPT_TABLES:
+                self._tables.popitem(last=False)
+        self._tables.move_to_end(tables)
+        return found
+
     def _draw(self, item: Drawn, view: View, depth: Depth | None) -> None:
         code = code_of(item.lamp)
         found = self._shaders.get(code)
@@ -139,6 +159,7 @@ class Painter:
         self._shaders.move_to_end(code)
         shader, batch = found
         block = uniforms(item, view, depth)
+        tables = tables_of(item.lamp)[0]
         buffer = gpu.types.GPUUniformBuf(gpu.types.Buffer("FLOAT", block.size, block.ravel()))
         # Back faces, which are there also for an eye inside the box; a mirrored box shows its other side.
         mirrored = np.linalg.det((view.view @ item.lamp.matrix)[:3, :3]) < 0.0
@@ -146,6 +167,8 @@ class Painter:
         shader.bind()
         shader.uniform_block("lamp", buffer)
         shader.uniform_sampler("scene_depth", depth.texture if depth else self._no_depth)
+        if tables:
+            shader.uniform_sampler("tables", self._texture_of(tables))
         shader.uniform_int("depth_origin", depth.origin if depth else (0, 0))
         shader.uniform_float("projection", Matrix((view.projection @ view.view @ item.lamp.matrix).tolist()))
         batch.draw(shader)
@@ -162,9 +185,30 @@ def _varying(lamp: Lamp) -> Placed | None:
 
 
 def _numbers(lamp: Lamp) -> np.ndarray:
-    """Parameters of the shape, then those of the emission."""
+    """Parameters of the shape, then those of the emission. Instead of addresses of tables, where these begin in one another's row."""
     placed = _varying(lamp)
-    return np.concatenate([lamp.shape.parameters(), placed.parameters if placed is not None else []])
+    return _with_places(lamp.shape, placed)[1]
+
+
+def tables_of(lamp: Lamp) -> tuple[tuple[Table, ...], np.ndarray]:
+    """Tables that a lamp's formulas read, and the numbers of its shader."""
+    return _with_places(lamp.shape, _varying(lamp))
+
+
+def _with_places(shape: Shape, placed: Placed | None) -> tuple[tuple[Table, ...], np.ndarray]:
+    numbers = np.concatenate([shape.parameters(), placed.parameters if placed is not None else []])
+    slots = address_slots(shape.formula())
+    if placed is not None:
+        slots |= {len(shape.parameters()) + slot for slot in address_slots(*placed.colour)}
+    places: dict[Table, int] = {}
+    used = 0
+    for slot in sorted(slots):
+        table = at_address(numbers[slot])
+        if table is not None and table not in places:
+            places[table] = used
+            used += len(table.array)
+        numbers[slot] = places.get(table, 0)
+    return tuple(places), numbers
 
 
 def code_of(lamp: Lamp) -> shaders.LampCode:

@@ -41,6 +41,9 @@ struct Lamp {
 };
 """
 _NUMBER = "#define number(i) lamp.numbers[(i) / 4][(i) % 4]\n"
+# Tables of a lamp, one after the other: see ``graph.tables``.
+TABLE_WIDTH = 2048
+_TABLES = f"#define table_number(i) texelFetch(tables, ivec2((i) % {TABLE_WIDTH}, (i) / {TABLE_WIDTH}), 0).r\n"
 _FIELD = "float field(vec3 p)\n{\n    return body(p) - lamp.least.w;\n}\n"
 
 
@@ -90,10 +93,16 @@ def lamp_shader(code: LampCode) -> gpu.types.GPUShader:
     info.define("INTERVALS_SUM", "emitted")
     info.define("CROSSING_ERROR", "(0.1 * lamp.low.w)")
     info.vertex_source(source("proxy_vertex.glsl"))
-    functions = _NUMBER + codegen_glsl.function(code.field, "body", "number({})") + _FIELD
-    if code.colour is not None:
-        info.define("VARIES", "1")
-        functions += codegen_glsl.function(code.colour, "colour", f"number({{}} + {code.parameters})")
+    try:
+        written: set[str] = set()
+        functions = _NUMBER + _TABLES + codegen_glsl.function(code.field, "body", "number({})", written) + _FIELD
+        if code.colour is not None:
+            info.define("VARIES", "1")
+            functions += codegen_glsl.function(code.colour, "colour", f"number({{}} + {code.parameters})", written)
+    except codegen_glsl.UnwrittenError as error:
+        raise ShaderError(f"{error}.") from None
+    if written:
+        info.sampler(1, "FLOAT_2D", "tables")
     info.fragment_source(
         "".join([functions, *map(source, ("proxy_emission.glsl", "intervals.glsl", "proxy_fragment.glsl"))])
     )

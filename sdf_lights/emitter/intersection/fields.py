@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...graph.codegen_native import LANES, compiled
-from ...graph.formula import CONSTANT, ITERATE, PARAMETER, Formula, body, order
+from ...graph.formula import CALL, CONSTANT, ITERATE, PARAMETER, Formula, body, order
 from ...graph.numpy_evaluation import rounds
+from ...graph.tables import tables_of
 from ...jit import call_field, kernel, stack_array, table
 from ...replaced import replaced_on_gpu
 from ...sdf.shapes.base import Term
@@ -51,7 +52,7 @@ lamp_lists = table("lamp_lists", LIST)
 
 @dataclass(frozen=True)
 class CompiledField:
-    """A field ready for the kernels. ``code`` owns what the addresses in ``terms`` point at."""
+    """A field ready for the kernels. ``code`` owns what the addresses in ``terms`` and ``parameters`` point at."""
 
     source: tuple[Term, ...]
     terms: np.ndarray  # TERM
@@ -82,6 +83,8 @@ def _work(nodes: list[Formula], parameters: np.ndarray, library: float) -> float
                 else (node.value.limit)
             )
             total += rounds(known, node.value.limit) * _work(body(node), parameters, library)
+        elif node.kind == CALL:
+            total += getattr(node.value, "operations", library)
         else:
             total += library if node.kind in LIBRARY else 1.0
     return total
@@ -119,7 +122,7 @@ def compile_terms(terms: list[Term]) -> CompiledField:
     code, parameters, used = [], [np.zeros(0)], 0
     for row, term in zip(rows, terms):
         found = compiled(term.formula)
-        code.append(found.owner)
+        code += [found.owner, *tables_of(term.formula, term.parameters)]
         row["address"], row["parameters"] = found.address, used
         for name in ("arity", "family", "blend_width", "lipschitz"):
             row[name] = getattr(term, name)

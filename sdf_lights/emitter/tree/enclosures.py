@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...graph.formula import (
+    CALL,
     CONSTANT,
     ITERATE,
     PARAMETER,
@@ -31,9 +32,11 @@ from ...graph.formula import (
     body,
     sqrt,
 )
+from ...graph.functions import TableFunction, compiled_part
 from ...graph.operations import CONDITIONS, OPERATIONS
-from ...jit import kernel
+from ...jit import call_numbers, kernel
 
+CALL_NUMBERS = 32  # that a function of tables takes, or gives
 BOXES = 8  # that are bounded together
 SIZE = 8  # rows of a register: bounds of the value, and of each component of the gradient
 ROUNDING = 1e-9  # relative; covers some thousand operations
@@ -49,6 +52,7 @@ _NAMES = [
     "end",
     "select_less",
     "select_less_equal",
+    "call",
 ]
 _CODES = {name: code for code, name in enumerate(_NAMES)}
 
@@ -118,6 +122,8 @@ class _Writer:
             return self.emit("parameter", number=float(node.value))
         if node.kind == RESULT:
             return operands[0] + node.value
+        if node.kind == CALL:
+            return self._call(node, operands)
         if node.kind == ITERATE:
             return self._loop(node, operands, known)
         if node.kind == "select":
@@ -130,6 +136,20 @@ class _Writer:
             first = node.operands[0].kind in (CONSTANT, PARAMETER)
             return self.emit("scale", *(operands[::-1] if first else operands))
         return self.emit(node.kind, *operands)
+
+    def _call(self, node: Formula, operands: list[int]) -> int:
+        """a: the first of the operands, side by side; b: how many; c: how many of them are addresses; number: the code."""
+        function = node.value
+        if not isinstance(function, TableFunction) or function.bounds is None:
+            raise ValueError(f"nothing bounds the function {function.name!r}")
+        count = len(operands)
+        if 2 * count + 2 > CALL_NUMBERS:
+            raise ValueError(f"{function.name!r} has too many operands")
+        first = self.new(count)
+        for index, register in enumerate(operands):
+            self.emit("copy", register, out=first + index)
+        code = compiled_part(function.bounds, 2 * count - function.tables)
+        return self.emit("call", first, count, function.tables, number=float(code.address))
 
     def _loop(self, node: Formula, operands: list[int], known: dict[Formula, int]) -> int:
         loop, size = node.value, len(node.value.steps)
@@ -229,6 +249,7 @@ def tape(formula: Formula) -> Tape:
     _END,
     _SELECT_LESS,
     _SELECT_LESS_EQUAL,
+    _CALL,
 ) = (
     _CODES[name]
     for name in (
@@ -261,6 +282,7 @@ def tape(formula: Formula) -> Tape:
         "end",
         "select_less",
         "select_less_equal",
+        "call",
     )
 )
 DEEPEST_LOOP = 16
@@ -524,6 +546,35 @@ def _less(registers, a, b, box, equal):
 
 
 @kernel
+def _call(registers, row, numbers):
+    """A function of tables, by its bounds in each box. ``numbers`` (2, CALL_NUMBERS) is scratch."""
+    place = numbers.ctypes.data
+    for box in range(BOXES):
+        at = 0
+        for operand in range(row.b):
+            numbers[0, at] = registers[row.a + operand, 0, box]
+            at += 1
+            if operand >= row.c:
+                numbers[0, at] = registers[row.a + operand, 1, box]
+                at += 1
+        call_numbers(int(row.number), place, place + 8 * CALL_NUMBERS)
+        for line in range(2, SIZE):
+            registers[row.out, line, box] = 0.0
+        for operand in range(row.c, row.b):
+            at = 2 + 2 * (operand - row.c)
+            for line in range(2, SIZE, 2):
+                product = product_bounds(
+                    registers[row.a + operand, line, box],
+                    registers[row.a + operand, line + 1, box],
+                    numbers[1, at],
+                    numbers[1, at + 1],
+                )
+                registers[row.out, line, box] += product[0]
+                registers[row.out, line + 1, box] += product[1]
+        registers[row.out, 0, box], registers[row.out, 1, box] = numbers[1, 0], numbers[1, 1]
+
+
+@kernel
 def enclose(instructions, first, count, parameters, slot, registers, rounds):
     """Run the tape of ``count`` instructions from ``first``, of a formula whose parameters begin at ``slot``.
 
@@ -531,6 +582,7 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
     everything else. ``rounds`` (DEEPEST_LOOP, 2) is scratch.
     """
     at, depth = first, 0
+    numbers = np.empty((2, CALL_NUMBERS))
     while at < first + count:
         row = instructions[at]
         at += 1
@@ -621,6 +673,8 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
                 at = first + out + 1
             else:
                 depth -= 1
+        elif op == _CALL:
+            _call(registers, row, numbers)
         elif op == _MULTIPLY or op == _DIVIDE or op == _MINIMUM or op == _MAXIMUM or op == _POWER:
             for box in range(BOXES):
                 _join(registers, op, out, box, a, b)

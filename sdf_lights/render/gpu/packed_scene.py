@@ -357,7 +357,10 @@ class GpuScene:
                     (place,) = self._numbers[index]
                     reading = f"{NEAR}float_at({near + place} + {{}})"
                 written = formula if name == "colour" else formula[0]
-                parts.append(codegen_glsl.function(written, f"{name}_{index}", reading))
+                try:
+                    parts.append(codegen_glsl.function(written, f"{name}_{index}", reading))
+                except codegen_glsl.UnwrittenError as error:
+                    raise DeviceError(str(error)) from None
             cases = [f"    case {index}: return {name}_{index}(p);" for index in range(len(formulas) - 1)]
             parts.append(
                 "\n".join(

@@ -184,6 +184,10 @@ class Parametric:
                 found.append(Parameter(field.name, label, default=field.default, size=size, **about))
         return tuple(found)
 
+    def __getstate__(self) -> dict:
+        """What makes the shape alone: addresses of tables mean nothing to another process."""
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
+
     def build(self, p: Vector, slot: Slots) -> Formula:
         """The field φ at the point p. Numbers that may change are put into ``slot(…)``, which gives their formulas.
 

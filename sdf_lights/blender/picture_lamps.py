@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps whose shape is the outline of a picture, extruded."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+
+import bpy
+import numpy as np
+
+from ..render.errors import RenderError
+from ..sdf.shapes import SHAPES, Shape
+
+MOST_PIXELS = 1 << 26
+MOST_SEGMENTS = 1 << 20
+_KEPT = 16
+
+_outlines: OrderedDict[tuple, object] = OrderedDict()
+
+
+def shape_of(lamp) -> Shape:
+    """The shape of a ``Light.sdf_lamp`` that is made from a picture. Raises RenderError with a sentence."""
+    image = lamp.image
+    if image is None:
+        raise RenderError("It has no image: choose one in Shape > Image.")
+    image = image.original
+    width, height = image.size
+    if not (width and height):
+        raise RenderError(f"Image '{image.name}' has no pixels: its file is missing or cannot be read; find it again.")
+    if width * height > MOST_PIXELS:
+        raise RenderError(
+            f"Image '{image.name}' has {width} × {height} pixels, and an outline is made of {MOST_PIXELS / 1e6:.0f} million "
+            "at most: scale it down."
+        )
+    key = image.session_uid, image.filepath, width, height, lamp.image_part, lamp.image_threshold
+    outline = _outlines.get(key)
+    if outline is None:
+        outline = _outlines[key] = _outline(image, lamp.image_part, lamp.image_threshold)
+        while len(_outlines) > _KEPT:
+            _outlines.popitem(last=False)
+    _outlines.move_to_end(key)
+    if isinstance(outline, str):
+        raise RenderError(outline)
+    return _placed(outline, lamp.image_size, lamp.thickness)
+
+
+def _outline(image: bpy.types.Image, part: str, threshold: float):
+    """Segments (n, 4) in widths of the picture, around its middle, or a sentence on why there are none."""
+    from ..sdf.data.picture import contour
+
+    width, height = image.size
+    try:
+        pixels = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(pixels)
+    except (MemoryError, RuntimeError, TypeError):
+        return f"Image '{image.name}' cannot be read: find its file again."
+    pixels = pixels.reshape(height, width, image.channels)
+    if part == "ALPHA":
+        values = pixels[..., 3] if image.channels == 4 else np.ones((height, width), np.float32)
+    else:
+        values = pixels[..., : min(image.channels, 3)].mean(axis=2)
+        if part == "DARK":
+            values, threshold = 1.0 - values, 1.0 - threshold
+    segments = contour(np.nan_to_num(values), threshold)
+    if not len(segments):
+        return f"Image '{image.name}' has nothing above the threshold: choose another one in Shape > Threshold, or another part."
+    if len(segments) > MOST_SEGMENTS:
+        return (
+            f"The outline of image '{image.name}' has too many corners, {len(segments):,}: blur it, or scale it down."
+        )
+    return (segments - 0.5 * np.array([width, height] * 2)) / width
+
+
+def _placed(segments: np.ndarray, size: float, thickness: float) -> Shape:
+    from ..sdf.data.outline import Outline, outline_table
+
+    return SHAPES["extrusion"](Outline(outline_table(segments * size)), thickness, 0.0)  # type: ignore[call-arg]
+
+
+def forget(images: set[int]) -> None:
+    """Images, by their identities, have changed."""
+    for key in [key for key in _outlines if key[0] in images]:
+        del _outlines[key]

@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays that formulas read: outlines, curves, grids, weights.
+
+A formula knows a table by a parameter that holds the address of its first number. So the graph, which is the key of compiled
+code, does not depend on what is in a table: an edited outline compiles nothing. An address is below 2⁵³, so float64 holds it.
+
+Tables of the same content are one object, found by a hash. A shape holds its tables, and an ``Address`` its table, so a key of
+a cache that contains one keeps the memory from being used for something else.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+import weakref
+
+import numpy as np
+
+from .formula import CALL, ITERATE, PARAMETER, Formula, Numbers, body, order
+
+
+class Table:
+    """A read-only 1-D array in a place of its own, compared by identity; made by ``table`` alone."""
+
+    __slots__ = ("array", "key", "__weakref__")
+
+    array: np.ndarray
+    key: bytes
+
+    @property
+    def address(self) -> "Address":
+        """Where the first number lies, for a slot of a formula."""
+        return Address(self)
+
+    @property
+    def bytes(self) -> int:
+        """Size in memory."""
+        return self.array.nbytes
+
+    def __reduce__(self):
+        return table, (np.array(self.array),)
+
+    def __repr__(self):
+        return f"<Table {self.array.dtype} × {len(self.array)}>"
+
+
+class Address(float):
+    """The address of a table, as a number that keeps the table alive."""
+
+    table: Table
+
+    def __new__(cls, owner: Table):
+        found = super().__new__(cls, owner.array.ctypes.data)
+        found.table = owner
+        return found
+
+    def __reduce__(self):
+        return Address, (self.table,)
+
+
+_known: weakref.WeakValueDictionary[bytes, Table] = weakref.WeakValueDictionary()
+_places: weakref.WeakValueDictionary[int, Table] = weakref.WeakValueDictionary()
+_lock = threading.Lock()
+
+
+def table(array: np.ndarray) -> Table:
+    """The table of the content of a 1-D array, which is copied unless that table is there. It begins a line of the cache."""
+    array = np.ascontiguousarray(array)
+    if array.ndim != 1 or not len(array):
+        raise ValueError(f"a table is an array of one dimension that is not empty, not one of shape {array.shape}")
+    key = hashlib.sha256(array.dtype.str.encode() + array.view(np.uint8).data).digest()
+    with _lock:
+        found = _known.get(key)
+        if found is None:
+            memory = np.empty(array.nbytes + 64, np.uint8)
+            start = -memory.ctypes.data % 64
+            copy = memory[start : start + array.nbytes].view(array.dtype)
+            copy[:] = array
+            copy.flags.writeable = False
+            found = Table.__new__(Table)
+            found.array, found.key = copy, key
+            _known[key] = found
+            _places[copy.ctypes.data] = found
+    return found
+
+
+def tables_of(formula: Formula, parameters: Numbers) -> tuple[Table, ...]:
+    """Tables that a formula with these parameters reads. Whoever keeps the numbers alone has to keep these too."""
+    found = [at_address(parameters[slot]) for slot in sorted(address_slots(formula))]
+    return tuple(dict.fromkeys(known for known in found if known is not None))
+
+
+def address_slots(*formulas: Formula) -> set[int]:
+    """Slots of the formulas that hold addresses."""
+    found, seen, pending = set(), set(), list(order(*formulas))
+    while pending:
+        node = pending.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        if node.kind == ITERATE:
+            pending += [*body(node), *node.operands]
+        if node.kind == CALL:
+            found |= {operand.value for operand in node.operands[: node.value.tables] if operand.kind == PARAMETER}
+    return found
+
+
+def at_address(number: float) -> Table | None:
+    """The table at an address, if there is one."""
+    return _places.get(int(number))
+
+
+def memory() -> int:
+    """Bytes of all tables that live."""
+    with _lock:
+        return sum(known.bytes for known in _known.values())
