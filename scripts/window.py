@@ -79,6 +79,8 @@ def lamps_are_drawn() -> bool:
     """Whether viewports wait for no lamp: none is being measured, and no shader compiled."""
     from sdf_lights.blender.viewport import drawn
 
+    if drawn.overlay is None:  # nothing has been drawn yet
+        return False
     labels = {text for region in drawn.overlay._labels.values() for _, text in region}
     return not drawn.overlay.finder.busy and not labels & {"Compiling…", "Measuring…"}
 
