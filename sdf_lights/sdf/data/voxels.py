@@ -38,21 +38,25 @@ def _measure(corners, nodes, dipoles, count, closed, corner, size, starts, step,
 
     Distances above ``band`` need not be exact: they are above it.
     """
-    m, guess = distances.shape[1], 0
+    m, guess, clear = distances.shape[1], 0, size * step * (1.0 + 1e-9)
     for block in range(len(starts)):
         for k in range(m):
             z = corner[2] + size * (starts[block, 2] + step * k)
             for j in range(m):
                 y = corner[1] + size * (starts[block, 1] + step * j)
-                last, turns = math.inf, 0.0
                 for i in range(m):
                     x = corner[0] + size * (starts[block, 0] + step * i)
                     found, guess = nearest(corners, nodes, x, y, z, band, guess)
-                    # Where no face is between two points, a closed mesh winds as often around both.
-                    if not (closed and i > 0 and last > size * step * (1.0 + 1e-9)):
-                        turns = winding(corners, nodes, dipoles, count, x, y, z)
-                    distances[block, k, j, i], windings[block, k, j, i] = found, turns
-                    last = found
+                    distances[block, k, j, i] = found
+                    # A closed mesh winds as often around two points that no face is between.
+                    if closed and i > 0 and max(found, distances[block, k, j, i - 1]) > clear:
+                        windings[block, k, j, i] = windings[block, k, j, i - 1]
+                    elif closed and j > 0 and max(found, distances[block, k, j - 1, i]) > clear:
+                        windings[block, k, j, i] = windings[block, k, j - 1, i]
+                    elif closed and k > 0 and max(found, distances[block, k - 1, j, i]) > clear:
+                        windings[block, k, j, i] = windings[block, k - 1, j, i]
+                    else:
+                        windings[block, k, j, i] = winding(corners, nodes, dipoles, count, x, y, z)
 
 
 def _in_tasks(work, count: int, each: int) -> None:
