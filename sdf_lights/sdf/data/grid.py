@@ -20,24 +20,26 @@ import numpy as np
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
 from ...graph.tables import Table, table
-from ...jit import doubles_at, kernel
+from ...jit import doubles_at, floats_at, kernel
 from ..shapes.base import LARGEST, NONE, Shape, Slots
 
 SIDE = 8  # voxels of a block
 CORNERS = SIDE + 1
 BLOCK = CORNERS**3
 HEAD = 16
-# Numbers of the head: the corner of the grid (3), a voxel's size, blocks along each axis (3), where the coarse values, the
-# blocks' places and the blocks begin (3), the width of the band, m, L, and the greatest slope along an axis
+_TILES = -1.0, -2.0  # what stands for the place of a block that is a tile, outside and inside
+# Numbers of the head: the corner of the grid (3), a voxel's size, blocks along each axis (3), where the coarse values and the
+# places of blocks begin (2), one that is free, the width of the band, m, L, the greatest slope along an axis, 1 / size
 
 
 @kernel
 def _trilinear(numbers, at, stride_y, stride_z, s, t, u):
     """The value and its derivatives by s, t and u in a cell whose corner with the least coordinates is number ``at``."""
-    a, b = numbers[at], numbers[at + 1]
-    c, d = numbers[at + stride_y], numbers[at + stride_y + 1]
-    e, f = numbers[at + stride_z], numbers[at + stride_z + 1]
-    g, h = numbers[at + stride_z + stride_y], numbers[at + stride_z + stride_y + 1]
+    a, b = np.float64(numbers[at]), np.float64(numbers[at + 1])
+    c, d = np.float64(numbers[at + stride_y]), np.float64(numbers[at + stride_y + 1])
+    at += stride_z
+    e, f = np.float64(numbers[at]), np.float64(numbers[at + 1])
+    g, h = np.float64(numbers[at + stride_y]), np.float64(numbers[at + stride_y + 1])
     ab, cd, ef, gh = a + s * (b - a), c + s * (d - c), e + s * (f - e), g + s * (h - g)
     low, high = ab + t * (cd - ab), ef + t * (gh - ef)
     x_low, x_high = (b - a) + t * ((d - c) - (b - a)), (f - e) + t * ((h - g) - (f - e))
@@ -50,23 +52,23 @@ def _trilinear(numbers, at, stride_y, stride_z, s, t, u):
 
 
 @kernel
-def _inner(numbers, x, y, z):
+def _inner(numbers, values, x, y, z):
     """φ and its gradient in the grid's box; the coordinates count voxels."""
     bx, by, bz = int(numbers[4]), int(numbers[5]), int(numbers[6])
     i, j, k = int(0.125 * x), int(0.125 * y), int(0.125 * z)
     i, j, k = min(max(i, 0), bx - 1), min(max(j, 0), by - 1), min(max(k, 0), bz - 1)
     place = numbers[int(numbers[8]) + i + bx * (j + by * k)]
     band, value, gx, gy, gz = numbers[10], 0.0, 0.0, 0.0, 0.0
-    if place > 0.0:
+    if place >= 0.0:
         s, t, u = x - 8.0 * i, y - 8.0 * j, z - 8.0 * k
         a, b, c = min(int(s), 7), min(int(t), 7), min(int(u), 7)
         at = int(place) + a + 9 * (b + 9 * c)
-        value, gx, gy, gz = _trilinear(numbers, at, 9, 81, s - a, t - b, u - c)
+        value, gx, gy, gz = _trilinear(values, at, 9, 81, s - a, t - b, u - c)
         if abs(value) < band * (1.0 - 1e-12):
             return value, gx, gy, gz
         value, gx, gy, gz = (band, 0.0, 0.0, 0.0) if value > 0.0 else (-band, 0.0, 0.0, 0.0)
     else:
-        value = band if place == 0.0 else -band
+        value = band if place == -1.0 else -band
     at = int(numbers[7]) + i + (bx + 1) * (j + (by + 1) * k)
     s, t, u = 0.125 * x - i, 0.125 * y - j, 0.125 * z - k
     coarse, cx, cy, cz = _trilinear(numbers, at, bx + 1, (bx + 1) * (by + 1), s, t, u)
@@ -78,14 +80,14 @@ def _inner(numbers, x, y, z):
 
 
 @kernel
-def _field(numbers, x, y, z):
+def _field(numbers, values, x, y, z):
     """φ and its gradient."""
-    inverse = 1.0 / numbers[3]
+    inverse = numbers[14]
     px, py, pz = (x - numbers[0]) * inverse, (y - numbers[1]) * inverse, (z - numbers[2]) * inverse
     qx = min(max(px, 0.0), 8.0 * numbers[4])
     qy = min(max(py, 0.0), 8.0 * numbers[5])
     qz = min(max(pz, 0.0), 8.0 * numbers[6])
-    value, gx, gy, gz = _inner(numbers, qx, qy, qz)
+    value, gx, gy, gz = _inner(numbers, values, qx, qy, qz)
     gx, gy, gz = gx * inverse, gy * inverse, gz * inverse
     if px == qx and py == qy and pz == qz:
         return value, gx, gy, gz
@@ -101,24 +103,55 @@ def _field(numbers, x, y, z):
 
 
 @kernel
-def grid_distance(address, x, y, z):
+def grid_distance(address, voxels, x, y, z):
     """The field at a point, of the kind ``TableFunction``."""
     if not (abs(x) < 1e100 and abs(y) < 1e100 and abs(z) < 1e100):
         return math.nan if x != x or y != y or z != z else math.inf
-    return _field(doubles_at(address), x, y, z)[0]
+    numbers, values = doubles_at(address), floats_at(voxels)
+    inverse = numbers[14]
+    px, py, pz = (x - numbers[0]) * inverse, (y - numbers[1]) * inverse, (z - numbers[2]) * inverse
+    bx, by, bz = numbers[4], numbers[5], numbers[6]
+    if 0.0 <= px < 8.0 * bx and 0.0 <= py < 8.0 * by and 0.0 <= pz < 8.0 * bz:
+        # Near the surface, where most rays ask: as ``_field``, without what it does elsewhere.
+        i, j, k = int(px), int(py), int(pz)
+        place = numbers[int(numbers[8]) + (i >> 3) + int(bx) * ((j >> 3) + int(by) * (k >> 3))]
+        if place >= 0.0:
+            at = int(place) + (i & 7) + 9 * ((j & 7) + 9 * (k & 7))
+            value, _, _, _ = _trilinear(values, at, 9, 81, px - i, py - j, pz - k)
+            if abs(value) < numbers[10] * (1.0 - 1e-12):
+                return value
+    return _field(numbers, values, x, y, z)[0]
 
 
 @kernel
-def grid_slope(address, x, y, z):
+def grid_slope(address, voxels, x, y, z):
     """Its derivatives."""
     if not (abs(x) < 1e100 and abs(y) < 1e100 and abs(z) < 1e100):
         return 0.0, 0.0, 0.0
-    _, gx, gy, gz = _field(doubles_at(address), x, y, z)
+    _, gx, gy, gz = _field(doubles_at(address), floats_at(voxels), x, y, z)
     return gx, gy, gz
 
 
 @kernel
-def _cells(numbers, low_x, high_x, low_y, high_y, low_z, high_z):
+def _slopes(numbers, at, row, plane, part):
+    """Bounds of the derivatives in a cell, times ``part``."""
+    ax, bx, ay, by, az, bz = math.inf, -math.inf, math.inf, -math.inf, math.inf, -math.inf
+    for pair in range(4):
+        b, c = pair & 1, pair >> 1
+        first = at + row * b + plane * c
+        slope = part * (np.float64(numbers[first + 1]) - np.float64(numbers[first]))
+        ax, bx = min(ax, slope), max(bx, slope)
+        first = at + b + plane * c
+        slope = part * (np.float64(numbers[first + row]) - np.float64(numbers[first]))
+        ay, by = min(ay, slope), max(by, slope)
+        first = at + b + row * c
+        slope = part * (np.float64(numbers[first + plane]) - np.float64(numbers[first]))
+        az, bz = min(az, slope), max(bz, slope)
+    return ax, bx, ay, by, az, bz
+
+
+@kernel
+def _cells(numbers, values, low_x, high_x, low_y, high_y, low_z, high_z):
     """Bounds of φ and its gradient over all voxels that touch a box inside of the grid, given in voxels."""
     i0, i1 = int(math.floor(low_x)), int(math.ceil(high_x))
     j0, j1 = int(math.floor(low_y)), int(math.ceil(high_y))
@@ -132,23 +165,30 @@ def _cells(numbers, low_x, high_x, low_y, high_y, low_z, high_z):
             for i in range(i0, i1):
                 block = (i >> 3) + nx * ((j >> 3) + ny * (k >> 3))
                 place = numbers[int(numbers[8]) + block]
-                tile = place <= 0.0
+                tile = place < 0.0
                 if tile:
-                    low = high = -band if place < 0.0 else band
+                    low = high = -band if place == -2.0 else band
                 else:
                     at = int(place) + (i & 7) + 9 * ((j & 7) + 9 * (k & 7))
                     low, high = math.inf, -math.inf
                     for corner in range(8):
-                        value = numbers[at + (corner & 1) + 9 * (corner >> 1 & 1) + 81 * (corner >> 2)]
+                        value = np.float64(values[at + (corner & 1) + 9 * (corner >> 1 & 1) + 81 * (corner >> 2)])
                         low, high = min(low, value), max(high, value)
                 if low >= band or high <= -band:
                     least, most = min(least, low), max(most, high)
-                    ax, bx, ay, by, az, bz = min(ax, 0.0), max(bx, 0.0), min(ay, 0.0), max(by, 0.0), min(az, 0.0), max(bz, 0.0)
+                    ax, bx, ay, by, az, bz = (
+                        min(ax, 0.0),
+                        max(bx, 0.0),
+                        min(ay, 0.0),
+                        max(by, 0.0),
+                        min(az, 0.0),
+                        max(bz, 0.0),
+                    )
                     if block == known:
                         continue
                     known = block
                     at = int(numbers[7]) + (i >> 3) + (nx + 1) * ((j >> 3) + (ny + 1) * (k >> 3))
-                    row, plane, part = nx + 1, (nx + 1) * (ny + 1), 0.125
+                    row, plane = nx + 1, (nx + 1) * (ny + 1)
                     low, high = math.inf, -math.inf
                     for corner in range(8):
                         value = numbers[at + (corner & 1) + row * (corner >> 1 & 1) + plane * (corner >> 2)]
@@ -158,35 +198,30 @@ def _cells(numbers, low_x, high_x, low_y, high_y, low_z, high_z):
                     # In the whole block, and on both sides where the coarse part has both signs.
                     least = min(least, low + margin - band if low < -margin else band)
                     most = max(most, high - margin + band if high > margin else -band)
+                    sx, tx, sy, ty, sz, tz = _slopes(numbers, at, row, plane, 0.125)
+                    ax, bx, ay, by, az, bz = min(ax, sx), max(bx, tx), min(ay, sy), max(by, ty), min(az, sz), max(bz, tz)
                 else:
                     least, most = min(least, low), max(most, high)
-                    row, plane, part = 9, 81, 1.0
-                for pair in range(4):
-                    b, c = pair & 1, pair >> 1
-                    slope = part * (numbers[at + row * b + plane * c + 1] - numbers[at + row * b + plane * c])
-                    ax, bx = min(ax, slope), max(bx, slope)
-                    slope = part * (numbers[at + b + plane * c + row] - numbers[at + b + plane * c])
-                    ay, by = min(ay, slope), max(by, slope)
-                    slope = part * (numbers[at + b + row * c + plane] - numbers[at + b + row * c])
-                    az, bz = min(az, slope), max(bz, slope)
+                    sx, tx, sy, ty, sz, tz = _slopes(values, at, 9, 81, 1.0)
+                    ax, bx, ay, by, az, bz = min(ax, sx), max(bx, tx), min(ay, sy), max(by, ty), min(az, sz), max(bz, tz)
     return least, most, ax, bx, ay, by, az, bz
 
 
 @kernel
-def grid_bounds(address, x_low, x_high, y_low, y_high, z_low, z_high):
+def grid_bounds(address, voxels, x_low, x_high, y_low, y_high, z_low, z_high):
     """Bounds of the field and its derivatives in a box."""
-    numbers = doubles_at(address)
+    numbers, values = doubles_at(address), floats_at(voxels)
     x, y, z = 0.5 * (x_low + x_high), 0.5 * (y_low + y_high), 0.5 * (z_low + z_high)
     hx, hy, hz = 0.5 * (x_high - x_low), 0.5 * (y_high - y_low), 0.5 * (z_high - z_low)
     radius = math.sqrt(hx * hx + hy * hy + hz * hz)
     lipschitz, along = numbers[12], numbers[13]
     if not (radius < 1e100 and abs(x) < 1e100 and abs(y) < 1e100 and abs(z) < 1e100):
         return -math.inf, math.inf, -along, along, -along, along, -along, along
-    value = _field(numbers, x, y, z)[0]
+    value = _field(numbers, values, x, y, z)[0]
     reach = lipschitz * radius + 1e-9 * (abs(value) + radius + abs(x) + abs(y) + abs(z))
     low, high = value - reach, value + reach
     # Wider by more than rounding moves a point: so it is also in a box of voxels.
-    inverse, wider = 1.0 / numbers[3], 1e-9 * (abs(x) + abs(y) + abs(z) + radius + numbers[3])
+    inverse, wider = numbers[14], 1e-9 * (abs(x) + abs(y) + abs(z) + radius + numbers[3])
     ax, bx = (x_low - wider - numbers[0]) * inverse, (x_high + wider - numbers[0]) * inverse
     ay, by = (y_low - wider - numbers[1]) * inverse, (y_high + wider - numbers[1]) * inverse
     az, bz = (z_low - wider - numbers[2]) * inverse, (z_high + wider - numbers[2]) * inverse
@@ -197,7 +232,7 @@ def grid_bounds(address, x_low, x_high, y_low, y_high, z_low, z_high):
         and bz <= 8.0 * numbers[6]
         and max(max(bx - ax, by - ay), bz - az) <= 9.0
     ):
-        least, most, sx, tx, sy, ty, sz, tz = _cells(numbers, ax, bx, ay, by, az, bz)
+        least, most, sx, tx, sy, ty, sz, tz = _cells(numbers, values, ax, bx, ay, by, az, bz)
         if least <= most:
             margin = 1e-9
             return (
@@ -224,7 +259,7 @@ float grid_cell(int at, int row, int plane, vec3 p)
     return mix(y.x, y.y, p.z);
 }
 
-float grid(int table, float x, float y, float z)
+float grid(int table, int voxels, float x, float y, float z)
 {
     vec3 corner = vec3(table_number(table), table_number(table + 1), table_number(table + 2));
     float size = table_number(table + 3);
@@ -235,11 +270,11 @@ float grid(int table, float x, float y, float z)
     ivec3 block = min(ivec3(0.125 * q), blocks - 1);
     int index = block.x + blocks.x * (block.y + blocks.y * block.z);
     float place = table_number(table + int(table_number(table + 8)) + index);
-    float value = place < 0.0 ? -band : band;
+    float value = place < -1.5 ? -band : band;
     if (place > 0.0) {
         vec3 r = q - 8.0 * vec3(block);
         ivec3 cell = min(ivec3(r), ivec3(7));
-        value = grid_cell(table + int(place) + cell.x + 9 * (cell.y + 9 * cell.z), 9, 81, r - vec3(cell));
+        value = grid_cell(voxels + int(place) + cell.x + 9 * (cell.y + 9 * cell.z), 9, 81, r - vec3(cell));
     }
     if (abs(value) >= band) {
         int row = blocks.x + 1;
@@ -258,6 +293,7 @@ GRID = TableFunction(
     grid_distance,
     bounds=Function("grid_bounds", grid_bounds, results=8),
     derivatives=Function("grid_slope", grid_slope, results=3),
+    tables=2,
     glsl=_GLSL,
     operations=120.0,
 )
@@ -293,16 +329,17 @@ def cells_that_vary(values: np.ndarray, band: float) -> np.ndarray:
     return (low < band) & (high > -band)
 
 
-def grid_table(
+def grid_tables(
     corner: np.ndarray, size: float, coarse: np.ndarray, blocks: np.ndarray, values: np.ndarray, band: float
-) -> Table:
-    """Table of a grid whose first voxel is at ``corner`` (3,), with voxels of ``size`` metres.
+) -> tuple[Table, Table]:
+    """Tables of a grid whose first voxel is at ``corner`` (3,), with voxels of ``size`` metres.
 
     ``coarse`` (z + 1, y + 1, x + 1) are distances at the corners of blocks, ``blocks`` (n, 3) the indices x, y and z of blocks with
     voxels, ``values`` (n, CORNERS, CORNERS, CORNERS) theirs, the last axis x, which agree where blocks touch, and are ``band`` or
     −``band`` where they touch tiles. A tile has the sign of its corners.
     """
-    values = np.clip(np.asarray(values, np.float64), -band, band)
+    band = float(np.float32(band))
+    values = np.clip(np.asarray(values, np.float32).astype(np.float64), -band, band)
     coarse = np.asarray(coarse, np.float64)
     varying = cells_that_vary(values, band)
     # Where f varies the coarse part may not: m is the greatest |c| at corners of such cells.
@@ -313,24 +350,25 @@ def grid_table(
                 touched[:, c : SIDE + c, b : SIDE + b, a : SIDE + a] |= varying
     i, j, k = blocks.T
     spread = np.linspace(0.0, 1.0, CORNERS)
-    eight = np.stack(
-        [coarse[k + c, j + b, i + a] for c in (0, 1) for b in (0, 1) for a in (0, 1)], axis=1
-    ).reshape(-1, 2, 2, 2)
+    eight = np.stack([coarse[k + c, j + b, i + a] for c in (0, 1) for b in (0, 1) for a in (0, 1)], axis=1).reshape(
+        -1, 2, 2, 2
+    )
     weights = np.stack([1.0 - spread, spread])
     finely = np.einsum("ncba,ci,bj,ak->nijk", eight, weights, weights, weights, optimize=True)
     margin = float(np.abs(finely[touched]).max(initial=0.0)) * (1.0 + 1e-12)
     fine, fine_along = _steepness(values, size)
     rough, rough_along = _steepness(coarse[None], SIDE * size)
     counts = np.array(coarse.shape)[::-1] - 1
-    places = np.where(coarse[:-1, :-1, :-1] > 0.0, 0.0, -1.0)
-    start = HEAD + coarse.size + places.size
-    places[k, j, i] = start + BLOCK * np.arange(len(blocks))
+    places = np.where(coarse[:-1, :-1, :-1] > 0.0, *_TILES)
+    places[k, j, i] = BLOCK * np.arange(len(blocks))
     head = np.zeros(HEAD)
     head[:3], head[3], head[4:7] = corner, size, counts
-    head[7:10] = HEAD, HEAD + coarse.size, start
+    head[7:9] = HEAD, HEAD + coarse.size
+    head[14] = 1.0 / size
     rounded = 1.0 + 1e-9
     head[10:14] = band, margin, max(fine, rough, 1.0) * rounded, max(fine_along, rough_along, 1.0) * rounded
-    return table(np.concatenate([head, coarse.ravel(), places.ravel(), values.ravel()]))
+    voxels = values.astype(np.float32).ravel() if len(blocks) else np.zeros(1, np.float32)
+    return table(np.concatenate([head, coarse.ravel(), places.ravel()])), table(voxels)
 
 
 @dataclass(frozen=True)
@@ -339,7 +377,8 @@ class Grid(Shape, abstract=True):
 
     exactness = NONE
 
-    data: Table = dataclasses.field(metadata=dict(description="its voxels, see ``grid_table``"))
+    data: Table = dataclasses.field(metadata=dict(description="where its blocks are, see ``grid_tables``"))
+    values: Table = dataclasses.field(metadata=dict(description="their voxels"))
 
     @property
     def lipschitz(self) -> float:  # type: ignore[override]
@@ -351,12 +390,17 @@ class Grid(Shape, abstract=True):
         return float(self.data.array[3])
 
     @property
+    def bytes(self) -> int:
+        """Size in memory."""
+        return self.data.bytes + self.values.bytes
+
+    @property
     def voxels(self) -> int:
         """How many are in blocks."""
-        return (len(self.data.array) - int(self.data.array[9])) // BLOCK * SIDE**3
+        return len(self.values.array) // BLOCK * SIDE**3
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        (distance,) = call(GRID, slot(self.data.address), *p)
+        (distance,) = call(GRID, slot(self.data.address), slot(self.values.address), *p)
         return distance
 
     def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:

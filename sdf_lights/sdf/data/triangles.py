@@ -33,7 +33,9 @@ class Triangles(NamedTuple):
 
     corners: np.ndarray  # (LEAF · leaves, 9)
     nodes: np.ndarray  # (2 leaves, 6)
-    dipoles: np.ndarray  # (2 leaves, 7) of the nodes: the centre, the sum of areas times normals, the square of ``FAR`` radii
+    dipoles: (
+        np.ndarray
+    )  # (2 leaves, 7) of the nodes: the centre, the sum of areas times normals, the square of ``FAR`` radii
     count: int  # leaves
     closed: bool  # whether each edge has as many triangles on one side as on the other
 
@@ -64,7 +66,9 @@ def triangles(vertices: np.ndarray, faces: np.ndarray) -> Triangles:
     with np.errstate(all="ignore"):
         middles = np.where(sums[:, :1] > 0.0, sums[:, 1:4] / sums[:, :1], 0.5 * (nodes[:, :3] + nodes[:, 3:]))
         farthest = np.maximum(np.abs(nodes[:, :3] - middles), np.abs(nodes[:, 3:] - middles))
-        reach = np.where(sums[:, 0] > 0.0, FAR**2 * (farthest**2).sum(axis=1), -1.0)  # parts without triangles add nothing
+        reach = np.where(
+            sums[:, 0] > 0.0, FAR**2 * (farthest**2).sum(axis=1), -1.0
+        )  # parts without triangles add nothing
     corners[len(found) :] = corners[len(found) - 1]
     return Triangles(corners, nodes, np.column_stack([middles, sums[:, 4:], reach]), len(found), closed)
 

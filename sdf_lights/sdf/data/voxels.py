@@ -17,14 +17,15 @@ import numpy as np
 
 from ...interruption import Interrupted, check
 from ...jit import kernel
-from .grid import BLOCK, CORNERS, SIDE, Grid, grid_table
+from .grid import BLOCK, CORNERS, SIDE, Grid, grid_tables
 from .triangles import Triangles, nearest, triangles, winding
 
-BAND = 3.0  # voxels on each side of the surface
+BAND = 5.0  # voxels on each side of the surface
 FINENESS = 128  # voxels along the longest side, if nobody chooses their size
 MOST_BLOCKS = 1 << 14  # with voxels: 8 million voxels
 MOST_CORNERS = 1 << 22  # of blocks
-INSIDE = 0.5  # winding number of the surface
+INSIDE = 0.52  # winding number of the surface where there are no faces: above the half that flat sheets come near
+ON_A_FACE = 1e-6  # voxels
 _TASK = 24  # blocks between two looks whether to go on: some hundredths of a second
 
 
@@ -85,7 +86,7 @@ class _Builder:
         room = (BAND + 1.0) * size
         self.counts = np.maximum(np.ceil((high - low + 2.0 * room) / (SIDE * size)), 1).astype(np.int64)
         self.corner = 0.5 * (low + high) - 0.5 * SIDE * size * self.counts
-        self.band = BAND * size
+        self.band = float(np.float32(BAND * size))
 
     def measured(self, starts: np.ndarray, side: int, step: float, most: float) -> tuple[np.ndarray, np.ndarray]:
         """Distances and winding numbers (n, side, side, side) at lattices that begin at ``starts`` (n, 3), in voxels."""
@@ -141,7 +142,7 @@ class _Builder:
                 "has no inside at this voxel size: close it, give it a Solidify modifier, or choose smaller voxels."
             )
         joined = self.without_jumps(blocks, joined)
-        return Grid(grid_table(self.corner, self.size, coarse, blocks, joined, self.band))
+        return Grid(*grid_tables(self.corner, self.size, coarse, blocks, joined, self.band))
 
     def coarse(self) -> np.ndarray:
         """Distances (z, y, x) at all corners of blocks."""
@@ -151,7 +152,7 @@ class _Builder:
         places = SIDE * np.stack(np.meshgrid(*map(np.arange, counts[::-1]), indexing="ij"), axis=-1)[..., ::-1]
         distances, windings = self.measured(places.reshape(-1, 3), 1, 1.0, math.inf)
         shape = tuple(counts[::-1])
-        return _with_signs(distances, windings).reshape(shape)
+        return _with_signs(distances, windings, ON_A_FACE * self.size).reshape(shape)
 
     def near_enough(self, blocks: np.ndarray) -> np.ndarray:
         """Those of the blocks to whose middle the surface is near, or whose winding number changes (open meshes)."""
@@ -167,8 +168,7 @@ class _Builder:
         """Distances (n, CORNERS, CORNERS, CORNERS) with signs, to the width of the band."""
         most = self.band * (1.0 + 1e-9) if self.mesh.closed else 4.0 * self.band
         distances, windings = self.measured(SIDE * blocks, CORNERS, 1.0, most)
-        self.windings = windings
-        return np.clip(_with_signs(distances, windings), -self.band, self.band)
+        return np.clip(_with_signs(distances, windings, ON_A_FACE * self.size), -self.band, self.band)
 
     def missing(self, coarse, blocks, values, kept) -> np.ndarray:
         """Neighbours of blocks that are tiles, although not all voxels at their face are as far as the band with their sign."""
@@ -220,13 +220,16 @@ class _Builder:
                 a, b = a[same], b[same]
                 np.minimum.at(sizes, a, sizes[b] + self.size)
                 np.minimum.at(sizes, b, sizes[a] + self.size)
-        found = np.where(positive, sizes, -sizes)[inverse.ravel()].reshape(values.shape)
-        return found
+        return np.where(positive, sizes, -sizes)[inverse.ravel()].reshape(values.shape)
 
 
-def _with_signs(distances: np.ndarray, windings: np.ndarray) -> np.ndarray:
-    """A mesh that is inside out winds the other way, and is meant to have an inside all the same."""
-    return np.where(np.abs(windings) > INSIDE, -1.0, 1.0) * np.maximum(distances, 1e-300)
+def _with_signs(distances: np.ndarray, windings: np.ndarray, least: float) -> np.ndarray:
+    """A mesh that is inside out winds the other way, and is meant to have an inside all the same.
+
+    Nearer than ``least`` a point is on a face, and rounding decides how often that winds around it.
+    """
+    inside = (np.abs(windings) > INSIDE) & (distances > least)
+    return np.where(inside, -1.0, 1.0) * np.maximum(distances, least)
 
 
 def mesh_grid(vertices: np.ndarray, faces: np.ndarray, voxel_size: float = 0.0) -> Grid:
