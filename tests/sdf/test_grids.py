@@ -15,7 +15,7 @@ from sdf_lights.graph.functions import evaluate
 from sdf_lights.sdf.data.grid import BLOCK, CORNERS, GRID, SIDE
 from sdf_lights.sdf.data.triangles import triangles, winding
 from sdf_lights.sdf.data.voxels import GridError, mesh_grid
-from sdf_lights.sdf.shapes import SHAPES, Difference, Sphere
+from sdf_lights.sdf.shapes import Difference, Sphere
 from support import glsl, grids
 from support.lamps import oracle
 from support.lamps.rays import Traced
@@ -211,17 +211,9 @@ def test_a_scan_of_300_thousand_triangles_is_a_lamp():
     assert _crossings_agree(grid, 20_000) == 0.0
 
 
-def test_a_ray_costs_at_most_three_times_one_of_the_sponge():
-    """Processor time, in turns."""
-    grid, sponge = mesh_grid(*TORUS, 2.0 / 128), SHAPES["menger_sponge"]()
-    taken = []
-    for shape in (grid, sponge):
-        traced, rays = Traced(shape), grids.rays_around(shape, 20_000, 6)
-        traced.trace(*rays)
-        turns = []
-        for _ in range(3):
-            started = time.thread_time()
-            traced.trace(*rays)
-            turns.append(time.thread_time() - started)
-        taken.append(min(turns))
-    assert taken[0] <= 3.0 * taken[1]
+def test_a_ray_asks_a_grid_for_few_points():
+    """The kinds benchmark measures the time, which depends on the machine."""
+    grid = mesh_grid(*TORUS, 2.0 / 128)
+    assert grid.voxels > 700_000 and grid.bytes < 8 * grid.voxels
+    evaluations = Traced(grid).trace(*grids.rays_around(grid, 5_000, 6))[:, 3]
+    assert evaluations.mean() < 16.0

@@ -105,6 +105,8 @@ def _field(numbers, values, x, y, z):
 @kernel
 def grid_distance(address, voxels, x, y, z):
     """The field at a point, of the kind ``TableFunction``."""
+    if x != x:
+        return math.nan
     if not (abs(x) < 1e100 and abs(y) < 1e100 and abs(z) < 1e100):
         return math.nan if x != x or y != y or z != z else math.inf
     numbers, values = doubles_at(address), floats_at(voxels)
