@@ -6,10 +6,13 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.handlers import persistent
+from bpy_extras.object_utils import AddObjectHelper, object_data_add
 
 from ..render.errors import RenderError
 from . import fallback, objects, picture_lamps
 from .lamp import shape_of
+from .operators import SDFLIGHTS_MT_lamp_add
+from .properties import FORMS
 
 POWER = 100.0  # W
 
@@ -52,14 +55,7 @@ class SDFLIGHTS_OT_object_to_lamp(bpy.types.Operator):
     bl_label = "To SDF Lamp"
     bl_options = {"REGISTER", "UNDO"}
 
-    form: bpy.props.EnumProperty(
-        name="Form",
-        description="What the lamp makes of the object",
-        items=[
-            ("SOLID", "Solid", "What is filled is extruded, with its bevel; an open curve is a tube", 0),
-            ("NEON", "Neon", "A glass tube along every curve or letter, with a gap where it is closed", 1),
-        ],
-    )
+    form: bpy.props.EnumProperty(name="Form", description="What the lamp makes of the object", items=FORMS)
     power: bpy.props.FloatProperty(
         name="Power", description="Power of each lamp", default=POWER, min=0.0, soft_max=1000.0, unit="POWER"
     )
@@ -107,6 +103,32 @@ class SDFLIGHTS_OT_object_to_lamp(bpy.types.Operator):
         return lamp
 
 
+class SDFLIGHTS_OT_text_lamp_add(bpy.types.Operator, AddObjectHelper):
+    """Add a text, and a lamp of its shape. Press Tab to write"""
+
+    bl_idname = "sdf_lights.text_lamp_add"
+    bl_label = "Add Text Lamp"
+    bl_options = {"REGISTER", "UNDO"}
+
+    body: bpy.props.StringProperty(name="Text", description="What is written", default="OPEN")
+    form: bpy.props.EnumProperty(name="Form", description="What the lamp makes of the text", items=FORMS)
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT"
+
+    def execute(self, context):
+        curve = bpy.data.curves.new("Text", "FONT")
+        curve.body, curve.extrude = self.body, 0.0 if self.form == "NEON" else 0.05
+        object_data_add(context, curve, operator=self, name="Text")
+        return bpy.ops.sdf_lights.object_to_lamp(form=self.form)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in ("body", "form", "align", "location", "rotation"):
+            self.layout.prop(self, name)
+
+
 NEON_COLOR = (1.0, 0.18, 0.09)  # of neon itself; other gases and coatings have others
 
 
@@ -118,14 +140,23 @@ def draw_convert(self, context):
             self.layout.operator(SDFLIGHTS_OT_object_to_lamp.bl_idname, text=text, icon="LIGHT").form = form
 
 
-CLASSES = (SDFLIGHTS_OT_object_to_lamp,)
+def draw_add(self, context):
+    """Entries in Add > Light > SDF Lamp."""
+    self.layout.separator()
+    for form, text in (("SOLID", "Text"), ("NEON", "Neon Text")):
+        self.layout.operator(SDFLIGHTS_OT_text_lamp_add.bl_idname, text=text, icon="OUTLINER_OB_FONT").form = form
+
+
+CLASSES = (SDFLIGHTS_OT_object_to_lamp, SDFLIGHTS_OT_text_lamp_add)
 
 
 def register():
     bpy.app.handlers.depsgraph_update_post.append(_changed)
     bpy.types.VIEW3D_MT_object_convert.append(draw_convert)
+    SDFLIGHTS_MT_lamp_add.append(draw_add)
 
 
 def unregister():
+    SDFLIGHTS_MT_lamp_add.remove(draw_add)
     bpy.types.VIEW3D_MT_object_convert.remove(draw_convert)
     bpy.app.handlers.depsgraph_update_post.remove(_changed)

@@ -35,6 +35,12 @@ _ABBREVIATIONS = {"CPU", "GPU", "MIS", "BSDF"}
 LARGEST_INT = (1 << 31) - 1
 
 
+FORMS = [
+    ("SOLID", "Solid", "What is filled is extruded, with its bevel; an open curve is a tube", 0),
+    ("NEON", "Neon", "A glass tube along every curve or letter, with a gap where it is closed", 1),
+]
+
+
 def tag(self, context):
     """Blender tags the owner of a property for the dependency graph only if the property has a callback."""
 
@@ -311,10 +317,7 @@ SDFLIGHTS_LampSettings = group(
                 name="Form",
                 description="What the lamp makes of the object",
                 update=tag,
-                items=[
-                    ("SOLID", "Solid", "What is filled is extruded, with its bevel; an open curve is a tube", 0),
-                    ("NEON", "Neon", "A glass tube along every curve or letter, with a gap where it is closed", 1),
-                ],
+                items=FORMS,
             ),
             "thickness": bpy.props.FloatProperty(
                 name="Thickness",

@@ -107,7 +107,7 @@ def function(
     def call(called: Function, operands: list[str], declare: Callable[[str, str], str]) -> list[str]:
         glsl = getattr(called, "glsl", "")
         if written is None or not glsl:
-            raise UnwrittenError(f"{called.name} has no form for the graphics card")
+            raise UnwrittenError(f"lamps of the kind '{called.name}' have no form for the graphics card yet")
         if called.name not in written:
             written.add(called.name)
             sources.append(glsl)

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
+from sdf_lights.blender import feedback, objects
 from sdf_lights.blender.lamp import shape_of
 from sdf_lights.blender.objects.splines import path_of
 from sdf_lights.render.errors import RenderError
@@ -220,6 +221,47 @@ def test_a_render_sees_the_text(text, pictures):
     bpy.context.view_layer.objects.active = obj
     bpy.ops.sdf_lights.object_to_lamp(power=500.0)
     assert pictures()["ViewLayer"]["Combined"].max() > 1.0
+
+
+def test_what_a_lamp_leaves_out_of_its_object_is_told(text, curve, lamp, add):
+    obj = text("A")
+    light = lamp()
+    light.sdf_lamp.source, light.sdf_lamp.object = "OBJECT", obj
+    add("Sign Lamp", light)
+    bpy.context.view_layer.update()
+    assert objects.remarks(light.sdf_lamp) == []
+    obj.modifiers.new("Bend", "SIMPLE_DEFORM")
+    assert ["modifier 'Bend'" in sentence for _, sentence in feedback.of_lamps(bpy.context.scene)] == [True]
+    bent = curve([(0, 0, 0), (1, 0, 0)], bevel_depth=0.1)
+    light.sdf_lamp.object = bent
+    bent.modifiers.new("Cast", "CAST").use_apply_on_spline = True
+    assert objects.remarks(light.sdf_lamp) == []
+    bent.data.bevel_factor_end = 0.5
+    assert "starts or ends within" in objects.remarks(light.sdf_lamp)[0]
+
+
+def test_modifiers_on_the_spline_are_in_the_lamp(curve, lamp):
+    obj = curve([(0, 0, 0), (1, 0, 0)], bevel_depth=0.1)
+    plain = _shape(obj, lamp)
+    wave = obj.modifiers.new("Hook", "CAST")
+    wave.use_apply_on_spline, wave.factor, wave.cast_type, wave.size, wave.use_radius_as_size = (
+        True,
+        1.0,
+        "SPHERE",
+        3.0,
+        False,
+    )
+    assert _shape(obj, lamp).bounds()[1][0] > plain.bounds()[1][0] + 1.0
+
+
+@pytest.mark.parametrize("form", ["SOLID", "NEON"])
+def test_a_text_lamp_is_added_at_once(file, form):
+    assert bpy.ops.sdf_lights.text_lamp_add(form=form, location=(1.0, 2.0, 3.0)) == {"FINISHED"}
+    made = bpy.context.active_object
+    bpy.context.view_layer.update()
+    assert made.type == "LIGHT" and tuple(made.matrix_world.translation) == (1.0, 2.0, 3.0)
+    assert made.parent.data.body == "OPEN"
+    assert type(shape_of(made.data.sdf_lamp)).__name__ == {"SOLID": "Extrusion", "NEON": "Tube"}[form]
 
 
 def _image(values: np.ndarray):

@@ -22,6 +22,9 @@ READERS: dict[str, Reader] = {}
 """By the type of the object: from an object, its dependency graph and ``Light.sdf_lamp`` to the shape, in the object's space.
 It raises RenderError with a sentence that names the object."""
 
+REMARKS: dict[str, Callable[[bpy.types.Object, object], list[str]]] = {}
+"""By the type of the object: sentences on what of an object, to be shown as a ``Light.sdf_lamp`` says, is not in its lamp."""
+
 KINDS: dict[str, str] = {}  # what Blender calls these types
 
 
@@ -46,6 +49,12 @@ def shape_of(obj: bpy.types.Object | None, lamp) -> Shape:
     if not obj.is_evaluated:
         obj = obj.evaluated_get(depsgraph)
     return READERS[obj.type](obj, depsgraph, lamp)
+
+
+def remarks(lamp) -> list[str]:
+    """Sentences on what of its object is not in a lamp."""
+    obj = lamp.object if lamp.source == "OBJECT" else None
+    return REMARKS[obj.type](obj, lamp) if obj is not None and obj.type in REMARKS else []
 
 
 def listed() -> str:

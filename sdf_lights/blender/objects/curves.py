@@ -12,7 +12,7 @@ import numpy as np
 
 from ...render.errors import RenderError
 from ...sdf.shapes import SHAPES, Shape
-from . import reads
+from . import REMARKS, reads
 from .splines import Path, path_of
 
 if TYPE_CHECKING:  # they need Numba, whose import takes a second
@@ -144,3 +144,32 @@ def _neon(kept: tuple, radius: float, gap: float) -> Tube:
             points, closed = with_gap(points, gap + 2.0 * radius), False  # its ends are round
         paths.append((points, radius, closed))
     return Tube.of(paths)
+
+
+def _remarks(obj: bpy.types.Object, lamp) -> list[str]:
+    data, found = obj.data, []
+    ignored = [
+        modifier.name
+        for modifier in obj.modifiers
+        if (modifier.show_viewport or modifier.show_render)
+        and not (obj.type == "CURVE" and getattr(modifier, "use_apply_on_spline", False))
+    ]
+    if ignored:
+        cure = (
+            "turn on Apply on Spline"
+            if obj.type == "CURVE"
+            else "convert the text to a curve, and turn on Apply on Spline"
+        )
+        found.append(f"{_named(obj)}: modifier '{ignored[0]}' works on its mesh, so it is not in the lamp: {cure}.")
+    if lamp.object_form != NEON:
+        if data.bevel_mode != "ROUND" and (data.bevel_depth > 0.0 or data.bevel_mode == "OBJECT"):
+            found.append(f"{_named(obj)}: its bevel is not round, and that of the lamp is: choose Round.")
+        trimmed = data.bevel_factor_start > 0.0 or data.bevel_factor_end < 1.0
+        if trimmed and data.bevel_depth > 0.0:
+            found.append(
+                f"{_named(obj)}: its bevel starts or ends within the curve, and the lamp is as long as all of it."
+            )
+    return found
+
+
+REMARKS |= {"FONT": _remarks, "CURVE": _remarks}

@@ -295,9 +295,9 @@ class Outline(Profile, abstract=True):
 
     @cached_property
     def segments(self) -> np.ndarray:
-        """Both ends (n, 4) of the segments; some may be there twice."""
+        """Both ends (n, 4) of the segments."""
         numbers = self.data.array
-        return numbers[int(numbers[1]) :].reshape(-1, _ROW)[:, :4]
+        return np.unique(numbers[int(numbers[1]) :].reshape(-1, _ROW)[:, :4], axis=0)
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         (distance,) = call(OUTLINE, slot(self.data.address), p.x, p.y)
@@ -311,7 +311,7 @@ class Outline(Profile, abstract=True):
     def area(self) -> float | None:
         if self.offset != 0.0:
             return None
-        x0, y0, x1, y1 = np.unique(self.segments, axis=0).T
+        x0, y0, x1, y1 = self.segments.T
         return float(0.5 * np.sum(x0 * y1 - x1 * y0))
 
     def moment(self, offset):
