@@ -214,6 +214,6 @@ def test_a_scan_of_300_thousand_triangles_is_a_lamp():
 def test_a_ray_asks_a_grid_for_few_points():
     """The kinds benchmark measures the time, which depends on the machine."""
     grid = mesh_grid(*TORUS, 2.0 / 128)
-    assert grid.voxels > 700_000 and grid.bytes < 8 * grid.voxels
+    assert grid.voxels > 600_000 and grid.bytes < 8 * grid.voxels
     evaluations = Traced(grid).trace(*grids.rays_around(grid, 5_000, 6))[:, 3]
     assert evaluations.mean() < 16.0

@@ -201,11 +201,25 @@ def _cells(numbers, values, low_x, high_x, low_y, high_y, low_z, high_z):
                     least = min(least, low + margin - band if low < -margin else band)
                     most = max(most, high - margin + band if high > margin else -band)
                     sx, tx, sy, ty, sz, tz = _slopes(numbers, at, row, plane, 0.125)
-                    ax, bx, ay, by, az, bz = min(ax, sx), max(bx, tx), min(ay, sy), max(by, ty), min(az, sz), max(bz, tz)
+                    ax, bx, ay, by, az, bz = (
+                        min(ax, sx),
+                        max(bx, tx),
+                        min(ay, sy),
+                        max(by, ty),
+                        min(az, sz),
+                        max(bz, tz),
+                    )
                 else:
                     least, most = min(least, low), max(most, high)
                     sx, tx, sy, ty, sz, tz = _slopes(values, at, 9, 81, 1.0)
-                    ax, bx, ay, by, az, bz = min(ax, sx), max(bx, tx), min(ay, sy), max(by, ty), min(az, sz), max(bz, tz)
+                    ax, bx, ay, by, az, bz = (
+                        min(ax, sx),
+                        max(bx, tx),
+                        min(ay, sy),
+                        max(by, ty),
+                        min(az, sz),
+                        max(bz, tz),
+                    )
     return least, most, ax, bx, ay, by, az, bz
 
 
