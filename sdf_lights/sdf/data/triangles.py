@@ -17,7 +17,7 @@ from ... import jit
 from ...jit import kernel
 from . import boxes
 
-FAR = 2.5  # radii of a part, from which on it counts as a dipole: an error of about a hundredth of a winding
+FAR = 3.5  # radii of a part, from which on it counts as a dipole: errors of some hundredths of a winding at most
 SLACK = 1.0 + 1e-9  # of what is searched, so that rounding leaves the nearest triangle in it
 
 if jit.AVAILABLE:
@@ -31,12 +31,11 @@ else:
 class Triangles(NamedTuple):
     """Triangles in the order of a tree (see ``boxes.tree``), without those that have no area."""
 
-    corners: np.ndarray  # (LEAF · leaves, 9)
+    corners: np.ndarray  # (LEAF · leaves, 10): three corners, and 1, or 0 of a triangle that is there again
     nodes: np.ndarray  # (2 leaves, 6)
     dipoles: (
         np.ndarray
     )  # (2 leaves, 7) of the nodes: the centre, the sum of areas times normals, the square of ``FAR`` radii
-    count: int  # leaves
     closed: bool  # whether each edge has as many triangles on one side as on the other
 
 
@@ -53,8 +52,8 @@ def triangles(vertices: np.ndarray, faces: np.ndarray) -> Triangles:
     order, nodes = boxes.tree(found.min(axis=1), found.max(axis=1))
     leaves = len(nodes) // 2
     once = np.zeros(len(order))
-    once[: len(found)] = 1.0  # the last triangle fills the last leaf: its copies have no weight
-    corners = found[order].reshape(-1, 9)
+    once[np.unique(order, return_index=True)[1]] = 1.0  # a triangle that is there again has no weight
+    corners = np.column_stack([found[order].reshape(-1, 9), once])
     weights = once * areas[order]
     sums = np.zeros((2 * leaves, 7))  # area, area times centre, area times normal
     rows = np.column_stack([weights, weights[:, None] * found[order].mean(axis=1), once[:, None] * normals[order]])
@@ -69,8 +68,7 @@ def triangles(vertices: np.ndarray, faces: np.ndarray) -> Triangles:
         reach = np.where(
             sums[:, 0] > 0.0, FAR**2 * (farthest**2).sum(axis=1), -1.0
         )  # parts without triangles add nothing
-    corners[len(found) :] = corners[len(found) - 1]
-    return Triangles(corners, nodes, np.column_stack([middles, sums[:, 4:], reach]), len(found), closed)
+    return Triangles(corners, nodes, np.column_stack([middles, sums[:, 4:], reach]), closed)
 
 
 def _is_closed(faces: np.ndarray) -> bool:
@@ -172,7 +170,7 @@ def _angle(corners, row, x, y, z):
 
 
 @kernel
-def winding(corners, nodes, dipoles, count, x, y, z):
+def winding(corners, nodes, dipoles, x, y, z):
     """How often the triangles wind around a point."""
     stack = stack_array(96)
     leaves = len(nodes) // 2
@@ -194,6 +192,7 @@ def winding(corners, nodes, dipoles, count, x, y, z):
             depth += 2
         else:
             row = 4 * (node - leaves)
-            for index in range(row, min(row + 4, count)):
-                total += _angle(corners, index, x, y, z)
+            for index in range(row, row + 4):
+                if corners[index, 9] > 0.0:
+                    total += _angle(corners, index, x, y, z)
     return total / (2.0 * math.pi)

@@ -34,7 +34,7 @@ class GridError(ValueError):
 
 
 @kernel
-def _measure(corners, nodes, dipoles, count, closed, corner, size, starts, step, band, distances, windings):
+def _measure(corners, nodes, dipoles, closed, corner, size, starts, step, band, distances, windings):
     """Distances and winding numbers (n, m, m, m) at lattices of points ``step`` voxels apart, which begin at ``starts``.
 
     Distances above ``band`` need not be exact: they are above it.
@@ -57,7 +57,7 @@ def _measure(corners, nodes, dipoles, count, closed, corner, size, starts, step,
                     elif closed and k > 0 and max(found, distances[block, k - 1, j, i]) > clear:
                         windings[block, k, j, i] = windings[block, k - 1, j, i]
                     else:
-                        windings[block, k, j, i] = winding(corners, nodes, dipoles, count, x, y, z)
+                        windings[block, k, j, i] = winding(corners, nodes, dipoles, x, y, z)
 
 
 def _in_tasks(work, count: int, each: int) -> None:
@@ -101,7 +101,6 @@ class _Builder:
                 mesh.corners,
                 mesh.nodes,
                 mesh.dipoles,
-                mesh.count,
                 mesh.closed,
                 self.corner,
                 self.size,
