@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders lamps that are made of texts, curves and a picture, for docs/lamps.md.
 
-python object_lamps.py [--out FILE.png] [--samples 16] [--size 800x400]
+python object_lamps.py [--out FILE.png] [--samples 8] [--size 720x360]
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def build() -> None:
         mesh.materials.append(material)
         add(name, mesh, location, rotation)
 
-    open_ = add("Open", text("open", 1.15), (-1.75, 0.3, 1.3))
+    open_ = add("Open", text("open", 1.15), (-1.5, 0.3, 1.3))
     made = lamp_of(open_, "NEON", 40.0, (1.0, 0.16, 0.07))
     made.data.sdf_lamp.neon_radius, made.data.sdf_lamp.neon_gap = 0.022, 0.05
     lamp_of(
@@ -125,8 +125,8 @@ def main(arguments: list[str]) -> None:
     """Render the picture."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--out", type=pathlib.Path, default=REPOSITORY / "docs" / "images" / "lamps_of_objects.png")
-    parser.add_argument("--samples", type=int, default=16)
-    parser.add_argument("--size", default="800x400")
+    parser.add_argument("--samples", type=int, default=8)
+    parser.add_argument("--size", default="720x360")
     options = parser.parse_args(arguments)
     blender.register()
     build()
@@ -134,6 +134,7 @@ def main(arguments: list[str]) -> None:
     scene.render.engine = ENGINE
     scene.render.resolution_x, scene.render.resolution_y = map(int, options.size.split("x"))
     scene.sdf_lights.samples, scene.sdf_lights.noise_threshold, scene.sdf_lights.denoise = options.samples, 0.0, True
+    scene.sdf_lights.max_bounces = 3
     scene.render.filepath = str(options.out.resolve())
     bpy.ops.render.render(write_still=True)
 

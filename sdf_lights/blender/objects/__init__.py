@@ -7,6 +7,8 @@ A module of this folder that defines how a type of objects is read puts a row in
 
 from __future__ import annotations
 
+import contextlib
+import contextvars
 import importlib
 import pkgutil
 from collections.abc import Callable
@@ -39,13 +41,26 @@ def reads(**kinds: str):
     return decorate
 
 
+_depsgraph: contextvars.ContextVar[bpy.types.Depsgraph | None] = contextvars.ContextVar("depsgraph", default=None)
+
+
+@contextlib.contextmanager
+def within(depsgraph: bpy.types.Depsgraph):
+    """Within, objects are read as this dependency graph has them: that of a render, which has a thread of its own."""
+    token = _depsgraph.set(depsgraph)
+    try:
+        yield
+    finally:
+        _depsgraph.reset(token)
+
+
 def shape_of(obj: bpy.types.Object | None, lamp) -> Shape:
     """The shape of an object in its own space, as a ``Light.sdf_lamp`` wants it. Raises RenderError with a sentence."""
     if obj is None:
         raise RenderError("It has no object: choose one in Shape > Object.")
     if obj.type not in READERS:
         raise RenderError(f"Object '{obj.name}' is no {listed()}: choose another one in Shape > Object.")
-    depsgraph = bpy.context.view_layer.depsgraph
+    depsgraph = _depsgraph.get() or bpy.context.view_layer.depsgraph
     if not obj.is_evaluated:
         obj = obj.evaluated_get(depsgraph)
     return READERS[obj.type](obj, depsgraph, lamp)

@@ -15,6 +15,7 @@ from ...render.errors import RenderError
 from ...render.lights.area import is_round, sides
 from ...render.material import Material
 from ...render.scene import MANY_BOUNCES, RGB, Lamp, Light, Portal, Ray
+from .. import objects
 from ..lamp import LAST_GOOD, keep, last_good, pattern_of, shape_of
 from ..passes import own_pass_name
 from ..shader_trees import node_tree_of
@@ -50,7 +51,8 @@ def light_of(
         )
     if data.sdf_lamp.use:
         own = matrix if owner is None else owner
-        return _lamp(name, data, matrix, own, power, color, visibility, depsgraph.mode == "VIEWPORT", warn)
+        with objects.within(depsgraph):
+            return _lamp(name, data, matrix, own, power, color, visibility, depsgraph.mode == "VIEWPORT", warn)
     if getattr(getattr(data, "cycles", None), "is_portal", False) and data.type == "AREA":
         return Portal(name, matrix, is_round(data), tuple(sides(data).tolist()))
     common = dict(color=color, visibility=visibility, cast_shadow=data.use_shadow, emission=emission)
