@@ -21,6 +21,7 @@ NAMES = (
     "startup",
     "start",
     "intervals",
+    "kinds",
     "builds",
     "estimators",
     "lamps",

@@ -91,6 +91,8 @@ def _draw_nodes(layout, lamp) -> None:
 
 def _draw_object(layout, lamp, width: int) -> None:
     layout.prop(lamp, "object")
+    if lamp.object is not None and lamp.object.type in ("MESH", "META"):
+        layout.prop(lamp, "voxel_size")
     if lamp.object is not None and lamp.object.type in ("FONT", "CURVE"):
         layout.prop(lamp, "object_form")
         if lamp.object_form == "NEON":

@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps that data make: whether rays find every entry and exit, what a ray costs, and how long a grid takes to build.
+
+Texts, curves and meshes are Blender's own objects, read as lamps read them. The oracle is that of ``intervals``.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import statistics
+import time
+
+import numpy as np
+
+from .intervals import judged
+from .progress import Progress
+from .resume import Parts
+
+HELP = "lamps of texts, curves and meshes: wrong crossings, the cost of a ray, the time to build a grid"
+
+RAYS = 1_000_000  # of each kind
+QUICK_RAYS = 5_000
+COST_RAYS = 20_000
+TURNS = 5
+LETTER, PARAGRAPH = "g", "\n".join(["the quick brown fox jumpsg over dog"[:20]] * 10)
+
+
+def _shape(obj):
+    """The shape of a lamp of an object. Both are removed."""
+    import bpy
+
+    from sdf_lights.blender.lamp import shape_of
+
+    light = bpy.data.lights.new("Lamp", "POINT")
+    light.sdf_lamp.use, light.sdf_lamp.source, light.sdf_lamp.object = True, "OBJECT", obj
+    bpy.context.view_layer.update()
+    shape = shape_of(light.sdf_lamp)
+    bpy.data.lights.remove(light)
+    bpy.data.objects.remove(obj)
+    return shape
+
+
+def _linked(name: str, data):
+    import bpy
+
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def _text(body: str):
+    import bpy
+
+    curve = bpy.data.curves.new(body[:9], "FONT")
+    curve.body, curve.extrude = body, 0.05
+    return _shape(_linked("Text", curve))
+
+
+def _curve():
+    import bpy
+
+    data = bpy.data.curves.new("Spring", "CURVE")
+    data.dimensions, data.bevel_depth = "3D", 0.1
+    spline = data.splines.new("NURBS")
+    turn = np.linspace(0.0, 12.0, 60)
+    spline.points.add(len(turn) - 1)
+    for point, a in zip(spline.points, turn):
+        point.co = math.cos(a), math.sin(a), 0.1 * a, 1.0
+    return _shape(_linked("Curve", data))
+
+
+def _suzanne():
+    import bpy
+
+    bpy.ops.mesh.primitive_monkey_add()
+    return _shape(bpy.context.object)
+
+
+def _scan():
+    from sdf_lights.sdf.data.voxels import mesh_grid
+    from support import grids
+
+    return mesh_grid(*grids.scan(300_000))
+
+
+CASES = {
+    "text": lambda: _text("OPEN a%&8"),
+    "curve": _curve,
+    "mesh": _suzanne,
+    "scan of 300,000 triangles": _scan,
+}
+
+
+def _wrong(name: str, count: int) -> dict:
+    from support import grids
+
+    row = judged(name, CASES[name](), lambda shape, rng, n: grids.rays_around(shape, n, 5), False, count, 1)
+    return {key: row[key] for key in ("case", "certified", "rays", "wrong", "too_fine_to_judge", "ns", "evaluations")}
+
+
+def _costs(shapes: dict, turns: int, from_in_front: bool) -> dict[str, float]:
+    """Processor ns of a ray through each of the shapes, measured in turns."""
+    from support import grids
+    from support.lamps.rays import Traced
+
+    traced = {name: (Traced(shape), grids.rays_around(shape, COST_RAYS, 6)) for name, shape in shapes.items()}
+    if from_in_front:
+        traced = {name: (walk, _in_front(walk.shape)) for name, (walk, _) in traced.items()}
+    taken: dict[str, list[float]] = {name: [] for name in traced}
+    for turn in range(turns + 1):
+        for name, (walk, rays) in traced.items():
+            started = time.thread_time()
+            walk.trace(*rays)
+            if turn:
+                taken[name].append(time.thread_time() - started)
+    return {name: 1e9 * statistics.median(seconds) / COST_RAYS for name, seconds in taken.items()}
+
+
+def _in_front(shape) -> tuple[np.ndarray, np.ndarray]:
+    """Rays of a camera, or of a point that is lit, to a sign."""
+    rng = np.random.default_rng(6)
+    low, high = shape.bounds()
+    size = np.linalg.norm(high - low)
+    targets = low + rng.random((COST_RAYS, 3)) * (high - low)
+    origins = 0.5 * (low + high) + rng.normal(0.0, 0.3, (COST_RAYS, 3)) * size
+    origins[:, 2] = high[2] + size
+    directions = targets - origins
+    return origins, directions / np.linalg.norm(directions, axis=1, keepdims=True)
+
+
+def _cost_rows(turns: int) -> list[dict]:
+    from sdf_lights.sdf.data.voxels import mesh_grid
+    from sdf_lights.sdf.shapes import SHAPES
+    from support import grids
+    from support.lamps.rays import AsField
+
+    ring = grids.torus(0.7, 0.25, 256, 128)
+    voxel_size = 2.0 / 128
+    mesh_grid(*ring, 0.1)  # compiles
+    built = []
+    for _ in range(turns):
+        wall, work = time.perf_counter(), time.process_time()
+        grid = mesh_grid(*ring, voxel_size)
+        built.append((time.perf_counter() - wall, time.process_time() - work))
+    sponge = SHAPES["menger_sponge"]()
+    costs = _costs({"grid": grid, "sponge": sponge, "sponge as a field": AsField(sponge)}, turns, False)
+    costs |= _costs({"1 letter": _text(LETTER), "200 letters": _text(PARAGRAPH)}, turns, True)
+    seconds, work = (statistics.median(column) for column in zip(*built))
+    return [dict(cost_of=name, ns_per_ray=value) for name, value in costs.items()] + [
+        dict(built="grid", voxels=grid.voxels, seconds=seconds, processor_seconds=work, megabytes=1e-6 * grid.bytes)
+    ]
+
+
+def run(options) -> tuple[dict, list[dict]]:
+    import bpy
+
+    from sdf_lights import blender
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    if not hasattr(bpy.types.Light, "sdf_lamp"):  # another benchmark may have registered it
+        blender.register()
+    turns = options.repeats or (2 if options.quick else TURNS)
+    count = QUICK_RAYS if options.quick else RAYS
+    progress, parts, rows = Progress(len(CASES) + 1), Parts(options), []
+    for name in CASES:
+        progress.show(name)
+        rows.append(parts.of(name, functools.partial(_wrong, name, count)))
+        progress.step()
+    progress.show("costs")
+    costs = parts.of("costs", functools.partial(_cost_rows, turns))
+    parts.finish()
+    progress.close()
+    cost = {row["cost_of"]: row["ns_per_ray"] for row in costs if "cost_of" in row}
+    sure = [row for row in rows if row["certified"]]
+    million = 1e6 / costs[-1]["voxels"]
+    summary = dict(
+        wrong_crossing_fraction_certified=sum(row["wrong"] * row["rays"] for row in sure)
+        / sum(row["rays"] for row in sure),
+        cost_ratio_grid_to_sponge=cost["grid"] / cost["sponge"],
+        cost_ratio_grid_to_sponge_as_field=cost["grid"] / cost["sponge as a field"],
+        cost_ratio_200_to_1_letters=cost["200 letters"] / cost["1 letter"],
+        build_processor_seconds_of_a_million_voxels=million * costs[-1]["processor_seconds"],
+        megabytes_of_a_million_voxels=million * costs[-1]["megabytes"],
+    )
+    return summary, rows + costs

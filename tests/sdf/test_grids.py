@@ -1,0 +1,219 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Signed distance grids of meshes: distances, signs of meshes with faults, bounds, crossings, cost."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from sdf_lights import interruption
+from sdf_lights.emitter.tree import interior
+from sdf_lights.graph import codegen_glsl
+from sdf_lights.graph.functions import evaluate
+from sdf_lights.sdf.data.grid import BLOCK, CORNERS, GRID, SIDE
+from sdf_lights.sdf.data.triangles import triangles, winding
+from sdf_lights.sdf.data.voxels import GridError, mesh_grid
+from sdf_lights.sdf.shapes import Difference, Sphere
+from support import glsl, grids
+from support.lamps import oracle
+from support.lamps.rays import Traced
+
+TORUS = grids.torus(0.7, 0.25, 64, 32)
+
+
+@pytest.fixture(scope="module")
+def ring():
+    return mesh_grid(*TORUS, 2.0 / 48)
+
+
+def _points(shape, count, seed=1, beyond=0.0):
+    low, high = shape.bounds()
+    return np.random.default_rng(seed).uniform(low - beyond, high + beyond, (count, 3))
+
+
+def test_a_grid_has_the_distance_to_its_mesh_in_its_band(ring):
+    points = _points(ring, 50_000)
+    exact = np.hypot(np.hypot(points[:, 0], points[:, 1]) - 0.7, points[:, 2]) - 0.25
+    found = ring.distance(points)
+    near = np.abs(exact) < 2.0 * ring.voxel_size
+    np.testing.assert_allclose(found[near], exact[near], atol=0.25 * ring.voxel_size)
+    sure = np.abs(exact) > 0.25 * ring.voxel_size
+    assert ((found < 0.0) == (exact < 0.0))[sure].all()
+
+
+def test_bounds_of_a_grid_hold_for_values_and_slopes(ring):
+    rng = np.random.default_rng(4)
+    low = _points(ring, 4000, 2, 0.1)
+    high = low + rng.uniform(1e-4, 0.3, (4000, 1)) * rng.random((4000, 3))
+    address = float(ring.data.address), float(ring.values.address)
+    bounds = evaluate(GRID.bounds, [*address, *(end for k in range(3) for end in (low[:, k], high[:, k]))])
+    points = np.moveaxis(low + rng.random((30, 4000, 3)) * (high - low), -1, 0)
+    values = evaluate(GRID, [*address, *points])[0]
+    assert (bounds[0] <= values).all() and (values <= bounds[1]).all()
+    slopes = evaluate(GRID.derivatives, [*address, *points])
+    for k, slope in enumerate(slopes):
+        assert (bounds[2 + 2 * k] <= slope + 1e-12).all() and (slope <= bounds[3 + 2 * k] + 1e-12).all()
+    assert np.sqrt(sum(slope**2 for slope in slopes)).max() <= ring.lipschitz
+    assert np.mean(bounds[1] - bounds[0] < 0.9 * ring.lipschitz * np.linalg.norm(high - low, axis=1)) > 0.1
+
+
+def test_no_two_points_differ_by_more_than_the_bound(ring):
+    a = _points(ring, 200_000, 5, 0.2)
+    b = a + np.random.default_rng(6).normal(size=a.shape) * 10.0 ** np.random.default_rng(7).uniform(
+        -6, -0.5, (len(a), 1)
+    )
+    difference = np.abs(ring.distance(a) - ring.distance(b))
+    assert (difference <= ring.lipschitz * np.linalg.norm(a - b, axis=1) + 1e-12).all()
+
+
+@pytest.mark.parametrize("faults", ["closed", "open"])
+def test_blocks_agree_where_they_touch(faults):
+    vertices, faces = TORUS
+    if faults == "open":
+        faces = faces[200:]
+    grid = mesh_grid(vertices, faces, 2.0 / 40)
+    numbers = grid.data.array
+    counts = numbers[4:7].astype(int)
+    places = numbers[int(numbers[8]) :].reshape(counts[::-1])
+    band = numbers[10]
+
+    def face(place, axis, side):
+        if place < 0.0:
+            return np.full((CORNERS, CORNERS), band if place == -1.0 else -band)
+        block = grid.values.array[int(place) : int(place) + BLOCK].reshape(CORNERS, CORNERS, CORNERS)
+        return np.take(block, SIDE * side, axis=axis)
+
+    for axis in range(3):
+        firsts, lasts = np.split(np.arange(places.shape[axis]), [-1])[0], np.arange(1, places.shape[axis])
+        for first, last in zip(np.take(places, firsts, axis).ravel(), np.take(places, lasts, axis).ravel()):
+            if first >= 0.0 or last >= 0.0:
+                np.testing.assert_array_equal(face(first, axis, 1), face(last, axis, 0))
+
+
+def test_winding_numbers_count_crossing_and_doubled_faces():
+    vertices, faces = TORUS
+    mesh = triangles(*grids.joined((vertices, faces), (vertices + (0.2, 0.0, 0.0), faces)))
+    points = np.random.default_rng(1).uniform(-1.2, 1.2, (2000, 3))
+    expected, near = 0, False
+    for shift in (0.0, 0.2):
+        exact = np.hypot(np.hypot(points[:, 0] - shift, points[:, 1]) - 0.7, points[:, 2]) - 0.25
+        expected, near = expected + (exact < 0.0), near | (np.abs(exact) < 0.01)
+    found = [winding(mesh.corners, mesh.nodes, mesh.dipoles, *point) for point in points]
+    np.testing.assert_allclose(np.array(found)[~near], expected[~near], atol=0.05)
+
+
+def _volume(shape):
+    return (shape.distance(_points(shape, 200_000)) < 0.0).mean() * np.prod(np.diff(shape.bounds(), axis=0))
+
+
+@pytest.mark.parametrize("fault", ["inside out", "doubled", "holes", "cracked", "through itself"])
+def test_faulty_meshes_have_the_inside_that_is_meant(fault):
+    vertices, faces = TORUS
+    size = 2.0 * np.pi**2 * 0.7 * 0.25**2
+    if fault == "inside out":
+        faces = faces[:, ::-1]
+    elif fault == "doubled":
+        faces = np.concatenate([faces, faces[:700]])
+    elif fault == "holes":
+        faces = np.delete(faces, np.random.default_rng(3).choice(len(faces), 150, replace=False), axis=0)
+    elif fault == "cracked":
+        vertices, faces = vertices[faces.ravel()], np.arange(3 * len(faces)).reshape(-1, 3)
+        vertices = vertices + np.random.default_rng(3).normal(size=vertices.shape) * 1e-3
+    else:
+        vertices, faces = grids.joined(TORUS, (vertices[:, [0, 2, 1]] * 1.0, faces[:, ::-1]))
+        size *= 1.7
+    grid = mesh_grid(vertices, faces, 2.0 / 40)
+    assert grid.lipschitz < 2.0
+    assert _volume(grid) == pytest.approx(size, rel=0.08)
+    assert interior.tree(grid).certified
+
+
+@pytest.mark.parametrize(
+    "vertices, faces, sentence",
+    [
+        (np.zeros((3, 3)), np.zeros((0, 3), int), "no faces"),
+        (np.zeros((3, 3)), [[0, 1, 2]], "no area"),
+        ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "not a finite number"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], "no inside"),
+    ],
+)
+def test_meshes_without_an_inside_say_so_in_a_sentence(vertices, faces, sentence):
+    with pytest.raises(GridError, match=sentence):
+        mesh_grid(np.array(vertices), np.array(faces))
+
+
+@pytest.mark.parametrize("size", [1e-4, 1e-9])
+def test_too_small_voxels_are_refused_at_once(size):
+    started = time.process_time()
+    with pytest.raises(GridError, match="larger voxel size"):
+        mesh_grid(*TORUS, size)
+    assert time.process_time() - started < 5.0
+
+
+def test_building_stops_when_nobody_wants_it():
+    stopped = threading.Event()
+    timer = threading.Timer(0.2, stopped.set)
+    with interruption.watched(interruption.Watch(stopped.is_set)):
+        timer.start()
+        with pytest.raises(interruption.Interrupted):
+            mesh_grid(*grids.torus(0.7, 0.25, 400, 200), 2.0 / 400)
+    timer.join()
+
+
+def test_grids_combine_with_other_shapes(ring):
+    points = _points(ring, 2000)
+    expected = np.maximum(ring.distance(points), -Sphere(0.6).distance(points))
+    cut = Difference(ring, Sphere(0.6))
+    np.testing.assert_allclose(cut.distance(points), expected, atol=1e-12)
+    assert interior.tree(cut).certified
+
+
+def test_glsl_of_a_grid_has_the_same_distances(ring):
+    points = _points(ring, 2000, 3, 0.3).astype(np.float32)
+    first = len(ring.parameters())
+    numbers = np.concatenate([[0.0, len(ring.data.array)], ring.data.array, ring.values.array])
+    source = f"#define table_number(i) k[{first} + (i)]\n" + codegen_glsl.function(
+        ring.formula(), "read", written=set()
+    )
+    found = glsl.evaluate(source, "read", points, numbers)
+    np.testing.assert_allclose(found, ring.distance(points.astype(float)), atol=2e-5)
+
+
+def _crossings_agree(shape, rays, seed=5):
+    origins, directions = grids.rays_around(shape, rays, seed)
+    traced = Traced(shape)
+    assert traced.tree.certified
+    found = traced.trace(origins, directions)
+    truth = oracle.find(shape, origins, directions)
+    assert truth.counts.sum() > rays // 20
+    return oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1], truth).wrong
+
+
+def test_rays_find_all_crossings_of_a_grid(ring):
+    assert _crossings_agree(ring, 5_000) == 0.0
+
+
+@pytest.mark.slow
+def test_no_ray_of_a_million_through_grids_has_a_wrong_number_of_crossings(ring):
+    vertices, faces = TORUS
+    for shape in (ring, mesh_grid(vertices, faces[200:], 0.04)):
+        assert _crossings_agree(shape, 500_000) == 0.0
+
+
+@pytest.mark.slow
+def test_a_scan_of_300_thousand_triangles_is_a_lamp():
+    vertices, faces = grids.scan(300_000)
+    assert len(faces) > 280_000
+    grid = mesh_grid(vertices, faces)
+    assert grid.bytes < 64e6 and grid.lipschitz < 2.0 and interior.tree(grid).certified
+    assert _crossings_agree(grid, 20_000) == 0.0
+
+
+def test_a_ray_asks_a_grid_for_few_points():
+    """The kinds benchmark measures the time, which depends on the machine."""
+    grid = mesh_grid(*TORUS, 2.0 / 128)
+    assert grid.voxels > 600_000 and grid.bytes < 8 * grid.voxels
+    evaluations = Traced(grid).trace(*grids.rays_around(grid, 5_000, 6))[:, 3]
+    assert evaluations.mean() < 16.0
