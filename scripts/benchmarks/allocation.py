@@ -49,7 +49,7 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
         {},
         dict(first_pixels=lambda film, settings: None),
     ),
-    "spread": ("paths divide into the best number by the first rows, not into more", {}, dict(SPREAD=1.0)),
+    "gain": ("pixels take different numbers of samples however little that promises", {}, dict(GAIN=np.inf)),
 }
 
 
