@@ -47,7 +47,9 @@ from .settings import MOST_BRANCHES, Settings
 FIRST_UPDATE = 2  # samples before the first update: the fewest that scatter; each later update is at twice as many
 PATCH = 4  # side, in pixels, of a patch whose differences are summed: most patches have no edge
 BANDS, FIRST_BAND = 8, 3  # one row of patches of 8, the fourth, takes its first sample before the others
-COST = 2.0  # C, in surfaces that a branch meets: 1 to 3, where lamps light what the camera sees; a factor of 1.5 costs 3 %
+COST = (
+    2.0  # C, in surfaces that a branch meets: 1 to 3, where lamps light what the camera sees; a factor of 1.5 costs 3 %
+)
 # Branches of pixels that tell how branches scatter: of all at first, later of this part of them, which costs 2 %.
 TELLING, PART = 2, 1.0 / 16.0
 GAIN = 0.9  # part of error × time that is to be left where pixels take different numbers of samples
@@ -304,7 +306,9 @@ def _around(values: np.ndarray, amount: np.ndarray, shape: tuple[int, int], weig
     def total(each: np.ndarray) -> np.ndarray:
         padded = np.pad(each.reshape(shape), reach)
         rows = sum(weight * padded[place : place + shape[0]] for place, weight in enumerate(weights))
-        return sum(weight * rows[:, place : place + shape[1]] for place, weight in enumerate(weights)).ravel() - own * each
+        return (
+            sum(weight * rows[:, place : place + shape[1]] for place, weight in enumerate(weights)).ravel() - own * each
+        )
 
     amount = amount.astype(float)
     number, values = total(amount), total(values * amount)

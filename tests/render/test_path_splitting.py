@@ -58,7 +58,8 @@ def room(shade: bool = False, **changes) -> Scene:
 def pictures(branches: int, seeds: int, samples: int, **changes) -> tuple[np.ndarray, float]:
     """(seeds, height, width, RGB) and the work of one of them, as ``sample_allocation`` counts it."""
     films = [
-        session.render(room(samples=samples, indirect_paths=branches, seed=seed, **changes), ()) for seed in range(seeds)
+        session.render(room(samples=samples, indirect_paths=branches, seed=seed, **changes), ())
+        for seed in range(seeds)
     ]
     work = np.mean([sample_allocation.COST * film.count.sum() + film.divided[:, 2].sum() for film in films])
     return np.array([film.read("Combined")[..., :3] for film in films], np.float64), float(work)
