@@ -42,7 +42,7 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "expectation": (
         "neighbours alone tell the noise of a pixel",
         {},
-        dict(_expected=lambda found, told, known: np.array(told)),
+        dict(_expected=lambda found, told, *_: np.array(told)),
     ),
     "first_rows": (
         "paths divide by a constant until samples scatter",

@@ -10,7 +10,7 @@ I is the variance of a branch, about what the branches of its own sample bring o
 sampled before paths divide, and of the light that branches are sent for, which differs from sample to sample where the camera's
 ray meets edges, textures, or other things at other times. More branches do nothing against that. w is the weight of the
 pixel in the error of the picture. The samples take the time n (C + m k), where a branch meets m surfaces; a ray that leaves
-the scene counts as a part of one. The scatter of samples and of their branches estimates D and I (law of total variance).
+the scene counts as a part of one, and C is more where a light ray to a lamp needs its boxes. The scatter of samples and of their branches estimates D and I (law of total variance).
 The method of Lagrange gives each pixel those n and k, of a few, that minimise error + λ time. Edges and highlights get many
 samples with few branches. Places that other surfaces light get few samples with many branches. λ makes the mean number
 of samples the one that is set. If all pixels have the same number, λ is error by time, which minimises the product of the
@@ -47,9 +47,9 @@ from .settings import MOST_BRANCHES, Settings
 FIRST_UPDATE = 2  # samples before the first update: the fewest that scatter; each later update is at twice as many
 PATCH = 4  # side, in pixels, of a patch whose differences are summed: most patches have no edge
 BANDS, FIRST_BAND = 8, 3  # one row of patches of 8, the fourth, takes its first sample before the others
-COST = (
-    2.0  # C, in surfaces that a branch meets: 1 to 3, where lamps light what the camera sees; a factor of 1.5 costs 3 %
-)
+# C, in surfaces that a branch meets: 0.7 to 1.8 were measured, and 2 more where a lamp is looked at box by box. The least is best,
+# as the best of noisy estimates promises too much of branches.
+COST, CUT_COST = 0.7, 2.0
 # Branches of pixels that tell how branches scatter: of all at first, later of this part of them, which costs 2 %.
 TELLING, PART = 2, 1.0 / 16.0
 GAIN = 0.9  # part of error × time that is to be left where pixels take different numbers of samples
@@ -128,7 +128,7 @@ def _rates(samples: int, most: float) -> tuple[float, ...]:
 def _branches_by_one(film: Film) -> int:
     """The number of branches of all paths, by the first sample of whole rows of pixels."""
     shape = film.height, film.width
-    branches, _, met, _ = film.divided.sum(axis=0)
+    branches, _, met, _, _ = film.divided.sum(axis=0)
     taken = int(film.branches[0])
     whole, within = (film.squares[:, column].reshape(shape) for column in (2, 3))
     # Second differences along rows: a slope has none.
@@ -139,8 +139,13 @@ def _branches_by_one(film: Film) -> int:
     if not lit.any():
         return taken
     before = np.median(all_of_it[lit] / of_branch[lit]) - 1.0 / taken
-    best = math.sqrt(COST * branches / met / max(before, 1e-9))
+    best = math.sqrt(_own_cost(film) * branches / met / max(before, 1e-9))
     return round(min(max(best, 1.0), MOST_BRANCHES))
+
+
+def _own_cost(film: Film) -> float:
+    """C: what a sample costs beside its branches, in surfaces that these meet."""
+    return COST + CUT_COST * film.divided[:, 4].sum() / max(film.count.sum(), 1)
 
 
 def _patches(values: np.ndarray) -> np.ndarray:
@@ -152,7 +157,7 @@ def _patches(values: np.ndarray) -> np.ndarray:
 
 @dataclass
 class _Noise:
-    """Estimates by the samples of a film: ``first`` w D and ``second`` w I of each pixel, ``power``, a, and ``met``, m.
+    """Estimates by the samples of a film: ``first`` w D and ``second`` w I of each pixel, ``power``, a, ``met``, m, and ``cost``, C.
 
     ``known``: the pixels that have estimates.
     """
@@ -162,6 +167,7 @@ class _Noise:
     second: np.ndarray
     power: float
     met: float
+    cost: float
 
 
 def _noise(film: Film, known: np.ndarray) -> _Noise | None:
@@ -195,7 +201,8 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     if not (first.any() or second.any()):
         return None
     power = _power(film, known, sums, variance, weight)
-    return _Noise(known, first, second, power, film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0))
+    met = film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0)
+    return _Noise(known, first, second, power, met, _own_cost(film))
 
 
 def _power(film: Film, known: np.ndarray, sums: np.ndarray, variance: np.ndarray, weight: np.ndarray) -> float:
@@ -238,7 +245,7 @@ def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tu
     choices = np.array(list(itertools.product(rates, branches)))
     number = np.maximum(samples * choices[:, :1], kinds[2])
     error = d * number**-noise.power + i / (number * choices[:, 1:])
-    time = number * (COST + noise.met * choices[:, 1:])
+    time = number * (noise.cost + noise.met * choices[:, 1:])
 
     def best(price: float) -> np.ndarray:
         return np.argmin(error + price * time, axis=0)
@@ -267,7 +274,7 @@ def _cost(noise: _Noise, count: np.ndarray, samples: int, rate: np.ndarray, bran
     """The product of the picture's error and its time, as the model has them."""
     number = np.maximum(samples * rate, count)
     error = noise.first * number**-noise.power + noise.second / (number * branches)
-    time = number * (COST + noise.met * branches)
+    time = number * (noise.cost + noise.met * branches)
     return float(error[noise.known].sum() * time[noise.known].sum())
 
 

@@ -61,7 +61,7 @@ def pictures(branches: int, seeds: int, samples: int, **changes) -> tuple[np.nda
         session.render(room(samples=samples, indirect_paths=branches, seed=seed, **changes), ())
         for seed in range(seeds)
     ]
-    work = np.mean([sample_allocation.COST * film.count.sum() + film.divided[:, 2].sum() for film in films])
+    work = np.mean([sample_allocation._own_cost(film) * film.count.sum() + film.divided[:, 2].sum() for film in films])
     return np.array([film.read("Combined")[..., :3] for film in films], np.float64), float(work)
 
 
@@ -124,7 +124,7 @@ def test_one_sample_tells_what_is_noisy(noise, scattered, expected):
     alone; the best number for the third row is 4."""
     film = Film(room(), ())
     film.samples = 1
-    film.count[:], film.divided[:] = 1, (4.0, 0.0, 2.0, 0.25)
+    film.count[:], film.divided[:] = 1, (4.0, 0.0, 2.0, 0.25, 1.0)
     rng = np.random.default_rng(5)
     y, x = np.mgrid[:SIZE, :SIZE]
     before = 1.0 + 0.05 * x + 5.0 * (y + x > 30) + noise * rng.standard_normal((SIZE, SIZE))
@@ -170,7 +170,7 @@ def test_light_that_no_branch_has_found_yet_is_looked_for():
         """Branches of pixels in a dark half of the picture whose neighbours have met nothing."""
         film = Film(room(), ())
         film.samples, film.next_update = 4, 4
-        film.count[:], film.divided[:] = 4, (16.0, 8.0, 16.0, 1.0)
+        film.count[:], film.divided[:] = 4, (16.0, 8.0, 16.0, 1.0, 4.0)
         rng = np.random.default_rng(5)
         shape = 4, 4, SIZE, SIZE  # samples, and branches of each
         found = np.where(rng.random(shape) < rare / 4.0, 20.0, 0.0)

@@ -189,7 +189,7 @@ def test_what_branches_share_takes_samples(shared):
     rng, number, branches = np.random.default_rng(6), 8, 4
     film = Film(stage(), ())
     film.samples, film.count[:] = number, number
-    film.divided[:] = number * branches, 0.0, number * branches, number / branches
+    film.divided[:] = number * branches, 0.0, number * branches, number / branches, 0.0
     light = 1.0 + rng.random((number, branches, film.count.size))
     light = shared * light[:, :1] + (1.0 - shared) * light
     film.sums["scattered"].reshape(-1, 3)[:, 0] = light.sum(axis=(0, 1))

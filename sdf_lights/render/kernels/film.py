@@ -8,7 +8,7 @@ import numpy as np
 
 from ...jit import kernel, table
 from ...vec import scale, sub, vec
-from ..film import CHANNELS, DISCARDED, HALF_BIT, SQUARES, Film
+from ..film import CHANNELS, DISCARDED, DIVIDED, HALF_BIT, SQUARES, Film
 from .outputs import apart as outputs
 from .path import sample_table
 
@@ -130,11 +130,12 @@ def add_sample(block, workspace, pixel, index):
     squares[at + 1] += whole * whole
     squares[at + 2] += whole
     squares[at + 3] += sample.spread
-    at = 4 * pixel
+    at = DIVIDED * pixel
     divided[at] += sample.branches
     divided[at + 1] += sample.branches if half else 0.0
     divided[at + 2] += sample.met
     divided[at + 3] += 1.0 / sample.branches
+    divided[at + 4] += sample.cuts
     if sample.divided:
         after = scale(sub(vec(combined), vec(before)), sample.branches)
         _add(_scattered(block), pixel, after)
@@ -172,4 +173,4 @@ def branches_of(block, pixel):
 @kernel
 def branches_before(block, pixel):
     """How many branches the paths of a pixel had."""
-    return np.int64(_divided(block)[4 * pixel])
+    return np.int64(_divided(block)[DIVIDED * pixel])
