@@ -49,7 +49,7 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
         {},
         dict(first_pixels=lambda film, settings: None),
     ),
-    "gain": ("pixels take different numbers of samples however little that promises", {}, dict(GAIN=np.inf)),
+    "gains": ("both as soon as they promise anything", {}, dict(SPLITTING_GAIN=1.0, GUIDANCE_GAIN=1.0)),
 }
 
 
