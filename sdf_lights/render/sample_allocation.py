@@ -105,9 +105,10 @@ def update(film: Film, settings: Settings) -> None:
     samples = min(film.next_update, settings.samples)
     rates = _rates(samples, min(MOST_RATE, film.samples)) if guided else (1.0,)
     branches = BRANCHES if divides else (film.branches[known].mean(),)
+    alike = _alike(_levels(noise.first), _levels(noise.second), film.count, known)
 
     def best(rates, branches) -> tuple[float, np.ndarray, np.ndarray]:
-        rate, count = _best(noise, film.count, samples, rates, branches)
+        rate, count = _best(noise, alike, samples, rates, branches)
         return _cost(noise, film.count, samples, rate, count), rate, count
 
     found = best(rates, branches)
@@ -249,10 +250,9 @@ def _light(film: Film) -> tuple[np.ndarray, np.ndarray]:
     return tuple(film.sums[name].reshape(len(film.count), -1)[:, :3].sum(axis=1) for name in ("combined", "scattered"))
 
 
-def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
-    """(pixels,) the best of the given rates and branches; rate 1 is ``samples`` samples, ``count`` are there already."""
-    levels = _levels(noise.first), _levels(noise.second)
-    kinds, of_pixel, pixels = _alike(*levels, count, noise.known)
+def _best(noise: _Noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
+    """(pixels,) the best of the given rates and branches; rate 1 is ``samples`` samples. ``alike``: what ``_alike`` gives."""
+    kinds, of_pixel, pixels = alike
     d, i = (2.0 ** (-level / LEVELS) * values.max() for level, values in zip(kinds, (noise.first, noise.second)))
     choices = np.array(list(itertools.product(rates, branches)))
     number = np.maximum(samples * choices[:, :1], kinds[2])
@@ -292,7 +292,8 @@ def _cost(noise: _Noise, count: np.ndarray, samples: int, rate: np.ndarray, bran
 
 def _even(number: int) -> np.ndarray:
     """(number,) numbers below 1, those of neighbours evenly spread."""
-    return np.arange(number) * GOLDEN % 1.0
+    values = np.arange(number) * GOLDEN
+    return values - np.floor(values)
 
 
 def _levels(values: np.ndarray) -> np.ndarray:
