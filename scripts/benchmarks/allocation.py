@@ -42,14 +42,14 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "expectation": (
         "neighbours alone tell the noise of a pixel",
         {},
-        dict(_expected=lambda found, told, known: np.array(told)),
+        dict(_expected=lambda found, told, *_: np.array(told)),
     ),
     "first_rows": (
         "paths divide by a constant until samples scatter",
         {},
         dict(first_pixels=lambda film, settings: None),
     ),
-    "spread": ("paths divide into the best number by the first rows, not into more", {}, dict(SPREAD=1.0)),
+    "gains": ("both as soon as they promise anything", {}, dict(SPLITTING_GAIN=1.0, GUIDANCE_GAIN=1.0)),
 }
 
 

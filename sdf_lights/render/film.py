@@ -47,6 +47,7 @@ LEAST_SAMPLES = 2 * HALF_BIT
 # Kinds of samples that are not finite; each pixel has a count of each.
 DISCARDED = ("NaN", "infinite")
 DENOISED_BYTES = 4 * (4 + 3 + 3 + 3)  # of a pixel: the picture, what guides it, and the result
+DIVIDED, SQUARES = 5, 4  # sums that tell what branches cost, and how samples scatter
 GREATEST = float(np.finfo(np.float32).max)  # that a pixel of a pass can have
 
 
@@ -88,10 +89,11 @@ class Film:
     - ``active``: 1 where the pixel takes more samples.
     - ``catches``: whether Combined has what shadow catchers catch in the place of what they are.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
-    - ``divided``: (pixels, 3) into how many branches paths were to divide, in all and in "half", and the surfaces that
-      branches met, with a part of one for rays that left the scene. None, where the back end lets no path divide.
-    - ``squares``: (pixels, 2) sums of the squares of what a sample had, as a sum of RGB, before its path divided, and of
-      what its branches brought, each times its number of branches.
+    - ``divided``: (pixels, DIVIDED) into how many branches paths were to divide, in all and in "half", and the surfaces that
+      branches met, with a part of one for rays that left the scene; then the sum over samples of one over their
+      branches, and how often a lamp was looked at box by box before paths divided. None, where the back end lets no path divide.
+    - ``squares``: (pixels, SQUARES) sums of the squares of what a sample had, as a sum of RGB, before its path divided, and in
+      all; of what samples had in all; and of the squared deviations of what the branches of a sample brought from their mean.
     - ``rate``: samples that a pixel takes for one that is set, where the back end can; ``next_update``: with how many samples
       that is decided again (``sample_allocation.py``).
     - ``earlier``: counts and sums at the last such decision.
@@ -133,7 +135,7 @@ class Film:
         self.count = np.zeros(pixels, np.int32)
         self.surfaces = np.zeros(pixels, np.int32)
         self.active = np.ones(pixels, np.uint8)
-        self.divided, self.squares = np.zeros((pixels, 3)), np.zeros((pixels, 2))
+        self.divided, self.squares = np.zeros((pixels, DIVIDED)), np.zeros((pixels, SQUARES))
         self.earlier: tuple[np.ndarray, np.ndarray] | None = None
         self.branches = np.full(pixels, scene.settings.indirect_paths or START_BRANCHES, np.int32)
         self.rate, self.next_update = np.ones(pixels), 0

@@ -6,16 +6,19 @@ n samples of a pixel with k branches each have the squared error
 
     w (D n^−a + I / (n k)).
 
-D comes from what is sampled before paths divide, I from branches, and w is the weight of the pixel in the error of the
-picture. The samples take the time n (C + m k), where a branch meets m surfaces; a ray that leaves the scene counts as a part of
-one. The scatter of samples estimates D and I.
+I is the variance of a branch, about what the branches of its own sample bring on the mean. D is all other noise: of what is
+sampled before paths divide, and of the light that branches are sent for, which differs from sample to sample where the camera's
+ray meets edges, textures, or other things at other times. More branches do nothing against that. w is the weight of the
+pixel in the error of the picture. The samples take the time n (C + m k), where a branch meets m surfaces; a ray that leaves
+the scene counts as a part of one, and C is more where a light ray to a lamp needs its boxes. The scatter of samples and of their branches estimates D and I (law of total variance).
 The method of Lagrange gives each pixel those n and k, of a few, that minimise error + λ time. Edges and highlights get many
 samples with few branches. Places that other surfaces light get few samples with many branches. λ makes the mean number
 of samples the one that is set. If all pixels have the same number, λ is error by time, which minimises the product of the
-picture's error and its time.
+picture's error and its time. The best of noisy estimates promises too much. So paths divide, and pixels get different numbers,
+only where that product should fall clearly.
 
-One sample does not scatter. At first, the differences of neighbours therefore estimate D and I of the whole picture. An
-eighth of the rows is enough for this, so the others divide by the estimate in their first sample.
+One sample does not scatter, but its branches do. At first, they and the differences of neighbours therefore estimate D and I of
+the whole picture. An eighth of the rows is enough for this, so the others divide by the estimate in their first sample.
 
 The picture has no bias. What branches bring is averaged over all branches of a pixel, and what comes before over its
 samples. The numbers of both depend on the samples of neighbours, not on the pixel's own. A median or a mean over the
@@ -44,10 +47,14 @@ from .settings import MOST_BRANCHES, Settings
 FIRST_UPDATE = 2  # samples before the first update: the fewest that scatter; each later update is at twice as many
 PATCH = 4  # side, in pixels, of a patch whose differences are summed: most patches have no edge
 BANDS, FIRST_BAND = 8, 3  # one row of patches of 8, the fourth, takes its first sample before the others
-SPREAD = (
-    2.5  # branches until samples scatter, as a multiple of the best number by patches: too few cost more than too many
-)
-COST = 1.1  # C, in surfaces that a branch meets: measured with plain materials; less with principled ones
+# C, in surfaces that a branch meets: 0.7 to 1.8 were measured, and 2 more where a lamp is looked at box by box. The least is best,
+# as the best of noisy estimates promises too much of branches.
+COST, CUT_COST = 0.7, 2.0
+# Branches of pixels that tell how branches scatter: of all at first, later of this part of them, which costs 1 %.
+TELLING, PART = 2, 1.0 / 32.0
+# Parts of error × time that are to be left where paths divide, and where pixels take different numbers of samples. Under lamps
+# 0.3 to 0.7 is promised for splitting, in ordinary scenes 0.8 to 1, and there it gains nothing.
+SPLITTING_GAIN, GUIDANCE_GAIN = 0.8, 0.9
 MOST_POWER = 2.0  # a is between that of independent samples, 1, and this
 PRIOR = 16.0  # weight, in pixels, of what the neighbours show: 4 and 64 do as well
 FLOOR = 0.01  # part of the mean square brightness that is added to the squares which errors are relative to
@@ -59,10 +66,8 @@ LEVELS = 2  # levels of D and I for each power of two: pixels of the same levels
 LEAST = 2.0**-24  # the least D and I, relative to the greatest
 LOWEST = 1 - int(LEVELS * np.log2(LEAST))
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # its multiples spread evenly
-NEXT, NEAR = (
-    (1.0, 2.0, 1.0),
-    (1.0, 4.0, 6.0, 4.0, 1.0),
-)  # weights of neighbours along each axis: D varies more sharply than I
+# Weights of neighbours along each axis: D varies more sharply than I.
+NEXT, NEAR, FAR = (tuple(float(math.comb(2 * reach, place)) for place in range(2 * reach + 1)) for reach in (1, 2, 4))
 
 
 def first_pixels(film: Film, settings: Settings) -> np.ndarray | None:
@@ -73,10 +78,10 @@ def first_pixels(film: Film, settings: Settings) -> np.ndarray | None:
     return np.repeat(band % BANDS == min(FIRST_BAND, band[-1]), film.width).astype(film.active.dtype)
 
 
-def divide(film: Film) -> None:
-    """Set ``film.branches`` by the first sample of some pixels."""
+def divide(film: Film, settings: Settings) -> None:
+    """Set ``film.branches`` by the first sample of some pixels. More than one, if later samples are to tell more."""
     if film.divided[:, 2].any():
-        film.branches[:] = _branches_by_one(film)
+        film.branches[:] = max(_branches_by_one(film), TELLING if settings.samples > 1 else 1)
 
 
 def update(film: Film, settings: Settings) -> None:
@@ -100,10 +105,26 @@ def update(film: Film, settings: Settings) -> None:
     samples = min(film.next_update, settings.samples)
     rates = _rates(samples, min(MOST_RATE, film.samples)) if guided else (1.0,)
     branches = BRANCHES if divides else (film.branches[known].mean(),)
-    rate, count = _best(noise, film.count, samples, rates, branches)
+    alike = _alike(_levels(noise.first), _levels(noise.second), film.count, known)
+
+    def best(rates, branches) -> tuple[float, np.ndarray, np.ndarray]:
+        rate, count = _best(noise, alike, samples, rates, branches)
+        return _cost(noise, film.count, samples, rate, count), rate, count
+
+    found = best(rates, branches)
+    if divides:
+        alone = best(rates, (1,))
+        if found[0] > SPLITTING_GAIN * alone[0]:
+            found, branches = alone, (1,)
+    if guided:
+        even = best((1.0,), branches)
+        if found[0] > GUIDANCE_GAIN * even[0]:
+            found = even
+    _, rate, count = found
     film.rate[known] = rate[known]
     if divides:
         film.branches[known] = count[known]
+        film.branches[(_even(len(known)) < PART) & (film.branches < TELLING)] = TELLING
 
 
 def samples_left(film: Film) -> int:
@@ -119,29 +140,37 @@ def _rates(samples: int, most: float) -> tuple[float, ...]:
 
 def _branches_by_one(film: Film) -> int:
     """The number of branches of all paths, by the first sample of whole rows of pixels."""
-    before, after = _light(film)
-    branches, _, met = film.divided.sum(axis=0)
-    first = _differences(before, film)
-    second = _differences(after / film.branches, film) * film.branches[0]
-    lit = second > 0.0
+    shape = film.height, film.width
+    branches, _, met, _, _ = film.divided.sum(axis=0)
+    taken = int(film.branches[0])
+    whole, within = (film.squares[:, column].reshape(shape) for column in (2, 3))
+    # Second differences along rows: a slope has none.
+    all_of_it = _patches(np.diff(whole, 2, axis=1) ** 2)
+    within = within / max(taken - 1, 1)
+    of_branch = _patches(within[:, :-2] + 4.0 * within[:, 1:-1] + within[:, 2:])
+    lit = of_branch > 0.0
     if not lit.any():
-        return int(film.branches[0])
-    ratio = np.median(np.divide(second, first, out=np.full(second.shape, np.inf), where=first > 0.0)[lit])
-    best = math.sqrt(ratio * COST * branches / met)
-    return round(min(max(SPREAD * best, 1.0), MOST_BRANCHES))
+        return taken
+    before = np.median(all_of_it[lit] / of_branch[lit]) - 1.0 / taken
+    best = math.sqrt(_own_cost(film) * branches / met / max(before, 1e-9))
+    return round(min(max(best, 1.0), MOST_BRANCHES))
 
 
-def _differences(values: np.ndarray, film: Film) -> np.ndarray:
-    """Sums over patches of squared second differences along rows; a slope has none."""
-    found = np.diff(values.reshape(film.height, film.width), 2, axis=1) ** 2
+def _own_cost(film: Film) -> float:
+    """C: what a sample costs beside its branches, in surfaces that these meet."""
+    return COST + CUT_COST * film.divided[:, 4].sum() / max(film.count.sum(), 1)
+
+
+def _patches(values: np.ndarray) -> np.ndarray:
+    """Sums over patches of pixels."""
     for axis in (0, 1):
-        found = np.add.reduceat(found, range(0, found.shape[axis], PATCH), axis=axis) if found.size else found
-    return found
+        values = np.add.reduceat(values, range(0, values.shape[axis], PATCH), axis=axis) if values.size else values
+    return values
 
 
 @dataclass
 class _Noise:
-    """Estimates by the samples of a film: ``first`` w D and ``second`` w I of each pixel, ``power``, a, and ``met``, m.
+    """Estimates by the samples of a film: ``first`` w D and ``second`` w I of each pixel, ``power``, a, ``met``, m, and ``cost``, C.
 
     ``known``: the pixels that have estimates.
     """
@@ -151,6 +180,7 @@ class _Noise:
     second: np.ndarray
     power: float
     met: float
+    cost: float
 
 
 def _noise(film: Film, known: np.ndarray) -> _Noise | None:
@@ -159,19 +189,33 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     count, branches = np.maximum(film.count, 1), np.maximum(film.divided[:, 0], 1.0)
     sums, scattered = _light(film)
     before, after = sums / count, scattered / branches
-    spread = film.squares - np.stack([sums * before, scattered * after], axis=1)
-    variance = np.maximum(spread, 0.0) / np.maximum(count - 1, 1)[:, None]
-    whole = before + after
-    weight = 1.0 / np.maximum(_around(whole, known, shape, NEXT) ** 2 + FLOOR * np.mean(whole[known]) ** 2, 1e-30)
+    of_before, of_all, total, of_branches = film.squares.T
+    variance = np.maximum(of_before - sums * before, 0.0) / np.maximum(count - 1, 1)
+    rest = np.maximum(of_all - total**2 / count, 0.0) / np.maximum(count - 1, 1) - variance
+    freedom = np.where(known, np.maximum(branches - count, 0.0), 0.0)
+    informed = known & ((freedom > 0.0) | (not freedom.any()))
+    branch = of_branches / np.maximum(freedom, 1.0)
+    part = film.divided[:, 3] / count
+    brightness = _around(before, known, shape, NEXT) + _around(after, known, shape, FAR)
+    mean = np.mean((before + after)[known])
+    weight = 1.0 / np.maximum(brightness**2 + FLOOR * mean**2, 1e-30)
 
-    first, second = (
-        _expected(found * weight, _around(found, known, shape, reach) * weight, known)
-        for found, reach in ((variance[:, 0], NEXT), (variance[:, 1], NEAR))
-    )
+    def expected(found: np.ndarray, amount: np.ndarray, reach, levels: np.ndarray | None = None) -> np.ndarray:
+        told = _around(found, amount, shape, reach) * weight
+        return _expected(found * weight, told, amount, _levels(told) if levels is None else levels)
+
+    first, second = np.maximum(expected(variance, known, NEXT), 0.0), expected(branch, informed, NEAR)
+    # What the scatter of branches does not explain falls with the number of samples alone. Where it explains too much, branches
+    # are stratified, and scatter by as much less.
+    levels = _levels(np.maximum(_around(rest, known, shape, NEAR) * weight, 0.0))
+    excess = expected(rest - part * branch, informed, NEAR, levels)
+    first = first + np.maximum(excess, 0.0)
+    second = np.maximum(second + np.minimum(excess, 0.0) / np.maximum(part, 1e-9), 0.0)
     if not (first.any() or second.any()):
         return None
-    power = _power(film, known, sums, variance[:, 0], weight)
-    return _Noise(known, first, second, power, film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0))
+    power = _power(film, known, sums, variance, weight)
+    met = film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0)
+    return _Noise(known, first, second, power, met, _own_cost(film))
 
 
 def _power(film: Film, known: np.ndarray, sums: np.ndarray, variance: np.ndarray, weight: np.ndarray) -> float:
@@ -190,14 +234,15 @@ def _power(film: Film, known: np.ndarray, sums: np.ndarray, variance: np.ndarray
     return float(np.clip(1.0 - np.log(max(found / expected, 1e-6)) / np.log(size), 1.0, MOST_POWER))
 
 
-def _expected(found: np.ndarray, told: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """(pixels,) means of ``found`` over all other pixels whose neighbours show about the same (``told``)."""
-    levels = _levels(told)
+def _expected(found: np.ndarray, told: np.ndarray, amount: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    """(pixels,) means of ``found`` over all other pixels of the same level, each counted by its ``amount``. ``told`` is what
+    neighbours show of it."""
+    amount = amount.astype(float)
     count, total, before = (
-        np.bincount(levels[known], values, LOWEST)[levels] for values in (None, found[known], told[known])
+        np.bincount(levels, values * amount, LOWEST)[levels] for values in (np.ones(len(found)), found, told)
     )
-    prior = before / np.maximum(count, 1.0)
-    return (np.maximum(total - found * known, 0.0) + PRIOR * prior) / (count - known + PRIOR)
+    prior = before / np.maximum(count, 1e-9)
+    return (total - found * amount + PRIOR * prior) / (count - amount + PRIOR)
 
 
 def _light(film: Film) -> tuple[np.ndarray, np.ndarray]:
@@ -205,15 +250,14 @@ def _light(film: Film) -> tuple[np.ndarray, np.ndarray]:
     return tuple(film.sums[name].reshape(len(film.count), -1)[:, :3].sum(axis=1) for name in ("combined", "scattered"))
 
 
-def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
-    """(pixels,) the best of the given rates and branches; rate 1 is ``samples`` samples, ``count`` are there already."""
-    levels = _levels(noise.first), _levels(noise.second)
-    kinds, of_pixel, pixels = _alike(*levels, count, noise.known)
+def _best(noise: _Noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
+    """(pixels,) the best of the given rates and branches; rate 1 is ``samples`` samples. ``alike``: what ``_alike`` gives."""
+    kinds, of_pixel, pixels = alike
     d, i = (2.0 ** (-level / LEVELS) * values.max() for level, values in zip(kinds, (noise.first, noise.second)))
     choices = np.array(list(itertools.product(rates, branches)))
     number = np.maximum(samples * choices[:, :1], kinds[2])
     error = d * number**-noise.power + i / (number * choices[:, 1:])
-    time = number * (COST + noise.met * choices[:, 1:])
+    time = number * (noise.cost + noise.met * choices[:, 1:])
 
     def best(price: float) -> np.ndarray:
         return np.argmin(error + price * time, axis=0)
@@ -235,8 +279,21 @@ def _best(noise: _Noise, count: np.ndarray, samples: int, rates, branches) -> tu
     more, fewer = best(start * 2.0**low), best(start * 2.0**high)
     # All pixels of a kind would change at one price. To meet the number of samples, only some change, spread evenly.
     part = (samples * pixels.sum() - taken(fewer)) / max(taken(more) - taken(fewer), 1.0)
-    spread = np.arange(len(of_pixel)) * GOLDEN % 1.0
-    return tuple(choices[np.where(spread < part, more[of_pixel], fewer[of_pixel])].T)
+    return tuple(choices[np.where(_even(len(of_pixel)) < part, more[of_pixel], fewer[of_pixel])].T)
+
+
+def _cost(noise: _Noise, count: np.ndarray, samples: int, rate: np.ndarray, branches: np.ndarray) -> float:
+    """The product of the picture's error and its time, as the model has them."""
+    number = np.maximum(samples * rate, count)
+    error = noise.first * number**-noise.power + noise.second / (number * branches)
+    time = number * (noise.cost + noise.met * branches)
+    return float(error[noise.known].sum() * time[noise.known].sum())
+
+
+def _even(number: int) -> np.ndarray:
+    """(number,) numbers below 1, those of neighbours evenly spread."""
+    values = np.arange(number) * GOLDEN
+    return values - np.floor(values)
 
 
 def _levels(values: np.ndarray) -> np.ndarray:
@@ -262,15 +319,17 @@ def _alike(first: np.ndarray, second: np.ndarray, count: np.ndarray, known: np.n
     return kinds, of_pixel, np.bincount(of_pixel, known, len(keys_found))
 
 
-def _around(values: np.ndarray, known: np.ndarray, shape: tuple[int, int], weights) -> np.ndarray:
-    """Means of the known values around each pixel, without its own; 0 where there are none."""
+def _around(values: np.ndarray, amount: np.ndarray, shape: tuple[int, int], weights) -> np.ndarray:
+    """Means of the values around each pixel, each counted by its ``amount``, without its own; 0 where there are none."""
     reach, own = len(weights) // 2, max(weights) ** 2
 
     def total(each: np.ndarray) -> np.ndarray:
         padded = np.pad(each.reshape(shape), reach)
         rows = sum(weight * padded[place : place + shape[0]] for place, weight in enumerate(weights))
-        return sum(weight * rows[:, place : place + shape[1]] for place, weight in enumerate(weights)).ravel()
+        return (
+            sum(weight * rows[:, place : place + shape[1]] for place, weight in enumerate(weights)).ravel() - own * each
+        )
 
-    values, amount = values * known, known.astype(float)
-    amount, values = total(amount) - own * amount, np.maximum(total(values) - own * values, 0.0)
-    return np.divide(values, amount, out=np.zeros(len(values)), where=amount > 0.0)
+    amount = amount.astype(float)
+    number, values = total(amount), total(values * amount)
+    return np.divide(values, number, out=np.zeros(len(values)), where=number > 0.5)

@@ -8,7 +8,7 @@ import enum
 from dataclasses import dataclass, field
 
 # Number of branches that a path divides into: at most, and until the noise of pixels is known.
-MOST_BRANCHES, START_BRANCHES = 16, 10
+MOST_BRANCHES, START_BRANCHES = 16, 4
 
 
 class Device(enum.Enum):

@@ -55,16 +55,14 @@ def room(shade: bool = False, **changes) -> Scene:
     return scene
 
 
-def pictures(branches: int, seeds: int, samples: int, **changes) -> np.ndarray:
-    return np.array(
-        [
-            session.render(room(samples=samples, indirect_paths=branches, seed=seed, **changes), ()).read("Combined")[
-                ..., :3
-            ]
-            for seed in range(seeds)
-        ],
-        np.float64,
-    )
+def pictures(branches: int, seeds: int, samples: int, **changes) -> tuple[np.ndarray, float]:
+    """(seeds, height, width, RGB) and the work of one of them, as ``sample_allocation`` counts it."""
+    films = [
+        session.render(room(samples=samples, indirect_paths=branches, seed=seed, **changes), ())
+        for seed in range(seeds)
+    ]
+    work = np.mean([sample_allocation._own_cost(film) * film.count.sum() + film.divided[:, 2].sum() for film in films])
+    return np.array([film.read("Combined")[..., :3] for film in films], np.float64), float(work)
 
 
 @pytest.mark.parametrize("shade", [False, True])
@@ -73,16 +71,21 @@ def test_branches_change_the_noise_alone(shade):
 
     Under the shade, the branches that promise the most are dark.
     """
-    one, eight, chosen = (pictures(branches, 24, 8, shade=shade) for branches in (1, 8, 0))
-    blocks = [each.reshape(24, 4, SIZE // 4, 4, SIZE // 4, 3).mean(axis=(2, 4, 5)) for each in (one, eight, chosen)]
+    found = [pictures(branches, 24, 8, shade=shade) for branches in (1, 8, 0)]
+    one, eight = found[0][0], found[1][0]
+    blocks = [each.reshape(24, 4, SIZE // 4, 4, SIZE // 4, 3).mean(axis=(2, 4, 5)) for each, _ in found]
     for other in blocks[1:]:
         error = np.sqrt((blocks[0].var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / 24)
         assert np.all(np.abs(other.mean(axis=0) - blocks[0].mean(axis=0)) < 4.0 * error)
     assert _noise(eight) < 0.5 * _noise(one)
-    # Few branches are chosen until samples have told of noise, which takes more than eight of them.
-    assert _noise(chosen) < 0.7 * _noise(one)
-    one, chosen = (pictures(branches, 24, 16, shade=shade) for branches in (1, 0))
-    assert _noise(chosen) < 0.5 * _noise(one)
+    one, chosen = (_error(*pictures(branches, 24, 16, shade=shade)) for branches in (1, 0))
+    assert chosen < 0.85 * one
+
+
+def _error(found: np.ndarray, work: float) -> float:
+    """Relative error × work: what the choice of branches is to keep low."""
+    mean = found.mean(axis=0)
+    return float(np.mean(found.var(axis=0, ddof=1) / (mean**2 + 0.01 * mean.mean() ** 2)) * work)
 
 
 def _noise(found: np.ndarray) -> float:
@@ -110,24 +113,28 @@ def test_branches_are_chosen_by_what_is_noisy():
     "noise, scattered, expected",
     [
         (0.0, 0.0, (4, 4)),
-        (0.0, 0.3, (MOST_BRANCHES, MOST_BRANCHES)),
-        (0.3, 0.3, (6, 10)),
-        (0.3, 0.01, (1, 1)),
-        (0.05, 0.3, (12, MOST_BRANCHES)),
+        (0.0, 0.3, (6, MOST_BRANCHES)),
+        (0.3, 0.3, (3, 5)),
+        (0.3, 0.01, (2, 2)),
+        (0.05, 0.3, (6, MOST_BRANCHES)),
     ],
 )
 def test_one_sample_tells_what_is_noisy(noise, scattered, expected):
-    """A slope and an edge, which no sample would change, do not count."""
+    """A slope and an edge, which no sample would change, do not count. Nor does what differs from sample to sample
+    alone; the best number for the third row is 4."""
     film = Film(room(), ())
     film.samples = 1
-    film.count[:], film.divided[:] = 1, (4.0, 0.0, 2.0)
+    film.count[:], film.divided[:] = 1, (4.0, 0.0, 2.0, 0.25, 1.0)
     rng = np.random.default_rng(5)
     y, x = np.mgrid[:SIZE, :SIZE]
     before = 1.0 + 0.05 * x + 5.0 * (y + x > 30) + noise * rng.standard_normal((SIZE, SIZE))
     film.sums["combined"].reshape(SIZE, SIZE, 4)[..., 0] = before
-    film.sums["scattered"].reshape(SIZE, SIZE, 3)[..., 0] = 4.0 + 4.0 * scattered * rng.standard_normal((SIZE, SIZE))
+    branch = 1.0 + 2.0 * scattered * rng.standard_normal((SIZE, SIZE, 4))
+    film.sums["scattered"].reshape(SIZE, SIZE, 3)[..., 0] = branch.sum(axis=2)
+    film.squares[:, 2] = (before + branch.mean(axis=2)).ravel()
+    film.squares[:, 3] = 4.0 * branch.var(axis=2).ravel()
     film.branches[:] = 4
-    sample_allocation.divide(film)
+    sample_allocation.divide(film, room(samples=8).settings)
     assert np.all(film.rate == 1.0) and len(set(film.branches)) == 1
     assert expected[0] <= film.branches[0] <= expected[1]
 
@@ -163,19 +170,21 @@ def test_light_that_no_branch_has_found_yet_is_looked_for():
         """Branches of pixels in a dark half of the picture whose neighbours have met nothing."""
         film = Film(room(), ())
         film.samples, film.next_update = 4, 4
-        film.count[:], film.divided[:] = 4, (16.0, 8.0, 16.0)
+        film.count[:], film.divided[:] = 4, (16.0, 8.0, 16.0, 1.0, 4.0)
         rng = np.random.default_rng(5)
-        shape = 4, SIZE, SIZE
-        found = np.where(rng.random(shape) < rare, 5.0, 0.0)
-        found[:, :, SIZE // 2 :] = rng.standard_normal(shape)[:, :, SIZE // 2 :]
-        reach = np.lib.stride_tricks.sliding_window_view(np.pad(found[..., : SIZE // 2].any(axis=0), 2), (5, 5))
+        shape = 4, 4, SIZE, SIZE  # samples, and branches of each
+        found = np.where(rng.random(shape) < rare / 4.0, 20.0, 0.0)
+        found[..., SIZE // 2 :] = 2.0 * rng.standard_normal(shape)[..., SIZE // 2 :]
+        reach = np.lib.stride_tricks.sliding_window_view(np.pad(found[..., : SIZE // 2].any(axis=(0, 1)), 2), (5, 5))
         nothing = np.zeros((SIZE, SIZE), bool)
         nothing[:, : SIZE // 2 - 2] = ~reach.any(axis=(2, 3))[:, : SIZE // 2 - 2]
         before = 1.0 + 0.05 * rng.standard_normal((4, SIZE * SIZE))
-        found = found.reshape(4, -1)
+        found = found.reshape(4, 4, -1)
+        whole = before + found.mean(1)
         film.sums["combined"].reshape(-1, 4)[:, 0] = before.sum(0)
-        film.sums["scattered"].reshape(-1, 3)[:, 0] = 4.0 * found.sum(0)
-        film.squares[:, 0], film.squares[:, 1] = (before**2).sum(0), 4.0 * (found**2).sum(0)
+        film.sums["scattered"].reshape(-1, 3)[:, 0] = found.sum((0, 1))
+        sums = (before**2).sum(0), (whole**2).sum(0), whole.sum(0), 4.0 * found.var(1).sum(0)
+        film.squares[:] = np.stack(sums, axis=-1)
         sample_allocation.update(film, room(samples=64).settings)
         assert nothing.sum() > 40
         return float((film.branches * film.rate)[nothing.ravel()].mean())

@@ -51,7 +51,8 @@ def stage(size: int = SIZE, **changes) -> Scene:
 def fill(film: Film, light, half, squares) -> None:
     """Give a film sums of what its samples have had before paths divide, all of it red."""
     film.sums["combined"].reshape(-1, 4)[:, 0], film.sums["half"].reshape(-1, 3)[:, 0] = light, half
-    film.squares[:, 0] = squares
+    film.squares[:, :3] = np.stack(np.broadcast_arrays(squares, squares, light), axis=-1)
+    film.divided[:, 0] = film.divided[:, 3] = film.count
 
 
 def pictures(guided: bool, seeds: int, samples: int) -> np.ndarray:
@@ -180,3 +181,23 @@ def test_the_fall_of_noise_is_measured(stratified):
             film, known, places[:count].sum(axis=0), places[:count].var(axis=0, ddof=1), weight
         )
     assert power == sample_allocation.MOST_POWER if stratified else 1.0 <= power < 1.1
+
+
+@pytest.mark.parametrize("shared", [0.0, 1.0])
+def test_what_branches_share_takes_samples(shared):
+    """Where all branches of a sample bring the same, as where the camera's ray meets other things each time, one is enough."""
+    rng, number, branches = np.random.default_rng(6), 8, 4
+    film = Film(stage(), ())
+    film.samples, film.count[:] = number, number
+    film.divided[:] = number * branches, 0.0, number * branches, number / branches, 0.0
+    light = 1.0 + rng.random((number, branches, film.count.size))
+    light = shared * light[:, :1] + (1.0 - shared) * light
+    film.sums["scattered"].reshape(-1, 3)[:, 0] = light.sum(axis=(0, 1))
+    whole = light.mean(axis=1)
+    film.squares[:, 1], film.squares[:, 2] = (whole**2).sum(axis=0), whole.sum(axis=0)
+    film.squares[:, 3] = branches * light.var(axis=1).sum(axis=0)
+    noise = sample_allocation._noise(film, np.ones(film.count.size, bool))
+    of_all = whole.var(axis=0, ddof=1).mean()
+    known = np.array([noise.first.mean(), noise.second.mean() / branches])
+    weight = np.mean(1.0 / (light.mean() ** 2 * (1.0 + sample_allocation.FLOOR)))
+    np.testing.assert_allclose(known, of_all * weight * np.array([shared, 1.0 - shared]), atol=0.1 * of_all * weight)

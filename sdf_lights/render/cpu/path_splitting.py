@@ -66,6 +66,12 @@ def use_state(block, workspace, row):
 
 
 @kernel
+def brightness(sample):
+    """What a sample has so far, as a sum of RGB."""
+    return sample.combined[0] + sample.combined[1] + sample.combined[2]
+
+
+@kernel
 def trace_branches(block, workspace, x, y, branches, first_branch):
     """One sample of the pixel (x, y), in ``sample``. Its path divides into ``branches`` at the first surface that scatters
     light.
@@ -77,7 +83,7 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     start_path(block, workspace, x, y)
     if not trace_path(block, workspace, True):
         return
-    sample.divided = 1
+    sample.divided, before = 1, brightness(sample)
     put(sample.before, vec(sample.combined))
     put(sample.lamps_before, vec(sample.lamps))
     paths[WAITING] = paths[0]
@@ -93,6 +99,7 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
         keep_state(block, workspace, FIRST_BRANCH + branch)
     intersect_branches(block, workspace, branches)
     choose_branches(workspace, branches)
+    light = brightness(sample)
     for branch in range(branches):
         if paths[FIRST_BRANCH + branch].alive:
             paths[0] = paths[FIRST_BRANCH + branch]
@@ -103,15 +110,24 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
                 cut_table(workspace)[0].lamp = -1  # or one of its exit here
             if shade_and_scatter(block, workspace, False) == GOES_ON:
                 trace_path(block, workspace, False)
+        paths[FIRST_BRANCH + branch].brought += brightness(sample) - light
+        light = brightness(sample)
+    # A branch has brought its part of the sample: the mean over branches.
+    mean = (light - before) / branches
+    for branch in range(branches):
+        sample.spread += (branches * (paths[FIRST_BRANCH + branch].brought - mean)) ** 2
 
 
 @kernel
 def intersect_branches(block, workspace, branches):
     """Follow all branches to the next surface, and estimate how much light they will bring from there."""
     paths, rays = path_table(workspace), ray_table(workspace)
+    sample = sample_table(workspace)[0]
     for branch in range(branches):
         if not paths[FIRST_BRANCH + branch].alive:
+            paths[FIRST_BRANCH + branch].brought = 0.0
             continue
+        light = brightness(sample)
         paths[0] = paths[FIRST_BRANCH + branch]
         use_state(block, workspace, FIRST_BRANCH + branch)
         if block.has_subsurface:
@@ -127,6 +143,7 @@ def intersect_branches(block, workspace, branches):
                 position = madd(position, path.length, vec(path.direction))
             path.expected = largest(vec(path.throughput)) * lights.irradiance(block, number, position)
             rays[FIRST_BRANCH_RAY + branch] = rays[0]
+        path.brought = brightness(sample) - light
         paths[FIRST_BRANCH + branch] = paths[0]
         keep_state(block, workspace, FIRST_BRANCH + branch)
 

@@ -115,7 +115,7 @@ class CpuRenderer:
             film.active[:] = active
             if not done:
                 return False
-            sample_allocation.divide(film)
+            sample_allocation.divide(film, self._settings)
         if not self._take(first + count, stop, lambda part: report(begun + (1.0 - begun) * part)):
             return False
         film.samples = first + count

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...jit import kernel, table
 from ...vec import scale, sub, vec
-from ..film import CHANNELS, DISCARDED, HALF_BIT, Film
+from ..film import CHANNELS, DISCARDED, DIVIDED, HALF_BIT, SQUARES, Film
 from .outputs import apart as outputs
 from .path import sample_table
 
@@ -125,14 +125,19 @@ def add_sample(block, workspace, pixel, index):
         _add(_half(block), pixel, before)
     _add(_lamps(block), pixel, lamps)
     squares, divided = _squares(block), _divided(block)
-    squares[2 * pixel] += (before[0] + before[1] + before[2]) ** 2
-    at = 3 * pixel
+    whole, at = combined[0] + combined[1] + combined[2], SQUARES * pixel
+    squares[at] += (before[0] + before[1] + before[2]) ** 2
+    squares[at + 1] += whole * whole
+    squares[at + 2] += whole
+    squares[at + 3] += sample.spread
+    at = DIVIDED * pixel
     divided[at] += sample.branches
     divided[at + 1] += sample.branches if half else 0.0
     divided[at + 2] += sample.met
+    divided[at + 3] += 1.0 / sample.branches
+    divided[at + 4] += sample.cuts
     if sample.divided:
         after = scale(sub(vec(combined), vec(before)), sample.branches)
-        squares[2 * pixel + 1] += (after[0] + after[1] + after[2]) ** 2 / sample.branches
         _add(_scattered(block), pixel, after)
         if half:
             _add(_scattered_half(block), pixel, after)
@@ -168,4 +173,4 @@ def branches_of(block, pixel):
 @kernel
 def branches_before(block, pixel):
     """How many branches the paths of a pixel had."""
-    return np.int64(_divided(block)[3 * pixel])
+    return np.int64(_divided(block)[DIVIDED * pixel])

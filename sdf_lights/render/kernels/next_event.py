@@ -23,7 +23,7 @@ from .media import apart as media
 from .outputs import apart as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
-from .path import LIGHT_SET, contribute, path_table
+from .path import LIGHT_SET, contribute, path_table, sample_table
 from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
@@ -77,6 +77,7 @@ def prepare_lamp(block, workspace, lamp, pmf, x, n):
     elif path.scattered > 0:
         cut_points.project_afar(block, lamp, x, path.has_glossy, cut)
     else:
+        sample_table(workspace)[0].cuts += 1 - sample_table(workspace)[0].divided
         cuts.prepare(
             block,
             lamp,

@@ -31,7 +31,9 @@ AT_SURFACE, IN_MEDIUM, AT_EXIT = range(3)
 
 # What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out. Where the path has
 # ``divided``, ``before`` and ``lamps_before`` are what there was of both till then. It was to divide into so many
-# ``branches``, which ``met`` so many surfaces; a ray that leaves the scene counts as a part of one.
+# ``branches``, which ``met`` so many surfaces; a ray that leaves the scene counts as a part of one. ``spread`` is the sum of
+# the squared deviations of what these branches have brought, and ``cuts`` counts the lamps that were looked at box by box before
+# the path divided: that takes longer than all else there.
 SAMPLE = np.dtype(
     [
         ("combined", "f8", 3),
@@ -50,6 +52,8 @@ SAMPLE = np.dtype(
         ("divided", "i8"),
         ("branches", "i8"),
         ("met", "f8"),
+        ("spread", "f8"),
+        ("cuts", "f8"),
     ],
     align=True,
 )
@@ -61,7 +65,8 @@ SAMPLE = np.dtype(
 # ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
 # ``light_tree`` is that of what scattered it last, 0 for the camera: its emitters are those that the ray can meet.
 # ``share`` is the part of the sample that the path is, 1 until it divides, and ``index`` its place in the sampling pattern.
-# ``expected``: of a branch, an estimate of the light that it will bring, from the irradiance where it has met a surface.
+# ``expected``: of a branch, an estimate of the light that it will bring, from the irradiance where it has met a surface, and what it
+# ``brought`` to the sample, as a sum of RGB.
 # ``event`` says where the ray ends, ``in_medium`` is 1 where a medium has scattered the path last, and it has ``crossed`` so
 # many surfaces that only bound media.
 # ``catches`` is 1 from where the camera's path has met a shadow catcher.
@@ -101,6 +106,7 @@ PATH = np.dtype(
         ("dimension", "i8"),
         ("share", "f8"),
         ("expected", "f8"),
+        ("brought", "f8"),
         ("alive", "i8"),
         ("event", "i8"),
         ("in_medium", "i8"),
@@ -195,4 +201,4 @@ def clear_sample(workspace):
     sample.found = 0
     sample.divided = 0
     sample.branches = 1
-    sample.met = 0.0
+    sample.met = sample.spread = sample.cuts = 0.0
