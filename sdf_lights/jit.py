@@ -586,10 +586,10 @@ else:
             """Numbers at an address."""
 
             def __init__(self, address):
-                self._start = int(address)
+                self._first = int(address)
 
             def __getitem__(self, index):
-                return kind.from_address(self._start + ctypes.sizeof(kind) * int(index)).value
+                return kind.from_address(self._first + ctypes.sizeof(kind) * int(index)).value
 
         return Memory
 
