@@ -586,10 +586,10 @@ else:
             """Numbers at an address."""
 
             def __init__(self, address):
-                self._first = int(address)
+                self.first = int(address)
 
             def __getitem__(self, index):
-                return kind.from_address(self._first + ctypes.sizeof(kind) * int(index)).value
+                return kind.from_address(self.first + ctypes.sizeof(kind) * int(index)).value
 
         return Memory
 
