@@ -1,12 +1,15 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps that data make: whether rays find every entry and exit, what a ray costs, and how long a grid takes to build.
+"""Lamps that data make: whether rays find every entry and exit, what a ray costs, how long a grid takes to build, and the error of
+direct light at equal time beside Cycles.
 
-Texts, curves and meshes are Blender's own objects, read as lamps read them. The oracle is that of ``intervals``.
+Texts, curves and meshes are Blender's own objects, read as lamps read them. The oracle is that of ``intervals``; Cycles renders
+them as ``lamps`` has it, as volumes in meshes.
 """
 
 from __future__ import annotations
 
+import argparse
 import functools
 import math
 import statistics
@@ -18,7 +21,7 @@ from .intervals import judged
 from .progress import Progress
 from .resume import Parts
 
-HELP = "lamps of texts, curves and meshes: wrong crossings, the cost of a ray, the time to build a grid"
+HELP = "lamps of texts, curves, meshes and pictures: wrong crossings, the cost of a ray, the time to build, error beside Cycles"
 
 RAYS = 1_000_000  # of each kind
 QUICK_RAYS = 5_000
@@ -153,6 +156,22 @@ def _cost_rows(turns: int) -> list[dict]:
     ]
 
 
+def arguments(parser) -> None:
+    """Options of its own."""
+    from . import methods
+
+    methods.picture_arguments(parser)
+
+
+def _beside_cycles(options) -> list[dict]:
+    """Comparisons of direct light at equal time."""
+    from . import lamp_scenes, lamps, methods
+
+    chosen = argparse.Namespace(**vars(options) | dict(samplers=["CUT"], cycles=True, bounces=0))
+    names = lamp_scenes.OF_DATA[:1] if options.quick else lamp_scenes.OF_DATA
+    return methods.of_scenes(names, 64 if options.quick else 96, lamps.measure, chosen)[0]
+
+
 def run(options) -> tuple[dict, list[dict]]:
     import bpy
 
@@ -172,16 +191,18 @@ def run(options) -> tuple[dict, list[dict]]:
     costs = parts.of("costs", functools.partial(_cost_rows, turns))
     parts.finish()
     progress.close()
+    compared = _beside_cycles(options)
     cost = {row["cost_of"]: row["ns_per_ray"] for row in costs if "cost_of" in row}
     sure = [row for row in rows if row["certified"]]
     million = 1e6 / costs[-1]["voxels"]
     summary = dict(
         wrong_crossing_fraction_certified=sum(row["wrong"] * row["rays"] for row in sure)
         / sum(row["rays"] for row in sure),
+        mse_ratio_cycles_direct_min=min(row["cycles"] for row in compared),
         cost_ratio_grid_to_sponge=cost["grid"] / cost["sponge"],
         cost_ratio_grid_to_sponge_as_field=cost["grid"] / cost["sponge as a field"],
         cost_ratio_200_to_1_letters=cost["200 letters"] / cost["1 letter"],
         build_processor_seconds_of_a_million_voxels=million * costs[-1]["processor_seconds"],
         megabytes_of_a_million_voxels=million * costs[-1]["megabytes"],
     )
-    return summary, rows + costs
+    return summary, rows + costs + compared

@@ -190,6 +190,20 @@ def measures(mesh: bpy.types.Mesh) -> tuple[float, float]:
     return found
 
 
+def close(mesh: bpy.types.Mesh) -> None:
+    """Join what lies in one place, as the caps of a text and its sides, and turn faces outwards. Raises ValueError if a hole is left."""
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    bmesh.ops.remove_doubles(work, verts=work.verts, dist=1e-5)
+    bmesh.ops.recalc_face_normals(work, faces=work.faces)
+    holes = sum(len(edge.link_faces) % 2 for edge in work.edges)
+    work.to_mesh(mesh)
+    work.free()
+    mesh.shade_flat()
+    if holes:
+        raise ValueError(f"{mesh.name} is not closed: {holes} edges have faces on one side alone.")
+
+
 def moved(solid: Solid, matrix: np.ndarray) -> Solid:
     """The solid under an affine ``matrix`` (4 × 4)."""
     vertices, faces = solid

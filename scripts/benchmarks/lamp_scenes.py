@@ -20,6 +20,7 @@ from mathutils import Euler, Matrix
 from scenery.materials import Graph
 from scenery.modelling import add, box, plane
 
+from sdf_lights.blender.lamp import shape_of
 from sdf_lights.sdf.expression import Expression
 
 from . import lamp_meshes, simple_scenes
@@ -110,12 +111,14 @@ def add_lamp(
     light.sdf_lamp.emission.source = emission
     thing = add(name, light, collection=_collection(LAMPS))
     thing.matrix_world = matrix
-    if solid is None:
-        return
+    if solid is not None:
+        # The matrix is part of the mesh, so that a scale of the object does not come into it.
+        _add_volume(name, lamp_meshes.mesh(name, lamp_meshes.moved(solid, np.array(matrix))), density, color)
+
+
+def _add_volume(name: str, mesh: bpy.types.Mesh, density: float, color=(1.0, 1.0, 1.0)) -> None:
     graph = Graph(name)
     material = graph.finish(graph.node("ShaderNodeEmission", Color=color, Strength=density), "Volume")
-    # The matrix is part of the mesh, so that a scale of the object does not come into it.
-    mesh = lamp_meshes.mesh(name, lamp_meshes.moved(solid, np.array(matrix)))
     add(f"{name} Volume", mesh, material, collection=_collection(VOLUMES))
 
 
@@ -323,3 +326,86 @@ def _(size: int) -> None:
 def _(size: int) -> None:
     simple_scenes.boxes_and_sphere(size)
     add_lamp("Bulb", "scale(mandelbulb(), 0.6)", None, turned(x=70.0, z=20.0, at=(-0.2, -0.9, 0.75)), INTENSITY / 0.6)
+
+
+# --- lamps that data make ---------------------------------------------------------------------------------------------
+
+OF_DATA = ("sign", "spring", "statue", "logo")
+
+
+def _data_lamp(matrix: Matrix, mesh: bpy.types.Mesh | None, **source) -> None:
+    """A lamp of 8 W/sr over the stage, of the ``source`` (properties of ``sdf_lamp``); ``mesh`` is the same for Cycles, which marching
+    makes where there is none."""
+    light = bpy.data.lights.new("Lamp", "POINT")
+    light.sdf_lamp.use, light.sdf_lamp.normalize = True, False
+    for name, value in source.items():
+        setattr(light.sdf_lamp, name, value)
+    if mesh is None:
+        shape = shape_of(light.sdf_lamp)
+        mesh = lamp_meshes.mesh("Lamp", lamp_meshes.isosurface(shape.distance, *shape.bounds(), 160))
+    lamp_meshes.close(mesh)
+    mesh.transform(matrix)
+    light.sdf_lamp.density = INTENSITY / lamp_meshes.measures(mesh)[0]
+    add("Lamp", light, collection=_collection(LAMPS)).matrix_world = matrix
+    _add_volume("Lamp", mesh, light.sdf_lamp.density)
+
+
+def _object_lamp(matrix: Matrix, data: bpy.types.ID, is_exact: bool = True) -> None:
+    """``is_exact``: Blender's mesh of the object is what the lamp is."""
+    obj = bpy.data.objects.new("Source", data)
+    _collection(LAMPS).objects.link(obj)
+    obj.hide_render = True
+    bpy.context.view_layer.update()
+    graph = bpy.context.evaluated_depsgraph_get()
+    mesh = bpy.data.meshes.new_from_object(obj.evaluated_get(graph), depsgraph=graph) if is_exact else None
+    _data_lamp(matrix, mesh, source="OBJECT", object=obj)
+
+
+@_scene("sign", "a text with sharp edges")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    curve = bpy.data.curves.new("Sign", "FONT")
+    curve.body, curve.extrude, curve.align_x, curve.size = "OPEN", 0.08, "CENTER", 1.1
+    _object_lamp(turned(x=75.0, z=15.0, at=(0.0, 0.3, 1.6)), curve)
+
+
+@_scene("spring", "a tube along a curve")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    curve = bpy.data.curves.new("Spring", "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.09
+    spline = curve.splines.new("NURBS")
+    turn = np.linspace(0.0, 14.0, 60)
+    spline.points.add(len(turn) - 1)
+    for point, angle in zip(spline.points, turn):
+        point.co = 0.6 * math.cos(angle), 0.6 * math.sin(angle), 0.09 * angle - 0.6, 1.0
+    spline.use_endpoint_u, spline.resolution_u = True, 8
+    _object_lamp(turned(x=80.0, z=20.0, at=(0.0, 0.2, 1.8)), curve, is_exact=False)  # its ends are round
+
+
+@_scene("statue", "a mesh: Blender's monkey, closed and divided")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    with bpy.context.temp_override():
+        bpy.ops.mesh.primitive_monkey_add()
+    monkey = bpy.context.object
+    monkey.modifiers.new("Whole", "REMESH").voxel_size = 0.04
+    bpy.context.view_layer.update()
+    mesh = bpy.data.meshes.new_from_object(monkey.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    bpy.data.objects.remove(monkey)
+    _object_lamp(turned(x=20.0, z=30.0, at=(0.0, 0.3, 1.7), scale=(0.8, 0.8, 0.8)), mesh)
+
+
+@_scene("logo", "the outline of a picture: a disc with a star cut out")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    width = 512
+    x, y = (2.0 * (np.arange(width) + 0.5) / width - 1.0 for _ in range(2))
+    radius, angle = np.hypot(*np.meshgrid(x, y)), np.arctan2(*np.meshgrid(y, x, indexing="ij"))
+    inside = np.clip(0.5 + 0.4 * width * np.minimum(0.9 - radius, radius - 0.45 - 0.2 * np.cos(5.0 * angle)), 0.0, 1.0)
+    image = bpy.data.images.new("Logo", width, width, alpha=True)
+    pixels = np.ones((width, width, 4), np.float32)
+    pixels[..., 3] = inside
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    _data_lamp(turned(x=80.0, z=15.0, at=(0.0, 0.3, 1.6)), None, source="IMAGE", image=image, image_size=1.8)

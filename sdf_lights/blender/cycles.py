@@ -131,7 +131,7 @@ def _has_own_settings(settings: bpy.types.PropertyGroup) -> bool:
         group.is_property_set(name)
         for group in groups
         for name in group.bl_rna.properties.keys()
-        if name not in {"rna_type", "name", "viewport"}
+        if name not in {"rna_type", "name", "viewport", "version"}
     )
 
 
