@@ -19,6 +19,7 @@ from bl_ui.utils import PresetPanel
 from ..render.errors import RenderError
 from ..sdf import emission_presets
 from . import emission, parameters, properties
+from .context import light_of
 from .nodes import editor
 from .presets import Preset, presets
 from .properties import PRIMITIVES
@@ -190,6 +191,16 @@ class SDFLIGHTS_OT_lamp_preset_add(AddPresetBase, bpy.types.Operator):
     preset_subdir = SDFLIGHTS_PT_lamp_presets.preset_subdir
     preset_defines = ['lamp = (getattr(bpy.context, "light", None) or bpy.context.object.data).sdf_lamp']
     preset_values = ["lamp.as_text"]
+
+    def execute(self, context):
+        light = light_of(context)
+        if light is not None and not (self.remove_name or self.remove_active):
+            try:
+                preset_of(light)
+            except RenderError as error:
+                self.report({"ERROR"}, f"Light '{light.name}' makes no preset. {error}")
+                return {"CANCELLED"}
+        return super().execute(context)
 
 
 CLASSES = (SDFLIGHTS_PT_lamp_presets, SDFLIGHTS_OT_lamp_preset_add)

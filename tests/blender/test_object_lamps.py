@@ -399,3 +399,13 @@ def test_a_paragraph_costs_at_most_twice_a_letter(text, lamp):
             turns.append(time.thread_time() - started)
         taken.append(min(turns))
     assert taken[1] < 2.0 * taken[0]
+
+
+def test_a_lamp_of_an_object_makes_no_preset_and_says_why(text, tmp_path, monkeypatch):
+    """A preset is text, which would have to say what the object is."""
+    monkeypatch.setattr(bpy.utils, "user_resource", lambda kind, path="", create=False: str(tmp_path))
+    text("Hi").select_set(True)
+    bpy.ops.sdf_lights.object_to_lamp()
+    with pytest.raises(RuntimeError, match="makes no preset. Its shape is that of an object"):
+        bpy.ops.sdf_lights.lamp_preset_add(name="Mine")
+    assert list(tmp_path.iterdir()) == []
