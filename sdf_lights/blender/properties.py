@@ -336,7 +336,7 @@ SDFLIGHTS_LampSettings = group(
             ),
             "voxel_size": bpy.props.FloatProperty(
                 name="Voxel Size",
-                description="Size of the voxels that hold the distance to a mesh. 0 divides its longest side into 128",
+                description="Size of the voxels that hold the distance to a mesh. 0 divides its longest side into 128 in renders, 64 in viewports",
                 default=0.0,
                 min=0.0,
                 soft_max=1.0,

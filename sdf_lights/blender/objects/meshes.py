@@ -29,7 +29,7 @@ def _read(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, lamp) -> Shape:
         vertices, faces = _arrays(mesh)
     finally:
         obj.to_mesh_clear()
-    return _grid(obj, vertices, faces, lamp.voxel_size)
+    return _grid(obj, vertices, faces, lamp.voxel_size, depsgraph.mode == "RENDER")
 
 
 def _named(obj: bpy.types.Object) -> str:
@@ -48,13 +48,19 @@ def _arrays(mesh: bpy.types.Mesh | None) -> tuple[np.ndarray, np.ndarray]:
     return vertices.reshape(-1, 3), faces.reshape(-1, 3)
 
 
-def _grid(obj: bpy.types.Object, vertices: np.ndarray, faces: np.ndarray, voxel_size: float) -> Shape:
-    from ...sdf.data.voxels import GridError, mesh_grid  # it needs Numba, whose import takes a second
+def _grid(obj: bpy.types.Object, vertices: np.ndarray, faces: np.ndarray, voxel_size: float, is_render: bool) -> Shape:
+    from ...sdf.data.voxels import (  # they need Numba, whose import takes a second
+        FINENESS,
+        PREVIEW,
+        GridError,
+        mesh_grid,
+    )
 
-    key = hashlib.sha256(vertices.tobytes()).digest(), hashlib.sha256(faces.tobytes()).digest(), voxel_size
+    fineness = FINENESS if is_render else PREVIEW
+    key = hashlib.sha256(vertices.tobytes()).digest(), hashlib.sha256(faces.tobytes()).digest(), voxel_size, fineness
     if key not in _grids:
         try:
-            _grids[key] = mesh_grid(vertices, faces, voxel_size)
+            _grids[key] = mesh_grid(vertices, faces, voxel_size, fineness)
         except GridError as error:
             raise RenderError(f"{_named(obj)} {error}") from None
         while len(_grids) > _KEPT:

@@ -21,6 +21,7 @@ import numpy as np
 from ... import jit
 from ...emitter.sampling import cut_tables
 from ...emitter.tree import interior, moments, slopes, volume
+from ...sdf.data import simplest
 from ...sdf.emission import EmissionExpression
 from ...sdf.shapes import SHAPES, Box, Difference, Sphere
 from ..film import Film
@@ -90,7 +91,9 @@ def _paths() -> tuple[list, Callable[[], None]]:
 
 
 def _parts() -> tuple[list, Callable[[], None]]:
-    """What some scenes have: textures, media, scattering below surfaces, hair, special closures, passes."""
+    """What some scenes have: lamps of data, textures, media, scattering below surfaces, hair, special closures, passes."""
+    from ...emitter import build_lamp
+
     records = BLOCK, WORKSPACE
     kernels = [
         *(kernel for kernel, _ in media_parts.KERNELS.values()),
@@ -98,9 +101,12 @@ def _parts() -> tuple[list, Callable[[], None]]:
         *(kernel for _, kernel, _ in output_parts.KERNELS.values()),
         *special.kernels(),
         *(function.kernel for function, _ in common.calls()),
+        *(part.kernel for each in simplest.FUNCTIONS for part in (each, each.bounds) if part is not None),
     ]
 
     def run() -> None:
+        for shape in simplest.simplest():
+            build_lamp("Lamp", shape, np.eye(4))
         compile_calls(common.calls(), records)
         special.compile_all(records)
         media_parts.addresses(True, records)

@@ -21,7 +21,7 @@ from .grid import BLOCK, CORNERS, SIDE, Grid, grid_tables
 from .triangles import Triangles, nearest, triangles, winding
 
 BAND = 5.0  # voxels on each side of the surface
-FINENESS = 128  # voxels along the longest side, if nobody chooses their size
+FINENESS, PREVIEW = 128, 64  # voxels along the longest side, if nobody chooses their size; while a mesh is being edited
 MOST_BLOCKS = 1 << 14  # with voxels: 8 million voxels
 MOST_CORNERS = 1 << 22  # of blocks
 INSIDE = 0.52  # winding number of the surface where there are no faces: above the half that flat sheets come near
@@ -231,10 +231,10 @@ def _with_signs(distances: np.ndarray, windings: np.ndarray, least: float) -> np
     return np.where(inside, -1.0, 1.0) * np.maximum(distances, least)
 
 
-def mesh_grid(vertices: np.ndarray, faces: np.ndarray, voxel_size: float = 0.0) -> Grid:
+def mesh_grid(vertices: np.ndarray, faces: np.ndarray, voxel_size: float = 0.0, fineness: int = FINENESS) -> Grid:
     """The grid of a mesh with vertices (n, 3) in metres and triangles (m, 3), of voxels of ``voxel_size`` metres.
 
-    A size of 0 divides the longest side into ``FINENESS``. Raises GridError.
+    A size of 0 divides the longest side into ``fineness``. Raises GridError.
     """
     vertices, faces = np.asarray(vertices, np.float64).reshape(-1, 3), np.asarray(faces, np.int64).reshape(-1, 3)
     if not len(faces):
@@ -245,7 +245,7 @@ def mesh_grid(vertices: np.ndarray, faces: np.ndarray, voxel_size: float = 0.0) 
     low, high = used.min(axis=0), used.max(axis=0)
     longest = float((high - low).max())
     if not voxel_size > 0.0:
-        voxel_size = longest / FINENESS
+        voxel_size = longest / fineness
     try:
         mesh = triangles(vertices, faces)
     except ValueError:
