@@ -14,6 +14,7 @@ from ...emitter.sampling import cut
 from ...emitter.tree import interior
 from ...graph import codegen_glsl
 from ...graph.codegen_native import LANES
+from ...graph.tables import Table, address_slots, at_address
 from ..film import CHANNELS, HALF_BIT, SCATTERED, Film
 from ..kernels import camera, geometry, integrator, lamp_tree, lights, path, rays, samplers, shading
 from ..kernels.media import pack as media
@@ -70,12 +71,32 @@ SETTLED = frozenset(
 )
 
 
+LARGEST = 1e37  # of a table, in float32
+MOST_NUMBERS = 1 << 24  # of lamps and their tables, whose places are float32
+
 # Kernels that the CPU compiles apart, by the tables that hold their addresses there.
 CODE = {
     "media_code": {place: kernel for place, (kernel, _) in media_parts.KERNELS.items()},
     "subsurface_code": subsurface_parts.KERNELS,
     "output_code": catchers.CODE,
 }
+
+
+def _with_tables(numbers: np.ndarray, addresses: list[int]) -> np.ndarray:
+    """Numbers of lamps, and after them the tables that they have the addresses of; these become places there."""
+    parts, places, used = [numbers], dict[Table, int](), len(numbers)
+    for slot in addresses:
+        table = at_address(numbers[slot])
+        if table is not None and table not in places:
+            places[table] = used
+            parts.append(np.clip(table.array, -LARGEST, LARGEST))
+            used += len(table.array)
+        numbers[slot] = places.get(table, 0)
+    if used > MOST_NUMBERS:
+        raise DeviceError(
+            f"outlines, curves and grids of lamps have {used:,} numbers, and it can tell {MOST_NUMBERS:,} apart"
+        )
+    return np.concatenate(parts)
 
 
 class GpuScene:
@@ -164,7 +185,7 @@ class GpuScene:
         """A table of how lamps' fields are read; the rows of lamps point at it where the CPU has compiled terms."""
         rows = tables["lamps"]
         found = np.zeros(len(rows), parts.FIELD)
-        numbers, used = [np.zeros(0)], 0
+        numbers, used, addresses = [np.zeros(0)], 0, list[int]()
         self._numbers: dict[int, set[int]] = {}  # of each formula where its parameters may begin
         self.written_out = parts.WrittenOut.of(self.lamps)
         pieces, first_part = [np.zeros(0, parts.PART)], 0
@@ -182,12 +203,15 @@ class GpuScene:
                 field["formula"] = self.formulas.add(self.formulas.fields, (shape.formula(),))
                 field["parameters"], field["center"] = used, tree.center
                 self._numbers.setdefault(int(field["formula"]), set()).add(used)
-                numbers.append(np.asarray(shape.parameters(), np.float64))
-                used += len(numbers[-1])
+                values = np.array(shape.parameters(), np.float64)
+                addresses += [used + slot for slot in address_slots(shape.formula())]
+                numbers.append(values)
+                used += len(values)
         for glow, lamp in zip(tables["lamp_glows"], [lamp for lamp in self.lamps if lamp.emission is not None]):
             compiled = lamp.emission.compiled
             glow["address"] = self.formulas.add(self.formulas.colours, tuple(compiled.placed.colour))
             glow["parameters"] = used
+            addresses += [used + slot for slot in address_slots(*compiled.placed.colour)]
             numbers.append(compiled.parameters)
             used += len(compiled.parameters)
         if self.formulas.nodes > lamp_kernels.MOST_NODES:
@@ -195,7 +219,7 @@ class GpuScene:
                 f"the formulas of the scene's lamps have {self.formulas.nodes} nodes together, and drivers "
                 f"are given {lamp_kernels.MOST_NODES} at most"
             )
-        tables["lamp_parameters"] = np.concatenate(numbers)
+        tables["lamp_parameters"] = _with_tables(np.concatenate(numbers), addresses)
         tables["lamp_walk"] = field_crossings.flat_nodes(tables["lamp_nodes"])
         tables["lamp_fields"], tables["lamp_parts"] = found, np.concatenate(pieces)
 
@@ -345,7 +369,9 @@ class GpuScene:
             glsl("lengths.glsl") if self.formulas.fields else no_lengths,
             "int lamp_numbers;",
             f"float field_number(int slot) {{ return {reader}float_at(lamp_numbers + slot); }}",
+            f"#define table_number(i) {reader}float_at(scene.lamp_parameters_start + (i))",
         ]
+        functions: set[str] = set()
         near = self.tables.near_place("lamp_parameters")  # where one shape alone has a formula, its numbers have places
         kinds = (self.formulas.fields, "field", "float"), (self.formulas.colours, "colour", "vec3")
         for formulas, name, kind in kinds:
@@ -358,7 +384,7 @@ class GpuScene:
                     reading = f"{NEAR}float_at({near + place} + {{}})"
                 written = formula if name == "colour" else formula[0]
                 try:
-                    parts.append(codegen_glsl.function(written, f"{name}_{index}", reading))
+                    parts.append(codegen_glsl.function(written, f"{name}_{index}", reading, functions))
                 except codegen_glsl.UnwrittenError as error:
                     raise DeviceError(str(error)) from None
             cases = [f"    case {index}: return {name}_{index}(p);" for index in range(len(formulas) - 1)]
