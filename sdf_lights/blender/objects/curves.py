@@ -20,6 +20,7 @@ if TYPE_CHECKING:  # they need Numba, whose import takes a second
     from ...sdf.data.tube import Tube
 
 NEON = "NEON"
+MOST_POINTS = 1 << 18  # some thousand letters, which take some seconds
 
 
 @reads(FONT="Text", CURVE="Curve")
@@ -35,6 +36,11 @@ def _read(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, lamp) -> Shape:
     if not paths:
         cure = "write something into it" if obj.type == "FONT" else "draw a curve in it"
         raise RenderError(f"{_named(obj)} is empty, so it has no inside: {cure}.")
+    points = sum(len(path.points) for path in paths)
+    if points > MOST_POINTS:
+        raise RenderError(
+            f"{_named(obj)} has {points:,} points, and a lamp {MOST_POINTS:,}: lower its resolution, or divide it."
+        )
     if not all(np.isfinite(path.points).all() and np.isfinite(path.radii).all() for path in paths):
         raise RenderError(f"{_named(obj)} has a point that is not a finite number: remove it.")
     if lamp.object_form == NEON:
