@@ -15,9 +15,12 @@ import pathlib
 import random
 
 import bpy
+import numpy as np
 
 from sdf_lights.blender.sync import sync
-from sdf_lights.emitter.tree.interior import KEPT, tree
+from sdf_lights.emitter.building.build import build_lamp
+from sdf_lights.emitter.sampling.cut_tables import uniform_cells
+from sdf_lights.emitter.tree.interior import KEPT
 from sdf_lights.render import session
 from sdf_lights.render.settings import Device
 from sdf_lights.sdf.expression import evaluate
@@ -54,10 +57,12 @@ def handles() -> int:
 
 
 def fill_caches() -> None:
-    """Keep as many trees of shapes as are ever kept: memory that is meant to be taken."""
+    """Keep as many shapes with all that lamps are built by as are ever kept: memory that is meant to be taken."""
     for number in range(KEPT // 2 + 1):
         for text in EXPRESSIONS[:2]:
-            tree(evaluate(text.format(round(0.2 + 0.4 * number / KEPT, 5))))
+            shape = evaluate(text.format(round(0.2 + 0.8 * number / KEPT, 5)))
+            build_lamp("Kept", shape, np.eye(4))
+            uniform_cells(shape)
 
 
 class Actor:
