@@ -115,7 +115,7 @@ def both(scene, pictures, samples: int) -> tuple[np.ndarray, np.ndarray]:
 def test_scenes_look_as_in_cycles(stage, pictures, name):
     """The mean within 1 %; blocks of 8 × 8 pixels, whose noise is about 1 %, within 1.5 % of the picture's mean on average."""
     pytest.importorskip("_cycles")
-    ours, theirs = both(stage(name), pictures, 64)
+    ours, theirs = both(stage(name), pictures, 128)
     near = [picture.reshape(4, 8, 6, 8, 3).mean((1, 3)) for picture in (ours, theirs)]
     difference = np.abs(near[0] - near[1]).mean() / theirs.mean()
     print(f"{name}: {ours.mean() / theirs.mean() - 1.0:+.4f}, blocks {difference:.4f}")
