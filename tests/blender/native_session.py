@@ -205,7 +205,9 @@ def presets():
         yield from until(lamps_are_drawn)
         points = bodies.points_in_world(bpy.context.object)
         eye = Eye(*points[:: max(len(points) // 40, 1)].tolist())
+        view.tag_redraw()
         yield 1.0
+        yield from until(lambda: eye.colors)
         report["presets"][name] = np.max(list(eye.colors.values()), axis=0).tolist()
         eye.close()
         bpy.data.objects.remove(bpy.context.object)

@@ -67,6 +67,7 @@ def session():
     eye = Eye((0.10, 0.0, 0.3), (-0.3, 0.0, 0.3))  # in the H, and beside it
     area.tag_redraw()
     yield 1.0
+    yield from until(lambda: len(eye.colors) == 2)
     report["in"], report["beside"] = eye.color(0), eye.color(1)
     picture(PICTURES, "text_solid")
 
