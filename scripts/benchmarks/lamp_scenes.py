@@ -353,7 +353,7 @@ def _data_lamp(matrix: Matrix, mesh: bpy.types.Mesh | None, **source) -> None:
 def _object_lamp(matrix: Matrix, data: bpy.types.ID, is_exact: bool = True) -> None:
     """``is_exact``: Blender's mesh of the object is what the lamp is."""
     obj = bpy.data.objects.new("Source", data)
-    _collection(LAMPS).objects.link(obj)
+    bpy.context.scene.collection.objects.link(obj)
     obj.hide_render = True
     bpy.context.view_layer.update()
     graph = bpy.context.evaluated_depsgraph_get()
