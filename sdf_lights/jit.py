@@ -593,12 +593,15 @@ else:
 
         return Memory
 
+    def stack_array(count):
+        return np.empty(count)
+
     doubles_at, floats_at, ints_at = _reader(ctypes.c_double), _reader(ctypes.c_float), _reader(ctypes.c_int32)
 
     # Kernels that call machine code import these; nothing can call such kernels then.
-    call_address3 = call_field = call_surface_code = call_part = call_numbers = address_of_record = stack_array = (
-        CallablePart
-    ) = Callback = None
+    call_address3 = call_field = call_surface_code = call_part = call_numbers = address_of_record = CallablePart = (
+        Callback
+    ) = None
 
 
 def specialised(function, name: str, **names):

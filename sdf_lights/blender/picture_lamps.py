@@ -17,6 +17,7 @@ MOST_SEGMENTS = 1 << 20
 _KEPT = 16
 
 _outlines: OrderedDict[tuple, object] = OrderedDict()
+_shapes: OrderedDict[tuple, Shape] = OrderedDict()  # by that, the width and the thickness
 
 
 def shape_of(lamp) -> Shape:
@@ -42,7 +43,13 @@ def shape_of(lamp) -> Shape:
     _outlines.move_to_end(key)
     if isinstance(outline, str):
         raise RenderError(outline)
-    return _placed(outline, lamp.image_size, lamp.thickness)
+    whole = *key, lamp.image_size, lamp.thickness
+    if whole not in _shapes:
+        _shapes[whole] = _placed(outline, lamp.image_size, lamp.thickness)
+        while len(_shapes) > _KEPT:
+            _shapes.popitem(last=False)
+    _shapes.move_to_end(whole)
+    return _shapes[whole]
 
 
 def _outline(image: bpy.types.Image, part: str, threshold: float):
@@ -80,5 +87,6 @@ def _placed(segments: np.ndarray, size: float, thickness: float) -> Shape:
 
 def forget(images: set[int]) -> None:
     """Images, by their identities, have changed."""
-    for key in [key for key in _outlines if key[0] in images]:
-        del _outlines[key]
+    for kept in (_outlines, _shapes):
+        for key in [key for key in kept if key[0] in images]:
+            del kept[key]

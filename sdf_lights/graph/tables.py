@@ -11,13 +11,17 @@ a cache that contains one keeps the memory from being used for something else.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import threading
 import weakref
+from collections.abc import Iterable
 
 import numpy as np
 
 from .formula import CALL, ITERATE, PARAMETER, Formula, Numbers, body, order
+
+_LARGEST = 1e37  # in float32
 
 
 class Table:
@@ -91,7 +95,26 @@ def tables_of(formula: Formula, parameters: Numbers) -> tuple[Table, ...]:
     return tuple(dict.fromkeys(known for known in found if known is not None))
 
 
-def address_slots(*formulas: Formula) -> set[int]:
+def with_places(numbers: np.ndarray, slots: Iterable[int], first: int = 0) -> tuple[np.ndarray, list[Table]]:
+    """Numbers for a graphics card: where they have addresses of tables, in ``slots``, the place of the first number of each of the
+    tables, which lie one after the other from place ``first`` on. And these tables."""
+    numbers, places, used = np.array(numbers, np.float64), dict[Table, int](), first
+    for slot in sorted(slots):
+        found = at_address(numbers[slot])
+        if found is not None and found not in places:
+            places[found] = used
+            used += len(found.array)
+        numbers[slot] = places.get(found, 0) if found is not None else 0
+    return numbers, list(places)
+
+
+def as_float32(found: Table) -> np.ndarray:
+    """The numbers of a table, none of which is infinite in float32."""
+    return np.clip(found.array, -_LARGEST, _LARGEST).astype(np.float32)
+
+
+@functools.lru_cache(maxsize=256)
+def address_slots(*formulas: Formula) -> frozenset[int]:
     """Slots of the formulas that hold addresses."""
     found, seen, pending = set(), set(), list(order(*formulas))
     while pending:
@@ -103,7 +126,7 @@ def address_slots(*formulas: Formula) -> set[int]:
             pending += [*body(node), *node.operands]
         if node.kind == CALL:
             found |= {operand.value for operand in node.operands[: node.value.tables] if operand.kind == PARAMETER}
-    return found
+    return frozenset(found)
 
 
 def at_address(number: float) -> Table | None:

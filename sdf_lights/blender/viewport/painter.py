@@ -18,7 +18,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ...affine import inverse
-from ...graph.tables import Table, address_slots, at_address
+from ...graph.tables import Table, address_slots, as_float32, with_places
 from ...render.scene import Lamp
 from ...sdf.emission import Emission, Placed
 from ...sdf.shapes import Shape
@@ -33,7 +33,6 @@ MARGIN = 1e-4
 WIDTH = 2.0
 # Textures with the tables of a lamp that are kept.
 KEPT_TABLES = 32
-_FLOATS = -1e37, 1e37
 # Shaders and buffers that are kept.
 KEPT = 256
 
@@ -139,10 +138,10 @@ class Painter:
     def _texture_of(self, tables: tuple[Table, ...]) -> gpu.types.GPUTexture:
         found = self._tables.get(tables)
         if found is None:
-            numbers = np.concatenate([table.array for table in tables])
+            numbers = np.concatenate([as_float32(table) for table in tables])
             rows = -(-len(numbers) // shaders.TABLE_WIDTH)
             pixels = np.zeros(rows * shaders.TABLE_WIDTH, np.float32)
-            pixels[: len(numbers)] = np.clip(numbers, *_FLOATS)
+            pixels[: len(numbers)] = numbers
             data = gpu.types.Buffer("FLOAT", len(pixels), pixels)
             found = gpu.types.GPUTexture((shaders.TABLE_WIDTH, rows), format="R32F", data=data)
             self._tables[tables] = found
@@ -196,19 +195,11 @@ def tables_of(lamp: Lamp) -> tuple[tuple[Table, ...], np.ndarray]:
 
 
 def _with_places(shape: Shape, placed: Placed | None) -> tuple[tuple[Table, ...], np.ndarray]:
-    numbers = np.concatenate([shape.parameters(), placed.parameters if placed is not None else []])
-    slots = address_slots(shape.formula())
+    own, slots = shape.parameters(), address_slots(shape.formula())
     if placed is not None:
-        slots |= {len(shape.parameters()) + slot for slot in address_slots(*placed.colour)}
-    places: dict[Table, int] = {}
-    used = 0
-    for slot in sorted(slots):
-        table = at_address(numbers[slot])
-        if table is not None and table not in places:
-            places[table] = used
-            used += len(table.array)
-        numbers[slot] = places.get(table, 0)
-    return tuple(places), numbers
+        slots |= {len(own) + slot for slot in address_slots(*placed.colour)}
+    numbers, tables = with_places(np.concatenate([own, placed.parameters if placed is not None else []]), slots)
+    return tuple(tables), numbers
 
 
 def code_of(lamp: Lamp) -> shaders.LampCode:

@@ -14,7 +14,7 @@ from ...emitter.sampling import cut
 from ...emitter.tree import interior
 from ...graph import codegen_glsl
 from ...graph.codegen_native import LANES
-from ...graph.tables import Table, address_slots, at_address
+from ...graph.tables import address_slots, as_float32, with_places
 from ..film import CHANNELS, HALF_BIT, SCATTERED, Film
 from ..kernels import camera, geometry, integrator, lamp_tree, lights, path, rays, samplers, shading
 from ..kernels.media import pack as media
@@ -71,7 +71,6 @@ SETTLED = frozenset(
 )
 
 
-LARGEST = 1e37  # of a table, in float32
 MOST_NUMBERS = 1 << 24  # of lamps and their tables, whose places are float32
 
 # Kernels that the CPU compiles apart, by the tables that hold their addresses there.
@@ -84,19 +83,13 @@ CODE = {
 
 def _with_tables(numbers: np.ndarray, addresses: list[int]) -> np.ndarray:
     """Numbers of lamps, and after them the tables that they have the addresses of; these become places there."""
-    parts, places, used = [numbers], dict[Table, int](), len(numbers)
-    for slot in addresses:
-        table = at_address(numbers[slot])
-        if table is not None and table not in places:
-            places[table] = used
-            parts.append(np.clip(table.array, -LARGEST, LARGEST))
-            used += len(table.array)
-        numbers[slot] = places.get(table, 0)
-    if used > MOST_NUMBERS:
+    numbers, tables = with_places(numbers, addresses, len(numbers))
+    found = np.concatenate([numbers, *(as_float32(table) for table in tables)])
+    if len(found) > MOST_NUMBERS:
         raise DeviceError(
-            f"outlines, curves and grids of lamps have {used:,} numbers, and it can tell {MOST_NUMBERS:,} apart"
+            f"outlines, curves and grids of lamps have {len(found):,} numbers, and it can tell {MOST_NUMBERS:,} apart"
         )
-    return np.concatenate(parts)
+    return found
 
 
 class GpuScene:

@@ -17,11 +17,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ... import jit
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
 from ...graph.tables import Table, table
-from ...jit import doubles_at, kernel
+from ...jit import doubles_at, kernel, stack_array
 from ..shapes.base import LARGEST, Slots, number
 from ..shapes.profiles import Profile
 from . import boxes
@@ -29,13 +28,6 @@ from . import boxes
 _HEAD = 2  # numbers before the boxes: of leaves, and where segments begin
 _ROW = 6  # numbers of a segment: both ends, and 1/length² and 1/length
 _ASIDE = 1e-7  # of the outline's size: how far beside a segment it is looked what is there
-
-if jit.AVAILABLE:
-    stack_array = jit.stack_array
-else:
-
-    def stack_array(count):
-        return np.empty(count)
 
 
 @kernel

@@ -13,19 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ... import jit
-from ...jit import kernel
+from ...jit import kernel, stack_array
 from . import boxes
 
 FAR = 3.5  # radii of a part, from which on it counts as a dipole: errors of some hundredths of a winding at most
 SLACK = 1.0 + 1e-9  # of what is searched, so that rounding leaves the nearest triangle in it
-
-if jit.AVAILABLE:
-    stack_array = jit.stack_array
-else:
-
-    def stack_array(count):
-        return np.empty(count)
 
 
 class Triangles(NamedTuple):

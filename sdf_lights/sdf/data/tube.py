@@ -16,24 +16,16 @@ from functools import cached_property
 
 import numpy as np
 
-from ... import jit
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
 from ...graph.tables import Table, table
-from ...jit import doubles_at, kernel
+from ...jit import doubles_at, kernel, stack_array
 from ..shapes.base import BOUND, LARGEST, SMALLEST, Shape, Slots
 from . import boxes
 from .outline import _part
 
 _HEAD = 2  # numbers before the boxes: of leaves, and where segments begin
 _ROW = 9  # numbers of a segment: an end, its radius, the direction, the length, and k
-
-if jit.AVAILABLE:
-    stack_array = jit.stack_array
-else:
-
-    def stack_array(count):
-        return np.empty(count)
 
 
 @kernel
