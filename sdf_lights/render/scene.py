@@ -136,6 +136,7 @@ class Instance(Emitter):
     light_set: int = OPEN_SET
     shadow_set: int = OPEN_SET
     catcher: bool = False  # a shadow catcher
+    terminator: float = 0.0  # cosine below which light rays start above triangles with smooth normals; 0: none does
     asset: str = ""  # for Cryptomatte: the name of the object that all its parents end in
 
 

@@ -1,9 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves and spheres as Embree has them, and the numbers by which rays know what they have left.
-
-As in Cycles, a ray that starts on a curve, or on a sphere, does not meet the same one again.
-"""
+"""Curves and spheres as Embree has them."""
 
 from __future__ import annotations
 
@@ -47,17 +44,6 @@ def strand_of(mesh: Mesh) -> np.ndarray:
     begins = np.ones(len(rows), bool)
     begins[1:] = rows[1:, 0] != rows[:-1, 1]
     return (np.cumsum(begins) - 1).astype(np.int32)
-
-
-def first_numbers(scene: Scene) -> np.ndarray:
-    """(instances,) int64 number of the first curve or sphere of each instance; they count from 1 on."""
-    counts = {
-        index: int(strand_of(mesh)[-1]) + 1 if len(mesh.triangles) else 0
-        for index, mesh in enumerate(scene.meshes)
-        if mesh.primitive != Primitive.TRIANGLES
-    }
-    sizes = np.array([counts.get(instance.mesh, 0) for instance in scene.instances], np.int64)
-    return 1 + np.cumsum(sizes) - sizes
 
 
 def can_be_baked(mesh: Mesh, instance: Instance) -> bool:

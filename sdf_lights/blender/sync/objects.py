@@ -198,6 +198,7 @@ class _Reader:
                 **self._linking.of_instance(original, item.parent.original if item.is_instance else original),
                 asset=_topmost(original).name,
                 catcher=flags.catcher,
+                terminator=original.shadow_terminator_geometry_offset,
                 light_group=original.lightgroup,
             )
         )

@@ -14,13 +14,12 @@ import ctypes
 import numpy as np
 
 from ..errors import RenderError
+from ..kernels.departure import SHAPE, filter_address
 from ..kernels.lights import shadow_bits
 from ..kernels.rays import NONE, masks_of, world_positions
-from ..kernels.strands.departure import SHAPE
-from ..kernels.strands.parts import filter_address
 from ..libraries import load_embree
 from ..scene import Mesh, Primitive, Scene
-from ..strands import EMBREE_TYPES, Buffers, buffers, can_be_baked, first_numbers, has_strands, strand_of, tessellation
+from ..strands import EMBREE_TYPES, Buffers, buffers, can_be_baked, strand_of, tessellation
 
 
 class _Api:
@@ -149,7 +148,6 @@ class Accelerator:
         self.inner_scenes = np.zeros(len(scene.instances), np.int64)
         self.scene = self._new_scene()
         masks = masks_of(scene.instances, transparent, shadow_bits(scene))
-        self._first_strands = first_numbers(scene) if has_strands(scene) else np.zeros(0, np.int64)
         for index, instance in enumerate(scene.instances):
             mesh = scene.meshes[instance.mesh]
             if not len(mesh.triangles):
@@ -158,7 +156,7 @@ class Accelerator:
                 geometry = self._geometry(mesh, instance.matrix)
             else:
                 if instance.mesh not in shared:
-                    form = _form_of(mesh, scene)
+                    form = _form_of(mesh)
                     found = old.get(form)
                     if found is None:
                         found = _Inner(api, self._device, self._new_scene(own=False))
@@ -215,9 +213,13 @@ class Accelerator:
     def _geometry(self, mesh: Mesh, matrix: np.ndarray | None = None) -> int:
         """The geometry of a mesh, in the world by ``matrix``, or in its own space."""
         if mesh.primitive != Primitive.TRIANGLES:
-            return self._strands(mesh, buffers(mesh, matrix))
-        forms = [form if matrix is None else world_positions(form, matrix) for form in _forms(mesh)]
-        return self._triangles(forms, mesh.triangles)
+            geometry = self._strands(mesh, buffers(mesh, matrix))
+        else:
+            forms = [form if matrix is None else world_positions(form, matrix) for form in _forms(mesh)]
+            geometry = self._triangles(forms, mesh.triangles)
+        self._api.rtcSetGeometryIntersectFilterFunction(geometry, filter_address())
+        self._api.rtcSetGeometryOccludedFilterFunction(geometry, filter_address())
+        return geometry
 
     def _strands(self, mesh: Mesh, given: Buffers) -> int:
         """A geometry of curves or spheres."""
@@ -232,12 +234,8 @@ class Accelerator:
             api.rtcSetGeometryTessellationRate(geometry, tessellation(mesh))
         strands, record = strand_of(mesh), np.zeros(1, SHAPE)
         record["strand_of_address"], record["strand_of_count"] = strands.ctypes.data, len(strands)
-        record["first_strands_address"] = self._first_strands.ctypes.data
-        record["first_strands_count"] = len(self._first_strands)
         self._keep += [given, strands, record]
         api.rtcSetGeometryUserData(geometry, record.ctypes.data)
-        api.rtcSetGeometryIntersectFilterFunction(geometry, filter_address())
-        api.rtcSetGeometryOccludedFilterFunction(geometry, filter_address())
         return geometry
 
     def _triangles(self, forms: list[np.ndarray], triangles: np.ndarray) -> int:
@@ -289,11 +287,10 @@ class _Same:
         return id(self._array)
 
 
-def _form_of(mesh: Mesh, scene: Scene) -> tuple:
-    """What decides an Embree scene of a mesh in its own space. Of curves and spheres that is their number in the scene, too."""
+def _form_of(mesh: Mesh) -> tuple:
+    """What decides an Embree scene of a mesh in its own space."""
     arrays = (mesh.positions, mesh.triangles, mesh.radii, mesh.motion, mesh.motion_radii)
-    own = () if mesh.primitive == Primitive.TRIANGLES else (object(),)
-    return (*map(_Same, arrays), mesh.primitive, mesh.subdivisions, *own)
+    return (*map(_Same, arrays), mesh.primitive, mesh.subdivisions)
 
 
 def _signature(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> tuple | None:
@@ -301,7 +298,7 @@ def _signature(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -
     if scene.kept is None:
         return None
     masks = masks_of(scene.instances, transparent, shadow_bits(scene))
-    forms = [_form_of(mesh, scene) for mesh in scene.meshes]
+    forms = [_form_of(mesh) for mesh in scene.meshes]
     return tuple(
         (
             forms[instance.mesh],

@@ -21,7 +21,7 @@ from ...emitter.primitives import sponge, torus
 from ...emitter.sampling import cut, cut_points
 from ...emitter.tree import crossings
 from ...jit import call_part, float_bits, stack_array
-from ..kernels import gather, geometry, lamp_tree, next_event, rays, textures
+from ..kernels import departure, gather, geometry, lamp_tree, next_event, rays, textures
 from ..kernels.lights import emitters, rectangle, tree, triangle
 from ..kernels.media import light_rays, stack, travel
 from ..kernels.outputs import catchers as output_catchers
@@ -103,6 +103,9 @@ def _part(function, arguments):
     return Value(Tuple((result.type,)), text, items=(Value(result.type, text),))
 
 
+_nothing = Native(lambda function, arguments: Value(None, ""))
+
+
 def _field_value(function, arguments):
     _, row, _, _, p = arguments
     return Value(FLOAT, f"field_value({', '.join(function.passed([row, p]))})")
@@ -146,6 +149,10 @@ ALWAYS = {
     hashing.uniform_point: Native("counted_point", VECTOR),
     rays.intersect: _ray("false"),
     rays.occluded: _ray("true"),
+    departure.start_on: _nothing,
+    departure.start_apart: _nothing,
+    departure.starts_on: Native(lambda function, arguments: known(0)),
+    departure.leave: still.leave,
     geometry.instance_at: still.instance_at,
     geometry.form_of: still.form_of,
     textures.texel: images.texel,

@@ -16,7 +16,8 @@ from ...replaced import replaced_on_gpu
 from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
-from ..strands import first_numbers, radii_of, strand_of, world_scale
+from ..strands import radii_of, strand_of, world_scale
+from .departure import start_on, starts_on
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.material_compiler import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
@@ -43,6 +44,7 @@ INSTANCE = np.dtype(
         ("index", np.int64),
         ("random", np.float64),
         ("color", np.float64, (4,)),
+        ("terminator", np.float64),
         ("box_center", np.float64, (3,)),
         ("box_size", np.float64, (3,)),  # of the mesh, in its own space
         # Of what moves while the shutter is open: the first of its poses, one for each of some even times; how many positions
@@ -52,12 +54,10 @@ INSTANCE = np.dtype(
         ("forms", np.int64),
         ("vertex_count", np.int64),
         ("time", np.float64),
-        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their curves, and
-        # that of the first curve of the instance (see ``strands.py``).
+        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their curves.
         ("primitive", np.int64),
         ("radii", np.int64),
         ("strands", np.int64),
-        ("first_strand", np.int64),
     ],
     align=True,
 )
@@ -169,8 +169,7 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     instances["matrix"], instances["inverse"] = matrices[:, :3], inverse(matrices)[:, :3]
     instances["mirrored"] = np.linalg.det(matrices[:, :3, :3]) < 0.0
     instances["baked"] = baked
-    instances["first_strand"] = first_numbers(scene)
-    for name in ("holdout", "catcher", "index", "random"):
+    for name in ("holdout", "catcher", "index", "random", "terminator"):
         instances[name] = [getattr(instance, name) for instance in scene.instances]
     instances["color"] = np.array([instance.color for instance in scene.instances]).reshape(-1, 4)
     slots = {}
@@ -314,7 +313,7 @@ def form_of(block, instance):
 
 
 @kernel(forceinline=True)  # see ``camera_ray``
-def _corner(block, instance, triangle, corner):
+def corner_position(block, instance, triangle, corner):
     """World position of a vertex, in float64."""
     index = instance.positions + triangle_table(block)[instance.triangles + triangle].v[corner]
     p = vec(position_table(block)[index].p) if instance.forms == 0 else moving_vertex(block, instance, index)
@@ -343,6 +342,12 @@ def _object_normal(block, instance, triangle, u, v):
 
 
 @kernel
+def corner_normal(block, instance, triangle, corner):
+    """Normal of a corner of a triangle, as it is stored."""
+    return _object_normal(block, instance, triangle, 1.0 if corner == 1 else 0.0, 1.0 if corner == 2 else 0.0)
+
+
+@kernel
 def _mean_normal(corners, u, v):
     w = 1.0 - u - v
     return (
@@ -365,11 +370,10 @@ def hit_material(instance, block, triangle):
 def find_surface(block, workspace, wo, ray_kind, footprint):
     """Fill ``SURFACE`` from the hit that ``rays.intersect`` left in the workspace, as far as the material needs it."""
     ray = ray_table(workspace)[0]
-    if block.has_strands:
-        ray.id = 0
-        if instance_table(block)[hit_instance(ray)].primitive != TRIANGLES:
-            strands.fill(block, workspace, 0, wo, ray_kind, footprint)
-            return
+    if block.has_strands and instance_table(block)[hit_instance(ray)].primitive != TRIANGLES:
+        strands.fill(block, workspace, 0, wo, ray_kind, footprint)
+        return
+    start_on(ray, hit_instance(ray), np.int64(ray.primitive))
     _fill_surface(block, ray, surface_table(workspace)[0], wo, ray_kind, footprint)
 
 
@@ -398,9 +402,9 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
     distance, and it lies in the plane of the triangle.
     """
     instance = instance_at(block, index)
-    p0 = _corner(block, instance, triangle, 0)
-    edge1 = sub(_corner(block, instance, triangle, 1), p0)
-    edge2 = sub(_corner(block, instance, triangle, 2), p0)
+    p0 = corner_position(block, instance, triangle, 0)
+    edge1 = sub(corner_position(block, instance, triangle, 1), p0)
+    edge2 = sub(corner_position(block, instance, triangle, 2), p0)
     position = madd(madd(p0, u, edge1), v, edge2)
     ng = normalize(cross(edge1, edge2))
     if instance.mirrored:
@@ -413,6 +417,8 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
         if dot(smooth, smooth) > 0.5:
             n = smooth
     surface.strand = 0
+    surface.starts_on = starts_on(position, edge1, edge2, u, v)
+    surface.terminator = instance.terminator if instance.normals >= 0 else 0.0
     surface.backfacing = 0
     if dot(ng, wo) < 0.0:
         surface.backfacing = 1

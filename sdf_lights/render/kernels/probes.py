@@ -13,11 +13,11 @@ import numpy as np
 from ...jit import kernel
 from ...vec import ZERO, add, dot, frame, length, madd, negate, normalize, scale, sub, vec
 from ..scene import Ray
+from .departure import leave, start_apart
 from .geometry import _fill_surface, surface_table
 from .path import path_table
 from .rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, hit_instance, intersect, occluded, ray_table
 from .samplers import get_2d
-from .visibility import leave
 from .workspace import secondary_table
 
 # Sets of random numbers, beside those of ``path.VERTEX_SETS``. All nodes of a kind have the same, as in Cycles.
@@ -77,7 +77,7 @@ def occlusion(block, workspace, local, distance, samples, x, y, z):
     if not _is_met(surface) or distance <= 0.0 or count < 1:
         return 1.0
     path = path_table(workspace)[0]
-    n, p, ng = normalize((x, y, z)), vec(surface.position), vec(surface.ng)
+    n = normalize((x, y, z))
     t, b = frame(n)
     free = 0
     for index in range(count):
@@ -85,7 +85,7 @@ def occlusion(block, workspace, local, distance, samples, x, y, z):
         side = _disk(u[0], u[1])
         up = math.sqrt(max(1.0 - side[0] * side[0] - side[1] * side[1], 0.0))
         d = add(add(scale(t, side[0]), scale(b, side[1])), scale(n, up))
-        start = leave(p, ng, d)
+        start = leave(surface, d)
         if local:
             met = _next_own(block, workspace, start, d, 0.0, distance) < np.inf
         else:
@@ -137,6 +137,9 @@ def bevel(block, workspace, radius, samples, x, y, z):
     other = surface_table(secondary_table(workspace)[0])[0]
     p, ng = vec(surface.position), vec(surface.ng)
     tangent, bitangent = frame(ng)
+    ray = ray_table(workspace)[0]
+    left = ray.id
+    start_apart(ray)  # a probe may meet the triangle that it is for
     total = ZERO
     for index in range(count):
         u = get_2d(path.index * count + index, path.seed, path.dimension + BEVEL_SET)
@@ -166,6 +169,7 @@ def bevel(block, workspace, radius, samples, x, y, z):
                 weight = probability / squares * _falloff(radius, length(sub(vec(other.position), p))) / drawn
                 total = madd(total, -weight if other.backfacing else weight, vec(other.n))
             t = _next_own(block, workspace, start, way, beyond(t), 2.0 * height)
+    ray.id = left
     square = dot(total, total)
     if not square > 0.0:
         return own
@@ -185,7 +189,7 @@ def raycast(block, workspace, local, x, y, z, dx, dy, dz, distance, at_x, at_y, 
     start, d, p = (x, y, z), (dx, dy, dz), vec(surface.position)
     near = PAST_SHIFT * length(sub((at_x, at_y, at_z), p))
     if near == 0.0 and x == p[0] and y == p[1] and z == p[2]:
-        start = leave(p, vec(surface.ng), d)
+        start = leave(surface, d)
     if local:
         found = _next_own(block, workspace, start, d, near, distance) < np.inf
     else:

@@ -8,8 +8,9 @@ import numpy as np
 
 from ... import emitter as lamps
 from ...jit import kernel
-from ...vec import add, dot, largest, length, madd, mul, negate, scale, sub
+from ...vec import add, largest, length, madd, mul, negate, scale, sub
 from . import lights
+from .departure import step_size
 from .geometry import find_shadow_surface, shading_material_table
 from .media import apart
 from .path import path_table
@@ -19,19 +20,6 @@ from .shading.records import HAS_TRANSPARENCY
 from .workspace import secondary_table
 
 BLACK = (0.0, 0.0, 0.0)
-
-
-@kernel
-def step_size(position):
-    """Length of a step off a surface at this position, for float32 of Embree."""
-    return max(abs(position[0]), abs(position[1]), abs(position[2]), 1e-3) * OFFSET
-
-
-@kernel
-def leave(position, ng, direction):
-    """``position`` moved off its surface to the side of ``direction``."""
-    size = step_size(position)
-    return madd(position, size if dot(ng, direction) > 0.0 else -size, ng)
 
 
 @kernel

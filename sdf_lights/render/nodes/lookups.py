@@ -21,9 +21,9 @@ from ..kernels.geometry import (
     TRIANGLE_DOMAIN,
     TRIANGLES,
     VERTEX,
-    _corner,
     attribute_table,
     attribute_value_table,
+    corner_position,
     form_of,
     instance_table,
     radius_table,
@@ -232,9 +232,9 @@ def _wireframe(block, workspace, x, y, z):
         return np.inf
     triangle = np.int64(surface.primitive)
     a, b, c = (
-        _corner(block, instance, triangle, 0),
-        _corner(block, instance, triangle, 1),
-        _corner(block, instance, triangle, 2),
+        corner_position(block, instance, triangle, 0),
+        corner_position(block, instance, triangle, 1),
+        corner_position(block, instance, triangle, 2),
     )
     p = (x, y, z)
     return min(_edge_distance(p, a, b), _edge_distance(p, b, c), _edge_distance(p, c, a))
@@ -282,7 +282,7 @@ def _point_info(block, workspace):
     instance = instance_table(block)[surface.instance]
     if instance.primitive != SPHERES:
         return 0.0, 0.0, 0.0, 0.0
-    x, y, z = _corner(block, instance, np.int64(surface.primitive), 0)
+    x, y, z = corner_position(block, instance, np.int64(surface.primitive), 0)
     vertex = np.int64(triangle_table(block)[instance.triangles + surface.primitive].v[0])
     return x, y, z, _in_world(instance, _vertex_radius(block, instance, vertex))
 

@@ -280,3 +280,39 @@ class Geometry(Placed):
     def offset(self, position: np.ndarray, ng: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Origins for rays that leave a surface, moved to the side they leave on."""
         return position + self.epsilon * np.where(dot(ng, direction) < 0.0, -1.0, 1.0)[:, None] * ng
+
+    def light_start(self, surface: Surface, wi: np.ndarray) -> np.ndarray:
+        """Origins (N, 3) of light rays along ``wi``, as ``kernels/terminator.py`` has them."""
+        start = self.offset(surface.position, surface.ng, wi)
+        cutoffs = np.array([instance.terminator for instance in self.scene.instances])
+        cutoff = np.where(surface.smooth, cutoffs[surface.instance], 0.0) if len(cutoffs) else np.zeros(len(wi))
+        cosine, flat = dot(surface.ns, wi), dot(surface.ng, wi)
+        side = np.where(cosine < 0.0, -1.0, 1.0)
+        cosine, flat, width = side * cosine, side * flat, np.where(cutoff > 0.0, cutoff, 1.0)
+        amount = np.where(cosine < cutoff, 2.0 - (flat + cosine) / width, 1.0 - flat / width)
+        amount = np.clip(np.where(cutoff > 0.0, amount, 0.0), 0.0, 1.0)
+        near = amount > 0.0
+        start[near] += amount[near, None] * self._lift(surface.select(near), side[near])
+        return start
+
+    def _lift(self, surface: Surface, side: np.ndarray) -> np.ndarray:
+        """The way (N, 3) from points of triangles to the curved surfaces that their normals stand for."""
+        row = self.first[self.mesh_of[surface.instance]] + surface.triangle
+        matrix = self.matrices[surface.instance]
+        p = np.einsum("nij,nkj->nki", matrix[:, :3, :3], self.corners[row]) + matrix[:, None, :3, 3]
+        n = normalize(np.einsum("nij,nkj->nki", self.normal_matrices[surface.instance], self.normals[row]))
+        u, v, _ = weights = surface.barycentric.T
+        a, b, c = (
+            ((n[:, i] - n[:, j]) * (p[:, k] - p[:, m])).sum(-1)
+            for i, j, k, m in ((2, 0, 0, 2), (2, 1, 1, 2), (1, 0, 1, 0))
+        )
+        height = a * u * (u - 1.0) + (a + b + c) * u * v + b * v * (v - 1.0)
+        mean = np.einsum("kn,nkj->nj", weights, n)
+        above = np.where(side * dot(mean, surface.ng) > 0.0, 1.0, -1.0)
+        bound = np.full(len(above), np.inf)
+        for corner in range(3):
+            own, normal = p[:, corner], n[:, corner]
+            others = [above * dot(p[:, (corner + step) % 3] - own, normal) for step in (1, 2)]
+            reach = np.maximum(np.maximum(*others), 0.0)
+            bound = np.minimum(bound, np.maximum(above * dot(own - surface.position, normal) + reach, 0.0))
+        return (above * np.maximum(bound, above * 0.5 * height))[:, None] * mean

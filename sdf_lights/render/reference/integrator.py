@@ -448,7 +448,7 @@ class Integrator:
         count = len(end)
         transmittance, light = np.ones((count, 3)), np.zeros((count, 3))
         near, alive = np.zeros(count), np.arange(count)
-        start = self.geometry.offset(surface.position, surface.ng, wi)
+        start = self.geometry.light_start(surface, wi)
         left = np.maximum(self.settings.transparent_bounces - paths.bounces[:, 4], 0)
         while len(alive):
             mask = np.full(len(alive), int(Ray.SHADOW))

@@ -10,6 +10,7 @@ from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, frame, length, madd, mul, normalize, scale, sub, to_world, vec
 from ...nodes.lookups import attribute_here
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
+from ..departure import leave
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
 from ..next_event import look
 from ..path import OCCLUSION_SETS, path_table, sample_table
@@ -33,7 +34,7 @@ from ..shading.records import (
     closure_table,
     surface_table,
 )
-from ..visibility import leave, transmittance
+from ..visibility import transmittance
 from . import apart
 from .light import is_diffuse
 from .records import (
@@ -158,7 +159,7 @@ def _visible_sky(block, workspace, surface):
     wi = to_world(cosine_hemisphere(u[0], u[1]), t, b, normal)
     if block.has_media:
         look(block, workspace, ng, wi)
-    start = leave(vec(surface.position), ng, wi)
+    start = leave(surface, wi)
     return transmittance(block, workspace, start, wi, block.occlusion_distance, SHADOW_OPAQUE)
 
 

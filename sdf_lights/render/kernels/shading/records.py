@@ -59,6 +59,8 @@ SURFACE = np.dtype(
         ("instance", "i4"),
         ("primitive", "i4"),
         ("strand", "i4"),  # of a curve, which kind of scene.Primitive it is; else 0
+        ("terminator", "f8"),  # cosine below which light rays start above a smooth triangle; 0: none does
+        ("starts_on", "i4"),  # 1: rays that leave it start at its position, else beside it (see departure.py)
         # Of the material, filled by shade().
         ("closure_count", "i4"),
         ("evaluable", "i4"),  # closures that are not singular; with none of them light sampling is useless

@@ -25,6 +25,7 @@ from ....vec import (
     vec,
 )
 from ...scene import Primitive
+from ..departure import number_of, start_on
 from ..geometry import (
     BUMP_DISTANCE,
     BUMP_FILTER,
@@ -93,6 +94,7 @@ def fill(block, workspace, secondary, x, y, z, ray_kind, footprint):
     ray = ray_table(workspace)[0]
     instance = instance_at(block, hit_instance(ray))
     segment = np.int64(ray.primitive)
+    strand = np.int64(_strand_of(block)[instance.strands + segment])
     if secondary > 0.0:
         _fill(
             block,
@@ -104,10 +106,10 @@ def fill(block, workspace, secondary, x, y, z, ray_kind, footprint):
             ray_kind,
             footprint,
         )
-        ray.flags = np.uint32(instance.first_strand + _strand_of(block)[instance.strands + segment])
+        ray.flags = np.uint32(number_of(hit_instance(ray), strand))
     else:
         _fill(block, surface_table(workspace)[0], ray, instance, segment, (x, y, z), ray_kind, footprint)
-        ray.id = np.uint32(instance.first_strand + _strand_of(block)[instance.strands + segment])
+        start_on(ray, hit_instance(ray), strand)
     return 0.0
 
 
@@ -116,7 +118,8 @@ def _fill(block, surface, ray, instance, segment, wo, ray_kind, footprint):
     position = madd(vec(ray.origin), float(ray.t_far), vec(ray.direction))
     u, v, kind = float(ray.u), float(ray.v), instance.primitive
     tangent = (0.0, 0.0, 0.0)
-    surface.strand = 0
+    surface.strand = surface.starts_on = 0
+    surface.terminator = 0.0
     if kind == _SPHERES:
         u, v = 0.0, 0.0
         middle = vertex(block, instance, np.int64(triangle_table(block)[instance.triangles + segment].v[0]))

@@ -16,6 +16,7 @@ import math
 from ....jit import kernel
 from ....replaced import replaced_on_gpu
 from ....vec import dot, frame, largest, madd, mul, scale, sub, to_world, vec
+from ..departure import beside
 from ..geometry import surface_table
 from ..media.beams import attenuation, channel_probabilities, fade
 from ..media.phase import draw_cosine, henyey_greenstein
@@ -23,7 +24,6 @@ from ..path import SUBSURFACE_SETS, path_table
 from ..rays import ray_table
 from ..samplers import get_4d
 from ..shading.records import BURLEY, closure_table
-from ..visibility import leave
 from . import disk
 from .coefficients import coefficients
 from .exits import put_exit
@@ -77,7 +77,7 @@ def walk(block, workspace, closure):
     extinction, albedo, factor = coefficients(closure)
     g, instance = closure.a, surface.instance
     entry, n, direction = vec(surface.position), vec(surface.n), vec(path.direction)
-    position = leave(entry, vec(surface.ng), direction)
+    position = beside(entry, vec(surface.ng), direction)
     throughput = mul(vec(path.throughput), factor)
     length = diffusion_length(largest(albedo))
     logarithm = math.log((length + 1.0) / (length - 1.0))
