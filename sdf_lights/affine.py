@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inverses of affine matrices.
+"""Affine matrices: inverses, and whether they stretch.
 
 ``numpy.linalg.inv`` goes to OpenBLAS in most builds of NumPy, which wakes a thread for each core even for 4 × 4
 numbers. They then spin for a tenth of a second, beside the threads of whatever comes next.
@@ -41,3 +41,11 @@ def inverse(matrix: np.ndarray) -> np.ndarray:
     found[..., :3, :3], found[..., 3, 3] = linear, 1.0
     found[..., :3, 3] = -(linear @ matrix[..., :3, 3:])[..., 0]
     return found
+
+
+def stretch(matrices: np.ndarray) -> np.ndarray:
+    """(N,) bool: whether affine matrices (N, 4, 4) change angles, by scales that differ or by shear."""
+    linear = np.asarray(matrices, float).reshape(-1, 4, 4)[:, :3, :3]
+    squares = linear.transpose(0, 2, 1) @ linear
+    mean = np.trace(squares, axis1=1, axis2=2)[:, None, None] / 3.0
+    return (np.abs(squares - mean * _UNIT) > 1e-5 * mean).any((1, 2))

@@ -54,6 +54,18 @@ def can_be_baked(mesh: Mesh, instance: Instance) -> bool:
     return float(np.ptp(squares)) < _SAME * max(float(squares.max()), 1.0)
 
 
+def baked_instances(scene: Scene) -> np.ndarray:
+    """(instances,) bool: those that are put into the world, as no other has their mesh and they stand still."""
+    uses = np.bincount([instance.mesh for instance in scene.instances], minlength=len(scene.meshes))
+    return np.array(
+        [
+            uses[instance.mesh] == 1 and instance.motion is None and can_be_baked(scene.meshes[instance.mesh], instance)
+            for instance in scene.instances
+        ],
+        dtype=bool,
+    )
+
+
 def world_scale(matrix: np.ndarray) -> float:
     """What a radius is multiplied by where curves or spheres are put into the world."""
     return abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)

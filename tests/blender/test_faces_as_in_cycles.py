@@ -80,12 +80,12 @@ def test_light_ends_smoothly_on_smooth_faces(file, render, lit, add, instances):
     bpy.ops.object.shade_smooth()
     mesh = bpy.context.object.data
     bpy.data.objects.remove(bpy.context.object)
-    ball = lit(mesh, (math.pi / 2, 0.0, -1.0), location=(0.0, 0.0, 1.0), scale=(1.0, 1.2, 0.8), rotation=(0.2, 0.1, 0.5))
-    objects = [ball] + [add("Other", mesh, (0.5, 3.0, 1.0)) for _ in range(instances - 1)]
-    ours, theirs = render(64)
+    objects = [lit(mesh, (math.pi / 2, 0.0, -2.0), location=(0.0, 0.0, 1.0), scale=(1.0, 1.2, 0.8))]
+    objects += [add("Other", mesh, (9.0, 30.0, 1.0)) for _ in range(instances - 1)]
+    ours, theirs = render(512)
     same(ours, theirs)
     for each in objects:
         each.shadow_terminator_geometry_offset = 0.0
-    plain = render(64)
+    plain = render(512)
     same(*plain)
-    assert np.abs(theirs - plain[1]).max() > 0.1  # Cycles, too, tells them apart
+    assert theirs[..., 0].mean() > 1.05 * plain[1][..., 0].mean()  # it makes a difference

@@ -19,7 +19,7 @@ from ..kernels.lights import shadow_bits
 from ..kernels.rays import NONE, masks_of, world_positions
 from ..libraries import load_embree
 from ..scene import Mesh, Primitive, Scene
-from ..strands import EMBREE_TYPES, Buffers, buffers, can_be_baked, strand_of, tessellation
+from ..strands import EMBREE_TYPES, Buffers, baked_instances, buffers, strand_of, tessellation
 
 
 class _Api:
@@ -133,16 +133,7 @@ class Accelerator:
         self._keep, self._scenes = [], []
         self._signature = _signature(scene, transparent, deep)
         self._inner: dict[tuple, _Inner] = {}
-        uses = np.bincount([instance.mesh for instance in scene.instances], minlength=len(scene.meshes))
-        self.baked = np.array(
-            [
-                uses[instance.mesh] == 1
-                and instance.motion is None
-                and can_be_baked(scene.meshes[instance.mesh], instance)
-                for instance in scene.instances
-            ],
-            dtype=bool,
-        )
+        self.baked = baked_instances(scene)
         shared: dict[int, int] = {}
         old = {} if before is None else before._inner
         self.inner_scenes = np.zeros(len(scene.instances), np.int64)

@@ -10,10 +10,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...affine import inverse
+from ...affine import inverse, stretch
 from ...jit import kernel, table
 from ...replaced import replaced_on_gpu
-from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
+from ...vec import (
+    cross,
+    dot,
+    madd,
+    negate,
+    normalize,
+    scale,
+    sub,
+    transform_normal,
+    transform_point,
+    transform_vector,
+    vec,
+)
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import radii_of, strand_of, world_scale
@@ -30,6 +42,7 @@ INSTANCE = np.dtype(
         ("matrix", np.float64, (3, 4)),
         ("inverse", np.float64, (3, 4)),
         ("baked", np.int64),
+        ("uneven", np.int64),  # baked, and scaled differently along its axes
         ("holdout", np.int64),
         ("catcher", np.int64),
         ("positions", np.int64),
@@ -169,6 +182,7 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     instances["matrix"], instances["inverse"] = matrices[:, :3], inverse(matrices)[:, :3]
     instances["mirrored"] = np.linalg.det(matrices[:, :3, :3]) < 0.0
     instances["baked"] = baked
+    instances["uneven"] = baked & stretch(matrices)
     for name in ("holdout", "catcher", "index", "random", "terminator"):
         instances[name] = [getattr(instance, name) for instance in scene.instances]
     instances["color"] = np.array([instance.color for instance in scene.instances]).reshape(-1, 4)
@@ -348,6 +362,21 @@ def corner_normal(block, instance, triangle, corner):
 
 
 @kernel
+def world_corner_normal(block, instance, triangle, corner):
+    """Unit normal of a corner of a triangle in the world."""
+    return normalize(transform_normal(instance.inverse, corner_normal(block, instance, triangle, corner)))
+
+
+@kernel
+def _even_normal(block, instance, triangle, u, v):
+    """Shading normal of an instance that is put into the world, as Cycles has it: the mean of the corners' normals there, which
+    scales that differ do not weigh."""
+    n = scale(world_corner_normal(block, instance, triangle, 0), 1.0 - u - v)
+    n = madd(n, u, world_corner_normal(block, instance, triangle, 1))
+    return normalize(madd(n, v, world_corner_normal(block, instance, triangle, 2)))
+
+
+@kernel
 def _mean_normal(corners, u, v):
     w = 1.0 - u - v
     return (
@@ -414,6 +443,8 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
     if instance.normals >= 0:
         object_normal = _object_normal(block, instance, triangle, u, v)
         smooth = normalize(transform_normal(instance.inverse, object_normal))
+        if instance.uneven:
+            smooth = _even_normal(block, instance, triangle, u, v)
         if dot(smooth, smooth) > 0.5:
             n = smooth
     surface.strand = 0

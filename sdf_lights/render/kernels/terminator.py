@@ -10,9 +10,9 @@ Cycles with its geometry offset, light rays near the horizon start on a parabola
 from __future__ import annotations
 
 from ...jit import kernel
-from ...vec import add, dot, madd, normalize, scale, sub, transform_normal, vec
+from ...vec import add, dot, madd, scale, sub, vec
 from .departure import leave, start_apart, start_on
-from .geometry import corner_normal, corner_position, instance_at, surface_table
+from .geometry import corner_position, instance_at, surface_table, world_corner_normal
 from .rays import ray_table
 
 
@@ -51,9 +51,9 @@ def _lift(block, surface, side):
         corner_position(block, instance, triangle, 2),
     )
     n0, n1, n2 = (
-        normalize(transform_normal(instance.inverse, corner_normal(block, instance, triangle, 0))),
-        normalize(transform_normal(instance.inverse, corner_normal(block, instance, triangle, 1))),
-        normalize(transform_normal(instance.inverse, corner_normal(block, instance, triangle, 2))),
+        world_corner_normal(block, instance, triangle, 0),
+        world_corner_normal(block, instance, triangle, 1),
+        world_corner_normal(block, instance, triangle, 2),
     )
     p = vec(surface.position)
     n = add(add(scale(n0, u), scale(n1, v)), scale(n2, w))

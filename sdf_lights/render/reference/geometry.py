@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...affine import stretch
 from ..scene import Scene
+from ..strands import baked_instances
 from .embree import EmbreeRays
 from .hits import Hits
 from .vectors import dot, normalize
@@ -155,6 +157,7 @@ class Placed:
         regular = np.abs(np.linalg.det(linear)) > 0.0
         self.normal_matrices = np.zeros_like(linear)
         self.normal_matrices[regular] = np.linalg.inv(linear[regular]).transpose(0, 2, 1)
+        self.uneven = baked_instances(scene) & stretch(self.matrices)
         self.mesh_of = np.array([i.mesh for i in scene.instances], int)
         counts = np.array([len(m.triangles) for m in scene.meshes] + [0])
         self.first = np.concatenate([[0], np.cumsum(counts)[:-1]])  # of each mesh in the arrays that follow
@@ -200,8 +203,11 @@ class Placed:
         ng = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         ng = normalize(np.einsum("nij,nj->ni", to_world, ng))
         smooth = self.smooth[row]
-        ns = np.einsum("nk,nkj->nj", barycentric, self.normals[row])
-        ns = np.where(smooth[:, None], normalize(np.einsum("nij,nj->ni", to_world, ns)), ng)
+        ns = np.einsum("nij,nj->ni", to_world, np.einsum("nk,nkj->nj", barycentric, self.normals[row]))
+        even = self.uneven[hits.instance]
+        in_world = normalize(np.einsum("nij,nkj->nki", to_world[even], self.normals[row[even]]))
+        ns[even] = np.einsum("nk,nkj->nj", barycentric[even], in_world)
+        ns = np.where(smooth[:, None], normalize(ns), ng)
         wo = -directions
         backfacing = dot(ng, wo) < 0.0
         side = np.where(backfacing, -1.0, 1.0)[:, None]
