@@ -80,8 +80,11 @@ def apply(light: bpy.types.Light, preset: Preset) -> None:
 
 
 def preset_of(light: bpy.types.Light) -> Preset:
-    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text."""
+    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text, or need what is in this file."""
     lamp = light.sdf_lamp
+    for thing in parameters.things_of(light):
+        what = "an image" if isinstance(thing, bpy.types.Image) else "an object"
+        raise RenderError(f"Its shape is that of {what} of this file, which others do not have: choose another source.")
     primitive = lamp.source == "PRIMITIVE"
     shape = lamp.shape.lower() if primitive else ""
     if primitive:

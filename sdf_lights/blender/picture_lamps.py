@@ -12,9 +12,8 @@ import numpy as np
 from ..render.errors import RenderError
 from ..sdf.shapes import SHAPES, Shape
 
-MOST_PIXELS = 1 << 26
-MOST_SEGMENTS = 1 << 20
 _KEPT = 16
+_PARTS = {"ALPHA": "opaque", "BRIGHT": "bright", "DARK": "dark"}
 
 _outlines: OrderedDict[tuple, object] = OrderedDict()
 _shapes: OrderedDict[tuple, Shape] = OrderedDict()  # by that, the width and the thickness
@@ -29,11 +28,6 @@ def shape_of(lamp) -> Shape:
     width, height = image.size
     if not (width and height):
         raise RenderError(f"Image '{image.name}' has no pixels: its file is missing or cannot be read; find it again.")
-    if width * height > MOST_PIXELS:
-        raise RenderError(
-            f"Image '{image.name}' has {width} × {height} pixels, and an outline is made of {MOST_PIXELS / 1e6:.0f} million "
-            "at most: scale it down."
-        )
     key = image.session_uid, image.filepath, width, height, lamp.image_part, lamp.image_threshold
     outline = _outlines.get(key)
     if outline is None:
@@ -54,29 +48,21 @@ def shape_of(lamp) -> Shape:
 
 def _outline(image: bpy.types.Image, part: str, threshold: float):
     """Segments (n, 4) in widths of the picture, around its middle, or a sentence on why there are none."""
-    from ..sdf.data.picture import contour
+    from ..sdf.data.picture import MOST_PIXELS, PictureError, outline_of
 
     width, height = image.size
     try:
-        pixels = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(pixels)
+        if width * height > MOST_PIXELS:
+            pixels = np.broadcast_to(np.float32(0.0), (height, width, 1))  # refused for its size
+        else:
+            pixels = np.empty(width * height * image.channels, np.float32)
+            image.pixels.foreach_get(pixels)
+            pixels = pixels.reshape(height, width, image.channels)
+        return outline_of(pixels, _PARTS[part], threshold)
     except (MemoryError, RuntimeError, TypeError):
         return f"Image '{image.name}' cannot be read: find its file again."
-    pixels = pixels.reshape(height, width, image.channels)
-    if part == "ALPHA":
-        values = pixels[..., 3] if image.channels == 4 else np.ones((height, width), np.float32)
-    else:
-        values = pixels[..., : min(image.channels, 3)].mean(axis=2)
-        if part == "DARK":
-            values, threshold = 1.0 - values, 1.0 - threshold
-    segments = contour(np.nan_to_num(values), threshold)
-    if not len(segments):
-        return f"Image '{image.name}' has nothing above the threshold: choose another one in Shape > Threshold, or another part."
-    if len(segments) > MOST_SEGMENTS:
-        return (
-            f"The outline of image '{image.name}' has too many corners, {len(segments):,}: blur it, or scale it down."
-        )
-    return (segments - 0.5 * np.array([width, height] * 2)) / width
+    except PictureError as error:
+        return f"Image '{image.name}' {error}."
 
 
 def _placed(segments: np.ndarray, size: float, thickness: float) -> Shape:

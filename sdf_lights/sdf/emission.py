@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,9 +21,12 @@ import numpy as np
 from ..graph import numpy_evaluation
 from ..graph.formula import PARAMETER, POINT, VARIABLE, Formula, constant, maximum, minimum, order, select
 from ..graph.substitution import substitute
+from ..graph.tables import Table, kept, tables_among
+from .builtin_data import names_in
 from .declarations import Declaration
 from .evaluation import Evaluation
 from .expression_values import Misuse, Work, components, kind_of, lifted
+from .resolver import Resolver, Standing
 from .shapes.base import Shape, Slots
 from .syntax import ExpressionError, parse
 
@@ -39,6 +43,7 @@ class Placed(NamedTuple):
     colour: tuple[Formula, ...]  # red, green, blue; where they are negative or undefined they are 0
     written: tuple[Formula, ...]  # the same as the artist wrote them
     parameters: np.ndarray  # of their slots
+    tables: tuple[Table, ...] = ()  # that the parameters have addresses of
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Colours (…, 3) at points (…, 3)."""
@@ -73,7 +78,8 @@ class Emission:
             inputs[1] = minimum(maximum((POINT.z - slots(float(low[2]))) / slots(float(high[2] - low[2])), 0.0), 1.0)
         inputs += [slots(number) for number in self.numbers]
         written = tuple(substitute(channel, POINT, inputs) for channel in self.colour)
-        return Placed(tuple(map(_usable, written)), written, np.array(slots.values, np.float64))
+        parameters = np.array(slots.values, np.float64)
+        return Placed(tuple(map(_usable, written)), written, parameters, tables_among(slots.values))
 
 
 def _usable(channel: Formula) -> Formula:
@@ -87,17 +93,23 @@ class EmissionExpression:
     def __init__(self, text: str):
         """Raises ``ExpressionError`` if the text does not say a brightness or a colour."""
         self._tree, self._remarks = parse(text)
-        self.parameters: tuple[Declaration, ...] = tuple(self._run({})[1].values())
+        self.parameters: tuple[Declaration, ...] = tuple(self._run({}, Standing())[1].values())
 
-    def emission(self, values: Mapping[str, object] | None = None) -> Emission:
+    @cached_property
+    def data(self) -> frozenset[tuple[str, str]]:
+        """As of ``Expression``."""
+        return names_in(self._tree)
+
+    def emission(self, values: Mapping[str, object] | None = None, resolver: Resolver | None = None) -> Emission:
         """The emission with ``values`` of parameters by name in place of their defaults, held to their limits.
 
-        Values of other names are ignored. Raises ``ExpressionError`` where these values do not make one.
+        Values of other names are ignored. ``resolver`` gives the shapes that data make. Raises ``ExpressionError`` where
+        these values do not make one.
         """
-        return self._run(values or {})[0]
+        return self._run(values or {}, resolver)[0]
 
-    def _run(self, given: Mapping[str, object]) -> tuple[Emission, dict[str, Declaration]]:
-        evaluation = Evaluation(given, self._remarks)
+    def _run(self, given: Mapping[str, object], resolver: Resolver | None) -> tuple[Emission, dict[str, Declaration]]:
+        evaluation = Evaluation(given, self._remarks, resolver)
         name_inputs(evaluation)
         last, value = evaluation.last(
             self._tree, "write a brightness, for instance exp(-20 * depth)", "how bright the lamp is", _CURE
@@ -117,7 +129,7 @@ def as_emission(value, slots: Work) -> Emission:
     if len(channels) not in (1, 3):
         raise Misuse(f"the result is a {kind_of(value)}", _CURE)
     colour = tuple(c if isinstance(c, Formula) else constant(c) for c in channels)
-    return Emission(colour * (3 // len(colour)), tuple(map(float, slots.values[len(INPUTS) :])))
+    return Emission(colour * (3 // len(colour)), tuple(map(kept, slots.values[len(INPUTS) :])))
 
 
 __all__ = ["INPUTS", "Emission", "EmissionExpression", "ExpressionError", "Placed", "as_emission", "name_inputs"]
