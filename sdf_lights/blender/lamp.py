@@ -106,4 +106,6 @@ def pattern_of(lamp, owner: np.ndarray | None = None) -> Emission | None:
         tuple((name.removeprefix(emission.PREFIX), value) for name, value in values.items()),
         FileResolver(lamp),
     )
+    if lamp.source == "IMAGE" and lamp.image_colors:
+        return picture_lamps.in_own_colours(lamp, found)
     return None if lamp.emission.source == "UNIFORM" else found

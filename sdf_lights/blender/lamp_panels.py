@@ -48,7 +48,7 @@ def draw_shape(layout, light, obj, width: int) -> None:
         _draw_object(layout, lamp)
     elif lamp.source == "IMAGE":
         layout.template_ID(lamp, "image", open="image.open")
-        for name in ("image_part", "image_threshold", "image_size", "thickness"):
+        for name in ("image_part", "image_threshold", "image_size", "thickness", "image_colors"):
             layout.prop(lamp, name)
     else:
         layout.prop(lamp, "shape")

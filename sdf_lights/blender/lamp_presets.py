@@ -18,7 +18,7 @@ from bl_ui.utils import PresetPanel
 
 from ..render.errors import RenderError
 from ..sdf import emission_presets
-from . import emission, parameters, properties
+from . import emission, parameters, preset_sources, properties
 from .context import light_of
 from .nodes import editor
 from .presets import Preset, presets
@@ -45,7 +45,7 @@ def load_preset(light: bpy.types.Light, name: str) -> None:
 
 def apply(light: bpy.types.Light, preset: Preset) -> None:
     """Give the light the shape, colour, emission and power of a preset."""
-    lamp = light.sdf_lamp
+    lamp, preset = light.sdf_lamp, preset_sources.with_sources(preset)
     if preset.shape:
         lamp.use, lamp.source, lamp.shape = True, "PRIMITIVE", preset.shape.upper()
         group = getattr(lamp, preset.shape)
@@ -133,7 +133,7 @@ def from_text(text: str) -> Preset:
     """A preset from what ``to_text`` wrote. Raises RenderError where it is something else."""
     try:
         about = json.loads(text)
-        known = {name: about[name] for name in Preset._fields if name in about}
+        known = {name: about[name] for name in Preset._fields if name in about and name != "sources"}
         known["color"] = tuple(map(float, known.get("color", (1.0, 1.0, 1.0))))
         preset = Preset(**known)
         numbers = preset.power, preset.temperature, preset.camera_brightness, preset.density or 0.0, *preset.color

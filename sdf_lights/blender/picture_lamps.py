@@ -9,13 +9,16 @@ from collections import OrderedDict
 import bpy
 import numpy as np
 
+from ..graph.tables import Table
 from ..render.errors import RenderError
+from ..sdf.emission import Emission, in_colours
 from ..sdf.shapes import SHAPES, Shape
 
 _KEPT = 16
 _PARTS = {"ALPHA": "opaque", "BRIGHT": "bright", "DARK": "dark"}
 
 _outlines: OrderedDict[tuple, object] = OrderedDict()
+_colours: OrderedDict[tuple, Table] = OrderedDict()
 _shapes: OrderedDict[tuple, Shape] = OrderedDict()  # by that, the width and the thickness
 
 
@@ -25,9 +28,7 @@ def shape_of(lamp) -> Shape:
     if image is None:
         raise RenderError("It has no image: choose one in Shape > Image.")
     image = image.original
-    width, height = image.size
-    if not (width and height):
-        raise RenderError(f"Image '{image.name}' has no pixels: its file is missing or cannot be read; find it again.")
+    width, height = _size(image)
     key = image.session_uid, image.filepath, width, height, lamp.image_part, lamp.image_threshold
     outline = _outlines.get(key)
     if outline is None:
@@ -55,14 +56,61 @@ def _outline(image: bpy.types.Image, part: str, threshold: float):
         if width * height > MOST_PIXELS:
             pixels = np.broadcast_to(np.float32(0.0), (height, width, 1))  # refused for its size
         else:
-            pixels = np.empty(width * height * image.channels, np.float32)
-            image.pixels.foreach_get(pixels)
-            pixels = pixels.reshape(height, width, image.channels)
+            pixels = _pixels(image)
         return outline_of(pixels, _PARTS[part], threshold)
-    except (MemoryError, RuntimeError, TypeError):
-        return f"Image '{image.name}' cannot be read: find its file again."
+    except RenderError as error:
+        return str(error)
     except PictureError as error:
         return f"Image '{image.name}' {error}."
+
+
+def _size(image: bpy.types.Image) -> tuple[int, int]:
+    width, height = image.size
+    if not (width and height):
+        raise RenderError(f"Image '{image.name}' has no pixels: its file is missing or cannot be read; find it again.")
+    return width, height
+
+
+def _pixels(image: bpy.types.Image) -> np.ndarray:
+    """(height, width, channels) float32, the lowest row first."""
+    width, height = image.size
+    try:
+        pixels = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(pixels)
+    except (MemoryError, RuntimeError, TypeError):
+        raise RenderError(f"Image '{image.name}' cannot be read: find its file again.") from None
+    return pixels.reshape(height, width, image.channels)
+
+
+def colours_of(image: bpy.types.Image) -> Table:
+    """The table of the linear colours of an image (``data.texture``). Raises RenderError with a sentence."""
+    from ..sdf.data.texture import texture_table
+    from .sync import colorspaces
+
+    image = image.original
+    width, height = _size(image)
+    settings = image.colorspace_settings
+    key = image.session_uid, image.filepath, width, height, settings.name
+    if key not in _colours:
+        pixels = _pixels(image)
+        if not image.is_float and pixels.shape[2] > 2 and colorspaces.kind_of(settings) != colorspaces.UNKNOWN:
+            colours = np.ascontiguousarray(pixels[..., :3].reshape(-1, 3))
+            linear = colorspaces.conversion(settings)(colours)
+            pixels[..., :3] = (colours if linear is None else linear).reshape(height, width, 3)
+        _colours[key] = texture_table(pixels)
+        while len(_colours) > _KEPT:
+            _colours.popitem(last=False)
+    _colours.move_to_end(key)
+    return _colours[key]
+
+
+def in_own_colours(lamp, pattern: Emission) -> Emission:
+    """A pattern in the colours of the picture of a ``Light.sdf_lamp``. Raises RenderError with a sentence."""
+    if lamp.image is None:
+        return pattern
+    table = colours_of(lamp.image)
+    width, height = lamp.image.original.size
+    return in_colours(pattern, table, lamp.image_size, lamp.image_size * height / width)
 
 
 def _placed(segments: np.ndarray, size: float, thickness: float) -> Shape:
@@ -73,6 +121,6 @@ def _placed(segments: np.ndarray, size: float, thickness: float) -> Shape:
 
 def forget(images: set[int]) -> None:
     """Images, by their identities, have changed."""
-    for kept in (_outlines, _shapes):
+    for kept in (_outlines, _colours, _shapes):
         for key in [key for key in kept if key[0] in images]:
             del kept[key]

@@ -325,6 +325,12 @@ SDFLIGHTS_LampSettings = group(
                 subtype="FACTOR",
                 update=tag,
             ),
+            "image_colors": bpy.props.BoolProperty(
+                name="Own Colors",
+                description="The lamp has the colors of the picture, times its pattern and its color",
+                default=False,
+                update=tag,
+            ),
             "image_size": bpy.props.FloatProperty(
                 name="Width",
                 description="Width of the whole picture",

@@ -16,7 +16,7 @@ import bpy
 
 from ..render.errors import RenderError
 from ..sdf.builtin_data import DATA
-from ..sdf.resolver import Request, Unresolved, missing
+from ..sdf.resolver import COLOURS, Found, Request, Unresolved, missing
 from ..sdf.shapes import Shape
 from . import objects, picture_lamps
 from .objects import curves
@@ -65,8 +65,8 @@ class FileResolver:
         held = self._light.sdf_lamp.data if self._light is not None else ()
         self._pinned = {(item.kind, item.name): item.thing() for item in held} | dict(pinned or {})
 
-    def shape(self, request: Request) -> Shape:
-        """The shape in the thing's own space. Raises ``Unresolved``."""
+    def find(self, request: Request) -> Found:
+        """The shape in the thing's own space, or its colours. Raises ``Unresolved``."""
         try:
             return _READERS[request.kind](self, request)
         except RenderError as error:
@@ -96,7 +96,7 @@ def _of_object(resolver: FileResolver, request: Request) -> Shape:
     return objects.shape_of(resolver._object(request, types_of(request.kind)), _wanted(request))
 
 
-def _of_image(resolver: FileResolver, request: Request) -> Shape:
+def _of_image(resolver: FileResolver, request: Request) -> Found:
     image = resolver.thing("image", request.name)
     if image is None:
         if _is_file(request.name, resolver._light):
@@ -104,6 +104,8 @@ def _of_image(resolver: FileResolver, request: Request) -> Shape:
         raise missing(
             "image or file", request.name, [image.name for image in bpy.data.images if image.source != "VIEWER"]
         )
+    if request.kind == COLOURS:
+        return picture_lamps.colours_of(image)
     return picture_lamps.shape_of(_wanted(request, image))
 
 
@@ -112,11 +114,12 @@ def types_of(kind: str) -> tuple[str, ...]:
     return ("MESH", "META") if kind == "mesh" else tuple(objects.READERS)
 
 
-_READERS: dict[str, Callable[[FileResolver, Request], Shape]] = {
+_READERS: dict[str, Callable[[FileResolver, Request], Found]] = {
     "text": _of_text,
     "object": _of_object,
     "mesh": _of_object,
     "image": _of_image,
+    COLOURS: _of_image,
 }
 
 

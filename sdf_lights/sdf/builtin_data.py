@@ -10,9 +10,11 @@ from __future__ import annotations
 import ast
 from typing import NamedTuple
 
-from .expression_values import Misuse, Work
+from .builtin_numbers import as_formula
+from .expression_values import Misuse, Scalar, Work, lifted
+from .functions import COLOURS as COLOUR_WORDS
 from .functions import DATA_WORDS, Argument, Function, add
-from .resolver import Request, Unresolved
+from .resolver import COLOURS, Request, Unresolved
 from .shapes.base import LARGEST, SMALLEST, Parameter
 
 
@@ -141,7 +143,8 @@ def names_in(tree: ast.AST) -> frozenset[tuple[str, str]]:
     nodes = list(ast.walk(tree))
     called = {node.func.id for node in nodes if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
     texts = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
-    return frozenset((kind, text) for kind in called & DATA.keys() for text in texts)
+    kinds = called & DATA.keys() | ({"image"} if COLOURS in called else set())
+    return frozenset((kind, text) for kind in kinds for text in texts)
 
 
 def _add(data: Data) -> None:
@@ -153,7 +156,7 @@ def _add(data: Data) -> None:
     def call(slots: Work, name: str, *given):
         asked = request(data, name, dict(zip((setting.name for setting in settings), given)))
         try:
-            return slots.resolver.shape(asked)
+            return slots.resolver.find(asked)
         except Unresolved as error:
             raise Misuse(str(error), error.cure) from None
 
@@ -162,3 +165,27 @@ def _add(data: Data) -> None:
 
 for _row in DATA.values():
     _add(_row)
+
+
+def _image_color(slots: Work, name: str, u: Scalar, v: Scalar):
+    from .data.texture import colour  # it needs Numba, whose import takes a second
+
+    try:
+        found = slots.resolver.find(Request(COLOURS, name))
+    except Unresolved as error:
+        raise Misuse(str(error), error.cure) from None
+    slots.operate(_TEXTURE_OPERATIONS)
+    return tuple(colour(slots(found.address), *(as_formula(lifted(value, slots)) for value in (u, v))))
+
+
+_TEXTURE_OPERATIONS = 100  # of the colour at a point, about
+
+add(
+    Function(
+        COLOURS,
+        COLOUR_WORDS,
+        (Argument("name", "text"), Argument("u", "scalar"), Argument("v", "scalar")),
+        _image_color,
+        "The colour of a picture, from its lower left corner at u = v = 0 to its upper right one at u = v = 1.",
+    )
+)

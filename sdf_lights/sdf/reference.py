@@ -104,11 +104,14 @@ _EMISSION = """\
 ## Emission
 
 An expression can also be the brightness at each point of a lamp. Its last line is then a number, a field or a colour, and
-it has two more names:
+it has more names:
 
 - `depth` is the depth of a point below the surface, in metres of the lamp's own space. It is the field of the shape
   without its sign, and as exact as that.
 - `height` is 0 at the bottom of the lamp and 1 at its top, along its own z axis.
+- `u` and `v` are the same along its x and y axis. So they are coordinates across its box, and in the plane of an extrusion.
+- `along` is 0 where the curve of a tube begins and 1 where it ends, by its length: of a curve object or of neon. It is that of the nearest tube of
+  a combination, and 0 in a lamp without tubes.
 
 Only ratios matter, as the power of the lamp sets its light. Without *Normalize*, the radiance per metre is multiplied. The lamp is
 dark where the last line is negative or undefined. The presets are such expressions:

@@ -14,13 +14,17 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from ..graph.tables import Table, table
 from .shapes import SHAPES, Box, Shape
+
+Found = Shape | Table  # the shape of a thing, or, for ``COLOURS``, the table of its colours (``data.texture``)
+COLOURS = "image_color"
 
 _MOST_COMPARED = 1000  # names: each takes some microseconds
 
 
 class Request(NamedTuple):
-    """``kind`` is a word of ``builtin_data``; ``settings`` are its other arguments, by name."""
+    """``kind`` is a word of ``builtin_data.DATA``, or ``COLOURS`` of an image; ``settings`` are its other arguments, by name."""
 
     kind: str
     name: str
@@ -40,10 +44,10 @@ class Unresolved(Exception):
 
 
 class Resolver(Protocol):
-    """What gives shapes for requests."""
+    """What answers requests."""
 
-    def shape(self, request: Request) -> Shape:
-        """The shape in the thing's own space. Raises ``Unresolved``."""
+    def find(self, request: Request) -> Found:
+        """The shape in the thing's own space, or its colours. Raises ``Unresolved``."""
 
 
 def missing(kind: str, name: str, known: Iterable[str]) -> Unresolved:
@@ -62,16 +66,16 @@ class Standing:
     def __init__(self):
         self.asked = False
 
-    def shape(self, request: Request) -> Shape:
-        """A box."""
+    def find(self, request: Request) -> Found:
+        """A box, or a white pixel."""
         self.asked = True
-        return Box()
+        return Box() if request.kind != COLOURS else table(np.array([1, 1, 0, 1, 1, 1, 1, 1], np.float32))
 
 
 class Nothing:
     """Knows nothing, as where there is no Blender."""
 
-    def shape(self, request: Request) -> Shape:
+    def find(self, request: Request) -> Found:
         """Raises ``Unresolved``."""
         raise Unresolved(
             f"{request.kind}({request.name!r:.40}) needs a resolver, which knows what that is",
@@ -80,7 +84,7 @@ class Nothing:
 
 
 class Arrays:
-    """Things from NumPy: ``images`` (height, width, channels) with the upper row first, ``meshes`` as vertices (n, 3) and
+    """Things from NumPy: ``images`` (height, width, channels), linear, with the upper row first, ``meshes`` as vertices (n, 3) and
     triangles (m, 3), and ``shapes`` for names of objects. Texts need Blender's fonts.
     """
 
@@ -92,8 +96,12 @@ class Arrays:
     ):
         self.images, self.meshes, self.shapes = dict(images or {}), dict(meshes or {}), dict(shapes or {})
 
-    def shape(self, request: Request) -> Shape:
-        """The shape in the thing's own space. Raises ``Unresolved``."""
+    def find(self, request: Request) -> Found:
+        """The shape in the thing's own space, or its colours. Raises ``Unresolved``."""
+        if request.kind == COLOURS and request.name in self.images:
+            from .data.texture import texture_table
+
+            return texture_table(self.images[request.name][::-1])
         if request.kind == "image" and request.name in self.images:
             return extruded(self.images[request.name][::-1], request)
         if request.kind in ("mesh", "object") and request.name in self.meshes:
@@ -102,8 +110,10 @@ class Arrays:
             return self.shapes[request.name]
         if request.kind == "text":
             raise Unresolved("a text needs Blender's fonts", "open the lamp in Blender, or use image or mesh")
-        known = self.images if request.kind == "image" else self.meshes
-        raise missing(request.kind, request.name, [*known, *(self.shapes if request.kind == "object" else ())])
+        known = self.images if request.kind in ("image", COLOURS) else self.meshes
+        raise missing(
+            request.kind.partition("_")[0], request.name, [*known, *(self.shapes if request.kind == "object" else ())]
+        )
 
     def _grid(self, request: Request) -> Shape:
         from .data.voxels import GridError, mesh_grid
@@ -134,11 +144,11 @@ class _Recorder:
 
     def __init__(self, resolver: Resolver):
         self._resolver = resolver
-        self.answers: dict[Request, Shape | str] = {}
+        self.answers: dict[Request, Found | str] = {}
 
-    def shape(self, request: Request) -> Shape:
+    def find(self, request: Request) -> Found:
         try:
-            self.answers[request] = found = self._resolver.shape(request)
+            self.answers[request] = found = self._resolver.find(request)
         except Unresolved as error:
             self.answers[request] = f"{error}: {error.cure}"
             raise
@@ -148,7 +158,7 @@ class _Recorder:
         """Whether the resolver answers so."""
         for request in answers:
             try:
-                self.shape(request)
+                self.find(request)
             except Unresolved:
                 pass
         return self.answers == answers
@@ -159,7 +169,7 @@ class Cache:
 
     def __init__(self, size: int):
         self._size = size
-        self._kept: OrderedDict[Hashable, tuple[Any, dict[Request, Shape | str]]] = OrderedDict()
+        self._kept: OrderedDict[Hashable, tuple[Any, dict[Request, Found | str]]] = OrderedDict()
 
     def get(self, key: Hashable, resolver: Resolver, make: Callable[[Resolver], Any]) -> Any:
         """What ``make(resolver)`` gives."""

@@ -304,3 +304,101 @@ def test_a_render_has_what_the_words_say(synced, says):
     (found,) = synced().lamps
     assert float(np.ptp(np.array(found.shape.bounds())[:, 2])) == pytest.approx(2.0, abs=0.5)
     assert math.isfinite(found.shape.volume() or 0.0)
+
+
+# -- colours -----------------------------------------------------------------------------------------------------------
+
+
+def _halves(name: str = "Halves"):
+    """An opaque picture, red to the left and blue to the right, with codes of sRGB."""
+    image = bpy.data.images.new(name, 16, 8, alpha=True)
+    pixels = np.ones((8, 16, 4), np.float32)
+    pixels[:, :8, :3], pixels[:, 8:, :3] = (1.0, 0.5, 0.0), (0.0, 0.5, 1.0)
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    return image
+
+
+def test_a_picture_glows_in_its_own_colours(file, lamp):
+    light = lamp()
+    settings = light.sdf_lamp
+    settings.source, settings.image, settings.image_size = "IMAGE", _halves(), 2.0
+    assert pattern_of(settings) is None
+    settings.image_colors = True
+    found = pattern_of(settings).placed(shape_of(settings)).evaluate(np.array([[-0.9, 0.4, 0.0], [0.9, -0.4, 0.0]]))
+    half = 0.2140411  # of the code 0.5, by IEC 61966-2-1
+    np.testing.assert_allclose(found, [(1.0, half, 0.0), (0.0, half, 1.0)], atol=2e-3)
+    settings.emission.source = "EXPRESSION"
+    settings.emission.expression = "3"
+    again = pattern_of(settings).placed(shape_of(settings)).evaluate(np.array([[-0.9, 0.4, 0.0]]))
+    np.testing.assert_allclose(again, 3.0 * found[:1], atol=1e-5)
+    settings.image.pixels.foreach_set(np.ones(16 * 8 * 4, np.float32))
+    settings.image.update()
+    settings.image.update_tag()
+    bpy.context.view_layer.update()
+    from sdf_lights.blender import picture_lamps
+
+    picture_lamps.forget({settings.image.session_uid})
+    white = pattern_of(settings).placed(shape_of(settings)).evaluate(np.array([[-0.9, 0.4, 0.0]]))
+    np.testing.assert_allclose(white, 3.0, atol=1e-5)
+
+
+def test_colours_along_a_curve_follow_a_slider_with_a_driver(file, says, add):
+    line = bpy.data.curves.new("Line", "CURVE")
+    line.dimensions, line.bevel_depth = "3D", 0.1
+    spline = line.splines.new("POLY")
+    spline.points.add(1)
+    spline.points[0].co, spline.points[1].co = (0.0, 0.0, 0.0, 1.0), (4.0, 0.0, 0.0, 1.0)
+    add("Line", line)
+    light = says("object('Line')")
+    light.sdf_lamp.emission.source = "EXPRESSION"
+    light.sdf_lamp.emission.text = parameters.new_text(
+        "Glow", "place = slider(0.5, 0, 1)\nramp(along, 0, (1, 0, 0), place, (0, 1, 0), 1, (0, 0, 1))"
+    )
+    parameters.update(light)
+    at = np.array([[2.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    np.testing.assert_allclose(
+        pattern_of(light.sdf_lamp).placed(shape_of(light.sdf_lamp)).evaluate(at), [(0, 1, 0), (0.5, 0.5, 0)], atol=1e-6
+    )
+    light.driver_add('["sdf_emission.place"]').driver.expression = "0.25"
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(
+        pattern_of(light.sdf_lamp).placed(shape_of(light.sdf_lamp)).evaluate(at[1:]), [(0, 1, 0)], atol=1e-6
+    )
+
+
+def test_nodes_have_the_colours_of_a_picture_and_places_in_the_lamp(file, says):
+    image = _halves()
+    light = says("box(1, 0.5, 0.1)")
+    light.sdf_lamp.emission.source = "EXPRESSION"
+    light.sdf_lamp.emission.expression = "image_color('Halves', u, v) * (1 - along)"
+    at = np.array([[-0.7, 0.1, 0.0], [0.7, 0.1, 0.0]])
+    before = pattern_of(light.sdf_lamp).placed(shape_of(light.sdf_lamp)).evaluate(at)
+    assert before[0, 0] > 0.9 and before[1, 2] > 0.9
+    tree = editor.to_nodes(light)
+    (node,) = (node for node in tree.nodes if node.bl_label == "Image Color")
+    assert node.image == image
+    np.testing.assert_allclose(
+        pattern_of(light.sdf_lamp).placed(shape_of(light.sdf_lamp)).evaluate(at), before, atol=1e-6
+    )
+    for link in [link for socket in node.inputs for link in socket.links]:
+        tree.links.remove(link)  # then it is across the box
+    np.testing.assert_allclose(
+        pattern_of(light.sdf_lamp).placed(shape_of(light.sdf_lamp)).evaluate(at), before, atol=1e-6
+    )
+    assert "image_color('Halves', u, v)" in editor.emission_text_of(light)
+    node.image = None
+    with pytest.raises(RenderError, match="No image is chosen"):
+        pattern_of(light.sdf_lamp)
+
+
+def test_a_render_has_the_colours_of_a_picture(pictures, says):
+    _halves()
+    light = says("rotate_x(box(2, 1, 0.2), 90)")
+    light.energy = 3000.0
+    light.sdf_lamp.emission.source = "EXPRESSION"
+    light.sdf_lamp.emission.expression = "image_color('Halves', u, height)"
+    bpy.data.objects["Lamp"].location.z = 1.0
+    picture = pictures()["ViewLayer"]["Combined"]
+    left, right = picture[6:10, 6:10, :3].mean(axis=(0, 1)), picture[6:10, 14:18, :3].mean(axis=(0, 1))
+    assert left[0] > 5.0 * left[2] and right[2] > 5.0 * right[0]

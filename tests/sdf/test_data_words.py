@@ -36,7 +36,7 @@ class _Asked:
     def __init__(self):
         self.requests: list[Request] = []
 
-    def shape(self, request):
+    def find(self, request):
         self.requests.append(request)
         return Box()
 
@@ -112,7 +112,7 @@ def test_what_is_not_known_is_said_with_the_nearest_name(arrays):
 
 def test_data_work_wherever_a_shape_does(arrays):
     points = np.random.default_rng(1).uniform(-0.8, 0.8, (500, 3))
-    ball, cube = Sphere(0.5), arrays.shape(Request("mesh", "Cube", (("voxel_size", 0.0),)))
+    ball, cube = Sphere(0.5), arrays.find(Request("mesh", "Cube", (("voxel_size", 0.0),)))
     for text, expected in (
         ('object("Ball") | mesh("Cube")', np.minimum(ball.distance(points), cube.distance(points))),
         ('translate(object("Ball"), (0.1, 0, 0))', ball.distance(points - (0.1, 0.0, 0.0))),
@@ -162,4 +162,4 @@ def test_results_are_made_anew_when_the_data_change(arrays):
     del arrays.shapes["Ball"]
     with pytest.raises(ExpressionError):
         ask()
-    assert Standing().shape(Request("object", "any")) == Box()
+    assert Standing().find(Request("object", "any")) == Box()

@@ -17,6 +17,7 @@ from ...sdf import evaluation  # noqa: F401 (all words are in FUNCTIONS then)
 from ...sdf.builtin_colors import COLDEST, HOTTEST
 from ...sdf.builtin_data import DATA, Data
 from ...sdf.functions import COLOURS, DATA_WORDS, FUNCTIONS, POINTS, REQUIRED, Argument, Function
+from ...sdf.resolver import COLOURS as COLOURS_OF_IMAGE
 from ...sdf.shapes import SHAPES, Family
 from ...sdf.shapes.base import LARGEST, Parameter
 from ...sdf.shapes.operators import SetOperation
@@ -28,7 +29,7 @@ from . import sockets
 from .reading import Broken, word
 from .tree import LampNode
 
-_ELSEWHERE = {"vec2", "vec3", "distance", "field", "ramp", "ramp_ease", "ramp_constant"}
+_ELSEWHERE = {"vec2", "vec3", "distance", "field", "ramp", "ramp_ease", "ramp_constant", COLOURS_OF_IMAGE}
 
 _SOCKETS = {
     "shape": sockets.SHAPE,

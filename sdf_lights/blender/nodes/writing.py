@@ -18,7 +18,7 @@ from ...sdf.emission import INPUTS, name_inputs
 from ...sdf.evaluation import Evaluation
 from ...sdf.expression_values import kind_of
 from ...sdf.functions import CONSTANTS, FUNCTIONS
-from ...sdf.resolver import Standing
+from ...sdf.resolver import COLOURS, Standing
 from ...sdf.syntax import parse
 from ..naming import NODE_TREE
 from ..sources import FileResolver
@@ -296,6 +296,8 @@ class _Builder:
             raise NoNode
         if name in emission_nodes.RAMPS.values():
             return self._ramp(name, [self.part(argument) for argument in node.args])
+        if name == COLOURS:
+            return self._image_color(node)
         if name in DATA:
             return self._data(name, node)
         function = FUNCTIONS[name]
@@ -344,6 +346,21 @@ class _Builder:
             else:
                 self._put(made, setting, self.part(part))
         return made.outputs[0]
+
+    def _image_color(self, node: ast.Call):
+        given = dict(zip(("name", "u", "v"), node.args)) | {keyword.arg: keyword.value for keyword in node.keywords}
+        name = given.pop("name")
+        image = self._resolver.thing("image", name.value) if isinstance(name, ast.Constant) else None
+        if image is None:
+            raise NoNode
+        made = self._new(emission_nodes.SDFLIGHTS_Node_image_color)
+        made.image = image
+        for key, part in given.items():
+            self._tree.links.new(self._socket(self.part(part)), _input(made, key))
+        return made.outputs[0]
+
+    def _socket(self, part) -> bpy.types.NodeSocket:
+        return part if isinstance(part, bpy.types.NodeSocket) else self._value(part)
 
     def _ramp(self, name: str, parts: list):
         node = self._new(emission_nodes.SDFLIGHTS_Node_ramp)
