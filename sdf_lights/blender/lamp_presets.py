@@ -126,7 +126,9 @@ def _plain(value):
 
 def to_text(preset: Preset) -> str:
     """A preset as JSON."""
-    return json.dumps(preset._asdict(), default=dict)
+    about = preset._asdict()
+    del about["sources"]  # none of the user's own has them
+    return json.dumps(about, default=dict)
 
 
 def from_text(text: str) -> Preset:
