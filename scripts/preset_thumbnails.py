@@ -82,7 +82,7 @@ def brightness_of(lamp: bpy.types.Object, folder: pathlib.Path) -> float:
     scene = bpy.context.scene
     scene.world = None
     for obj in list(scene.objects):
-        if obj.type == "MESH":
+        if obj.type == "MESH" and not obj.hide_render:
             bpy.data.objects.remove(obj)
     lamp.data.sdf_lamp.camera_brightness = 1.0
     scene.sdf_lights.denoise, scene.sdf_lights.samples = False, 4

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..render.errors import RenderError
 from ..render.scene import Ray
-from . import lamp_preview, parameters
+from . import lamp_preview, parameters, preset_sources
 from .lamp_presets import load_preset
 from .naming import IS_EXTENSION, LABEL, ROOT
 from .presets import presets
@@ -69,12 +69,13 @@ class SDFLIGHTS_OT_lamp_mark_asset(bpy.types.Operator):
 
 def write_library(path: pathlib.Path) -> None:
     """Write a file with every preset as an asset, each with its picture."""
-    made, texts = set(), set(bpy.data.texts)
+    made, texts, things = set(), set(bpy.data.texts), set()
     try:
         for name, preset in presets().items():
             light = bpy.data.lights.new(preset.title, "POINT")
             load_preset(light, name)
             parameters.update(light)
+            things |= parameters.things_of(light)
             obj = bpy.data.objects.new(preset.title, light)
             made.add(obj)
             obj.asset_mark()
@@ -91,6 +92,7 @@ def write_library(path: pathlib.Path) -> None:
     finally:
         for obj in made:
             bpy.data.lights.remove(obj.data)  # and the object with it
+        preset_sources.remove(things)
         for text in set(bpy.data.texts) - texts:
             bpy.data.texts.remove(text)
 

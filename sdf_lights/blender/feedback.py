@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ..render.errors import RenderError
-from . import labels, objects, viewport
+from . import labels, sources, viewport
 from .context import LampTab
 from .findings import grouped
 from .lamp import pattern_of, shape_of
@@ -66,7 +66,7 @@ def of_lamps(scene: bpy.types.Scene) -> list[tuple[str, str]]:
         except RenderError as error:
             found.append((obj.name, f"Lamp '{obj.name}': {error}"))
             continue
-        found += [(obj.name, f"Lamp '{obj.name}': {remark}") for remark in objects.remarks(obj.data.sdf_lamp)]
+        found += [(obj.name, f"Lamp '{obj.name}': {remark}") for remark in sources.remarks(obj.data.sdf_lamp)]
         if not is_certified(shape):
             found.append(
                 (

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections import OrderedDict
 
 import bpy
@@ -12,11 +11,13 @@ import numpy as np
 
 from ..render.errors import RenderError
 from ..sdf.emission import Emission
+from ..sdf.resolver import Cache, Resolver
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
 from . import emission, objects, parameters, picture_lamps
 from .nodes import reading
 from .properties import PRIMITIVES, values_of
+from .sources import FileResolver
 
 
 def _anew(error: ExpressionError) -> ExpressionError:
@@ -24,14 +25,15 @@ def _anew(error: ExpressionError) -> ExpressionError:
     return ExpressionError(error.message, error.line, error.column, error.cure)
 
 
-@functools.lru_cache(maxsize=64)
-def _expression_shape(text: str, values: tuple) -> Shape:
-    # Kept, because panels ask at every redraw.
+_shapes, _emissions = Cache(64), Cache(64)  # because panels ask at every redraw
+
+
+def _expression_shape(text: str, values: tuple, resolver: Resolver) -> Shape:
     expression = parameters.parsed(text)
     try:
         if isinstance(expression, ExpressionError):
             raise _anew(expression)
-        return expression.shape(dict(values))
+        return _shapes.get((text, values), resolver, lambda found: expression.shape(dict(values), found))
     except ExpressionError as error:
         raise RenderError(f"In its expression: {error}") from error
 
@@ -45,13 +47,13 @@ def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
     ``ExpressionError`` if that is where the problem lies.
     """
     if lamp.source == "EXPRESSION":
-        shape = _expression_shape(parameters.text_of(lamp), tuple(parameters.values(lamp).items()))
+        shape = _expression_shape(parameters.text_of(lamp), tuple(parameters.values(lamp).items()), FileResolver(lamp))
     elif lamp.source == "OBJECT":
         shape = objects.shape_of(lamp.object, lamp)
     elif lamp.source == "IMAGE":
         shape = picture_lamps.shape_of(lamp)
     elif lamp.source == "NODES":
-        shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner)
+        shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner, lamp)
     else:
         name = lamp.shape.lower()
         shape = PRIMITIVES[name](**values_of(getattr(lamp, name), name))
@@ -79,13 +81,12 @@ def last_good(light: bpy.types.Light) -> tuple[Shape, Emission | None] | None:
     return _good.get(light.session_uid)
 
 
-@functools.lru_cache(maxsize=64)
-def _emission(text: str, values: tuple) -> Emission:
+def _emission(text: str, values: tuple, resolver: Resolver) -> Emission:
     expression = emission.parsed(text)
     try:
         if isinstance(expression, ExpressionError):
             raise _anew(expression)
-        return expression.emission(dict(values))
+        return _emissions.get((text, values), resolver, lambda found: expression.emission(dict(values), found))
     except ExpressionError as error:
         raise RenderError(f"In its emission: {error}") from error
 
@@ -97,11 +98,14 @@ def pattern_of(lamp, owner: np.ndarray | None = None) -> Emission | None:
     text.
     """
     if parameters.emission_is_in_nodes(lamp):
-        return reading.emission_of(lamp.nodes, parameters.values(lamp), owner)
+        return reading.emission_of(lamp.nodes, parameters.values(lamp), owner, lamp)
     declared = emission.declarations(lamp.emission)
     values = parameters.values_of(lamp.id_data, declared)
     found = _emission(
         emission.text_of(lamp.emission),
         tuple((name.removeprefix(emission.PREFIX), value) for name, value in values.items()),
+        FileResolver(lamp),
     )
+    if lamp.source == "IMAGE" and lamp.image_colors:
+        return picture_lamps.in_own_colours(lamp, found)
     return None if lamp.emission.source == "UNIFORM" else found

@@ -10,7 +10,7 @@ import numpy as np
 from ..render.errors import RenderError
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import beside_cycles, emission_panel, labels, objects, parameters, readout, viewport
+from . import beside_cycles, emission_panel, labels, parameters, readout, sources, viewport
 from .context import LampTab, lamp_of, light_of
 from .lamp import pattern_of, shape_of
 from .lamp_presets import SDFLIGHTS_PT_lamp_presets
@@ -45,16 +45,18 @@ def draw_shape(layout, light, obj, width: int) -> None:
     elif lamp.source == "NODES":
         _draw_nodes(layout, lamp)
     elif lamp.source == "OBJECT":
-        _draw_object(layout, lamp, width)
+        _draw_object(layout, lamp)
     elif lamp.source == "IMAGE":
         layout.template_ID(lamp, "image", open="image.open")
-        for name in ("image_part", "image_threshold", "image_size", "thickness"):
+        for name in ("image_part", "image_threshold", "image_size", "thickness", "image_colors"):
             layout.prop(lamp, name)
     else:
         layout.prop(lamp, "shape")
         name = lamp.shape.lower()
         for about in PRIMITIVES[name].fields():
             layout.prop(getattr(lamp, name), about.name)
+    for remark in sources.remarks(lamp):
+        labels.draw_sentence(layout, remark, width, "INFO")
     try:
         _placed_shape(lamp, obj)
     except RenderError as error:
@@ -63,8 +65,6 @@ def draw_shape(layout, light, obj, width: int) -> None:
         labels.draw_problem(column, error, width)
         if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
             layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
-    if lamp.source in ("OBJECT", "IMAGE"):
-        return  # no text says what is in them
     row = layout.row(align=True)
     if lamp.source != "NODES":
         row.operator("sdf_lights.nodes_new", text="To Nodes", icon="NODETREE")
@@ -89,7 +89,7 @@ def _draw_nodes(layout, lamp) -> None:
         _draw_parameters(layout, lamp)
 
 
-def _draw_object(layout, lamp, width: int) -> None:
+def _draw_object(layout, lamp) -> None:
     layout.prop(lamp, "object")
     if lamp.object is not None and lamp.object.type in ("MESH", "META"):
         layout.prop(lamp, "voxel_size")
@@ -100,8 +100,6 @@ def _draw_object(layout, lamp, width: int) -> None:
             layout.prop(lamp, "neon_gap")
         else:
             layout.prop(lamp, "thickness")
-    for remark in objects.remarks(lamp):
-        labels.draw_sentence(layout, remark, width, "INFO")
 
 
 def _draw_parameters(layout, lamp) -> None:

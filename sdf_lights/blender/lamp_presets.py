@@ -18,7 +18,7 @@ from bl_ui.utils import PresetPanel
 
 from ..render.errors import RenderError
 from ..sdf import emission_presets
-from . import emission, parameters, properties
+from . import emission, parameters, preset_sources, properties
 from .context import light_of
 from .nodes import editor
 from .presets import Preset, presets
@@ -45,7 +45,7 @@ def load_preset(light: bpy.types.Light, name: str) -> None:
 
 def apply(light: bpy.types.Light, preset: Preset) -> None:
     """Give the light the shape, colour, emission and power of a preset."""
-    lamp = light.sdf_lamp
+    lamp, preset = light.sdf_lamp, preset_sources.with_sources(preset)
     if preset.shape:
         lamp.use, lamp.source, lamp.shape = True, "PRIMITIVE", preset.shape.upper()
         group = getattr(lamp, preset.shape)
@@ -80,8 +80,11 @@ def apply(light: bpy.types.Light, preset: Preset) -> None:
 
 
 def preset_of(light: bpy.types.Light) -> Preset:
-    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text."""
+    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text, or need what is in this file."""
     lamp = light.sdf_lamp
+    for thing in parameters.things_of(light):
+        what = "an image" if isinstance(thing, bpy.types.Image) else "an object"
+        raise RenderError(f"Its shape is that of {what} of this file, which others do not have: choose another source.")
     primitive = lamp.source == "PRIMITIVE"
     shape = lamp.shape.lower() if primitive else ""
     if primitive:
@@ -123,14 +126,16 @@ def _plain(value):
 
 def to_text(preset: Preset) -> str:
     """A preset as JSON."""
-    return json.dumps(preset._asdict(), default=dict)
+    about = preset._asdict()
+    del about["sources"]  # none of the user's own has them
+    return json.dumps(about, default=dict)
 
 
 def from_text(text: str) -> Preset:
     """A preset from what ``to_text`` wrote. Raises RenderError where it is something else."""
     try:
         about = json.loads(text)
-        known = {name: about[name] for name in Preset._fields if name in about}
+        known = {name: about[name] for name in Preset._fields if name in about and name != "sources"}
         known["color"] = tuple(map(float, known.get("color", (1.0, 1.0, 1.0))))
         preset = Preset(**known)
         numbers = preset.power, preset.temperature, preset.camera_brightness, preset.density or 0.0, *preset.color

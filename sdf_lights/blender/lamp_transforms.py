@@ -26,6 +26,7 @@ from . import emission, parameters
 from .lamp import pattern_of, shape_of
 from .nodes import editor, reading
 from .properties import PRIMITIVES, values_of
+from .sources import FileResolver
 
 _MOST_TRIED = 600  # combinations of factors
 _POINTS, _FEW = 3000, 100
@@ -124,10 +125,10 @@ def _numbers_of_shape(light: bpy.types.Light, matrix: np.ndarray) -> _Numbers:
         )
     if lamp.source == "NODES":
         return _declared(
-            light, parameters.declarations(lamp), lambda values: reading.shape_of(lamp.nodes, values, matrix)
+            light, parameters.declarations(lamp), lambda values: reading.shape_of(lamp.nodes, values, matrix, lamp)
         )
     expression = parameters.parsed(parameters.text_of(lamp))
-    return _declared(light, parameters.declarations(lamp), lambda values: expression.shape(values))
+    return _declared(light, parameters.declarations(lamp), lambda values: expression.shape(values, FileResolver(lamp)))
 
 
 def _declared(light: bpy.types.Light, declared, make, prefix: str = "") -> _Numbers:
@@ -197,7 +198,12 @@ def _glow_under(light, pattern, old: Shape, new: Shape, points: np.ndarray, scal
     settings = light.sdf_lamp.emission
     parsed = emission.parsed(emission.text_of(settings))
     if not parameters.emission_is_in_nodes(light.sdf_lamp):
-        numbers = _declared(light, emission.declarations(settings), parsed.emission, emission.PREFIX)
+        numbers = _declared(
+            light,
+            emission.declarations(settings),
+            lambda values: parsed.emission(values, FileResolver(light.sdf_lamp)),
+            emission.PREFIX,
+        )
         for found in _fitting(numbers, scale):
             if is_same(numbers.make(found)):
                 return numbers, found
@@ -276,7 +282,7 @@ def origin_to_geometry(obj: bpy.types.Object) -> bool:
         changed = parameters.parsed(text)
         if isinstance(changed, ExpressionError):
             continue
-        moved = changed.shape(values)
+        moved = changed.shape(values, FileResolver(lamp))
         if _is_same(inside, moved, points - middle):
             break
     else:

@@ -9,7 +9,7 @@ from bpy.app.handlers import persistent
 from bpy_extras.object_utils import AddObjectHelper, object_data_add
 
 from ..render.errors import RenderError
-from . import fallback, objects, picture_lamps
+from . import fallback, objects, parameters, picture_lamps
 from .lamp import shape_of
 from .operators import SDFLIGHTS_MT_lamp_add
 from .properties import FORMS
@@ -17,18 +17,15 @@ from .properties import FORMS
 POWER = 100.0  # W
 
 
-def lamps_of_objects() -> list[bpy.types.Light]:
-    """Lights whose shape is that of an object."""
-    return [
-        light
-        for light in bpy.data.lights
-        if light.sdf_lamp.use and light.sdf_lamp.source == "OBJECT" and light.sdf_lamp.object is not None
-    ]
+def _parts_of(thing: bpy.types.ID) -> list[bpy.types.ID | None]:
+    """What of a thing changes the shape that is made of it."""
+    data = getattr(thing, "data", None)
+    return [thing, data, getattr(data, "taper_object", None), getattr(data, "shape_keys", None)]
 
 
 @persistent
 def _changed(scene, depsgraph):
-    """Tells lamps of changes in their objects: Blender only tags what it knows of."""
+    """Tells lamps of changes in what they are made of: Blender only tags what it knows of."""
     changed = set()
     for update in depsgraph.updates:
         if update.is_updated_geometry or update.is_updated_shading or not isinstance(update.id, bpy.types.Object):
@@ -37,13 +34,11 @@ def _changed(scene, depsgraph):
         return
     images = {update.id.original.session_uid for update in depsgraph.updates if isinstance(update.id, bpy.types.Image)}
     picture_lamps.forget(images)
-    for light in bpy.data.lights if images else ():
-        image = light.sdf_lamp.image
-        if light.sdf_lamp.source == "IMAGE" and image is not None and image.session_uid in images:
-            light.update_tag()
-    for light in lamps_of_objects():
-        obj = light.sdf_lamp.object
-        used = [obj, obj.data, getattr(obj.data, "taper_object", None), getattr(obj.data, "shape_keys", None)]
+    for light in bpy.data.lights:
+        # A light that is updated already needs nothing: so an object that depends on its own lamp does not go on for ever.
+        if not light.sdf_lamp.use or light.session_uid in changed:
+            continue
+        used = [part for thing in parameters.things_of(light) for part in _parts_of(thing)]
         if any(block is not None and block.session_uid in changed for block in used):
             light.update_tag()
 

@@ -16,7 +16,7 @@ from ..sdf.shapes import SHAPES
 from ..sdf.shapes.profiles import PROFILES
 from ..sdf.surface_nets import surface_net
 from ..sdf.syntax import ExpressionError
-from . import areas, emission, fallback, labels, parameters, readout
+from . import areas, emission, fallback, labels, parameters, preset_sources, readout
 from .context import LampOperator, light_of
 from .lamp import pattern_of, shape_of
 from .lamp_presets import load_preset, set_expression
@@ -157,7 +157,9 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
         except RenderError as error:  # the node tree has a mistake
             self.report({"WARNING"}, str(error))
         fallback.follow(light)
-        object_data_add(context, light, operator=self, name=name)
+        made = object_data_add(context, light, operator=self, name=name)
+        if self.source == "PRESET":
+            preset_sources.place(parameters.things_of(light), made)
         return {"FINISHED"}
 
     def draw(self, context):
@@ -225,7 +227,11 @@ class SDFLIGHTS_OT_preset_load(LampOperator, bpy.types.Operator):
     preset: bpy.props.EnumProperty(name="Preset", description="Lamp to start from", items=preset_items())
 
     def execute(self, context):
-        load_preset(light_of(context), self.preset)
+        light = light_of(context)
+        load_preset(light, self.preset)
+        owner = next((obj for obj in bpy.data.objects if obj.data == light and obj.users_collection), None)
+        if owner is not None:
+            preset_sources.place(parameters.things_of(light), owner)
         return {"FINISHED"}
 
 

@@ -20,8 +20,8 @@ import bpy
 
 from ..sdf.expression import Declaration, Expression
 from ..sdf.syntax import ExpressionError
-from . import emission
-from .nodes.reading import declarations_of, has_emission
+from . import emission, sources
+from .nodes.reading import declarations_of, has_emission, texts_in, things_in
 
 PREFIX = "sdf_"
 
@@ -105,7 +105,40 @@ def values_of(light: bpy.types.Light, declared: tuple[Declaration, ...]) -> dict
 
 def missing(lamp) -> bool:
     """Whether ``update`` has something to do."""
-    return lamp.id_data.is_editable and any(_differs(lamp.id_data, declared) for declared in all_declarations(lamp))
+    return lamp.id_data.is_editable and (
+        any(_differs(lamp.id_data, declared) for declared in all_declarations(lamp))
+        or sources.is_behind(lamp, data_of(lamp))
+    )
+
+
+def data_of(lamp) -> frozenset[tuple[str, str]]:
+    """Kinds and names of data in the texts of a lamp."""
+    texts = [parsed(text_of(lamp))] if lamp.source == "EXPRESSION" else []
+    if not emission_is_in_nodes(lamp):
+        texts.append(emission.parsed(emission.text_of(lamp.emission)))
+    found = frozenset().union(*(text.data for text in texts if not isinstance(text, ExpressionError)))
+    return found | texts_in(lamp.nodes) if lamp.source == "NODES" else found
+
+
+def things_of(light: bpy.types.Light) -> set[bpy.types.ID]:
+    """Objects and images that the shape or the emission of a lamp is made of."""
+    lamp = light.sdf_lamp
+    found: set[bpy.types.ID | None] = set()
+    if lamp.source == "OBJECT":
+        found.add(lamp.object)
+    elif lamp.source == "IMAGE":
+        found.add(lamp.image)
+    elif lamp.source == "NODES":
+        found.update(things_in(lamp.nodes))
+    resolver = sources.FileResolver(lamp)
+    found.update(resolver.thing(kind, name) for kind, name in data_of(lamp))
+    return found - {None}
+
+
+def pin(light: bpy.types.Light) -> None:
+    """Lets a lamp hold on to the data that its texts name."""
+    if light.is_editable:
+        sources.pin(light.sdf_lamp, data_of(light.sdf_lamp))
 
 
 def unused(light: bpy.types.Light) -> list[str]:
@@ -134,6 +167,7 @@ def update(light: bpy.types.Light) -> None:
     """Makes the properties of what the lamp declares, with its limits."""
     if not light.is_editable:
         return
+    pin(light)
     declared = all_declarations(light.sdf_lamp)
     held = values_of(light, declared)
     for declaration in declared:

@@ -233,6 +233,9 @@ def make_groups(lamp) -> None:
 
     Blender keeps library overrides of a group only where the file that is linked has the group.
     """
+    if bpy.app.version[:2] == (5, 0):
+        # There, pointers of add-ons in a light to what is removed are cleared only if it has a custom property.
+        lamp.id_data["SDF Lights"] = True
     for name, kind in PRIMITIVES.items():
         values, first = getattr(lamp, name), kind.fields()[0].name
         if not values.is_property_set(first):
@@ -252,6 +255,25 @@ def _make_all_groups(*_):
     for light in bpy.data.lights:
         if light.library is None and light.override_library is None and light.sdf_lamp.use:
             make_groups(light.sdf_lamp)
+            parameters.pin(light)
+
+
+class SDFLIGHTS_LampData(bpy.types.PropertyGroup):
+    """Something that the texts of a lamp name, by its ``kind`` and ``name`` there"""
+
+    __slots__ = ()
+
+    kind: bpy.props.StringProperty(name="Kind", description="Word of the expression", override={"LIBRARY_OVERRIDABLE"})
+    object: bpy.props.PointerProperty(
+        name="Object", description="The object", type=bpy.types.Object, override={"LIBRARY_OVERRIDABLE"}
+    )
+    image: bpy.props.PointerProperty(
+        name="Image", description="The image", type=bpy.types.Image, override={"LIBRARY_OVERRIDABLE"}
+    )
+
+    def thing(self) -> bpy.types.ID | None:
+        """The object or image, if it is still there."""
+        return self.image if self.kind == "image" else self.object
 
 
 SDFLIGHTS_LampSettings = group(
@@ -301,6 +323,12 @@ SDFLIGHTS_LampSettings = group(
                 min=0.001,
                 max=0.999,
                 subtype="FACTOR",
+                update=tag,
+            ),
+            "image_colors": bpy.props.BoolProperty(
+                name="Own Colors",
+                description="The lamp has the colors of the picture, times its pattern and its color",
+                default=False,
                 update=tag,
             ),
             "image_size": bpy.props.FloatProperty(
@@ -423,6 +451,9 @@ SDFLIGHTS_LampSettings = group(
                 precision=3,
                 update=tag,
             ),
+            "data": bpy.props.CollectionProperty(
+                name="Data", description="What its texts name", type=SDFLIGHTS_LampData
+            ),
             "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
             "version": _version(),
         }
@@ -438,6 +469,7 @@ CLASSES = (
     SDFLIGHTS_SceneSettings,
     *_SHAPE_GROUPS.values(),
     SDFLIGHTS_LampEmission,
+    SDFLIGHTS_LampData,
     SDFLIGHTS_LampSettings,
 )
 

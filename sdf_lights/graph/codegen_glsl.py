@@ -108,9 +108,10 @@ def function(
         glsl = getattr(called, "glsl", "")
         if written is None or not glsl:
             raise UnwrittenError(f"lamps of the kind '{called.name}' have no form for the graphics card yet")
-        if called.name not in written:
-            written.add(called.name)
-            sources.append(glsl)
+        for part in (*getattr(called, "needs", ()), called):
+            if part.name not in written:
+                written.add(part.name)
+                sources.append(part.glsl)
         tables = [f"int({operand})" for operand in operands[: called.tables]]
         return [declare("float", f"{called.name}({', '.join([*tables, *operands[called.tables :]])})")]
 

@@ -44,7 +44,7 @@ class TableFunction(Function):
     ``(low, high, slope_low, slope_high, …)``: bounds of the value, and of its derivative by each coordinate. At a crease
     those of both sides are bounded. They are certain but for rounding, which it covers with ``interval_evaluation.MARGIN``.
     ``glsl`` is the source of ``float name(int table, …, float x, …)`` in float32, which reads the number i of all tables one
-    after the other by ``table_number(i)``, and is told where its own begin. ``derivatives`` takes what the kernel takes and gives the derivative by each coordinate.
+    after the other by ``table_number(i)``, and is told where its own begin; it may call what that of ``needs`` defines. ``derivatives`` takes what the kernel takes and gives the derivative by each coordinate.
     """
 
     tables: int = 1
@@ -52,6 +52,7 @@ class TableFunction(Function):
     derivatives: Function | None = None
     lipschitz: float = math.inf  # bound on the length of the gradient by all coordinates together
     glsl: str = ""
+    needs: "tuple[TableFunction, ...]" = ()
     operations: float = 200.0  # that a point takes, as many as that of a formula: about 0.1 ns each
 
 

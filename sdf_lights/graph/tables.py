@@ -129,6 +129,16 @@ def address_slots(*formulas: Formula) -> frozenset[int]:
     return frozenset(found)
 
 
+def kept(value: float) -> float:
+    """A number as a float. The address of a table stays one, which keeps the table."""
+    return value if isinstance(value, Address) else float(value)
+
+
+def tables_among(values: Iterable[float]) -> tuple[Table, ...]:
+    """Tables whose addresses are among numbers."""
+    return tuple(dict.fromkeys(value.table for value in values if isinstance(value, Address)))
+
+
 def at_address(number: float) -> Table | None:
     """The table at an address, if there is one."""
     return _places.get(int(number))

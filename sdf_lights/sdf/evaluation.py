@@ -20,6 +20,7 @@ import numpy as np
 
 from . import (  # noqa: F401 (the words of these modules are in FUNCTIONS then)
     builtin_colors,
+    builtin_data,
     builtin_shapes,
     declarations,
     expression_values,
@@ -27,6 +28,7 @@ from . import (  # noqa: F401 (the words of these modules are in FUNCTIONS then)
 from ..graph import formula
 from ..graph.formula import LONGEST_LOOP, POINT, Formula
 from .functions import CONSTANTS, FUNCTIONS, as_shape
+from .resolver import Resolver, Standing
 from .shapes import Difference, Field, Intersection, Shape, ShapeError, Union
 from .shapes.base import Parametric
 from .syntax import DEEPEST, ExpressionError
@@ -82,12 +84,12 @@ _COMPARISONS: dict[type, Callable] = {
 class Evaluation:
     """One run through the statements, with the names known so far."""
 
-    def __init__(self, given: Mapping[str, object], remarks: Mapping[int, str]):
+    def __init__(self, given: Mapping[str, object], remarks: Mapping[int, str], resolver: Resolver | None = None):
         self.given = given
         self.remarks = remarks
         self.names: dict[str, object] = CONSTANTS | {"p": tuple(POINT)}
         self.declarations: dict[str, declarations.Declaration] = {}
-        self.slots = Work()
+        self.slots = Work(resolver)
         self.depth = 0  # of values inside one another
         self.nesting = 0  # of blocks
         self.loops = 0  # of the formula, that are being made
@@ -125,6 +127,8 @@ class Evaluation:
     def finished(self, node: ast.AST, shape: Shape) -> Shape:
         """Refuses what could not be rendered."""
         shape = self.checked(node, shape)
+        if isinstance(self.slots.resolver, Standing) and self.slots.resolver.asked:
+            return shape  # of boxes in place of data, whose limits tell nothing
         fields = list(itertools.islice(_fields(shape), MOST_FIELDS + 1))
         if len(fields) > MOST_FIELDS:
             raise self.error(
@@ -441,8 +445,10 @@ class Evaluation:
                     raise self.error(node, "the value is undefined or too large", "use other numbers")
         return value
 
-    def constant(self, node: ast.Constant) -> float | Condition:
-        """A number, or True or False as a condition."""
+    def constant(self, node: ast.Constant) -> float | str | Condition:
+        """A number, a text, or True or False as a condition."""
+        if type(node.value) is str:
+            return node.value
         if type(node.value) is bool:
             return Condition(float(node.value))
         if type(node.value) not in (int, float):

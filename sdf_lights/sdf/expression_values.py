@@ -18,6 +18,7 @@ from typing import NamedTuple
 from ..graph import formula
 from ..graph.formula import CONSTANT, Formula
 from ..graph.operations import OPERATIONS
+from .resolver import Nothing, Resolver
 from .shapes.base import Parametric, Slots
 from .shapes.profiles import Profile
 
@@ -43,14 +44,15 @@ class Work(Slots):
 
     ``rounds`` is how often a loop of the formula that is being made runs, times that of the loop around it, and so on.
     The first ``inputs`` slots are not numbers: they stand for what is known only where the formula is read. Raises
-    ``Misuse`` where there is too much.
+    ``Misuse`` where there is too much. ``resolver`` gives the shapes that data make.
     """
 
-    def __init__(self):
+    def __init__(self, resolver: Resolver | None = None):
         super().__init__()
         self.steps = self.operations = 0
         self.rounds = 1
         self.inputs = 0
+        self.resolver: Resolver = resolver or Nothing()
 
     def input(self) -> Formula:
         """A further input, before any number has a slot."""
@@ -117,6 +119,8 @@ def kind_of(value) -> str:
         return "condition" if isinstance(value, Condition) else "vector"
     if isinstance(value, Parametric):
         return "profile" if isinstance(value, Profile) else "shape"
+    if isinstance(value, str):
+        return "text"
     return "number" if isinstance(value, float) else "field"
 
 
@@ -237,10 +241,10 @@ def less_equal(a: Scalar, b: Scalar) -> Condition:
 def choose(slots: Work, condition: Condition, then, otherwise):
     """``then`` where the condition holds, else ``otherwise``: values of one kind, or scalars and vectors."""
     truth = condition.truth
-    if isinstance(then, Parametric) or isinstance(otherwise, Parametric):
+    if isinstance(then, (Parametric, str)) or isinstance(otherwise, (Parametric, str)):
         if isinstance(truth, Formula):
             raise Misuse(
-                "a condition on the point cannot choose between shapes",
+                f"a condition on the point cannot choose between {kind_of(then)}s",
                 "choose between their fields, as in select(p.x > 0, a(p), b(p))",
             )
         return then if truth > 0.5 else otherwise

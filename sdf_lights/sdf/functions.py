@@ -21,7 +21,8 @@ from .shapes.base import Parametric
 
 REQUIRED = object()
 
-SHAPE_GROUPS = ("Shapes", "Profiles", "Solids from Profiles", "Combinations", "Operators", "Transforms")
+DATA_WORDS = "Texts, Objects and Pictures"
+SHAPE_GROUPS = ("Shapes", DATA_WORDS, "Profiles", "Solids from Profiles", "Combinations", "Operators", "Transforms")
 
 # What an argument can be, and how messages say so. Those of the first group have to be numbers, not fields.
 _WANTED = {
@@ -37,6 +38,7 @@ _WANTED = {
     "shape": "a shape",
     "profile": "a profile such as circle(0.5)",
     "corner": "a vector of two numbers",
+    "text": "a text in quotes",
     "any": "a value",
 }
 _ANGLES = ("angle", "angles")
@@ -204,6 +206,8 @@ class Function(NamedTuple):
 
 def show(value) -> str:
     """A value as one writes it in an expression."""
+    if isinstance(value, str):
+        return f'"{value}"'
     return f"{value:g}" if isinstance(value, float) else f"vec3({', '.join(f'{v:g}' for v in value)})"
 
 

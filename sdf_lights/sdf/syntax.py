@@ -44,7 +44,7 @@ class Syntax(NamedTuple):
 
 _REFUSED = (
     (
-        re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|&<>: \t\n]"),
+        re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|&<>: \t\n\"]"),
         "{!r} means nothing here",
         "use letters, digits, ( ) , . : and + - * / % ** | & = < >",
     ),
@@ -60,8 +60,6 @@ _CURES = {
     "]": "use ( ) instead",
     "{": "use ( ) instead",
     "}": "use ( ) instead",
-    "'": "there is no text in expressions",
-    '"': "there is no text in expressions",
     "^": "write ** for a power",
     ";": "write each statement on a line of its own",
     "!": "compare with < <= > >=, and write not before a condition",
@@ -74,9 +72,11 @@ def parse(text: str) -> Syntax:
     if len(text) > LONGEST:
         raise ExpressionError(f"the expression has {len(text)} characters", 1, 1, f"use at most {LONGEST}")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
-    lines, remarks = [], {}
+    lines: list[str] = []
+    remarks: dict[int, str] = {}
+    texts: dict[tuple[int, int], tuple[str, int]] = {}
     for number, line in enumerate(text.split("\n"), 1):
-        code, _, remark = line.partition("#")
+        code, remark = _without_texts(line, number, texts)
         lines.append(code)
         if remark.strip():
             remarks[number] = remark.strip()
@@ -104,7 +104,71 @@ def parse(text: str) -> Syntax:
         for node in ast.walk(tree):
             if hasattr(node, "lineno") and hasattr(node, "col_offset"):
                 node.col_offset += moved[node.lineno - 1]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            said, length = texts[node.lineno, node.col_offset]
+            if len(node.value) != length:
+                raise ExpressionError(
+                    "two texts stand one after the other",
+                    node.lineno,
+                    node.col_offset + 1,
+                    "write a comma between them",
+                )
+            node.value = said
     return Syntax(tree, remarks)
+
+
+_TEXT = re.compile(r'"(?:[^"\\]|\\.)*"|\'(?:[^\'\\]|\\.)*\'')
+_ESCAPE = re.compile(r"\\(x[0-9A-Fa-f]{2}|u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.)")
+_ESCAPED = {"n": "\n", "\\": "\\", '"': '"', "'": "'", "t": "\t"}
+
+
+def _without_texts(line: str, number: int, texts: dict[tuple[int, int], tuple[str, int]]) -> tuple[str, str]:
+    """A line with other letters in its texts, which are put into ``texts`` by line and column from 0, each with the length
+    that it has in the line; and its remark.
+
+    So Python's parser never sees what the texts say.
+    """
+    code: list[str] = []
+    at = 0
+    while at < len(line):
+        if line[at] == "#":
+            return "".join(code), line[at + 1 :]
+        if line[at] not in "\"'":
+            code.append(line[at])
+            at += 1
+            continue
+        found = _TEXT.match(line, at)
+        if found is None:
+            raise ExpressionError(
+                "the text that begins here has no end", number, at + 1, f"write {line[at]} after it, on the same line"
+            )
+        if at and (line[at - 1].isalnum() or line[at - 1] in "_\"'"):
+            raise ExpressionError(
+                "a text cannot stand right after a word or another text", number, at + 1, "write a comma before it"
+            )
+        texts[number, at] = _unescaped(found[0][1:-1], number, at), len(found[0]) - 2
+        code.append('"' + "_" * (len(found[0]) - 2) + '"')
+        at = found.end()
+    return "".join(code), ""
+
+
+def _unescaped(text: str, number: int, column: int) -> str:
+    def letter(found: re.Match) -> str:
+        if len(found[1]) > 1:
+            code = int(found[1][1:], 16)
+            if code < 0x110000 and not 0xD800 <= code < 0xE000:
+                return chr(code)
+        elif found[1] in _ESCAPED:
+            return _ESCAPED[found[1]]
+        raise ExpressionError(
+            f"\\{found[1]} means nothing in a text",
+            number,
+            column + 2 + found.start(),
+            "write \\\\ for one \\, or / in a path",
+        )
+
+    return _ESCAPE.sub(letter, text)
 
 
 def _guard(code: str) -> None:

@@ -11,10 +11,11 @@ import numpy as np
 from ..shapes import SHAPES, Shape
 from .grid import GRID
 from .outline import OUTLINE, Outline, windings
-from .tube import TUBE, Tube, tube_table
+from .texture import TEXTURE
+from .tube import TUBE, TUBE_ALONG, Tube, tube_table
 from .voxels import mesh_grid
 
-FUNCTIONS = OUTLINE, TUBE, GRID
+FUNCTIONS = OUTLINE, TUBE, TUBE_ALONG, GRID, TEXTURE
 
 
 def simplest() -> list[Shape]:

@@ -318,6 +318,10 @@ class Shape(Parametric):
         formula = self.build(undone(matrix, POINT, slots), slots) * slots(factor)
         return [Term(formula, np.array(slots.values), 0, Family.LEAF, 0.0, self.lipschitz)]
 
+    def along(self, p: Vector, slot: Slots) -> Formula | None:
+        """How far along its curve, from 0 to 1, the part of the shape is that is nearest to p; None where it has no curve."""
+        return None
+
     # -- what follows from it -------------------------------------------------------------------------------------
 
     def validate(self) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from ...graph import interval_evaluation, lipschitz
 from ...graph.formula import ITERATE, PARAMETER, POINT, Formula, Vector, maximum, order, parameter
 from ...graph.substitution import substitute
-from ...graph.tables import Address
+from ...graph.tables import kept
 from ..limits import negative_region
 from .base import NONE, SMALLEST, Shape, Slots, part
 from .displacement import Displaced
@@ -35,16 +35,11 @@ def _operations(formulas: tuple[Formula, ...], known: frozenset[Formula]) -> int
     )
 
 
-def _kept(value: float) -> float:
-    """A number. The address of a table stays one, which keeps the table."""
-    return value if isinstance(value, Address) else float(value)
-
-
 def _compact(formula: Formula, values: Sequence[float]) -> tuple[Formula, tuple[float, ...]]:
     """The formula with the slots that it uses, numbered from 0, and their values."""
     used = [node.value for node in order(formula) if node.kind == PARAMETER]
     slots = {slot: parameter(index) for index, slot in enumerate(used)}
-    return substitute(formula, POINT, slots), tuple(_kept(values[slot]) for slot in used)
+    return substitute(formula, POINT, slots), tuple(kept(values[slot]) for slot in used)
 
 
 @dataclass(frozen=True)

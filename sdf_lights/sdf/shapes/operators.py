@@ -12,7 +12,7 @@ from functools import cached_property, reduce
 import numpy as np
 
 from ...affine import inverse
-from ...graph.formula import POINT, Formula, Vector, maximum, minimum, parameter
+from ...graph.formula import POINT, Formula, Vector, maximum, minimum, parameter, select
 from ...graph.substitution import substitute
 from ...interruption import check
 from ..program import NoClosedForm, Op, combine
@@ -204,6 +204,18 @@ class SetOperation(Composite, abstract=True):
 
     def volume(self) -> float | None:
         return self.children[0].volume() if len(self.children) == 1 else None
+
+    def along(self, p: Vector, slot: Slots) -> Formula | None:
+        """That of the nearest of the shapes that have one."""
+        known = [(child.build(p, slot), child.along(p, slot)) for child in self.children]
+        known = [(distance, along) for distance, along in known if along is not None]
+        if not known:
+            return None
+        nearest, found = known[0]
+        for distance, along in known[1:]:
+            found = select(distance < nearest, along, found)
+            nearest = minimum(nearest, distance)
+        return found
 
     def relation(self) -> str:
         return "" if self.children else f"{self.label()}: it has no shapes to combine: give it at least one."
@@ -404,6 +416,9 @@ class Transformed(Operator, abstract=True):
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         return self.child.build(undone(self._array, p, slot), slot) * slot(float(self._singular_values[-1]))
+
+    def along(self, p: Vector, slot: Slots) -> Formula | None:
+        return self.child.along(undone(self._array, p, slot), slot)
 
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         return self.child.terms(matrix @ self._array, factor * float(self._singular_values[-1]))
