@@ -14,7 +14,7 @@ from ..render.errors import RenderError
 from ..sdf.emission import Emission
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import emission, objects, parameters, picture_lamps
+from . import emission, network_lamps, objects, parameters, picture_lamps
 from .nodes import reading
 from .properties import PRIMITIVES, values_of
 
@@ -50,6 +50,8 @@ def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
         shape = objects.shape_of(lamp.object, lamp)
     elif lamp.source == "IMAGE":
         shape = picture_lamps.shape_of(lamp)
+    elif lamp.source == "NETWORK":
+        shape = network_lamps.shape_of(lamp)
     elif lamp.source == "NODES":
         shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner)
     else:

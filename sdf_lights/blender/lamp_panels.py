@@ -15,7 +15,7 @@ from .context import LampTab, lamp_of, light_of
 from .lamp import pattern_of, shape_of
 from .lamp_presets import SDFLIGHTS_PT_lamp_presets
 from .naming import ENGINE, LABEL
-from .properties import PRIMITIVES
+from .properties import OF_DATA, PRIMITIVES
 
 
 def draw_emission(layout, light) -> None:
@@ -50,6 +50,10 @@ def draw_shape(layout, light, obj, width: int) -> None:
         layout.template_ID(lamp, "image", open="image.open")
         for name in ("image_part", "image_threshold", "image_size", "thickness"):
             layout.prop(lamp, name)
+    elif lamp.source == "NETWORK":
+        row = layout.row(align=True)
+        row.prop(lamp, "network", text="File", placeholder="Example")
+        row.operator("sdf_lights.network_reload", text="", icon="FILE_REFRESH")
     else:
         layout.prop(lamp, "shape")
         name = lamp.shape.lower()
@@ -63,7 +67,7 @@ def draw_shape(layout, light, obj, width: int) -> None:
         labels.draw_problem(column, error, width)
         if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
             layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
-    if lamp.source in ("OBJECT", "IMAGE"):
+    if lamp.source in OF_DATA:
         return  # no text says what is in them
     row = layout.row(align=True)
     if lamp.source != "NODES":

@@ -16,7 +16,7 @@ from .. import emission as lamp_emission
 from ..context import LampOperator, light_of
 from ..lamp import pattern_of, shape_of
 from ..naming import NODE_TREE
-from ..properties import PRIMITIVES
+from ..properties import OF_DATA, PRIMITIVES
 from . import reading, writing
 from .add_menu import nodes_by_menu
 from .groups import SDFLIGHTS_MT_group_add
@@ -96,9 +96,8 @@ def expression_of(light: bpy.types.Light) -> str:
         return parameters.text_of(lamp)
     if lamp.source == "NODES":
         return reading.text_of(lamp.nodes, parameters.values(lamp), None)
-    if lamp.source in ("OBJECT", "IMAGE"):
-        what = "an object" if lamp.source == "OBJECT" else "a picture"
-        raise RenderError(f"Its shape is that of {what}, which no text says: choose another source first.")
+    if lamp.source in OF_DATA:
+        raise RenderError(f"Its shape is that of {OF_DATA[lamp.source]}, which no text says: choose another source first.")
     name = lamp.shape.lower()
     group, named = getattr(lamp, name), {}
     for about in PRIMITIVES[name].fields():
