@@ -63,7 +63,9 @@ def shape_of(source: pathlib.Path, name: str = "") -> Shape:
     return mesh_grid(np.concatenate(vertices), np.concatenate(faces))
 
 
-def fit(shape: Shape, width: int, layers: int, omega: float, steps: int, batch: int, seed: int, say=lambda text: None) -> Siren:
+def fit(
+    shape: Shape, width: int, layers: int, omega: float, steps: int, batch: int, seed: int, say=lambda text: None
+) -> Siren:
     """A network whose field is near that of the shape: least squares by Adam (Kingma and Ba 2015), near its surface above all."""
     rng = np.random.default_rng(seed)
     low, high = shape.bounds()
@@ -124,7 +126,9 @@ def _slopes(points, wanted, weights, biases, omega):
 def main(arguments: list[str]) -> None:
     """Write a network."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("source", type=pathlib.Path, help="a mesh (.obj, .ply, .stl), a .blend, or an expression (.txt)")
+    parser.add_argument(
+        "source", type=pathlib.Path, help="a mesh (.obj, .ply, .stl), a .blend, or an expression (.txt)"
+    )
     parser.add_argument("out", type=pathlib.Path, help="the .npz file to write")
     parser.add_argument("--object", default="", help="the object of a .blend")
     parser.add_argument("--width", type=int, default=32, help="neurons of a layer")

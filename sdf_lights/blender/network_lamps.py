@@ -14,7 +14,9 @@ from ..sdf.shapes import Shape
 
 _KEPT = 16
 
-_shapes: OrderedDict[tuple, Shape | str] = OrderedDict()  # by the file as it was, or a sentence on what is wrong with it
+_shapes: OrderedDict[tuple, Shape | str] = (
+    OrderedDict()
+)  # by the file as it was, or a sentence on what is wrong with it
 
 
 def shape_of(lamp) -> Shape:

@@ -278,7 +278,7 @@ SDFLIGHTS_LampSettings = group(
                     ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
                     ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
                     ("NODES", "Nodes", "Shapes combined by a node tree", 2),
-                    ("OBJECT", "Object", "A text, a curve or a mesh of the scene, which stays live", 3),
+                    ("OBJECT", "Object", "A text, a curve, a mesh or a volume of the scene, which stays live", 3),
                     ("IMAGE", "Image", "The outline of a picture, extruded", 4),
                     ("NETWORK", "Network", "A network of sines that was fitted to a shape", 5),
                 ],
@@ -326,7 +326,7 @@ SDFLIGHTS_LampSettings = group(
             ),
             "object": bpy.props.PointerProperty(
                 name="Object",
-                description="Text, curve or mesh whose shape glows. The lamp follows what is edited there",
+                description="Text, curve, mesh or volume whose shape glows. The lamp follows what is edited there",
                 type=bpy.types.Object,
                 poll=lambda self, obj: obj.type in objects.READERS,
                 update=expression_changed,

@@ -40,7 +40,7 @@ def test_one_click_adds_a_lamp_that_lights(file, pictures):
     bpy.context.scene.collection.objects.link(camera)
     bpy.context.scene.camera = camera
     bpy.context.scene.render.engine = "SDF_LIGHTS"
-    bpy.context.scene.sdf_lights.samples = 1
+    bpy.context.scene.sdf_lights.samples, bpy.context.scene.sdf_lights.device = 1, "CPU"
     assert pictures()["ViewLayer"]["Combined"].max() > 0.1
 
 

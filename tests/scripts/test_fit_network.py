@@ -4,6 +4,7 @@
 
 import fit_network
 import numpy as np
+
 from sdf_lights.sdf.data.network import read
 from support import grids
 
@@ -12,7 +13,9 @@ def test_the_script_fits_a_network_and_a_seed_gives_one(tmp_path):
     source = tmp_path / "ball.txt"
     source.write_text("sphere(0.5)")
     for name in ("a", "b"):
-        fit_network.main([str(source), str(tmp_path / f"{name}.npz"), "--width", "16", "--steps", "400", "--batch", "512"])
+        fit_network.main(
+            [str(source), str(tmp_path / f"{name}.npz"), "--width", "16", "--steps", "400", "--batch", "512"]
+        )
     first, again = (read(tmp_path / f"{name}.npz") for name in "ab")
     points = np.random.default_rng(1).uniform(-0.5, 0.5, (2000, 3))
     np.testing.assert_array_equal(first.values(points), again.values(points))

@@ -63,7 +63,9 @@ def test_machine_code_and_numpy_have_the_same_values(network):
     low, high = siren.box
     outside = SHAPES["box"](tuple(0.5 * (high - low))).distance(points - 0.5 * (low + high))
     expected = np.maximum(siren.values(np.clip(points, low, high)), outside)
-    np.testing.assert_allclose(codegen_native.evaluate(shape.formula(), points, shape.parameters()), expected, atol=1e-12)
+    np.testing.assert_allclose(
+        codegen_native.evaluate(shape.formula(), points, shape.parameters()), expected, atol=1e-12
+    )
     np.testing.assert_allclose(shape.distance(points), expected, atol=1e-12)
 
 
@@ -76,7 +78,9 @@ def test_glsl_has_the_same_values(rabbit):
     numbers[: len(rabbit.parameters())] = rabbit.parameters()
     numbers[slots] = 0.0
     source += codegen_glsl.function(rabbit.formula(), "read", written=set())
-    np.testing.assert_allclose(glsl.evaluate(source, "read", points, numbers), rabbit.distance(points.astype(float)), atol=2e-5)
+    np.testing.assert_allclose(
+        glsl.evaluate(source, "read", points, numbers), rabbit.distance(points.astype(float)), atol=2e-5
+    )
 
 
 @pytest.mark.parametrize("side", [1.0, 0.2, 0.03, 1e-3, 0.0])
@@ -116,7 +120,9 @@ def test_derivatives_are_limits_of_differences(network):
 def test_no_two_points_differ_by_more_than_the_bound(network):
     _, shape = network
     a = _points(shape, 20_000, 5, 0.2)
-    b = a + np.random.default_rng(6).normal(size=a.shape) * 10.0 ** np.random.default_rng(7).uniform(-6, -0.5, (len(a), 1))
+    b = a + np.random.default_rng(6).normal(size=a.shape) * 10.0 ** np.random.default_rng(7).uniform(
+        -6, -0.5, (len(a), 1)
+    )
     difference = np.abs(shape.distance(a) - shape.distance(b))
     assert (difference <= shape.lipschitz * np.linalg.norm(a - b, axis=1) + 1e-12).all()
 
@@ -198,7 +204,9 @@ class _Command:
 )
 def test_files_that_are_no_networks_say_so_in_a_sentence(tmp_path, monkeypatch, name, value, sentence):
     monkeypatch.chdir(tmp_path)
-    path = _saved(tmp_path / "a.npz", lambda arrays: {k: v for k, v in (arrays | {name: value}).items() if v is not None})
+    path = _saved(
+        tmp_path / "a.npz", lambda arrays: {k: v for k, v in (arrays | {name: value}).items() if v is not None}
+    )
     with pytest.raises(NetworkError, match=sentence):
         read(path)
     assert not (tmp_path / "unpickled").exists()

@@ -97,7 +97,9 @@ def expression_of(light: bpy.types.Light) -> str:
     if lamp.source == "NODES":
         return reading.text_of(lamp.nodes, parameters.values(lamp), None)
     if lamp.source in OF_DATA:
-        raise RenderError(f"Its shape is that of {OF_DATA[lamp.source]}, which no text says: choose another source first.")
+        raise RenderError(
+            f"Its shape is that of {OF_DATA[lamp.source]}, which no text says: choose another source first."
+        )
     name = lamp.shape.lower()
     group, named = getattr(lamp, name), {}
     for about in PRIMITIVES[name].fields():

@@ -10,6 +10,7 @@ from __future__ import annotations
 import collections
 import importlib
 import pathlib
+import struct
 
 import bpy
 import numpy as np
@@ -20,6 +21,11 @@ from ...sdf.shapes.operators import Transformed
 from . import reads
 
 MODULES = "openvdb", "pyopenvdb"
+MAGIC, OLDEST, UUID = (
+    0x56444220,
+    222,
+    36,
+)  # of a .vdb file: its first word, a version of the format, bytes of its identity
 _KEPT = 16
 
 _grids: collections.OrderedDict[tuple, Shape | str] = collections.OrderedDict()  # or a sentence on what is wrong
@@ -33,6 +39,43 @@ def vdb():
         except ImportError:
             pass
     return None
+
+
+def is_whole(path: pathlib.Path) -> bool:
+    """Whether a .vdb file has all bytes that its grids say they have: OpenVDB may search for long in one that has not.
+
+    Its parts are those of ``io::File`` and ``GridDescriptor`` of OpenVDB.
+    """
+    size = path.stat().st_size
+    with open(path, "rb") as file:
+
+        def numbers(layout: str) -> tuple:
+            return struct.unpack(f"<{layout}", file.read(struct.calcsize(f"<{layout}")))
+
+        def skip() -> None:
+            (count,) = numbers("I")
+            if count > size:
+                raise ValueError("a text is longer than the file")
+            file.seek(count, 1)
+
+        try:
+            magic, version, _, _, has_offsets = numbers("qIIIb")
+            if magic != MAGIC or version < OLDEST or not has_offsets:
+                return False
+            file.seek(UUID, 1)
+            for _ in range(numbers("I")[0]):
+                skip(), skip(), skip()  # name, type, value
+                if file.tell() > size:
+                    return False
+            for _ in range(numbers("i")[0]):
+                skip(), skip(), skip()  # names and type
+                _, _, end = numbers("qqq")
+                if not file.tell() <= end <= size:
+                    return False
+                file.seek(end)
+        except (struct.error, ValueError):
+            return False
+    return True
 
 
 @reads(VOLUME="Volume")
@@ -72,7 +115,10 @@ def _shape(module, path: pathlib.Path) -> Shape | str:
     from ...sdf.data.level_set import level_set_grid  # it needs Numba, whose import takes a second
     from ...sdf.data.voxels import GridError
 
+    damaged = f"has the file '{path.name}', which is damaged or is no .vdb file: write it again, or choose another one."
     try:
+        if not is_whole(path):
+            return damaged
         grids = module.readAllGridMetadata(str(path))
         chosen = [grid for grid in grids if grid.gridClass == "level set" and isinstance(grid, module.FloatGrid)]
         if not chosen:
@@ -88,7 +134,9 @@ def _shape(module, path: pathlib.Path) -> Shape | str:
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = np.column_stack(axes), origin
         size = float(np.linalg.norm(axes, axis=1).min())
-        if not grid.activeVoxelCount() or not (np.isfinite(matrix).all() and abs(np.linalg.det(matrix / max(size, 1e-30))) > 1e-6):
+        if not grid.activeVoxelCount() or not (
+            np.isfinite(matrix).all() and abs(np.linalg.det(matrix / max(size, 1e-30))) > 1e-6
+        ):
             return "has an empty level set: choose another file."
         first, last = grid.evalActiveVoxelBoundingBox()
 
@@ -103,6 +151,6 @@ def _shape(module, path: pathlib.Path) -> Shape | str:
     except Interrupted:
         raise
     except Exception:  # the module raises what its C++ throws, of many kinds
-        return f"has the file '{path.name}', which is damaged or is no .vdb file: write it again, or choose another one."
+        return damaged
     matrix[:3, :3] /= size
     return shape if np.allclose(matrix, np.eye(4), atol=1e-9) else Transformed(shape, matrix)

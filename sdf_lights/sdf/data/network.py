@@ -332,7 +332,9 @@ class NetworkError(ValueError):
 class Siren:
     """Weights (out, in) and biases (out,) of layers, ω, and the box (2, 3) in metres: what a file holds."""
 
-    def __init__(self, weights: list[np.ndarray], biases: list[np.ndarray], omega: float = OMEGA, box=((-1,) * 3, (1,) * 3)):
+    def __init__(
+        self, weights: list[np.ndarray], biases: list[np.ndarray], omega: float = OMEGA, box=((-1,) * 3, (1,) * 3)
+    ):
         self.weights = [np.asarray(weight, np.float64) for weight in weights]
         self.biases = [np.asarray(bias, np.float64) for bias in biases]
         self.omega, self.box = float(omega), np.asarray(box, np.float64)
@@ -373,8 +375,19 @@ def read(path: pathlib.Path) -> Siren:
         raise
     except OSError as error:
         raise NetworkError(f"cannot be read ({error.strerror or error}): choose another one.") from None
-    except (ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, SyntaxError):
-        raise NetworkError("is damaged, or is no .npz file of plain numbers: write it again, or choose another one.") from None
+    except (
+        ValueError,
+        KeyError,
+        EOFError,
+        zipfile.BadZipFile,
+        zlib.error,
+        NotImplementedError,
+        RuntimeError,
+        SyntaxError,
+    ):
+        raise NetworkError(
+            "is damaged, or is no .npz file of plain numbers: write it again, or choose another one."
+        ) from None
     return _siren(arrays)
 
 
