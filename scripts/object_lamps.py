@@ -119,7 +119,7 @@ def build() -> None:
     light = bpy.data.lights.new("Rabbit", "POINT")
     light.energy, light.color = 12.0, (1.0, 0.55, 0.6)
     light.sdf_lamp.use, light.sdf_lamp.source, light.sdf_lamp.camera_brightness = True, "NETWORK", 0.25
-    add("Rabbit", light, (0.75, -1.3, 0.24), (0.0, 0.0, math.radians(-60.0))).scale = (0.48, 0.48, 0.48)
+    add("Rabbit", light, (0.95, -0.9, 0.26), (0.0, 0.0, math.radians(-20.0))).scale = (0.5, 0.5, 0.5)
 
     camera = add("Camera", bpy.data.cameras.new("Camera"), (0.1, -6.2, 1.5), (math.radians(86.0), 0.0, 0.0))
     camera.data.lens = 40.0
