@@ -436,7 +436,8 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
             surface.dpdv[axis] = edge2[axis]
     if flags & NEEDS_OBJECT_NORMAL:
         if instance.normals < 0:
-            object_normal = transform_normal(instance.matrix, ng if surface.backfacing == 0 else negate(ng))
+            flat = ng if surface.backfacing == 0 else negate(ng)
+            object_normal = normalize(transform_normal(instance.matrix, flat))
         for axis in range(3):
             surface.object_normal[axis] = object_normal[axis]
     if flags & NEEDS_RADIAL:

@@ -146,7 +146,8 @@ def _fill(block, surface, ray, instance, segment, wo, ray_kind, footprint):
     put(surface.dpdu, tangent)
     put(surface.dpdv, cross(tangent, wo if kind == _RIBBONS else n))
     put(surface.radial, tangent)
-    put(surface.object_normal, transform_normal(instance.matrix, n if surface.backfacing == 0 else negate(n)))
+    object_normal = transform_normal(instance.matrix, n if surface.backfacing == 0 else negate(n))
+    put(surface.object_normal, normalize(object_normal))
     surface.instance = hit_instance(ray)
     surface.primitive = segment
     surface.barycentric[0] = u
