@@ -343,7 +343,8 @@ def _data_lamp(matrix: Matrix, mesh: bpy.types.Mesh | None, **source) -> None:
     if mesh is None:
         shape = shape_of(light.sdf_lamp)
         mesh = lamp_meshes.mesh("Lamp", lamp_meshes.isosurface(shape.distance, *shape.bounds(), 160))
-    lamp_meshes.close(mesh)
+    else:
+        lamp_meshes.close(mesh)
     mesh.transform(matrix)
     light.sdf_lamp.density = INTENSITY / lamp_meshes.measures(mesh)[0]
     add("Lamp", light, collection=_collection(LAMPS)).matrix_world = matrix
