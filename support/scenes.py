@@ -769,18 +769,17 @@ def field_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def data_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Lamps that data make: an outline, a tube, a mesh, a network."""
+    """Lamps that data make: an outline, a tube, a mesh."""
     from sdf_lights.sdf.data.simplest import simplest
 
     scene = room(width, height)
     add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
-    outline, rod, mesh, network = simplest()
+    outline, rod, mesh, _ = simplest()
     turn = rotation("x", 60) @ rotation("y", 20)
     scene.lamps += [
         Lamp("outline", outline, translation(-0.8, 0.3, 1.8) @ turn, power=20.0, color=(1.0, 0.8, 0.5)),
         Lamp("rod", rod, translation(0.8, 0.0, 1.5) @ turn, power=20.0, color=(0.5, 0.7, 1.0)),
         Lamp("mesh", mesh, translation(-0.3, -0.3, 0.6) @ turn @ scaling(0.4, 0.4, 0.6), power=10.0),
-        Lamp("network", network, translation(0.2, 0.5, 1.2) @ turn @ scaling(0.4, 0.4, 0.4), power=10.0),
     ]
     return scene
 
