@@ -774,7 +774,7 @@ def data_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
     scene = room(width, height)
     add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
-    outline, rod, mesh = simplest()
+    outline, rod, mesh, _ = simplest()
     turn = rotation("x", 60) @ rotation("y", 20)
     scene.lamps += [
         Lamp("outline", outline, translation(-0.8, 0.3, 1.8) @ turn, power=20.0, color=(1.0, 0.8, 0.5)),

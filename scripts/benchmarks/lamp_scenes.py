@@ -330,7 +330,7 @@ def _(size: int) -> None:
 
 # --- lamps that data make ---------------------------------------------------------------------------------------------
 
-OF_DATA = ("sign", "spring", "statue", "logo")
+OF_DATA = ("sign", "spring", "statue", "logo", "rabbit")
 
 
 def _data_lamp(matrix: Matrix, mesh: bpy.types.Mesh | None, **source) -> None:
@@ -343,7 +343,8 @@ def _data_lamp(matrix: Matrix, mesh: bpy.types.Mesh | None, **source) -> None:
     if mesh is None:
         shape = shape_of(light.sdf_lamp)
         mesh = lamp_meshes.mesh("Lamp", lamp_meshes.isosurface(shape.distance, *shape.bounds(), 160))
-    lamp_meshes.close(mesh)
+    else:
+        lamp_meshes.close(mesh)
     mesh.transform(matrix)
     light.sdf_lamp.density = INTENSITY / lamp_meshes.measures(mesh)[0]
     add("Lamp", light, collection=_collection(LAMPS)).matrix_world = matrix
@@ -409,3 +410,9 @@ def _(size: int) -> None:
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     _data_lamp(turned(x=80.0, z=15.0, at=(0.0, 0.3, 1.6)), None, source="IMAGE", image=image, image_size=1.8)
+
+
+@_scene("rabbit", "a network of sines: the add-on's example")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    _data_lamp(turned(z=-70.0, at=(0.0, 0.3, 1.5)), None, source="NETWORK")

@@ -14,7 +14,7 @@ from ..sdf.emission import Emission
 from ..sdf.resolver import Cache, Resolver
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import emission, objects, parameters, picture_lamps
+from . import emission, network_lamps, objects, parameters, picture_lamps
 from .nodes import reading
 from .properties import PRIMITIVES, values_of
 from .sources import FileResolver
@@ -52,6 +52,8 @@ def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
         shape = objects.shape_of(lamp.object, lamp)
     elif lamp.source == "IMAGE":
         shape = picture_lamps.shape_of(lamp)
+    elif lamp.source == "NETWORK":
+        shape = network_lamps.shape_of(lamp)
     elif lamp.source == "NODES":
         shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner, lamp)
     else:

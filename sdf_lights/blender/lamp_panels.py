@@ -50,6 +50,10 @@ def draw_shape(layout, light, obj, width: int) -> None:
         layout.template_ID(lamp, "image", open="image.open")
         for name in ("image_part", "image_threshold", "image_size", "thickness", "image_colors"):
             layout.prop(lamp, name)
+    elif lamp.source == "NETWORK":
+        row = layout.row(align=True)
+        row.prop(lamp, "network", text="File", placeholder="Example")
+        row.operator("sdf_lights.network_reload", text="", icon="FILE_REFRESH")
     else:
         layout.prop(lamp, "shape")
         name = lamp.shape.lower()

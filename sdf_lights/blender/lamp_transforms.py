@@ -25,7 +25,7 @@ from ..sdf.syntax import ExpressionError, parse
 from . import emission, parameters
 from .lamp import pattern_of, shape_of
 from .nodes import editor, reading
-from .properties import PRIMITIVES, values_of
+from .properties import OF_DATA, PRIMITIVES, values_of
 from .sources import FileResolver
 
 _MOST_TRIED = 600  # combinations of factors
@@ -160,9 +160,9 @@ def apply_scale(obj: bpy.types.Object) -> None:
         raise RenderError("Its data are linked from another file: make a library override first.")
     if not np.all(np.abs(scale) > 1e-9):
         raise RenderError("It is scaled to zero.")
-    if lamp.source in ("OBJECT", "IMAGE"):
-        what = "an object: apply the scale there" if lamp.source == "OBJECT" else "a picture: set its width"
-        raise RenderError(f"Its shape is that of {what}.")
+    if lamp.source in OF_DATA:
+        cures = {"OBJECT": ": apply the scale there", "IMAGE": ": set its width", "NETWORK": ", which has one size"}
+        raise RenderError(f"Its shape is that of {OF_DATA[lamp.source]}{cures[lamp.source]}.")
     matrix = np.array(obj.matrix_world)
     old, pattern = shape_of(lamp, matrix), pattern_of(lamp, matrix)
     points = _points(old)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps of objects and pictures: how they are made, and how they follow what is edited there."""
+"""Lamps of objects, pictures and networks: how they are made, and how they follow what is edited there."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from bpy.app.handlers import persistent
 from bpy_extras.object_utils import AddObjectHelper, object_data_add
 
 from ..render.errors import RenderError
-from . import fallback, objects, parameters, picture_lamps
+from . import fallback, network_lamps, objects, parameters, picture_lamps
+from .context import light_of
 from .lamp import shape_of
 from .operators import SDFLIGHTS_MT_lamp_add
 from .properties import FORMS
@@ -124,6 +125,54 @@ class SDFLIGHTS_OT_text_lamp_add(bpy.types.Operator, AddObjectHelper):
             self.layout.prop(self, name)
 
 
+class SDFLIGHTS_OT_network_reload(bpy.types.Operator):
+    """Read the lamp's network again, after its file has changed"""
+
+    bl_idname = "sdf_lights.network_reload"
+    bl_label = "Reload Network"
+
+    @classmethod
+    def poll(cls, context):
+        light = light_of(context)
+        return light is not None and light.sdf_lamp.use and light.sdf_lamp.source == "NETWORK"
+
+    def execute(self, context):
+        light = light_of(context)
+        network_lamps.forget()
+        light.update_tag()
+        try:
+            shape_of(light.sdf_lamp)
+        except RenderError as error:
+            self.report({"WARNING"}, str(error))
+        fallback.follow(light)
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_OT_network_lamp_add(bpy.types.Operator, AddObjectHelper):
+    """Add a lamp of a network: the add-on's example, until another file is chosen"""
+
+    bl_idname = "sdf_lights.network_lamp_add"
+    bl_label = "Add Network Lamp"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT"
+
+    def execute(self, context):
+        light = bpy.data.lights.new("Network Lamp", "POINT")
+        light.energy = POWER
+        light.sdf_lamp.use, light.sdf_lamp.source = True, "NETWORK"
+        fallback.follow(light)
+        object_data_add(context, light, operator=self, name="Network Lamp")
+        return {"FINISHED"}
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in ("align", "location", "rotation"):
+            self.layout.prop(self, name)
+
+
 NEON_COLOR = (1.0, 0.18, 0.09)  # of neon itself; other gases and coatings have others
 
 
@@ -140,9 +189,15 @@ def draw_add(self, context):
     self.layout.separator()
     for form, text in (("SOLID", "Text"), ("NEON", "Neon Text")):
         self.layout.operator(SDFLIGHTS_OT_text_lamp_add.bl_idname, text=text, icon="OUTLINER_OB_FONT").form = form
+    self.layout.operator(SDFLIGHTS_OT_network_lamp_add.bl_idname, text="Network", icon="OUTLINER_OB_LIGHTPROBE")
 
 
-CLASSES = (SDFLIGHTS_OT_object_to_lamp, SDFLIGHTS_OT_text_lamp_add)
+CLASSES = (
+    SDFLIGHTS_OT_object_to_lamp,
+    SDFLIGHTS_OT_text_lamp_add,
+    SDFLIGHTS_OT_network_lamp_add,
+    SDFLIGHTS_OT_network_reload,
+)
 
 
 def register():

@@ -41,6 +41,10 @@ FORMS = [
 ]
 
 
+OF_DATA = {"OBJECT": "an object", "IMAGE": "a picture", "NETWORK": "a network"}
+"""Sources whose shapes no text says, and what they are, as part of a sentence."""
+
+
 def tag(self, context):
     """Blender tags the owner of a property for the dependency graph only if the property has a callback."""
 
@@ -296,9 +300,17 @@ SDFLIGHTS_LampSettings = group(
                     ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
                     ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
                     ("NODES", "Nodes", "Shapes combined by a node tree", 2),
-                    ("OBJECT", "Object", "A text, a curve or a mesh of the scene, which stays live", 3),
+                    ("OBJECT", "Object", "A text, a curve, a mesh or a volume of the scene, which stays live", 3),
                     ("IMAGE", "Image", "The outline of a picture, extruded", 4),
+                    ("NETWORK", "Network", "A network of sines that was fitted to a shape", 5),
                 ],
+            ),
+            "network": bpy.props.StringProperty(
+                name="Network",
+                description="File (.npz) of the network. Without one, it is the example of the add-on, a rabbit",
+                subtype="FILE_PATH",
+                options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+                update=expression_changed,
             ),
             "image": bpy.props.PointerProperty(
                 name="Image",
@@ -342,7 +354,7 @@ SDFLIGHTS_LampSettings = group(
             ),
             "object": bpy.props.PointerProperty(
                 name="Object",
-                description="Text, curve or mesh whose shape glows. The lamp follows what is edited there",
+                description="Text, curve, mesh or volume whose shape glows. The lamp follows what is edited there",
                 type=bpy.types.Object,
                 poll=lambda self, obj: obj.type in objects.READERS,
                 update=expression_changed,

@@ -9,6 +9,7 @@ and a thing that gets another name is still found.
 from __future__ import annotations
 
 import os
+import pathlib
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
@@ -18,7 +19,7 @@ from ..render.errors import RenderError
 from ..sdf.builtin_data import DATA
 from ..sdf.resolver import COLOURS, Found, Request, Unresolved, missing
 from ..sdf.shapes import Shape
-from . import objects, picture_lamps
+from . import network_lamps, objects, picture_lamps
 from .objects import curves
 
 Names = Iterable[tuple[str, str]]  # kinds and names
@@ -109,6 +110,10 @@ def _of_image(resolver: FileResolver, request: Request) -> Found:
     return picture_lamps.shape_of(_wanted(request, image))
 
 
+def _of_network(resolver: FileResolver, request: Request) -> Shape:
+    return network_lamps.of_file(pathlib.Path(_path(request.name, resolver._light)) if request.name else None)
+
+
 def types_of(kind: str) -> tuple[str, ...]:
     """Types of objects that a word takes."""
     return ("MESH", "META") if kind == "mesh" else tuple(objects.READERS)
@@ -119,12 +124,17 @@ _READERS: dict[str, Callable[[FileResolver, Request], Found]] = {
     "object": _of_object,
     "mesh": _of_object,
     "image": _of_image,
+    "network": _of_network,
     COLOURS: _of_image,
 }
 
 
 def words_of(lamp) -> tuple[str, str, dict[str, float | str]]:
-    """The word, the name and the settings that say the shape of a lamp of an object or image."""
+    """The word, the name and the settings that say the shape of a lamp of an object, an image or a network."""
+    if lamp.source == "NETWORK":
+        if not lamp.network:
+            raise RenderError("Its shape is the network that the add-on has, which is no file: choose one first.")
+        return "network", lamp.network, {}
     if lamp.source == "IMAGE":
         part = next(word for word, part in _PARTS.items() if part == lamp.image_part)
         settings = {"width": lamp.image_size, "thickness": lamp.thickness, "threshold": lamp.image_threshold}

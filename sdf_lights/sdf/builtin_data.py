@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the expression language for data: texts, objects, pictures, meshes. A row of ``DATA`` for each.
+"""The words of the expression language for data: texts, objects, pictures, meshes, networks. A row of ``DATA`` for each.
 
 What a name means, the ``Resolver`` of the expression says. Nodes are made from the rows, too.
 """
@@ -114,6 +114,9 @@ DATA: dict[str, Data] = {
             (PARTS,),
         ),
         Data("mesh", "name", "object", "What a mesh object encloses, by a grid of signed distances.", (_VOXEL,)),
+        Data(
+            "network", "path", "path", "A network of sines from a `.npz` file. `//` begins a path beside the file.", ()
+        ),
     )
 }
 """The words, by name."""

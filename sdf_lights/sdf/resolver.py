@@ -8,6 +8,7 @@ The language knows a kind, a name and settings. What stands behind them, a ``Res
 from __future__ import annotations
 
 import difflib
+import pathlib
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
@@ -108,6 +109,8 @@ class Arrays:
             return self._grid(request)
         if request.kind == "object" and request.name in self.shapes:
             return self.shapes[request.name]
+        if request.kind == "network":
+            return _network(request)
         if request.kind == "text":
             raise Unresolved("a text needs Blender's fonts", "open the lamp in Blender, or use image or mesh")
         known = self.images if request.kind in ("image", COLOURS) else self.meshes
@@ -123,6 +126,16 @@ class Arrays:
         except GridError as error:
             problem, _, cure = str(error).rstrip(".").rpartition(": ")
             raise Unresolved(f"mesh {request.name!r} {problem}", cure) from None
+
+
+def _network(request: Request) -> Shape:
+    from .data.network import NetworkError, read
+
+    try:
+        return read(pathlib.Path(request.name)).shape()
+    except NetworkError as error:
+        problem, _, cure = str(error).rstrip(".").rpartition(": ")
+        raise Unresolved(f"network {request.name!r:.80} {problem}", cure) from None
 
 
 def extruded(pixels: np.ndarray, request: Request) -> Shape:

@@ -17,7 +17,7 @@ from .. import emission as lamp_emission
 from ..context import LampOperator, light_of
 from ..lamp import pattern_of, shape_of
 from ..naming import NODE_TREE
-from ..properties import PRIMITIVES
+from ..properties import OF_DATA, PRIMITIVES
 from . import reading, writing
 from .add_menu import nodes_by_menu
 from .groups import SDFLIGHTS_MT_group_add
@@ -98,7 +98,7 @@ def expression_of(light: bpy.types.Light) -> str:
         return parameters.text_of(lamp)
     if lamp.source == "NODES":
         return reading.text_of(lamp.nodes, parameters.values(lamp), None, lamp)
-    if lamp.source in ("OBJECT", "IMAGE"):
+    if lamp.source in OF_DATA:
         shape_of(lamp)  # says what is wrong, if something is
         name, subject, settings = sources.words_of(lamp)
         shown = {key: ast.Constant(v) if isinstance(v, str) else reading.number(v) for key, v in settings.items()}
