@@ -94,6 +94,22 @@ def test_a_metaball_is_a_lamp(file, lamp_of):
     assert _inside(shape) > 1.0
 
 
+def test_renders_have_a_metaball_as_a_lamp_and_nothing_else_of_it(file, pictures):
+    bpy.ops.object.metaball_add(location=(0.0, 0.0, -5.0))
+    bpy.ops.sdf_lights.object_to_lamp()
+    (lamp,) = [light for light in bpy.data.lights if light.sdf_lamp.use]
+    lamp.energy = 0.0
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    bpy.context.scene.world = world = bpy.data.worlds.new("World")
+    world.color = (0.5, 0.5, 0.5)
+    dark = pictures()["ViewLayer"]["Combined"][..., :3]
+    np.testing.assert_allclose(dark, dark[0, 0, 0], rtol=1e-5)  # the world alone
+    lamp.energy = 100.0
+    assert pictures()["ViewLayer"]["Combined"].max() > 2.0 * dark.max()
+
+
 def test_an_open_mesh_is_a_lamp(file, lamp_of):
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
     mesh = bpy.context.object.data
