@@ -15,7 +15,7 @@ from . import surfaces
 from .stage import expression, pattern, preset, recipe, shine
 
 
-@recipe("Paper lanterns", samples=48, gallery=True)
+@recipe("Paper lanterns", samples=16, gallery=True)
 def paper_lanterns(scene) -> None:
     """Lanterns above a pond by night.
 
@@ -58,7 +58,7 @@ def paper_lanterns(scene) -> None:
     camera((0.1, -2.4, 1.75), (0.0, 4.0, 1.02), 52.0)
 
 
-@recipe("Campfire", samples=48, gallery=True)
+@recipe("Campfire", samples=16)
 def campfire(scene) -> None:
     """A fire between stones, with the flame's own colours.
 
@@ -102,7 +102,7 @@ def campfire(scene) -> None:
     camera((0.55, -3.3, 1.0), (0.0, 0.4, 0.6), 44.0)
 
 
-@recipe("Glass bulb with a filament", samples=96, gallery=True)
+@recipe("Glass bulb with a filament", samples=10, gallery=True)
 def glass_bulb(scene) -> None:
     """Bulbs with coils that glow.
 
@@ -113,7 +113,7 @@ def glass_bulb(scene) -> None:
     4. Set *Temperature* to 2000 K, *Power* to 3 W, and *Camera Brightness* to 0.003: one sees the coil, not a blot.
     5. Camera > Depth of Field, *F-Stop* 2.8.
     """
-    world((0.02, 0.022, 0.028))
+    world((0.045, 0.045, 0.05))
     surfaces.floor(surfaces.wood("Board", (0.24, 0.14, 0.085), (0.1, 0.055, 0.035), 0.4), (3.0, 3.0))
     surfaces.wall(principled("Wall", (0.1, 0.12, 0.13), 0.8), 0.75, (4.0, 2.0))
     thin = Graph("Thin Glass")
@@ -159,7 +159,7 @@ exp(-depth / 0.025) * (0.1 + 1.5 * exp(-9 * web)) + 0.8 * clamp(depth / 0.3, 0, 
 """
 
 
-@recipe("Lamp that pulses", samples=48)
+@recipe("Lamp that pulses", samples=16)
 def pulsing_lamp(scene) -> None:
     """An egg that breathes. Its power and its shape are animated.
 

@@ -17,7 +17,7 @@ from . import surfaces
 from .stage import expression, preset, primitive, recipe, shine
 
 
-@recipe("Ceiling cove", samples=64)
+@recipe("Ceiling cove", samples=12)
 def ceiling_cove(scene) -> None:
     """A strip of light runs around the ceiling. One sees its light, and not the strip.
 
@@ -112,7 +112,7 @@ def ceiling_cove(scene) -> None:
     camera((-0.55, -2.95, 1.35), (0.08, 2.5, 1.42), 60.0)
 
 
-@recipe("Strip under a cabinet", samples=64, gallery=True)
+@recipe("Strip under a cabinet", samples=20)
 def under_cabinet(scene) -> None:
     """A strip lights a worktop and the tiles behind it.
 
@@ -205,7 +205,7 @@ def under_cabinet(scene) -> None:
     camera((-0.28, -1.7, 1.33), (-0.02, -0.1, 1.13), 43.0)
 
 
-@recipe("City at night", samples=48, gallery=True)
+@recipe("City at night", samples=16, gallery=True)
 def city_at_night(scene) -> None:
     """Each front of windows is one lamp. A hundred windows cost hardly more than one.
 

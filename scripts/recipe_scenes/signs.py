@@ -25,7 +25,7 @@ def _text(body: str, size: float, location, **settings) -> bpy.types.Object:
     return add(body, curve, location=location, rotation=(90, 0, 0))
 
 
-@recipe("Neon in fog", samples=64, gallery=True)
+@recipe("Neon in fog", samples=10, gallery=True)
 def neon_in_fog(scene) -> None:
     """Neon in a wet street. The fog glows around it.
 
@@ -71,7 +71,7 @@ def neon_in_fog(scene) -> None:
     camera((-0.1, -2.6, 1.5), (0.05, 5.0, 1.45), 48.0)
 
 
-@recipe("Neon text", samples=48, gallery=True)
+@recipe("Neon text", samples=10)
 def neon_text(scene) -> None:
     """A sign of two colours on a wall of bricks. The text stays a text.
 
@@ -94,7 +94,7 @@ def neon_text(scene) -> None:
     camera((-0.85, -3.0, 1.0), (0.0, 0.0, 1.28), 44.0)
 
 
-@recipe("Glowing logo from a picture", samples=48)
+@recipe("Glowing logo from a picture", samples=20)
 def glowing_logo(scene) -> None:
     """A picture with transparency becomes a sign that lights the wall behind it.
 
@@ -138,7 +138,7 @@ def glowing_logo(scene) -> None:
     camera((-0.95, -2.5, 0.95), (0.02, 0.0, 1.3), 40.0)
 
 
-@recipe("Lamp along a curve", samples=48)
+@recipe("Lamp along a curve", samples=24)
 def curve_lamp(scene) -> None:
     """A ribbon of light winds above a dinner table.
 

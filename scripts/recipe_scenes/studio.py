@@ -26,7 +26,7 @@ def head(name: str, material, location, size: float = 0.5, turn: float = 0.0) ->
     return made
 
 
-@recipe("Softbox for a product", samples=96, gallery=True)
+@recipe("Softbox for a product", samples=48, gallery=True)
 def softbox(scene) -> None:
     """A bottle between two soft panels. Their long reflections draw its shape.
 
@@ -74,7 +74,7 @@ def softbox(scene) -> None:
     camera((0.0, -2.3, 0.62), (0.0, 0.0, 0.4), 30.0)
 
 
-@recipe("Light linking", samples=64)
+@recipe("Light linking", samples=48)
 def light_linking(scene) -> None:
     """Each lamp lights one head. The floor gets the light of both.
 

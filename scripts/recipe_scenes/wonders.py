@@ -17,7 +17,7 @@ from . import surfaces
 from .stage import expression, of_object, pattern, preset, primitive, recipe, shine
 
 
-@recipe("Portal", samples=64, gallery=True)
+@recipe("Portal", samples=12, gallery=True)
 def portal(scene) -> None:
     """A whirl of light in an arch of stone.
 
@@ -71,7 +71,7 @@ def portal(scene) -> None:
     camera((-1.0, -5.2, 1.15), (0.0, 0.0, 1.22), 42.0)
 
 
-@recipe("Hologram", samples=64)
+@recipe("Hologram", samples=10)
 def hologram(scene) -> None:
     """A head of light above a projector, with lines as a screen has them.
 
@@ -120,7 +120,7 @@ def hologram(scene) -> None:
     camera((0.5, -3.6, 1.35), (0.0, 0.0, 1.22), 42.0)
 
 
-@recipe("Statue of light", samples=64)
+@recipe("Statue of light", samples=24)
 def statue_of_light(scene) -> None:
     """A dancer whose inside glows, in a dark hall.
 
@@ -181,11 +181,11 @@ def statue_of_light(scene) -> None:
     bpy.context.view_layer.update()
     made = of_object(dancer)
     pattern(made, "core", size=0.09, sharpness=1.5)
-    shine(made, 130.0, kelvins=3800.0, camera=0.35)
+    shine(made, 130.0, kelvins=3800.0, camera=0.15)
     camera((0.9, -4.6, 1.15), (0.0, 0.4, 1.3), 42.0)
 
 
-@recipe("Fractal crystal", samples=48, gallery=True)
+@recipe("Fractal crystal", samples=10, gallery=True)
 def fractal_crystal(scene) -> None:
     """Crystals that are fractals, in a cave.
 
@@ -235,7 +235,7 @@ def fractal_crystal(scene) -> None:
     camera((0.25, -3.7, 1.0), (0.0, 0.0, 0.82), 40.0)
 
 
-@recipe("Light in ice", samples=96)
+@recipe("Light in ice", samples=16)
 def light_in_ice(scene) -> None:
     """Lamps that are frozen in blocks of ice.
 
@@ -283,7 +283,7 @@ def light_in_ice(scene) -> None:
     camera((0.1, -2.7, 1.05), (0.0, 0.05, 0.34), 40.0)
 
 
-@recipe("Aurora", samples=48, gallery=True)
+@recipe("Aurora", samples=16, gallery=True)
 def aurora(scene) -> None:
     """A curtain of light, a hundred metres wide, above mountains and a lake.
 
