@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import pathlib
 import sys
+import textwrap
 import time
 
 import bpy
@@ -48,6 +49,8 @@ def recipes_page() -> str:
         parts.append(
             f"\n### {made.title}\n\n![{made.title}](images/recipes/{made.name}.jpg)\n\n{made.about}\n\n{listed}\n"
         )
+        for what, text in made.texts.items():
+            parts.append(f"\nThe {what}:\n\n{textwrap.indent(text, '    ')}")
     return "".join(parts)
 
 

@@ -15,14 +15,15 @@ from . import surfaces
 from .stage import expression, pattern, preset, recipe, shine
 
 
-@recipe("Paper lanterns", samples=16, gallery=True)
+@recipe("Paper lanterns", samples=12, gallery=True)
 def paper_lanterns(scene) -> None:
     """Lanterns above a pond by night.
 
-    1. Choose Add > Light > SDF Lamp > Presets > **Ribbed Lantern**. Its slider *Ribs* has the number of ribs.
-    2. Press Alt D for linked copies. One change then changes all of them. Scale some by 0.7.
-    3. Set *Temperature* to 2000 K, *Power* to 30 W, and *Camera Brightness* to 0.16.
-    4. Model a floor with *Roughness* 0.02 and a *Bump* of 1 cm: the water.
+    1. Choose Add > Light > SDF Lamp > Presets > **Ribbed Lantern**. Its slider *Ribs* has the number of ribs. Scale
+       it by 0.7.
+    2. Set *Temperature* to 2000 K, *Power* to 30 W, and *Camera Brightness* to 0.16.
+    3. Press Alt D for linked copies: a change of one changes all of them. Scale them by 0.8 to 1.
+    4. Model a floor with *Roughness* 0.02 and a *Bump* node: the water.
     """
     world((0.006, 0.012, 0.035))
     graph = Graph("Water")
@@ -58,15 +59,15 @@ def paper_lanterns(scene) -> None:
     camera((0.1, -2.4, 1.75), (0.0, 4.0, 1.02), 52.0)
 
 
-@recipe("Campfire", samples=16)
+@recipe("Campfire", samples=12)
 def campfire(scene) -> None:
     """A fire between stones, with the flame's own colours.
 
     1. Choose Add > Light > SDF Lamp > Presets > **Campfire**. Put it on the logs.
-    2. In Pattern, *Bottom* 2200 and *Top* 1300 are temperatures in kelvins. Set *Wisps* to 0.9.
+    2. In Pattern, *Bottom* and *Top* are temperatures in kelvins. Set *Bottom* to 2200.
     3. Set *Power* to 130 W, and *Camera Brightness* to 0.035.
     4. Hold the mouse over *Rise*, and press I at two frames with different values: the flames go up.
-    5. Set the colour of the world to a dark blue: evening.
+    5. Set the colour of the world to a dark blue.
     """
     world((0.014, 0.024, 0.06))
     surfaces.floor(surfaces.stone("Earth", (0.09, 0.065, 0.045), 2.0, 0.12), (30.0, 30.0))
@@ -102,16 +103,18 @@ def campfire(scene) -> None:
     camera((0.55, -3.3, 1.0), (0.0, 0.4, 0.6), 44.0)
 
 
-@recipe("Glass bulb with a filament", samples=10, gallery=True)
+@recipe("Glass bulb with a filament", samples=8, gallery=True)
 def glass_bulb(scene) -> None:
     """Bulbs with coils that glow.
 
     1. Model a bulb: half of its outline, and a **Screw** modifier.
-    2. Give it thin glass: a **Mix Shader** of **Transparent BSDF** and **Glossy BSDF**, with a **Fresnel** node as its factor. Light goes
-       straight through, without noise.
-    3. Choose Add > Light > SDF Lamp > Presets > **Filament**. Scale it by 0.2, and put it into the bulb.
-    4. Set *Temperature* to 2000 K, *Power* to 3 W, and *Camera Brightness* to 0.003: one sees the coil, not a blot.
-    5. Camera > Depth of Field, *F-Stop* 2.8.
+    2. Give it thin glass: a **Mix Shader** of **Transparent BSDF** and **Glossy BSDF**, with a **Fresnel** node as
+       its factor. Light goes straight through, without noise.
+    3. Choose Add > Light > SDF Lamp > Presets > **Filament**. Set *Radius* to 0.11 m, *Pitch* to 0.07 m, *Turns* to
+       6 and *Wire* to 0.009 m. Scale it by 0.15, and put it into the bulb.
+    4. Set *Temperature* to 2000 K, *Power* to 2.2 W, and *Camera Brightness* to 0.003: one sees the coil, not a
+       blot.
+    5. Choose Camera > Depth of Field, and set *F-Stop* to 4.
     """
     world((0.045, 0.045, 0.05))
     surfaces.floor(surfaces.wood("Board", (0.24, 0.14, 0.085), (0.1, 0.055, 0.035), 0.4), (3.0, 3.0))
@@ -152,22 +155,27 @@ def glass_bulb(scene) -> None:
     view.data.clip_start = 0.01
 
 
-VEINS = """
+EGG = """\
+top = slider(0.2, 0.1, 0.5)  # radius of its upper end
+egg(0.36, top, 0.4)
+"""
+VEINS = """\
 veins = slider(7, 1, 30)  # in a metre
 web = abs(noise(veins * p) + 0.5 * noise(2 * veins * p))
 exp(-depth / 0.025) * (0.1 + 1.5 * exp(-9 * web)) + 0.8 * clamp(depth / 0.3, 0, 1) ** 3
 """
 
 
-@recipe("Lamp that pulses", samples=16)
+@recipe("Lamp that pulses", samples=12, shape=EGG, pattern=VEINS)
 def pulsing_lamp(scene) -> None:
-    """An egg that breathes. Its power and its shape are animated.
+    """Eggs that breathe. Their power and their shape are animated.
 
-    1. Choose Add > Light > SDF Lamp > Curved > **Egg**. Choose Pattern > **Expression** with veins: the `.blend` has it.
-    2. At frame 1, hold the mouse over *Power*, and press I. At frame 20, set four times as much, and press I.
-    3. Do the same with *Top Radius*: 0.18 m, and 0.21 m.
-    4. In the Graph Editor, press Shift E > **Make Cyclic**: it goes on for ever.
-    5. Set *Seed* to animate (Sampling > Advanced), and render the frames 1 to 40.
+    1. Choose Add > Light > SDF Lamp > **From an Expression**. Press *New* beside *Text*, and write the shape. `top`
+       becomes a slider.
+    2. Choose Pattern > **Expression**, and write the pattern: veins below the shell.
+    3. Set *Power* to 12 W at frame 1, 48 W at frame 20, and 12 W at frame 39. Press I over it each time.
+    4. Set *Top* to 0.18 m, 0.21 m and 0.18 m at the same frames, and press I.
+    5. Press Shift E in the Graph Editor, and choose **Make Cyclic**: it goes on for ever.
     """
     world((0.006, 0.009, 0.014))
     surfaces.floor(surfaces.stone("Rock", (0.13, 0.12, 0.13), 1.3, 0.2), (20.0, 20.0))
@@ -195,10 +203,7 @@ def pulsing_lamp(scene) -> None:
     ):
         egg = expression(
             "Egg",
-            """
-            top = slider(0.2, 0.1, 0.5)  # radius of its upper end
-            egg(0.36, top, 0.4)
-            """,
+            EGG,
             (x, y, 0.34 * size),
             (chance.uniform(-14, 14), chance.uniform(-14, 14), 0),
             size,

@@ -25,16 +25,18 @@ def _text(body: str, size: float, location, **settings) -> bpy.types.Object:
     return add(body, curve, location=location, rotation=(90, 0, 0))
 
 
-@recipe("Neon in fog", samples=10, gallery=True)
+@recipe("Neon in fog", samples=8, gallery=True)
 def neon_in_fog(scene) -> None:
     """Neon in a wet street. The fog glows around it.
 
-    1. Model a street: a floor, and two walls. Give the floor a *Roughness* of 0.05 where it is wet.
-    2. Choose Add > Light > SDF Lamp > Presets > **Neon Ring**. Put it before the left wall, and turn it to the camera.
-    3. Add a **Neon Text**, `jazz`, before the right wall. Set *Power* to 60 W.
-    4. Add the preset **Pearl** at the end of the street, with 160 W.
+    1. Model a street: a floor, and two walls. Give the floor a *Roughness* of 0.03 where it is wet.
+    2. Choose Add > Light > SDF Lamp > Presets > **Neon Ring**. Put it before the left wall, and turn it to the
+       camera. Set *Power* to 60 W and *Tint* to 0.03, 0.4, 1.
+    3. Choose Add > Light > SDF Lamp > **Neon Text**, and write `jazz`. Put it before the right wall. Set *Power* to
+       60 W, and choose Pattern > **Neon** with *Tint* 1, 0.05, 0.22.
+    4. Add the preset **Pearl** at the end of the street, with 260 W and 2400 K.
     5. Choose World Properties > Volume > **Volume Scatter**. Set *Density* to 0.05.
-    6. Set *Camera Brightness* of the lamps to 0.05, so that their colour stays.
+    6. Set *Camera Brightness* of the neon to 0.05, so that its colour stays.
     """
     surfaces.fog(0.05, ambient=(0.006, 0.009, 0.018))
     surfaces.floor(surfaces.wet("Asphalt", scale=0.9, gloss=(0.03, 0.35)), (14.0, 40.0), (0.0, 12.0, 0.0))
@@ -71,15 +73,16 @@ def neon_in_fog(scene) -> None:
     camera((-0.1, -2.6, 1.5), (0.05, 5.0, 1.45), 48.0)
 
 
-@recipe("Neon text", samples=10)
+@recipe("Neon text", samples=8)
 def neon_text(scene) -> None:
     """A sign of two colours on a wall of bricks. The text stays a text.
 
     1. Choose Add > Light > SDF Lamp > **Neon Text**. Press Tab, and write `open`.
     2. Turn it upright (R X 90), and put it 8 cm before a wall.
-    3. Open Shape, set *Tube Radius* to 0.016 m and *Gap* to 0.04 m.
-    4. Add a second one, `all night`, half as large, with a blue *Color*.
-    5. Choose Pattern > **Neon** for both: the middle of the tubes is whiter. Set *Tint* to the colour of the light.
+    3. Set *Tube Radius* to 0.018 m, *Gap* to 0.04 m, *Power* to 45 W, and *Camera Brightness* to 0.06.
+    4. Choose Pattern > **Neon**: the middle of the tube is whiter. Set *Tint* to 1, 0.12, 0.05, and *Depth of
+       Middle* to 0.015 m.
+    5. Add a second one, `all night`, with *Tube Radius* 0.011 m, *Power* 14 W and *Tint* 0.06, 0.4, 1.
     """
     world((0.01, 0.012, 0.02))
     surfaces.wall(surfaces.brick("Brick", (0.2, 0.11, 0.085)), 0.0)
@@ -94,15 +97,15 @@ def neon_text(scene) -> None:
     camera((-0.85, -3.0, 1.0), (0.0, 0.0, 1.28), 44.0)
 
 
-@recipe("Glowing logo from a picture", samples=20)
+@recipe("Glowing logo from a picture", samples=12)
 def glowing_logo(scene) -> None:
     """A picture with transparency becomes a sign that lights the wall behind it.
 
     1. Add any SDF lamp, and choose Shape > Source > **Image**. Open a picture with alpha.
-    2. Set *Width* to 1.2 m, and *Thickness* to 0.05 m.
-    3. Put it 6 cm before the wall, so that the wall glows around it.
-    4. For a dark front, put the same outline before it: Object > Convert > **SDF Lamp to Mesh** of a copy, moved by 4 cm.
-       Give the mesh a dark metal.
+    2. Set *Width* to 1.25 m, *Thickness* to 0.05 m, and *Power* to 45 W.
+    3. Put it 7 cm before the wall, so that the wall glows around it.
+    4. For a dark front, copy the lamp, and choose Object > Convert > **SDF Lamp to Mesh**. Move the mesh 5.5 cm to
+       the front, make it half as thick, and give it a dark metal.
     """
     world((0.008, 0.009, 0.012))
     size = 256
@@ -138,11 +141,12 @@ def glowing_logo(scene) -> None:
     camera((-0.95, -2.5, 0.95), (0.02, 0.0, 1.3), 40.0)
 
 
-@recipe("Lamp along a curve", samples=24)
+@recipe("Lamp along a curve", samples=16)
 def curve_lamp(scene) -> None:
     """A ribbon of light winds above a dinner table.
 
-    1. Add a NURBS path, and draw a loop with it. Set its *Bevel Depth* to 0.018 m, and the *Radius* of its end points to 0.3.
+    1. Add a NURBS path, and draw a loop with it. Set its *Bevel Depth* to 0.02 m, and the *Radius* of its end
+       points to 0.3.
     2. Choose Object > Convert > **To SDF Lamp**. Edit the curve: the lamp follows.
     3. Set *Temperature* to 3000 K, *Power* to 95 W, and *Camera Brightness* to 0.07.
     4. Hang it up by two thin cylinders.

@@ -27,6 +27,7 @@ class Recipe:
     build: Callable[[bpy.types.Scene], None]
     samples: int
     gallery: bool
+    texts: dict[str, str]  # expressions of several lines, by what they are
 
     @property
     def size(self) -> tuple[int, int]:
@@ -36,8 +37,9 @@ class Recipe:
 RECIPES: dict[str, Recipe] = {}
 
 
-def recipe(title: str, samples: int = 48, gallery: bool = False):
-    """Register a function that fills an empty scene. Its docstring has a sentence, and then the steps, each with a number."""
+def recipe(title: str, samples: int, gallery: bool = False, **texts: str):
+    """Register a function that fills an empty scene. Its docstring has a sentence, and then the steps, each with a number.
+    ``texts``: expressions that the page shows."""
 
     def register(build):
         text = inspect.cleandoc(build.__doc__)
@@ -50,7 +52,7 @@ def recipe(title: str, samples: int = 48, gallery: bool = False):
             else:
                 steps[-1] += " " + line.strip()
         about = " ".join(about.split())
-        RECIPES[build.__name__] = Recipe(build.__name__, title, about, tuple(steps), build, samples, gallery)
+        RECIPES[build.__name__] = Recipe(build.__name__, title, about, tuple(steps), build, samples, gallery, texts)
         return build
 
     return register
@@ -97,7 +99,7 @@ def expression(name: str, text: str, location, rotation=(0.0, 0.0, 0.0), scale=1
     settings = made.data.sdf_lamp
     if "\n" in text.strip():
         settings.text = bpy.data.texts.new(name)
-        settings.text.from_string(inspect.cleandoc(text) + "\n")
+        settings.text.from_string(text)
     else:
         settings.expression = text
     return made
@@ -138,7 +140,7 @@ def pattern(made: bpy.types.Object, source: str, **sliders) -> bpy.types.Object:
     settings = made.data.sdf_lamp.emission
     if "\n" in source or "(" in source:
         settings.text = bpy.data.texts.new(f"{made.name} Emission")
-        settings.text.from_string(inspect.cleandoc(source) + "\n")
+        settings.text.from_string(source)
         settings.source = "EXPRESSION"
     else:
         settings.source = source.upper()

@@ -31,10 +31,9 @@ def softbox(scene) -> None:
     """A bottle between two soft panels. Their long reflections draw its shape.
 
     1. Choose Add > Light > SDF Lamp > Presets > **Soft Panel**. Set *Width* to 0.4 m and *Depth* to 1.2 m.
-    2. Put it to the left, upright, and turn it to the bottle. *Power* 60 W.
-    3. Press Alt D, and put the copy to the right.
-    4. Add the preset **Ring Light** behind it. *Power* 10 W, an orange *Color*.
-    5. Turn *Visibility > Camera* off where a panel is in the picture.
+    2. Put it to the left, and turn it to the bottle. Set *Power* to 60 W and *Temperature* to 5600 K.
+    3. Press Alt D, and put the copy to the right. Turn *Visibility > Camera* off.
+    4. Add the preset **Ring Light** behind the bottle, with 10 W and the *Color* 1, 0.45, 0.14.
     """
     world((0.01, 0.01, 0.012))
     surfaces.backdrop(principled("Backdrop", (0.06, 0.065, 0.075), 0.35), 1.4)
@@ -76,11 +75,11 @@ def softbox(scene) -> None:
 
 @recipe("Light linking", samples=48)
 def light_linking(scene) -> None:
-    """Each lamp lights one head. The floor gets the light of both.
+    """Each lamp lights one head. The ground gets the light of both.
 
     1. Add two heads, and the presets **Neon Ring** and **Fluorescent Tube** between them.
     2. Select a lamp. Choose Object Properties > Shading > Light Linking > **New**.
-    3. Drag the head, and the floor, from the Outliner into the list.
+    3. Drag one head, and the ground, from the Outliner into the list.
     4. Do the same for the other lamp and head.
     """
     world((0.004, 0.004, 0.006))
@@ -103,12 +102,13 @@ def light_linking(scene) -> None:
     camera((0.0, -3.4, 1.05), (0.0, 0.1, 0.62), 38.0)
 
 
-@recipe("Lamps in a render of Cycles", samples=64)
+@recipe("Lamps in a render of Cycles", samples=32)
 def beside_cycles(scene) -> None:
-    """Cycles renders the scene, and this engine adds the light of the lamps. F12 gives the sum.
+    """Cycles renders the scene, and this engine adds the light of the lamps.
 
     1. Keep the render engine **Cycles**, and add the presets **Filament** and **Light Cage**.
-    2. Select a lamp, and choose Data > SDF Lamp > **Add Lamps' Light to Cycles**. A second scene is made, and the compositor adds it.
+    2. Select a lamp, and choose Data > SDF Lamp > **Add Lamps' Light to Cycles**. A second scene is made, and the
+       compositor adds it.
     3. Press F12.
     4. After you add objects, press **Update Lamps' Light in Cycles**.
     """

@@ -16,16 +16,24 @@ from scenery.staging import camera, world
 from . import surfaces
 from .stage import expression, of_object, pattern, preset, primitive, recipe, shine
 
+WHIRL = """\
+spin = slider(0, -10, 10)  # turns
+r = length(p.xz)
+arms = 0.5 + 0.5 * sin(3 * atan2(p.z, p.x) + 9 * r + tau * spin + 1.2 * noise(4 * p))
+ramp(r, 0, (0.9, 0.9, 1), 0.35, (0.25, 0.35, 1), 1, (0.45, 0.08, 0.9)) * (0.04 + arms ** 3 + exp(-9 * r))
+"""
 
-@recipe("Portal", samples=12, gallery=True)
+
+@recipe("Portal", samples=10, gallery=True, pattern=WHIRL)
 def portal(scene) -> None:
     """A whirl of light in an arch of stone.
 
-    1. Choose Add > Light > SDF Lamp > **From an Expression**, and write `rotate_x(lens(0.95, 0.16), 90)`.
-    2. Choose Pattern > **Expression**, and write what is below. `spin` becomes a slider, which can be animated.
-    3. Add a ring around it: SDF Lamp > Basic > **Torus**, *Major Radius* 1 m, *Minor Radius* 0.03 m.
-    4. Set both to 80 W and violet. *Camera Brightness* is 0.2.
-    5. Build the arch of blocks: one block, and an **Array** modifier with an empty that is turned by 15°.
+    1. Choose Add > Light > SDF Lamp > **From an Expression**, and write `rotate_x(lens(1.0, 0.16), 90)`.
+    2. Choose Pattern > **Expression**, and write the pattern. `spin` becomes a slider, which can be animated.
+    3. Set *Power* to 110 W, and *Camera Brightness* to 0.22.
+    4. Add a ring around it: SDF Lamp > Basic > **Torus**, *Major Radius* 1.03 m, *Minor Radius* 0.025 m. Set
+       *Power* to 45 W, and *Color* to 0.5, 0.25, 1.
+    5. Build the arch of blocks, each turned by 14° to the one before.
     """
     surfaces.fog(0.02, ambient=(0.006, 0.008, 0.018))
     surfaces.floor(surfaces.wet("Flags", (0.04, 0.04, 0.045), 1.1, (0.05, 0.4)), (24.0, 24.0))
@@ -58,12 +66,7 @@ def portal(scene) -> None:
     disc = expression("Whirl", "rotate_x(lens(1.0, 0.16), 90)", (0.0, 0.0, 1.2))
     pattern(
         disc,
-        """
-        spin = slider(0, -10, 10)  # turns
-        r = length(p.xz)
-        arms = 0.5 + 0.5 * sin(3 * atan2(p.z, p.x) + 9 * r + tau * spin + 1.2 * noise(4 * p))
-        ramp(r, 0, (0.9, 0.9, 1), 0.35, (0.25, 0.35, 1), 1, (0.45, 0.08, 0.9)) * (0.04 + arms ** 3 + exp(-9 * r))
-        """,
+        WHIRL,
     )
     shine(disc, 110.0, (1.0, 1.0, 1.0), camera=0.22)
     ring = primitive("torus", (0.0, 0.0, 1.2), (90, 0, 0), major_radius=1.03, minor_radius=0.025)
@@ -71,16 +74,17 @@ def portal(scene) -> None:
     camera((-1.0, -5.2, 1.15), (0.0, 0.0, 1.22), 42.0)
 
 
-@recipe("Hologram", samples=10)
+@recipe("Hologram", samples=8)
 def hologram(scene) -> None:
     """A head of light above a projector, with lines as a screen has them.
 
     1. Add a monkey. Choose Object > Convert > **To SDF Lamp**: its inside glows.
-    2. Choose Pattern > **Expression**, and write `exp(-depth / 0.02) * (0.15 + smoothstep(0.2, 0.6, sin(160 * p.z)))`:
-       a thin skin, in lines.
-    3. Set *Color* to cyan, and *Power* to 25 W.
-    4. Add a lamp **Cone** below with *Power* 3 W: the beam. Choose Pattern > **Shell**.
-    5. Model the projector, and put the preset **Ring Light** into it.
+    2. Choose Pattern > **Expression**, and write `exp(-depth / 0.015) * (0.12 + smoothstep(0.0, 0.7, sin(150 *
+       p.z)))`: a thin skin, in lines.
+    3. Set *Color* to 0.06, 0.6, 1, *Power* to 40 W, and *Camera Brightness* to 0.22.
+    4. Add SDF Lamp > Basic > **Frustum** as the beam, with 2.5 W and the pattern `(1 - height) ** 2 * (0.4 +
+       exp(-depth / 0.03))`.
+    5. Model the projector, and put a **Torus** of 12 W into it.
     """
     world((0.03, 0.034, 0.045))
     surfaces.floor(principled("Floor", (0.05, 0.052, 0.058), 0.15), (20.0, 20.0))
@@ -120,14 +124,15 @@ def hologram(scene) -> None:
     camera((0.5, -3.6, 1.35), (0.0, 0.0, 1.22), 42.0)
 
 
-@recipe("Statue of light", samples=24)
+@recipe("Statue of light", samples=16)
 def statue_of_light(scene) -> None:
     """A dancer whose inside glows, in a dark hall.
 
-    1. Model a figure: a few edges with a **Skin** modifier, and a **Subdivision Surface** modifier. Or take any closed mesh.
+    1. Model a figure: a few edges with a **Skin** modifier, and a **Subdivision Surface** modifier. Or take any
+       closed mesh.
     2. Choose Object > Convert > **To SDF Lamp**. The lamp has all modifiers, and follows armatures.
-    3. Choose Pattern > **Core**, *Size* 0.08 m: the middle is bright, and thin parts are dark.
-    4. Set *Temperature* to 4000 K, and *Power* to 90 W.
+    3. Choose Pattern > **Core**, *Size* 0.09 m, *Sharpness* 1.5: the middle is bright, and thin parts are dark.
+    4. Set *Temperature* to 3800 K, *Power* to 130 W, and *Camera Brightness* to 0.15.
     5. Give the floor a *Roughness* of 0.1.
     """
     world((0.004, 0.005, 0.008))
@@ -185,15 +190,15 @@ def statue_of_light(scene) -> None:
     camera((0.9, -4.6, 1.15), (0.0, 0.4, 1.3), 42.0)
 
 
-@recipe("Fractal crystal", samples=10, gallery=True)
+@recipe("Fractal crystal", samples=8, gallery=True)
 def fractal_crystal(scene) -> None:
     """Crystals that are fractals, in a cave.
 
-    1. Choose Add > Light > SDF Lamp > Fractals > **Octahedron Flake**. Set *Levels* to 3, and stretch it: S Z 1.8.
-    2. Add smaller copies (Shift D), and lean them outwards.
-    3. Choose Pattern > **Expression**, and write `0.15 + height ** 2`: the tips are brightest.
-    4. Set *Color* to a turquoise, *Power* to 55 W, and *Camera Brightness* to 0.12.
-    5. Model the cave of stones around them.
+    1. Choose Add > Light > SDF Lamp > Fractals > **Octahedron Flake**. Set *Levels* to 3, and stretch it: S Z 2.1.
+    2. Choose Pattern > **Expression**, and write `0.15 + (height ** 2)`: the tips are brightest.
+    3. Set *Color* to 0.08, 0.8, 1, *Power* to 55 W, and *Camera Brightness* to 0.12.
+    4. Add smaller copies (Shift D), and lean them outwards. Give them less power, and other colours.
+    5. Model the cave of stones around them, and fill the world with fog of *Density* 0.03.
     """
     surfaces.fog(0.03, ambient=(0.003, 0.005, 0.008))
     rock = surfaces.stone("Rock", (0.16, 0.14, 0.15), 1.6, 0.14)
@@ -235,14 +240,15 @@ def fractal_crystal(scene) -> None:
     camera((0.25, -3.7, 1.0), (0.0, 0.0, 0.82), 40.0)
 
 
-@recipe("Light in ice", samples=16)
+@recipe("Light in ice", samples=8)
 def light_in_ice(scene) -> None:
     """Lamps that are frozen in blocks of ice.
 
-    1. Model a block with rounded edges. Give it a **Glass BSDF** with *IOR* 1.31, and a *Bump* from a Noise Texture.
-    2. Put a lamp inside: the preset **Koch Snowflake**, scaled by 0.5.
-    3. Set *Power* to 12 W. Cold blue stays blue: *Color* 0.2, 0.55, 1.
-    4. Turn *Caustics > Refractive* on (Light Paths), which is the default: ice throws light onto the ground.
+    1. Model a block with rounded edges. Give it a **Glass BSDF** with *IOR* 1.31, and a *Bump* from a Noise
+       Texture.
+    2. Put a lamp inside: the preset **Koch Snowflake**, half as large as the block.
+    3. Set *Power* to 16 W, *Color* to 0.25, 0.6, 1, and *Camera Brightness* to 0.035.
+    4. Leave *Refractive Caustics* on: ice throws light onto the ground.
     """
     world((0.012, 0.016, 0.026))
     snow = Graph("Snow")
@@ -283,15 +289,29 @@ def light_in_ice(scene) -> None:
     camera((0.1, -2.7, 1.05), (0.0, 0.05, 0.34), 40.0)
 
 
-@recipe("Aurora", samples=16, gallery=True)
-def aurora(scene) -> None:
-    """A curtain of light, a hundred metres wide, above mountains and a lake.
+CURTAIN = """\
+swing = slider(9, 0, 30)       # how far the curtain swings, in metres
+phase = slider(0, 0, 10)       # animate it
+wave = swing * sin(0.07 * p.x + phase) + 0.45 * swing * sin(0.16 * p.x - 1.7 * phase + 1) + 0.3 * p.x
+field((abs(p.y - wave) - 0.9) / 2.4) & box(75, 45, 15)
+"""
+RAYS = """\
+rays = 0.25 + smoothstep(-0.3, 0.7, noise((0.55 * p.x, 0.1, 0.02 * p.z))) * (0.6 + 0.4 * noise((2.3 * p.x, 5, 0)))
+fall = smoothstep(0, 0.3, height) * (1 - height) ** 2
+ramp(height, 0, (0.1, 1, 0.35), 0.35, (0.1, 0.9, 0.5), 0.7, (0.35, 0.2, 0.9), 1, (0.6, 0.1, 0.7)) * rays * fall
+"""
 
-    1. Choose Add > Light > SDF Lamp > **From an Expression**, then *New* beside *Text*, and write the curtain:
-       a thin sheet along a wave, cut to a box.
-    2. Choose Pattern > **Expression**: green below, violet above, with rays that go up.
-    3. Set *Power* to 60 kW, and *Camera Brightness* so that the rays do not become white.
-    4. Model mountains (an **ANT Landscape**, or a displaced grid), and a lake with *Roughness* 0.03.
+
+@recipe("Aurora", samples=12, gallery=True, shape=CURTAIN, pattern=RAYS)
+def aurora(scene) -> None:
+    """A curtain of light, a hundred and fifty metres wide, above mountains and a lake.
+
+    1. Choose Add > Light > SDF Lamp > **From an Expression**. Press *New* beside *Text*, and write the shape: a
+       thin sheet along a wave, cut to a box.
+    2. Choose Pattern > **Expression**, and write the pattern: green below, violet above, with rays that go up.
+    3. Set *Power* to 60 kW, and *Camera Brightness* to 0.6.
+    4. Animate *Phase*: the curtain moves.
+    5. Model mountains, and a lake with *Roughness* 0.03.
     """
     graph = world((0.004, 0.008, 0.022))
     background = next(node for node in graph.nodes if node.bl_idname == "ShaderNodeBackground")
@@ -303,21 +323,12 @@ def aurora(scene) -> None:
     graph.links.new(tint, background.inputs["Color"])
     curtain = expression(
         "Aurora",
-        """
-        swing = slider(9, 0, 30)       # how far the curtain swings, in metres
-        phase = slider(0, 0, 10)       # animate it
-        wave = swing * sin(0.07 * p.x + phase) + 0.45 * swing * sin(0.16 * p.x - 1.7 * phase + 1) + 0.3 * p.x
-        field((abs(p.y - wave) - 0.9) / 2.4) & box(75, 45, 15)
-        """,
+        CURTAIN,
         (0.0, 95.0, 47.0),
     )
     pattern(
         curtain,
-        """
-        rays = 0.25 + smoothstep(-0.3, 0.7, noise((0.55 * p.x, 0.1, 0.02 * p.z))) * (0.6 + 0.4 * noise((2.3 * p.x, 5, 0)))
-        fall = smoothstep(0, 0.3, height) * (1 - height) ** 2
-        ramp(height, 0, (0.1, 1, 0.35), 0.35, (0.1, 0.9, 0.5), 0.7, (0.35, 0.2, 0.9), 1, (0.6, 0.1, 0.7)) * rays * fall
-        """,
+        RAYS,
     )
     shine(curtain, 60000.0, (1.0, 1.0, 1.0), camera=0.6)
     steps = 120
