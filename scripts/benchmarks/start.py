@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
@@ -119,15 +118,7 @@ def _stalls() -> dict | None:
         return None
     with tempfile.TemporaryDirectory(dir=work_folder()) as name:
         folder = pathlib.Path(name)
-        told = subprocess.run(
-            [*command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
-            capture_output=True,
-            text=True,
-        )
-        found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
-        if found is None:
-            raise RuntimeError(f"Blender does not start:\n{told.stdout}{told.stderr}")
-        path = _zip(folder, f"{found[1]}.{found[2]}", kernels=False)
+        path = _zip(folder, host.python_of(command), kernels=False)
         (folder / "resources").mkdir()
         os.environ["BLENDER_USER_RESOURCES"] = str(folder / "resources")
         try:

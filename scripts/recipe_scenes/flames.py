@@ -103,7 +103,7 @@ def campfire(scene) -> None:
     camera((0.55, -3.3, 1.0), (0.0, 0.4, 0.6), 44.0)
 
 
-@recipe("Glass bulb with a filament", samples=8, gallery=True)
+@recipe("Glass bulb with a filament", samples=6, gallery=True)
 def glass_bulb(scene) -> None:
     """Bulbs with coils that glow.
 

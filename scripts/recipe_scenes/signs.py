@@ -25,7 +25,7 @@ def _text(body: str, size: float, location, **settings) -> bpy.types.Object:
     return add(body, curve, location=location, rotation=(90, 0, 0))
 
 
-@recipe("Neon in fog", samples=8, gallery=True)
+@recipe("Neon in fog", samples=6, gallery=True)
 def neon_in_fog(scene) -> None:
     """Neon in a wet street. The fog glows around it.
 
@@ -73,7 +73,7 @@ def neon_in_fog(scene) -> None:
     camera((-0.1, -2.6, 1.5), (0.05, 5.0, 1.45), 48.0)
 
 
-@recipe("Neon text", samples=8)
+@recipe("Neon text", samples=6)
 def neon_text(scene) -> None:
     """A sign of two colours on a wall of bricks. The text stays a text.
 

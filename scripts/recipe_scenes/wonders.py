@@ -74,7 +74,7 @@ def portal(scene) -> None:
     camera((-1.0, -5.2, 1.15), (0.0, 0.0, 1.22), 42.0)
 
 
-@recipe("Hologram", samples=8)
+@recipe("Hologram", samples=6)
 def hologram(scene) -> None:
     """A head of light above a projector, with lines as a screen has them.
 
@@ -240,7 +240,7 @@ def fractal_crystal(scene) -> None:
     camera((0.25, -3.7, 1.0), (0.0, 0.0, 0.82), 40.0)
 
 
-@recipe("Light in ice", samples=8)
+@recipe("Light in ice", samples=6)
 def light_in_ice(scene) -> None:
     """Lamps that are frozen in blocks of ice.
 
