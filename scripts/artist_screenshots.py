@@ -32,16 +32,10 @@ PICTURES = {  # of a session: files in docs/images by the picture's name
         "rendered": "viewport_rendered",
     },
     "properties": {
-        "render": "panels_render",
         "view_layer": "panels_view_layer",
         "lamp": "panels_lamp",
-        "object": "panels_object",
-        "overlay": "panels_overlay",
     },
-    "settings": {"scene_report": "panels_scene_report"},
-    "nodes": {
-        "node_emission": "lamp_nodes_emission"
-    },  # this and what follows are sessions of the tests, as is settings
+    "nodes": {"node_emission": "lamp_nodes_emission"},  # these three are sessions of the tests
     "panels": {"preset_browser": "lamp_presets"},
     "bounds": {"circle_select": "lamp_circle_select"},
     "native": {"arrow_label": "lamp_arrow", "last_good": "lamp_last_good", "warnings": "lamp_warnings"},
@@ -62,6 +56,7 @@ FIRST_MINUTE = {  # pictures of the session "first_minute", with what is said be
     "viewport": "its picture",
     "rendered": "F12, done",
 }
+RENDER_TAB = ("render_0", "render_1", "render_2")  # pictures of the session "properties", side by side
 KNOWN = (*PICTURES, "walk", "first_minute")
 ROW, WIDTH, QUALITY = 2, 1300, 68
 
@@ -131,6 +126,9 @@ def main(arguments: list[str]) -> None:
             seen_by(command, session, pathlib.Path(folder), folder, **({"size": (1240, 800)} if name == "walk" else {}))
             if name == "walk":
                 write_strip(pathlib.Path(folder), WALK, REPOSITORY / "docs" / "images" / "walk.jpg")
+            if name == "properties":
+                path = REPOSITORY / "docs" / "images" / "panels_render.jpg"
+                write_strip(pathlib.Path(folder), RENDER_TAB, path, row=3, across=1440)
             for picture, file in PICTURES.get(name, {}).items():
                 shutil.copyfile(pathlib.Path(folder) / f"{picture}.png", REPOSITORY / "docs" / "images" / f"{file}.png")
 

@@ -32,7 +32,7 @@ def softbox(scene) -> None:
 
     1. Choose Add > Light > SDF Lamp > Presets > **Soft Panel**. Set *Width* to 0.4 m and *Depth* to 1.2 m.
     2. Put it to the left, and turn it to the bottle. Set *Power* to 60 W and *Temperature* to 5600 K.
-    3. Press Alt D, and put the copy to the right. Turn *Visibility > Camera* off.
+    3. Press Alt D, and put the copy to the right. Turn *Visible to Camera* off.
     4. Add the preset **Ring Light** behind the bottle, with 10 W and the *Color* 1, 0.45, 0.14.
     """
     world((0.01, 0.01, 0.012))
