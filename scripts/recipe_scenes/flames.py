@@ -103,7 +103,7 @@ def campfire(scene) -> None:
     camera((0.55, -3.3, 1.0), (0.0, 0.4, 0.6), 44.0)
 
 
-@recipe("Glass bulb with a filament", samples=6, gallery=True)
+@recipe("Glass bulb with a filament", samples=4, gallery=True)
 def glass_bulb(scene) -> None:
     """Bulbs with coils that glow.
 
@@ -166,7 +166,7 @@ exp(-depth / 0.025) * (0.1 + 1.5 * exp(-9 * web)) + 0.8 * clamp(depth / 0.3, 0, 
 """
 
 
-@recipe("Lamp that pulses", samples=12, shape=EGG, pattern=VEINS)
+@recipe("Lamp that pulses", samples=8, shape=EGG, pattern=VEINS)
 def pulsing_lamp(scene) -> None:
     """Eggs that breathe. Their power and their shape are animated.
 

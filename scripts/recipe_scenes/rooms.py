@@ -17,7 +17,7 @@ from . import surfaces
 from .stage import expression, pattern, preset, primitive, recipe, shine
 
 
-@recipe("Ceiling cove", samples=6)
+@recipe("Ceiling cove", samples=4)
 def ceiling_cove(scene) -> None:
     """A strip of light runs around the ceiling. One sees its light, and not the strip.
 

@@ -25,7 +25,7 @@ def _text(body: str, size: float, location, **settings) -> bpy.types.Object:
     return add(body, curve, location=location, rotation=(90, 0, 0))
 
 
-@recipe("Neon in fog", samples=6, gallery=True)
+@recipe("Neon in fog", samples=4, gallery=True)
 def neon_in_fog(scene) -> None:
     """Neon in a wet street. The fog glows around it.
 
@@ -73,14 +73,14 @@ def neon_in_fog(scene) -> None:
     camera((-0.1, -2.6, 1.5), (0.05, 5.0, 1.45), 48.0)
 
 
-@recipe("Neon text", samples=6)
+@recipe("Neon text", samples=4)
 def neon_text(scene) -> None:
     """A sign of two colours on a wall of bricks. The text stays a text.
 
     1. Choose Add > Light > SDF Lamp > **Neon Text**. Press Tab, and write `open`.
     2. Turn it upright (R X 90), and put it 8 cm before a wall.
     3. Set *Tube Radius* to 0.018 m, *Gap* to 0.04 m, *Power* to 45 W, and *Camera Brightness* to 0.06.
-    4. Choose Pattern > **Neon**: the middle of the tube is whiter. Set *Tint* to 1, 0.12, 0.05, and *Depth of
+    4. Choose Pattern > **Neon**: the middle of the tube is whiter. Set *Tint* to 1, 0.12, 0.05, and *Depth Of
        Middle* to 0.015 m.
     5. Add a second one, `all night`, with *Tube Radius* 0.011 m, *Power* 14 W and *Tint* 0.06, 0.4, 1.
     """
@@ -97,7 +97,7 @@ def neon_text(scene) -> None:
     camera((-0.85, -3.0, 1.0), (0.0, 0.0, 1.28), 44.0)
 
 
-@recipe("Glowing logo from a picture", samples=12)
+@recipe("Glowing logo from a picture", samples=8)
 def glowing_logo(scene) -> None:
     """A picture with transparency becomes a sign that lights the wall behind it.
 

@@ -24,7 +24,7 @@ ramp(r, 0, (0.9, 0.9, 1), 0.35, (0.25, 0.35, 1), 1, (0.45, 0.08, 0.9)) * (0.04 +
 """
 
 
-@recipe("Portal", samples=10, gallery=True, pattern=WHIRL)
+@recipe("Portal", samples=8, gallery=True, pattern=WHIRL)
 def portal(scene) -> None:
     """A whirl of light in an arch of stone.
 
@@ -74,7 +74,7 @@ def portal(scene) -> None:
     camera((-1.0, -5.2, 1.15), (0.0, 0.0, 1.22), 42.0)
 
 
-@recipe("Hologram", samples=6)
+@recipe("Hologram", samples=4)
 def hologram(scene) -> None:
     """A head of light above a projector, with lines as a screen has them.
 
@@ -190,7 +190,7 @@ def statue_of_light(scene) -> None:
     camera((0.9, -4.6, 1.15), (0.0, 0.4, 1.3), 42.0)
 
 
-@recipe("Fractal crystal", samples=8, gallery=True)
+@recipe("Fractal crystal", samples=6, gallery=True)
 def fractal_crystal(scene) -> None:
     """Crystals that are fractals, in a cave.
 
@@ -240,7 +240,7 @@ def fractal_crystal(scene) -> None:
     camera((0.25, -3.7, 1.0), (0.0, 0.0, 0.82), 40.0)
 
 
-@recipe("Light in ice", samples=6)
+@recipe("Light in ice", samples=4)
 def light_in_ice(scene) -> None:
     """Lamps that are frozen in blocks of ice.
 
@@ -302,7 +302,7 @@ ramp(height, 0, (0.1, 1, 0.35), 0.35, (0.1, 0.9, 0.5), 0.7, (0.35, 0.2, 0.9), 1,
 """
 
 
-@recipe("Aurora", samples=12, gallery=True, shape=CURTAIN, pattern=RAYS)
+@recipe("Aurora", samples=8, gallery=True, shape=CURTAIN, pattern=RAYS)
 def aurora(scene) -> None:
     """A curtain of light, a hundred and fifty metres wide, above mountains and a lake.
 
