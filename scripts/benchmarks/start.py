@@ -32,7 +32,7 @@ BRIEF = dict(parts=[])  # each takes minutes
 LIMITS = dict(demo_seconds_after_downloads=120.0, cold_first_pixels_seconds=15.0, longest_stall_ms=50.0)
 SESSION = pathlib.Path(__file__).with_name("start_session.py")
 WATCHED_SECONDS = 60.0
-MANY_SAMPLES = "48"  # of the demo
+MANY_SAMPLES, COMPARED_SIZE = "48", "480x270"  # of the demo, where its quick picture is compared
 
 
 def _environment(**more: str) -> dict[str, str]:
@@ -69,7 +69,7 @@ def _shown(folder: pathlib.Path, *arguments: str) -> np.ndarray:
     """The demo's picture as a screen shows it, (height, width, 3) in [0, 1]."""
     out = folder / "-".join(("demo", *arguments))
     done = subprocess.run(
-        [sys.executable, host.REPOSITORY / "scripts" / "demo.py", "--out", out, *arguments],
+        [sys.executable, host.REPOSITORY / "scripts" / "demo.py", "--out", out, "--size", COMPARED_SIZE, *arguments],
         capture_output=True,
         text=True,
     )
