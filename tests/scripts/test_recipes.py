@@ -3,6 +3,7 @@
 """The recipes of docs/recipes.md: the page and its pictures are those of the script, and each scene is built and rendered."""
 
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -13,6 +14,9 @@ OpenImageIO = pytest.importorskip("OpenImageIO")
 
 import recipes  # noqa: E402  (found on the path that conftest.py sets)
 from recipe_scenes import RECIPES  # noqa: E402
+
+from sdf_lights.blender.presets import presets  # noqa: E402
+from sdf_lights.sdf.shapes import SHAPES  # noqa: E402
 
 KIB = 1024
 
@@ -31,6 +35,19 @@ def test_every_recipe_has_steps_and_a_picture():
         spec = OpenImageIO.ImageBuf(str(path)).spec()
         assert (spec.width, spec.height) == RECIPES[name].size, name
     assert sum(path.stat().st_size for path in pictures.values()) < 1500 * KIB
+
+
+def test_steps_name_presets_and_shapes_that_exist():
+    presets_there = {preset.title for preset in presets().values()}
+    shapes_there = {shape.label() for shape in SHAPES.values()}
+    named = dict(presets=set(), shapes=set())
+    for step in (step for made in RECIPES.values() for step in made.steps):
+        for listed in re.findall(r"[Pp]resets? (?:> )?((?:\*\*[^*]+\*\*(?:,? and )?)+)", step):
+            named["presets"] |= set(re.findall(r"\*\*([^*]+)\*\*", listed))
+        named["shapes"] |= set(re.findall(r"SDF Lamp > [A-Z]\w+ > \*\*([^*]+)\*\*", step))
+    named["shapes"] -= named["presets"]
+    assert len(named["presets"]) > 8 and len(named["shapes"]) > 3
+    assert named["presets"] <= presets_there and named["shapes"] <= shapes_there
 
 
 def _made(name: str, folder: pathlib.Path) -> None:
