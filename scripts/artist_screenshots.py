@@ -15,10 +15,8 @@ import shutil
 import sys
 import tempfile
 
-import build_extension
 import numpy as np
-from contact_sheet import caption
-from host import NO_WINDOW, REPOSITORY, python_of, windowed_blender
+from host import NO_WINDOW, REPOSITORY, windowed_blender
 from sessions import seen_by
 
 PICTURES = {  # of a session: files in docs/images by the picture's name
@@ -31,10 +29,7 @@ PICTURES = {  # of a session: files in docs/images by the picture's name
         "solid": "viewport_solid",
         "rendered": "viewport_rendered",
     },
-    "properties": {
-        "view_layer": "panels_view_layer",
-        "lamp": "panels_lamp",
-    },
+    "properties": {"view_layer": "panels_view_layer", "lamp": "panels_lamp"},
     "nodes": {"node_emission": "lamp_nodes_emission"},  # these three are sessions of the tests
     "panels": {"preset_browser": "lamp_presets"},
     "bounds": {"circle_select": "lamp_circle_select"},
@@ -49,27 +44,15 @@ WALK = (
     "placed",
     "rendered",
 )  # pictures of the session "walk", in a strip of rows
-FIRST_MINUTE = {  # pictures of the session "first_minute", with what is said beneath
-    "installed": "installed",
-    "lamp": "a lamp is added",
-    "waiting": "rendered viewport",
-    "viewport": "its picture",
-    "rendered": "F12, done",
-}
 RENDER_TAB = ("render_0", "render_1", "render_2")  # pictures of the session "properties", side by side
-KNOWN = (*PICTURES, "walk", "first_minute")
+KNOWN = (*PICTURES, "walk")
 ROW, WIDTH, QUALITY = 2, 1300, 68
 
 
 def write_strip(
-    folder: pathlib.Path,
-    names: tuple[str, ...],
-    path: pathlib.Path,
-    row: int = ROW,
-    across: int = WIDTH,
-    captions: dict[str, str] | None = None,
+    folder: pathlib.Path, names: tuple[str, ...], path: pathlib.Path, row: int = ROW, across: int = WIDTH
 ) -> None:
-    """Pictures side by side, ``row`` in each row, as one JPEG that is ``across`` pixels wide; ``captions``: words beneath them."""
+    """Pictures side by side, ``row`` in each row, as one JPEG that is ``across`` pixels wide."""
     import OpenImageIO
 
     algorithms = OpenImageIO.ImageBufAlgo
@@ -79,9 +62,7 @@ def write_strip(
         width = across // row
         height = round(whole.spec().height * width / whole.spec().width)
         small = algorithms.resize(whole, filtername="lanczos3", roi=OpenImageIO.ROI(0, width, 0, height, 0, 1, 0, 3))
-        pixels = small.get_pixels(OpenImageIO.FLOAT)[..., :3]
-        parts.append(np.concatenate([pixels, caption(captions[name], width)]) if captions else pixels)
-    parts += [np.zeros_like(parts[0])] * (-len(parts) % row)
+        parts.append(small.get_pixels(OpenImageIO.FLOAT)[..., :3])
     rows = [np.concatenate(parts[first : first + row], axis=1) for first in range(0, len(parts), row)]
     strip = np.ascontiguousarray(np.concatenate(rows, axis=0))
     spec = OpenImageIO.ImageSpec(strip.shape[1], strip.shape[0], 3, "uint8")
@@ -90,22 +71,6 @@ def write_strip(
     made.set_pixels(OpenImageIO.ROI.All, strip)
     if not made.write(str(path)):
         raise OSError(made.geterror())
-
-
-def first_minute(command: list[str]) -> None:
-    """The strip of the first minute: a zip without kernels, in user folders that are empty."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        zipped = build_extension.build(build_extension.this_platform(), python_of(command), folder, with_kernels=False)
-        resources = folder / "resources"
-        resources.mkdir()
-        session = REPOSITORY / "scripts" / "first_minute_session.py"
-        environment = {"BLENDER_USER_RESOURCES": str(resources), "SDF_LIGHTS_CACHE": ""}
-        report = seen_by(command, session, folder, name, str(zipped), size=(1240, 800), environment=environment)
-        said = {shot: f"{report['times'][shot]:.0f} s: {words}" for shot, words in FIRST_MINUTE.items()}
-        path = REPOSITORY / "docs" / "images" / "first_minute.jpg"
-        write_strip(folder, tuple(FIRST_MINUTE), path, row=3, across=1500, captions=said)
-        print(report["times"], report["compiled"])
 
 
 def main(arguments: list[str]) -> None:
@@ -118,9 +83,6 @@ def main(arguments: list[str]) -> None:
     for name in options.sessions or KNOWN:
         if name not in KNOWN:
             parser.error(f"there is no session {name!r}: choose from {', '.join(KNOWN)}")
-        if name == "first_minute":
-            first_minute(command)
-            continue
         with tempfile.TemporaryDirectory() as folder:
             session = next(REPOSITORY.glob(f"*/**/{name}_session.py"))
             seen_by(command, session, pathlib.Path(folder), folder, **({"size": (1240, 800)} if name == "walk" else {}))
