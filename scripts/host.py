@@ -8,8 +8,10 @@ import importlib
 import importlib.util
 import os
 import pathlib
+import re
 import shlex
 import shutil
+import subprocess
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
@@ -35,6 +37,19 @@ def windowed_blender() -> list[str] | None:
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return ["xvfb-run", "-a", "blender"]
     return ["blender"]
+
+
+def python_of(command: list[str]) -> str:
+    """Version of the Python in the Blender that ``command`` opens, such as "3.13". Raises RuntimeError if it does not start."""
+    told = subprocess.run(
+        [*command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
+        capture_output=True,
+        text=True,
+    )
+    found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
+    if found is None:
+        raise RuntimeError(f"Blender does not start:\n{told.stdout}{told.stderr}")
+    return f"{found[1]}.{found[2]}"
 
 
 def register_extension():

@@ -39,17 +39,24 @@ def pixel_errors(picture: np.ndarray, reference: np.ndarray) -> tuple[float, flo
 
 def flip(picture: np.ndarray, reference: np.ndarray) -> float | None:
     """LDR-FLIP of both as sRGB, clipped to [0, 1]; None where the package flip-evaluator is not installed."""
+    return flip_of_shown(
+        *(
+            np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
+            for x in (np.clip(picture, 0.0, 1.0), np.clip(reference, 0.0, 1.0))
+        )
+    )
+
+
+def flip_of_shown(picture: np.ndarray, reference: np.ndarray) -> float | None:
+    """LDR-FLIP of two pictures as a screen shows them, in [0, 1]; None where the package flip-evaluator is not installed."""
     # Threads of OpenMP that wait must not spin: the next render is timed.
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     try:
         import flip_evaluator
     except ImportError:
         return None
-    shown = [
-        np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055).astype(np.float32)
-        for x in (np.clip(picture, 0.0, 1.0), np.clip(reference, 0.0, 1.0))
-    ]
-    return float(flip_evaluator.evaluate(shown[1], shown[0], "LDR", inputsRGB=True, applyMagma=False)[1])
+    shown = [np.ascontiguousarray(values, np.float32) for values in (reference, picture)]
+    return float(flip_evaluator.evaluate(*shown, "LDR", inputsRGB=True, applyMagma=False)[1])
 
 
 def interpolated(curve: list[tuple[float, float]], at: float) -> float:

@@ -11,7 +11,9 @@ import bpy
 from ..render.cpu import background
 
 BEGIN_SECONDS = 0.5  # after the add-on is enabled, so that Blender's window is there first
-SHOW_SECONDS = 0.5  # from one look at the progress to the next
+SHOW_SECONDS = (
+    2.0  # from one look at the progress to the next: a window that the processor draws is busy for a tenth of a second
+)
 
 
 def short() -> str:
@@ -49,10 +51,14 @@ def _redraw() -> None:
 
 def _show() -> float | None:
     """A timer, while something is compiled and once after it."""
-    _redraw()
+    text = short()
+    if text != _shown[0]:
+        _shown[0] = text
+        _redraw()
     return SHOW_SECONDS if background.running() or any(each.is_alive() for each in _starting) else None
 
 
+_shown = [""]  # what the windows show
 _starting: list[threading.Thread] = []
 
 

@@ -16,6 +16,7 @@ from .operators import SDFLIGHTS_MT_lamp_add
 from .properties import FORMS
 
 POWER = 100.0  # W
+RAYS = tuple(f"visible_{kind}" for kind in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"))
 
 
 def _parts_of(thing: bpy.types.ID) -> list[bpy.types.ID | None]:
@@ -95,7 +96,12 @@ class SDFLIGHTS_OT_object_to_lamp(bpy.types.Operator):
             collection.objects.link(lamp)
         lamp.parent = obj
         if obj.is_editable:
-            obj.hide_render, obj.display_type = True, "WIRE"
+            obj.display_type = "WIRE"
+            if obj.type == "META":  # Blender makes no surface of one that is hidden in renders
+                for kind in RAYS:
+                    setattr(obj, kind, False)
+            else:
+                obj.hide_render = True
         return lamp
 
 

@@ -8,8 +8,9 @@ import bpy
 from scenery import textures
 from scenery.materials import Graph, image, principled
 from scenery.modelling import add, box, plane, rod, smooth_profile, turned
+from scenery.staging import aimed, camera, glowing, light, sky, world
 
-from .stage import aimed, camera, glowing, light, scene, sky, world
+from .stage import scene
 
 
 def _boards(name: str):

@@ -8,8 +8,9 @@ import math
 
 from scenery.materials import Graph, principled
 from scenery.modelling import add, box, plane, smooth_profile, turned
+from scenery.staging import camera, light, world
 
-from .stage import camera, light, scene, world
+from .stage import scene
 
 
 def _keyed(thing, frames: dict[int, dict[str, tuple]]) -> None:

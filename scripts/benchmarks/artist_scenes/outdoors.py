@@ -10,8 +10,9 @@ import bpy
 import numpy as np
 from scenery.materials import Graph, principled
 from scenery.modelling import add, box, leaf, plane, rod
+from scenery.staging import camera, glowing, light, sky, world
 
-from .stage import camera, glowing, light, scene, sky, world
+from .stage import scene
 
 TREES = 4000
 

@@ -418,7 +418,7 @@ def _check(found: Siren) -> None:
         if weight.shape != (outputs, inputs) or bias.shape != (outputs,):
             raise NetworkError(
                 f"has 'weight_{index}' of shape {weight.shape} and 'bias_{index}' of shape {bias.shape}, "
-                f"not ({outputs}, {inputs}) and ({outputs},)."
+                f"not ({outputs}, {inputs}) and ({outputs},): see docs/lamps.md for what it needs."
             )
         scale = abs(found.omega) if index < hidden else 1.0
         inputs = outputs
