@@ -44,10 +44,10 @@ class Recipe:
     scattered: bool = False
 
 
-# Not compared, and why.
+# Nodes that are not compared, and the reason.
 LEFT_OUT = {
-    "ShaderNodeScript": "Open Shading Language, which Cycles runs in a mode of its own only",
-    "ShaderNodeEeveeSpecular": "EEVEE alone has it",
+    "ShaderNodeScript": "Open Shading Language, which Cycles runs only in a special mode",
+    "ShaderNodeEeveeSpecular": "only EEVEE has it",
     "ShaderNodeOutputLineStyle": "of line styles, which Freestyle reads",
     "ShaderNodeUVAlongStroke": "of line styles, which Freestyle reads",
     "ShaderNodeOutputAOV": "an output: it makes a pass",

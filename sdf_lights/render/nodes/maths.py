@@ -362,6 +362,6 @@ def map_range(node: NodeInputs):
 
 @defines("ShaderNodeSqueeze")
 def squeeze(node: NodeInputs):
-    """Not known to Cycles: what it is linked to uses its own value, as there."""
-    node.report("Cycles does not know it, so what it is linked to uses its own value, as there")
+    """Not known to Cycles: the socket it is linked to uses its own value, as in Cycles."""
+    node.report("Cycles does not know it, so the socket it is linked to uses its own value, as in Cycles")
     return {}

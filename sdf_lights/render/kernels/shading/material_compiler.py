@@ -250,7 +250,7 @@ class _SceneCompiler:
         if isinstance(value, Texture):
             return float(self.textures.setdefault(value, len(self.textures)))
         if not math.isfinite(value):
-            self.warn(f"Material {material.name!r}: a value of a node is not a finite number; 0 is used.")
+            self.warn(f"Material {material.name!r}: a value of a node is not a finite number: 0 is used; set it again.")
             return 0.0
         return float(value)
 
