@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The artists' language: a few lines of text that say a shape.
+"""The artists' language: a few lines of text that define a shape.
 
     size = slider(1, 0.1, 3)          # a parameter: becomes a slider in Blender
     hole = sphere(1.35 * size)
@@ -31,20 +31,20 @@ class Expression:
     """A checked expression: its ``parameters``, and its shape for any of their values."""
 
     def __init__(self, text: str):
-        """Raises ``ExpressionError`` if the text does not say a shape."""
+        """Raises ``ExpressionError`` if the text does not define a shape."""
         self._tree, self._remarks = parse(text)
         evaluation = Evaluation({}, self._remarks)
         evaluation.run(self._tree)
         self.parameters: tuple[Declaration, ...] = tuple(evaluation.declarations.values())
 
     def shape(self, values: Mapping[str, object] | None = None) -> Shape:
-        """The shape with ``values`` of parameters by name in place of their defaults, held to their limits.
+        """The shape with ``values`` of parameters by name, clamped to their limits; others have their defaults.
 
-        Values of other names are ignored. Raises ``ExpressionError`` where these values do not make a shape.
+        Values of unknown names are ignored. Raises ``ExpressionError`` if these values define no shape.
         """
         return Evaluation(values or {}, self._remarks).run(self._tree)
 
 
 def evaluate(text: str, values: Mapping[str, object] | None = None) -> Shape:
-    """The shape that the text says. Raises ``ExpressionError``."""
+    """The shape that the text defines. Raises ``ExpressionError``."""
     return Expression(text).shape(values)

@@ -87,8 +87,8 @@ def roughness(cells):
 
 @kernel
 def expected_light(cells):
-    """Emission that each cell counts as having where points are drawn by it: that of a leaf is known from few samples, which
-    may have missed what there is, so in part it counts as having what its neighbours have."""
+    """Expected emission of each cell, for drawing points. A leaf has only few samples, which may have missed emission, so
+    it gets a part of its neighbours' emission."""
     out, parent = np.zeros(len(cells)), np.zeros(len(cells), np.int64)
     for index in range(len(cells)):
         cell = cells[index]

@@ -658,7 +658,7 @@ def tree(shape: Shape) -> Tree:
         field = compile_terms(shape.terms(matrix, 1.0))
     check()
     if (rows_needed(program)[1] if field is None else field.depth) > DEEPEST:
-        raise TreeError("its shape has too many nested parts: simplify it.")
+        raise TreeError("its shape has too many nested parts: nest fewer.")
     size = len(program) or len(field.terms)
     limit = 1 << max(MOST_NODES, NODES_A_PART * size).bit_length() - 1
     if size == 1 and field is not None:
