@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""In the place of what the CPU does with things that move: on the GPU all stands still."""
+"""Replaces the CPU's kernels for motion: on the GPU there is none."""
 
 from ...jit import kernel
 from ..kernels.geometry import instance_table
@@ -8,11 +8,11 @@ from ..kernels.geometry import instance_table
 
 @kernel
 def instance_at(block, index):
-    """In the place of ``geometry.instance_at``: nothing moves here."""
+    """Replaces ``geometry.instance_at``: nothing moves here."""
     return instance_table(block)[index]
 
 
 @kernel
 def form_of(block, instance):
-    """In the place of ``geometry.form_of``: nothing moves here."""
+    """Replaces ``geometry.form_of``: nothing moves here."""
     return 0, 0.0

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Expressions but for calls. What is known now is computed now; a comparison with one possible outcome, too."""
+"""Expressions except calls. Values known at translation time are computed then, and so are comparisons with one
+possible outcome."""
 
 from __future__ import annotations
 
@@ -114,7 +115,7 @@ class Expressions(Places):
         return Value(FLOAT, f"pow({base}, {self.converted(b, FLOAT).text})")
 
     def _condition(self, node: ast.expr) -> Value:
-        """An expression as a truth value."""
+        """An expression as a boolean."""
         value = self._expression(node)
         if value.type == CONSTANT:
             return known(bool(value.constant))
