@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A ray that starts on a curve or a sphere does not meet it again: what Embree asks at every hit."""
+"""A ray that starts on a curve or a sphere does not hit it again: the filter that Embree calls at every hit."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from ....jit import kernel, table
 from ..rays import NONE
 
-# RTCFilterFunctionNArguments (rtcore_geometry.h): addresses, and how many rays there are. A table has its length after its
-# address, which is never asked for here: the number of rays stands in for all.
+# RTCFilterFunctionNArguments (rtcore_geometry.h): addresses, and the number of rays. A table has its length after its
+# address, which is never read here: the number of rays replaces all lengths.
 _TABLES = ("valid", "shape", "context", "ray", "hit")
 ARGUMENTS = np.dtype(
     {
@@ -20,7 +20,7 @@ ARGUMENTS = np.dtype(
         "itemsize": 48,
     }
 )
-# What the address "shape" points at: the number of the curve of each segment, and the first number of each instance.
+# The table at the address "shape": the curve number of each segment, and the first number of each instance.
 SHAPE = np.dtype(
     [
         ("strand_of_address", np.int64),
@@ -39,7 +39,7 @@ _strand_of, _first_strands = table("strand_of", np.int32), table("first_strands"
 
 @kernel
 def refuse(arguments):
-    """Refuse hits of the curve or sphere whose number is the ID, or the flags, of the ray."""
+    """Reject hits of the curve or sphere whose number is the ID, or the flags, of the ray."""
     count = np.int64(arguments.rays)
     valid, shape = _valid_table(arguments), _shape_table(arguments)[0]
     rays, hits = _ray_words(arguments), _hit_words(arguments)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ``apart.py`` and Embree call, compiled for scenes with curves or spheres."""
+"""The kernels that ``apart.py`` and Embree call, compiled for scenes with curves or spheres."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _callbacks: list[Callback] = []
 
 
 def addresses(has_strands: bool, records: tuple) -> np.ndarray:
-    """The table "strand_code", for blocks and workspaces of these ``records``. What it points at is kept for good."""
+    """The table "strand_code", for blocks and workspaces of these ``records``. The code is kept for ever."""
     table = np.zeros(len(apart.PLACES), np.int64)
     if has_strands:
         key = tuple(map(str, records))
@@ -25,7 +25,7 @@ def addresses(has_strands: bool, records: tuple) -> np.ndarray:
 
 
 def filter_address() -> int:
-    """Address of ``departure.refuse``, as Embree calls it."""
+    """Address of ``departure.refuse``, in the form that Embree calls."""
     if not _callbacks:
         _callbacks.append(Callback(departure.refuse, departure.ARGUMENTS))
     return _callbacks[0].address
