@@ -96,7 +96,7 @@ class Hair(Fiber):
 
 
 class Round(Fiber):
-    """What both models of Principled Hair share: ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3)
+    """Base of both models of Principled Hair: ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3)
     of the surface."""
 
     def axes(self, wo):

@@ -132,7 +132,7 @@ class Calls(Expressions):
         for argument in arguments[1:]:
             kind = join(kind, argument.type)
         if kind == ULONG:
-            raise Untranslatable(f"{called.__name__} of 64 bits has no GLSL reading")
+            raise Untranslatable(f"{called.__name__} of 64 bits has no GLSL version")
         texts = [self.converted(argument, kind).text for argument in arguments]
         text = texts[0]
         for other in texts[1:]:

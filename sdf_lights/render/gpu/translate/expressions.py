@@ -98,7 +98,7 @@ class Expressions(Places):
         left, right = self.converted(a, kind).text, self.converted(b, kind).text
         if kind == ULONG and not name.startswith("Bit"):
             if name not in OF_64_BITS:
-                raise self._error(f"{name} of 64 bits has no GLSL reading")
+                raise self._error(f"{name} of 64 bits has no GLSL version")
             return Value(ULONG, f"{OF_64_BITS[name]}({left}, {right})")
         if name == "Mod":
             if kind == FLOAT:
@@ -176,7 +176,7 @@ class Expressions(Places):
                 return known(outcomes.pop())
         kind = join(a.type, b.type)
         if kind == ULONG and name not in ("Eq", "NotEq"):
-            raise self._error(f"{name} of 64 bits has no GLSL reading")
+            raise self._error(f"{name} of 64 bits has no GLSL version")
         return Value(BOOL, f"({self.converted(a, kind).text} {SYMBOLS[name]} {self.converted(b, kind).text})")
 
     def _read_IfExp(self, node):

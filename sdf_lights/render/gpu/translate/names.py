@@ -148,7 +148,7 @@ class Names:
     def _expression(self, node: ast.expr) -> Value:
         method = getattr(self, "_read_" + type(node).__name__, None)
         if method is None:
-            raise self._error(f"{type(node).__name__} has no GLSL reading", node)
+            raise self._error(f"{type(node).__name__} has no GLSL version", node)
         return method(node)
 
 

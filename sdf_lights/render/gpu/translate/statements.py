@@ -20,7 +20,7 @@ class Statements(Calls):
         for statement in statements:
             method = getattr(self, "_do_" + type(statement).__name__, None)
             if method is None:
-                raise self._error(f"{type(statement).__name__} has no GLSL reading", statement)
+                raise self._error(f"{type(statement).__name__} has no GLSL version", statement)
             try:
                 if method(statement):
                     return True
