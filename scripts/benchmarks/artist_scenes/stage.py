@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What scenes share: the register, cameras, lights and worlds."""
+"""Shared by the scenes: the register, cameras, lights and worlds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mathutils import Vector
 from scenery.materials import Graph
 from scenery.modelling import add
 
-ASPECT = 9 / 16  # height of pictures by their width
+ASPECT = 9 / 16  # height of pictures relative to their width
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def build(name: str, width: int) -> bpy.types.Scene:
 
 
 def camera(eye, target, degrees: float = 50.0, aperture: float = 0.0, focus=None) -> bpy.types.Object:
-    """A camera at ``eye`` that looks at ``target``; with an f-number for ``aperture`` it is sharp at ``focus`` alone."""
+    """A camera at ``eye`` that looks at ``target``; with an f-number ``aperture`` it is in focus only at ``focus``."""
     data = bpy.data.cameras.new("Camera")
     data.sensor_fit, data.angle, data.clip_start = "HORIZONTAL", math.radians(degrees), 0.01
     if aperture:
@@ -69,7 +69,7 @@ def aimed(eye, target):
 
 
 def light(name: str, kind: str, watts: float, location, target=None, color=(1.0, 1.0, 1.0), **settings):
-    """A light; a sun has W/m². ``target``: where it points."""
+    """A light; a sun has W/m². ``target``: the point that it faces."""
     data = bpy.data.lights.new(name, kind)
     data.energy, data.color = watts, color
     for key, value in settings.items():
@@ -81,7 +81,7 @@ def light(name: str, kind: str, watts: float, location, target=None, color=(1.0,
 
 
 def world(color, strength: float = 1.0) -> Graph:
-    """A world of one colour; its graph, to add more to."""
+    """A world of one colour; returns its graph, for further nodes."""
     data = bpy.data.worlds.new("World")
     bpy.context.scene.world = data
     graph = Graph(data)
