@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders lamps that are made of texts, curves and a picture, for docs/lamps.md.
+"""Renders lamps made from texts, curves and a picture, for docs/lamps.md.
 
 python object_lamps.py [--out FILE.png] [--samples 8] [--size 720x360]
 """
@@ -42,7 +42,7 @@ def text(body: str, size: float, **settings) -> bpy.types.Curve:
 
 
 def bend() -> bpy.types.Curve:
-    """A tube that gets thinner towards its ends."""
+    """A tube that tapers towards its ends."""
     curve = bpy.data.curves.new("Bend", "CURVE")
     curve.dimensions, curve.bevel_depth = "3D", 0.06
     spline = curve.splines.new("NURBS")

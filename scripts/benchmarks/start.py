@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first minutes, on empty caches: the demo after its downloads, the first F12 of an installed zip, and how long its window
-is busy while kernels compile beside it.
+"""The first minutes, with empty caches: the demo after its downloads, the first F12 of an installed zip, and how long
+its window is blocked while kernels compile beside it.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def _first_picture() -> dict:
 
 
 def _stalls() -> dict | None:
-    """What the window saw; None where there is no Blender with one."""
+    """The measurements in the window; None if there is no Blender with one."""
     command = host.windowed_blender()
     if command is None:
         return None

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A session of the benchmark ``start``: install a zip in a Blender whose user folders are empty, and use it for the first time.
+"""A session of the benchmark ``start``: installs a zip in a Blender with empty user folders, and uses it for the first
+time.
 
     python start_session.py REPORT.json ZIP F12                        in Blender's Python module
     blender … --python start_session.py -- REPORT.json ZIP STALLS SECONDS
@@ -16,7 +17,7 @@ import time
 
 import bpy
 
-TICK = 0.005  # seconds from one look at the clock to the next
+TICK = 0.005  # seconds between two readings of the clock
 EXTENSION = "bl_ext.user_default.sdf_lights"
 
 ARGUMENTS = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
@@ -33,7 +34,7 @@ def write(report: dict) -> None:
 
 
 def first_picture() -> None:
-    """Seconds of the first F12 of Blender's own scene, whose light is a lamp, until its first pixels."""
+    """Seconds of the first F12 of Blender's default scene, with a lamp as its light, until its first pixels."""
     bpy.ops.wm.read_factory_settings()
     install()
     scene = bpy.context.scene
@@ -50,7 +51,7 @@ def first_picture() -> None:
 
 
 def stalls() -> None:
-    """The longest time that the window did not answer, before the add-on is there and while it compiles."""
+    """The longest time that the window does not respond, without the add-on and while it compiles."""
     gaps: list[list[float]] = [[], []]
     works: list[list[float]] = [[], []]
     texts: list[str] = []
@@ -72,7 +73,7 @@ def stalls() -> None:
             return TICK
         if state["phase"] == 0:
             install()
-            # What Blender itself takes to install is not counted.
+            # The time that Blender itself takes to install does not count.
             state.update(last=0.0, phase=1, until=time.perf_counter() + wanted)
             return TICK
         (before, after), (work_before, work_after) = ([1000.0 * max(each) for each in both] for both in (gaps, works))
