@@ -19,7 +19,7 @@ import numpy as np
 from host import NO_WINDOW, REPOSITORY, windowed_blender
 from sessions import seen_by
 
-PICTURES = {  # of a session: files in docs/images by the picture's name
+PICTURES = {  # session: files in docs/images by the picture's name
     "screenshots": {
         "sidebar": "lamp_sidebar",
         "mistake": "lamp_mistake",

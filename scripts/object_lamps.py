@@ -42,7 +42,7 @@ def text(body: str, size: float, **settings) -> bpy.types.Curve:
 
 
 def bend() -> bpy.types.Curve:
-    """A tube that gets thinner towards its ends."""
+    """A tube that tapers towards its ends."""
     curve = bpy.data.curves.new("Bend", "CURVE")
     curve.dimensions, curve.bevel_depth = "3D", 0.06
     spline = curve.splines.new("NURBS")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a picture is from a reference. Pictures are (height, width, RGB), scene-linear."""
+"""Errors of a picture relative to a reference. Pictures are (height, width, RGB), scene-linear."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import os
 
 import numpy as np
 
-FLOOR = 0.01  # of the mean of the reference, what errors are relative to where it is darker
+FLOOR = 0.01  # fraction of the mean of the reference that errors are relative to where it is darker
 
 
 def _squares(reference: np.ndarray) -> np.ndarray:
@@ -22,7 +22,7 @@ def rel_mse(picture: np.ndarray, reference: np.ndarray) -> float:
 
 
 def rel_variance(variance: np.ndarray, reference: np.ndarray) -> float:
-    """What a ``variance`` of each value adds to ``rel_mse``."""
+    """The contribution of a ``variance`` of each value to ``rel_mse``."""
     return float(np.mean(variance / _squares(reference)))
 
 
@@ -60,7 +60,8 @@ def flip_of_shown(picture: np.ndarray, reference: np.ndarray) -> float | None:
 
 
 def interpolated(curve: list[tuple[float, float]], at: float) -> float:
-    """Value at a place, from (place, value) points that scatter about a power law: from the nearest point along it."""
+    """Value at a position, from (position, value) points that scatter about a power law: extrapolated from the nearest
+    point."""
     x, y = min(curve, key=lambda point: abs(math.log(point[0] / at)))
     # A single point: the error of independent samples, against their number.
     return y * (at / x) ** (slope(curve) if len(curve) > 1 else -1.0)

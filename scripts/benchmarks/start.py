@@ -112,7 +112,7 @@ def _first_picture() -> dict:
 
 
 def _stalls() -> dict | None:
-    """What the window saw; None where there is no Blender with one."""
+    """The measurements in the window; None if there is no Blender with one."""
     command = host.windowed_blender()
     if command is None:
         return None

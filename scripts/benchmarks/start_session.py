@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A session of the benchmark ``start``: install a zip in a Blender whose user folders are empty, and use it for the first time.
+"""A session of the benchmark ``start``: installs a zip in a Blender with empty user folders, and uses it for the first
+time.
 
     python start_session.py REPORT.json ZIP F12                        in Blender's Python module
     blender … --python start_session.py -- REPORT.json ZIP STALLS SECONDS
@@ -35,7 +36,7 @@ def write(report: dict) -> None:
 
 
 def first_picture() -> None:
-    """Seconds of the first F12 of Blender's own scene, whose light is a lamp, until its first pixels."""
+    """Seconds of the first F12 of Blender's default scene, with a lamp as its light, until its first pixels."""
     bpy.ops.wm.read_factory_settings()
     install()
     scene = bpy.context.scene

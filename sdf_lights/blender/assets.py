@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps as assets: marked with a picture of their own, and the presets as a library in the asset browser."""
+"""Lamps as assets: marked with their own picture, and the presets as a library in the asset browser."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .presets import presets
 
 LIBRARY = f"{LABEL} Presets"
 _FILE = "lamps.blend"
-_SIZE = 128  # pixels of a picture
+_SIZE = 128  # pixels
 
 
 def _is_lamp(obj: bpy.types.Object) -> bool:
@@ -26,7 +26,7 @@ def _is_lamp(obj: bpy.types.Object) -> bool:
 
 
 def show_picture(obj: bpy.types.Object, picture: np.ndarray) -> None:
-    """Make (height, width, 4) display values, row 0 at the bottom, the preview of an object."""
+    """Use (height, width, 4) display values, row 0 at the bottom, as the preview of an object."""
     preview = obj.preview_ensure()
     preview.image_size = picture.shape[1], picture.shape[0]
     preview.image_pixels_float.foreach_set(np.ascontiguousarray(picture, np.float32).ravel())
@@ -44,7 +44,7 @@ class SDFLIGHTS_OT_lamp_mark_asset(bpy.types.Operator):
         return any(_is_lamp(obj) and obj.library is None for obj in context.selected_objects)
 
     def execute(self, context):
-        from .sync.common import matrix_of  # not sooner: these import Numba
+        from .sync.common import matrix_of  # not at the top: these import Numba
         from .sync.lights import light_of
 
         depsgraph, made = context.evaluated_depsgraph_get(), 0
@@ -98,7 +98,7 @@ def write_library(path: pathlib.Path) -> None:
 
 
 def folder() -> pathlib.Path:
-    """Where the library is."""
+    """Path of the library."""
     if IS_EXTENSION:
         return pathlib.Path(bpy.utils.extension_path_user(ROOT, path="assets", create=True))
     return pathlib.Path(bpy.utils.user_resource("DATAFILES", path="sdf_lights/assets", create=True))

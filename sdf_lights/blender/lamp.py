@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the properties of a lamp to its shape and emission: shared by sync and by the panels that describe a lamp."""
+"""From the properties of a lamp to its shape and emission. Shared by sync and by the panels of a lamp."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ from .sources import FileResolver
 
 
 def _anew(error: ExpressionError) -> ExpressionError:
-    """The same error, to be raised: one that is kept would keep all that has called, such as the engine of a viewport."""
+    """A copy of the error for raising. A kept error would keep its whole call stack alive, such as the engine of a
+    viewport."""
     return ExpressionError(error.message, error.line, error.column, error.cure)
 
 
@@ -41,10 +42,10 @@ def _expression_shape(text: str, values: tuple, resolver: Resolver) -> Shape:
 def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
     """Shape of a ``Light.sdf_lamp``.
 
-    ``owner`` is the matrix (4 × 4) of the lamp's object in the world, from which nodes see other objects.
+    ``owner`` is the world matrix (4 × 4) of the lamp's object. Nodes use it to find other objects.
 
-    Raises RenderError with a sentence where there is none, or where its parameters do not go together. Its cause is an
-    ``ExpressionError`` if that is where the problem lies.
+    Raises RenderError with a sentence if there is no shape, or if its parameters contradict each other. Its cause is an
+    ``ExpressionError`` if the expression is wrong.
     """
     if lamp.source == "EXPRESSION":
         shape = _expression_shape(parameters.text_of(lamp), tuple(parameters.values(lamp).items()), FileResolver(lamp))
@@ -71,7 +72,7 @@ _good: OrderedDict[int, tuple[Shape, Emission | None]] = OrderedDict()  # by the
 
 
 def keep(light: bpy.types.Light, shape: Shape, pattern: Emission | None) -> None:
-    """Remember what a lamp was like when it last had a shape and an emission. ``light`` is no evaluated copy."""
+    """Store the shape and emission of a lamp while both are valid. ``light`` must not be an evaluated copy."""
     _good[light.session_uid] = shape, pattern
     _good.move_to_end(light.session_uid)
     while len(_good) > _MOST_KEPT:
@@ -79,7 +80,7 @@ def keep(light: bpy.types.Light, shape: Shape, pattern: Emission | None) -> None
 
 
 def last_good(light: bpy.types.Light) -> tuple[Shape, Emission | None] | None:
-    """Shape and emission that a lamp had before something about it became wrong; None if it never was right."""
+    """The last valid shape and emission of a lamp; None if it never was valid."""
     return _good.get(light.session_uid)
 
 
@@ -94,10 +95,10 @@ def _emission(text: str, values: tuple, resolver: Resolver) -> Emission:
 
 
 def pattern_of(lamp, owner: np.ndarray | None = None) -> Emission | None:
-    """Emission of a ``Light.sdf_lamp``; None where it is the same everywhere. ``owner`` is as for ``shape_of``.
+    """Emission of a ``Light.sdf_lamp``; None if it is uniform. ``owner`` is as for ``shape_of``.
 
-    Raises RenderError with a sentence where its text or nodes do not say one; its cause is the ``ExpressionError`` of a
-    text.
+    Raises RenderError with a sentence if its text or nodes define no emission. Its cause is the ``ExpressionError`` of
+    a text.
     """
     if parameters.emission_is_in_nodes(lamp):
         return reading.emission_of(lamp.nodes, parameters.values(lamp), owner, lamp)

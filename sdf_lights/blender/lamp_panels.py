@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of a lamp: the same, in the same order, in the sidebar of the 3D view and in the tab Data of the Properties editor."""
+"""Panels of a lamp: the same panels, in the same order, in the sidebar of the 3D view and in the tab Data of the
+Properties editor."""
 
 import math
 
@@ -19,7 +20,7 @@ from .properties import PRIMITIVES
 
 
 def draw_emission(layout, light) -> None:
-    """Colour and power, which an SDF lamp shares with Blender's lights."""
+    """Colour and power, as for Blender's lights."""
     column = layout.column()
     row = column.column(heading="Temperature", align=True).row(align=True)
     row.prop(light, "use_temperature", text="")
@@ -37,7 +38,7 @@ def draw_emission(layout, light) -> None:
 
 
 def draw_shape(layout, light, obj, width: int) -> None:
-    """Where the shape of an SDF lamp comes from, and its problems, in lines of ``width`` letters."""
+    """Draw the source of an SDF lamp's shape, and its problems in lines of ``width`` letters."""
     lamp = light.sdf_lamp
     layout.prop(lamp, "source")
     if lamp.source == "EXPRESSION":
@@ -109,7 +110,7 @@ def _draw_object(layout, lamp) -> None:
 def _draw_parameters(layout, lamp) -> None:
     """Properties that an expression or a node tree declares."""
     if parameters.missing(lamp):
-        parameters.update_soon(lamp.id_data)  # nothing may be changed while drawing
+        parameters.update_soon(lamp.id_data)  # drawing may not change data
     column = layout.column()
     for declared in parameters.declarations(lamp):
         if parameters.exists(lamp.id_data, declared):
@@ -120,16 +121,16 @@ def _draw_parameters(layout, lamp) -> None:
 
 
 def _placed_shape(lamp, obj) -> tuple[Shape, np.ndarray]:
-    """The shape of a lamp, and the matrix of its object. Raises RenderError where there is nothing that could glow."""
+    """The shape of a lamp, and the matrix of its object. Raises RenderError if nothing could glow."""
     matrix = np.array([tuple(row) for row in obj.matrix_world] if obj is not None else np.eye(4), np.float64)
     shape = shape_of(lamp, matrix)
     if not np.isfinite(matrix).all() or math.isclose(np.linalg.det(matrix[:3, :3]), 0.0, abs_tol=1e-30):
-        raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
+        raise RenderError("The object is scaled to zero, so nothing can glow: set its scale.")
     return shape, matrix
 
 
 def draw_visibility(layout, lamp) -> None:
-    """What the camera sees of a lamp."""
+    """Draw the settings of a lamp's visibility to the camera."""
     layout.prop(lamp, "visible_camera", text="Visible to Camera")
     row = layout.row()
     row.active = lamp.visible_camera
@@ -141,13 +142,13 @@ def draw_readout(layout, light, obj, width: int) -> None:
     lamp = light.sdf_lamp
     try:
         shape, matrix = _placed_shape(lamp, obj)
-    except RenderError:  # which the panel of the shape says
+    except RenderError:  # the panel of the shape shows the error
         layout.label(text="There is no shape")
         shape = None
     if shape is not None:
         try:
             pattern = pattern_of(lamp, matrix)
-        except RenderError:  # which the panel of the emission says
+        except RenderError:  # the panel of the emission shows the error
             pattern = None
         column = layout.column(align=True)
         for line in readout.facts(shape, matrix, light, pattern):
@@ -160,7 +161,7 @@ def draw_readout(layout, light, obj, width: int) -> None:
 
 
 def draw_details(layout, light, obj) -> None:
-    """How a lamp's shape is made and traced."""
+    """Draw how a lamp's shape is represented and traced."""
     try:
         shape, _ = _placed_shape(light.sdf_lamp, obj)
     except RenderError:
@@ -198,7 +199,7 @@ def _details_section(layout, context, light, obj) -> None:
     draw_details(layout, light, obj)
 
 
-SECTIONS = (  # end of the panel's name, label, section it stands in, what draws it, closed at first
+SECTIONS = (  # end of the panel's name, label, parent section, draw function, closed by default
     ("shape", "Shape", "", _shape_section, False),
     ("emission", "Emission", "", _emission_section, False),
     ("pattern", "Pattern", "", _pattern_section, False),
@@ -209,7 +210,7 @@ SECTIONS = (  # end of the panel's name, label, section it stands in, what draws
 
 
 class _Section:
-    """What a section is in either place."""
+    """The common part of a section in both editors."""
 
     @classmethod
     def poll(cls, context):
@@ -266,7 +267,7 @@ class SDFLIGHTS_PT_view3d(LampTab, bpy.types.Panel):
 
 
 def draw_other_engine(layout, context, light) -> None:
-    """What another engine makes of a lamp, and what can be done about it."""
+    """The lamp in another engine, and the remedies."""
     if context.engine == ENGINE or not light.sdf_lamp.use:
         return
     labels.draw_sentence(

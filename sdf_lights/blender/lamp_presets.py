@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets of lamps: those of the add-on, and the user's own in Blender's preset system.
 
-A file of Blender's presets is a script. Those of lamps hold one line that sets ``sdf_lamp.as_text``, which is JSON: what is
-read back are numbers and the languages of shapes and emissions, never code.
+A file of Blender's presets is a script. A lamp preset has one line that sets ``sdf_lamp.as_text``, which is JSON. The
+add-on reads back only numbers and the languages of shapes and emissions, never code.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _EMISSION = parameters.PREFIX + emission.PREFIX
 
 
 def set_expression(light: bpy.types.Light, title: str, expression: str) -> None:
-    """Make the light a lamp of this expression: in a text block of its own if it has several lines."""
+    """Make the light a lamp with this expression. An expression of several lines goes into a new text block."""
     lamp = light.sdf_lamp
     if "\n" in expression.strip():
         text = parameters.new_text(title, expression)
@@ -39,7 +39,7 @@ def set_expression(light: bpy.types.Light, title: str, expression: str) -> None:
 
 
 def load_preset(light: bpy.types.Light, name: str) -> None:
-    """Give the light the shape, colour, emission and power of a preset of the add-on."""
+    """Give the light the shape, colour, emission and power of a preset from the add-on."""
     apply(light, presets()[name.lower()])
 
 
@@ -75,7 +75,7 @@ def apply(light: bpy.types.Light, preset: Preset) -> None:
     ):
         for parameter, value in values.items():
             light[prefix + parameter] = value
-    parameters.update(light)  # a value of another kind has become one that the parameter can have
+    parameters.update(light)  # the value had another kind and was converted to the parameter's kind
     parameters.remove_unused(light)
 
 
@@ -115,7 +115,7 @@ def preset_of(light: bpy.types.Light) -> Preset:
 
 
 def _held(light: bpy.types.Light, declared) -> dict:
-    """Properties of declared parameters as the light holds them."""
+    """The values of declared parameters, as stored in the light."""
     names = [declaration.name for declaration in declared if parameters.exists(light, declaration)]
     return {name: _plain(light[parameters.PREFIX + name]) for name in names}
 
@@ -132,7 +132,7 @@ def to_text(preset: Preset) -> str:
 
 
 def from_text(text: str) -> Preset:
-    """A preset from what ``to_text`` wrote. Raises RenderError where it is something else."""
+    """A preset from the result of ``to_text``. Raises RenderError for anything else."""
     try:
         about = json.loads(text)
         known = {name: about[name] for name in Preset._fields if name in about and name != "sources"}
@@ -147,7 +147,7 @@ def from_text(text: str) -> Preset:
     except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise RenderError(_UNREADABLE) from error
     if preset.shape and preset.shape not in PRIMITIVES:
-        raise RenderError(f"The preset has the shape '{preset.shape}', which there is not: save it again.")
+        raise RenderError(f"The preset has the shape '{preset.shape}', which does not exist: save it again.")
     if preset.shape and not preset.values.keys() <= {about.name for about in PRIMITIVES[preset.shape].fields()}:
         raise RenderError(_UNREADABLE)
     return preset
@@ -188,7 +188,7 @@ class SDFLIGHTS_PT_lamp_presets(PresetPanel, bpy.types.Panel):
 
 
 class SDFLIGHTS_OT_lamp_preset_add(AddPresetBase, bpy.types.Operator):
-    """Add a preset of this lamp, or remove the one that is chosen"""
+    """Add a preset of this lamp, or remove the chosen preset"""
 
     bl_idname = "sdf_lights.lamp_preset_add"
     bl_label = "Add Lamp Preset"
@@ -203,7 +203,7 @@ class SDFLIGHTS_OT_lamp_preset_add(AddPresetBase, bpy.types.Operator):
             try:
                 preset_of(light)
             except RenderError as error:
-                self.report({"ERROR"}, f"Light '{light.name}' makes no preset. {error}")
+                self.report({"ERROR"}, f"Light '{light.name}' cannot be saved as a preset. {error}")
                 return {"CANCELLED"}
         return super().execute(context)
 

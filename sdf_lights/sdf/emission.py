@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How bright a lamp is from point to point: formulas of the position, the depth below the surface and the height.
+"""The brightness of a lamp at each point: formulas of the position, the depth below the surface and the height.
 
     width = slider(0.05, 0.001, 1)    # of the bright skin
     exp(-depth / width) * ramp(height, 0, (1, 0.2, 0), 1, (1, 0.8, 0.4))
@@ -33,15 +33,15 @@ from .syntax import ExpressionError, parse
 INPUTS = ("depth", "height", "u", "v", "along")  # the first slots of the formulas of an ``Emission``
 _AXES = {1: 2, 2: 0, 3: 1}  # along which an input goes from 0 to 1 across the box of the shape
 
-GREATEST = 1e30  # brightness; what is more counts as undefined
+GREATEST = 1e30  # greatest brightness; above it, values count as undefined
 
 _CURE = "end with a line that is a brightness or a colour, such as exp(-20 * depth) or blackbody(2000)"
 
 
 class Placed(NamedTuple):
-    """An emission in a shape: formulas of the position alone, in the shape's own space."""
+    """The emission of a shape: formulas of the position alone, in the shape's local space."""
 
-    colour: tuple[Formula, ...]  # red, green, blue; where they are negative or undefined they are 0
+    colour: tuple[Formula, ...]  # red, green, blue; negative and undefined values are 0
     written: tuple[Formula, ...]  # the same as the artist wrote them
     parameters: np.ndarray  # of their slots
     tables: tuple[Table, ...] = ()  # that the parameters have addresses of
@@ -53,14 +53,14 @@ class Placed(NamedTuple):
 
 @dataclass(frozen=True)
 class Emission:
-    """A relative emission in three channels; its formulas have the ``INPUTS`` and then ``numbers`` in their slots."""
+    """A relative emission in three channels. Its formulas have the ``INPUTS`` and then ``numbers`` in their slots."""
 
     colour: tuple[Formula, ...]  # red, green, blue
     numbers: tuple[float, ...] = ()
 
     @property
     def varies(self) -> bool:
-        """Whether it differs from point to point."""
+        """Whether it varies in space."""
         return any(
             node.kind == VARIABLE or node.kind == PARAMETER and node.value < len(INPUTS) for node in order(*self.colour)
         )
@@ -102,7 +102,7 @@ def in_colours(emission: Emission, colours: Table, width: float, height: float) 
 
 
 def _usable(channel: Formula) -> Formula:
-    """The formula with 0 where it is negative, not a number or beyond ``GREATEST``."""
+    """The formula with 0 where it is negative, not a number or above ``GREATEST``."""
     return maximum(select(channel <= GREATEST, channel, 0.0), 0.0)
 
 
@@ -110,7 +110,7 @@ class EmissionExpression:
     """A checked expression of an emission: its ``parameters``, and the emission for any of their values."""
 
     def __init__(self, text: str):
-        """Raises ``ExpressionError`` if the text does not say a brightness or a colour."""
+        """Raises ``ExpressionError`` if the text does not define a brightness or a colour."""
         self._tree, self._remarks = parse(text)
         self.parameters: tuple[Declaration, ...] = tuple(self._run({}, Standing())[1].values())
 
@@ -143,7 +143,7 @@ def name_inputs(evaluation: Evaluation) -> None:
 
 
 def as_emission(value, slots: Work) -> Emission:
-    """The emission that a value of such an evaluation says. Raises ``Misuse`` where it is no brightness or colour."""
+    """The emission for the value of such an evaluation. Raises ``Misuse`` if the value is no brightness or colour."""
     channels = components(lifted(value, slots)) if kind_of(value) in ("number", "field", "vector") else ()
     if len(channels) not in (1, 3):
         raise Misuse(f"the result is a {kind_of(value)}", _CURE)

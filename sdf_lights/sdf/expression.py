@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The artists' language: a few lines of text that say a shape.
+"""The artists' language: a few lines of text that define a shape.
 
     size = slider(1, 0.1, 3)          # a parameter: becomes a slider in Blender
     hole = sphere(1.35 * size)
@@ -37,7 +37,7 @@ class Expression:
     """
 
     def __init__(self, text: str):
-        """Raises ``ExpressionError`` if the text does not say a shape."""
+        """Raises ``ExpressionError`` if the text does not define a shape."""
         self._tree, self._remarks = parse(text)
         evaluation = Evaluation({}, self._remarks, Standing())
         evaluation.run(self._tree)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference page of the expression language, made from the words' docstrings and the shapes' parameters.
+"""The reference page of the expression language, made from the docstrings of functions and the parameters of shapes.
 
 python -m sdf_lights.sdf.reference > docs/expressions.md
 """
@@ -117,8 +117,8 @@ Only ratios matter, as the power of the lamp sets its light. Without *Normalize*
 dark where the last line is negative or undefined. The presets are such expressions:
 """
 
-_GROUPED = ("Shapes", "Combinations", "Operators")  # groups that are long
-_TABLES = (MATHEMATICS, POINTS, COLOURS)  # groups that are a line a word
+_GROUPED = ("Shapes", "Combinations", "Operators")  # groups with many entries
+_TABLES = (MATHEMATICS, POINTS, COLOURS)  # groups with one line per function
 _DISTANCE = {
     "exact": "The field is the exact distance to the surface.",
     "bound": "The field never exceeds the distance to the surface.",

@@ -85,7 +85,7 @@ CASES = {
     many_shadows: ("Scene", "13 collections", "share collections"),
     subdivision: ("Objects", "'Floor'", "adaptive subdivision"),
     shadow_terminator: ("Objects", "'Floor'", "shadow terminator"),
-    shadow_caustics: ("Scene", "Bulb", "by chance"),
+    shadow_caustics: ("Scene", "Bulb", "noisier"),
     world_aovs: ("World", "'Sky'", "Mask"),
     glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
     custom_camera: ("Camera", "'Camera'", "perspective"),

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import bpy
 import host
 
-ASPECT = 9 / 16  # height of pictures by their width
+ASPECT = 9 / 16  # height of pictures relative to their width
 
 
 @dataclass(frozen=True)

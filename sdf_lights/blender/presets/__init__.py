@@ -15,7 +15,8 @@ FOLDER = pathlib.Path(__file__).parent
 
 
 class Preset(NamedTuple):
-    """A lamp. ``temperature`` in kelvins, 0 where it has a ``color`` of its own; ``power`` in watts, unless it has a ``density``.
+    """A lamp. ``temperature`` in kelvins, 0 if it has a ``color`` instead; ``power`` in watts, unless it has a
+    ``density``.
 
     The parameters of its ``expression``, or of the primitive ``shape`` in its place, have ``values``. ``emission`` is the name
     of a preset of ``sdf.emission_presets``, whose parameters have ``emission_values``, or a text in the language of emissions.

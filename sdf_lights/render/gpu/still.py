@@ -10,13 +10,13 @@ from ..kernels.geometry import instance_table
 
 @kernel
 def instance_at(block, index):
-    """In the place of ``geometry.instance_at``: nothing moves here."""
+    """Replaces ``geometry.instance_at``: nothing moves here."""
     return instance_table(block)[index]
 
 
 @kernel
 def form_of(block, instance):
-    """In the place of ``geometry.form_of``: nothing moves here."""
+    """Replaces ``geometry.form_of``: nothing moves here."""
     return 0, 0.0
 
 

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes and instances as tables, and the surface that a ray has hit.
+"""Meshes and instances as tables, and the surface at a hit.
 
-Positions of a baked instance (one whose mesh is used once, see rays.py) are in world space already; all other corner
-data stay in the mesh's local space and are brought to world space at the hit.
+Positions of a baked instance (whose mesh is used once, see rays.py) are already in world space. All other corner data
+stay in the mesh's local space and are transformed at the hit.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from .shading.material_compiler import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
 from .strands import apart as strands
 
-# All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows as
-# materials look up attributes.
+# All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows
+# as materials look up attributes.
 INSTANCE = np.dtype(
     [
         ("matrix", np.float64, (3, 4)),
@@ -60,8 +60,8 @@ INSTANCE = np.dtype(
         ("terminator", np.float64),
         ("box_center", np.float64, (3,)),
         ("box_size", np.float64, (3,)),  # of the mesh, in its own space
-        # Of what moves while the shutter is open: the first of its poses, one for each of some even times; how many positions
-        # and normals there are of each vertex and corner; and the time for which ``matrix`` and ``inverse`` are right.
+        # For instances that move while the shutter is open: the first of their poses at even times; the number of
+        # positions and normals of each vertex and corner; and the time for which ``matrix`` and ``inverse`` are valid.
         ("poses", np.int64),
         ("pose_count", np.int64),
         ("forms", np.int64),
@@ -102,8 +102,8 @@ TRIANGLES, SPHERES = int(Primitive.TRIANGLES), int(Primitive.SPHERES)
 NO_TIME = -1.0
 SHADOW = int(Ray.SHADOW)
 CORNER, VERTEX, TRIANGLE_DOMAIN, WHOLE = (int(domain) for domain in Domain)
-# Bump mapping takes differences over this part of a pixel (Blender's filter width), or over this distance in metres
-# where the pixel's width is not known. Bilinear texels make the result all but independent of it.
+# Bump mapping takes differences over this fraction of a pixel (Blender's filter width), or over this distance in metres
+# if the pixel's width is unknown. Bilinear texels make the result nearly independent of it.
 BUMP_FILTER = 0.1
 BUMP_DISTANCE = 1e-4
 
@@ -122,13 +122,13 @@ shading_material_table = table("materials", MATERIAL)
 
 
 class _Rows:
-    """Arrays to be laid end to end in one table."""
+    """Arrays to be concatenated in one table."""
 
     def __init__(self, dtype: np.dtype):
         self.dtype, self.parts, self.count = dtype, [], 0
 
     def add(self, array: np.ndarray) -> int:
-        """Append (rows, …) values; the row at which they start."""
+        """Append (rows, …) values. Returns the row at which they start."""
         base = self.dtype if self.dtype.fields is None else self.dtype.fields[self.dtype.names[0]][0].base
         flat = np.ascontiguousarray(array, base).reshape(len(array), int(np.prod(np.shape(array)[1:])))
         self.parts.append(flat)
@@ -141,7 +141,7 @@ class _Rows:
         return np.concatenate(self.parts).reshape(-1).view(self.dtype)
 
 
-# What all instances of a mesh have in common.
+# Shared by all instances of a mesh.
 _OF_MESH = np.dtype(
     [
         (name, INSTANCE[name])
@@ -203,7 +203,8 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _place(mesh: Mesh, matrix: np.ndarray | None, rows: dict[str, _Rows]) -> np.ndarray:
-    """Lay the data of a mesh into ``rows``; its record of ``_OF_MESH``. ``matrix``: that of a baked instance."""
+    """Append the data of a mesh to ``rows``. Returns its record of ``_OF_MESH``. ``matrix``: that of a baked
+    instance."""
     record = np.zeros((), _OF_MESH)
     positions = positions_of(mesh)
     record["triangles"], record["triangle_count"] = rows["triangles"].add(mesh.triangles), len(mesh.triangles)
@@ -222,7 +223,7 @@ def _place(mesh: Mesh, matrix: np.ndarray | None, rows: dict[str, _Rows]) -> np.
 
 
 def positions_of(mesh: Mesh) -> np.ndarray:
-    """(V, 3), or (K V, 3) of a mesh that moves: one form after the other."""
+    """(V, 3), or (K V, 3) for a mesh that deforms: the positions at one time after the other."""
     return mesh.positions if mesh.motion is None else mesh.motion.reshape(-1, 3)
 
 
@@ -266,7 +267,7 @@ class _Attributes:
 
 
 def attribute_values(mesh: Mesh, attribute: Attribute) -> AttributeValues | None:
-    """An attribute of a mesh; None where it has none."""
+    """An attribute of a mesh; None if it has none."""
     if attribute.kind in ("uv", "tangent"):
         maps = mesh.uvs if attribute.kind == "uv" else mesh.tangents
         found = maps.get(attribute.name)
@@ -276,7 +277,7 @@ def attribute_values(mesh: Mesh, attribute: Attribute) -> AttributeValues | None
 
 
 def box_around(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Center and size (3,) of the box that generated coordinates refer to; a side of no length counts as 1."""
+    """Center and size (3,) of the box of generated coordinates; a side of zero length counts as 1."""
     if not len(positions):
         return np.zeros(3), np.ones(3)
     low, high = positions.min(axis=0).astype(np.float64), positions.max(axis=0).astype(np.float64)
@@ -286,7 +287,7 @@ def box_around(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @replaced_on_gpu
 @kernel
 def instance_at(block, index):
-    """Row of an instance that a ray has met, with its transform at the time of the path."""
+    """Row of an instance that a ray has hit, with its transform at the time of the path."""
     instance = instance_table(block)[index]
     if instance.pose_count > 0 and instance.time != block.time:
         _move(block, instance)
@@ -318,7 +319,8 @@ def _move(block, instance):
 @replaced_on_gpu
 @kernel
 def form_of(block, instance):
-    """Of a mesh that changes its form: the number of the form before the time of the path, and how far that is behind."""
+    """For a mesh that deforms: the index of the known shape before the time of the path, and the fraction of the step
+    since then."""
     if instance.forms == 0:
         return 0, 0.0
     place = block.time * (instance.forms - 1)
@@ -336,7 +338,7 @@ def corner_position(block, instance, triangle, corner):
 
 @kernel
 def moving_vertex(block, instance, index):
-    """Place of a vertex in its object, of a mesh that changes its form; ``index`` is that of its first form."""
+    """Position of a vertex in its object, for a mesh that deforms; ``index`` is that of its first shape."""
     form, part = form_of(block, instance)
     p = vec(position_table(block)[index + form * instance.vertex_count].p)
     if part > 0.0:
@@ -346,7 +348,7 @@ def moving_vertex(block, instance, index):
 
 @kernel
 def _object_normal(block, instance, triangle, u, v):
-    """Normal of the mesh's corners, as they are stored, where a triangle was hit."""
+    """Normal of the mesh's corners, as stored, at a hit of a triangle."""
     form, part = form_of(block, instance)
     row = instance.normals + triangle + form * instance.triangle_count
     n = _mean_normal(normal_table(block)[row].n, u, v)
@@ -424,10 +426,10 @@ def _fill_surface(block, ray, surface, wo, ray_kind, footprint):
 
 @kernel
 def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
-    """Fill ``SURFACE`` of a point of a triangle of the instance ``index``; ``u`` and ``v`` are the weights of its second and
-    third corner.
+    """Fill ``SURFACE`` at a point of a triangle of the instance ``index``; ``u`` and ``v`` are the weights of its
+    second and third corner.
 
-    The position comes from these in float64, not from the distance along a ray: its error does not grow with the
+    The position comes from these in float64, not from the distance along a ray. So its error does not grow with the
     distance, and it lies in the plane of the triangle.
     """
     instance = instance_at(block, index)
@@ -483,7 +485,7 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
 
 @kernel
 def _find_radial(surface, instance):
-    """The direction around z in generated coordinates, which is carried to the world as a normal is."""
+    """The direction around z in generated coordinates, transformed to the world like a normal."""
     p, center, size = transform_point(instance.inverse, vec(surface.position)), instance.box_center, instance.box_size
     around = (-(p[1] - center[1]) / size[1], (p[0] - center[0]) / size[0], 0.0)
     radial = transform_normal(instance.inverse, around)
@@ -493,8 +495,8 @@ def _find_radial(surface, instance):
 
 @kernel
 def find_shadow_surface(block, workspace, secondary, wo):
-    """Fill what ``shading.transparency`` reads in the workspace ``secondary``, from the hit in ``workspace``; the material's
-    index."""
+    """Fill the inputs of ``shading.transparency`` in the workspace ``secondary``, from the hit in ``workspace``.
+    Returns the material's index."""
     ray = ray_table(workspace)[0]
     surface = surface_table(secondary)[0]
     instance = instance_at(block, hit_instance(ray))
@@ -503,7 +505,8 @@ def find_shadow_surface(block, workspace, secondary, wo):
         strands.fill(block, workspace, 1, wo, SHADOW, 0.0)
         return surface.material
     surface.material = hit_material(instance, block, triangle)
-    # Embree gives the normal of the triangle as it was built: in world space if baked, in the mesh's own space if not.
+    # Embree returns the normal of the triangle as it was built: in world space if baked, else in the mesh's local
+    # space.
     facing = dot(hit_normal(ray), wo if instance.baked else transform_vector(instance.inverse, wo))
     if instance.baked and instance.mirrored:
         facing = -facing

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays that the nodes of a material send out: how open a surface is, what a bevel would look like, what lies in a direction.
+"""Rays that the nodes of a material trace: ambient occlusion, bevel, and hits in a given direction.
 
-The models are those of Cycles. Formulas call these kernels, each of which is compiled alone, where a scene has its node. Rays are
-sent where a path has met a surface, not where a light ray asks what passes or what a light is like.
+The models are those of Cycles. Formulas call these kernels; each is compiled separately, if a scene has its node. Rays
+are traced where a path has hit a surface, not for transparency or light sampling.
 """
 
 import math
@@ -20,16 +20,16 @@ from .rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, hit_instance, inter
 from .samplers import get_2d
 from .workspace import secondary_table
 
-# Sets of random numbers, beside those of ``path.VERTEX_SETS``. All nodes of a kind have the same, as in Cycles.
+# Sets of random numbers, in addition to those of ``path.VERTEX_SETS``. All nodes of a kind share them, as in Cycles.
 OCCLUSION_SET = 1 << 25
 BEVEL_SET = OCCLUSION_SET + 1
 
 SHADOW = int(Ray.SHADOW)
-NO_RAY = 0  # light sampling looks at emission
+NO_RAY = 0  # light sampling evaluates emission
 ANY = int(Ray.ALL) | SHADOW_TRANSPARENT
 
-SHARP = 8.0  # density from which on a bevel is seen in what a ray has been scattered to
-PAST_SHIFT = 1.1  # a ray of a bump's shifted point begins so many times as far away as that has moved
+SHARP = 8.0  # density from which on a scattered ray sees a bevel
+PAST_SHIFT = 1.1  # a ray from a bump's shifted point begins this many times the shift away
 _ITERATIONS, _PRECISION = 10, 1e-6
 
 
@@ -55,8 +55,8 @@ def _disk(u, v):
 
 @kernel
 def _next_own(block, workspace, o, d, t_from, t_to):
-    """Distance along a ray to the next triangle of the surface's own object, whose hit is left in the workspace; infinite:
-    there is none."""
+    """Distance along a ray to the next triangle of the surface's own object, whose hit is left in the workspace;
+    infinite: there is none."""
     own = surface_table(workspace)[0].instance
     start = t_from
     while intersect(block, workspace, o, d, start, t_to, ANY):
@@ -70,8 +70,8 @@ def _next_own(block, workspace, o, d, t_from, t_to):
 
 @kernel
 def occlusion(block, workspace, local, distance, samples, x, y, z):
-    """Part of so many rays, around the direction (x, y, z) by its cosine, that meet nothing up to ``distance``; of the
-    surface's own object where it is ``local``."""
+    """Fraction of so many rays, cosine-distributed around the direction (x, y, z), that hit nothing up to ``distance``;
+    with ``local`` only the surface's own object counts."""
     surface = surface_table(workspace)[0]
     count = int(samples)
     if not _is_met(surface) or distance <= 0.0 or count < 1:
@@ -104,8 +104,8 @@ def _falloff(radius, r):
 
 @kernel
 def _falloff_radius(u):
-    """Distance on the unit disk within which the part u of ``_falloff`` lies: 10 x² − 20 x³ + 15 x⁴ − 4 x⁵ = u, by Newton's
-    method."""
+    """Distance on the unit disk within which the fraction u of ``_falloff`` lies: 10 x² − 20 x³ + 15 x⁴ − 4 x⁵ = u, by
+    Newton's method."""
     x = 0.25
     for _ in range(_ITERATIONS):
         square, rest = x * x, 1.0 - x
@@ -119,16 +119,16 @@ def _falloff_radius(u):
 
 @kernel
 def _is_blurred(path):
-    """Whether the path comes from a surface that has scattered it so widely that no bevel can be told."""
+    """Whether the path comes from a surface that scattered it too widely for a bevel."""
     return path.diffuse > 0 or path.volume > 0 or 0.0 < path.pdf < SHARP
 
 
 @kernel
 def bevel(block, workspace, radius, samples, x, y, z):
-    """Mean normal of the object around the surface, up to ``radius``; (x, y, z), its own, where that is not looked for.
+    """Mean normal of the object around the surface, up to ``radius``; its own normal (x, y, z) if no search is made.
 
-    Probe rays along three axes find points of the surface (King et al. 2013, "BSSRDF importance sampling"), joined by the
-    power heuristic.
+    Probe rays along three axes find points of the surface (King et al. 2013, "BSSRDF importance sampling"), combined by
+    the power heuristic.
     """
     surface, path, own = surface_table(workspace)[0], path_table(workspace)[0], (x, y, z)
     count = int(samples)
@@ -178,8 +178,9 @@ def bevel(block, workspace, radius, samples, x, y, z):
 
 @kernel
 def raycast(block, workspace, local, x, y, z, dx, dy, dz, distance, at_x, at_y, at_z):
-    """What the ray from (x, y, z) along (dx, dy, dz) meets: 1 if anything, 1 if it is the surface's own object, distance,
-    normal (x, y, z) on the ray's side, instance, triangle, and barycentric coordinates of its second and third vertex.
+    """The hit of the ray from (x, y, z) along (dx, dy, dz): 1 if anything, 1 if it is the surface's own object,
+    distance, normal (x, y, z) on the ray's side, instance, triangle, and barycentric coordinates of its second and
+    third vertex.
 
     (at_x, at_y, at_z) is the surface's point, which bumps shift.
     """

@@ -398,7 +398,9 @@ def _siren(arrays: dict[str, np.ndarray]) -> Siren:
     for name, default in numbers.items():
         numbers[name] = arrays.get(name, default).astype(np.float64)
         if numbers[name].size != default.size:
-            raise NetworkError(f"has '{name}' of {numbers[name].size} numbers, not {default.size}: see docs/lamps.md for what it needs.")
+            raise NetworkError(
+                f"has '{name}' of {numbers[name].size} numbers, not {default.size}: see docs/lamps.md for what it needs."
+            )
     box = np.stack([numbers["low"].ravel(), numbers["high"].ravel()])
     found = Siren(weights, biases, numbers["omega"].ravel()[0], box)
     _check(found)
@@ -426,7 +428,9 @@ def _check(found: Siren) -> None:
             raise NetworkError(f"has weights in 'weight_{index}' that are too large: fit the network again.")
     low, high = found.box
     if not ((high - low >= SMALLEST).all() and np.abs(found.box).max() <= 1e3):
-        raise NetworkError("has a box 'low' to 'high' that is empty, or larger than 1000 m: see docs/lamps.md for what it needs.")
+        raise NetworkError(
+            "has a box 'low' to 'high' that is empty, or larger than 1000 m: see docs/lamps.md for what it needs."
+        )
 
 
 def _table(found: Siren) -> Table:

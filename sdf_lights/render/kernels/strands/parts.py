@@ -13,7 +13,7 @@ _parts: dict[tuple, CallablePart] = {}
 
 
 def addresses(has_strands: bool, records: tuple) -> np.ndarray:
-    """The table "strand_code", for blocks and workspaces of these ``records``. What it points at is kept for good."""
+    """The table "strand_code", for blocks and workspaces of these ``records``. The code is kept for ever."""
     table = np.zeros(len(apart.PLACES), np.int64)
     if has_strands:
         key = tuple(map(str, records))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface of a curve or a sphere where a ray has met it, as Cycles has it."""
+"""The surface of a curve or a sphere at the hit of a ray, as in Cycles."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _strand_of = table("strand_of", np.int32)
 
 @kernel
 def vertex(block, instance, index):
-    """A vertex at the time of the path, as it is stored."""
+    """A vertex at the time of the path, as stored."""
     return moving_vertex(block, instance, index + instance.positions)
 
 
@@ -78,7 +78,7 @@ def curve_at(block, instance, segment, u):
 
 @kernel
 def _normal(kind, position, middle, tangent, wo, across):
-    """Unit normal where a ray along −wo has met a curve, whose middle is there."""
+    """Unit normal at the hit of a ray along −wo with a curve, whose middle is given."""
     if kind == _RIBBONS:
         along = normalize(tangent)
         side = normalize(cross(along, wo))
@@ -89,8 +89,9 @@ def _normal(kind, position, middle, tangent, wo, across):
 
 @kernel
 def fill(block, workspace, secondary, x, y, z, ray_kind, footprint):
-    """Fill ``SURFACE`` of the workspace, or of its ``secondary`` one, from the hit in the workspace of a ray that came along −wo.
-    Rays that leave the workspace's own, or go on behind the other one, do not meet the same curve or sphere again."""
+    """Fill ``SURFACE`` of the workspace, or of its ``secondary`` one, from the hit in the workspace of a ray along −wo.
+    Rays that leave the workspace's surface, or continue behind the other one, do not hit the same curve or sphere
+    again."""
     ray = ray_table(workspace)[0]
     instance = instance_at(block, hit_instance(ray))
     segment = np.int64(ray.primitive)
@@ -143,7 +144,7 @@ def _fill(block, surface, ray, instance, segment, wo, ray_kind, footprint):
         n, tangent = negate(n), negate(tangent)
     put(surface.position, position)
     put(surface.wo, wo)
-    # Cycles has ribbons face the ray that came, and takes the rounded normal nevertheless wherever it asks for this one.
+    # In Cycles, ribbons face the incoming ray, but this normal is still the rounded one.
     put(surface.ng, n)
     put(surface.n, n)
     put(surface.dpdu, tangent)
