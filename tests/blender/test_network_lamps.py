@@ -73,5 +73,19 @@ def test_a_network_has_no_text_and_no_sizes(file, network_lamp, add):
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)
     bpy.context.view_layer.update()
-    with pytest.raises(RuntimeError, match="a network, which no text says"):
+    with pytest.raises(RuntimeError, match="the network that the add-on has, which is no file: choose one first"):
         bpy.ops.sdf_lights.nodes_to_expression()
+
+
+def test_a_network_of_a_file_is_a_word(file, network_lamp, tmp_path):
+    lamp = network_lamp(str(tmp_path / "rabbit.npz"))
+    (tmp_path / "rabbit.npz").write_bytes(EXAMPLE.read_bytes())
+    direct = shape_of(lamp)
+    lamp.expression = f"network({str(tmp_path / 'rabbit.npz')!r}) | sphere(0.1)"
+    lamp.source = "EXPRESSION"
+    points = np.random.default_rng(1).uniform(-1.0, 1.0, (200, 3))
+    expected = np.minimum(direct.distance(points), np.linalg.norm(points, axis=1) - 0.1) < 0.0
+    assert ((shape_of(lamp).distance(points) < 0.0) == expected).all()
+    lamp.expression = "network('gone.npz')"
+    with pytest.raises(RenderError, match="network 'gone.npz' is missing"):
+        shape_of(lamp)

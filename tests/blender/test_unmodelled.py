@@ -218,7 +218,7 @@ def test_a_strict_render_fails(room, file, monkeypatch, by):
     assert bpy.ops.render.render() == {"FINISHED"}
     fast_gi(**room)
     shadow_terminator(**room)
-    with pytest.raises(RuntimeError, match="2 things are not rendered as the scene says"):
+    with pytest.raises(RuntimeError, match="2 items are not rendered as the scene says"):
         bpy.ops.render.render()
 
 
