@@ -459,7 +459,7 @@ def glass(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     add(
         scene,
         1,
-        translation(1.2, 0.3, 0.6) @ rotation("z", 30) @ scaling(0.35, 0.35, 0.6),
+        translation(1.2, 0.3, 0.62) @ rotation("z", 30) @ scaling(0.35, 0.35, 0.6),
         material("principled", "block", base_color=(0.7, 0.9, 1.0), roughness=0.3, transmission_weight=1.0, ior=1.33),
     )
     add(
