@@ -75,6 +75,8 @@ def render(scene: bpy.types.Scene, path: pathlib.Path) -> None:
     if hasattr(image, "media_type"):  # since 5.0, where it limits the formats
         image.media_type = "IMAGE"
     image.file_format, image.quality, image.color_mode = "JPEG", QUALITY, "RGB"
+    for stamp in ("filename", "date", "render_time"):  # a picture of the documents says nothing about a machine
+        setattr(scene.render, f"use_stamp_{stamp}", False)
     path.parent.mkdir(parents=True, exist_ok=True)
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)

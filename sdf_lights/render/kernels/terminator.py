@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where light rays start on triangles with smooth normals.
 
-Such a triangle stands for a curved surface that it does not follow, so its shadows end at its edges: the shadow terminator. As
-Cycles with its geometry offset, light rays near the horizon start on a parabola above the triangle (Deshmukh and Green 2020,
-"Predictable and targeted softening of the shadow terminator"; Hanika 2021, "Hacking the shadow terminator", has the idea).
+Such a triangle stands for a curved surface that it does not follow, so its shadows end at its edges: the shadow terminator (Hanika
+2021, "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). As in Cycles with its geometry offset, light rays near the
+horizon start on a parabola above the triangle.
 """
 
 from __future__ import annotations
