@@ -26,16 +26,7 @@ def paper_lanterns(scene) -> None:
     4. Model a floor with *Roughness* 0.02 and a *Bump* node: the water.
     """
     world((0.006, 0.012, 0.035))
-    graph = Graph("Water")
-    waves = graph.node("ShaderNodeTexNoise", Vector=graph.node("ShaderNodeTexCoord", "Object"), Scale=3.5, Detail=2.0)
-    water = graph.finish(
-        graph.node(
-            "ShaderNodeBsdfPrincipled",
-            Base_Color=(0.005, 0.012, 0.016),
-            Roughness=0.02,
-            Normal=graph.bump(waves, 0.03, 0.5),
-        )
-    )
+    water = surfaces.water("Water", (0.005, 0.012, 0.016), 0.02, 3.5, 0.03, 0.5)
     surfaces.floor(water, (40.0, 40.0), (0.0, 12.0, 0.0))
     wood = surfaces.wood("Planks", (0.26, 0.16, 0.1), (0.13, 0.08, 0.05), 0.5)
     for index in range(9):

@@ -69,18 +69,11 @@ def ceiling_cove(scene) -> None:
         principled("Wool", (0.46, 0.42, 0.36), 1.0),
         location=(0, 0.9, 0.01),
     )
-    marble = Graph("Marble")
-    marble.finish(
-        marble.node(
-            "ShaderNodeBsdfPrincipled",
-            Base_Color=marble.texture(image("Marble", textures.marble(512), True)),
-            Roughness=0.12,
-        )
-    )
+    marble = surfaces.marble(0.12)
     add(
         "Table",
         turned("Table", [(0, 0.36), (0.45, 0.36), (0.46, 0.38), (0.45, 0.4), (0, 0.4)], 64),
-        marble.material,
+        marble,
         location=(0, 0.9, 0),
     )
     add(
@@ -139,15 +132,8 @@ def under_cabinet(scene) -> None:
     )
     surfaces.wall(tile.material, 0.0, (5.0, 1.6), 0.5)
     oak = surfaces.wood("Oak", (0.5, 0.32, 0.19), (0.33, 0.19, 0.1), 0.4)
-    marble = Graph("Marble")
-    marble.finish(
-        marble.node(
-            "ShaderNodeBsdfPrincipled",
-            Base_Color=marble.texture(image("Marble", textures.marble(512), True)),
-            Roughness=0.15,
-        )
-    )
-    add("Worktop", box("Worktop", (4.0, 0.66, 0.04), 0.004, 2, 0.9), marble.material, location=(0, -0.33, 0.9))
+    marble = surfaces.marble(0.15)
+    add("Worktop", box("Worktop", (4.0, 0.66, 0.04), 0.004, 2, 0.9), marble, location=(0, -0.33, 0.9))
     add("Front", box("Front", (4.0, 0.6, 0.8), 0.004), oak, location=(0, -0.33, 0.47))
     for index in range(5):
         add(

@@ -43,6 +43,27 @@ def wet(name: str, color=(0.02, 0.02, 0.023), scale: float = 0.7, gloss=(0.04, 0
     )
 
 
+def water(name: str, color, roughness: float, scale: float, bump: float, strength: float) -> bpy.types.Material:
+    """Dark water with small waves; ``bump`` is their height in metres."""
+    graph = Graph(name)
+    waves = graph.node("ShaderNodeTexNoise", Vector=graph.node("ShaderNodeTexCoord", "Object"), Scale=scale, Detail=2.0)
+    return graph.finish(
+        graph.node(
+            "ShaderNodeBsdfPrincipled",
+            Base_Color=color,
+            Roughness=roughness,
+            Normal=graph.bump(waves, bump, strength),
+        )
+    )
+
+
+def marble(roughness: float) -> bpy.types.Material:
+    """Polished marble."""
+    graph = Graph("Marble")
+    color = graph.texture(image("Marble", textures.marble(512), True))
+    return graph.finish(graph.node("ShaderNodeBsdfPrincipled", Base_Color=color, Roughness=roughness))
+
+
 def wood(name: str, light=(0.36, 0.22, 0.14), dark=(0.17, 0.09, 0.05), roughness: float = 0.35) -> bpy.types.Material:
     """Wood on the UV map, in metres."""
     graph = Graph(name)

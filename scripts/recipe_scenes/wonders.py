@@ -347,15 +347,6 @@ def aurora(scene) -> None:
     mesh.from_pydata(vertices.tolist(), [], np.stack([cell, cell + 1, cell + steps + 1, cell + steps], axis=1).tolist())
     mesh.shade_smooth()
     add("Mountains", mesh, principled("Snow", (0.6, 0.62, 0.66), 0.7))
-    graph = Graph("Lake")
-    waves = graph.node("ShaderNodeTexNoise", Vector=graph.node("ShaderNodeTexCoord", "Object"), Scale=0.9, Detail=2.0)
-    lake = graph.finish(
-        graph.node(
-            "ShaderNodeBsdfPrincipled",
-            Base_Color=(0.004, 0.01, 0.015),
-            Roughness=0.03,
-            Normal=graph.bump(waves, 0.05, 0.4),
-        )
-    )
+    lake = surfaces.water("Lake", (0.004, 0.01, 0.015), 0.03, 0.9, 0.05, 0.4)
     surfaces.floor(lake, (300.0, 160.0), (0.0, 60.0, 0.6))
     camera((0.0, -12.0, 3.2), (0.0, 60.0, 19.0), 62.0)
