@@ -14,9 +14,8 @@ from sdf_lights.graph import codegen_glsl, codegen_native
 from sdf_lights.graph.functions import evaluate
 from sdf_lights.sdf.data.network import EXAMPLE, NETWORK, WIDTH, NetworkError, Siren, read
 from sdf_lights.sdf.shapes import SHAPES, Difference, Sphere
-from support import glsl, grids
-from support.lamps import oracle
-from support.lamps.rays import Traced
+from support import glsl
+from support.lamps.crossings import wrong_crossings
 
 BOX = np.array([[-1.0, -0.8, -1.2], [1.1, 0.9, 1.0]])
 
@@ -137,24 +136,14 @@ def test_the_example_has_a_bound_near_its_slope_and_is_certified(rabbit):
     assert pickle.loads(pickle.dumps(rabbit)) == rabbit
 
 
-def _wrong(shape, rays, seed=5):
-    origins, directions = grids.rays_around(shape, rays, seed)
-    traced = Traced(shape)
-    assert traced.tree.certified
-    found = traced.trace(origins, directions)
-    truth = oracle.find(shape, origins, directions)
-    assert truth.counts.sum() > rays // 20
-    return oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1], truth).wrong
-
-
 def test_rays_find_all_crossings_of_a_network(rabbit):
-    assert _wrong(rabbit, 300) == 0.0
+    assert wrong_crossings(rabbit, 300) == 0.0
 
 
 @pytest.mark.slow
 def test_rays_find_all_crossings_of_rough_networks():
     for name, count in (("example", 10_000), ("deep", 1000), ("wide", 1000)):
-        assert _wrong(NETWORKS[name].shape(), count) == 0.0
+        assert wrong_crossings(NETWORKS[name].shape(), count) == 0.0
 
 
 def _saved(path, change=lambda arrays: arrays):
