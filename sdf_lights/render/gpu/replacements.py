@@ -149,7 +149,7 @@ ALWAYS = {
     hashing.uniform_point: Native("counted_point", VECTOR),
     rays.intersect: _ray("false"),
     rays.occluded: _ray("true"),
-    departure.start_on: _nothing,
+    departure.number_of: Native(lambda function, arguments: known(0)),
     departure.start_apart: _nothing,
     departure.starts_on: Native(lambda function, arguments: known(0)),
     departure.leave: still.leave,

@@ -21,6 +21,6 @@ def form_of(block, instance):
 
 
 @kernel
-def leave(surface, direction):
+def leave(workspace, surface, direction):
     """In the place of ``departure.leave``: a ray starts beside its triangle, which it could meet."""
     return beside(vec(surface.position), vec(surface.ng), direction)

@@ -5,12 +5,14 @@ asks at every hit. So a ray starts on its triangle, not beside it, and meets ano
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...jit import Callback, kernel, table
 from ...replaced import replaced_on_gpu
 from ...vec import cross, dot, madd, sub, vec
-from .rays import NONE, OFFSET
+from .rays import NONE, OFFSET, ray_table
 
 # RTCFilterFunctionNArguments (rtcore_geometry.h): addresses, and how many rays there are. A table has its length after its
 # address, which is never asked for here: the number of rays stands in for all.
@@ -38,18 +40,12 @@ _INSTANCES_APART = 0x9E3779B1  # 2^32 over the golden ratio
 _ROUNDINGS = 8.0
 
 
+@replaced_on_gpu
 @kernel
 def number_of(instance, primitive):
     """A number of 32 bits for a triangle, curve or sphere of an instance. Those of instances are far apart, so two are hardly ever
     the same."""
     return (instance * _INSTANCES_APART + primitive + 1) & NONE
-
-
-@replaced_on_gpu
-@kernel
-def start_on(ray, instance, primitive):
-    """The rays to come start on a triangle, curve or sphere, which they do not meet."""
-    ray.id = np.uint32(number_of(instance, primitive))
 
 
 @replaced_on_gpu
@@ -103,8 +99,10 @@ def beside(position, ng, direction):
 
 @replaced_on_gpu
 @kernel
-def leave(surface, direction):
-    """Where a ray from a surface along ``direction`` starts: see ``starts_on``."""
+def leave(workspace, surface, direction):
+    """Where a ray from a surface along ``direction`` starts: see ``starts_on``. The rays to come do not meet the surface's triangle,
+    curve or sphere."""
+    ray_table(workspace)[0].id = surface.number
     position = vec(surface.position)
     return position if surface.starts_on else beside(position, vec(surface.ng), direction)
 
@@ -116,6 +114,7 @@ def starts_on(position, edge1, edge2, u, v):
     past an edge. ``u`` and ``v`` are the weights of the corners at the ends of both edges."""
     normal, edge3 = cross(edge1, edge2), sub(edge2, edge1)
     longest = max(dot(edge1, edge1), dot(edge2, edge2), dot(edge3, edge3))
-    rounding = _ROUNDINGS * 2.0**-6 * step_size(position)
+    # Embree subtracts the ray's origin from the corners, so a long edge is rounded as a far position is.
+    rounding = _ROUNDINGS * 2.0**-6 * max(step_size(position), OFFSET * math.sqrt(longest))
     least = min(u, v, 1.0 - u - v)
     return 1 if least > 0.0 and rounding * rounding * longest < least * least * dot(normal, normal) else 0

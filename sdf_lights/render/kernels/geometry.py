@@ -29,7 +29,7 @@ from ...vec import (
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import radii_of, strand_of, world_scale
-from .departure import start_on, starts_on
+from .departure import number_of, starts_on
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.material_compiler import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
@@ -404,8 +404,9 @@ def find_surface(block, workspace, wo, ray_kind, footprint):
     if block.has_strands and instance_table(block)[hit_instance(ray)].primitive != TRIANGLES:
         strands.fill(block, workspace, 0, wo, ray_kind, footprint)
         return
-    start_on(ray, hit_instance(ray), np.int64(ray.primitive))
-    _fill_surface(block, ray, surface_table(workspace)[0], wo, ray_kind, footprint)
+    surface = surface_table(workspace)[0]
+    _fill_surface(block, ray, surface, wo, ray_kind, footprint)
+    ray.id = surface.number  # a ray that passes through the triangle does not meet it again
 
 
 @kernel
@@ -450,6 +451,7 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
         if dot(smooth, smooth) > 0.5:
             n = smooth
     surface.strand = 0
+    surface.number = number_of(index, triangle)
     surface.starts_on = starts_on(position, edge1, edge2, u, v)
     surface.terminator = instance.terminator if instance.normals >= 0 else 0.0
     surface.backfacing = 0

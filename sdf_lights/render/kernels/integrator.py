@@ -16,7 +16,7 @@ from ...jit import kernel
 from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
-from .departure import beside, leave, start_apart, start_on
+from .departure import beside, leave, start_apart
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
 from .media import apart as media
@@ -167,9 +167,7 @@ def scatter(block, workspace):
     put(path.throughput, throughput)
     put(path.origin, position)
     put(path.normal, vec(surface.n))
-    put(path.start, leave(surface, wi))
-    if surface.terminator > 0.0:  # a light ray may have started apart from the triangle
-        start_on(ray_table(workspace)[0], surface.instance, surface.primitive)
+    put(path.start, leave(workspace, surface, wi))
     put(path.direction, wi)
     path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
     path.pdf = 0.0 if kind & SINGULAR else pdf

@@ -85,7 +85,7 @@ def occlusion(block, workspace, local, distance, samples, x, y, z):
         side = _disk(u[0], u[1])
         up = math.sqrt(max(1.0 - side[0] * side[0] - side[1] * side[1], 0.0))
         d = add(add(scale(t, side[0]), scale(b, side[1])), scale(n, up))
-        start = leave(surface, d)
+        start = leave(workspace, surface, d)
         if local:
             met = _next_own(block, workspace, start, d, 0.0, distance) < np.inf
         else:
@@ -189,15 +189,19 @@ def raycast(block, workspace, local, x, y, z, dx, dy, dz, distance, at_x, at_y, 
         return 0.0, 0.0, distance, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     start, d, p = (x, y, z), (dx, dy, dz), vec(surface.position)
     near = PAST_SHIFT * length(sub((at_x, at_y, at_z), p))
+    ray = ray_table(workspace)[0]
+    left = ray.id
     if near == 0.0 and x == p[0] and y == p[1] and z == p[2]:
-        start = leave(surface, d)
+        start = leave(workspace, surface, d)
+    else:
+        start_apart(ray)  # from elsewhere it may meet the triangle that it is for
     if local:
         found = _next_own(block, workspace, start, d, near, distance) < np.inf
     else:
         found = intersect(block, workspace, start, d, near, distance, ANY)
+    ray.id = left
     if not found:
         return 0.0, 0.0, distance, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ray = ray_table(workspace)[0]
     other = surface_table(secondary_table(workspace)[0])[0]
     _fill_surface(block, ray, other, negate(d), NO_RAY, 0.0)
     same = 1.0 if other.instance == surface.instance else 0.0

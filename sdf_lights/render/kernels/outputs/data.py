@@ -160,7 +160,7 @@ def _visible_sky(block, workspace, surface):
     wi = to_world(cosine_hemisphere(u[0], u[1]), t, b, normal)
     if block.has_media:
         look(block, workspace, ng, wi)
-    start = leave(surface, wi)
+    start = leave(workspace, surface, wi)
     return transmittance(block, workspace, start, wi, block.occlusion_distance, SHADOW_OPAQUE)
 
 

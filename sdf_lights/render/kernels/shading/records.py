@@ -58,6 +58,7 @@ SURFACE = np.dtype(
         ("primitive", "i4"),
         ("strand", "i4"),  # of a curve, which kind of scene.Primitive it is; else 0
         ("terminator", "f8"),  # cosine below which light rays start above a smooth triangle; 0: none does
+        ("number", "u4"),  # of its triangle, curve or sphere, which rays that leave it do not meet: departure.number_of
         ("starts_on", "i4"),  # 1: rays that leave it start at its position, else beside it (see departure.py)
         # Of the material, filled by shade().
         ("closure_count", "i4"),

@@ -25,7 +25,7 @@ from ....vec import (
     vec,
 )
 from ...scene import Primitive
-from ..departure import number_of, start_on
+from ..departure import number_of
 from ..geometry import (
     BUMP_DISTANCE,
     BUMP_FILTER,
@@ -95,22 +95,14 @@ def fill(block, workspace, secondary, x, y, z, ray_kind, footprint):
     ray = ray_table(workspace)[0]
     instance = instance_at(block, hit_instance(ray))
     segment = np.int64(ray.primitive)
-    strand = np.int64(_strand_of(block)[instance.strands + segment])
     if secondary > 0.0:
-        _fill(
-            block,
-            surface_table(secondary_table(workspace)[0])[0],
-            ray,
-            instance,
-            segment,
-            (x, y, z),
-            ray_kind,
-            footprint,
-        )
-        ray.flags = np.uint32(number_of(hit_instance(ray), strand))
+        surface = surface_table(secondary_table(workspace)[0])[0]
+        _fill(block, surface, ray, instance, segment, (x, y, z), ray_kind, footprint)
+        ray.flags = surface.number
     else:
-        _fill(block, surface_table(workspace)[0], ray, instance, segment, (x, y, z), ray_kind, footprint)
-        start_on(ray, hit_instance(ray), strand)
+        surface = surface_table(workspace)[0]
+        _fill(block, surface, ray, instance, segment, (x, y, z), ray_kind, footprint)
+        ray.id = surface.number
     return 0.0
 
 
@@ -119,6 +111,7 @@ def _fill(block, surface, ray, instance, segment, wo, ray_kind, footprint):
     position = madd(vec(ray.origin), float(ray.t_far), vec(ray.direction))
     u, v, kind = float(ray.u), float(ray.v), instance.primitive
     tangent = (0.0, 0.0, 0.0)
+    surface.number = number_of(hit_instance(ray), np.int64(_strand_of(block)[instance.strands + segment]))
     surface.strand = surface.starts_on = 0
     surface.terminator = 0.0
     if kind == _SPHERES:
