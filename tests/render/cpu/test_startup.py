@@ -27,10 +27,10 @@ def test_compiled_entry_loads_without_the_compiler(tmp_path):
     code = (
         "import sys, numpy as np; from sdf_lights import jit; from sdf_lights.emitter.hashing import seeded; "
         "value = seeded(0.25, 0.5, 0.75); "
-        "print(int(value), 'numba.np.arraymath' in sys.modules, jit.compiled_kernels())"
+        "print(int(value), 'numba' in sys.modules or 'llvmlite' in sys.modules, jit.compiled_kernels())"
     )
     value, compiler, _ = run(code, tmp_path).split()
-    assert compiler == "True"  # so this module does tell whether Numba was made ready to compile
+    assert compiler == "True"
     assert run(code, tmp_path).split() == [value, "False", "0"]
 
 
@@ -52,4 +52,4 @@ def test_lamps_of_one_primitive_need_no_kernels_to_be_built(tmp_path):
         "print(*(len(build_lamp('Lamp', shape, np.eye(4)).program) for shape in shapes))"
     )
     assert run(code, tmp_path).split() == ["1"] * 6
-    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert not list(tmp_path.rglob("*.kernel"))
