@@ -316,6 +316,7 @@ _CALLED = ir.FunctionType(ir.VoidType(), [_INDEX] * 4)
 
 
 def surface_module(formulas: tuple[Formula, ...], places: Mapping[str, Place], symbol_of) -> ir.Module:
+    """The module of ``codegen_native.compiled_at_surface``."""
     module = ir.Module()
     module.triple = llvm.get_process_triple()
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), [_INDEX] * 3 + [_POINTER] * 2), SYMBOL)
@@ -338,6 +339,7 @@ LARGE = 8 * BLOCK  # from this number of operations on, compile time matters mor
 
 
 def module(formulas: tuple[Formula, ...]) -> ir.Module:
+    """The module of ``codegen_native.compiled``."""
     module = ir.Module()
     module.triple = llvm.get_process_triple()
     function = ir.Function(module, _FUNCTION, SYMBOL)
