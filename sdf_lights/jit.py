@@ -34,7 +34,9 @@ _lock = threading.RLock()  # while an entry is loaded or compiled
 def compiled_kernels() -> int:
     """Kernels that were compiled in this process, for linking into others."""
     compiler = sys.modules.get(f"{__package__}.kernel_compiler")
-    return compiler.compiled_kernels() if compiler else 0
+    # Another thread may still be importing it.
+    count = getattr(compiler, "compiled_kernels", None)
+    return count() if count else 0
 
 
 def _callees(python) -> list:
