@@ -6,6 +6,7 @@ is busy while kernels compile beside it. Also how far the demo's quick picture i
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import pathlib
@@ -78,8 +79,11 @@ def _shown(folder: pathlib.Path, *arguments: str) -> np.ndarray:
     return OpenImageIO.ImageBuf(f"{out}.png").get_pixels(OpenImageIO.FLOAT)[..., :3]
 
 
-def _difference() -> dict:
-    """FLIP of the demo's picture, and of one of as many samples with another seed, to one of ``MANY_SAMPLES``."""
+def _difference() -> dict | None:
+    """FLIP of the demo's picture to one of ``MANY_SAMPLES``, and to one of as many samples with another seed; None
+    without flip-evaluator."""
+    if importlib.util.find_spec("flip_evaluator") is None:
+        return None
     with tempfile.TemporaryDirectory(dir=work_folder()) as name:
         folder = pathlib.Path(name)
         many = _shown(folder, "--samples", MANY_SAMPLES)
@@ -173,8 +177,10 @@ def run(options) -> tuple[dict, list[dict]]:
         rows[-1]["without"] = alone
         rows += [dict(also=title, value=beside[kind], without=without[kind]) for kind, title in kinds.items()]
         rows += [dict(status=text) for text in window["texts"][:: max(len(window["texts"]) // 8, 1)]]
-    if (picture := found.get("picture")) and picture["flip"] is not None:
+    if picture := found.get("picture"):
         summary["demo_flip"] = picture["flip"]
         rows.append(dict(also=f"FLIP of the demo's picture to that of {MANY_SAMPLES} samples", value=picture["flip"]))
         rows.append(dict(also="FLIP of two such pictures with different seeds", value=picture["seeds"]))
+    elif "picture" in found:
+        rows.append(dict(also="FLIP is left out: scripts/README.md says how to install flip-evaluator"))
     return summary, rows
