@@ -88,7 +88,7 @@ def first_minute(command: list[str], folder: pathlib.Path) -> None:
     session = REPOSITORY / "scripts" / "first_minute_session.py"
     path = build_extension.build(build_extension.this_platform(), python_of(command), folder)
     # Kernels of this Blender's Python, as a zip from its own platform ships them.
-    environment = {"SDF_LIGHTS_CACHE": str(REPOSITORY / "build" / "first_minute")}
+    environment = {"SDF_LIGHTS_CACHE": str(pathlib.Path(tempfile.gettempdir()) / "sdf_lights_kernels")}
     for name, words in (("kernels", []), ("window", [str(folder)])):
         environment["BLENDER_USER_RESOURCES"] = str(folder / name)
         (folder / name).mkdir()

@@ -64,19 +64,22 @@ def steps():
     picture(ARGUMENTS[2], "preferences", view)
     view.ui_type = "VIEW_3D"
     scene.render.engine = "SDF_LIGHTS"
-    scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.05
+    scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.3
     bpy.data.objects.remove(bpy.data.objects["Light"])
     with override(view):
         bpy.ops.mesh.primitive_plane_add(size=14.0, location=(0.0, 0.0, -1.0))
-        bpy.ops.sdf_lights.lamp_add(source="PRESET", preset="NEON_HEART", location=(0.0, 0.0, 1.75))
+        bpy.ops.sdf_lights.lamp_add(source="PRESET", preset="NEON_HEART", location=(0.0, 0.0, 1.6))
     lamp = bpy.context.object
-    lamp.rotation_euler.z, lamp.scale = 0.8, (2.0, 2.0, 2.0)
+    lamp.rotation_euler.z, lamp.scale, lamp.data.energy = 0.8, (1.3, 1.3, 1.3), 60.0
+    scene.sdf_lights.samples = scene.sdf_lights.viewport.samples = 24
+    scene.sdf_lights.denoise = scene.sdf_lights.viewport.denoise = True
     drawn = part("blender.viewport.drawn")
     yield from until(lambda: drawn.overlay is not None and not drawn.overlay.finder.busy)
     yield 1.0
     taken("lamp")
     with override(view):
         bpy.ops.view3d.view_camera()
+        bpy.ops.view3d.view_center_camera()
     view.spaces.active.shading.type = "RENDERED"
     rendered = part("blender.viewport.rendered")
     yield from until(lambda: any(each._render.picture for each in rendered._running))
@@ -86,7 +89,6 @@ def steps():
     yield 0.5
     taken("viewport")
     view.spaces.active.shading.type = "SOLID"
-    scene.sdf_lights.samples = 32
     press(move(inside(view)), "F12")
     yield from until(lambda: bpy.app.is_job_running("RENDER"), 60.0)
     yield from until(lambda: not bpy.app.is_job_running("RENDER"))
