@@ -61,7 +61,7 @@ def missing(kind: str, name: str, known: Iterable[str]) -> Unresolved:
     return Unresolved(f"there is no {kind} {name!r:.80}", cure)
 
 
-class Standing:
+class PlaceholderResolver:
     """Gives a box for everything: to check what does not depend on data."""
 
     def __init__(self):
@@ -73,7 +73,7 @@ class Standing:
         return Box() if request.kind != COLOURS else table(np.array([1, 1, 0, 1, 1, 1, 1, 1], np.float32))
 
 
-class Nothing:
+class NoResolver:
     """Knows nothing, as where there is no Blender."""
 
     def find(self, request: Request) -> Found:

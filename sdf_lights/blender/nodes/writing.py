@@ -18,7 +18,7 @@ from ...sdf.emission import INPUTS, name_inputs
 from ...sdf.evaluation import Evaluation
 from ...sdf.expression_values import kind_of
 from ...sdf.functions import CONSTANTS, FUNCTIONS
-from ...sdf.resolver import COLOURS, Standing
+from ...sdf.resolver import COLOURS, PlaceholderResolver
 from ...sdf.syntax import parse
 from ..naming import NODE_TREE
 from ..sources import FileResolver
@@ -36,7 +36,7 @@ class _Recorder(Evaluation):
     """Keeps the value of each part of the syntax tree."""
 
     def __init__(self):
-        super().__init__({}, {}, Standing())
+        super().__init__({}, {}, PlaceholderResolver())
         self.found: dict[ast.expr, object] = {}
 
     def value(self, node):
