@@ -11,7 +11,7 @@ import dataclasses
 import math
 import sys
 
-from ..graph.formula import LONGEST_LOOP
+from ..graph.loops import LONGEST_LOOP
 from .builtin_data import DATA
 from .catalogue import grouped
 from .declarations import LIMITS

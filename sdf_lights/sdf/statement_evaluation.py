@@ -9,8 +9,8 @@ import itertools
 import math
 from collections.abc import Mapping
 
-from ..graph import formula
-from ..graph.formula import LONGEST_LOOP, Formula
+from ..graph.formula import Formula
+from ..graph.loops import LONGEST_LOOP, iterate
 from . import declarations, expression_values
 from .expression_values import Condition, Live, NeedsNumber, choose, has_field, kind_of, lifted, live
 from .functions import CONSTANTS
@@ -266,7 +266,7 @@ class StatementEvaluator(ValueEvaluator):
         rounds = self.slots.rounds
         self.slots.rounds, self.loops = rounds * limit, self.loops + 1
         first = (*flat(before), *[0.0] * (bool(index) + breaks))
-        results = iter(formula.iterate(lifted(count, self.slots), first, body, limit))
+        results = iter(iterate(lifted(count, self.slots), first, body, limit))
         self.names, self.slots.rounds, self.loops = before, rounds, self.loops - 1
         for name, size in zip(carried, sizes):
             self.names[name] = tuple(itertools.islice(results, size)) if size else next(results)

@@ -20,19 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...graph.formula import (
-    CALL,
-    CONSTANT,
-    ITERATE,
-    PARAMETER,
-    POINT,
-    RESULT,
-    STATE,
-    Formula,
-    apply,
-    body,
-    sqrt,
-)
+from ...graph.formula import CALL, CONSTANT, ITERATE, PARAMETER, POINT, RESULT, STATE, Formula, apply, body, sqrt
 from ...graph.functions import TableFunction, compiled_part
 from ...graph.operations import CONDITIONS, OPERATIONS
 from ...jit import call_numbers, kernel

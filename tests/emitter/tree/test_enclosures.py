@@ -8,9 +8,10 @@ import pytest
 from sdf_lights.emitter.tree import enclosures, interior, slopes
 from sdf_lights.emitter.tree.enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose, tape
 from sdf_lights.graph import codegen_native, numpy_evaluation
-from sdf_lights.graph.formula import POINT, apply, constant, iterate, parameter, select, sqrt
+from sdf_lights.graph.formula import POINT, apply, constant, parameter, select, sqrt
 from sdf_lights.graph.gradient import gradient
 from sdf_lights.graph.lipschitz import gradient_bounds
+from sdf_lights.graph.loops import iterate
 from sdf_lights.graph.operations import CONDITIONS, OPERATIONS
 from sdf_lights.jit import kernel
 from support.lamps.hard_cases import HARD_CASES, SMOOTH, TWISTED
