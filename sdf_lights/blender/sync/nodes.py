@@ -23,11 +23,11 @@ from ...render import bsdfs
 from ...render.images import Texture
 from ...render.material import NODES, Attribute, Material, Node, Table
 from ...render.nodes import DEFINITIONS
-from ...render.nodes.colors import luminance_weights
 from ...render.nodes.definition import mean
 from ...render.nodes.geometry import generated, strand_random, to_object, transformed_normal, uv
 from ...render.nodes.lookups import ATTRIBUTE
 from ...render.nodes.variables import BARYCENTRIC, INCOMING, NORMAL, POSITION, as_vector
+from ...render.nodes.working_space import luminance_weights
 from . import zones
 from .attributes import property_of
 from .common import Warnings, matrix_of, rgb
