@@ -5,8 +5,9 @@
 import numpy as np
 import pytest
 
-from sdf_lights.emitter.tree import enclosures, interior, slopes
-from sdf_lights.emitter.tree.enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose, tape
+from sdf_lights.emitter.tree import enclosure_tape, interior, slopes
+from sdf_lights.emitter.tree.enclosure_tape import tape
+from sdf_lights.emitter.tree.enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
 from sdf_lights.graph import codegen_native, numpy_evaluation
 from sdf_lights.graph.formula import POINT, apply, constant, parameter, select, sqrt
 from sdf_lights.graph.gradient import gradient
@@ -215,4 +216,4 @@ def test_work_is_bounded(monkeypatch):
 
 
 def test_tapes_have_no_unknown_operation():
-    assert set(OPERATIONS) <= set(enclosures._NAMES)
+    assert set(OPERATIONS) <= set(enclosure_tape.NAMES)
