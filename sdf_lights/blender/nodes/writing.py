@@ -24,7 +24,7 @@ from ..naming import NODE_TREE
 from ..sources import FileResolver
 from . import emission_nodes, function_nodes, scene, sockets, value_nodes
 from .layout import arrange
-from .reading import EMISSION, SHAPE, is_declaration
+from .lines import EMISSION, SHAPE, is_declaration
 from .tree import OUTPUT, output_of
 
 
