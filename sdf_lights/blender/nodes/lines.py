@@ -38,7 +38,7 @@ Place = tuple[tuple, "bpy.types.Node"]  # the group nodes that one has to enter,
 
 
 class Broken(Exception):
-    """A node cannot be written; the message says why, or is empty if that is said of the node that it waits for."""
+    """A node cannot be written. The message gives the reason. It is empty if the reason is that of an earlier node."""
 
 
 class Line(NamedTuple):
