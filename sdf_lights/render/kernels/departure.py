@@ -48,7 +48,6 @@ def number_of(instance, primitive):
     return (instance * _INSTANCES_APART + primitive + 1) & NONE
 
 
-@replaced_on_gpu
 @kernel
 def start_apart(ray):
     """The rays to come do not start on a surface."""
@@ -97,7 +96,6 @@ def beside(position, ng, direction):
     return madd(position, size if dot(ng, direction) > 0.0 else -size, ng)
 
 
-@replaced_on_gpu
 @kernel
 def leave(workspace, surface, direction):
     """Where a ray from a surface along ``direction`` starts: see ``starts_on``. The rays to come do not meet the surface's triangle,
@@ -107,7 +105,6 @@ def leave(workspace, surface, direction):
     return position if surface.starts_on else beside(position, vec(surface.ng), direction)
 
 
-@replaced_on_gpu
 @kernel
 def starts_on(position, edge1, edge2, u, v):
     """Whether rays from a point of a triangle start there (1), or beside it (0) where rounding to float32 could carry it
