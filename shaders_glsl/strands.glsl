@@ -109,7 +109,7 @@ vec4 curve_bend(mat4 points, float u) { return points * vec4(2.0 - 3.0 * u, 9.0 
 #define PIECES 4
 
 // A hit with the discs around a curve at right angles to it, near a distance `t` along the ray and a place u: where the
-// ray is in the plane of a disc (f = 0), at its rim (g = 0), by Newton's method. −1 if there is none.
+// ray is in the plane of a disc (f = 0), at its rim (g = 0), by Newton's method. INFINITE if there is none.
 float at_rim(mat4 points, vec3 o, vec3 d, float t, inout float u)
 {
     for (int turn = 0; turn < 8; turn++) {
@@ -124,20 +124,20 @@ float at_rim(mat4 points, vec3 o, vec3 d, float t, inout float u)
         float g_t = 2.0 * dot(apart, d);
         float determinant = f_u * g_t - f_t * g_u;
         if (determinant == 0.0) {
-            return -1.0;
+            return INFINITE;
         }
         float step_u = (f * g_t - f_t * g) / determinant;
         float step_t = (f_u * g - f * g_u) / determinant;
         u -= step_u;
         t -= step_t;
         if (abs(step_u) < 1e-4 && step_t * step_t * dot(d, d) < 1e-6 * p.w * p.w) {
-            return u >= -1e-4 && u <= 1.0001 ? t : -1.0;
+            return u >= -1e-4 && u <= 1.0001 ? t : INFINITE;
         }
         if (!(u > -1.0 && u < 2.0)) {
-            return -1.0;
+            return INFINITE;
         }
     }
-    return -1.0;
+    return INFINITE;
 }
 
 float hit_round(Line line, mat4 points, float t_min, float t_max, out float place)
