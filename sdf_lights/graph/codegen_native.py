@@ -50,9 +50,9 @@ class Compiled(NamedTuple):
 
         void f(int64_t n, const double *points, const double *parameters, double *values)
 
-    ``points`` (3, n) has all x, then all y, then all z. ``parameters`` has the formulas' slots. ``values`` (formulas,
-    n) gets all values of the first formula first. n must be a multiple of ``LANES`` (repeat a point to fill up). Any
-    number of threads may call it.
+    ``points`` (3, m) has all x, then all y, then all z, where m is n rounded up to a multiple of ``LANES``. ``parameters``
+    has the formulas' slots. ``values`` (formulas, m) gets all values of the first formula first. Only the first n of m
+    values count: functions that a formula calls are called for no other point. Any number of threads may call it.
     """
 
     address: int  # valid as long as ``owner`` lives
@@ -189,5 +189,5 @@ def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> 
         raise ValueError(f"the formula has {slots(formula)} parameters, not {len(parameters)}")
     values = np.empty(columns.shape[1])
     code = compiled(formula)
-    _SIGNATURE(code.address)(len(values), columns.ctypes.data, parameters.ctypes.data, values.ctypes.data)
+    _SIGNATURE(code.address)(n, columns.ctypes.data, parameters.ctypes.data, values.ctypes.data)
     return values[:n].reshape(points.shape[:-1])

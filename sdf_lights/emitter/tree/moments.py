@@ -25,7 +25,8 @@ from ..emission.varying import COLOUR, COLOUR_STACK, CompiledEmission, run_colou
 from ..hashing import following, uniform_point
 from ..intersection.fields import LANES, STACK, VALUES, run_terms
 from ..intersection.membership import contains
-from .interior import BOUNDARY, INSIDE, NODE, Tree
+from .interior import Tree
+from .nodes import BOUNDARY, INSIDE, NODE
 from .volume import leaf_costs
 
 CELL = np.dtype(
@@ -123,7 +124,7 @@ def sample_leaf(program, terms, parameters, lists, glow, offset, side, node, box
         if node.state == INSIDE:
             inside[:] = True
         elif len(terms) > 0:
-            run_terms(terms, parameters, lists, node.row_first, node.row_count, stack)
+            run_terms(terms, parameters, lists, node.row_first, node.row_count, LANES, stack)
             for lane in range(LANES):
                 inside[lane] = stack[VALUES + lane] <= 0.0
         else:

@@ -13,7 +13,9 @@ from sdf_lights.emitter.intersection import fields
 from sdf_lights.emitter.intersection.fields import LANES, NEGATED, STACK, VALUES
 from sdf_lights.emitter.intersection.membership import contains
 from sdf_lights.emitter.tree import interior
-from sdf_lights.emitter.tree.interior import BOUNDARY, INSIDE, OUTSIDE, TreeError, tree_point
+from sdf_lights.emitter.tree.interior import TreeError
+from sdf_lights.emitter.tree.nodes import BOUNDARY, INSIDE, OUTSIDE
+from sdf_lights.emitter.tree.points import tree_point
 from sdf_lights.graph.formula import sqrt
 from sdf_lights.jit import kernel, stack_array
 from sdf_lights.sdf.expression import Expression
@@ -60,7 +62,7 @@ def field_values(terms, parameters, nodes, boxes, lists, numbers, points, pruned
                 stack[k * LANES + lane] = points[index, lane, k]
         node = nodes[index]
         if node.row_count > 0:
-            fields.run_terms(terms, parameters, lists, node.row_first, node.row_count, stack)
+            fields.run_terms(terms, parameters, lists, node.row_first, node.row_count, fields.LANES, stack)
         for lane in range(LANES):
             pruned[index, lane] = stack[VALUES + lane] if node.row_count > 0 else np.nan
 
