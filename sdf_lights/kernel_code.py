@@ -65,12 +65,20 @@ def compiler() -> tuple:
     return tuple(map(_version, ("numba", "llvmlite")))
 
 
+def origin(package: str) -> str:
+    """The file that an import of a package would read first; "" if there is none."""
+    try:
+        found = importlib.util.find_spec(package)
+    except ImportError:  # of a finder that refuses the package
+        return ""
+    return found.origin or "" if found is not None else ""
+
+
 def _version(package: str) -> str:
     """The version of an installed package, without ``importlib.metadata``, which takes as long as NumPy to import."""
-    found = importlib.util.find_spec(package)
-    if found is None or found.origin is None:
+    if not origin(package):
         return ""
-    root = pathlib.Path(found.origin).parents[1]
+    root = pathlib.Path(origin(package)).parents[1]
     return next((path.name.split("-")[1] for path in root.glob(f"{package}-*.dist-info")), "")
 
 

@@ -12,7 +12,6 @@ import contextlib
 import ctypes
 import hashlib
 import importlib
-import importlib.util
 import pathlib
 import pickle
 import platform
@@ -23,17 +22,15 @@ from types import MappingProxyType
 import numpy as np
 
 from . import kernel_cache, machine_code
-from .kernel_code import ROOT, Stored, compiler, source_hash, target
+from .kernel_code import ROOT, Stored, compiler, origin, source_hash, target
 
 
 def missing() -> str:
     """Why Numba cannot be imported; "" if it can. Tries it once for each installation, because it takes long."""
-    found = [importlib.util.find_spec(name) for name in ("numba", "llvmlite")]
-    if all(found):
-        known = repr((*(spec.origin for spec in found), *compiler(), np.__version__, sys.version))
-        mark = kernel_cache.writable_folder() / f"numba-{hashlib.sha256(known.encode()).hexdigest()[:16]}.usable"
-        if mark.is_file():
-            return ""
+    installation = repr((origin("numba"), origin("llvmlite"), *compiler(), np.__version__, sys.version))
+    mark = kernel_cache.writable_folder() / f"numba-{hashlib.sha256(installation.encode()).hexdigest()[:16]}.usable"
+    if origin("numba") and origin("llvmlite") and mark.is_file():
+        return ""
     try:
         from . import kernel_compiler, kernel_intrinsics  # noqa: F401
     except Exception as error:  # an ImportError, or a binary that does not match this NumPy or Python
