@@ -79,6 +79,9 @@ class Settings:
         0,
         1 << 24,
     )
+    light_paths: bool = _setting(
+        False, "Connect paths from the camera with paths from lamps, where a scene allows that. On the CPU", developer=True
+    )
     max_bounces: int = _setting(12, "Maximum number of bounces of all kinds together", 0, 1024)
     diffuse_bounces: int = _setting(4, "Maximum number of diffuse bounces", 0, 1024)
     glossy_bounces: int = _setting(4, "Maximum number of glossy bounces", 0, 1024)

@@ -14,6 +14,8 @@ from ..errors import RenderError
 from ..film import Film
 from ..kernels import camera, geometry, lamp_tree, lights, motion, path, shading
 from ..kernels import film as film_kernels
+from ..kernels.light_paths import parts as light_path_parts
+from ..kernels.light_paths import records as light_path_records
 from ..kernels.media import pack as media
 from ..kernels.media import parts as media_parts
 from ..kernels.media import records as media_records
@@ -76,6 +78,7 @@ class PackedScene:
             },
             {"has_subsurface": bool(deep.any())},
         )
+        self.set_light_paths(None)
         self._moving: motion.Moving | None = None
         self.update_lights(scene)
         self.update_camera(scene, film)
@@ -101,6 +104,12 @@ class PackedScene:
         self._tables |= tables
         for name, value in scalars.items():
             self.block[name] = value
+
+    def set_light_paths(self, tables: dict[str, np.ndarray] | None) -> None:
+        """Connect paths with these vertices of light paths, by these nodes and tops; None: with nothing."""
+        empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}
+        code = {"light_path_code": light_path_parts.addresses(tables is not None, (BLOCK, WORKSPACE))}
+        self._fill(empty | (tables or {}) | code, {"light_paths": tables is not None})
 
     def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``, whose meshes, materials and world are the same as before.
@@ -220,6 +229,7 @@ class Workspace:
             **shading.WORKSPACE_COUNTS,
             **cuts.WORKSPACE_COUNTS,
             **lights.WORKSPACE_COUNTS,
+            **light_path_records.WORKSPACE_COUNTS,
             **media_records.WORKSPACE_COUNTS,
             **packed.output_counts,
             **lamp_tree.workspace_counts(len(packed.lamps)),

@@ -21,6 +21,7 @@ from ..kernels.integrator import (
     start_path,
     trace_path,
 )
+from ..kernels.light_paths import apart as light_paths
 from ..kernels.media.records import inside_table
 from ..kernels.motion import set_time
 from ..kernels.outputs import apart as outputs
@@ -45,6 +46,8 @@ from ..kernels.workspace import cut_table, secondary_table
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
 # greatest error of a pixel is up to a quarter greater.
 LEAST_SURVIVAL = 0.3
+
+WHITE = (1.0, 1.0, 1.0)
 
 control_table = table("control", np.int64)
 
@@ -88,11 +91,23 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     put(sample.lamps_before, vec(sample.lamps))
     paths[WAITING] = paths[0]
     keep_state(block, workspace, WAITING)
+    if block.light_paths:
+        light_paths.choose(block, workspace)
     for branch in range(branches):
+        light = brightness(sample)
         paths[0] = paths[WAITING]
         use_state(block, workspace, WAITING)
         paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
+        if block.light_paths:
+            light_paths.connect(block, workspace)
         paths[0].alive = int(scatter(block, workspace))
+        if block.light_paths and paths[0].alive and paths[0].pdf > 0.0:
+            paths[0].connects = 1
+            if paths[0].has_glossy:
+                light_paths.share(block, workspace)
+            else:
+                put(paths[0].connected, WHITE)
+        paths[0].brought = brightness(sample) - light
         if block.has_subsurface:
             ray_table(workspace)[FIRST_BRANCH_RAY + branch] = ray_table(workspace)[0]
         paths[FIRST_BRANCH + branch] = paths[0]
@@ -125,7 +140,6 @@ def intersect_branches(block, workspace, branches):
     sample = sample_table(workspace)[0]
     for branch in range(branches):
         if not paths[FIRST_BRANCH + branch].alive:
-            paths[FIRST_BRANCH + branch].brought = 0.0
             continue
         light = brightness(sample)
         paths[0] = paths[FIRST_BRANCH + branch]
@@ -143,7 +157,7 @@ def intersect_branches(block, workspace, branches):
                 position = madd(position, path.length, vec(path.direction))
             path.expected = largest(vec(path.throughput)) * lights.irradiance(block, number, position)
             rays[FIRST_BRANCH_RAY + branch] = rays[0]
-        path.brought = brightness(sample) - light
+        path.brought += brightness(sample) - light
         paths[FIRST_BRANCH + branch] = paths[0]
         keep_state(block, workspace, FIRST_BRANCH + branch)
 

@@ -17,6 +17,7 @@ from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
 from . import background
+from .light_paths import LightPaths
 from .block import PackedScene, Workspace
 from .path_splitting import render_tile
 
@@ -34,6 +35,7 @@ class CpuRenderer:
         self._film, self._settings = film, scene.settings
         self._warnings = scene.warnings
         self._packed: PackedScene | None = None
+        self._light_paths: LightPaths | None = None
         self._workspaces: list[Workspace] = []
         self._tiles = _tiles(film)
         self.ready = self._prepare(scene, cancelled, say)
@@ -53,6 +55,7 @@ class CpuRenderer:
                     check()
                 self._workspaces = _workspaces(packed, scene, len(self._tiles))
                 self._packed = packed
+                self._light_paths = LightPaths.of(scene, packed, self._film)
                 self._render((0, 0, 0, 0), 0, self._workspaces[0])
             except Interrupted:
                 pass
@@ -107,6 +110,8 @@ class CpuRenderer:
         if not self.ready:
             return False
         film, begun = self._film, 0.0
+        if self._light_paths is not None:
+            self._light_paths.renew(first, self._workspaces)
         before = sample_allocation.first_pixels(film, self._settings) if first == 0 else None
         if before is not None:
             begun, active = before.mean(), film.active.copy()

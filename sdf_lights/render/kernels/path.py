@@ -69,6 +69,8 @@ SAMPLE = np.dtype(
 # ``brought`` to the sample, as a sum of RGB.
 # ``event`` says where the ray ends, ``in_medium`` is 1 where a medium has scattered the path last, and it has ``crossed`` so
 # many surfaces that only bound media.
+# ``connects`` is 1 along the ray that leaves the surface where the path has divided, if connections to light paths look for
+# what that meets, too. They look for the part ``connected`` (RGB) of its light.
 # ``catches`` is 1 from where the camera's path has met a shadow catcher.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
@@ -112,6 +114,8 @@ PATH = np.dtype(
         ("in_medium", "i8"),
         ("crossed", "i8"),
         ("catches", "i8"),
+        ("connects", "i8"),
+        ("connected", "f8", 3),
     ],
     align=True,
 )
