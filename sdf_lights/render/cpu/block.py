@@ -105,6 +105,10 @@ class PackedScene:
         for name, value in scalars.items():
             self.block[name] = value
 
+    def table(self, name: str) -> np.ndarray:
+        """A table that kernels read."""
+        return self._tables[name]
+
     def set_light_paths(self, tables: dict[str, np.ndarray] | None) -> None:
         """Connect paths with these vertices of light paths, by these nodes and tops; None: with nothing."""
         empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}

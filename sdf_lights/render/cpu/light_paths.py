@@ -12,6 +12,7 @@ from ..film import Film
 from ..kernels.light_paths import tree
 from ..kernels.light_paths.records import MOST_TOPS, NODE, VERTEX
 from ..kernels.light_paths.trace import find_pilots, trace_light_paths
+from ..kernels.shading.material_compiler import LOBE_DIFFUSE
 from ..scene import Scene
 from .block import PackedScene, Workspace
 
@@ -20,6 +21,14 @@ MOST_VERTICES = 12  # of a path
 NODES = 2048
 PILOTS = 64
 CHUNK = 512  # paths that a thread takes at once
+
+
+def diffuse_materials(packed: PackedScene) -> np.ndarray:
+    """(materials,) 1 where all that a material scatters is diffuse."""
+    kinds = packed.table("lobes")["kind"]
+    return np.array(
+        [int((kinds[first:end] == LOBE_DIFFUSE).all()) for first, end in packed.table("materials")["lobes"]], np.int64
+    )
 
 
 def can_connect(scene: Scene) -> bool:
@@ -33,6 +42,7 @@ class LightPaths:
 
     def __init__(self, scene: Scene, packed: PackedScene):
         self._packed = packed
+        self._materials = diffuse_materials(packed)
         self._size = scene.width, scene.height
         self._width = max(min(scene.settings.max_bounces, MOST_VERTICES), 1)
         self._raw = np.empty(PATHS * self._width, VERTEX)
@@ -47,7 +57,12 @@ class LightPaths:
         vertices = np.empty(self._lengths.sum(), VERTEX)
         tree.place(self._nodes, self._raw, self._lengths, self._width, vertices)
         self._packed.set_light_paths(
-            {"light_path_nodes": self._nodes, "light_path_tops": self._tops, "light_path_vertices": vertices}
+            {
+                "light_path_nodes": self._nodes,
+                "light_path_tops": self._tops,
+                "light_path_vertices": vertices,
+                "light_path_materials": self._materials,
+            }
         )
         for workspace in workspaces:
             workspace.scene[:1] = self._packed.block

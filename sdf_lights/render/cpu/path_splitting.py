@@ -46,6 +46,7 @@ from ..kernels.workspace import cut_table, secondary_table
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
 # greatest error of a pixel is up to a quarter greater.
 LEAST_SURVIVAL = 0.3
+LEAST_LEFT = 0.02  # of what connections to light paths leave to a branch
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -155,6 +156,8 @@ def intersect_branches(block, workspace, branches):
                 number = lights.tree_of(block, hit_instance(rays[0]))
             if path.event != AT_EXIT:
                 position = madd(position, path.length, vec(path.direction))
+            if block.light_paths and path.connects:
+                path.left = light_paths.foresee(block, workspace)
             path.expected = largest(vec(path.throughput)) * lights.irradiance(block, number, position)
             rays[FIRST_BRANCH_RAY + branch] = rays[0]
         path.brought += brightness(sample) - light
@@ -175,7 +178,7 @@ def choose_branches(workspace, branches):
     for branch in range(branches):
         path = paths[FIRST_BRANCH + branch]
         if path.alive:
-            total += path.expected
+            total += path.expected * max(path.left, LEAST_SURVIVAL)
             count += 1
     if count < 2 or not 0.0 < total < np.inf:
         return
@@ -184,9 +187,11 @@ def choose_branches(workspace, branches):
     for branch in range(branches):
         path = paths[FIRST_BRANCH + branch]
         if path.alive:
-            survival = min(max(path.expected * count / total, LEAST_SURVIVAL), 1.0)
+            path.left = max(path.left, LEAST_LEFT)
+            survival = min(path.left * max(path.expected * count / total, LEAST_SURVIVAL), 1.0)
             path.alive = int(math.floor(passed + survival) > math.floor(passed))
             passed += survival
+            path.left = min(path.left, survival)
             put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
 
 

@@ -217,6 +217,7 @@ def start_path(block, workspace, x, y):
     path.kind = CAMERA
     path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
     path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, 0
+    path.left = 1.0
     path.dimension = CAMERA_SETS
     path.share, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1

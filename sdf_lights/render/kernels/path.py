@@ -70,7 +70,8 @@ SAMPLE = np.dtype(
 # ``event`` says where the ray ends, ``in_medium`` is 1 where a medium has scattered the path last, and it has ``crossed`` so
 # many surfaces that only bound media.
 # ``connects`` is 1 along the ray that leaves the surface where the path has divided, if connections to light paths look for
-# what that meets, too. They look for the part ``connected`` (RGB) of its light.
+# what that meets, too. They look for the part ``connected`` (RGB) of its light. ``left`` is the part that they are expected to leave,
+# if the path's roulette has counted on that; else 1.
 # ``catches`` is 1 from where the camera's path has met a shadow catcher.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
@@ -116,6 +117,7 @@ PATH = np.dtype(
         ("catches", "i8"),
         ("connects", "i8"),
         ("connected", "f8", 3),
+        ("left", "f8"),
     ],
     align=True,
 )

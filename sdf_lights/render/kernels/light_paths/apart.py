@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import call_part, kernel, table
 
 # Places of the addresses, which are 0 where a scene has no light paths.
-PLACES = CHOOSE, CONNECT, SHARE, WEIGH = range(4)
+PLACES = CHOOSE, CONNECT, SHARE, FORESEE, WEIGH = range(5)
 
 _code = table("light_path_code", np.int64)
 
@@ -30,6 +30,12 @@ def connect(block, workspace):
 def share(block, workspace):
     """See ``connections.share``."""
     call_part(_code(block)[SHARE], block, workspace, (0.0,), 1)
+
+
+@kernel
+def foresee(block, workspace):
+    """See ``connections.foresee``."""
+    return call_part(_code(block)[FORESEE], block, workspace, (0.0,), 1)[0]
 
 
 @kernel

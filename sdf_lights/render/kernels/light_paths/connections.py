@@ -17,21 +17,24 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ....jit import kernel
-from ....vec import average, dot, length, mul, negate, put, scale, sub, vec
+from ....vec import average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
 from .. import lights
-from ..geometry import surface_at
+from ..geometry import hit_material, instance_at, surface_at
 from ..path import contribute, path_table
+from ..rays import hit_instance, hit_normal, ray_table
 from ..samplers import get_1d, get_2d
 from ..shading import evaluate, shade
 from ..shading.records import DIFFUSE, GLOSSY, MICROFACET, TRANSMISSION, closure_table, surface_table
 from ..visibility import leave, shadow_ray, transmittance
 from ..workspace import secondary_table
 from . import tree
-from .records import choice_table, node_table, vertex_table
+from .records import choice_table, material_table, node_table, vertex_table
 
 CONNECTIONS = 2  # for each ray that scatters at x
-RELIEF = 0.2
+RELIEF = 0.5
 LEAST_SURVIVAL = 0.02
 CONNECTION_SETS, WEIGH_SETS = 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
@@ -142,6 +145,25 @@ def share(block, workspace, _):
 
 
 @kernel
+def foresee(block, workspace, _):
+    """The part of the light from where the path's ray has met a surface that connections leave to it, as far as known before
+    that is shaded."""
+    path, ray = path_table(workspace)[0], ray_table(workspace)[0]
+    instance = instance_at(block, hit_instance(ray))
+    if material_table(block)[hit_material(instance, block, np.int64(ray.primitive))] == 0:
+        return 1.0
+    x, wi = vec(path.origin), vec(path.direction)
+    normal = hit_normal(ray)
+    normal = normalize(normal if instance.baked else transform_normal(instance.inverse, normal))
+    if dot(normal, wi) > 0.0:
+        normal = negate(normal)
+    y = madd(x, path.length, wi)
+    return 1.0 - average(vec(path.connected)) * weight(
+        block, workspace, x, vec(path.normal), y, normal, wi, path.length
+    )
+
+
+@kernel
 def weigh(block, workspace, _):
     """Leave to connections what they find of the light that the surface of the workspace scatters. 0 if the path ends.
 
@@ -170,7 +192,7 @@ def weigh(block, workspace, _):
         return 0.0
     for index in range(surface.closure_count):
         closures[index].pick /= total
-    survival = min(max(total, LEAST_SURVIVAL), 1.0)
+    survival = min(max(total / path.left, LEAST_SURVIVAL), 1.0)
     if get_1d(path.index, path.seed, path.dimension + WEIGH_SETS) >= survival:
         return 0.0
     put(path.throughput, scale(vec(path.throughput), 1.0 / survival))

@@ -13,6 +13,7 @@ KERNELS = {
     apart.CHOOSE: tree.choose,
     apart.CONNECT: connections.connect,
     apart.SHARE: connections.share,
+    apart.FORESEE: connections.foresee,
     apart.WEIGH: connections.weigh,
 }
 

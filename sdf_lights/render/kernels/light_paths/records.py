@@ -58,6 +58,7 @@ TABLES = {
     "light_path_nodes": NODE,
     "light_path_tops": np.dtype(np.int64),
     "light_path_vertices": VERTEX,
+    "light_path_materials": np.dtype(np.int64),  # 1: connections look for all that the material scatters
     "light_path_code": np.dtype(np.int64),
 }
 SCALARS = [("light_paths", np.int64)]  # 1: strategy and tables are there
@@ -66,5 +67,6 @@ WORKSPACE_COUNTS = {"light_path_choice": 1}
 
 node_table = table("light_path_nodes", NODE)
 top_table = table("light_path_tops", np.int64)
+material_table = table("light_path_materials", np.int64)
 vertex_table = table("light_path_vertices", VERTEX)
 choice_table = table("light_path_choice", CHOICE)
