@@ -11,7 +11,7 @@ import numpy as np
 from ..film import Film
 from ..kernels.light_paths import tree
 from ..kernels.light_paths.records import MOST_TOPS, NODE, VERTEX
-from ..kernels.light_paths.trace import find_pilots, trace_light_paths
+from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
 from ..kernels.shading.material_compiler import LOBE_DIFFUSE
 from ..scene import Scene
 from .block import PackedScene, Workspace
@@ -73,6 +73,8 @@ class LightPaths:
         vertices = self._raw[kept[np.arange(self._width) < self._lengths[:, None]]]
         pilots = np.zeros((PILOTS, 3))
         found = find_pilots(workspaces[0].scene, workspaces[0].block, *self._size, pilots)
+        if found:
+            dim_unseen(workspaces[0].scene, workspaces[0].block, vertices, pilots[:found])
         nodes, tops = np.zeros(NODES, NODE), np.zeros(MOST_TOPS, np.int64)
         count, top_count = tree.build(vertices, pilots[:found], nodes, tops)
         self._nodes, self._tops = nodes[:count].copy(), tops[:top_count].copy()

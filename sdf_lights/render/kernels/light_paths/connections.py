@@ -33,7 +33,7 @@ from ..workspace import secondary_table
 from . import tree
 from .records import choice_table, material_table, node_table, vertex_table
 
-CONNECTIONS = 2  # for each ray that scatters at x
+CONNECTIONS = 1  # for each ray that scatters at x
 RELIEF = 0.5
 LEAST_SURVIVAL = 0.02
 CONNECTION_SETS, WEIGH_SETS = 1 << 26, 1 << 27  # of random numbers, beside those of path.py

@@ -19,10 +19,10 @@ from .... import emitter as lamps
 from ....emitter.lamps import lamps as lamp_table
 from ....emitter.sampling.cut_points import uniform_intensity
 from ....jit import kernel
-from ....vec import ZERO, add, average, dot, largest, madd, mul, negate, put, scale, sub, vec
+from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
 from ..camera import camera_ray
 from ..geometry import find_surface, instance_table, surface_at, surface_table
-from ..rays import beyond, hit_instance, intersect, ray_table, start_anew
+from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_1d, get_2d, get_3d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade
 from ..shading.microfacet import reflectance
@@ -35,11 +35,13 @@ from ..shading.records import (
     TRANSPARENT,
     closure_table,
 )
-from ..visibility import leave
+from ..visibility import leave, shadow_ray
 from ..workspace import secondary_table
 
 ANY = DIFFUSE | GLOSSY | TRANSMISSION
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
+LOOKS, UNSEEN = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
+NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
 FIRST_SETS, BOUNCE_SETS = 2, 2  # sets of random numbers of a path, and of each surface that it meets
 PLACE = 1 << 20  # of a pixel that no picture has, whose numbers light paths have
 
@@ -221,3 +223,23 @@ def find_pilots(block, workspace, width, height, places):
                 places[found, axis] = place[axis]
             found += 1
     return found
+
+
+@kernel
+def dim_unseen(block, workspace, vertices, pilots):
+    """Lower the importance of vertices that none or few of the ``pilots`` (count, 3) see: choices count on what is left."""
+    scene, scratch = block[0], workspace[0]
+    for index in range(len(vertices)):
+        vertex = vertices[index]
+        normal, place, seen = vec(vertex.normal), vec(vertex.position), 0
+        for look in range(LOOKS):
+            at = (index * LOOKS + look) % len(pilots)
+            way = sub((pilots[at, 0], pilots[at, 1], pilots[at, 2]), place)
+            distance = length(way)
+            wi = scale(way, 1.0 / distance) if distance > 0.0 else normal
+            if dot(normal, wi) > 0.0:
+                start = leave(place, normal, wi)
+                direction, t_max = shadow_ray(place, start, wi, distance * NEARLY)
+                start_anew(scene, scratch)
+                seen += int(not occluded(scene, scratch, start, direction, 0.0, t_max, SHADOW_OPAQUE))
+        vertex.importance *= max(seen / LOOKS, UNSEEN)
