@@ -79,9 +79,6 @@ class Settings:
         0,
         1 << 24,
     )
-    light_paths: bool = _setting(
-        False, "Connect paths from the camera with paths from lamps, where a scene allows that. On the CPU", developer=True
-    )
     max_bounces: int = _setting(12, "Maximum number of bounces of all kinds together", 0, 1024)
     diffuse_bounces: int = _setting(4, "Maximum number of diffuse bounces", 0, 1024)
     glossy_bounces: int = _setting(4, "Maximum number of glossy bounces", 0, 1024)
@@ -101,6 +98,13 @@ class Settings:
         True,
         "Give noisy pixels up to 8 times as many samples as set, and clean pixels half as many or fewer. This gives "
         "less noise in the same time. Only on the CPU and without a noise threshold",
+    )
+    lamp_paths: bool = _setting(
+        False,
+        "Send paths from the lamps, too, and connect them with those from the camera. This gives less noise where walls pass on "
+        "the light of hidden lamps, and more where shiny things stand near a lamp. Only on the CPU, and where all light comes "
+        "from SDF lamps",
+        label="Paths from Lamps",
     )
     clamp_direct: float = _setting(
         0.0, "Maximum value that one sample of direct light adds. 0 is no clamp, and no bias", 0.0, None

@@ -105,6 +105,11 @@ class PackedScene:
         for name, value in scalars.items():
             self.block[name] = value
 
+    @property
+    def graphs(self) -> shading.Graphs:
+        """The formulas of all materials."""
+        return self._graphs
+
     def table(self, name: str) -> np.ndarray:
         """A table that kernels read."""
         return self._tables[name]

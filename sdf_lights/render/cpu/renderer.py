@@ -17,8 +17,8 @@ from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
 from . import background
-from .light_paths import LightPaths
 from .block import PackedScene, Workspace
+from .light_paths import LightPaths
 from .path_splitting import render_tile
 
 TILE = 32
@@ -55,7 +55,7 @@ class CpuRenderer:
                     check()
                 self._workspaces = _workspaces(packed, scene, len(self._tiles))
                 self._packed = packed
-                self._light_paths = LightPaths.of(scene, packed, self._film)
+                self._light_paths = LightPaths.of(scene, packed)
                 self._render((0, 0, 0, 0), 0, self._workspaces[0])
             except Interrupted:
                 pass
@@ -83,6 +83,7 @@ class CpuRenderer:
         self._packed.update_lights(scene)
         self._warnings = scene.warnings
         self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
+        self._light_paths = LightPaths.of(scene, self._packed)
 
     def update_camera(self, scene: Scene, film: Film) -> None:
         """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
@@ -91,6 +92,7 @@ class CpuRenderer:
         self._packed.update_camera(scene, film)
         if self._packed.output_counts != before:
             self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
+        self._light_paths = LightPaths.of(scene, self._packed)
 
     def interrupt(self) -> None:
         """Stop sampling within milliseconds, if ``stop`` then says so too. May be called by another thread."""

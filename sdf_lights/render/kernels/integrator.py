@@ -18,8 +18,8 @@ from . import lights
 from .camera import camera_ray, filter_offset, view_depth
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
-from .media import apart as media
 from .light_paths import apart as light_paths
+from .media import apart as media
 from .media.records import inside_table
 from .next_event import light_vertex
 from .outputs import apart as outputs

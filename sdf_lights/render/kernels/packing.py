@@ -22,8 +22,8 @@ from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
 from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
-from .lights import kinds
 from .light_paths import records as light_path_records
+from .lights import kinds
 from .media import pack as media
 from .media import records as media_records
 from .outputs import records as output_records

@@ -121,14 +121,10 @@ def _connect_with(block, workspace, x, n, vertex, factor):
         return
     start = leave(x, ng, wi)
     direction, t_max = shadow_ray(x, start, wi, distance)
-    value = mul(
-        value, transmittance(block, workspace, start, direction, t_max, lights.blockers(block, vertex.emitter))
-    )
+    value = mul(value, transmittance(block, workspace, start, direction, t_max, lights.blockers(block, vertex.emitter)))
     # The flux through the surface is its irradiance by area.
     geometry = cosine / (distance * distance * abs(dot(vec(vertex.normal), vec(vertex.wi))))
-    contribute(
-        block, workspace, value, part * factor * geometry, vertex.emitter, path.bounce + 1 + vertex.scatters
-    )
+    contribute(block, workspace, value, part * factor * geometry, vertex.emitter, path.bounce + 1 + vertex.scatters)
 
 
 @kernel
@@ -175,9 +171,7 @@ def weigh(block, workspace, _):
     distance = length(way)
     if distance <= 0.0:
         return 1.0
-    part = weight(
-        block, workspace, x, vec(path.normal), y, vec(surface.ng), scale(way, 1.0 / distance), distance
-    )
+    part = weight(block, workspace, x, vec(path.normal), y, vec(surface.ng), scale(way, 1.0 / distance), distance)
     if part <= 0.0:
         return 1.0
     rest = (1.0 - part * path.connected[0], 1.0 - part * path.connected[1], 1.0 - part * path.connected[2])

@@ -143,9 +143,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
         distance = float(ray.t_far)
         if waits:
             footprint = distance * block.camera_pixel_angle + block.camera_pixel_width
-            surface_at(
-                block, surface_table(secondary)[0], instance, primitive, u, v, direction, DIFFUSE, footprint
-            )
+            surface_at(block, surface_table(secondary)[0], instance, primitive, u, v, direction, DIFFUSE, footprint)
             shade(block, secondary)
             before = largest(flux)
             flux = mul(flux, _scattered(block, secondary, wi, kind, pdf))

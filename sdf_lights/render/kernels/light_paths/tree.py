@@ -262,7 +262,7 @@ def _mark(nodes, count, tops):
 @kernel
 def place(nodes, raw, lengths, width, vertices):
     """Sort the vertices of a pass, ``lengths[i]`` of the path i from ``raw[i · width]`` on, by the leaves of the tree."""
-    leaf = np.full(len(raw), -1)
+    leaf = np.empty(len(raw), np.int32)
     for node in nodes:
         node.count = 0
     for index in range(len(lengths)):
