@@ -21,7 +21,7 @@ from ..scene import ALL_SETS, MANY_BOUNCES, Ray, Scene, catches_shadows
 from .block import PackedScene, Workspace
 
 PATHS = 8192  # of each pass
-MOST_VERTICES = 12  # of a path
+MOST_VERTICES = 32  # of a path
 NODES = 2048
 PILOTS = 256
 CHUNK = 512  # paths that a thread takes at once
@@ -41,13 +41,15 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
     - Nothing moves, scatters in a volume or below a surface, is a strand, or catches shadows, and no closure may be sharp that
       a light path cannot follow: a portal, a thin wall, anisotropic or thin films.
     - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes alone.
-    - The light of a path is counted up to ``MOST_VERTICES`` bounces.
+    - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
     """
     settings, world, block = scene.settings, scene.world, packed.block[0]
     lobes = packed.table("lobes")
     return bool(
         settings.lamp_paths
-        and 0 < settings.max_bounces <= MOST_VERTICES
+        and settings.max_bounces > 0
+        and vertices_of(scene, packed) <= MOST_VERTICES
+        and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
         and block["lamp_count"] > 0
         and not scene.lights
         and (world.strength <= 0.0 or world.image is None and world.emission is None and max(world.color) <= 0.0)
@@ -79,6 +81,12 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
     )
 
 
+def vertices_of(scene: Scene, packed: PackedScene) -> int:
+    """The most vertices that a light path can have: a surface that is partly transparent may have one, too."""
+    passed = scene.settings.transparent_bounces if packed.block["transparent_shadows"][0] else 0
+    return scene.settings.max_bounces + passed
+
+
 def diffuse_materials(packed: PackedScene) -> np.ndarray:
     """(materials,) 1 where all that a material scatters is diffuse."""
     kinds = packed.table("lobes")["kind"]
@@ -98,7 +106,7 @@ class LightPaths:
 
     def __init__(self, scene: Scene, packed: PackedScene):
         self._packed, self._size = packed, (scene.width, scene.height)
-        self._width = scene.settings.max_bounces
+        self._width = vertices_of(scene, packed)
         self._raw = np.empty(PATHS * self._width, VERTEX)
         self._lengths = np.zeros(PATHS, np.int64)
         self._fixed: dict[str, np.ndarray] = {}

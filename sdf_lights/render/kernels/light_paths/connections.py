@@ -75,7 +75,6 @@ def _reaches(block, path, vertex):
         and path.diffuse + 1 + vertex.diffuse + own <= block.diffuse_bounces
         and path.glossy + vertex.glossy <= block.glossy_bounces
         and path.transmission + vertex.transmission <= block.transmission_bounces
-        and path.transparent + vertex.transparent <= block.transparent_bounces
     )
 
 
@@ -121,7 +120,14 @@ def _connect_with(block, workspace, x, n, vertex, factor):
         return
     start = leave(x, ng, wi)
     direction, t_max = shadow_ray(x, start, wi, distance)
+    passed = path.transparent
+    if block.transparent_shadows:
+        path.transparent += vertex.transparent
+        if path.transparent > block.transparent_bounces:
+            path.transparent = passed
+            return
     value = mul(value, transmittance(block, workspace, start, direction, t_max, lights.blockers(block, vertex.emitter)))
+    path.transparent = passed
     # The flux through the surface is its irradiance by area.
     geometry = cosine / (distance * distance * abs(dot(vec(vertex.normal), vec(vertex.wi))))
     contribute(block, workspace, value, part * factor * geometry, vertex.emitter, path.bounce + 1 + vertex.scatters)

@@ -26,7 +26,10 @@ VERTEX = np.dtype(
         ("diffuse", "i4"),  # bounces of each kind that a path from the camera would have counted beyond this surface
         ("glossy", "i4"),
         ("transmission", "i4"),
-        ("transparent", "i4"),  # transparent surfaces on the way
+        (
+            "transparent",
+            "i4",
+        ),  # transparent surfaces on the way, and 1 where none of them is before the first scattering
     ],
     align=True,
 )

@@ -133,7 +133,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
     if emitter < 0:
         return 0
     count, scatters, diffuse, glossy, transmission, transparent = 0, 1, 0, 0, 0, 0
-    t_min, pdf, kind, dimension = 0.0, 0.0, 0, FIRST_SETS
+    t_min, pdf, kind, dimension, first_ones = 0.0, 0.0, 0, FIRST_SETS, 0
     instance, primitive, u, v, wi, waits = np.int64(0), np.int64(0), 0.0, 0.0, ZERO, False
     while True:
         start_anew(block, workspace)
@@ -169,7 +169,9 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             vertex.importance, vertex.u, vertex.v = albedo, u, v
             vertex.instance, vertex.primitive, vertex.emitter = instance, primitive, emitter
             vertex.scatters, vertex.diffuse, vertex.glossy = scatters, diffuse, glossy
-            vertex.transmission, vertex.transparent = transmission, transparent
+            vertex.transmission = transmission
+            # A path from the camera scatters nowhere behind its last transparent surface; light rays pass one more.
+            vertex.transparent = transparent + int((transparent if scatters == 1 else first_ones) == 0)
             count += 1
             if count == width:
                 return count
@@ -191,6 +193,8 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
                 diffuse += int(kind & DIFFUSE != 0)
                 glossy += int(kind & GLOSSY != 0)
                 transmission += int(kind & TRANSMISSION != 0)
+            if scatters == 1:
+                first_ones = transparent
             scatters += 1
             if scatters > block.max_bounces:
                 return count
