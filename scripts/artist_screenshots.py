@@ -19,7 +19,7 @@ import numpy as np
 from host import NO_WINDOW, REPOSITORY, windowed_blender
 from sessions import seen_by
 
-PICTURES = {  # of a session: files in docs/images by the picture's name
+PICTURES = {  # session: files in docs/images by the picture's name
     "screenshots": {
         "sidebar": "lamp_sidebar",
         "mistake": "lamp_mistake",
@@ -29,6 +29,7 @@ PICTURES = {  # of a session: files in docs/images by the picture's name
         "solid": "viewport_solid",
         "rendered": "viewport_rendered",
     },
+    "properties": {"view_layer": "panels_view_layer", "lamp": "panels_lamp"},
     "nodes": {"node_emission": "lamp_nodes_emission"},  # these three are sessions of the tests
     "panels": {"preset_browser": "lamp_presets"},
     "bounds": {"circle_select": "lamp_circle_select"},
@@ -43,6 +44,8 @@ WALK = (
     "placed",
     "rendered",
 )  # pictures of the session "walk", in a strip of rows
+RENDER_TAB = ("render_0", "render_1", "render_2")  # pictures of the session "properties", side by side
+KNOWN = (*PICTURES, "walk")
 ROW, WIDTH, QUALITY = 2, 1300, 68
 
 
@@ -72,22 +75,22 @@ def write_strip(
 
 def main(arguments: list[str]) -> None:
     parser = argparse.ArgumentParser(prog="artist_screenshots", description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "sessions", nargs="*", metavar="SESSION", help=f"of {', '.join((*PICTURES, 'walk'))}; default: all"
-    )
+    parser.add_argument("sessions", nargs="*", metavar="SESSION", help=f"of {', '.join(KNOWN)}; default: all")
     options = parser.parse_args(arguments)
     command = windowed_blender()
     if command is None:
         parser.error(NO_WINDOW)
-    known = (*PICTURES, "walk")
-    for name in options.sessions or known:
-        if name not in known:
-            parser.error(f"there is no session {name!r}: choose from {', '.join(known)}")
+    for name in options.sessions or KNOWN:
+        if name not in KNOWN:
+            parser.error(f"there is no session {name!r}: choose from {', '.join(KNOWN)}")
         with tempfile.TemporaryDirectory() as folder:
             session = next(REPOSITORY.glob(f"*/**/{name}_session.py"))
             seen_by(command, session, pathlib.Path(folder), folder, **({"size": (1240, 800)} if name == "walk" else {}))
             if name == "walk":
                 write_strip(pathlib.Path(folder), WALK, REPOSITORY / "docs" / "images" / "walk.jpg")
+            if name == "properties":
+                path = REPOSITORY / "docs" / "images" / "panels_render.jpg"
+                write_strip(pathlib.Path(folder), RENDER_TAB, path, row=3, across=1440)
             for picture, file in PICTURES.get(name, {}).items():
                 shutil.copyfile(pathlib.Path(folder) / f"{picture}.png", REPOSITORY / "docs" / "images" / f"{file}.png")
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders presets in Blender's start-up scene, as they were at a revision and as they are: a picture of both rows.
+"""Renders presets in Blender's start-up scene, at an older revision and at this one: a picture with two rows.
 
     scripts/before_after REVISION [--presets CAMPFIRE,NEON_RING,…] [--out docs/images/presets_before_after.jpg]
 
@@ -16,7 +16,7 @@ import sys
 import tempfile
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-DISTANCE = 2.6  # metres to the camera, which looks as the start-up scene's
+DISTANCE = 2.6  # metres to the camera, whose direction is that of the start-up scene
 
 RENDER = """
 import sys
@@ -58,7 +58,7 @@ def rendered(checkout: pathlib.Path, folder: pathlib.Path, options: argparse.Nam
 
 
 def main(arguments: list[str]) -> None:
-    from artist_screenshots import write_strip  # imports what is beside it
+    from artist_screenshots import write_strip  # imports its siblings
 
     parser = argparse.ArgumentParser(prog="before_after", description=__doc__.splitlines()[0])
     parser.add_argument("revision", help="of this repository")

@@ -21,7 +21,7 @@ from benchmarks.resume import Parts
 
 @contextlib.contextmanager
 def standard_output_for_results():
-    """A stream to the real standard output, while whatever Blender prints goes to standard error."""
+    """A stream to the real standard output; everything that Blender prints goes to standard error."""
     sys.stdout.flush()
     results = os.dup(1)
     os.dup2(2, 1)
@@ -37,7 +37,7 @@ def cell(value) -> str:
 
 
 def table(rows: list[dict]) -> str:
-    """Rows as a text table; rows with the same columns in turn share a heading."""
+    """Rows as a text table; consecutive rows with the same columns share a heading."""
     blocks, columns = [], None
     for row in rows:
         if list(row) != columns:
@@ -55,7 +55,7 @@ def table(rows: list[dict]) -> str:
 
 def parse(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        prog="bench", description="Measure SDF Lights; see scripts/README.md for what is measured and how."
+        prog="bench", description="Measure SDF Lights. scripts/README.md describes each benchmark."
     )
     subcommands = parser.add_subparsers(dest="name", required=True, metavar="NAME")
     modules = {name: importlib.import_module(f"benchmarks.{name}") for name in benchmarks.NAMES}
@@ -66,11 +66,9 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         command.add_argument(
             "--json", action="store_true", help="print one JSON object: command, summary, rows, machine"
         )
-        command.add_argument(
-            "--quick", action="store_true", help="fewer repeats and samples: only to see that it works"
-        )
+        command.add_argument("--quick", action="store_true", help="fewer repeats and samples: only shows that it works")
         command.add_argument("--out", type=pathlib.Path, metavar="FILE", help="write that JSON object to a file, too")
-        command.add_argument("--repeats", type=int, help="measurements of each figure, of which the median counts")
+        command.add_argument("--repeats", type=int, help="measurements of each figure; the median counts")
         command.add_argument(
             "--device",
             choices=["automatic", "cpu", "gpu", "reference"],
@@ -90,7 +88,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
 
 
 def options_of(name: str, options: argparse.Namespace) -> argparse.Namespace:
-    """What one benchmark gets; it tells its parts from those of others that have the same options."""
+    """The options of one benchmark, with its own values of shared options."""
     given = vars(options)
     brief = getattr(options.modules[name], "BRIEF", {}) if options.name == "all" and options.quick else {}
     chosen = {key: value for key, value in brief.items() if given[key] == options.defaults[key]}

@@ -3,8 +3,8 @@
 """Builds the extension's zips, each with the wheels of one platform and one Python, and validates them with Blender's
 own validator.
 
-Blender extracts every wheel of a zip that its platform and Python accept, so a zip holds one Python's wheels and says
-which Blender versions have that Python. Two builds of the same sources are the same bytes.
+Blender extracts every wheel of a zip that its platform and Python accept. So a zip has one Python's wheels and names
+the Blender versions with that Python. Two builds of the same sources give the same bytes.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ PLATFORMS = {
 
 @dataclass(frozen=True)
 class Host:
-    """The Blender versions that have one Python: first, the first that has it no more, and NumPy in them."""
+    """The Blender versions with one Python: the first, the first without it, and their NumPy."""
 
     first: str
     end: str | None
     numpy: tuple[str, ...]
 
 
-# 3.14 is not Blender's own: some Linux distributions build Blender with their Python.
+# 3.14 is not in Blender's own builds: some Linux distributions build Blender with their Python.
 PYTHONS = {
     "3.11": Host("4.5.0", "5.1.0", ("1.26.4",)),
     "3.13": Host("5.1.0", None, ("2.2.0", "2.5.5")),
@@ -79,7 +79,7 @@ def _run(command: list, purpose: str) -> None:
 
 
 def collect_wheels(platform: str, python: str) -> list[pathlib.Path]:
-    """The bundled wheels, from pip; kept in ``build/wheels`` for the next time."""
+    """The bundled wheels, from pip; kept in ``build/wheels`` for the next build."""
     folder = REPOSITORY / "build" / "wheels" / f"{platform}-python{python}"
     pins = [line.strip() for line in BUNDLED.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
 
@@ -123,7 +123,7 @@ def collect_wheels(platform: str, python: str) -> list[pathlib.Path]:
 
 
 def _check_hashes(wheels: list[pathlib.Path]) -> None:
-    """Every wheel has to be the one that was looked at when its version was chosen."""
+    """Every wheel must be the one that was checked when its version was chosen."""
     lines = [line.split() for line in WHEELS.read_text(encoding="utf-8").splitlines() if line]
     pinned = {name: digest for digest, name in lines}
     for wheel in wheels:
@@ -134,7 +134,7 @@ def _check_hashes(wheels: list[pathlib.Path]) -> None:
 
 
 def _check_numpy(wheels: list[pathlib.Path], python: str) -> None:
-    """NumPy is Blender's: every wheel has to accept the versions that Blender has."""
+    """NumPy is Blender's: every wheel must accept Blender's versions."""
     for wheel in wheels:
         with zipfile.ZipFile(wheel) as archive:
             metadata = next(name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
@@ -164,7 +164,7 @@ def manifest(platform: str, python: str, wheels: list[pathlib.Path]) -> str:
 
 
 def _add_kernels(stage: pathlib.Path, platform: str, python: str) -> bool:
-    """Compile what the zip ships, where this machine can. Raises BuildError."""
+    """Compile the kernels for the zip, if this machine can. Raises BuildError."""
     interpreter = shipped_kernels.interpreter(python)
     if platform != this_platform() or interpreter is None:
         return False
@@ -176,7 +176,8 @@ def _add_kernels(stage: pathlib.Path, platform: str, python: str) -> bool:
 
 
 def settle(path: pathlib.Path) -> None:
-    """Write a zip again so that only what is in it decides its bytes: names in order, one date, the same rights."""
+    """Write a zip again so that its bytes depend only on its content: names in order, one date, the same
+    permissions."""
     settled = path.with_suffix(".part")
     with zipfile.ZipFile(path) as source, zipfile.ZipFile(settled, "w") as target:
         for item in sorted(source.infolist(), key=lambda item: item.filename):
@@ -192,7 +193,7 @@ def settle(path: pathlib.Path) -> None:
 def build(
     platform: str, python: str, out: pathlib.Path, with_wheels: bool = True, with_kernels: bool = False
 ) -> pathlib.Path:
-    """Build and validate one zip; its path. Kernels are compiled where this machine can. Raises BuildError."""
+    """Build and validate one zip; returns its path. Kernels are compiled if this machine can. Raises BuildError."""
     wheels = collect_wheels(platform, python) if with_wheels else []
     about = tomllib.loads(MANIFEST.read_text(encoding="utf-8"))
     name = f"{about['id']}-{about['version']}-{platform}-python{python}" + ("" if with_wheels else "-no_wheels")
@@ -226,7 +227,7 @@ def build(
 
 
 def sizes(path: pathlib.Path) -> list[str]:
-    """What takes the room in a zip, line by line: each wheel, the compiled kernels, all else."""
+    """Sizes in a zip, line by line: each wheel, the compiled kernels, everything else."""
     found: dict[str, int] = {}
     with zipfile.ZipFile(path) as archive:
         for item in archive.infolist():
@@ -240,7 +241,7 @@ def sizes(path: pathlib.Path) -> list[str]:
 
 
 def this_platform() -> str:
-    """The platform of this machine, or "" where Blender has none of the three."""
+    """The platform of this machine, or "" if Blender has none of the three."""
     import platform
 
     machine = {"amd64": "x64", "x86_64": "x64", "arm64": "arm64", "aarch64": "arm64"}.get(
@@ -286,7 +287,8 @@ def python_in(command: str) -> str:
 
 
 def asked_python(python: str | None, blender: str | None) -> str:
-    """The Python to build for: as told, that of a version of Blender, of the Blender on the path, or of this process."""
+    """The Python to build for: the given one, that of a version of Blender, of the Blender on the path, or of this
+    process."""
     if python is not None:
         return python
     if blender is not None:

@@ -28,14 +28,14 @@ from sdf_lights.sdf.shapes import SHAPES, Shape  # noqa: E402
 
 CAPTION = 18  # pixels under each picture
 PALETTE = ((1.0, 0.62, 0.30), (0.45, 0.75, 1.0), (1.0, 0.42, 0.55), (0.62, 1.0, 0.58), (0.80, 0.60, 1.0))
-EYE = np.array([1.9, -3.4, 1.75])  # looks at a lamp one metre large, just above the ground
+EYE = np.array([1.9, -3.4, 1.75])  # camera that looks at a lamp one metre large, just above the ground
 TARGET = np.array([0.0, 0.0, 0.47])
 FACING = math.radians(65.0)
 BRIGHTNESS = 1.2  # radiance of the lamp along its mean chord
 
 
 def sheets() -> dict[str, list[tuple[str, Shape]]]:
-    """What each sheet shows: name -> captions and shapes."""
+    """The content of each sheet: name -> captions and shapes."""
     alone = {name: kind() for name, kind in SHAPES.items() if not _needs_parts(kind) and kind.bounded}
     fractal = {
         name: shape for name, shape in alone.items() if type(shape).__module__.endswith((".fractals", ".orbits"))
@@ -52,7 +52,7 @@ def _needs_parts(kind: type[Shape]) -> bool:
 
 
 def _ground() -> Mesh:
-    """A floor that bends up into a wall behind the lamp, 400 strips: no edge shows."""
+    """A floor that bends up into a wall behind the lamp, 400 strips: no edge is visible."""
     angles = np.linspace(0.0, 0.5 * math.pi, 48)
     profile = [(-8.0, 0.0), *((2.0 + 2.0 * math.sin(a), 2.0 - 2.0 * math.cos(a)) for a in angles), (4.0, 8.0)]
     positions = np.array([(x, y, z) for y, z in profile for x in (-10.0, 10.0)], np.float32)
@@ -75,7 +75,8 @@ def _camera(aspect: float) -> Camera:
 
 
 def _placed(shape: Shape) -> np.ndarray:
-    """Makes a shape one metre large and puts it just above the ground; what lies flat is stood up to face the camera."""
+    """Scales a shape to one metre and puts it just above the ground; a flat shape is turned upright to face the
+    camera."""
     low, high = shape.bounds()
     size = high - low
     matrix = np.eye(4)
@@ -119,7 +120,7 @@ def srgb(light: np.ndarray) -> np.ndarray:
 
 
 def caption(text: str, width: int) -> np.ndarray:
-    """A line of text for below a picture of that width, (CAPTION, width, 3) display values."""
+    """A line of text below a picture of that width, (CAPTION, width, 3) display values."""
     buffer = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(width, CAPTION, 3, OpenImageIO.FLOAT))
     OpenImageIO.ImageBufAlgo.fill(buffer, (0.09, 0.09, 0.10))
     size = next((size for size in range(12, 7, -1) if _width(text, size) < width), 7)

@@ -23,7 +23,7 @@ DEMO_SCENE = host.REPOSITORY / "scripts" / "demo_scene.py"
 SCENERY = host.REPOSITORY / "scripts" / "scenery"
 
 
-# Stages, and what they take on two idle cores of an AMD EPYC: ``./scripts/bench start`` measures the whole.
+# Stages, and their times on two idle cores of an AMD EPYC: ``./scripts/bench start`` measures the whole.
 SCENE, KERNELS, SAMPLES, FINISH = "scene", "kernels", "samples", "finish"
 EXPECTED = {SCENE: 8.0, KERNELS: 60.0, SAMPLES: 25.0, FINISH: 3.0}
 PREVIEW_SIZE = "128x72"
@@ -103,7 +103,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
 
 
 def demo_scene() -> pathlib.Path:
-    """The demo scene's .blend, made by its script in a process of its own unless that has been done."""
+    """The demo scene's .blend; if necessary, its script makes it in a separate process."""
     digest = hashlib.sha256(bpy.app.version_string.encode())
     sources = [DEMO_SCENE, host.REPOSITORY / "scripts" / "host.py", *sorted(SCENERY.glob("*.py"))]
     for source in sources:
@@ -173,7 +173,7 @@ class Progress:
                     left = 60 * left + int(number)
                 elapsed = now - self.sampling_started
                 part = max(part, elapsed / (elapsed + left)) if elapsed + left > 0.0 else part
-        elif self.samples:  # what follows the samples, such as denoising
+        elif self.samples:  # after the samples, such as denoising
             self.sampling_ended = self.sampling_ended or now
             self.stages.begin(FINISH)
         if self.noise is not None:
@@ -185,7 +185,7 @@ class Progress:
 
 
 def render(scene, stages: Stages) -> tuple[Progress, float]:
-    """Render the scene's frame through the engine; what its status said last, and the seconds the whole took."""
+    """Render the scene's frame through the engine. Returns its last status, and the total seconds."""
     progress = Progress(stages)
     bpy.app.handlers.render_stats.append(progress)
     started = time.perf_counter()
@@ -203,7 +203,7 @@ def render(scene, stages: Stages) -> tuple[Progress, float]:
 
 
 class Preview:
-    """A small picture by the NumPy reference, which compiles nothing, in a process of its own while kernels compile."""
+    """A small picture by the NumPy reference, which compiles nothing, in a separate process while kernels compile."""
 
     def __init__(self, options: argparse.Namespace, out: pathlib.Path):
         self.path = out.with_name(out.name + "-preview.png")
@@ -225,7 +225,7 @@ class Preview:
         return code == 0 and self.path.is_file()
 
     def drop(self) -> None:
-        """Remove it, as the picture itself is there."""
+        """Remove it, because the picture itself is there."""
         if self._process is not None:
             self._process.kill()
             self._process.wait()
@@ -234,7 +234,7 @@ class Preview:
 
 
 def compile_kernels(stages: Stages, options: argparse.Namespace, out: pathlib.Path) -> Preview | None:
-    """Wait until what a picture needs is compiled, by a process for each core; a preview is made meanwhile."""
+    """Wait until the kernels for a picture are compiled, by one process per core; a preview is made meanwhile."""
     background = host.program("render.cpu.background")
     if not background.running():
         return None
@@ -280,7 +280,7 @@ def write(scene, out: pathlib.Path) -> list[pathlib.Path]:
 
 
 def count_samples(scene) -> tuple[int, int]:
-    """(pixels, samples of all of them together), from the pass Sample Count of the first view layer."""
+    """(pixels, total number of their samples), from the pass Sample Count of the first view layer."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "passes.exr"
         save(scene, path, "OPEN_EXR_MULTILAYER", color_depth="32")

@@ -200,7 +200,7 @@ def make_table(made: dict, at) -> None:
         made["marble"],
         location=(x, y, top - 0.03),
     )
-    # A turned top has its texture wrapped round; marble wants it flat.
+    # A turned top would have its texture wrapped round; marble needs it flat.
     layer = bpy.data.meshes["Table Top"].uv_layers[0]
     for loop, uv in zip(bpy.data.meshes["Table Top"].loops, layer.data):
         place = bpy.data.meshes["Table Top"].vertices[loop.vertex_index].co
@@ -327,7 +327,7 @@ def make_painting(made: dict, at) -> None:
 
 
 def add_lamp(name: str, shape: str, power: float, colour, location, rotation=(0.0, 0.0, 0.0), **parameters):
-    """A light that is an SDF lamp; any other engine sees a point light of the same power.
+    """A light that is an SDF lamp; other engines see a point light of the same power.
 
     ``shape`` is a primitive's name with its ``parameters``, or an expression.
     """
@@ -370,7 +370,7 @@ def make_camera(scene) -> None:
 
 
 def build() -> None:
-    """The scene, in place of whatever is open."""
+    """The scene, in place of the open file."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     made = make_materials()
@@ -392,7 +392,7 @@ def build() -> None:
     world.color = (0.0, 0.0, 0.0)
     scene.world = world
     scene.render.resolution_x, scene.render.resolution_y = 960, 540
-    # Few, as the first command of a new user should please soon: denoised, the eye hardly tells them from 48.
+    # Few, because the first command of a new user should be fast: denoised, the picture looks almost like one with 48.
     scene.sdf_lights.samples, scene.sdf_lights.denoise = 4, True
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"

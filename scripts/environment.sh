@@ -2,13 +2,13 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 #
-# Prints the path of a Python that has Blender (bpy) and all that the scripts and tests need, in a virtual
-# environment of its own inside the checkout; makes or updates that environment first where it has to.
+# Prints the path of a Python that has Blender (bpy) and everything that the scripts and tests need, in a virtual
+# environment inside the checkout. If necessary, it makes or updates that environment first.
 #
 #   scripts/environment.sh [--blender 4.5|5.0|5.1|5.2]
 #
 # Without --blender the Python that is found decides: 3.13 gives Blender 5.2, 3.11 gives 5.0. $PYTHON names an
-# interpreter to use instead of looking for one. Exit codes: 2 bad call, 3 no suitable Python, 1 anything else.
+# interpreter to use instead. Exit codes: 2 bad call, 3 no suitable Python, 1 anything else.
 set -eu
 
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
@@ -17,8 +17,8 @@ requirements=$root/scripts/requirements
 say() { printf '%s\n' "$*" >&2; }
 fail() { code=$1; shift; say "$*"; exit "$code"; }
 
-# "3.11" for an interpreter that starts, nothing for one that does not: a pyenv shim exists for every installed
-# version, also for those that are not selected.
+# "3.11" for an interpreter that starts, empty for one that does not: a pyenv shim exists for every installed version,
+# even for those that are not selected.
 version_of() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null || true; }
 
 # The first of the interpreters $2… that is Python $1.
@@ -57,7 +57,7 @@ case $blender in
     *) fail 2 "No environment for Blender $blender: choose 4.5, 5.0, 5.1 or 5.2." ;;
 esac
 
-# What the path offers comes first; then what pyenv keeps, although it is not selected.
+# Interpreters on the path come first; then those of pyenv that are not selected.
 python=
 for place in path pyenv; do
     for version in $versions; do
@@ -89,7 +89,7 @@ if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ] || [ "$(version_of "$interpret
     "$python" -m venv --clear "$environment" >&2 || fail 3 "$python cannot make virtual environments" \
         "(on Debian and Ubuntu: apt-get install python3-venv)."
     [ ! -d "$environment/Scripts" ] || interpreter=$environment/Scripts/python.exe
-    # What pip says matters only where it fails.
+    # pip's output matters only if it fails.
     said=$("$interpreter" -m pip install --quiet --disable-pip-version-check --only-binary=:all: \
         -r "$requirements/blender-$blender.txt" 2>&1) ||
         { say "$said"; fail 1 "pip could not install what Blender $blender needs; see above."; }

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender, with this checkout loaded into it as an extension is."""
+"""Blender, with this checkout loaded into it like an extension."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ import importlib
 import importlib.util
 import os
 import pathlib
+import re
 import shlex
 import shutil
+import subprocess
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-# The layers below the add-on, and the cases that tests share, by their own names.
+# The layers below the add-on, and the cases shared by tests, by their own names.
 sys.path.insert(0, str(REPOSITORY))
 
 PACKAGE = "sdf_lights_checkout"
@@ -24,10 +26,10 @@ NO_WINDOW = "no Blender with a window: put blender on the path, or set SDF_LIGHT
 
 
 def windowed_blender() -> list[str] | None:
-    """Command that opens a Blender with a window; arguments follow it. None where there is no such Blender.
+    """Command that opens a Blender with a window; arguments follow it. None if there is no such Blender.
 
-    ``SDF_LIGHTS_BLENDER`` is that command, with what has to stand before it (``"xvfb-run -a blender"``); without it,
-    the ``blender`` on the path.
+    ``SDF_LIGHTS_BLENDER`` is that command, with any prefix (``"xvfb-run -a blender"``); without it, the ``blender`` on
+    the path.
     """
     command = shlex.split(os.environ.get("SDF_LIGHTS_BLENDER", ""))
     if command or not shutil.which("blender"):
@@ -37,11 +39,24 @@ def windowed_blender() -> list[str] | None:
     return ["blender"]
 
 
+def python_of(command: list[str]) -> str:
+    """Version of the Python in the Blender that ``command`` opens, such as "3.13". Raises RuntimeError if it does not start."""
+    told = subprocess.run(
+        [*command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
+        capture_output=True,
+        text=True,
+    )
+    found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
+    if found is None:
+        raise RuntimeError(f"Blender does not start:\n{told.stdout}{told.stderr}")
+    return f"{found[1]}.{found[2]}"
+
+
 def register_extension():
     """Register the add-on in this checkout and return its root package.
 
-    Blender calls an extension's package ``bl_ext.<repository>.<id>``; here the folder of the checkout, whatever its
-    name, is one package too, so that all its imports stay relative to it.
+    Blender calls an extension's package ``bl_ext.<repository>.<id>``. Here the folder of the checkout, with any name,
+    is one package too, so that all its imports stay relative to it.
     """
     if PACKAGE in sys.modules:
         sys.modules[PACKAGE].register()
@@ -58,9 +73,9 @@ def register_extension():
 
 
 def program(module: str = ""):
-    """A module of the copy of the program that is registered, by its name below ``sdf_lights``.
+    """A module of the registered copy of the program, by its name below ``sdf_lights``.
 
-    A process may hold several copies, for instance a test's own; the first to register renders.
+    A process may contain several copies, for instance a test's own; the first to register renders.
     """
     import bpy
 
@@ -89,8 +104,7 @@ def set_lamp(light, shape: str, **parameters) -> None:
 def finish(code: int) -> None:
     """Leave the process with an exit code.
 
-    Python's own way out runs the destructors of Blender's module, which report the memory of whatever is still open,
-    and can hang.
+    Python's own exit runs the destructors of Blender's module, which report leaked memory, and can hang.
     """
     sys.stdout.flush()
     sys.stderr.flush()

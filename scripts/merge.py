@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Joins OpenEXR files of renders that have shared the samples of a frame."""
+"""Joins OpenEXR files of renders that shared the samples of a frame."""
 
 import pathlib
 import sys

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders lamps that are made of texts, curves and a picture, for docs/lamps.md.
+"""Renders lamps that are made of texts, curves, a picture and a network, for docs/lamps.md.
 
 python object_lamps.py [--out FILE.png] [--samples 8] [--size 720x360]
 """
@@ -42,7 +42,7 @@ def text(body: str, size: float, **settings) -> bpy.types.Curve:
 
 
 def bend() -> bpy.types.Curve:
-    """A tube that gets thinner towards its ends."""
+    """A tube that tapers towards its ends."""
     curve = bpy.data.curves.new("Bend", "CURVE")
     curve.dimensions, curve.bevel_depth = "3D", 0.06
     spline = curve.splines.new("NURBS")
@@ -115,6 +115,11 @@ def build() -> None:
     lamp.use, lamp.source, lamp.image, lamp.image_size, lamp.thickness = True, "IMAGE", logo(), 1.7, 0.15
     lamp.camera_brightness = 0.25
     add("Logo", light, (1.95, 0.2, 1.1))
+
+    light = bpy.data.lights.new("Rabbit", "POINT")
+    light.energy, light.color = 12.0, (1.0, 0.55, 0.6)
+    light.sdf_lamp.use, light.sdf_lamp.source, light.sdf_lamp.camera_brightness = True, "NETWORK", 0.25
+    add("Rabbit", light, (0.95, -0.9, 0.26), (0.0, 0.0, math.radians(-20.0))).scale = (0.5, 0.5, 0.5)
 
     camera = add("Camera", bpy.data.cameras.new("Camera"), (0.1, -6.2, 1.5), (math.radians(86.0), 0.0, 0.0))
     camera.data.lens = 40.0

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Opens .blend files and renders what is in them: each scene, and all materials, groups of shader nodes and worlds that no scene
-shows, on balls. Tells of each file what failed and what is not rendered as it says.
+"""Opens .blend files and renders their content: each scene, and, on balls, all materials, groups of shader nodes and
+worlds that no scene shows. Prints for each file the failures and everything that is not rendered as it says.
 
-Files are opened in a process of their own; where one ends it, the next has another. Scripts in files are not run.
+Files are opened in a separate process; if one ends it, the next file has a new process. Scripts in files are not run.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from sdf_lights.blender.shader_trees import use_nodes
 
 STAGE = "SDF Lights: what no scene shows"
 MOST_SCENES = 8  # of one file
-FAR = 1e6  # metres: what is bigger is a backdrop
+FAR = 1e6  # metres: larger objects are backdrops
 
 
 def parse(arguments: list[str]) -> argparse.Namespace:
@@ -48,12 +48,12 @@ def files_in(paths: list[pathlib.Path]) -> list[pathlib.Path]:
 
 
 def opened(path: str, size: int, samples: int) -> dict:
-    """A row about one file: what failed, what our engine said, how much there was to render."""
+    """A row about one file: failures, messages of our engine, the amount rendered."""
     started = time.perf_counter()
     row = dict(file=path, scenes=0, shown_apart=0, errors=[], not_modelled=[])
     try:
         bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
-    except RuntimeError as error:  # of another kind, or a newer one than this Blender can read
+    except RuntimeError as error:  # of another type, or newer than this Blender can read
         return row | dict(errors=[_sentence(error)], seconds=time.perf_counter() - started)
     host.register_extension()
     try:
@@ -69,7 +69,7 @@ def opened(path: str, size: int, samples: int) -> dict:
             for world in [world for world in bpy.data.worlds if world not in {scene.world for scene in scenes}]:
                 stage.world = world
                 _render(stage, 16, 1, row)
-    except Exception:  # a file that cannot be shown is told of; the others go on
+    except Exception:  # a file that cannot be shown is reported; the others continue
         row["errors"].append(traceback.format_exc())
     row["not_modelled"] = list(dict.fromkeys(row["not_modelled"]))
     return row | dict(seconds=time.perf_counter() - started)
@@ -131,7 +131,8 @@ def _render(scene: bpy.types.Scene, size: int, samples: int, row: dict) -> None:
 
 
 def _stage(shown: set) -> tuple[bpy.types.Scene, int]:
-    """A scene with a ball for each material that is not ``shown`` and for each group of shader nodes, and how many there are."""
+    """A scene with a ball for each material that is not ``shown`` and for each group of shader nodes, and their
+    number."""
     materials = [material for material in bpy.data.materials if material not in shown and not material.is_grease_pencil]
     materials += [
         _material_of(tree) for tree in bpy.data.node_groups if tree.bl_idname == "ShaderNodeTree" and _output(tree)
@@ -174,7 +175,7 @@ def _material_of(tree: bpy.types.NodeTree) -> bpy.types.Material:
 
 
 def _ball() -> bpy.types.Mesh:
-    import bmesh  # not sooner: it is part of Blender's own module
+    import bmesh  # not at the top: it is part of Blender's own module
 
     work = bmesh.new()
     work.loops.layers.uv.new("UVMap")
@@ -190,7 +191,7 @@ def _ball() -> bpy.types.Mesh:
 
 
 def rows_of(paths: list[pathlib.Path], size: int, samples: int, told=lambda row: None) -> list[dict]:
-    """A row for each file; a process that a file ends is one of its errors."""
+    """A row for each file; if a file ends the process, that is one of its errors."""
     import open_files  # by its name, under which the other process finds its functions
     from benchmarks.isolation import Isolated
 

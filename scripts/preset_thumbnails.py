@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders the pictures of the lamp presets, which Blender shows when one is chosen, into their folder.
+"""Renders the pictures of the lamp presets, which Blender shows in the choice of presets, into their folder.
 
-Each is a preset as Blender adds it, above a floor, in Blender's own start-up scene with its world and its view transform.
+Each is a preset as Blender adds it, above a floor, in Blender's own start-up scene with its world and its view
+transform.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ from sdf_lights.blender.shader_trees import use_nodes
 EYE, TARGET = Vector((1.7, -3.4, 1.1)), Vector((0.0, 0.0, 0.42))
 HOVER = 0.15  # metres above the floor
 MARGIN = 1.25  # of the picture's height to the lamp's size
-POINTS = 20_000  # that are tried, to find how far from its middle a lamp reaches
+POINTS = 20_000  # number of points tested for the extent of a lamp
 FLOOR = 0.18  # its albedo
-# Scene-linear radiance that the camera sees where a lamp is as bright as in all but a tenth of what is seen of it.
-# AgX shows colours of that brightness bright and still saturated.
+# Scene-linear radiance that the camera sees at the 90th percentile of the visible lamp. AgX shows colours of that
+# brightness bright and still saturated.
 BRIGHT = 1.6
 BRIGHTEST_TENTH = 0.9
-SEEN = 0.05  # of the greatest radiance: where there is a lamp at all
+SEEN = 0.05  # of the greatest radiance: above it, there is a lamp
 
 
 def scene_of(name: str, size: int, samples: int) -> bpy.types.Object:
@@ -78,11 +79,11 @@ def rendered(path: pathlib.Path, kind: str) -> np.ndarray:
 
 
 def brightness_of(lamp: bpy.types.Object, folder: pathlib.Path) -> float:
-    """The factor with which the camera sees the lamp as bright as ``BRIGHT``."""
+    """The factor that makes the lamp as bright as ``BRIGHT`` for the camera."""
     scene = bpy.context.scene
     scene.world = None
     for obj in list(scene.objects):
-        if obj.type == "MESH":
+        if obj.type == "MESH" and not obj.hide_render:
             bpy.data.objects.remove(obj)
     lamp.data.sdf_lamp.camera_brightness = 1.0
     scene.sdf_lights.denoise, scene.sdf_lights.samples = False, 4

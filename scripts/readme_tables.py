@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the tables of the documents that say what is in the program: run it after changing settings, passes or what is
-taken over from Cycles.
+"""Writes the tables in the documents that are generated from the program: run it after changes of settings, passes or
+the settings copied from Cycles.
 
-A test fails while they differ.
+A test fails if they differ.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ TABLES: dict[pathlib.Path, dict[str, Callable[[], str]]] = {
 
 
 def with_tables(document: pathlib.Path) -> str:
-    """The text of a document with every table between its two marks made anew."""
+    """The text of a document with every table between its two marks written again."""
     text = document.read_text(encoding="utf-8")
     for name, table in TABLES[document].items():
         start, end = f"<!-- {name}: made by scripts/readme_tables.py -->", f"<!-- end of {name} -->"

@@ -17,7 +17,7 @@ IMAGES = results.REPOSITORY / "docs" / "images"
 
 
 def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.Path) -> None:
-    """All plots of results; pictures only of those renders that are still ``kept``, and not of other results."""
+    """All plots of results; pictures only of renders that are still ``kept``, and belong to these results."""
     for name in page.DRAWN:
         if name not in found:
             continue

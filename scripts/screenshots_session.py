@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What artist_screenshots runs in a Blender with a window: scenes for the documents, and a picture of each.
+"""The session of artist_screenshots in a Blender with a window: scenes for the documents, and a picture of each.
 
 blender --factory-startup --enable-event-simulate --python screenshots_session.py -- REPORT.json FOLDER
 """

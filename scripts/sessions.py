@@ -13,7 +13,7 @@ PATIENCE = 1200.0  # seconds: kernels may have to be compiled
 
 
 class SessionError(Exception):
-    """What went wrong in a session, with all that Blender printed."""
+    """The error of a session, with all output of Blender."""
 
 
 def seen_by(
@@ -25,11 +25,12 @@ def seen_by(
     real_keys: bool = False,
     environment: dict[str, str] | None = None,
 ) -> dict:
-    """The report of a session, with the exit ``code`` of Blender and what it ``printed``.
+    """The report of a session, with the exit ``code`` of Blender and its output ``printed``.
 
-    ``command`` opens a Blender with a window, which gets this ``size`` in pixels. The session's arguments are the path of
-    the report, which is in ``folder``, and then ``arguments``. Simulated events need that no real
-    ones are taken: ``real_keys`` is for a session without them. ``environment``: variables beside those of this process. Raises SessionError where the session did not come to its end, or an exception reached Blender.
+    ``command`` opens a Blender with a window of this ``size`` in pixels. The session's arguments are the path of the
+    report, which is in ``folder``, and then ``arguments``. Simulated events exclude real ones: ``real_keys`` is for a
+    session without them. ``environment``: additional environment variables. Raises SessionError if the session did not
+    finish, or an exception reached Blender.
     """
     path = folder / "report.json"
     events = [] if real_keys else ["--enable-event-simulate"]

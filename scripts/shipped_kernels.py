@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kernels that a zip ships: compiled from the sources that are in it, in processes of their own, for the base processor.
+"""Kernels that a zip ships: compiled from its sources, in separate processes, for the base processor.
 
 Two runs give the same bytes: one thread compiles, in one order, with one seed of Python's hashes.
 """
@@ -16,12 +16,13 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-GROUPS = ("paths", "lamps", "parts")  # of ``sdf_lights.render.cpu.ahead``: a process each
+GROUPS = ("paths", "lamps", "parts")  # of ``sdf_lights.render.cpu.ahead``: one process each
 KEPT = "*/*/*.kernel"
 
 
 def interpreter(python: str) -> pathlib.Path | None:
-    """A Python of that version with Numba and Blender's libraries: this one, or that of an environment of the checkout."""
+    """A Python of that version with Numba and Blender's libraries: this one, or that of an environment of the
+    checkout."""
     if python == "%d.%d" % sys.version_info[:2]:
         return pathlib.Path(sys.executable)
     environment = REPOSITORY / f".venv-{python}"
@@ -32,8 +33,8 @@ def interpreter(python: str) -> pathlib.Path | None:
 def compiled(
     sources: pathlib.Path, python: pathlib.Path, groups: tuple[str, ...] = GROUPS, keep: bool = True
 ) -> pathlib.Path:
-    """Folder with the kernels of the package in ``sources``, compiled by an interpreter; what was compiled of the same sources
-    before is taken as it is, unless ``keep`` is False. Raises ``subprocess.CalledProcessError``."""
+    """Folder with the kernels of the package in ``sources``, compiled by an interpreter. Kernels compiled before from
+    the same sources are reused, unless ``keep`` is False. Raises ``subprocess.CalledProcessError``."""
     digest = hashlib.sha256(str((python.resolve(), groups)).encode())
     package = sources / "sdf_lights"
     for path in sorted(package.rglob("*.py")):
@@ -77,7 +78,7 @@ def ship(folder: pathlib.Path, package: pathlib.Path) -> None:
     """Copy the kernels in ``folder`` to where the ``package`` looks for them."""
     for path in sorted(folder.glob(KEPT)):
         if path.parent.name == "formulas":
-            continue  # of the shapes that were compiled with
+            continue  # of the shapes used for compilation
         place = package / "compiled" / path.relative_to(folder)
         place.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, place)

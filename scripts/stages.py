@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One bar for a command of several stages, with the time that is left of all of them.
+"""One progress bar for a command with several stages, with the time left for all of them.
 
-What a stage takes on an idle machine of two cores is known beforehand. How much slower or faster this machine is, follows
-from the stages behind, and from how far the present one is.
+The time of a stage on an idle machine with two cores is known in advance. The speed of this machine follows from the
+finished stages, and from the progress of the present one.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import sys
 import time
 from collections.abc import Callable
 
-TRUST = 20.0  # seconds after which a machine is known as well as the one beforehand
+TRUST = 20.0  # seconds after which the measured speed counts as much as the prior
 
 
 def clock(seconds: float) -> str:
@@ -48,20 +48,21 @@ class Stages:
         self._stage, self._stage_started, self._fraction = stage, now, 0.0
 
     def left(self) -> float:
-        """Seconds that are left of all stages."""
+        """Seconds left for all stages."""
         expected, spent = self._expected[self._stage], self._now() - self._stage_started
         known = sum(self._expected[name] for name in self._taken) + self._fraction * expected
-        # Until some seconds are behind, an idle machine of two cores is the best guess.
+        # In the first seconds, an idle machine with two cores is the best guess.
         pace = (sum(self._taken.values()) + spent * (self._fraction > 0.0) + TRUST) / (known + TRUST)
         if self._fraction > 0.1:
             here = spent * (1.0 - self._fraction) / self._fraction
         else:
-            here = max(pace * expected - spent, 0.75 * pace * expected)  # what has hardly begun is not nearly done
+            # a stage that has hardly begun is not nearly done
+            here = max(pace * expected - spent, 0.75 * pace * expected)
         names = list(self._expected)
         return here + pace * sum(self._expected[name] for name in names[names.index(self._stage) + 1 :])
 
     def show(self, text: str, fraction: float = 0.0) -> None:
-        """Tell ``text`` of the present stage, of which ``fraction`` is done."""
+        """Show ``text`` for the present stage, of which ``fraction`` is done."""
         self._fraction = max(self._fraction, min(fraction, 1.0))
         now = self._now()
         if now - self._shown < self._interval and self._stage == self._shown_stage:
@@ -75,7 +76,7 @@ class Stages:
         self._stream.flush()
 
     def say(self, text: str) -> None:
-        """A line that stays."""
+        """Print a line that stays."""
         self._stream.write(f"\r{text}\x1b[K\n" if self.terminal else text + "\n")
         self._stream.flush()
         self._shown = -1e9 if self.terminal else self._shown

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Saves what files of this version of the settings hold, so that tests know for ever what they have to give.
+"""Saves the meaning of files with this version of the settings, so that tests can check it for ever.
 
     .venv-3.11-blender-4.5/bin/python scripts/version_files.py FOLDER
 
-Writes ``settings<version>-blender<x.y>.blend``, with all settings off their defaults, every primitive, every preset and presets as nodes, and beside
-it a ``.json`` of what these mean: the settings by name, and the distances and emissions of lamps at some points. Save with the oldest
-Blender that is supported: later ones have to open it.
+Writes ``settings<version>-blender<x.y>.blend``, with all settings off their defaults, every primitive, every preset and
+presets as nodes. Beside it, it writes a ``.json`` with their meaning: the settings by name, and the distances and
+emissions of lamps at some points. Save with the oldest supported Blender, because later ones must open it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def settings_of(group: bpy.types.PropertyGroup) -> dict:
 
 
 def meaning_of(light: bpy.types.Light) -> dict:
-    """Distances of a lamp's shape at ``POINTS``, and what it emits there; none where that is the same everywhere."""
+    """Distances of a lamp's shape at ``POINTS``, and its emission there; None if that is uniform."""
     shape, pattern = shape_of(light.sdf_lamp), pattern_of(light.sdf_lamp)
     emission = None if pattern is None else pattern.placed(shape).evaluate(POINTS)
     return dict(distances=_rounded(shape.distance(POINTS)), emission=None if emission is None else _rounded(emission))
@@ -57,7 +57,7 @@ def _rounded(values: np.ndarray) -> list:
 
 
 def _change(group: bpy.types.PropertyGroup) -> None:
-    """Take all plain settings off their defaults."""
+    """Change all plain settings from their defaults."""
     for item in group.bl_rna.properties:
         name = item.identifier
         if name in ("rna_type", "name", "version") or item.is_readonly and item.type != "POINTER":
@@ -100,7 +100,7 @@ def build() -> None:
 
 
 def contents() -> dict:
-    """What the open file holds. Of a lamp's primitives only the one that it shows."""
+    """The meaning of the open file. For a lamp's primitives, only the shown one."""
     lamps = {}
     for light in sorted((light for light in bpy.data.lights if light.sdf_lamp.use), key=lambda light: light.name):
         settings = settings_of(light.sdf_lamp)

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What artist_screenshots runs in a Blender with a window: from Blender's start-up scene to a rendered neon sign, as a new user does
-it, with the mouse and keys alone. The report counts clicks and keys; a word or a number that is typed counts as one.
+"""The session of artist_screenshots in a Blender with a window: from Blender's start-up scene to a rendered neon sign,
+like a new user, with only the mouse and keys. The report counts clicks and keys; a typed word or number counts as one.
 
 blender --factory-startup --enable-event-simulate --python walk_session.py -- REPORT.json FOLDER
 """
@@ -21,8 +21,8 @@ from window import ARGUMENTS, areas, button_of, inside, lamps_are_drawn, move, p
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 
 FOLDER = ARGUMENTS[1] if len(ARGUMENTS) > 1 else None
-LIGHT = 89.0  # pixels from the upper end of the Outliner to the row of the light
-TAB = 55.0  # pixels from the upper end of the tabs to the second of them, Render
+LIGHT = 89.0  # pixels from the top of the Outliner to the row of the light
+TAB = 55.0  # pixels from the top of the tabs to the second one, Render
 
 
 def counted(count: int = 1) -> None:
@@ -128,7 +128,7 @@ def render(view):
 def steps():
     addon.register()
     scene = bpy.context.scene
-    # What makes it soon: a small picture, in this window.
+    # For a fast render: a small picture, in this window.
     scene.render.resolution_percentage = 50 if FOLDER is not None else 5
     bpy.context.preferences.view.smooth_view = 0
     bpy.context.preferences.view.render_display_type = "SCREEN"

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A session in a Blender with a window: what is done step by step, between which Blender works on its events.
+"""A session in a Blender with a window: a sequence of steps, between which Blender handles its events.
 
     blender --factory-startup --enable-event-simulate --python SESSION.py -- REPORT.json
 
-The session is a generator that yields how many seconds Blender is left to itself before the next step; ``yield`` alone
-is long enough for it to work on a few events. What it writes into ``report`` goes into the file, also if it fails: then
-with ``report["traceback"]``. Judging the report is the part of a test.
+The session is a generator that yields how many seconds Blender is left to itself before the next step; a plain
+``yield`` is long enough for a few events. ``report`` goes into the file, even if the session fails: then with
+``report["traceback"]``. A test judges the report.
 
-Places in the window are (x, y) in pixels from its lower left corner.
+Positions in the window are (x, y) in pixels from its lower left corner.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ import gpu
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
-PATIENCE = 800.0  # seconds until a session gives up to wait: kernels may have to be compiled, on a busy machine
-BETWEEN = 0.05  # seconds from one look at a condition to the next
-STEP = 0.4  # seconds of a step that does not say
+PATIENCE = 800.0  # seconds until a session gives up waiting: kernels may need to be compiled, on a busy machine
+BETWEEN = 0.05  # seconds between two checks of a condition
+STEP = 0.4  # seconds of a step that yields none
 KEYS = {" ": "SPACE", "\n": "RET", "\b": "BACK_SPACE", ".": "PERIOD", "-": "MINUS"}
 KEYS |= dict(zip("0123456789", "ZERO ONE TWO THREE FOUR FIVE SIX SEVEN EIGHT NINE".split()))
 
@@ -42,7 +42,7 @@ report: dict = {}
 
 
 def run(steps: Iterator[float | None], finish: Callable[[], None] | None = None) -> None:
-    """Go through a session, starting when the window is there; then write the report, and ``finish``, or leave."""
+    """Run a session when the window is there; then write the report, and ``finish``, or leave."""
 
     def tick():
         known = len(report)
@@ -103,19 +103,19 @@ def region_of(area: bpy.types.Area, kind: str = "WINDOW") -> bpy.types.Region:
 
 
 def override(area: bpy.types.Area | None = None, kind: str = "WINDOW"):
-    """The context of a region of an area; of the largest 3D viewport where none is given."""
+    """The context of a region of an area; of the largest 3D viewport by default."""
     area = area or areas()[0]
     return bpy.context.temp_override(window=window(), area=area, region=region_of(area, kind))
 
 
 def inside(area: bpy.types.Area, across: float = 0.5, up: float = 0.5, kind: str = "WINDOW") -> Place:
-    """A place in a region of an area, given as parts of its width and height."""
+    """A position in a region of an area, given as fractions of its width and height."""
     region = region_of(area, kind)
     return region.x + across * region.width, region.y + up * region.height
 
 
 def on_screen(area: bpy.types.Area, point: tuple[float, float, float]) -> Place:
-    """Where a 3D viewport shows a point of the scene."""
+    """Position of a point of the scene in a 3D viewport."""
     region = region_of(area)
     x, y = location_3d_to_region_2d(region, area.spaces.active.region_3d, point)
     return region.x + x, region.y + y
@@ -155,7 +155,7 @@ def typed(place: Place, text: str) -> None:
 def drag(
     start: Place, end: Place, button: str = "LEFTMOUSE", steps: int = 6, after: Callable[[], object] = lambda: None
 ):
-    """Steps: a button of the mouse down at ``start``, moved, ``after()`` each move, and let go at ``end``."""
+    """Steps: press a mouse button at ``start``, move, call ``after()`` after each move, and release at ``end``."""
     move(start)
     yield
     event(button, "PRESS", start)
@@ -169,9 +169,9 @@ def drag(
 
 
 def button_of(area: bpy.types.Area, path: str, kind: str = "UI"):
-    """Steps that find the place of a property's button by its data path; None if the region does not show it."""
+    """Steps that find the position of a property's button by its data path; None if the region does not show it."""
     region = region_of(area, kind)
-    x = region.x + 0.65 * region.width  # of a number's button the middle: its right end is an arrow, which adds a step
+    x = region.x + 0.65 * region.width  # the middle of a number's button: its right end is an arrow, which adds a step
     for y in range(region.y + region.height - 4, region.y + 4, -10):
         move((x, y))
         yield BETWEEN
@@ -187,10 +187,10 @@ def button_of(area: bpy.types.Area, path: str, kind: str = "UI"):
 
 
 class Eye:
-    """Colours of 3D viewports at places in the world: scene-linear, all that is drawn before colour management.
+    """Colours of 3D viewports at world positions: scene-linear, everything drawn before colour management.
 
-    Blender's own screenshots are black where there is no graphics card. ``colors[area index, place]`` is the mean of
-    5 × 5 pixels at the last redraw; areas count from the largest.
+    Blender's own screenshots are black without a graphics card. ``colors[area index, place]`` is the mean of 5 × 5
+    pixels at the last redraw; areas count from the largest.
     """
 
     def __init__(self, *places: tuple[float, float, float]):

@@ -2,24 +2,24 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 #
-# A Blender with a window on a machine without a screen. Needs Debian, or a system like it, and root.
+# A Blender with a window on a machine without a screen. Needs Debian, or a similar system, and root.
 #
 #   scripts/windowed_blender.sh                                    installs it
 #   scripts/windowed_blender.sh xvfb-run -a blender FILE.blend     runs a command beside it
 #   SDF_LIGHTS_BLENDER="$PWD/scripts/windowed_blender.sh xvfb-run -a blender" scripts/test gui
 #
-# Installs Debian's Blender into a root folder of its own, as the system here may be older: with a virtual screen, with
-# xdotool (keys and mouse) and ImageMagick (screenshots), and with the wheels that the extension's zip would carry. This
-# takes a few minutes and 2 GB once. Packages come from the mirror that apt uses here, wheels from pip's index.
+# Installs Debian's Blender into a separate root folder, because the present system may be older. It includes a virtual
+# screen, xdotool (keys and mouse), ImageMagick (screenshots), and the wheels of the extension's zip. This takes a few
+# minutes and 2 GB once. Packages come from apt's mirror on this machine, wheels from pip's index.
 #
-# A command sees this checkout, the folder it is called from and the temporary folder at their own paths. Mounts are
-# made in a namespace of the command and end with it.
+# A command sees this checkout, the folder from which it is called and the temporary folder at their own paths. Mounts
+# are made in a namespace of the command and end with it.
 #
 #   SDF_LIGHTS_BLENDER_ROOT     the root folder; /var/cache/sdf-lights-blender unless set
 #   SDF_LIGHTS_BLENDER_SUITE    Debian's suite; sid unless set, as others have no Blender 4.5 or later
 #   SDF_LIGHTS_BLENDER_MIRROR   mirror of Debian; apt's unless set
 #
-# Exit codes: 3 this system cannot, 1 the installation failed, else that of the command.
+# Exit codes: 3 unsupported system, 1 the installation failed, else that of the command.
 set -eu
 
 checkout=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
@@ -36,7 +36,7 @@ fail() { code=$1; shift; printf '%s\n' "$*" >&2; exit "$code"; }
 
 installed() { [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ]; }
 
-# Prints the address of apt's first mirror that has Debian itself, not its security updates or somebody's packages.
+# Prints the address of apt's first mirror with Debian itself, not its security updates or third-party packages.
 mirror() {
     if [ -n "${SDF_LIGHTS_BLENDER_MIRROR-}" ]; then
         printf '%s\n' "$SDF_LIGHTS_BLENDER_MIRROR"
@@ -63,7 +63,7 @@ install_blender() {
         debootstrap --variant=minbase "$suite" "$root" "$address" || return 1
     fi
     echo "not complete" >"$stamp"
-    # How apt reaches its mirrors from here.
+    # The apt configuration of this machine's mirrors.
     apt-config dump --format '%f "%v";%n' | grep -i '^Acquire::https*::' >"$root/etc/apt/apt.conf.d/90from-outside" || true
     # Mirrors that stand still have expired Release files.
     # shellcheck disable=SC2086
@@ -86,14 +86,14 @@ if ! installed; then
     printf '%s\n' "Installing Blender with a window in $root (once; a few minutes, 2 GB on disk) ..." >&2
     mkdir -p "$(dirname "$root")"
     (
-        flock 9  # another call may be at it
+        flock 9  # another call may be installing
         installed || install_blender >"$root.log" 2>&1
     ) 9>"$root.lock" || { tail -n 20 "$root.log" >&2; fail 1 "Blender with a window could not be installed; see $root.log."; }
 fi
 [ $# -gt 0 ] || exit 0
 
 temporary=${TMPDIR:-/tmp}
-# A home of its own, so that the settings of a Blender of this machine stay as they are.
+# A separate home, so that the settings of this machine's Blender stay unchanged.
 export HOME="$temporary/sdf-lights-blender-home" LIBGL_ALWAYS_SOFTWARE=1
 mkdir -p "$HOME"
 export BLENDER_ROOT="$root" BLENDER_FOLDERS="$checkout:$temporary:$PWD"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Words of bits in kernels: in reverse order, and as uniform numbers. A GPU has instructions for them."""
+"""Bits of integers in kernels: reversed, and as uniform numbers. A GPU has instructions for these."""
 
 import numpy as np
 
@@ -15,14 +15,14 @@ _TO_UNIT = 2.0**-32
 
 @kernel
 def _swap(x, mask, shift):
-    """Exchange neighbouring groups of ``shift`` bits; ``mask`` selects every second one, from the lowest."""
+    """Exchange neighbouring groups of ``shift`` bits. ``mask`` selects every second group, from the lowest."""
     return ((x >> shift) & mask) | ((x & mask) << shift)
 
 
 @replaced_on_gpu
 @kernel
 def reverse_64(x):
-    """Bits of a uint64 in reverse order."""
+    """The bits of a uint64 in reverse order."""
     for shift, mask in _SWAPS:
         x = _swap(x, mask, shift)
     return x
@@ -31,12 +31,12 @@ def reverse_64(x):
 @replaced_on_gpu
 @kernel
 def reverse_32(x):
-    """Bits of a uint32 in reverse order."""
+    """The bits of a uint32 in reverse order."""
     return _U32(reverse_64(_U64(x)) >> _SHIFT_32)
 
 
 @replaced_on_gpu
 @kernel
 def unit_float(x):
-    """A uint32 as a number in [0, 1): its binary digits after the point, as many as a float has."""
+    """A uint32 as a number in [0, 1): its bits are the digits after the binary point, as many as a float has."""
     return x * _TO_UNIT

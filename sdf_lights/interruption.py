@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Long work that someone waits for: it asks between its steps whether to go on, and says what it is at.
+"""Long work that can be cancelled: it checks between its steps whether to go on, and reports what it does.
 
-Who starts the work watches it (``watched``). Everything below calls ``check`` and ``say``, which cost nothing where nobody
-watches. Threads that are started with a copy of the context, as ``emitter.tree.parallel`` does, are watched too.
+The caller of the work watches it (``watched``). All code below calls ``check`` and ``say``, which cost nothing without
+a watch. Threads that start with a copy of the context, as in ``emitter.tree.parallel``, are watched too.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ import contextlib
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
 
-SLICE = 0.02e9  # ns that the parts of work take, between which it asks; rough, so that cancelling takes less than 0.5 s
+SLICE = 0.02e9  # ns of work between two checks; rough, so that cancelling takes less than 0.5 s
 
 
 class Interrupted(Exception):
-    """Who watches the work does not want it any more."""
+    """The work was cancelled by its watch."""
 
 
 class Watch:
-    """``stop()`` says whether the work is of no use any more; ``doing`` is what it is at, a line for the user.
+    """``stop()`` returns whether the work is cancelled. ``doing`` is its present step, a line for the user.
 
-    ``stop`` is called by the threads that work.
+    The working threads call ``stop``.
     """
 
     def __init__(self, stop: Callable[[], bool] = lambda: False):
@@ -34,7 +34,7 @@ _watch: ContextVar[Watch | None] = ContextVar("sdf_lights_watch", default=None)
 
 @contextlib.contextmanager
 def watched(watch: Watch) -> Iterator[Watch]:
-    """What runs within is watched."""
+    """Watch the work inside this context."""
     token = _watch.set(watch)
     try:
         yield watch
@@ -43,14 +43,14 @@ def watched(watch: Watch) -> Iterator[Watch]:
 
 
 def check() -> None:
-    """Raise ``Interrupted`` if the work is not wanted any more."""
+    """Raise ``Interrupted`` if the work is cancelled."""
     watch = _watch.get()
     if watch is not None and watch.stop():
         raise Interrupted
 
 
 def say(text: str) -> None:
-    """Tell who watches what the work is at."""
+    """Report the present step to the watch."""
     watch = _watch.get()
     if watch is not None:
         watch.doing = text

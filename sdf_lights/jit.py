@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numba as this project uses it: one decorator, one cache folder, arrays and functions reached by address.
 
-The lowest layer, on which all kernels stand. Where Numba cannot be imported, ``AVAILABLE`` is False,
-``REASON`` says why in one sentence, and ``kernel`` leaves a function as it is (plain, slow Python), so that every
-module still imports and the NumPy reference can take over.
+The lowest layer, below all kernels. If Numba cannot be imported, ``AVAILABLE`` is False, ``REASON`` gives the reason in
+one sentence, and ``kernel`` leaves a function as it is (plain, slow Python). So every module still imports, and the
+NumPy reference can take over.
 """
 
 from __future__ import annotations
@@ -69,12 +69,12 @@ _numbers = itertools.count()
 
 
 def compiled_kernels() -> int:
-    """Kernels that were compiled in this process to be linked into others."""
+    """Kernels that were compiled in this process, for linking into others."""
     return sum(len(part.overloads) for part in _PARTS)
 
 
 def _callees(python) -> list:
-    """Kernels that a function names: in its module, in modules that it imports, and in what it closes over."""
+    """Kernels that a function names: in its module, in modules that it imports, and in its closure."""
     names = python.__code__.co_names
     found = [python.__globals__.get(name) for name in names]
     found += [getattr(each, name, None) for each in found if inspect.ismodule(each) for name in names]
@@ -100,7 +100,7 @@ def begun() -> list:
 
 
 def progress(kernels) -> tuple[int, int]:
-    """How far the compilation of entries is: (kernels that are ready, all that they call)."""
+    """Progress of the compilation of entries: (number of ready kernels, number of all that they call)."""
     ready, wanted = set(), set()
     for kernel in kernels:
         reached = reachable(kernel)
@@ -112,7 +112,7 @@ def progress(kernels) -> tuple[int, int]:
 if AVAILABLE:
 
     class _WithoutEnvironment:
-        """A code generator that does not look for the environment of code that is never emitted."""
+        """A code generator that does not look up the environment of code that is never emitted."""
 
         def __init__(self, codegen):
             self._codegen = codegen
@@ -124,10 +124,10 @@ if AVAILABLE:
             pass
 
     class _Library(JITCodeLibrary):
-        """Code of kernels: each function is made smaller by itself before it is linked."""
+        """Code of kernels: each function is optimised for size by itself before it is linked."""
 
         def _optimize_functions(self, ll_module):
-            """As Numba's own, which makes a pass manager for each function, and for those that are only declared."""
+            """As in Numba, but with one pass manager for each function, also for functions that are only declared."""
             ll_module.data_layout = self._codegen._data_layout
             manager, builder = self._codegen._function_pass_manager()
             for function in ll_module.functions:
@@ -135,13 +135,13 @@ if AVAILABLE:
                     manager.run(function, builder)
 
     class _Part(_Library):
-        """Code of a kernel that other kernels call: intermediate code, to be linked into an entry.
+        """Code of a kernel that other kernels call: intermediate code, which is linked into an entry.
 
-        Numba would link each function with all it calls, optimise and emit that, at every level of the call tree:
-        for a path tracer that is most of the time spent on compiling. Here that happens once, in the entry.
+        Numba would link each function with all its callees, optimise it and emit it, at every level of the call tree.
+        For a path tracer that is most of the compile time. Here it happens once, in the entry.
         """
 
-        # Not its class, as kernels of another copy of this module may be linked in.
+        # Not the class itself, because kernels of another copy of this module may be linked in.
         only_linked = True
 
         @property
@@ -164,7 +164,7 @@ if AVAILABLE:
             return 0
 
     class _Entry(_Library):
-        """Code of a kernel that is called from outside, with all the parts that it reaches."""
+        """Code of a kernel that is called from outside, with all kernels that it calls."""
 
         def finalize(self):
             reached, pending = dict.fromkeys(self._linking_libraries), list(self._linking_libraries)
@@ -178,7 +178,7 @@ if AVAILABLE:
             super().finalize()
 
     class _Compiler(Compiler):
-        """Numba without the passes for closures, comprehensions and ``with``, which kernels do not have."""
+        """Numba without the passes for closures, comprehensions and ``with``, which kernels do not use."""
 
         def define_pipelines(self):
             passes = PassManager("kernel")
@@ -214,14 +214,14 @@ if AVAILABLE:
             super().__init__(typing_context, target_context, library, *arguments)
 
     class _PartDispatcher(CPUDispatcher):
-        """A kernel that is called with a constant is the one that is called with a variable."""
+        """A call with a constant argument uses the same kernel as a call with a variable."""
 
         def get_call_template(self, args, kws):
             return super().get_call_template(tuple(map(types.unliteral, args)), kws)
 
     class _Kernel:
-        """What ``kernel`` returns. Kernels link it in; a call from Python compiles it once more as an entry, which is
-        optimised, emitted, given the wrapper that Python needs, and cached on disk."""
+        """The result of ``kernel``. Kernels link it in. A call from Python compiles it once more as an entry, which is
+        optimised, emitted, wrapped for Python, and cached on disk."""
 
         def __init__(self, function, settings: dict):
             functools.update_wrapper(self, function)
@@ -231,11 +231,11 @@ if AVAILABLE:
             return self._entry(*arguments)
 
         def loaded(self) -> bool:
-            """Whether it is ready with all that it calls."""
+            """Whether it is ready, including all that it calls."""
             return self in _LOADED or "_entry" in self.__dict__ and bool(self._entry.overloads)
 
         def compiled(self) -> bool:
-            """Whether it is ready to be linked into others."""
+            """Whether it is ready for linking into others."""
             return "_numba_type_" in self.__dict__ and bool(self._numba_type_.dispatcher.overloads)
 
         @functools.cached_property
@@ -245,7 +245,7 @@ if AVAILABLE:
 
         @functools.cached_property
         def _numba_type_(self):
-            """Numba asks for this where another kernel calls this one: never, where all entries come from the cache."""
+            """Numba asks for this if another kernel calls this one: never, if all entries come from the cache."""
             settings = {name: value for name, value in self._settings.items() if name != "cache"}
             part = _PartDispatcher(
                 self.__wrapped__, targetoptions={**settings, "no_cpython_wrapper": True}, pipeline_class=_PartCompiler
@@ -259,7 +259,7 @@ if AVAILABLE:
         dispatcher = CPUDispatcher(py_func=function, targetoptions=options, pipeline_class=_EntryCompiler)
         if cached:
             code = function.__code__
-            # Tests make kernels in functions, which differ in what they close over.
+            # Tests make kernels in functions, which differ in their closures.
             closed = dumps(tuple(cell.cell_contents for cell in function.__closure__ or ()))
             own = hashlib.sha256(code.co_code + closed).hexdigest()[:16]
             place = function.__qualname__, code.co_firstlineno, own
@@ -286,7 +286,8 @@ if AVAILABLE:
         return _Kernel(function, settings)
 
     def _caller(kinds):
-        """Intrinsic that calls a C function without result at an address; ``kinds`` are the types of its arguments."""
+        """Intrinsic that calls a C function without a result at an address; ``kinds`` are the types of its
+        arguments."""
         signature = types.void(*[types.int64] * (1 + len(kinds)))
 
         def codegen(context, builder, signature, arguments):
@@ -309,7 +310,7 @@ if AVAILABLE:
 
     @intrinsic
     def call_field(typingctx, address, count, points, parameters, values):
-        """Call a compiled formula (see ``sdf.codegen_native.Compiled``) at an address; all arguments are integers."""
+        """Call a compiled formula (see ``graph.codegen_native.Compiled``) at an address; all arguments are integers."""
         return _caller([ir.IntType(64)] + [cgutils.voidptr_t] * 3)(typingctx)
 
     @intrinsic
@@ -320,8 +321,8 @@ if AVAILABLE:
     @replaced_on_gpu
     @intrinsic(prefer_literal=True)
     def call_part(typingctx, address, block, workspace, given, count):
-        """Call a ``CallablePart`` at an address for a block and a workspace with a tuple of numbers; a tuple of a literal
-        ``count`` of its results."""
+        """Call a ``CallablePart`` at an address, for a block and a workspace, with a tuple of numbers. Returns a tuple
+        of a literal ``count`` of results."""
         kind = types.UniTuple(types.float64, count.literal_value)
 
         def codegen(context, builder, signature, arguments):
@@ -354,7 +355,7 @@ if AVAILABLE:
         return types.int64(record), codegen
 
     def _record_at(dtype):
-        """Intrinsic that gives the record of ``dtype`` at an address."""
+        """Intrinsic that returns the record of ``dtype`` at an address."""
         record = from_dtype(np.dtype(dtype))
 
         @intrinsic
@@ -367,7 +368,8 @@ if AVAILABLE:
         return view
 
     def array_at(dtype, count: int):
-        """Intrinsic that gives the 1-D array of ``count`` numbers of ``dtype`` at an address, which may be a float."""
+        """Intrinsic that returns the 1-D array of ``count`` numbers of ``dtype`` at an address, which may be a
+        float."""
         array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
         itemsize = np.dtype(dtype).itemsize
 
@@ -388,7 +390,7 @@ if AVAILABLE:
 
         return view
 
-    _ANY = 1 << 40  # numbers: how many there are, a table's own head tells
+    _ANY = 1 << 40  # the real number of elements is in the head of a table
     doubles_at, floats_at, ints_at = (array_at(dtype, _ANY) for dtype in (np.float64, np.float32, np.int32))
 
     @intrinsic(prefer_literal=True)
@@ -427,10 +429,10 @@ if AVAILABLE:
         return types.void(address, numbers), codegen
 
     def _c_function(function, arguments: int, kernel, key: list) -> CFunc:
-        """``function`` of so many integers and without result, which calls ``kernel``, for C: from a file, or compiled. ``key``
-        tells its file from those of others that reach the same sources."""
+        """``function`` calls ``kernel`` from C, with so many integers and no result; it is loaded from a file or
+        compiled. ``key`` separates its file from those of other kernels with the same sources."""
         settings = dict(nopython=True, boundscheck=None, nogil=True, error_model="numpy", fastmath=FASTMATH)
-        # The machine's code has this name. Kernels of several processes that wrote files meet in the one that reads them.
+        # The machine code has this name. Kernels written by several processes may meet in the process that reads them.
         function.__name__ = function.__qualname__ = "_".join(map(str, key))
         compiled = CFunc(
             function, ((types.int64,) * arguments, types.void), {}, settings, pipeline_class=_EntryCompiler
@@ -454,15 +456,14 @@ if AVAILABLE:
             self.address = self._compiled.address
 
     class CallablePart:
-        """A kernel as a C function ``void f(int64 block, int64 workspace, int64 operands, int64 results)``, which code
-        that formulas are compiled to calls, and other kernels (``call_part``): compiled when it is first asked for, and
-        cached on disk."""
+        """A kernel as a C function ``void f(int64 block, int64 workspace, int64 operands, int64 results)``. Compiled
+        formulas call it, and other kernels do (``call_part``). It is compiled on first use, and cached on disk."""
 
         def __init__(self, kernel, static: tuple[int, ...], operands: int, records: tuple | None):
-            """``records``: types of the block and the workspace, where the kernel wants them."""
+            """``records``: types of the block and the workspace, if the kernel uses them."""
             function = _called(kernel, static, operands, records)
             key = [kernel.__wrapped__.__name__, *static, operands]
-            if records is not None:  # their fields may change where the kernel's sources do not
+            if records is not None:  # their fields may change without a change of the kernel's sources
                 layouts = "".join(str(from_dtype(np.dtype(record))) for record in records)
                 key.append(hashlib.sha256(layouts.encode()).hexdigest()[:16])
             self._compiled = _c_function(function, 4, kernel, key)
@@ -528,7 +529,7 @@ if AVAILABLE:
 
     @intrinsic
     def float_of_bits(typingctx, bits):
-        """The double whose bits are those of an integer."""
+        """The double with the bits of an integer."""
 
         def codegen(context, builder, signature, arguments):
             return builder.bitcast(arguments[0], ir.DoubleType())
@@ -548,7 +549,8 @@ if AVAILABLE:
     @replaced_on_gpu
     @intrinsic(prefer_literal=True)
     def stack_array(typingctx, count):
-        """Uninitialised float64 array of a literal ``count`` elements on the stack, gone when the function returns."""
+        """Uninitialised float64 array of a literal ``count`` elements on the stack, valid until the function
+        returns."""
         array_type = types.Array(types.float64, 1, "C")
         size = count.literal_value
 
@@ -598,17 +600,17 @@ else:
 
     doubles_at, floats_at, ints_at = _reader(ctypes.c_double), _reader(ctypes.c_float), _reader(ctypes.c_int32)
 
-    # Kernels that call machine code import these; nothing can call such kernels then.
+    # Kernels that call machine code import these. Without Numba, such kernels cannot be called.
     call_address3 = call_field = call_surface_code = call_part = call_numbers = address_of_record = CallablePart = (
         Callback
     ) = None
 
 
 def specialised(function, name: str, **names):
-    """A copy of a kernel under another ``name``, in which some global ``names`` of its module have other values.
+    """A copy of a kernel under another ``name``, with other values for some global ``names`` of its module.
 
-    Kernels, or whole numbers that are known then when it is compiled: branches that they rule out cost nothing. A
-    kernel as an argument would do the same, but such code cannot be cached.
+    The values are kernels, or integers known at compile time: branches that they exclude cost nothing. A kernel as an
+    argument would do the same, but such code cannot be cached.
     """
     python = inspect.unwrap(function)
     copy = type(python)(python.__code__, {**python.__globals__, **names}, name, python.__defaults__)
@@ -617,10 +619,11 @@ def specialised(function, name: str, **names):
 
 
 def dispatched(link, cases: list[dict], last):
-    """A kernel that calls one of several kernels by a number.
+    """A kernel that selects one of several kernels by a number.
 
-    ``link(number, …)`` is a kernel that looks at one number: if it is ``NUMBER``, it calls what a case gives, else ``REST(number, …)``.
-    ``cases`` are the values of these names of its module, for each of the numbers; ``last(number, …)`` serves all others.
+    ``link(number, …)`` is a kernel that tests one number: if it is ``NUMBER``, it calls the function of the case, else
+    ``REST(number, …)``. ``cases`` has the values of these names in its module for each of the numbers. ``last(number,
+    …)`` handles all others.
     """
     for names in reversed(cases):
         last = specialised(link, f"{link.__name__}_{names['NUMBER']}", REST=last, **names)
@@ -630,8 +633,8 @@ def dispatched(link, cases: list[dict], last):
 def table(name: str, dtype):
     """``view(block)``, for kernels: the 1-D array of ``dtype`` that ``block[name + "_address"]`` points at.
 
-    A block is one NumPy record that holds the address and length of every array of a scene, so kernels pass one
-    word where they would pass seven for each array, and never touch a reference count that two threads share.
+    A block is one NumPy record with the address and length of every array of a scene. So kernels pass one word instead
+    of seven for each array, and never touch a reference count shared by threads.
     """
     if not AVAILABLE:
         return None
@@ -643,7 +646,7 @@ def table(name: str, dtype):
 
     @intrinsic
     def view(typingctx, block):
-        # Written as an intrinsic because a compiled function for each table would cost a tenth of all compile time.
+        # An intrinsic, because a compiled function for each table would cost a tenth of all compile time.
         array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
 
         def codegen(context, builder, signature, arguments):
@@ -677,14 +680,14 @@ def fill_table(block: np.ndarray, name: str, array: np.ndarray) -> None:
     block[name + "_count"] = len(array)
 
 
-_LINE = 128  # bytes: a cache line, and its neighbour that processors fetch with it
+_LINE = 128  # bytes: a cache line and its neighbour, which processors fetch together
 
 
 def new_tables(dtypes: dict[str, np.dtype], counts: dict[str, int]) -> dict[str, np.ndarray]:
-    """Tables of so many elements, all zero, in a piece of memory of their own. Raises MemoryError where there is none.
+    """Tables of so many elements, all zero, in a separate piece of memory. Raises MemoryError if there is not enough.
 
-    No cache line of it is shared with other tables, which may be those of another thread: two threads that write into one line
-    wait for each other. Each table begins a line, as Embree asks for of rays.
+    They share no cache line with other tables, which may belong to another thread: two threads that write to one line
+    slow each other down. Each table begins at a cache line, as Embree requires for rays.
     """
     sizes = {name: -(-count * dtypes[name].itemsize // _LINE) * _LINE for name, count in counts.items()}
     memory = np.zeros(sum(sizes.values()) + _LINE, np.uint8)

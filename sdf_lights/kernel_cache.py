@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compiled kernels on disk: a file each, whose checksum is verified before anything of it is read.
+"""Compiled kernels on disk: one file each, whose checksum is verified before its content is read.
 
-A file is written beside its place, flushed and renamed, so neither a second process nor a sudden end leaves half of
-one. What is damaged, or could be another user's work, is deleted, and compiled again. A folder that cannot be written
-costs the time to compile: ``problem`` says so, and nothing fails.
+A file is written under a temporary name, flushed and renamed, so a second process or a crash never leaves half a file.
+A damaged file, or one that could be another user's work, is deleted and compiled again. If the folder cannot be
+written, only compile time is lost: ``problem`` says so, and nothing fails.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ import shutil
 import tempfile
 import time
 
-OLD_DAYS = 90.0  # without use, after which a version's kernels go
-OLD_PARTS = 3600.0  # seconds after which nobody writes an unfinished file any more
-MOST_BYTES = 512 << 20  # of all kernels; beyond, those go that were used least recently
+OLD_DAYS = 90.0  # without use, after which the kernels of a version are removed
+OLD_PARTS = 3600.0  # seconds after which an unfinished file counts as abandoned
+MOST_BYTES = 512 << 20  # of all kernels; above it, the least recently used are removed
 MAGIC = b"SDF Lights kernel 1\n"
 SUFFIX, UNFINISHED = ".kernel", ".part"
 SHIPPED = pathlib.Path(__file__).resolve().parent / "compiled"  # in an extension whose zip was built with kernels
@@ -32,12 +32,12 @@ _problems: list[str] = []
 
 
 def problem() -> str:
-    """One sentence about why kernels cannot be kept on disk; empty where they can."""
+    """One sentence with the reason why kernels cannot be kept on disk; empty if they can."""
     return _problems[0] if _problems else ""
 
 
 def note(folder: pathlib.Path, error: OSError) -> None:
-    """Remember that ``folder`` cannot be written, for ``problem``."""
+    """Record for ``problem`` that ``folder`` cannot be written."""
     why = error.strerror or type(error).__name__
     _problems.append(
         f"Compiled kernels cannot be kept in '{folder}' ({why}), so they are compiled again for each start: "
@@ -57,7 +57,7 @@ def cache_folder() -> pathlib.Path:
 
 @functools.cache
 def writable_folder() -> pathlib.Path:
-    """``cache_folder``, or a temporary one where that cannot be written."""
+    """``cache_folder``, or a temporary folder if it cannot be written."""
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -71,19 +71,19 @@ def writable_folder() -> pathlib.Path:
 
 
 class Files:
-    """What was compiled of one function: in ``folder``, by names that begin with ``name``.
+    """The compiled code of one function: in ``folder``, under names that begin with ``name``.
 
-    Stands in for Numba's ``IndexDataCacheFile``: a key is anything whose ``repr`` says all that the result depends on, beside what
-    the folder's name says already.
+    Replaces Numba's ``IndexDataCacheFile``. A key is anything whose ``repr`` contains everything that the result
+    depends on, except what the folder's name already contains.
     """
 
     def __init__(self, folder: pathlib.Path, name: str, most: int | None = None, shipped: pathlib.Path | None = None):
-        """``most``: bytes that the folder may take; beyond, what was used least recently goes. None: any number.
-        ``shipped``: a folder of the extension, for what ``folder`` does not have."""
+        """``most``: bytes that the folder may take; above it, the least recently used files are removed. None: no
+        limit. ``shipped``: a folder of the extension with files that ``folder`` lacks."""
         self._folder, self._name, self._most, self._shipped = folder, name, most, shipped
 
     def load(self, key):
-        """What was saved by this key, or None."""
+        """The data saved under this key, or None."""
         path = self.path(key)
         payload = _verified(path)
         if payload is None and self._shipped is not None:
@@ -92,7 +92,7 @@ class Files:
             return None
         try:
             saved, data = pickle.loads(payload)
-        except Exception:  # of another version of what is in it
+        except Exception:  # written by another version of a library
             drop(path)
             return None
         if saved != repr(key):
@@ -103,7 +103,7 @@ class Files:
         return data
 
     def save(self, key, data) -> None:
-        """Keep ``data``. Where that cannot be, ``problem`` says why."""
+        """Save ``data``. If that fails, ``problem`` gives the reason."""
         from numba.core.serialize import dumps
 
         payload = dumps((repr(key), data))
@@ -118,21 +118,22 @@ class Files:
             _trim_once(self._folder, self._most)
 
     def forget(self, key) -> None:
-        """Delete what is kept by this key."""
+        """Delete the data of this key."""
         drop(self.path(key))
 
     def flush(self) -> None:
-        """Delete all that is kept of the function."""
+        """Delete all data of the function."""
         for path in self._folder.glob(f"{self._name}-*{SUFFIX}"):
             drop(path)
 
     def path(self, key) -> pathlib.Path:
-        """The file of a key, whether it is there or not."""
+        """The path of a key's file, whether it exists or not."""
         return self._folder / f"{self._name}-{hashlib.sha256(repr(key).encode()).hexdigest()[:24]}{SUFFIX}"
 
 
 def _verified(path: pathlib.Path) -> bytes | None:
-    """What a file holds after its checksum; a file that is not as this user's own process wrote it is deleted."""
+    """The content of a file after its checksum. A file that does not look like the work of this user's own process is
+    deleted."""
     try:
         with open(path, "rb") as file:
             trusted = _is_own(os.fstat(file.fileno()))
@@ -146,7 +147,8 @@ def _verified(path: pathlib.Path) -> bytes | None:
 
 
 def _content(path: pathlib.Path) -> bytes | None:
-    """What a file of the extension itself holds after its checksum: it is trusted as the extension's Python is."""
+    """The content of a file of the extension itself after its checksum: it is trusted like the extension's Python
+    code."""
     try:
         return _checked(path.read_bytes())
     except OSError:
@@ -154,7 +156,7 @@ def _content(path: pathlib.Path) -> bytes | None:
 
 
 def _checked(found: bytes) -> bytes | None:
-    """What follows a checksum that is right."""
+    """The data after a valid checksum."""
     start = len(MAGIC) + _DIGEST
     payload = found[start:]
     if found[: len(MAGIC)] == MAGIC and found[len(MAGIC) : start] == hashlib.sha256(payload).digest():
@@ -163,14 +165,14 @@ def _checked(found: bytes) -> bytes | None:
 
 
 def _is_own(status: os.stat_result) -> bool:
-    """Whether only this user, or the system's, can have written a file. Windows has its rights by the folder."""
+    """Whether only this user, or the system's, can have written a file. On Windows, the folder sets the permissions."""
     if not hasattr(os, "getuid"):
         return True
     return status.st_uid in (os.getuid(), 0) and not status.st_mode & _WRITABLE_BY_OTHERS
 
 
 def drop(path: pathlib.Path) -> None:
-    """Delete a file, if it is there and can be deleted."""
+    """Delete a file, if it exists and can be deleted."""
     try:
         path.unlink(missing_ok=True)
     except OSError:
@@ -178,7 +180,7 @@ def drop(path: pathlib.Path) -> None:
 
 
 def _write(path: pathlib.Path, content: bytes) -> None:
-    """Replace a file in one step, by one that only this user can read."""
+    """Replace a file atomically by one that only this user can read."""
     handle, part = tempfile.mkstemp(suffix=UNFINISHED, dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
@@ -192,21 +194,21 @@ def _write(path: pathlib.Path, content: bytes) -> None:
 
 
 def _version_folder(folder: pathlib.Path) -> pathlib.Path | None:
-    """The folder directly below the cache's that a folder is in: of one version of some sources."""
+    """The folder directly below the cache's that contains a folder: that of one version of some sources."""
     root = writable_folder()
     return root / folder.relative_to(root).parts[0] if root in folder.parents else None
 
 
 @functools.cache
 def _mark_used(folder: pathlib.Path) -> None:
-    """Note once in a process that kernels of this version are in use."""
+    """Record once per process that kernels of this version are in use."""
     version = _version_folder(folder)
     if version is not None:
         _touch(version)
 
 
 def _touch(path: pathlib.Path) -> None:
-    """Note that a file or folder is used now."""
+    """Record that a file or folder is used now."""
     try:
         os.utime(path)
     except OSError:
@@ -215,23 +217,23 @@ def _touch(path: pathlib.Path) -> None:
 
 @functools.cache
 def _tidy() -> None:
-    """Once in a process that compiles, remove what is old."""
+    """Remove old files, once per process that compiles."""
     tidy(writable_folder(), time.time())
 
 
 @functools.cache
 def _trim_once(folder: pathlib.Path, most: int) -> None:
-    """``trim``, once in a process that compiles."""
+    """Call ``trim``, once per process that compiles."""
     trim(folder, most)
 
 
 def trim(folder: pathlib.Path, most: int) -> None:
-    """Remove files of a folder that were used least recently, until all take ``most`` bytes."""
+    """Remove the least recently used files of a folder until all take at most ``most`` bytes."""
     used = []
     for path in folder.glob(f"*{SUFFIX}"):
         try:
             status = path.stat()
-        except OSError:  # which another process has removed
+        except OSError:  # another process has removed it
             continue
         used.append((status.st_mtime, status.st_size, path))
     total = 0
@@ -242,10 +244,10 @@ def trim(folder: pathlib.Path, most: int) -> None:
 
 
 def tidy(root: pathlib.Path, now: float, most: int = MOST_BYTES) -> None:
-    """Remove versions that were not used for ``OLD_DAYS``, then those used least recently, until all take ``most`` bytes, and
-    what was left unfinished.
+    """Remove versions unused for ``OLD_DAYS``, then the least recently used ones until all take at most ``most`` bytes,
+    and unfinished files.
 
-    ``now`` is in seconds since the epoch, as the times of files are.
+    ``now`` is in seconds since the epoch, like file times.
     """
     total = 0
     try:
@@ -254,22 +256,22 @@ def tidy(root: pathlib.Path, now: float, most: int = MOST_BYTES) -> None:
         return
     for used, path in sorted(versions, reverse=True):
         total += sum(_size(file) for file in path.rglob("*"))
-        # What is in use now stays, however large.
+        # The version in use stays, however large it is.
         if used < now - 86_400.0 and (total > most or used < now - 86_400.0 * OLD_DAYS):
             shutil.rmtree(path, ignore_errors=True)
             continue
-        for part in path.rglob(f"*{UNFINISHED}"):  # of processes that were ended while they wrote
+        for part in path.rglob(f"*{UNFINISHED}"):  # of processes that ended while they wrote
             if _age(part, now) > OLD_PARTS:
                 drop(part)
 
 
 def size(root: pathlib.Path) -> int:
-    """Bytes of all that is kept in a folder for compiled kernels."""
+    """Bytes of all files in a folder for compiled kernels."""
     return sum(map(_size, root.rglob(f"*{SUFFIX}")))
 
 
 def clear(root: pathlib.Path) -> None:
-    """Delete all kernels in a folder, and nothing else that may be there."""
+    """Delete all kernels in a folder, and no other files."""
     for path in root.rglob(f"*{SUFFIX}"):
         drop(path)
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is kept of a compiled kernel, for which processor, and under which name.
+"""The stored form of compiled kernels: its content, its processor and its name.
 
-Kernels are compiled for one base processor wherever it is at hand, and what is kept knows neither the folder nor the name
-that the package is installed under. So an extension ships kernels that were compiled when its zip was built, and a seed
-gives the same picture on all such machines. Needs Numba.
+Kernels are compiled for one base processor if the machine supports it. Their stored form does not depend on the folder
+or the package name of the installation. So an extension can ship kernels that were compiled when its zip was built, and
+a seed gives the same picture on all such machines. Needs Numba.
 """
 
 from __future__ import annotations
@@ -31,20 +31,20 @@ from numba.core.runtime import rtsys
 
 from . import kernel_cache
 
-# The third level of x86-64: all processors of Intel since 2013, and of AMD since 2015, but for some of the cheapest.
+# The third level of x86-64: all processors of Intel since 2013, and of AMD since 2015, except some of the cheapest.
 BASE = "x86-64-v3"
 BASE_FEATURES = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "popcnt", "sse4.2"}
 
 _IMPORT = re.compile(r"^\s*from (\.+|sdf_lights\b)([\w.]*) import (\([^)]*\)|[^\n#]+)", re.MULTILINE)
 _ROOT = pathlib.Path(__file__).resolve().parent
 _PREFIX = __package__ + "."
-_OWN = "<package>."  # stands for ``_PREFIX`` in what is kept
+_OWN = "<package>."  # stands for ``_PREFIX`` in stored code
 
 
 @functools.cache
 def base_processor() -> str:
-    """Name of the processor that kernels are compiled for, as LLVM has it; "" for the one of this machine."""
-    if config.CPU_NAME is not None or config.CPU_FEATURES is not None:  # whoever sets NUMBA_CPU_NAME means it
+    """LLVM's name of the processor that kernels are compiled for; "" for the one of this machine."""
+    if config.CPU_NAME is not None or config.CPU_FEATURES is not None:  # NUMBA_CPU_NAME is an explicit choice
         return ""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return ""
@@ -53,7 +53,7 @@ def base_processor() -> str:
 
 
 class _Codegen(JITCPUCodegen):
-    """Numba's, for the base processor. One of its own, so that other add-ons keep theirs."""
+    """Numba's target, for the base processor. A separate object, so that other add-ons keep theirs."""
 
     def _get_host_cpu_name(self):
         return base_processor() or super()._get_host_cpu_name()
@@ -77,30 +77,30 @@ def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
     """Source files of the package that the source file ``path`` imports directly."""
     found = set()
     for dots, module, names in _IMPORT.findall(path.read_text(encoding="utf-8")):
-        # Absolute imports of the package occur outside it, in tests.
+        # Only tests, which are outside the package, import it absolutely.
         root = path.parents[len(dots) - 1] if dots.startswith(".") else _ROOT
         base = root.joinpath(*filter(None, module.split(".")))
         candidates = [base.with_suffix(".py"), base / "__init__.py"]
         for name in re.findall(r"\w+", names):
             candidates += [base / f"{name}.py", base / name / "__init__.py"]
         found.update(candidate for candidate in candidates if candidate.is_file())
-    if "import_module(" in path.read_text(encoding="utf-8"):  # of what lies beside it
+    if "import_module(" in path.read_text(encoding="utf-8"):  # siblings of the package
         found.update(path.parent.glob("*.py"))
     return frozenset(found)
 
 
 @functools.cache
 def source_hash(path: pathlib.Path) -> str:
-    """Hash of a kernel source file and all it imports from the package, of Numba and of NumPy's interface.
+    """Hash of a kernel source file, of all that it imports from the package, of Numba, and of NumPy's interface.
 
-    Numba's own cache looks at the time stamp of the one file that defines a function and misses changes in the
-    functions it calls; a folder named by this hash makes any such change start from a clean cache.
+    Numba's own cache looks at the time stamp of the one file that defines a function, so it misses changes in the
+    called functions. A folder named by this hash gives every such change a clean cache.
     """
     reached, pending = set(), {path}
     while pending:
         reached |= pending
         pending = set().union(*map(_imports, pending)) - reached
-    sampler = os.environ.get("SDF_LIGHTS_SAMPLER", "")  # which kernels draw by: see ``render.kernels.samplers``
+    sampler = os.environ.get("SDF_LIGHTS_SAMPLER", "")  # the sampler of the kernels: see ``render.kernels.samplers``
     digest = hashlib.sha256(f"{numba.__version__} {np.__version__.partition('.')[0]} {sampler}".encode())
     for source in sorted(reached):
         digest.update(source.read_bytes())
@@ -108,17 +108,17 @@ def source_hash(path: pathlib.Path) -> str:
 
 
 def _kept_name(module: str) -> str:
-    """The name of a module in what is kept."""
+    """The stored name of a module."""
     return _OWN + module[len(_PREFIX) :] if module.startswith(_PREFIX) else module
 
 
 def _name_here(module: str) -> str:
-    """The name here of what ``_kept_name`` has given."""
+    """The name in this installation for a result of ``_kept_name``."""
     return _PREFIX + module[len(_OWN) :] if module.startswith(_OWN) else module
 
 
 def _reduced(result: CompileResult) -> tuple:
-    """What is kept of a compiled function."""
+    """The stored form of a compiled function."""
     code, described, own, signature, *_, reached = result._reduce()
     described = copy.copy(described)
     described.modname = _kept_name(described.modname)
@@ -127,7 +127,8 @@ def _reduced(result: CompileResult) -> tuple:
 
 
 def _rebuilt(target, kept: tuple) -> CompileResult:
-    """The compiled function of ``_reduced``, as Numba's own ``_rebuild`` makes it, for this copy of the package."""
+    """The compiled function from the result of ``_reduced``, like Numba's own ``_rebuild``, for this copy of the
+    package."""
     code, described, signature, environments = kept
     described.modname = _name_here(described.modname)
     importlib.import_module(described.modname)
@@ -158,15 +159,15 @@ def _rebuilt(target, kept: tuple) -> CompileResult:
 class Cache(CacheInterface):
     """Compiled entries on disk, for Numba: in the user's folder, or else those that the extension ships.
 
-    Loads them without first registering all that Numba can compile, which takes a third of a second: what an entry calls
-    outside itself is C's mathematics, Python's interface and Numba's run time. A file that cannot be loaded is compiled
-    again. ``source``: of the kernel; ``place``: parts of a name within what the sources say.
+    Loads them without first registering all that Numba can compile, which takes a third of a second: outside itself, an
+    entry calls only C's mathematics, Python's interface and Numba's run time. A file that cannot be loaded is compiled
+    again. ``source``: file of the kernel; ``place``: parts of its name inside the source folder.
     """
 
     def __init__(self, source: pathlib.Path, *place):
         source = source.resolve()
         inside = source.is_relative_to(_ROOT)
-        # Modules that reach the same sources have the same hash.
+        # Modules with the same sources have the same hash.
         module = source.relative_to(_ROOT).with_suffix("").parts if inside else (source.stem,)
         self._place = pathlib.Path(source_hash(source), ".".join(module))
         name = "-".join(map(str, place)).replace("<", "").replace(">", "")
@@ -198,7 +199,7 @@ class Cache(CacheInterface):
             return None
         try:
             return _rebuilt(target_context, kept)
-        except Exception:  # whatever Numba makes of a file that another version of it has written
+        except Exception:  # any exception of Numba for a file written by another version
             self._files.forget(self._key(sig))
             return None
 

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kernels that a back end has code of its own for: each says so where it is defined.
+"""Marks kernels for which a back end has different code.
 
-The GPU translates kernels to GLSL. Some of them stand for what it does in another way: another kernel, or GLSL by hand, takes
-their place (``render.gpu.replacements``). A test compares the two lists.
+The GPU translates kernels to GLSL. For some of them it uses another kernel or hand-written GLSL
+(``render.gpu.replacements``). A test compares the two lists.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ _replaced: list[Callable] = []
 
 
 def replaced_on_gpu(kernel):
-    """Decorator of a kernel in whose place the GPU has something else. Who changes it looks there, too."""
+    """Decorator of a kernel that the GPU replaces. If you change it, check the replacement, too."""
     _replaced.append(inspect.unwrap(kernel))
     return kernel
 
 
 def all_replaced() -> tuple[Callable, ...]:
-    """Python functions of all kernels that were marked, of the modules that have been imported."""
+    """Python functions of all marked kernels in imported modules."""
     return tuple(_replaced)

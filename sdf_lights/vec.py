@@ -74,7 +74,7 @@ def normalize(a):
 
 @kernel
 def lerp(a, b, t):
-    """From a (t = 0) to b (t = 1), linearly; t may lie outside of [0, 1]."""
+    """Linear interpolation from a (t = 0) to b (t = 1); t may lie outside of [0, 1]."""
     return (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]))
 
 
@@ -92,7 +92,7 @@ def average(a):
 
 @kernel
 def luminance(a):
-    """Rec. 709."""
+    """Luminance of an RGB colour (Rec. 709)."""
     return 0.2126 * a[0] + 0.7152 * a[1] + 0.0722 * a[2]
 
 
@@ -112,7 +112,7 @@ def put(array, v):
 
 @kernel
 def put_sum(array, v):
-    """Add the vector v to what is in an array."""
+    """Add the vector v to an array (a field of a record)."""
     array[0] += v[0]
     array[1] += v[1]
     array[2] += v[2]

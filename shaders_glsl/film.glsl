@@ -1,26 +1,26 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// One thread a pixel: samples, added up in float32 for a batch, which the host adds to the film in float64. A thread whose path
-// has ended begins its next sample while others are on their way (Novák et al. 2010, "Path regeneration for interactive
-// path tracing").
+// One thread per pixel: samples are added up in float32 for a batch, which the host adds to the film in float64. A
+// thread whose path has ended begins its next sample while others continue (Novák et al. 2010, "Path regeneration for
+// interactive path tracing").
 //
-// Before this file come `#define`s of PIXEL_SIZE and of FILM_name, the place of each sum in a pixel, where a pass
-// needs it, of GOES_ON, of PIXEL_SEED, the sampler's, and of PATH and SAMPLE, the first rows of the workspace's tables; the
-// workspace; the kernels. CATCHERS: a path that has met a shadow catcher goes on once more from there, past all else (see
-// catchers.py).
+// Before this file come the workspace, the kernels, and `#define`s of PIXEL_SIZE and of FILM_name, the index of each
+// sum in a pixel, if a pass needs it; of GOES_ON; of PIXEL_SEED, the sampler's; and of PATH and SAMPLE, the first rows
+// of the workspace's tables. CATCHERS: a path that has hit a shadow catcher continues once more from there, past all
+// other objects (see catchers.py).
 
 layout(local_size_x = 64) in;
 
 layout(std430, binding = 1) buffer Film { float film[]; };
 layout(std430, binding = 2) buffer Pixels { uint unfinished; uint pixels[]; };
 
-// Of this dispatch: first place in `pixels` and number of them; first sample of the batch, and the one to stop before. Corner and
-// width of the film.
+// Of this dispatch: first index in `pixels` and number of them; first sample of the batch, and the one to stop before.
+// Corner and width of the film.
 uniform ivec4 work;
 uniform ivec3 film_place;
 uniform int film_seed;
-uniform int film_offset;  // samples of this seed that others take
+uniform int film_offset;  // samples of this seed that other renders take
 
 float sums[PIXEL_SIZE];  // of this thread's pixel
 
@@ -91,7 +91,7 @@ void add_sample(int index)
 }
 
 #ifdef CATCHERS
-// What light sampling has prepared, and the media around the path, are of other things.
+// The data of light sampling, and the media around the path, are outdated.
 void forget()
 {
     lamp_cuts_row.lamp = -1;
@@ -104,8 +104,8 @@ void forget()
 }
 #endif
 
-// Software renderers end all loops of a thread after so many turns in all (Mesa: 65535), whatever they were for: then its
-// samples are wrong, and no loop takes a second turn.
+// Software renderers end all loops of a thread after a total number of iterations (Mesa: 65535). Then its samples are
+// wrong, and every loop ends after one iteration.
 bool loops_end_early()
 {
     int turns = 0;
@@ -134,7 +134,7 @@ void main()
     int index = work.z + int(sums[FILM_COUNT]);
     bool fresh = true;
 #ifdef CATCHERS
-    bool caught = false;  // the path goes on from where it has met a catcher
+    bool caught = false;  // the path continues from the catcher that it has hit
 #endif
     while (index < work.w) {
         if (fresh) {

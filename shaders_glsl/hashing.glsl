@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Numbers from a counter, for draws that no sampler covers, in the place of sdf_lights/emitter/hashing.py: states are 32 bits wide here, and the generator is
-// PCG's output function (Jarzynski and Olano 2020, "Hash functions for GPU rendering", JCGT 9(3)).
+// Numbers from a counter, for draws outside the sampler; replaces sdf_lights/emitter/hashing.py. States are 32 bits
+// wide here, and the generator is PCG's output function (Jarzynski and Olano 2020, "Hash functions for GPU rendering",
+// JCGT 9(3)).
 uint counted_bits(uint state)
 {
     state = state * 747796405u + 2891336453u;

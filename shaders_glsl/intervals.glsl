@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Where a ray is inside a shape: every stretch of it with field(p) <= 0. See README.md.
+// The intervals of a ray inside a shape: all parts of it with field(p) <= 0. See README.md.
 //
-// Before this file comes `float field(vec3 p)`, `#define INTERVALS n` for room for other than 16 stretches, and
-// `#define CROSSING_ERROR e` where crossings may be off by that much of t, and `#define INTERVALS_SUM f` for a sum over all
-// stretches of `vec3 f(vec3 o, vec3 d, float start, float end)`.
+// Before this file come `float field(vec3 p)` and optional definitions: `#define INTERVALS n` for room for other than
+// 16 intervals, `#define CROSSING_ERROR e` if crossings may be off by that much of t, and `#define INTERVALS_SUM f` for
+// a sum over all intervals of `vec3 f(vec3 o, vec3 d, float start, float end)`.
 
 #ifndef INTERVALS
 #define INTERVALS 16
@@ -19,7 +19,7 @@ struct Intervals {
     int count;
     vec2 spans[INTERVALS];  // (start, end), in the unit of the ray's direction, in order
     float unresolved;       // total length in which crossings may have been missed
-    float dropped;          // total length of the stretches that there was no room for
+    float dropped;          // total length of the intervals without room
     int evaluations;
 #ifdef INTERVALS_SUM
     vec3 sum;
@@ -69,10 +69,10 @@ void intervals_add(inout Intervals found, vec3 o, vec3 d, float start, float end
     }
 }
 
-// Stretches of the ray o + t d inside the shape, for t from `start` to `end`.
+// Intervals of the ray o + t d inside the shape, for t from `start` to `end`.
 //
 // `lipschitz` bounds the slope of the field along the ray: that of the field in space times the length of d. Steps are
-// at least `least` long; there are at most `steps` of them, the last quarter as long as it takes to reach the end.
+// at least `least` long. There are at most `steps` of them; the last quarter is long enough to reach the end.
 Intervals intervals(vec3 o, vec3 d, float start, float end, float lipschitz, float least, int steps)
 {
     Intervals found;
@@ -94,7 +94,7 @@ Intervals intervals(vec3 o, vec3 d, float start, float end, float lipschitz, flo
         }
         float distance = abs(f);
         float safe = distance / lipschitz;
-        // The ball around the next point touches the one around this, if |field| goes on as it did.
+        // The ball around the next point touches the one around this, if |field| continues linearly.
         float far = max(safe, 1.9 * distance / (lipschitz - slope));
         float s = min(max(far, least), end - t);
         float g = field(o + (t + s) * d);
@@ -122,7 +122,7 @@ Intervals intervals(vec3 o, vec3 d, float start, float end, float lipschitz, flo
             inside = !inside;
             slope = -lipschitz;
         }
-        if (next <= t) {  // nothing is left that float32 can tell apart
+        if (next <= t) {  // the rest is below the resolution of float32
             break;
         }
         t = next;

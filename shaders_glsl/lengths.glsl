@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Two lengths along rays, summed for each lamp: what could not be resolved, and what is inside. Only their ratio counts, so one
-// thread in 64 is enough.
+// Two lengths along rays, summed for each lamp: the unresolved one, and the one inside. Only their ratio matters, so
+// one thread in 64 is enough.
 layout(std430, binding = 3) buffer Lengths { uint lengths[]; };
 
 void note_length(int lamp, int column, float amount)

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// What Python's mathematics has and GLSL lacks, and the tables of the scene.
+// Mathematics that Python has and GLSL lacks, and the tables of the scene.
 
 #define INFINITE uintBitsToFloat(0x7F800000u)
 #define NOT_A_NUMBER uintBitsToFloat(0x7FC00000u)
@@ -23,7 +23,7 @@ float copy_sign(float size, float sign_of)
 
 bool is_finite(float a) { return abs(a) < INFINITE; }
 
-// a modulo b as Python has it: of the sign of b. What % gives for negative numbers is left to drivers.
+// a modulo b as in Python: with the sign of b. For negative numbers, the result of % depends on the driver.
 int modulo(int a, int b)
 {
     int size = abs(b), whole = b < 0 ? -a : a;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Glow of the lamps, drawn at a lower resolution, onto the picture. See README.md.
+// Adds the glow of the lamps, drawn at a lower resolution, to the picture. See README.md.
 
 void main()
 {

@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Relative emission of a lamp, integrated over a stretch of a ray inside it.
+// Relative emission of a lamp, integrated over an interval of a ray inside it.
 //
-// Where it varies, `#define VARIES` and `vec3 colour(vec3 p)` come before this file.
+// If it varies, `#define VARIES` and `vec3 colour(vec3 p)` come before this file.
 
 #ifdef VARIES
 
-// Fewest points in a stretch, and most.
+// Minimum and maximum number of points in an interval.
 const int FEWEST_POINTS = 4;
 const int MOST_POINTS = 64;
 
-// The rule of `sdf_lights/emitter/emission.py`, with a fixed shift: t = s³ (10 − 15 s + 6 s²), whose points are closest at the
-// ends.
+// The rule of `sdf_lights/emitter/emission/varying.py`, with a fixed shift: t = s³ (10 − 15 s + 6 s²), whose points are
+// densest at the ends.
 vec3 emitted(vec3 o, vec3 d, float start, float end)
 {
     vec3 sum = vec3(0.0);

@@ -50,7 +50,7 @@ void main()
     float metres = length(lamp.along[0].xyz * d.x + lamp.along[1].xyz * d.y + lamp.along[2].xyz * d.z);
     // Below the largest half float, so that a few lamps in line add up to a number.
     vec3 light = lamp.emission.rgb * found.sum * metres;
-    if (lamp.least.w > 0.0) {  // of what is wider here than it is, the way through it is too long
+    if (lamp.least.w > 0.0) {  // an enlarged lamp has too long a path through it
         float brightest = max(max(light.r, light.g), light.b);
         light *= min(1.0, 3.0 * max(max(lamp.least.r, lamp.least.g), lamp.least.b) / max(brightest, 1e-20));
     }

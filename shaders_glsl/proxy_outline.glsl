@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// A line around what is marked in a mask: red for selected lamps, green for the active one. See README.md.
+// A line around the marked pixels of a mask: red for selected lamps, green for the active one. See README.md.
 
 void main()
 {

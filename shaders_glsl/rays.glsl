@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Rays against triangles: the trees that sdf_lights/render/gpu/bvh.py builds.
+// Rays against triangles: traverses the trees that sdf_lights/render/gpu/bvh.py builds.
 //
-// Before this file come `#define`s of STACK, ITEMS_IN_LEAF and TEXTURE_BITS, INSTANCES where meshes are used more than once,
-// CATCHERS where there are shadow catchers, ONE_INSTANCE where rays below surfaces look for one alone, IMAGES where textures are read faster as images, the workspace's Record_ray, `scene.hierarchy_root`, and maths.glsl.
+// Before this file come `#define`s of STACK, ITEMS_IN_LEAF and TEXTURE_BITS; INSTANCES if meshes are used more than
+// once; CATCHERS if there are shadow catchers; ONE_INSTANCE if rays below surfaces test only one instance; IMAGES if
+// textures are read faster as images; the workspace's Record_ray; `scene.hierarchy_root`; and maths.glsl.
 
-// Rows of 2^TEXTURE_BITS words of four numbers: what threads read here is nowhere the same for all of them, and textures
-// are made for that. They may also be larger than buffers.
+// Rows of 2^TEXTURE_BITS words of four numbers. Threads read different words here, and textures are made for that. They
+// may also be larger than buffers.
 ivec2 texel(int place) { return ivec2(place & ((1 << TEXTURE_BITS) - 1), place >> TEXTURE_BITS); }
 #ifdef IMAGES
 layout(rgba32ui, binding = 0) readonly uniform uimage2D nodes;
@@ -27,13 +28,13 @@ const int LEAVE = -2147483647 - 1;  // an instance, or the scene
 int waiting[STACK];
 
 #ifdef CATCHERS
-bool bare = false;  // rays meet shadow catchers alone
+bool bare = false;  // rays hit only shadow catchers
 #endif
 #ifdef ONE_INSTANCE
-int alone = -1;  // the instance that rays meet, whatever rays it is visible to; −1: all of them
+int alone = -1;  // the only instance that rays hit, for any ray visibility; −1: all instances
 #endif
 
-// What a ray goes by in one space: in the world, or in a mesh's own.
+// The data of a ray in one space: in the world, or in a mesh's local space.
 struct Line {
     vec3 o;
     vec3 d;
@@ -61,8 +62,8 @@ float enter_box(Line line, vec3 low, vec3 high, float t_min, float t_max)
     return start <= end ? start : INFINITE;
 }
 
-// Distance of a triangle along a ray, −1 if it is missed; (u, v) are the weights of b and c. The sides are tested by Plücker
-// coordinates, as Embree does in its robust mode: neighbours compute the same number for the side they share.
+// Distance of a triangle along a ray, −1 if it misses; (u, v) are the weights of b and c. The sides are tested with
+// Plücker coordinates, as in Embree's robust mode: neighbours compute the same number for their shared side.
 float hit_triangle(Line line, vec3 a, vec3 b, vec3 c, out vec2 uv)
 {
     a -= line.o;
@@ -87,8 +88,8 @@ float hit_triangle(Line line, vec3 a, vec3 b, vec3 c, out vec2 uv)
 
 // Nearest triangle between t_min and t_max whose instance has a bit of `mask`, in `ray`; or just any.
 //
-// Threads go down to leaves together, then test them together (Aila and Laine 2009, "Understanding the efficiency of ray
-// traversal on GPUs"): those that wait for others spare them the code of the other kind of step.
+// Threads go down to leaves together, then test them together (Aila and Laine 2009, "Understanding the efficiency of
+// ray traversal on GPUs"): waiting threads save the others the code of the other kind of step.
 bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, int mask, bool any)
 {
     Line line = line_of(o, d);
@@ -165,7 +166,7 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
                 }
                 waiting[depth] = node;
                 depth++;
-                if (item < last) {  // the rest of the leaf waits, which its reference can say
+                if (item < last) {  // the rest of the leaf waits, encoded in its reference
                     waiting[depth] = ~(ITEMS_IN_LEAF * (item + 1) + last - item - 1);
                     depth++;
                 }
@@ -201,7 +202,7 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
 }
 
 #ifdef ONE_INSTANCE
-// As hit_scene, with one instance alone.
+// As hit_scene, with only one instance.
 bool hit_instance(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, int instance)
 {
     alone = instance;

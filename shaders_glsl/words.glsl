@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// 64-bit words as (low half, high half), and what sdf_lights/bits.py does with words.
+// 64-bit words as (low half, high half), and the functions of sdf_lights/bits.py.
 
 uvec2 word_64(uint a) { return uvec2(a, 0u); }
 uvec2 word_64(int a) { return uvec2(uint(a), uint(a >> 31)); }
@@ -24,7 +24,7 @@ uvec2 add_64(uvec2 a, uvec2 b)
     return uvec2(low, a.y + b.y + carry);
 }
 
-// GLSL has no shifts by 32 bits and more.
+// GLSL has no shifts by 32 bits or more.
 uvec2 shift_right_64(uvec2 a, int bits)
 {
     if (bits >= 32) {
@@ -43,5 +43,5 @@ uvec2 shift_left_64(uvec2 a, int bits)
 
 uvec2 reverse_64(uvec2 a) { return bitfieldReverse(a.yx); }
 
-// Below 1, whatever the digits: the last eight are cut off.
+// Below 1 for any digits: the last eight are cut off.
 float unit_float(uint digits) { return float(digits >> 8) * 5.9604644775390625e-8; }

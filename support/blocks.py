@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Means over blocks of pixels, by which pictures of several seeds are compared."""
+"""Means over blocks of pixels, which compare pictures of several seeds."""
 
 import numpy as np
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""χ² test that a sampler of directions produces the density that its pdf claims.
+"""χ² test that a sampler of directions produces the density of its pdf.
 
 from support.chi2 import chi2_sphere
 result = chi2_sphere(sample, pdf, n=100_000, seed=1)
@@ -46,18 +46,18 @@ def chi2_sphere(
     quantiles: tuple[float, float] = (0.0, 1.0),
     least: float | None = None,
 ) -> Chi2Result:
-    """Compare counts of sampled directions in bins of (cos θ, φ) round ``axis`` with the integral of the pdf there.
+    """Compare counts of sampled directions in bins of (cos θ, φ) around ``axis`` with the integral of the pdf there.
 
-    ``sample_fn_batch(u)`` maps (n, dimensions) uniform numbers to (n, 3) unit vectors; a row that is not finite or not
-    of unit length is a sample the sampler gave up, so the pdf must integrate to the rest.
+    ``sample_fn_batch(u)`` maps (n, dimensions) uniform numbers to (n, 3) unit vectors. A row that is not finite or not
+    of unit length is a sample that the sampler gave up, so the pdf must integrate to the rest.
     ``pdf_fn_batch(directions)`` maps (m, 3) unit vectors to (m,) densities per solid angle.
 
-    The edges in cos θ are quantiles of a pilot run, so narrow distributions fill the bins as well as wide ones do;
-    point ``axis`` at the light. Where it is known that no sample has a cos θ below ``least``, that is an edge, too.
+    The edges in cos θ are quantiles of a pilot run, so narrow distributions fill the bins as well as wide ones; point
+    ``axis`` at the light. If it is known that no sample has a cos θ below ``least``, that is an edge, too.
 
-    Expected counts come from quadrature² jittered points a bin, and the variance of that estimate is added
-    to the Poisson variance of the counts. Bins that expect fewer than five samples are pooled. A correct sampler fails
-    with probability 1 − ``confidence``: keep the seed fixed, and raise the confidence with the number of tests.
+    Expected counts come from quadrature² jittered points per bin, and the variance of that estimate is added to the
+    Poisson variance of the counts. Bins that expect fewer than five samples are pooled. A correct sampler fails with
+    probability 1 − ``confidence``: keep the seed fixed, and raise the confidence with the number of tests.
     """
     rng = np.random.default_rng(seed)
     frame = _frame(np.asarray(axis, float))
@@ -102,7 +102,7 @@ def chi2_sphere(
 
 
 def sphere_integral(pdf_fn_batch, n: int, seed: int, axis=(0.0, 0.0, 1.0), cosine=(-1.0, 1.0)) -> tuple[float, float]:
-    """∫pdf dω over the part of the sphere with cos θ round ``axis`` in ``cosine``, and its standard error.
+    """∫pdf dω over the part of the sphere with cos θ around ``axis`` in ``cosine``, and its standard error.
 
     Jittered: about n points, one in each cell of a square grid in (cos θ, φ), twice.
     """
@@ -148,8 +148,8 @@ def _integrate(pdf, edges, columns, frame, per_side, rng) -> tuple[np.ndarray, n
     local /= np.linalg.norm(local, axis=1, keepdims=True)
     values = np.asarray(pdf(local @ frame), float).reshape(rows * sectors, per_side**2)
     area = np.outer(height, width).ravel()
-    # The spread over the whole bin overstates the error of a jittered mean; a quarter of the variance of neighbours'
-    # differences states it well, and is what is left of the spread within a stratum.
+    # The spread over the whole bin overstates the error of a jittered mean. A quarter of the variance of neighbours'
+    # differences is a good estimate: it is the remaining spread within a stratum.
     spread = np.zeros(len(values))
     if per_side > 1:
         grid = values.reshape(-1, per_side, per_side)

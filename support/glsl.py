@@ -10,8 +10,8 @@ import pytest
 from sdf_lights.graph import interval_arithmetic
 
 # The OpenGL Shading Language 4.60, section 4.7.1: + − · are rounded correctly, / is within 2.5 ulps, √ within 4.5, log
-# within 3 or 2^-21, exp within 3 + 2 |x|. It says nothing of sin and cos; drivers reduce large angles as well as
-# float32 can, and are within 2^-20 (NVIDIA: 2^-21). Helpers of ``codegen_glsl`` are within 4 ulps.
+# within 3 or 2^-21, exp within 3 + 2 |x|. It does not limit sin and cos. Drivers reduce large angles as well as float32
+# can, and are within 2^-20 (NVIDIA: 2^-21). Helpers of ``codegen_glsl`` are within 4 ulps.
 ULP = 2.0**-23
 PRECISION = interval_arithmetic.Precision(
     np.float32,
@@ -49,7 +49,7 @@ _AS_VECTOR = ["vec4({}, 0.0, 0.0, 0.0)", "vec4({}, 0.0, 0.0)", "vec4({}, 0.0)", 
 
 @functools.cache
 def context():
-    """One OpenGL 4.3 context without a window; the test is skipped where there is none."""
+    """One OpenGL 4.3 context without a window; the test is skipped if there is none."""
     moderngl = pytest.importorskip("moderngl")
     errors = []
     for options in ({"backend": "egl"}, {}):
@@ -63,7 +63,7 @@ def context():
 def evaluate(source: str, name: str, points: np.ndarray, parameters=(), size: int = 1) -> np.ndarray:
     """Values (n,), or (n, size), of the GLSL function ``name(vec3)`` of ``source`` at points (n, 3).
 
-    ``k[i]`` stands for parameter i; both are rounded to float32.
+    ``k[i]`` is parameter i; both are rounded to float32.
     """
     gl, n = context(), len(points)
     call = _AS_VECTOR[size - 1].format(f"{name}(points[index].xyz)")

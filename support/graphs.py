@@ -8,7 +8,7 @@ from sdf_lights.render.nodes import node_outputs
 from sdf_lights.render.nodes.variables import BARYCENTRIC
 
 PLACE = Vector(*BARYCENTRIC, constant(0.0))
-"""Where in its triangle a point is, as image coordinates: they need no mesh."""
+"""The position of a point in its triangle, as image coordinates: they need no mesh."""
 
 
 class Graph:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes to make grids of, and rays through shapes."""
+"""Meshes for grids, and rays through shapes."""
 
 import numpy as np
 
@@ -31,7 +31,8 @@ def joined(*meshes: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarr
 
 
 def scan(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """A mesh of about ``count`` triangles as scanners give them: noisy, with holes and loose and doubled parts that cross."""
+    """A mesh of about ``count`` triangles, like those from scanners: noisy, with holes and loose and doubled parts that
+    cross."""
     rng = np.random.default_rng(11)
     side = int(np.sqrt(count / 8.0))
     vertices, faces = torus(0.7, 0.3, 2 * side, side)

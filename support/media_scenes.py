@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes with participating media, as those of ``scenes``. The NumPy reference has no media: the CPU and the GPU are compared."""
+"""Scenes with participating media, like those of ``scenes``. The NumPy reference has no media: the CPU and the GPU are
+compared."""
 
 from __future__ import annotations
 
@@ -20,8 +21,8 @@ CLEAR = Node("transparent", {"color": (1.0, 1.0, 1.0)})
 
 
 def smoke(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Closed meshes, of which some overlap: coloured smoke around a lamp, a pane in it, glass that absorbs, gas that glows, and
-    smoke behind a surface that scatters, too."""
+    """Closed meshes, some of which overlap: coloured smoke around a lamp, a pane in it, absorbing glass, glowing gas,
+    and smoke behind a surface that also scatters."""
     scene = scenes.room(width, height, max_bounces=2, transparent_bounces=8)
     scene.meshes.append(scenes.box("plain box"))
     scene.meshes[3].slots = None
@@ -54,7 +55,7 @@ def smoke(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def haze(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """The world is full of haze, under lamps of which one is not the same everywhere, a spot light, a sun and a sky."""
+    """The world is full of haze, under lamps, one of which varies, a spot light, a sun and a sky."""
     scene = scenes.room(width, height, max_bounces=2)
     scene.world = World((0.3, 0.4, 0.6), 0.3)
     scene.world.medium = Medium((0.01, 0.02, 0.04), (Scattering((0.12, 0.1, 0.08), 0.6), Scattering((0.02,) * 3)))
@@ -92,8 +93,8 @@ def fog_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def submerged(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """The camera is inside of a mesh that bounds a medium, which is used twice, and mirrored; balls of air are cut out by what
-    they absorb less."""
+    """The camera is inside a mesh that bounds a medium; the mesh is used twice, and mirrored. Balls with less
+    absorption are cut out like air."""
     scene = scenes.room(width, height, max_bounces=2)
     scene.meshes.append(scenes.sphere("pool", 24, 12, smooth=False))
     scene.materials.append(

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small scenes that every back end must agree on.
+"""Small scenes on which all back ends must agree.
 
-``SCENES`` maps a name to a function ``(width=48, height=36) -> Scene``. Each scene is about one feature, holds at
-most 2,000 triangles, is lit well enough to converge in few samples, and uses a box filter one pixel wide and no
-adaptive sampling, so that pixel values are plain means. World space is z up.
+``SCENES`` maps a name to a function ``(width=48, height=36) -> Scene``. Each scene tests one feature, has at most 2,000
+triangles, and converges in few samples. It uses a box filter one pixel wide and no adaptive sampling, so pixel values
+are plain means. World space is z up.
 """
 
 from __future__ import annotations
@@ -175,7 +175,7 @@ def room(width: int, height: int, **changes) -> Scene:
 
 
 def add(scene: Scene, mesh: int, matrix: np.ndarray, surface: Material, name: str = "") -> None:
-    """Place ``mesh`` with a material of its own in every slot."""
+    """Place ``mesh`` with a separate material in every slot."""
     scene.materials.append(surface)
     slots = scene.meshes[mesh].slots
     count = 1 if slots is None else int(slots.max()) + 1
@@ -240,7 +240,7 @@ def sky_image() -> Image:
 
 
 def environment(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """The same under an environment image, turned about two axes."""
+    """The same under an environment image, rotated about two axes."""
     scene = world_color(width, height)
     scene.images.append(sky_image())
     turn = (rotation("z", 70) @ rotation("x", 15))[:3, :3]
@@ -289,7 +289,7 @@ def emissive_mesh(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def glowing_bubble(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """A clear ball, the only light, that shines more on its inside: light rays meet its outside first."""
+    """A clear ball, the only light, that emits more on its inside: light rays hit its outside first."""
     scene = room(width, height)
     shine = Node("emission", {"color": (0.4, 0.7, 1.0), "strength": 0.2 + 8.0 * BACKFACING})
     clear = Node("mix_closure", {"a": Node("transparent", {}), "b": shine, "factor": 0.4})
@@ -299,8 +299,8 @@ def glowing_bubble(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def light_control(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Light and shadow linking, visibility to some lobes and limits of bounces, each of a lamp, a light and a mesh; and a
-    lamp that the camera sees darker than it is."""
+    """Light and shadow linking, visibility to some lobes and limits of bounces, each for a lamp, a light and a mesh;
+    and a lamp that the camera sees darker."""
     scene = room(width, height, max_bounces=2)
     floor, back = scene.instances[0], scene.instances[2]
     floor.light_set, back.light_set = 1, 2
@@ -364,7 +364,7 @@ def glossy_metal(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def facets(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Microfacets that are stretched along a tangent, of Beckmann's distribution, and under thin films."""
+    """Anisotropic microfacets, Beckmann's distribution, and thin films."""
     scene = room(width, height)
     spheres = [
         material("glossy", color=(0.8, 0.75, 0.65), roughness=0.5, anisotropy=0.6, rotation=0.1),
@@ -459,7 +459,7 @@ def glass(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     add(
         scene,
         1,
-        translation(1.2, 0.3, 0.6) @ rotation("z", 30) @ scaling(0.35, 0.35, 0.6),
+        translation(1.2, 0.3, 0.62) @ rotation("z", 30) @ scaling(0.35, 0.35, 0.6),
         material("principled", "block", base_color=(0.7, 0.9, 1.0), roughness=0.3, transmission_weight=1.0, ior=1.33),
     )
     add(
@@ -477,7 +477,7 @@ def _scattering(name: str, method: str, kind: str = "principled", once: bool = F
 
 
 def subsurface(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Random walks of all kinds: a ball that stands in a block, another by itself, and a slab with light behind it."""
+    """Random walks of all kinds: a ball in a block, another by itself, and a slab with light behind it."""
     scene = room(width, height, max_bounces=2)
     add(
         scene,
@@ -532,7 +532,8 @@ def subsurface(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def subsurface_profile(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Burley's profile, of a weight that varies and with bumps, in a thin wall, too, and a walk that ends at diffuse bounces."""
+    """Burley's profile, with a varying weight and with bumps, also in a thin wall, and a walk that ends at diffuse
+    bounces."""
     scene = room(width, height, max_bounces=2)
     graph = Graph()
     bump = graph.bump(POSITION.x * POSITION.x * POSITION.z, 0.7)
@@ -587,7 +588,7 @@ def subsurface_profile(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def only_reflective_caustics(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Glass that refracts nothing to the rays of diffuse bounces, and metal that reflects to them."""
+    """Glass without refraction after diffuse bounces, and metal that reflects."""
     scene = glass(width, height)
     scene.settings.caustics_refractive = False
     scene.materials[-1] = material("glossy", "mirror", color=(0.9, 0.8, 0.6), roughness=0.2)
@@ -595,7 +596,7 @@ def only_reflective_caustics(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def only_refractive_caustics(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Glass that reflects nothing to the rays of diffuse bounces, nor does metal."""
+    """Glass and metal without reflection after diffuse bounces."""
     scene = only_reflective_caustics(width, height)
     scene.settings.caustics_refractive, scene.settings.caustics_reflective = True, False
     return scene
@@ -634,7 +635,8 @@ def checker_image() -> Image:
 
 
 def textured(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Image texture with a mapping on the floor, which displacement bumps; bump on the left wall, normal map on the right one."""
+    """Image texture with a mapping on the floor, which displacement bumps; bump on the left wall, normal map on the
+    right one."""
     scene = room(width, height)
     scene.images.append(checker_image())
     u, v = np.meshgrid((np.arange(16) + 0.5) / 16, (np.arange(16) + 0.5) / 16)
@@ -662,7 +664,7 @@ def textured(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def instances(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """One mesh many times: turned, stretched, mirrored; and a stretched, sheared, mirrored lamp."""
+    """One mesh many times: rotated, scaled, mirrored; and a scaled, sheared, mirrored lamp."""
     scene = room(width, height)
     scene.materials += [diffuse((0.2, 0.3, 0.7), "blue"), material("glossy", color=(0.9, 0.8, 0.6), roughness=0.4)]
     shear = np.eye(4)
@@ -686,7 +688,8 @@ def instances(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def probed(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Materials that send rays: occlusion on the floor and in balls, a bevel on a box, the color of what stands before a wall."""
+    """Materials that trace rays: occlusion on the floor and in balls, a bevel on a box, the color of the object in
+    front of a wall."""
     scene = room(width, height)
     graph = Graph()
     ahead = graph.raycast(NORMAL, 2.5)
@@ -696,7 +699,7 @@ def probed(width: int = WIDTH, height: int = HEIGHT) -> Scene:
         graph.material("thick", Node("diffuse", {"color": graph.occlusion(GREEN, 0.6, inside=True, only_local=True)})),
         graph.material("round", Node("principled", {"base_color": RED, "roughness": 0.6, "normal": graph.bevel(0.25)})),
         graph.material("watching", Node("diffuse", {"color": far + (near - far) * ahead["Is Hit"]})),
-        # Light sampling sends no rays, so with any here the picture would depend on the weights of MIS.
+        # Light sampling traces no rays, so with any here the picture would depend on the weights of MIS.
         graph.material("lamp", Node("emission", {"color": WHITE, "strength": 2.0})),
     ]
     for instance, surface in ((0, 3), (2, 6)):
@@ -715,7 +718,7 @@ def probed(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def frame_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """A thin frame, a cube less a ball, and a small capsule, of two colours."""
+    """A thin frame, a cube minus a ball, and a small capsule, of two colours."""
     scene = room(width, height)
     add(scene, 1, translation(0.7, 0.4, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
     frame = shapes.Difference(shapes.Box(half_size=(0.5, 0.5, 0.5)), shapes.Sphere(radius=0.66))
@@ -769,12 +772,12 @@ def field_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def data_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Lamps that data make: an outline, a tube, a mesh."""
+    """Lamps made of data: an outline, a tube, a mesh."""
     from sdf_lights.sdf.data.simplest import simplest
 
     scene = room(width, height)
     add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
-    outline, rod, mesh = simplest()
+    outline, rod, mesh, _ = simplest()
     turn = rotation("x", 60) @ rotation("y", 20)
     scene.lamps += [
         Lamp("outline", outline, translation(-0.8, 0.3, 1.8) @ turn, power=20.0, color=(1.0, 0.8, 0.5)),
@@ -902,7 +905,7 @@ def transparent(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def depth_of_field(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """A lens of five turned, stretched blades, in focus on the middle of three balls; a lamp far out of focus."""
+    """A lens with five rotated, scaled blades, in focus on the middle of three balls; a lamp far out of focus."""
     scene = room(width, height)
     for i, color in enumerate((RED, WHITE, GREEN)):
         add(scene, 2, translation(i - 1.0, 1.2 * (i - 1), 0.5) @ scaling(0.4, 0.4, 0.4), diffuse(color))
@@ -946,7 +949,7 @@ def orthographic(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def _over_time(thing, count: int, **ends):
-    """``thing``, with ``motion`` from itself to what the matrix and the other fields in ``ends`` make of it."""
+    """``thing`` with ``motion`` from itself to itself with the matrix and the other fields of ``ends``."""
     start = np.asarray(thing.matrix, float)
     end = ends.pop("matrix", np.eye(4)) @ start
     part = np.linspace(0.0, 1.0, count)
@@ -962,8 +965,8 @@ def _over_time(thing, count: int, **ends):
 
 
 def moving(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """All that can move: a camera that turns, a box that spins by poses that are far apart, a ball that becomes an egg while two
-    instances of it fall, a lamp that flies and one that fades, lights of all kinds, and a glowing quad."""
+    """Everything that can move: a camera that turns, a box that spins through distant poses, a ball that becomes an egg
+    while two instances of it fall, a lamp that flies and one that fades, lights of all kinds, and a glowing quad."""
     scene = room(width, height)
     scene.shutter = Shutter(motion.exposure(np.array([0.2, 1.0, 1.0, 0.5, 0.0])))
     scene.camera = _over_time(scene.camera, 3, matrix=translation(0.1, 0.0, 0.05), focus=scene.camera.focus + 1.0)

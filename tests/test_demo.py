@@ -141,7 +141,7 @@ host.finish(0)
     done = run("--scene", tmp_path / "passes.blend", "--device", "reference", "--strict", "--out", tmp_path / "passes")
     assert done.returncode == 1 and not (tmp_path / "passes.exr").exists()
     assert "these passes are not supported and are left out: Shadow" in done.stdout + done.stderr
-    assert "1 thing is not rendered as the scene says" in done.stderr
+    assert "1 item is not rendered as the scene says" in done.stderr
 
 
 @pytest.mark.parametrize(

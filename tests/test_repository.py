@@ -226,7 +226,7 @@ def test_the_architecture_names_what_there_is():
     named = set(re.findall(r"`([\w/]+(?:\.py|/))`", text))
     assert [name for name in named if not any((root / name).exists() for root in roots)] == []
     sources = "".join(path.read_text(encoding="utf-8") for path in (REPOSITORY / "sdf_lights").rglob("*.py"))
-    calls = re.search(r"\| part \| calls \|\n(.*?)\n\n", text, re.DOTALL)[1]
+    calls = re.search(r"\| part \| functions \|\n(.*?)\n\n", text, re.DOTALL)[1]
     kernels = {name.rpartition(".")[2] for name in re.findall(r"`([a-z_.]+)`", calls) if not name.endswith(".py")}
     assert kernels and [name for name in kernels if f"def {name}(" not in sources] == []
 

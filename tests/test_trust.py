@@ -11,7 +11,7 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 PAGE = (REPOSITORY / "docs" / "trust.md").read_text(encoding="utf-8")
 LINES = [
     line.strip().strip("|").split("|")
-    for line in PAGE.partition("## What is read")[2].partition("Nothing of a .blend")[0].splitlines()
+    for line in PAGE.partition("## Inputs and their sources")[2].partition("The add-on never")[0].splitlines()
     if line.startswith("|") and "---" not in line
 ][1:]
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One module a benchmark, and what they share. A benchmark has
+"""One module per benchmark, and their shared code. A benchmark has
 
 - ``HELP``: one line;
 - ``run(options) -> (summary, rows)``: ``summary`` maps names to numbers, ``rows`` is a list of flat dictionaries;
@@ -14,7 +14,7 @@
 
 import argparse
 
-import host  # puts what is measured on the path
+import host  # puts the measured package on the path
 
 NAMES = (
     "throughput",
@@ -42,7 +42,7 @@ NAMES = (
 
 
 def some_of(known):
-    """Type of an argument that is a list of ``known`` names with commas between."""
+    """Type of an argument that is a list of ``known`` names, separated by commas."""
 
     def read(text: str) -> list[str]:
         names = text.split(",")

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each term of sample allocation and path splitting gains: error × time with the term off, over that with all of them.
+"""The gain of each term of sample allocation and path splitting: error × time without the term, over that with all
+terms.
 
-No reference is needed: the error is the variance of renders with different seeds, relative as in ``errors.rel_mse``. The
-time is processor time, without what comes before the first sample. All variants take turns, seed by seed. Rare light makes
-a mean over pixels depend on the seeds, so there is a second figure, without the noisiest ``OUTLIERS`` of the pixels.
+No reference is needed: the error is the variance of renders with different seeds, relative as in ``errors.rel_mse``.
+The time is processor time after the first sample begins. All variants take turns, seed by seed. Rare light makes a mean
+over pixels depend on the seeds, so there is a second figure, without the noisiest ``OUTLIERS`` of the pixels.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from . import artist_scenes, beside_cycles, errors, lamp_scenes, pictures, simpl
 from .progress import Progress
 from .resume import Parts
 
-HELP = "what each term of sample allocation and path splitting gains, on scenes with and without lamps"
+HELP = "the gain of each term of sample allocation and path splitting, on scenes with and without lamps"
 
 LAMPS = ("S1", "S2", "S4", "S5")
 ORDINARY = ("animation", "street", "forest", "neon_bar", "living_room_night")
@@ -32,7 +33,8 @@ SAMPLES, QUICK_SAMPLES = 32, 16
 SEEDS, QUICK_SEEDS = 6, 3
 OUTLIERS = 1 / 500
 
-# What is switched off, and what the document says of it. Settings of the scene, or values of ``sample_allocation``.
+# The terms that are switched off, and their text in the document: settings of the scene, or values of
+# ``sample_allocation``.
 ALL = "all"
 TERMS: dict[str, tuple[str, dict, dict]] = {
     "splitting": ("paths do not divide", dict(indirect_paths=1), {}),
@@ -68,7 +70,7 @@ def arguments(parser) -> None:
 
 @contextmanager
 def _without(values: dict) -> Iterator[None]:
-    """``sample_allocation`` with other values of these names."""
+    """``sample_allocation`` with other values for these names."""
     module = host.program("render.sample_allocation")
     kept = {name: getattr(module, name) for name in values}
     try:
@@ -107,7 +109,7 @@ def measure(name: str, terms: list[str], options) -> list[dict]:
     samples = QUICK_SAMPLES if options.quick else SAMPLES
     seeds = options.repeats or (QUICK_SEEDS if options.quick else SEEDS)
     variants = [ALL, *terms]
-    _render(name, scene, ALL, 1, 0, options.device)  # compiles, and loads what later renders have
+    _render(name, scene, ALL, 1, 0, options.device)  # compiles, and fills caches
     start = statistics.median(_render(name, scene, "both", 1, 0, options.device).work for _ in range(3))
     made: dict[str, list[pictures.Picture]] = {term: [] for term in variants}
     for seed in range(max(seeds, 2)):
@@ -119,7 +121,8 @@ def measure(name: str, terms: list[str], options) -> list[dict]:
 
 
 def gains_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict[str, dict[str, float]]:
-    """What each term gains, from pictures (seeds, height, width, channels) and seconds of each variant, ALL among them.
+    """The gain of each term, from pictures (seeds, height, width, channels) and seconds of each variant, ALL among
+    them.
 
     ``gain``: error × time without the term, over that with all; ``gain_of_most``: without the noisiest pixels; ``time`` alone.
     """

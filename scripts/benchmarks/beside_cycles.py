@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene by both engines with the defaults of both, and references of it by Cycles, kept in the user's cache."""
+"""A scene rendered by both engines with their defaults, and references by Cycles, kept in the user's cache."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ import numpy as np
 from . import errors, pictures, references, simple_scenes
 from .node_pictures import CYCLES, OURS
 
-GUIDED = "guided"  # our engine as it is by default: noisy pixels take more samples, paths divide
-CLEAR = 0.05  # part of the least error judged, below which a reference is good enough
-# What both engines have by default.
+GUIDED = "guided"  # our engine with its defaults: noisy pixels take more samples, paths split
+CLEAR = 0.05  # fraction of the least judged error, below which a reference is good enough
+# The defaults of both engines.
 LIMITS = dict(max_bounces=12, diffuse_bounces=4, glossy_bounces=4, transmission_bounces=12, volume_bounces=0)
 TRANSPARENT = 8
-FILTER_GLOSSY = 1.0  # Cycles' default: without it a lake in the sun throws light that few samples of either engine find
+FILTER_GLOSSY = 1.0  # Cycles' default: without it a lake in the sun causes light that few samples of either engine find
 
 
 def settings(scene, engine: str, samples: int, seed: int, device: str, denoise: bool = False) -> None:
@@ -44,7 +44,7 @@ def settings(scene, engine: str, samples: int, seed: int, device: str, denoise: 
 def reference_of(
     name: str, scene, scripts: Iterable[pathlib.Path], samples: int, fresh: bool, device: str
 ) -> references.Reference:
-    """That of Cycles, of two renders at least; it depends on the ``scripts`` that build the scene."""
+    """The reference by Cycles, from two renders at least; it depends on the ``scripts`` that build the scene."""
     digest = hashlib.sha256()
     for path in sorted(scripts):
         digest.update(path.read_bytes())
@@ -59,7 +59,8 @@ def reference_of(
 
 
 def complete(truth: references.Reference, scene, least: float, samples: int, seconds: float, device: str) -> None:
-    """Add renders until the reference is clear of the ``least`` error that it judges, or the ``seconds`` are spent."""
+    """Add renders until the reference is good enough for the ``least`` error that it judges, or the ``seconds`` have
+    passed."""
     before = truth.seconds
     while truth.seconds - before < seconds and errors.rel_variance(truth.variance, truth.pixels) > CLEAR * least:
         _add(truth, scene, samples, device)
@@ -75,6 +76,6 @@ def _add(truth: references.Reference, scene, samples: int, device: str) -> None:
 
 
 def error_of(made: list[pictures.Picture], truth: references.Reference) -> float:
-    """Mean relative squared error of pictures, without that of the reference."""
+    """Mean relative squared error of pictures, minus that of the reference."""
     found = float(np.mean([errors.rel_mse(picture.pixels, truth.pixels) for picture in made]))
     return max(found - errors.rel_variance(truth.variance, truth.pixels), 0.01 * found)

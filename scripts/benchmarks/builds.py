@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long a lamp takes to be built when a number of its shape has changed.
+"""The time to build a lamp after a number of its shape has changed.
 
-That is everything but the compilation of a formula, which depends on no number: the shape's formula and bounds, the
-interior tree with the bounds of slopes, the volume with its certain limits, and the bounds tightened by the tree. Each
-turn changes the shape by some millionths, so nothing that is kept for a shape is of use. Times are those of a clock,
-medians of the turns.
+This includes everything except the compilation of a formula, which depends on no number: the shape's formula and
+bounds, the interior tree with the bounds of slopes, the volume with its certain limits, and the bounds tightened by the
+tree. Each turn changes the shape by some millionths, so cached data of the shape is useless. Times are wall-clock
+times, medians of the turns.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ KINDS = ("primitive", "csg_20", "fractal", "example")
 
 
 def changed(shape, factor: float):
-    """The shape with the first of its numbers that may be any multiplied by a factor close to 1."""
+    """The shape with its first free number multiplied by a factor close to 1."""
     for about in shape.fields():
         if not about.whole:
             value = getattr(shape, about.name)
@@ -64,7 +64,7 @@ def _cases() -> list[tuple[str, str, object]]:
         return scattered(PARTS, smooth=False, size=0.9 * PARTS ** (-1.0 / 3.0) * factor).children
 
     def mixed(factor):
-        """A difference of smooth unions, cut out of by sharp ones."""
+        """A difference of smooth unions and sharp ones."""
         all_parts = parts(factor)
         return Difference(
             SmoothUnion(*all_parts[:10], radius=0.1),
@@ -97,7 +97,7 @@ def _cases() -> list[tuple[str, str, object]]:
 
 
 def _built(shape) -> dict:
-    """Milliseconds of one build, and what was found."""
+    """Milliseconds of one build, and its results."""
     from sdf_lights.emitter.building import build
     from sdf_lights.emitter.tree import interior, volume
 

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether anything has become less efficient: ratios that no machine has a part in, against the committed ones.
+"""Checks that nothing has become less efficient: ratios that do not depend on the machine, compared with the committed
+ones.
 
-Every ratio is to something else that is measured in the same process, and greater is better. Most are counts and
-variances with fixed seeds, the same on every run; a change of the code changes them by what it does. Those that are
-timed take medians of turns, and a loss counts only if it is there again when measured anew.
+Every ratio compares with something measured in the same process, and greater is better. Most are counts and variances
+with fixed seeds, the same on every run; only the change of the code changes them. Timed ratios use medians of turns,
+and a loss counts only if it is confirmed when measured again.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ HELP = "efficiency against committed ratios; exit code 1 where more than 20 % is
 
 EXPECTED = pathlib.Path(__file__).with_name("expected.json")
 LOSS = 0.2
-TRIES = 3  # measurements of a timed ratio that seems to be lost
+TRIES = 3  # measurements of a timed ratio that seems to have fallen
 
 
 def arguments(parser) -> None:
@@ -31,7 +32,7 @@ def arguments(parser) -> None:
         metavar="RATIOS",
         help=f"with commas between; default: all of {', '.join(RATIOS)}; --quick: fewer",
     )
-    parser.add_argument("--write", action="store_true", help="commit to what is measured: write it to expected.json")
+    parser.add_argument("--write", action="store_true", help="commit the measured ratios: write them to expected.json")
 
 
 def expected() -> dict[str, float]:
@@ -39,7 +40,7 @@ def expected() -> dict[str, float]:
 
 
 def lost(found: float, committed: float | None) -> bool:
-    """Also where nothing is committed, or what is found is not a number."""
+    """Also if nothing is committed, or the found value is not a number."""
     return committed is None or not found >= (1.0 - LOSS) * committed
 
 
@@ -54,7 +55,7 @@ def measured(name: str, committed: float | None) -> float:
 
 
 def complaints(rows: list[dict]) -> list[str]:
-    """A sentence for each ratio that is lost, of the rows of all benchmarks."""
+    """A sentence for each ratio that has fallen, from the rows of all benchmarks."""
     said = []
     for row in rows:
         if "ratio" in row and row.get("lost"):

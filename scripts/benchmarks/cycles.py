@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error against time of full renders: samplers of SDF Lights, and Cycles with lamps as volumes and as mesh lights.
+"""Error over time of full renders: samplers of SDF Lights, and Cycles with lamps as volumes and as mesh lights.
 
-Every method renders every scene with the same numbers of samples and the same seeds, in turns, and once more with the
-samples that it has time for while Cycles takes the most of them for volumes. A volume in Cycles is the same lamp, and
-is judged by the same reference. A mesh light, the emissive surface of the same mesh with equal power, is another lamp:
-its picture converges to something else, so it is judged by a reference of its own, rendered by Cycles. What compares it
-with a lamp is how noisy either is, not what it shows; ``surface_mape`` says how far the two references are apart.
+Every method renders every scene with the same numbers of samples and the same seeds, in turns. It also renders with as
+many samples as fit into the time of Cycles' largest number of samples for volumes. A volume in Cycles is the same lamp,
+and has the same reference. A mesh light, the emissive surface of the same mesh with equal power, is a different lamp:
+its picture converges to something else, so it has its own reference, rendered by Cycles. The comparison with a lamp is
+about noise, not about the picture; ``surface_mape`` is the difference of the two references.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def arguments(parser) -> None:
 
 
 def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dict]]:
-    """One scene, that is open: what is compared at equal time, and rows of all pictures."""
+    """One open scene: the comparison at equal time, and rows of all pictures."""
     seeds = options.repeats or (2 if options.quick else SEEDS)
     ladder = options.ladder or ((4, 16) if options.quick else (4, 16, 64, 256))
     ours = [Method(name, name, plain=place > 0) for place, name in enumerate(options.samplers)]
@@ -87,7 +87,7 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
     for metric in METRICS:
         for method, _ in judged:
             curve = [(row["samples"], row[metric]) for row in rows if row["method"] == method.name]
-            # Along samples, because the time of a short render is mostly what comes before the first of them.
+            # By samples, because most of the time of a short render comes before the first sample.
             samples = method.samples_in(target)
             known = samples >= 1.0 and all(value is not None for _, value in curve)
             found[f"{metric} {method.name}"] = errors.interpolated(curve, samples) if known else None
@@ -105,7 +105,7 @@ def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dic
 
 
 def summary_of(found: list[dict], rows: list[dict], best: str) -> dict:
-    """Geometric means over the scenes of errors of Cycles to those of the sampler ``best``."""
+    """Geometric means over the scenes: errors of Cycles over those of the sampler ``best``."""
     summary = {}
     for bounces, light in LIGHT.items():
         here = [row for row in found if row["bounces"] == bounces]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a picture is from a reference. Pictures are (height, width, RGB), scene-linear."""
+"""Errors of a picture relative to a reference. Pictures are (height, width, RGB), scene-linear."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import os
 
 import numpy as np
 
-FLOOR = 0.01  # of the mean of the reference, what errors are relative to where it is darker
+FLOOR = 0.01  # fraction of the mean of the reference that errors are relative to where it is darker
 
 
 def _squares(reference: np.ndarray) -> np.ndarray:
@@ -22,7 +22,7 @@ def rel_mse(picture: np.ndarray, reference: np.ndarray) -> float:
 
 
 def rel_variance(variance: np.ndarray, reference: np.ndarray) -> float:
-    """What a ``variance`` of each value adds to ``rel_mse``."""
+    """The contribution of a ``variance`` of each value to ``rel_mse``."""
     return float(np.mean(variance / _squares(reference)))
 
 
@@ -39,21 +39,29 @@ def pixel_errors(picture: np.ndarray, reference: np.ndarray) -> tuple[float, flo
 
 def flip(picture: np.ndarray, reference: np.ndarray) -> float | None:
     """LDR-FLIP of both as sRGB, clipped to [0, 1]; None where the package flip-evaluator is not installed."""
+    return flip_of_shown(
+        *(
+            np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
+            for x in (np.clip(picture, 0.0, 1.0), np.clip(reference, 0.0, 1.0))
+        )
+    )
+
+
+def flip_of_shown(picture: np.ndarray, reference: np.ndarray) -> float | None:
+    """LDR-FLIP of two pictures as a screen shows them, in [0, 1]; None where the package flip-evaluator is not installed."""
     # Threads of OpenMP that wait must not spin: the next render is timed.
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     try:
         import flip_evaluator
     except ImportError:
         return None
-    shown = [
-        np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055).astype(np.float32)
-        for x in (np.clip(picture, 0.0, 1.0), np.clip(reference, 0.0, 1.0))
-    ]
-    return float(flip_evaluator.evaluate(shown[1], shown[0], "LDR", inputsRGB=True, applyMagma=False)[1])
+    shown = [np.ascontiguousarray(values, np.float32) for values in (reference, picture)]
+    return float(flip_evaluator.evaluate(*shown, "LDR", inputsRGB=True, applyMagma=False)[1])
 
 
 def interpolated(curve: list[tuple[float, float]], at: float) -> float:
-    """Value at a place, from (place, value) points that scatter about a power law: from the nearest point along it."""
+    """Value at a position, from (position, value) points that scatter about a power law: extrapolated from the nearest
+    point."""
     x, y = min(curve, key=lambda point: abs(math.log(point[0] / at)))
     # A single point: the error of independent samples, against their number.
     return y * (at / x) ** (slope(curve) if len(curve) > 1 else -1.0)

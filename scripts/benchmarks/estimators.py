@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Samplers of directions to a lamp compared at points: error times time, without occlusion.
+"""Compares samplers of directions to a lamp at points: error times time, without occlusion.
 
-The errors are those of pixels of 64 and 256 samples, relative to the light that is there, with Owen-scrambled Sobol
-numbers for all techniques alike. The reference is what the paper's sampler gives with the same numbers: projection and
-BSDF samples by the balance heuristic.
+The errors are those of pixels of 64 and 256 samples, relative to the light there, with Owen-scrambled Sobol numbers for
+all techniques. The baseline is the paper's sampler with the same numbers: projection and BSDF samples combined by the
+balance heuristic.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ BLOB = SmoothUnion(
 )
 MENGER = MengerSponge(0.5, 3.0)
 
-AT_POINTS = (Technique.POINT, Technique.RIS, Technique.RADIAL)  # for emission that is the same everywhere
+AT_POINTS = (Technique.POINT, Technique.RIS, Technique.RADIAL)  # for uniform emission
 
 CASES = (  # name, group, shape, point, normal, emission
     ("torus, above", "far", TORUS, (0.4, 0.2, 1.6), DOWN, None),
@@ -89,7 +89,7 @@ def _errors(found: np.ndarray, truth: float) -> list[float]:
 
 
 def _time(technique, block, x, n, shell, repeats: int, count: int) -> float:
-    """ns of processor time for a vertex: the least of several runs, which others disturb least."""
+    """ns of processor time for a vertex: the least of several runs, which is disturbed least."""
     numbers = np.random.default_rng(1).random((count, DIMENSIONS))
     runs = [baselines.values(technique, block.blocks, 0, x, n, numbers, shell)[1] for _ in range(repeats)]
     return 1e9 * min(runs) / count

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders one .blend by both engines, in a process of its own: ``python -m benchmarks.file_session JOB``, as ``files`` does."""
+"""Renders one .blend by both engines, in a separate process: ``python -m benchmarks.file_session JOB``, as ``files``
+does."""
 
 from __future__ import annotations
 
@@ -39,7 +40,7 @@ def kinds(roots) -> list[str]:
 
 
 def settle(scene, engine: str, job: dict) -> None:
-    """The file's settings, but for those that trade error for bias, or cost time."""
+    """The file's settings, except those that trade error for bias, or cost time."""
     simple_scenes.enable_cycles()
     render = scene.render
     scale = job["size"] / max(render.resolution_x, render.resolution_y)
@@ -119,8 +120,8 @@ def of_scene(job: dict) -> list[dict]:
 
 
 def _add_camera(scene) -> bool:
-    """A camera that sees all meshes, for a file that has models alone, and a sun where there is no light. False where there
-    is nothing to see."""
+    """A camera that sees all meshes, for a file with only models, and a sun if there is no light. Returns False if
+    nothing is visible."""
     bpy.context.view_layer.update()
     shown = [thing for thing in scene.objects if thing.type == "MESH" and not thing.hide_render and thing.data.vertices]
     if not shown:

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every .blend in a folder by Cycles and by our engine, each in a process of its own, small: exceptions, warnings, means.
+"""Every .blend in a folder by Cycles and by our engine, each in a separate process, small: exceptions, warnings, means.
 
-Without a folder, all materials and groups of shader nodes in the asset libraries that come with Blender, each on a ball.
-A file keeps its own settings, but for those that make both engines do the same work.
+Without a folder, all materials and groups of shader nodes in Blender's asset libraries, each on a ball. A file keeps
+its own settings, except those that must be equal for a fair comparison.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .resume import Parts
 
 HELP = "all .blend files of a folder, or Blender's own assets, in both engines: exceptions, warnings, means"
 BRIEF = dict(most=1)
-SECONDS = 600  # most time for one file
+SECONDS = 600  # maximum time for one file
 
 
 def arguments(parser) -> None:
@@ -39,7 +39,7 @@ def arguments(parser) -> None:
 
 
 def libraries() -> list[pathlib.Path]:
-    """Blender's asset libraries that may have materials or shader nodes."""
+    """Blender's asset libraries that may contain materials or shader nodes."""
     root = pathlib.Path(bpy.utils.system_resource("DATAFILES", path="assets"))
     return sorted(path for path in root.rglob("*.blend") if "brush" not in path.name)
 
@@ -56,7 +56,7 @@ def summary_of(rows: list[dict]) -> dict:
 
 
 def complaints(rows: list[dict]) -> list[str]:
-    """A sentence for each file of which our engine made no picture, of the rows of all benchmarks."""
+    """A sentence for each file without a picture by our engine, from the rows of all benchmarks."""
     return [f"{row['file']} {row['part']}: {row['error']}" for row in rows if "file" in row and row["error"]]
 
 

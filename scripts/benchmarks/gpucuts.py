@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Variance times time of light rays to lamps on the GPU: by cuts of flat boxes, and by projection with multiple importance
-sampling.
+"""Variance times time of light rays to lamps on the GPU: by cuts of flat boxes, and by projection with MIS.
 
-The ways take turns with one seed after the other; the error is the relative variance of a pixel between seeds, for which no
-reference is needed. A sample's time is the further seconds of a longer render against a short one. With bounces there are cuts,
-too, where the GPU has none by default.
+The methods take turns, seed after seed. The error is the relative variance of a pixel between seeds, which needs no
+reference. A sample's time is the additional time of a longer render compared with a short one. With bounces there are
+cuts, too, although the GPU has none by default.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ def arguments(parser) -> None:
 
 @contextlib.contextmanager
 def cuts_with(bounces: int):
-    """The GPU has cuts in renders of so many bounces, too."""
+    """The GPU uses cuts in renders with so many bounces, too."""
     program = host.program("render.gpu.packed_scene")
     usual, program.CUT_BOUNCES = program.CUT_BOUNCES, bounces
     try:
@@ -73,7 +72,7 @@ def measure(name: str, options) -> dict:
     for sampler in SAMPLERS:
         short, long = ([picture.work for picture in made[sampler, samples]] for samples in (FEW, many))
         pixels = np.array([picture.pixels for picture in made[sampler, many]])
-        # Where other work disturbs short renders, the longer ones may seem to take less time.
+        # If other work disturbs short renders, the longer ones may seem faster.
         row[f"{sampler}_seconds"] = max(statistics.median(long) - statistics.median(short), 1e-9) / (many - FEW)
         row[f"{sampler}_variance"] = errors.rel_variance(pixels.var(axis=0, ddof=1), pixels.mean(axis=0))
         row[f"{sampler}_mean"] = float(pixels.mean())

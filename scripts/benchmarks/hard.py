@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cases of ``hard_cases``: one row each, with its figure, its limit, and whether that holds."""
+"""The cases of ``hard_cases``: one row each, with its figure, its limit, and whether it holds."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .hard_cases import CASES
 from .progress import Progress
 from .resume import Parts
 
-HELP = "cases on which light is easily wrong or dear, each with a figure and its limit"
+HELP = "cases in which light is easily wrong or expensive, each with a figure and its limit"
 
 
 BRIEF = dict(cases=[name for name, case in CASES.items() if not case.slow])
@@ -24,7 +24,7 @@ def arguments(parser) -> None:
 
 
 def measured(name: str, quick: bool) -> dict:
-    """A row. A case that cannot be measured has not held its limit, and says why."""
+    """A row. A case that cannot be measured has failed, and gives the reason."""
     case = CASES[name]
     started = time.perf_counter()
     row = dict(case=name, kind=case.kind, measures=case.about, figure=None, limit=None, holds=False)
@@ -46,7 +46,7 @@ def measured(name: str, quick: bool) -> dict:
 
 
 def complaints(rows: list[dict]) -> list[str]:
-    """A sentence for each case that has failed, of the rows of all benchmarks."""
+    """A sentence for each failed case, from the rows of all benchmarks."""
     said = []
     for row in rows:
         if "measures" in row and not row["holds"]:

@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether rays find every entry and exit, at what cost, and how that grows with the number of parts.
+"""Whether rays find every entry and exit, at what cost, and how the cost grows with the number of parts.
 
-Every shape and every hard case of the tests is traced as a lamp is, and judged by the tests' oracle: a march of its own
-through the whole formula, in steps 100 times finer than those of a coarse march. The published rule and plain sphere
-tracing march through the same compiled field, with two shortest steps: that of a coarse march, and the resolution at
-which our own search stops. All locate their zeros by the same bracketing, so the evaluations that differ are those of
-the search.
+Every shape and every hard case of the tests is traced like a lamp, and judged by the tests' oracle: an independent
+march through the whole formula, with steps 100 times finer than those of a coarse march. The published rule and plain
+sphere tracing march through the same compiled field, with two shortest steps: that of a coarse march, and the
+resolution at which our own search stops. All locate their zeros by the same bracketing, so only the search differs.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ TURNS = 3
 
 
 def _cases(quick: bool) -> dict:
-    """Name -> (shape, how rays are drawn, whether its field is smooth)."""
+    """Name -> (shape, function that draws rays, whether its field is smooth)."""
     from support.lamps.hard_cases import HARD_CASES, around
     from support.shapes.samples import SHAPES_TO_TRY
 
@@ -44,7 +43,7 @@ def _cases(quick: bool) -> dict:
 
 
 def _seconds(function, turns: int):
-    """Result of a function, and the median of the processor seconds that it takes, after a turn that does not count."""
+    """Result of a function, and the median of its processor seconds, after a warm-up turn."""
     taken = []
     for _ in range(turns + 1):
         started = time.thread_time()
@@ -54,7 +53,7 @@ def _seconds(function, turns: int):
 
 
 def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict:
-    """One row: a shape traced as a lamp is, and the other rules where it is a field."""
+    """One row: a shape traced like a lamp, and the other rules if it is a field."""
     from sdf_lights.emitter.intersection.cover import RESOLUTION
     from support.lamps import oracle
     from support.lamps.rays import AsField, Traced
@@ -86,7 +85,7 @@ def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict
         field_ns=1e9 * field_seconds / rays_marched,
         evaluations=float(ours[:, 3].mean()),
     )
-    # The two rules need a bound for all of space; the published one is given none, and takes the field for a distance.
+    # The two rules need a bound for all of space. The published one uses none, and treats the field as a distance.
     lipschitz = oracle.steepness(shape)
     truth = oracle.find(shape, origins[few], directions[few])
     rules = (
@@ -108,10 +107,10 @@ def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict
 
 
 def growth(turns: int, count: int) -> list[dict]:
-    """Cost of a ray through n primitives spread in a cube, sharp and smooth: they all are traced in turn.
+    """Cost of a ray through n primitives spread in a cube, sharp and smooth, traced in turns.
 
-    From 10 on they get smaller as n^(-1/2), so that a ray meets as many of them, or as n^(-1/3), so that they fill as
-    much of the cube, and a ray meets more and more of them.
+    From 10 on they shrink as n^(-1/2), so that a ray meets equally many of them; or as n^(-1/3), so that they fill the
+    same part of the cube, and a ray meets more and more of them.
     """
     from support.lamps.hard_cases import scattered, towards
     from support.lamps.rays import Traced

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls in another process with Blender, so that what ends a process ends that one, and a benchmark goes on."""
+"""Calls in another process with Blender, so that a crash ends only that process, and the benchmark continues."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from collections.abc import Callable, Iterator
 
 import host
 
-SECONDS = 900  # most time for one answer
+SECONDS = 900  # maximum time for one answer
 
 
 class Isolated:
-    """One process that takes call after call; where it ends, or takes too long, the next call has another one."""
+    """One process that takes call after call. If it ends, or takes too long, the next call starts another one."""
 
     def __init__(self):
         self._process = None
 
     def call(self, function: Callable, *arguments):
-        """Result of a function of a module. RuntimeError, with how it ended, where the process did so before."""
+        """Result of a function of a module. RuntimeError with the reason if the process ended before."""
         answers = self.stream(function, *arguments)
         while True:
             try:
@@ -34,7 +34,7 @@ class Isolated:
                 return end.value
 
     def stream(self, function: Callable, *arguments) -> Iterator:
-        """What a generator function of a module yields, as it comes. RuntimeError as of ``call``."""
+        """The values of a generator function of a module, one by one. RuntimeError as in ``call``."""
         if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "benchmarks.isolation"],
@@ -67,7 +67,7 @@ class Isolated:
             limit.cancel()
 
     def close(self) -> None:
-        """End the process, without what Blender does at its end, which can hang."""
+        """End the process without Blender's own shutdown, which can hang."""
         if self._process is not None:
             self._process.kill()
             self._process.wait()
@@ -75,7 +75,7 @@ class Isolated:
 
 
 def serve() -> None:
-    """Answer calls, until there are no more. What Blender prints goes to the standard error stream."""
+    """Answer calls until there are no more. Blender's output goes to the standard error stream."""
     calls, results = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     host.register_extension()

@@ -21,7 +21,7 @@ from .intervals import judged
 from .progress import Progress
 from .resume import Parts
 
-HELP = "lamps of texts, curves, meshes and pictures: wrong crossings, the cost of a ray, the time to build, error beside Cycles"
+HELP = "lamps of texts, curves, meshes, pictures and networks: wrong crossings, the cost of a ray, the time to build, error beside Cycles"
 
 RAYS = 1_000_000  # of each kind
 QUICK_RAYS = 5_000
@@ -88,11 +88,18 @@ def _scan():
     return mesh_grid(*grids.scan(300_000))
 
 
+def _network():
+    from sdf_lights.sdf.data import network
+
+    return network.read(network.EXAMPLE).shape()
+
+
 CASES = {
     "text": lambda: _text("OPEN a%&8"),
     "curve": _curve,
     "mesh": _suzanne,
     "scan of 300,000 triangles": _scan,
+    "network": _network,
 }
 
 

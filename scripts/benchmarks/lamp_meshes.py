@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed meshes of lamps, for engines that know no signed distance fields.
+"""Closed meshes of lamps, for engines without signed distance fields.
 
 A mesh is (vertices, faces): (V, 3) float64 in metres, and an array (F, corners) of indices, counter-clockwise from
 outside.
@@ -28,7 +28,7 @@ def _grid(rows: int, columns: int) -> np.ndarray:
 
 
 def torus(major: float, minor: float, around: int = 256, across: int = 128) -> Solid:
-    """A ring around the z axis; the tube is that much wider that the volume is right."""
+    """A ring around the z axis; the tube is slightly wider so that the volume is right."""
     minor *= (math.tau / across / math.sin(math.tau / across) * math.tau / around / math.sin(math.tau / around)) ** 0.5
     turns = [math.tau * np.arange(count) / count for count in (around, across)]
     u, v = np.meshgrid(*turns, indexing="ij")
@@ -39,12 +39,12 @@ def torus(major: float, minor: float, around: int = 256, across: int = 128) -> S
 
 
 def box(half) -> Solid:
-    """A box around the origin, ``half`` as large to each side."""
+    """A box around the origin with the half sizes ``half``."""
     return voxels(np.ones((1, 1, 1), bool), 2.0 * np.asarray(half))
 
 
 def sphere(radius: float, segments: int = 256, rings: int = 128) -> Solid:
-    """A ball around the origin; that much larger that the volume is right."""
+    """A ball around the origin; slightly larger so that the volume is right."""
     theta = np.linspace(0.0, np.pi, rings + 1)[1:-1, None]
     phi = np.arange(segments) * 2.0 * np.pi / segments
     middle = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)), -1)
@@ -123,8 +123,8 @@ _TETRAHEDRA = np.array([[0, 1 << a, (1 << a) | (1 << b), 7] for a, b, _ in itert
 def isosurface(field, low, high, cells: int) -> Solid:
     """Where ``field`` ((N, 3) points -> (N,) values, negative inside) is zero, by marching tetrahedra; triangles.
 
-    The longest side of the box from ``low`` to ``high``, which is grown a little, has so many ``cells``. Vertices are
-    found by bisection, so that they lie on the surface.
+    The longest side of the box from ``low`` to ``high``, which is enlarged slightly, has so many ``cells``. Vertices
+    are found by bisection, so that they lie on the surface.
     """
     low, high = np.asarray(low, float), np.asarray(high, float)
     step = float((high - low).max()) / cells
@@ -191,7 +191,8 @@ def measures(mesh: bpy.types.Mesh) -> tuple[float, float]:
 
 
 def close(mesh: bpy.types.Mesh) -> None:
-    """Join what lies in one place, as the caps of a text and its sides, and turn faces outwards. Raises ValueError if a hole is left."""
+    """Merge vertices at the same position, as between the caps of a text and its sides, and turn faces outwards. Raises
+    ValueError if a hole is left."""
     work = bmesh.new()
     work.from_mesh(mesh)
     bmesh.ops.remove_doubles(work, verts=work.verts, dist=1e-5)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes lit by SDF lamps alone, each written once: as lamps for SDF Lights, as emission volumes in meshes for Cycles.
+"""Scenes lit only by SDF lamps, each written once: as lamps for SDF Lights, as emission volumes in meshes for Cycles.
 
 A lamp's radiance per metre is the same number for both. Scenes named S… are a stage of boxes and a glossy sphere, with
-a lamp of 8 W/sr; the others stress one thing each, which their line says.
+a lamp of 8 W/sr. Each of the others stresses one property, which its line names.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ THE_FIVE = ("S1", "S2", "S3", "S4", "S5")
 
 @dataclass(frozen=True)
 class LampScene:
-    """``build`` makes the scene, of that many pixels to each side, in place of what is open in Blender.
+    """``build`` makes the scene, with so many pixels per side, in place of the open file.
 
     ``volumes``: whether there are volumes for Cycles, too.
     """
@@ -56,7 +56,7 @@ def _scene(name: str, about: str, volumes: bool = True):
 
 
 def show(volumes: bool = False, surfaces: bool = False) -> None:
-    """Render the lamps as emission volumes, or as meshes whose surface emits, or as what they are."""
+    """Render the lamps as emission volumes, as meshes with an emissive surface, or as lamps."""
     if surfaces and not _collection(SURFACES).objects:
         _add_surfaces()
     _collection(LAMPS).hide_render = volumes or surfaces
@@ -101,7 +101,7 @@ def add_lamp(
     color=(1.0, 1.0, 1.0),
     emission: str = "UNIFORM",
 ) -> None:
-    """A lamp of ``density`` W/(sr m³), and the same ``solid`` as a volume, unless there is none.
+    """A lamp of ``density`` W/(sr m³), and the same ``solid`` as a volume, unless it is None.
 
     ``emission`` is the name of a preset; only uniform ones have a volume.
     """
@@ -112,7 +112,7 @@ def add_lamp(
     thing = add(name, light, collection=_collection(LAMPS))
     thing.matrix_world = matrix
     if solid is not None:
-        # The matrix is part of the mesh, so that a scale of the object does not come into it.
+        # The matrix is applied to the mesh, so that the scale of the object has no effect.
         _add_volume(name, lamp_meshes.mesh(name, lamp_meshes.moved(solid, np.array(matrix))), density, color)
 
 
@@ -330,12 +330,12 @@ def _(size: int) -> None:
 
 # --- lamps that data make ---------------------------------------------------------------------------------------------
 
-OF_DATA = ("sign", "spring", "statue", "logo")
+OF_DATA = ("sign", "spring", "statue", "logo", "rabbit")
 
 
 def _data_lamp(matrix: Matrix, mesh: bpy.types.Mesh | None, **source) -> None:
-    """A lamp of 8 W/sr over the stage, of the ``source`` (properties of ``sdf_lamp``); ``mesh`` is the same for Cycles, which marching
-    makes where there is none."""
+    """A lamp of 8 W/sr over the stage, from the ``source`` (properties of ``sdf_lamp``). ``mesh`` is the same for
+    Cycles; without it, marching makes one."""
     light = bpy.data.lights.new("Lamp", "POINT")
     light.sdf_lamp.use, light.sdf_lamp.normalize = True, False
     for name, value in source.items():
@@ -343,7 +343,8 @@ def _data_lamp(matrix: Matrix, mesh: bpy.types.Mesh | None, **source) -> None:
     if mesh is None:
         shape = shape_of(light.sdf_lamp)
         mesh = lamp_meshes.mesh("Lamp", lamp_meshes.isosurface(shape.distance, *shape.bounds(), 160))
-    lamp_meshes.close(mesh)
+    else:
+        lamp_meshes.close(mesh)
     mesh.transform(matrix)
     light.sdf_lamp.density = INTENSITY / lamp_meshes.measures(mesh)[0]
     add("Lamp", light, collection=_collection(LAMPS)).matrix_world = matrix
@@ -351,7 +352,7 @@ def _data_lamp(matrix: Matrix, mesh: bpy.types.Mesh | None, **source) -> None:
 
 
 def _object_lamp(matrix: Matrix, data: bpy.types.ID, is_exact: bool = True) -> None:
-    """``is_exact``: Blender's mesh of the object is what the lamp is."""
+    """``is_exact``: the lamp equals Blender's mesh of the object."""
     obj = bpy.data.objects.new("Source", data)
     bpy.context.scene.collection.objects.link(obj)
     obj.hide_render = True
@@ -409,3 +410,9 @@ def _(size: int) -> None:
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     _data_lamp(turned(x=80.0, z=15.0, at=(0.0, 0.3, 1.6)), None, source="IMAGE", image=image, image_size=1.8)
+
+
+@_scene("rabbit", "a network of sines: the add-on's example")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    _data_lamp(turned(z=-70.0, at=(0.0, 0.3, 1.5)), None, source="NETWORK")

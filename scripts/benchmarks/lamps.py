@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error at equal time of full renders of lamps: our samplers, and Cycles, for which a lamp is a volume that emits.
+"""Error at equal time of full renders of lamps: our samplers, and Cycles, for which a lamp is an emission volume.
 
-The methods take turns with one seed after the other. The error is the mean of ``errors.rel_mse`` over the seeds, less
-what the reference's own error adds; the time is the median of all renders. The time that all methods are given is what
-Cycles takes for ``TARGET`` samples. The number of samples that a sampler of ours has time for is found and rendered;
-what is left of a difference in time is made up for along the sampler's curve of error against time.
+The methods take turns, seed after seed. The error is the mean of ``errors.rel_mse`` over the seeds, minus the
+contribution of the reference's own error. The time is the median of all renders. All methods get the time that Cycles
+takes for ``TARGET`` samples. The number of samples for this time is found and rendered for each of our samplers. The
+remaining difference in time is corrected along the sampler's curve of error over time.
 """
 
 from __future__ import annotations
@@ -20,18 +20,19 @@ __all__ = ["BRIEF", "HELP", "arguments", "run"]
 HELP = "error at equal time of full renders of lamps: samplers, and Cycles' volumes"
 
 THE_FIVE = lamp_scenes.THE_FIVE
-# Of a picture's pixels: that of the 99.9th percentile, the greatest, and the greatest of all seeds, a single pixel.
+# Of a picture's pixels: the 99.9th percentile, the greatest, and the greatest of all seeds, a single pixel.
 WORST = "worst_999", "worst_mean", "worst"
-QUICK = ("S1", "S4")  # scenes: one that has a closed form along rays, one that is a fractal
+QUICK = ("S1", "S4")  # scenes: one with a closed form along rays, one fractal
 BRIEF = dict(only=["S1"], bounces=0, reference_seconds=0.5)
 
 
 def measure(scene: str, bounces: int, options, progress) -> tuple[dict, list[dict]]:
-    """One scene, that is open: what is compared at equal time, and rows of all pictures."""
+    """One open scene: the comparison, and rows of all pictures."""
     repeats = options.repeats or (2 if options.quick else 5)
     ladder = (16, 64) if options.quick else (4, 16, 64)
     samplers = options.samplers
-    # The paper has as many samples in each pixel and paths that do not divide; what our guidance does for it is told apart.
+    # The paper has equally many samples in each pixel and paths that do not split; the effect of our guidance on it is
+    # shown separately.
     ours = [Method(name, name, plain=place > 0) for place, name in enumerate(samplers)]
     if PAPER in samplers[1:]:
         ours.append(Method(f"{PAPER} guided", PAPER))

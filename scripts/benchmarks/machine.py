@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a figure was measured on."""
+"""The machine of a measurement."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def cores() -> int:
 
 
 def _revision() -> str:
-    """Of the checkout; with a plus sign where files differ from it."""
+    """Revision of the checkout; with a plus sign if files differ from it."""
     try:
         found = subprocess.run(
             ["git", "describe", "--always", "--dirty=+"],
@@ -46,7 +46,7 @@ def _revision() -> str:
 
 
 def describe() -> dict:
-    """Hardware, versions, and how busy the machine is: above ``cores`` the figures are too low."""
+    """Hardware, versions, and the load of the machine: above ``cores`` the figures are too low."""
     about = dict(
         processor=_processor(),
         cores=cores(),

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What it takes to compile a scene's materials: those of ``materials``, and one for each of further nodes, 100 in all.
+"""The cost of compiling a scene's materials: those of ``materials``, and one for each of further nodes, 100 in all.
 
-Each time is that of a new process: with an empty cache of kernels, with what the process before it left there, or with the
-kernels that a zip ships and that are compiled in the background elsewhere. It is processor time of all threads, from the
-materials' formulas to code, and includes no kernel that these materials do not call.
+Each time is that of a new process: with an empty cache of kernels, with the cache of the process before, or with the
+kernels that a zip ships and that are otherwise compiled in the background. It is processor time of all threads, from
+the materials' formulas to code, and includes no kernel that these materials do not call.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ SIZE = 8
 
 
 def measured(quick: bool) -> dict[str, float]:
-    """A row: seconds with an empty cache, with a filled one, and with the kernels of a zip; how many different graphs there
-    are."""
+    """A row: seconds with an empty cache, with a filled one, and with the kernels of a zip; the number of distinct
+    graphs."""
     with tempfile.TemporaryDirectory(dir=work_folder()) as cache:
         cold, graphs, _ = _in_new_process(cache, quick)
         warm, _, changed = _in_new_process(cache, quick)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One material of ``materials`` by both engines in turns: the difference of their pictures, samples a second, error by time.
+"""One material of ``materials`` by both engines in turns: difference of the pictures, samples a second, error × time.
 
-Both take the same settings; times are processor times of all threads, and those of a sample are told from two numbers
-of samples, so that nothing counts that comes before the first one. References are Cycles' renders of many samples,
-kept in the user's cache.
+Both use the same settings. Times are processor times of all threads. The time of a sample comes from two numbers of
+samples, so that time before the first sample does not count. References are Cycles' renders with many samples, kept in
+the user's cache.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from .beside_cycles import GUIDED, complete, error_of, reference_of, settings
 from .node_pictures import CYCLES, OURS, difference_of, warnings_of
 
 SIZE, QUICK_SIZE = 72, 48  # pixels a side
-FEW, MANY = 4, 68  # samples that times are told from
+FEW, MANY = 4, 68  # samples of the two timed renders
 QUICK_MANY = 36
 SEEDS, QUICK_SEEDS = 3, 2
 REFERENCE_SAMPLES, QUICK_REFERENCE_SAMPLES = 256, 128  # of each of at least two renders of a reference
-REFERENCE_SECONDS = 8.0  # most time for a reference beyond those
+REFERENCE_SECONDS = 8.0  # maximum time for a reference beyond those
 
 
 def failed(name: str, why: str) -> dict:
-    """The row of a material of which there is no picture."""
+    """The row of a material without a picture."""
     return dict(material=name, nodes=None, mean_difference=None, error=why, warning="")
 
 
 def measure(name: str, options) -> dict:
-    """A row. A material that cannot be rendered says why, and has no figures."""
+    """A row. A material that cannot be rendered has the reason, and no figures."""
     try:
         scene = materials.build(name, options.size or (QUICK_SIZE if options.quick else SIZE))
         graph = bpy.data.objects[name].data.materials[0].node_tree
@@ -55,7 +55,7 @@ def _figures(name: str, scene, options) -> dict:
 
     render(CYCLES, 1, 0)
     render(OURS, 1, 0)  # compiles
-    for seed in range(max(seeds, 2)):  # the second tells how much is noise
+    for seed in range(max(seeds, 2)):  # the second shows how much is noise
         for engine in (CYCLES, OURS, GUIDED):
             for samples in (FEW, many) if seed < seeds and engine != GUIDED else (many,):
                 taken.setdefault((engine, samples), []).append(render(engine, samples, seed))
@@ -76,7 +76,7 @@ def _figures(name: str, scene, options) -> dict:
     for engine in (CYCLES, OURS):
         each[engine] = max(_work(taken[engine, many]) - _work(taken[engine, FEW]), 1e-6) / (many - FEW)
     work[CYCLES] = many * each[CYCLES]
-    # What comes before samples is the same for paths that divide.
+    # The time before samples is the same for paths that split.
     work[GUIDED] = max(_work(taken[GUIDED, many]) - (_work(taken[OURS, FEW]) - FEW * each[OURS]), 1e-6)
     doubt = errors.rel_variance(truth.variance, truth.pixels)
     for engine in (CYCLES, GUIDED):

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ways to render a scene of lamps, what their pictures are judged by, and how: for benchmarks of whole renders.
+"""Methods to render a scene of lamps, their references, and errors: for benchmarks of whole renders.
 
-The time of a picture is the processor time of all threads together by the number of cores: what the clock shows on an
+The time of a picture is the processor time of all threads divided by the number of cores: the wall-clock time on an
 idle machine.
 """
 
@@ -27,21 +27,21 @@ from .progress import Progress
 from .resume import Parts
 
 BOUNCES = (0, 4)
-TARGET = 64  # samples of Cycles, whose time all methods get
+TARGET = 64  # samples of Cycles; all methods get their time
 PAPER = "MIS"  # the sampler of Huang et al. 2026 with its balance heuristic, by our Sobol points
 REFERENCE_SAMPLES, QUICK_REFERENCE_SAMPLES = 512, 64  # of each render of a reference
-CLEAR = 0.01  # error of a reference, as part of the least one that it judges, at which it is good enough
+CLEAR = 0.01  # error of a reference at which it is good enough, relative to the least error that it judges
 METRICS = {"rel_mse": errors.rel_mse, "mape": errors.mape, "flip": errors.flip}
 
 
 @dataclass
 class Method:
-    """Pictures by one way to render, by their number of samples."""
+    """Pictures by one method, by their number of samples."""
 
     name: str
     sampler: str = ""  # of SDF Lights; "" is Cycles
     denoise: bool = False
-    plain: bool = False  # every pixel takes as many samples, and paths do not divide
+    plain: bool = False  # every pixel takes equally many samples, and paths do not split
     surfaces: bool = False  # for Cycles: lamps are meshes that emit, instead of volumes
     pictures: dict[int, list[pictures.Picture]] = field(default_factory=dict)
 
@@ -65,15 +65,15 @@ class Method:
         return statistics.median(picture.work for picture in self.pictures[samples]) / machine.cores()
 
     def rate(self) -> tuple[float, float]:
-        """Seconds of a sample of the whole picture, and those before the first one."""
+        """Seconds of a sample of the whole picture, and of the time before the first one."""
         fewer, *_, more = sorted(self.pictures)
         each = max((self.seconds(more) - self.seconds(fewer)) / (more - fewer), 1e-9)
         return each, self.seconds(more) - more * each
 
     def samples_in(self, seconds: float) -> float:
-        """How many samples it has time for; below 1 where it does not even begin in that time.
+        """The number of samples for this time; below 1 if it does not even begin.
 
-        Between the numbers that were rendered, as their times are: where samples are guided, the first ones take longer.
+        Interpolated by time between the rendered numbers: with guided samples, the first ones take longer.
         """
         numbers = sorted(self.pictures)
         times = [self.seconds(samples) for samples in numbers]
@@ -83,7 +83,7 @@ class Method:
         return (seconds - start) / each
 
     def error(self, samples: int, reference: references.Reference) -> float:
-        """Mean relative squared error, without that of the reference."""
+        """Mean relative squared error, minus that of the reference."""
         found = np.mean([errors.rel_mse(picture.pixels, reference.pixels) for picture in self.pictures[samples]])
         return max(found - errors.rel_variance(reference.variance, reference.pixels), 0.01 * found)
 
@@ -131,7 +131,7 @@ class Method:
 
 
 def arguments(parser, known=lamp_scenes.SCENES) -> None:
-    """Options of benchmarks that render lamps by several methods, of ``known`` scenes."""
+    """Options of benchmarks that render lamps by several methods, for ``known`` scenes."""
     parser.add_argument(
         "--only", type=some_of(known), metavar="SCENES", help=f"with commas between: {', '.join(known)}"
     )
@@ -139,28 +139,28 @@ def arguments(parser, known=lamp_scenes.SCENES) -> None:
         "--samplers",
         type=some_of(samplers.SAMPLERS),
         default=f"CUT,{PAPER}",
-        help=f"of {', '.join(samplers.SAMPLERS)}, with commas between; the first is the one that is judged",
+        help=f"of {', '.join(samplers.SAMPLERS)}, with commas between; the first is the judged one",
     )
     parser.add_argument("--bounces", type=int, choices=BOUNCES, help="of light; default: each of them")
-    parser.add_argument("--no-cycles", dest="cycles", action="store_false", help="compare our samplers alone")
+    parser.add_argument("--no-cycles", dest="cycles", action="store_false", help="compare only our samplers")
     picture_arguments(parser)
 
 
 def picture_arguments(parser) -> None:
     """Options of all benchmarks that judge pictures."""
     parser.add_argument("--size", type=int, help="pixels to a side")
-    parser.add_argument("--reference-seconds", type=float, help="most time that is spent on one reference")
-    parser.add_argument("--fresh", action="store_true", help="make references anew")
+    parser.add_argument("--reference-seconds", type=float, help="maximum time for one reference")
+    parser.add_argument("--fresh", action="store_true", help="make references again")
     parser.add_argument(
         "--pictures", type=pathlib.Path, metavar="FOLDER", help="keep pictures here, for ./scripts/report"
     )
 
 
 def by_paper() -> Method:
-    """The method that references of lamps are rendered by.
+    """The method that renders references of lamps.
 
-    The paper's sampler of lamps, another one than ours. The rest is as good as we can: paths divide, and pixels that are
-    noisy take more samples, so the error is small in half the time.
+    The paper's sampler of lamps, a different one from ours. The rest is as efficient as possible: paths split, and
+    noisy pixels take more samples, so the error is small in half the time.
     """
     return Method("reference", PAPER)
 
@@ -170,7 +170,7 @@ def _reference_samples(options) -> int:
 
 
 def reference_of_scene(truth: Method, bounces: int, options) -> references.Reference:
-    """That of the open scene, by the method ``truth``."""
+    """The reference of the open scene, by the method ``truth``."""
     bpy.context.view_layer.update()
     version = (host.REPOSITORY / "blender_manifest.toml").read_text(encoding="utf-8")
     reference = references.Reference(
@@ -182,7 +182,7 @@ def reference_of_scene(truth: Method, bounces: int, options) -> references.Refer
 
 
 def least_error(reference: references.Reference, methods: list[Method]) -> float:
-    """The least that is judged by a reference."""
+    """The least error that a reference judges."""
     return min(method.error(samples, reference) for method in methods for samples in method.pictures)
 
 
@@ -194,7 +194,7 @@ def complete(
     options,
     told: Callable[[str], None],
 ) -> None:
-    """Add renders by ``truth`` to a reference until it is clear of what it judges, or the time is spent."""
+    """Add renders by ``truth`` to a reference until it is good enough, or the time has passed."""
     seconds = options.reference_seconds
     if seconds is None:
         seconds = 2.0 if options.quick else 60.0
@@ -215,14 +215,14 @@ def complete(
 
 
 def doubt(reference: references.Reference, methods: list[Method]) -> float:
-    """Error of a reference as part of the least that it judges."""
+    """Error of a reference relative to the least error that it judges."""
     return errors.rel_variance(reference.variance, reference.pixels) / least_error(reference, methods)
 
 
 def take_turns(
     methods: list[Method], ladder, seeds: int, bounces: int, device: str, told: Callable[[str], None]
 ) -> None:
-    """Pictures of all methods, for each number of samples in ``ladder``, with one seed after the other."""
+    """Pictures of all methods, for each number of samples in ``ladder``, seed after seed."""
     for method in methods:
         method.render(1, bounces, 0, device)  # compiles, and fills caches
     for seed in range(seeds):
@@ -233,7 +233,7 @@ def take_turns(
 
 
 def fill_time(methods: list[Method], seconds: float, seeds: int, bounces: int, device: str) -> None:
-    """Pictures with as many samples as each method has time for."""
+    """Pictures with as many samples as each method can take in the time."""
     for method in methods:
         samples = max(round(method.samples_in(seconds)), 1)
         for seed in range(seeds if samples not in method.pictures else 0):
@@ -241,7 +241,7 @@ def fill_time(methods: list[Method], seconds: float, seeds: int, bounces: int, d
 
 
 def keep_pictures(folder: pathlib.Path, name: str, pictures: dict[str, np.ndarray]) -> str:
-    """Keep pictures by name, in a file, and return its hash; half floats are enough to look at."""
+    """Keep pictures by name, in a file, and return its hash; half floats are precise enough for viewing."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.npz"
     np.savez_compressed(path, **{key: pixels.astype(np.float16) for key, pixels in pictures.items()})
@@ -249,9 +249,10 @@ def keep_pictures(folder: pathlib.Path, name: str, pictures: dict[str, np.ndarra
 
 
 def of_scenes(names, size: int, measure: Callable, options) -> tuple[list[dict], list[dict]]:
-    """What ``measure(name, bounces, options, progress)`` finds, a comparison and rows, of each scene and number of bounces.
+    """The results of ``measure(name, bounces, options, progress)``, a comparison and rows, for each scene and number of
+    bounces.
 
-    ``size``: pixels to a side, unless the options have others. An interrupted run goes on.
+    ``size``: pixels per side, unless the options have others. An interrupted run continues.
     """
     bounces = BOUNCES if options.bounces is None else [options.bounces]
     progress, parts = Progress(len(names) * len(bounces)), Parts(options)

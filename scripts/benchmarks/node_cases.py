@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One small graph for each shader node in each of its modes, to be compared with Cycles.
+"""One small graph for each shader node in each of its modes, for comparison with Cycles.
 
-Nodes, modes and outputs are those that the running Blender has: a node or mode that a new version adds gets a case
-without a change here. ``node_recipes`` tells what a node needs to show structure, which modes have no effect together,
-and what is not compared, with the reason; ``node_specials`` has what is not one node.
+Nodes, modes and outputs are those of the running Blender: a node or mode of a new version gets a case without a change
+here. ``node_recipes`` has the inputs with which a node shows structure, the modes that have no effect together, and the
+nodes that are not compared, with the reason. ``node_specials`` has cases of more than one node.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from .node_recipes import BALL, LEFT_OUT, PLANE, RECIPES, Recipe
 from .node_sources import Sources
 from .node_specials import SPECIALS
 
-MOST_TOGETHER = 64  # combinations of modes of a node that nothing is known about; more are tried one by one
-# Cases that differ from Cycles, and why.
+MOST_TOGETHER = 64  # combinations of modes of an unknown node; if there are more, modes are tested one by one
+# Cases that differ from Cycles, and the reason.
 EXPLAINED = {
     "Bevel Normal": "the mean of four normals depends on the sampling pattern: Cycles' own patterns differ as much",
     "NewGeometry Parametric": "triangles are as small as pixels: a hundredth of a pixel beside is another one",
@@ -47,7 +47,7 @@ EXPLAINED = {
     ),
 }
 ABSTRACT = {"ShaderNode", "ShaderNodeCustomGroup", "ShaderNodeTree"}
-# What the output of a node is linked to.
+# The link target of a node's output.
 VALUE, RAYS, SCATTERED, CLOSURE, VOLUME, DISPLACEMENT, WORLD, LIGHT = (
     "value",
     "rays",
@@ -62,11 +62,11 @@ VALUE, RAYS, SCATTERED, CLOSURE, VOLUME, DISPLACEMENT, WORLD, LIGHT = (
 
 @dataclass(frozen=True)
 class Case:
-    """A node with certain modes, of which one output is looked at; ``variant`` names other inputs of its recipe.
+    """A node with certain modes, of which one output is examined; ``variant`` names other inputs of its recipe.
 
-    ``place`` is what that output is linked to: an Emission on a tile (``value``; ``rays`` where the node sends some),
-    or inside glass, to be seen by scattered rays, too; the surface, volume or displacement of an object that is lit; a
-    world; a light.
+    ``place`` is the link target of that output: an Emission on a tile (``value``; ``rays`` if the node traces some), or
+    inside glass, so that scattered rays see it, too; the surface, volume or displacement of a lit object; a world; a
+    light.
     """
 
     node: str
@@ -88,7 +88,7 @@ class Case:
         return " ".join(word for word in words if word)
 
     def build(self, graph) -> bpy.types.NodeSocket:
-        """The nodes, in a ``scenery.materials.Graph``; gives the output that is looked at."""
+        """The nodes, in a ``scenery.materials.Graph``; returns the examined output."""
         sources = Sources(graph)
         if self.node in SPECIALS:
             return SPECIALS[self.node].build(sources)
@@ -117,7 +117,7 @@ def _word(name: str, value) -> str:
 
 
 def settings_of(feeds: dict) -> list[tuple[str, object]]:
-    """Those among the feeds of a variant that are settings: names with a dot before them."""
+    """The feeds of a variant that are settings: names with a dot before them."""
     return [(name[1:], value) for name, value in feeds.items() if name.startswith(".")]
 
 
@@ -137,7 +137,7 @@ def _owner(node, name: str):
 
 @contextlib.contextmanager
 def scratch() -> Iterator[bpy.types.NodeTree]:
-    """A material's node tree to try nodes in."""
+    """A material's node tree for experiments with nodes."""
     material = bpy.data.materials.new("Scratch")
     try:
         yield use_nodes(material)
@@ -199,7 +199,7 @@ def _cases_of(tree: bpy.types.NodeTree, name: str) -> list[Case]:
 
 
 def _outputs(node, recipe: Recipe, modes, variant: str, all_of_them: bool) -> list[Case]:
-    """A case for each output that is looked at."""
+    """A case for each examined output."""
     found = []
     for socket in node.outputs:
         wanted = all_of_them or recipe.outputs is None or socket.identifier in recipe.outputs
@@ -238,7 +238,7 @@ def _switches(node) -> list[str]:
 
 
 def _combinations(tree: bpy.types.NodeTree, name: str, recipe: Recipe) -> list[tuple[tuple[str, object], ...]]:
-    """Settings that differ from those that the node has at first, the first of them none."""
+    """Settings that differ from the node's defaults; the first of them is empty."""
     node = tree.nodes.new(name)
     if recipe.prepare:
         recipe.prepare(node, "")

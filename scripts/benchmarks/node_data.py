@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Data that nodes need beside numbers: pictures, curves, ramps, names of attributes.
+"""Data that nodes need in addition to numbers: pictures, curves, ramps, names of attributes.
 
 A function ``prepare(node, variant)`` gives it to a node; see ``node_recipes``.
 """
@@ -168,7 +168,7 @@ def raycast(node, variant: str) -> None:
 
 
 def _pattern(size: int = 16) -> np.ndarray:
-    """(size, size, RGBA) of values that are far from their neighbours', and none of which is its mirror's."""
+    """(size, size, RGBA) of values that differ from their neighbours', and of which none equals its mirror image."""
     v, u = np.mgrid[0:size, 0:size] / (size - 1.0)
     red = 0.5 + 0.45 * np.sin(9.0 * u + 4.0 * v)
     green = np.where((u > 0.3) ^ (v > 0.6), 0.85, 0.15) * (0.6 + 0.4 * u)
@@ -178,7 +178,7 @@ def _pattern(size: int = 16) -> np.ndarray:
 
 
 def folder() -> pathlib.Path:
-    """Where pictures are kept that have to be files."""
+    """Folder of pictures that must be files."""
     path = host.REPOSITORY / "build" / "node_cases"
     path.mkdir(parents=True, exist_ok=True)
     return path
@@ -213,7 +213,7 @@ def _picture(variant: str) -> bpy.types.Image:
 
 
 def _tiles(name: str) -> bpy.types.Image:
-    """Two tiles beside each other, 1001 and 1002, and one above, as files."""
+    """Two adjacent tiles, 1001 and 1002, and one above, as files."""
     whole = folder() / "tiles.<UDIM>.png"
     for number, turn in ((1001, 0), (1002, 1), (1011, 2)):
         part = bpy.data.images.new("Part", 16, 16)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of node cases by both engines, and how far they are apart."""
+"""Pictures of node cases by both engines, and their differences."""
 
 from __future__ import annotations
 
@@ -25,18 +25,19 @@ CYCLES, OURS = ENGINES = ("CYCLES", host.ENGINE)
 TILE, LIT_TILE, ALONE = 32, 32, 32  # pixels a side
 BLOCK = 8  # pixels a side, over which pictures with noise are averaged before they are compared
 SEEDS = 4  # renders of each engine, where there is noise
-MORE = 4  # times as many samples have cases that noise leaves in doubt, when they are rendered again
-SHARP = 16  # samples where all rays go through the centre of a pixel, or the hundredth of a pixel that engines allow beside it
+MORE = 4  # factor on samples when cases that noise leaves in doubt are rendered again
+# samples if all rays go through the centre of a pixel, or within a hundredth of a pixel of it, as engines allow
+SHARP = 16
 BOUNCES = 8  # of light, where there are lights
 ASIDE = 0.01  # pixels that rays are moved to the side, to find jumps
 COARSE = 0.06  # doubt in a 99th percentile, above which noise hides too much
 JUMPS = "beside jumps: our own picture changes as much there where rays move by a hundredth of a pixel"
-DARK = 0.01  # a value that differences are relative to where a picture is black
+DARK = 0.01  # a value that differences are relative to if a picture is black
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A mean of relative differences and their 99th percentile, and by how much noise leaves each in doubt."""
+    """A mean of relative differences and their 99th percentile, and the uncertainty of each by noise."""
 
     mean: float
     p99: float
@@ -48,8 +49,8 @@ class Difference:
 class Pair:
     """One case by both engines: (size, size, RGB) with row 0 at the bottom, by engine, one for each seed.
 
-    ``error`` is a sentence where a case could not be built or rendered, ``warnings`` what our engine said about it.
-    ``change`` is by how much our pixels change where rays are moved a little, where that was looked at.
+    ``error`` is a sentence if a case could not be built or rendered, ``warnings`` are those of our engine. ``change``
+    is the change of our pixels when rays are moved slightly, if it was measured.
     """
 
     case: Case
@@ -69,7 +70,7 @@ class Pair:
         return difference_of(self.pictures[OURS], self.pictures[CYCLES]) if self.whole and not self.error else None
 
     def explained(self) -> str:
-        """Why the pictures differ, where that is known."""
+        """The reason why the pictures differ, if it is known."""
         if self.change is not None:
             theirs, ours = self.mean(CYCLES), self.mean(OURS)
             beyond = relative(np.maximum(np.abs(ours - theirs) - self.change, 0.0), theirs)
@@ -79,12 +80,12 @@ class Pair:
 
     @property
     def doubtful(self) -> bool:
-        """Whether more samples could change what is said: noise is coarse, or there is some difference beside it, and it is
-        not yet far over the limit."""
+        """Whether more samples could change the verdict: noise is coarse, or there is some difference beside it, and it
+        is not yet far over the limit."""
         found = self.difference()
         if found is None or self.case.name in EXPLAINED:
             return False
-        # Twice the doubt, because few seeds may agree by chance.
+        # Twice the doubt, because a few seeds may agree by chance.
         if max(found.mean - 2.0 * found.mean_doubt, found.p99 - 2.0 * found.p99_doubt) > 2.0 * LIMIT:
             return False
         coarse = found.mean_doubt > LIMIT or found.p99_doubt > COARSE
@@ -110,12 +111,12 @@ class Pair:
 
 
 def difference_of(ours: list[np.ndarray], theirs: list[np.ndarray]) -> Difference:
-    """How far pictures are from Cycles', one of each, or several with different seeds where there is noise.
+    """Difference of pictures from Cycles', one of each, or several with different seeds if there is noise.
 
-    A difference is relative to Cycles' value there, or to the mean of its picture, whichever is greater. Pictures
-    with noise are compared by blocks, and what their seeds differ by is taken off, as variances are: the root of the
-    difference of the squares. Noise is known from few blocks and seeds only, so half of its mean remains in doubt, and
-    all of what its greatest values are, and half of it again.
+    A difference is relative to Cycles' value there, or to the mean of its picture, whichever is greater. Noisy pictures
+    are compared by blocks, and the difference between their seeds is subtracted, as for variances: the root of the
+    difference of the squares. Noise is estimated from few blocks and seeds only. So half of its mean remains as doubt,
+    and for the percentile one and a half times its greatest values.
     """
     shade = np.mean(theirs, axis=0)
     if len(theirs) == 1:
@@ -151,7 +152,7 @@ def blocks(picture: np.ndarray) -> np.ndarray:
 
 
 def groups(cases: list[Case]) -> list[list[Case]]:
-    """Cases that are rendered together; worlds and lights are scenes of their own."""
+    """Cases that are rendered together; each world and each light has its own scene."""
     found: dict[tuple, list[Case]] = {}
     for index, case in enumerate(cases):
         alone = case.place in {WORLD, LIGHT}
@@ -168,10 +169,10 @@ def render_all(
     rounds: int = 2,
     engines=ENGINES,
 ) -> Iterator[Pair]:
-    """Pictures of all cases by both engines, of ``SEEDS`` renders of so many samples where there is noise, and up to ``rounds``
-    times of more where that leaves a case in doubt: one group after the other.
+    """Pictures of all cases by both engines: ``SEEDS`` renders with so many samples if there is noise, and up to
+    ``rounds`` times of more if that leaves a case in doubt; one group after the other.
 
-    Cycles' pictures with noise are kept in the user's cache, as references are; ``fresh``: made anew.
+    Cycles' noisy pictures are kept in the user's cache, like references; ``fresh``: rendered again.
     """
     for group in groups(cases):
         told(f"{group[0].name} and {len(group) - 1} more" if len(group) > 1 else group[0].name)
@@ -212,7 +213,7 @@ def _rendered(cases: list[Case], samples: int, device: str, fresh: bool, engines
 
             keeps = engine == CYCLES and noisy
             able = [index for index, pair in enumerate(pairs) if not pair.error]
-            # Rays of a surface meet its neighbours in the grid; lights stay in their cells.
+            # Rays from a surface hit its neighbours in the grid; lights stay in their cells.
             near = " ".join(case.name for case in cases) if first.place == RAYS else ""
             files = {index: _file(f"{seed} {samples} {cases[index].name} {near}") for index in able} if keeps else {}
             if keeps and not fresh and all(path.is_file() for path in files.values()):
@@ -236,9 +237,9 @@ def _grid(cases: list[Case]) -> Grid:
 
 
 def _explain_jumps(pairs: list[Pair], device: str) -> None:
-    """Explain pictures that differ beside jumps only: where our own changes as much when all its rays move a little.
+    """Explain pictures that differ only beside jumps, where our own change as much when all its rays move slightly.
 
-    Engines may have their rays so far beside the centres of pixels (``node_scenes.settings``).
+    Engines may place their rays this far beside the centres of pixels (``node_scenes.settings``).
     """
     if not pairs:
         return
@@ -261,8 +262,8 @@ def _moved(scene, step: tuple[int, int]) -> np.ndarray:
 def _pictures(
     render: Callable[[], np.ndarray], grid: Grid, pairs: list[Pair], indices: list[int]
 ) -> dict[int, np.ndarray]:
-    """The picture of the grid for each of these tiles. Where an engine stops at an error, it renders half of them at a
-    time, until it is known which of them it stops at."""
+    """The picture of the grid for each of these tiles. If an engine fails, it renders half of them at a time, until the
+    faulty tile is found."""
     if not indices:
         return {}
     try:

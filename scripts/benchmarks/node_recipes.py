@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each shader node needs to show structure in a picture of a few pixels; see ``node_cases``."""
+"""The inputs with which each shader node shows structure in a picture of a few pixels; see ``node_cases``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PLANE, BACK, BALL, BOX = "plane", "back", "ball", "box"
 
 @dataclass(frozen=True)
 class Recipe:
-    """What feeds a node, and which of its modes are looked at.
+    """The inputs of a node, and its examined modes.
 
     ``feeds``: socket identifier -> name of a source, a constant, or a function of (graph, sources). ``variants``: name ->
     feeds besides those and, by names with a dot before them, settings: ``.invert``. ``instead``: mode -> feeds, where
@@ -44,10 +44,10 @@ class Recipe:
     scattered: bool = False
 
 
-# Not compared, and why.
+# Nodes that are not compared, and the reason.
 LEFT_OUT = {
-    "ShaderNodeScript": "Open Shading Language, which Cycles runs in a mode of its own only",
-    "ShaderNodeEeveeSpecular": "EEVEE alone has it",
+    "ShaderNodeScript": "Open Shading Language, which Cycles runs only in a special mode",
+    "ShaderNodeEeveeSpecular": "only EEVEE has it",
     "ShaderNodeOutputLineStyle": "of line styles, which Freestyle reads",
     "ShaderNodeUVAlongStroke": "of line styles, which Freestyle reads",
     "ShaderNodeOutputAOV": "an output: it makes a pass",
@@ -80,7 +80,7 @@ def _uv_tangent(sources):
 
 
 def _voronoi(modes: dict) -> bool:
-    """Distances differ where more than one axis counts, and the n-sphere and the edge know only the Euclidean one."""
+    """Distances differ if more than one axis counts; the n-sphere and the edge have only the Euclidean one."""
     metric = modes["distance"] == "EUCLIDEAN"
     if modes["voronoi_dimensions"] == "1D" or modes["feature"] in {"DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"}:
         return metric
@@ -109,7 +109,7 @@ def _ramp(modes: dict) -> bool:
 
 
 def _image(modes: dict) -> bool:
-    """What is beyond a picture shows where it lies flat; "Smart" is cubic."""
+    """The region beyond a picture shows if it lies flat; "Smart" is cubic."""
     return modes["projection"] == "FLAT" and modes["interpolation"] != "Smart" or modes["extension"] == "REPEAT"
 
 

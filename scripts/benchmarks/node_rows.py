@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node cases compared in another process: where an engine crashes, one case is lost and not the run.
+"""Compares node cases in another process: if an engine crashes, one case is lost and not the run.
 
-Results come case by case. Where the process ends before all are there, what it was rendering then is rendered again in
-halves, until the case is known at which it ends.
+Results arrive case by case. If the process ends before all are there, the cases that it was rendering are rendered
+again in halves, until the faulty case is found.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Told = Callable[[str], None]
 
 
 def rows_of(cases: list, samples: int, rounds: int, options, told: Told) -> list[dict]:
-    """Rows of all cases, in their order; those at which a process ended have an error."""
+    """Rows of all cases, in order; those at which a process ended have an error."""
     wish = dict(samples=samples, rounds=rounds, device=options.device, fresh=options.fresh, sheets=bool(options.sheets))
     rows: dict[str, dict] = {}
     waiting = [list(cases)]
@@ -38,7 +38,7 @@ def rows_of(cases: list, samples: int, rounds: int, options, told: Told) -> list
 
 
 def _run(cases: list, wish: dict, rows: dict[str, dict], told: Told) -> str:
-    """Add the rows of cases to ``rows``, as far as a new process comes; how it ended."""
+    """Add the rows of cases to ``rows``, as far as a new process gets; returns how it ended."""
     process = Isolated()
     try:
         for kind, what in process.stream(compared, [case.name for case in cases], wish):

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes of node cases: a grid of tiles in one picture, each an object with a material of its own.
+"""Scenes of node cases: a grid of tiles in one picture, each an object with its own material.
 
-Values are light that tiles send out, in a world without any other light; every ray goes through the centre of its pixel,
-so one sample is enough. Closures are balls, each in an open cell with black walls, so that they do not light each other,
-under a wide sun and a grey world: lights that rays find, whichever way they are drawn, so few samples tell pictures apart, of
-glass, too. Worlds and lights have a scene each.
+Values are the light of emissive tiles, in a world without any other light. Every ray goes through the centre of its
+pixel, so one sample is enough. Closures are balls, each in an open cell with black walls, so that they do not light
+each other, under a wide sun and a grey world. Rays find these lights by any sampling, so few samples are enough to
+compare pictures, even of glass. Each world and each light has its own scene.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from .node_recipes import BACK, BALL, BOX, PLANE
 from .node_specials import SPECIALS
 from .node_structures import BARE
 
-# The camera's place, so that axes of world, camera and objects are different ones.
+# The camera's position, so that axes of world, camera and objects are different.
 FRAME = Matrix.Translation((1.3, -2.1, 0.7)) @ Euler((0.5, -0.3, 0.8)).to_matrix().to_4x4()
 DEPTH = 9.0  # of the tiles before the camera
-# An object's own place within its tile.
+# An object's own transform within its tile.
 POSE = Euler((0.3, -0.4, 0.35)).to_matrix().to_4x4() @ Matrix.Diagonal((0.8, 1.1, 0.95, 1.0))
-SUN = 1.6  # its angle, as of a window: a small one would be found by few rays through glass
-BUMPS = 0.05  # of a ball that shines, relative to its radius: there is more to see of its shape
+SUN = 1.6  # its angle, like a window: few rays through glass would find a small one
+BUMPS = 0.05  # of an emissive ball, relative to its radius: its shape is then visible
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Where each case is in a picture of tiles of ``size`` pixels a side."""
+    """Position of each case in a picture of tiles of ``size`` pixels per side."""
 
     cases: tuple[Case, ...]
     columns: int
@@ -72,7 +72,7 @@ def lit(case: Case) -> bool:
 def build(grid: Grid) -> tuple[bpy.types.Scene, dict[str, str]]:
     """Open a new file with the cases of a grid, which are all lit, or none is.
 
-    Gives the scene, and what went wrong by the name of each case that cannot be built, which is black.
+    Returns the scene, and the error by the name of each case that cannot be built, which is black.
     """
     case = grid.cases[0]
     if case.place == WORLD:
@@ -85,7 +85,7 @@ def build(grid: Grid) -> tuple[bpy.types.Scene, dict[str, str]]:
     for index, case in enumerate(grid.cases):
         try:
             material = material_of(case)
-        except Exception as error:  # the others still have to be seen
+        except Exception as error:  # the others must still be shown
             problems[case.name] = f"{type(error).__name__}: {error}"
             material = bpy.data.materials.new(case.name)
         _place(scene, grid, index, meshes[case.shape], material)
@@ -96,7 +96,7 @@ def build(grid: Grid) -> tuple[bpy.types.Scene, dict[str, str]]:
 
 
 def ball(size: int) -> tuple[bpy.types.Scene, bpy.types.Object]:
-    """Open a new file with a ball on a floor, as a closure is shown, whose material is the caller's."""
+    """Open a new file with a ball on a floor, as for a closure; the caller supplies the material."""
     case = Case("ShaderNodeBsdfDiffuse", output="BSDF", place=CLOSURE, shape=BALL)
     scene, _ = build(Grid((case,), 1, size))
     return scene, bpy.data.objects["Tile 0"]
@@ -104,7 +104,7 @@ def ball(size: int) -> tuple[bpy.types.Scene, bpy.types.Object]:
 
 @contextlib.contextmanager
 def only(grid: Grid, indices: list[int]) -> Iterator[None]:
-    """Within it, all tiles but these are of a plain material."""
+    """Inside this context, all tiles but these have a plain material."""
     others = (
         [
             bpy.data.objects[f"Tile {index}"].material_slots[0]
@@ -128,7 +128,7 @@ def only(grid: Grid, indices: list[int]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def camera_moved(scene, right: float, up: float) -> Iterator[None]:
-    """Within it, all rays go so many pixels further to the side."""
+    """Inside this context, all rays are moved so many pixels to the side."""
     camera, pose = scene.camera.data, scene.camera.matrix_world.copy()
     if camera.type == "PANO":
         step = 2.0 * math.pi / scene.render.resolution_x
@@ -143,7 +143,7 @@ def camera_moved(scene, right: float, up: float) -> Iterator[None]:
 
 
 def settings(scene, engine: str, samples: int, bounces: int, averaged: bool, device: str) -> None:
-    """Both engines the same. Where pixels are not ``averaged`` all rays go through their centres."""
+    """The same settings for both engines. If pixels are not ``averaged``, all rays go through their centres."""
     simple_scenes.plain_cycles(scene, samples, bounces)
     simple_scenes.plain_sdf_lights(scene, samples, bounces, device)
     scene.render.engine = engine
@@ -215,7 +215,7 @@ def material_of(case: Case) -> bpy.types.Material:
 
 
 def _meshes(smooth: bool) -> dict[str, bpy.types.Mesh]:
-    """One of each shape, for all tiles: places in a unit tile, taken back through ``POSE``."""
+    """One of each shape, for all tiles: positions in a unit tile, taken back through ``POSE``."""
     ball = _ball(0.42 if smooth else 0.47, 0.0 if smooth else BUMPS)
     bare = ball.copy()
     while bare.uv_layers:
@@ -224,7 +224,7 @@ def _meshes(smooth: bool) -> dict[str, bpy.types.Mesh]:
 
 
 def _finished(name: str, work: bmesh.types.BMesh, smooth: bool) -> bpy.types.Mesh:
-    """A mesh of places in a tile, with all attributes that the cases ask for; ``work`` has an UV map."""
+    """A mesh of positions in a tile, with all attributes of the cases; ``work`` has a UV map."""
     back = POSE.inverted()
     places = np.array([vertex.co for vertex in work.verts])
     for face in work.faces:
@@ -273,7 +273,7 @@ def _attributes(mesh: bpy.types.Mesh, places: np.ndarray) -> None:
 def _sheet(away: bool) -> bpy.types.Mesh:
     """A square that fills its tile, tilted, of 4 × 5 faces, which face the camera, or face away.
 
-    As they are not squares, their diagonals go through the centres of few pixels.
+    Because they are not squares, their diagonals go through the centres of few pixels.
     """
     work = bmesh.new()
     bmesh.ops.create_grid(work, x_segments=4, y_segments=5, size=0.5)
@@ -387,7 +387,7 @@ def _world(case: Case, size: int) -> tuple[bpy.types.Scene, dict[str, str]]:
 
 
 def _light(case: Case, size: int) -> tuple[bpy.types.Scene, dict[str, str]]:
-    """A white floor under a light without a size, whose nodes are looked at."""
+    """A white floor under a light without a size, whose nodes are examined."""
     scene = _empty(Grid((case,), 1, size))
     floor = add("Floor", plane("Floor", (1.0, 1.0)), _diffuse("White", 0.8))
     floor.matrix_world = FRAME @ Matrix.Translation((0.0, 0.0, -DEPTH))

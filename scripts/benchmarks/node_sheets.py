@@ -27,12 +27,12 @@ def _path(name: str) -> pathlib.Path:
 
 
 def keep(name: str, cycles: np.ndarray, ours: np.ndarray) -> None:
-    """Note the pictures of a case until all are there: a run may be interrupted."""
+    """Store the pictures of a case until all are there: a run may be interrupted."""
     np.savez_compressed(_path(name), cycles=cycles.astype(np.float32), ours=ours.astype(np.float32))
 
 
 def join(folder: pathlib.Path, groups: dict[str, list], materials: list[str]) -> list[pathlib.Path]:
-    """Write a sheet for each part of a run, of what ``keep`` noted; long ones in several files."""
+    """Write a sheet for each part of a run, from the pictures of ``keep``; long ones in several files."""
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     named = {part: [case.name for case in cases] for part, cases in groups.items()} | dict(materials=materials)
@@ -58,7 +58,7 @@ def document(rows: list[dict], summary: dict) -> None:
 
 
 def materials_table(rows: list[dict], summary: dict) -> str:
-    """Markdown: a line for each material, with how it compares with Cycles."""
+    """Markdown: a line for each material, with its comparison with Cycles."""
     from . import machine
 
     about = machine.describe()
@@ -88,7 +88,7 @@ def materials_table(rows: list[dict], summary: dict) -> str:
 def _cell(name: str, side: int) -> np.ndarray:
     with np.load(_path(name)) as file:
         both = [file[key].astype(float)[::-1] for key in ("cycles", "ours")]
-    # The same range of values for both: from what is below 0 to the brightest, unless that is just a highlight.
+    # The same range of values for both: from the least below 0 to the brightest, unless that is just a highlight.
     low = min(min(picture.min() for picture in both), 0.0)
     high = max(np.quantile(both[0], 0.98), 1.0)
     shown = np.concatenate([_resized((picture - low) / (high - low), side) for picture in both], axis=1)
@@ -139,7 +139,7 @@ def _percent(part: float | None) -> str:
 
 
 def _label(node: str) -> str:
-    """As Blender's menus call it."""
+    """The name in Blender's menus."""
     import bpy
 
     kind = getattr(bpy.types, node, None)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What feeds the nodes under test: numbers, vectors and colours that vary over a tile.
+"""Inputs of the nodes under test: numbers, vectors and colours that vary over a tile.
 
-All of them are the UV map through a Mapping node, which is among the simplest things an engine can do. Their ranges
-are odd numbers, so that few edges or cells fall on the centre of a pixel, where rounding would decide.
+All of them are the UV map through a Mapping node, which is among the simplest nodes. Their ranges are odd numbers, so
+that few edges or cells fall on the centre of a pixel, where rounding would decide.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ VECTORS = {
     "color2": ((0.917, 0.213, 0.113), (0.41, 0.33, 0.73), (-0.83, 0.71, 1.0)),
     "direction": ((-1.013, -0.987, 0.453), (0.0, 0.0, 0.1), (2.03, 1.97, 1.0)),
 }
-# name: the component, and the range that it goes through across (0) or up (1) the tile.
+# name: the component, and its range across (0) or up (1) the tile.
 NUMBERS = {
     "x": (0, -2.27, 2.31),
     "y": (1, -2.287, 2.353),
@@ -38,7 +38,7 @@ NUMBERS = {
 
 
 class Sources:
-    """Nodes of one graph (``scenery.materials.Graph``) that feed others, each made where it is first asked for."""
+    """Nodes of one graph (``scenery.materials.Graph``) that feed others, each made on first use."""
 
     def __init__(self, graph):
         self.graph, self._made, self._turn = graph, {}, {}
@@ -68,7 +68,7 @@ class Sources:
         )
 
     def feed(self, socket, value) -> None:
-        """Give an input a value: a source by its name, a function of ``self``, a constant, or None: leave it alone."""
+        """Give an input a value: a source by its name, a function of ``self``, a constant, or None to leave it."""
         if isinstance(value, str) and socket.type not in {"STRING", "MENU"}:
             self.graph.links.new(self[value], socket)
         elif callable(value):
@@ -79,7 +79,7 @@ class Sources:
             socket.default_value = value
 
     def feed_by_type(self, socket) -> None:
-        """For a node that nothing is known about: the first inputs of a kind vary, others are as they are."""
+        """For an unknown node: the first inputs of a kind vary, others keep their defaults."""
         names = dict(VALUE=("x", "y", "factor"), RGBA=("color", "color2"), VECTOR=("vector", "vector2")).get(
             socket.type, ()
         )
@@ -101,7 +101,7 @@ def wavy(sources: Sources) -> bpy.types.NodeSocket:
 
 
 def snapped(sources: Sources) -> bpy.types.NodeSocket:
-    """Vectors that are the same all over each of a few cells: white noise has nothing else that one could see."""
+    """Vectors that are constant in each of a few cells: white noise shows no other structure."""
     return sources.graph.node("ShaderNodeVectorMath", _0=sources["vector"], _1=(1.213, 1.213, 1.213), operation="SNAP")
 
 
@@ -110,7 +110,7 @@ def snapped_number(sources: Sources) -> bpy.types.NodeSocket:
 
 
 def bumped(sources: Sources) -> bpy.types.NodeSocket:
-    """A normal that is not the surface's."""
+    """A normal other than the surface's."""
     return sources.graph.node(
         "ShaderNodeVectorMath", _0=sources.graph.node("ShaderNodeNewGeometry", "Normal"), _1=(0.4, -0.3, 0.2)
     )
@@ -136,10 +136,10 @@ def place(sources: Sources) -> bpy.types.NodeSocket:
 
 
 def sideways(sources: Sources) -> bpy.types.NodeSocket:
-    """A direction along the tiles, as ``node_scenes.FRAME`` turns them, and a little towards the camera."""
+    """A direction along the tiles, in the rotation of ``node_scenes.FRAME``, and slightly towards the camera."""
     return sources.graph.node("ShaderNodeCombineXYZ", X=0.469, Y=0.789, Z=0.45)
 
 
 def far(sources: Sources) -> bpy.types.NodeSocket:
-    """Places a kilometre off."""
+    """Positions a kilometre away."""
     return sources.graph.node("ShaderNodeVectorMath", _0=sources["vector"], _1=(1000.3, -700.7, 400.9))

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cases that are not one node: groups, reroutes, muted nodes, and what Blender takes apart before Cycles sees it."""
+"""Cases of more than one node: groups, reroutes, muted nodes, and structures that Blender resolves before Cycles sees
+them."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ class Special:
     build: Callable[[Sources], bpy.types.NodeSocket]
     place: str = "value"
     shape: str = PLANE
-    light: str = "POINT"  # where the place is a light
+    light: str = "POINT"  # the target is a light
     since: tuple[int, int, int] = (4, 5, 0)
 
 
@@ -149,7 +150,7 @@ def muted_shader(sources):
     return socket
 
 
-# Each type of socket linked to each other: what Blender does between them.
+# Each type of socket linked to each other: Blender's conversions.
 
 
 @special("Color to number")
@@ -176,7 +177,7 @@ def number_to_color(sources):
 
 @special("Number as a shader", place="closure", shape=BALL)
 def number_as_shader(sources):
-    """A value where a shader is expected shines."""
+    """A value at a shader input is emitted."""
     return sources["factor"]
 
 

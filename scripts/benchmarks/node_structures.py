@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cases of how nodes are put together: groups with nothing linked, muted groups, circles of links, reroutes to nowhere, and
-meshes without UV maps. Beside ``node_specials``, whose list they join."""
+"""Cases about the structure of node trees: groups without links, muted groups, circles of links, reroutes without a
+source, and meshes without UV maps. They join the list of ``node_specials``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BARE = "bare"  # a ball without UV maps
 
 
 def _tree(name: str, sockets: dict[str, str], result: str, fill) -> bpy.types.NodeTree:
-    """A group with inputs of these types, and one output, that ``fill`` makes from the node of its inputs."""
+    """A group with inputs of these types, and one output; ``fill`` makes it from the node of its inputs."""
     from scenery.materials import Graph
 
     tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
@@ -52,7 +52,7 @@ def _texture(kind: str, output: str):
 
 
 def _unlinked_place(kind: str, output: str, hidden: bool, levels: int = 1, given: tuple = (0.31, 0.42, 0.17)):
-    """A texture in a group, whose input for the place has a value and no link."""
+    """A texture in a group, whose input for the coordinates has a value and no link."""
 
     def build(sources):
         tree = _tree("Texture", dict(Place="Vector"), "Color", _texture(kind, output))
@@ -173,7 +173,7 @@ def unlinked_normal_of_fresnel(sources):
 
 
 def _through_number(feed):
-    """A colour, or what ``feed`` says, through a group of one number."""
+    """A colour, or the result of ``feed``, through a group of one number."""
 
     def build(sources):
         tree = _tree("Number", dict(Number="Float"), "Float", lambda graph, inputs: inputs["Number"])
@@ -280,7 +280,7 @@ def muted_group_shader(sources):
 
 
 def _dangling(kind: str, socket: str, output: str | int = 0, **inputs):
-    """A node with one input linked to a reroute that nothing is linked to."""
+    """A node with one input linked to a reroute without a source."""
 
     def build(sources):
         made = sources.graph.node(kind, output, **inputs)
@@ -339,7 +339,7 @@ def circle_beside(sources):
 
 
 def _tint(sources):
-    """Colours around that of no change, by where on the object a point is."""
+    """Colours around the neutral one, by the position on the object."""
     return sources.graph.node(
         "ShaderNodeVectorMath",
         _0=sources.graph.node("ShaderNodeTexCoord", "Generated"),

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every shader node in every mode beside Cycles, and materials of many nodes: how far pictures are apart, and what they cost.
+"""Compares every shader node in every mode with Cycles, and materials of many nodes: differences of pictures, and
+costs.
 
-A node is shown as a tile of one picture: as light that an object sends out, or as the surface, volume or displacement of
-a ball under a lamp. ``node_cases`` says which there are, ``node_pictures`` how they are compared. A material has a scene
-of its own, which both engines render in turns.
+A node is shown as a tile of one picture: as the light of an object, or as the surface, volume or displacement of a ball
+under a lamp. ``node_cases`` lists the cases, ``node_pictures`` compares them. A material has its own scene, which both
+engines render in turns.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from .resume import Parts
 
 HELP = "every shader node and 40 materials beside Cycles: differences, samples a second, error by time"
 
-# Parts of the run, with the places of the cases that belong to them.
+# Parts of the run, with the kinds of their cases.
 PARTS = {
     "values": ("value", "rays"),
     "lit": ("scattered", "closure", "volume", "displacement"),
@@ -32,7 +33,7 @@ PARTS = {
 }
 LIT_SAMPLES, QUICK_LIT_SAMPLES = 32, 8  # of each render, at first
 LIT_ROUNDS, QUICK_LIT_ROUNDS = 2, 2  # of more samples, where noise leaves cases in doubt
-QUICK_WORLDS = 4  # of so many worlds and lights one
+QUICK_WORLDS = 4  # one of so many worlds and lights
 # Of all parts together; of materials alone, a quick run has all of them.
 QUICK_MATERIALS = ("car_paint", "leaf", "oak", "brick", "dirty_glass", "skin", "neon_sign", "terrain")
 BRIEF = dict(parts=["values"])
@@ -61,7 +62,7 @@ def arguments(parser) -> None:
 
 
 def complaints(rows: list[dict]) -> list[str]:
-    """A sentence for each node that differs and is not explained, of the rows of all benchmarks."""
+    """A sentence for each node that differs without explanation, from the rows of all benchmarks."""
     said = []
     for row in rows:
         if "case" in row and "p99" in row and over(row) and not row["explained"]:
@@ -77,7 +78,7 @@ def _percent(part: float) -> str:
 
 
 def summary_of(rows: list[dict]) -> dict:
-    """The figures of the issue, of the rows that there are."""
+    """The figures of the issue, from the available rows."""
     cases = [row for row in rows if "p99" in row]
     materials = [row for row in rows if "material" in row]
     compiling = next((row for row in rows if "compiled_materials" in row), None)

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Samplers at equal samples on the four kinds of scenes of Huang et al. 2026, beside the figures of that paper.
 
-The paper gives MAPE and FLIP of pictures of 64 samples of direct light: by BSDF samples, by projection sampling, and by
-a competitor, which is sampling of the surface for its simple shapes and of the bounding volume for the others. Pictures
-here are by the renderer's own samplers. Points that a grid of camera rays hits are also lit by the estimators of
-``support/rivals/baselines.py``, which leave occlusion out.
+The paper gives MAPE and FLIP of pictures with 64 samples of direct light: by BSDF samples, by projection sampling, and
+by a competitor, which samples the surface for its simple shapes and the bounding volume for the others. Pictures here
+use the renderer's own samplers. Points hit by a grid of camera rays are also lit by the estimators of
+``support/rivals/baselines.py``, without occlusion.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ def _triangulated():
 
 
 def compared(rows: list[dict]) -> list[dict]:
-    """One row a scene: the paper's ratios of MAPE and FLIP to projection sampling, and those found here."""
+    """One row per scene: the paper's ratios of MAPE and FLIP to projection sampling, and ours."""
     found = []
     for name, (competitor, bsdf, other, projection) in PUBLISHED.items():
         pictures = {row["method"]: row for row in rows if row["scene"] == name and "method" in row}

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes of the four kinds of Huang et al. 2026, rebuilt: theirs are not published.
 
-What they stress is the same: a lamp close above a mesh of many triangles, several lamps in a closed room, a lamp of
+They stress the same properties: a lamp close above a mesh of many triangles, several lamps in a closed room, a lamp of
 fine parts in a furnished room, and a flat lamp at a grazing angle to long walls.
 """
 

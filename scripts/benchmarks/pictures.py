@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders of the open scene by whatever engine it names, with their times."""
+"""Renders the open scene with its engine, and measures the time."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import numpy as np
 class Picture:
     """``pixels`` are (height, width, RGB) float64, scene-linear, row 0 at the bottom.
 
-    ``seconds`` are those of the clock, ``work`` those of all threads together on a processor.
+    ``seconds`` are wall-clock time, ``work`` is the processor time of all threads.
     """
 
     pixels: np.ndarray
@@ -26,9 +26,11 @@ class Picture:
 
 
 def render() -> Picture:
-    """Render the open scene as F12 does; the time is that of all of it, from Blender's data to Blender's picture."""
+    """Render the open scene like F12; the time covers everything from Blender's data to Blender's picture."""
     scene = bpy.context.scene
     settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):  # since 5.0, where it limits the formats
+        settings.media_type = "IMAGE"
     settings.file_format, settings.color_depth = "OPEN_EXR", "32"
     started, work = time.perf_counter(), time.process_time()
     bpy.ops.render.render()
@@ -36,7 +38,8 @@ def render() -> Picture:
     handle, path = tempfile.mkstemp(suffix=".exr")
     os.close(handle)
     try:
-        bpy.data.images["Render Result"].save_render(path, scene=scene)
+        result = next(image for image in bpy.data.images if image.type == "RENDER_RESULT")
+        result.save_render(path, scene=scene)
         image = bpy.data.images.load(path)
         width, height = image.size
         pixels = np.empty(4 * width * height, np.float32)

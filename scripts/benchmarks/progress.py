@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a benchmark is: a bar on one line of the terminal, or, in a file, a line for each part."""
+"""Progress of a benchmark: a bar on one line of the terminal, or, in a file, a line for each part."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Progress:
         self._terminal, self._started, self._last = stream.isatty(), time.perf_counter(), ""
 
     def show(self, text: str) -> None:
-        """Name what is being done."""
+        """Name the present step."""
         part = self._done / self._parts
         elapsed = time.perf_counter() - self._started
         left = f", {elapsed * (1.0 - part) / part / 60.0:.0f} min left" if 0.0 < part < 1.0 else ""

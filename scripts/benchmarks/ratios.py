@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Efficiency as ratios to something else that is measured in the same process: greater is better.
+"""Efficiency as ratios to something measured in the same process: greater is better.
 
 Numbers are the same on every run, unless a ratio is ``timed``.
 """
@@ -21,9 +21,9 @@ from support.rivals.baselines import DIMENSIONS, EVEN, LampBlock, Technique
 
 from . import estimators
 
-SAMPLES = 1 << 15  # of a variance and of a time: shorter ones depend on what ran before
+SAMPLES = 1 << 15  # of a variance and of a time: shorter ones depend on earlier work
 TURNS = 11  # how often a time is taken
-CLEAR = 1000.0  # what is better than this counts as this: variances near zero say little
+CLEAR = 1000.0  # minimum of both: variances near zero say little
 RAYS = 1000
 PAIRS = 4  # of renders with different seeds, whose difference tells their error
 
@@ -57,13 +57,13 @@ def _values(name: str, technique: Technique, count: int) -> tuple[np.ndarray, fl
 
 
 def variance_ratio(name: str) -> float:
-    """Variance of a sample by the paper's sampler to that of ours."""
+    """Variance of a sample by the paper's sampler over that of ours."""
     theirs, ours = (float(np.var(_values(name, technique, SAMPLES)[0])) for technique in (Technique.MIS, Technique.CUT))
     return min(theirs / max(ours, 1e-300), CLEAR)
 
 
 def efficiency_ratio(name: str) -> float:
-    """The same of variance times processor time."""
+    """The same for variance times processor time."""
     times = {technique: [] for technique in (Technique.MIS, Technique.CUT)}
     for _ in range(TURNS):
         for technique, spent in times.items():
@@ -121,7 +121,7 @@ SMOOTH = (
 
 
 def evaluations_ratio(rule: str) -> float:
-    """Evaluations by another rule to ours, the geometric mean over smooth fields."""
+    """Evaluations by another rule over ours, the geometric mean over smooth fields."""
     return math.exp(statistics.fmean(math.log(found[rule] / found["ours"]) for found in map(_evaluations, SMOOTH)))
 
 
@@ -139,7 +139,8 @@ RATIOS["evaluations_of_10_to_200_parts"] = Ratio(evaluations_by_parts)
 
 
 def _noise(name: str, sampling: LampSampling, bounces: int) -> float:
-    """Mean absolute error of pixels of 16 samples, relative: a few bright ones do not decide it, so it repeats."""
+    """Mean absolute error of pixels of 16 samples, relative: a few bright ones do not dominate it, so it is
+    reproducible."""
     from support.scenes import SCENES
 
     from .hard_cases.stage import picture, settings
@@ -156,7 +157,7 @@ def _noise(name: str, sampling: LampSampling, bounces: int) -> float:
 
 
 def picture_ratio(name: str, bounces: int) -> float:
-    """Square of the error of a picture by the paper's sampler to that by ours, at equal samples."""
+    """Square of the error of a picture by the paper's sampler over that by ours, at equal samples."""
     theirs, ours = (_noise(name, sampling, bounces) for sampling in (LampSampling.MIS, LampSampling.CUT))
     return (theirs / ours) ** 2
 
@@ -177,7 +178,8 @@ for _name, _bounces, _quick in (
 
 
 def samples_ratio(bounces: int) -> float:
-    """Samples in a second of processor time to those of Cycles, with one point light; medians of renders that take turns."""
+    """Samples per second of processor time over those of Cycles, with one point light; medians of renders that take
+    turns."""
     from . import pictures, simple_scenes
 
     scene = simple_scenes.boxes_and_sphere(96)

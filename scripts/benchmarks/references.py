@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Converged pictures with a known error, made of independent renders that are kept between runs.
 
-A reference is the mean of renders by one estimator with different seeds; how they differ tells its own error. Each is
-a file in the user's cache, so a run that is interrupted goes on where it was, and a later one can add to it. Files
-are named by a hash of what Blender hands over to be rendered and of the extension's version: a reference that has gone
-stale otherwise shows, because every picture that is judged is compared with it in its mean, too.
+A reference is the mean of renders by one estimator with different seeds; their differences give its own error. Each is
+a file in the user's cache, so an interrupted run continues where it stopped, and a later one can add to it. Files are
+named by a hash of the data that Blender passes to the engine and of the extension's version. A reference that is
+outdated for another reason shows, because the mean of every judged picture is compared with it, too.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
-FIRST_SEED = 1_000_000  # beyond those of pictures that are judged
+FIRST_SEED = 1_000_000  # in addition to those of the judged pictures
 
 
 def folder() -> pathlib.Path:
@@ -31,7 +31,7 @@ def folder() -> pathlib.Path:
 
 
 class Reference:
-    """Mean of renders of one scene; ``key`` is all that they depend on."""
+    """Mean of renders of one scene; ``key`` contains everything that they depend on."""
 
     def __init__(self, key: str):
         self._path = folder() / (hashlib.sha256(key.encode()).hexdigest()[:24] + ".npz")
@@ -42,13 +42,13 @@ class Reference:
                     self._note(pixels, float(seconds))
 
     def forget(self) -> None:
-        """Begin anew; what is on disk stays until the first render is added."""
+        """Begin again; the files stay until the first render is added."""
         self.renders: list[np.ndarray] = []
         self._times: list[float] = []
         self._mean = self._squares = 0.0
 
     def _note(self, pixels: np.ndarray, seconds: float) -> None:
-        """Take a render into the mean and the sum of squares about it: there may be hundreds."""
+        """Add a render to the mean and the sum of squares about it: there may be hundreds."""
         self.renders.append(pixels)
         self._times.append(seconds)
         change = pixels - self._mean
@@ -56,16 +56,16 @@ class Reference:
         self._squares = self._squares + change * (pixels - self._mean)
 
     def add(self, render: Callable[[int], tuple[np.ndarray, float]]) -> None:
-        """One more render, by a function of the seed that also tells its time in seconds; kept on disk at once."""
+        """One more render, by a function of the seed that also returns its time in seconds; saved at once."""
         self._note(*render(FIRST_SEED + len(self.renders)))
         part = self._path.with_suffix(".part.npz")
-        # Noise hardly gets smaller by compression.
+        # Compression hardly reduces noise.
         np.savez(part, renders=np.array(self.renders, np.float32), seconds=np.array(self._times))
         os.replace(part, self._path)
 
     @property
     def seconds(self) -> float:
-        """How long all renders took."""
+        """Total time of all renders."""
         return sum(self._times)
 
     @property
@@ -80,7 +80,7 @@ class Reference:
 
 
 def fingerprint() -> str:
-    """Hash of what the open scene looks like: meshes, lamps, materials, camera and picture size."""
+    """Hash of the open scene: meshes, lamps, materials, camera and picture size."""
     digest = hashlib.sha256()
 
     def note(*values) -> None:

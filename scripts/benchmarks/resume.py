@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Results of the parts of a benchmark, kept on disk until all of them are there: an interrupted run goes on."""
+"""Results of the parts of a benchmark, kept on disk until all of them are there: an interrupted run continues."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Parts:
     """Results by the name of a part, of one benchmark with the same ``options`` and the same code."""
 
     def __init__(self, options):
-        # What is measured, not where it is written to.
+        # Options that change the measurement, not its output files.
         given = {
             name: value for name, value in vars(options).items() if name not in ("json", "out", "modules", "defaults")
         }
@@ -35,7 +35,7 @@ class Parts:
         self._found = json.loads(self._path.read_text(encoding="utf-8")) if self._path.is_file() else {}
 
     def of(self, name: str, measure):
-        """The result of a part, measured by a function without arguments unless it is known already."""
+        """The result of a part, from the cache or measured by a function without arguments."""
         if name not in self._found:
             self._found[name] = measure()
             part = self._path.with_suffix(".part")
@@ -44,5 +44,5 @@ class Parts:
         return self._found[name]
 
     def finish(self) -> None:
-        """All parts are there: the next run measures anew."""
+        """All parts are there: the next run measures again."""
         self._path.unlink(missing_ok=True)

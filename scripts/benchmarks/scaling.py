@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render time at equal error against the number of lamps, of parts of one lamp, of triangles, and of pixels.
+"""Render time at equal error over the number of lamps, of parts of one lamp, of triangles, and of pixels.
 
-Lamps are balls, bars and rings in equal parts, at random in the same box over the stage and at any angle, some of them
-inside the boxes that stand there. However many there are, they have the same density and fill the same volume, so they
-give the same power, and what they light is as bright; only their size and number differ. All are visible to the camera,
-so the error includes that of pixels that a small lamp fills in part.
+Lamps are balls, bars and rings in equal parts, at random positions in the same box over the stage and at any angle,
+some of them inside the boxes that stand there. For any number of lamps, they have the same density and fill the same
+volume, so they give the same power and light; only their size and number differ. All are visible to the camera, so the
+error includes that of pixels that a small lamp fills in part.
 
-The error is the relative variance of a pixel, found from renders with different seeds, which needs no reference: what is
-unbiased has no other error. The time at equal error is that of a sample by the number of samples that the error takes,
-read off the curve of error against samples. What a render needs before its first sample is told by itself: it does not
-grow with the size of a picture.
+The error is the relative variance of a pixel, from renders with different seeds. It needs no reference, because an
+unbiased method has no other error. The time at equal error is that of a sample times the number of samples for that
+error, read off the curve of error over samples. The time before the first sample is given separately: it does not grow
+with the size of a picture.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ HELP = "render time at equal error against the number of lamps, parts, triangles
 LADDER = (4, 16, 64)
 BOUNCES = 1
 FILLED = 0.12  # m³, of all lamps together
-LOW, HIGH = (-3.0, -2.5, 0.2), (3.0, 2.7, 3.2)  # where lamps are
+LOW, HIGH = (-3.0, -2.5, 0.2), (3.0, 2.7, 3.2)  # box around the lamps
 
 
 def _kinds(volume: float) -> list[str]:
@@ -75,8 +75,8 @@ def balls(size: int, count: int) -> None:
 
 
 def triangles(size: int, count: int) -> None:
-    """A stage with one torus, and a ball of about ``count`` triangles as one thing more on the floor. The picture is larger
-    than the others: its samples have to take longer than what its start varies by."""
+    """A stage with one torus, and an additional ball of about ``count`` triangles on the floor. The picture is larger
+    than the others: its samples must take longer than the variation of its start."""
     lamp_scenes.SCENES["S1"].build(4 * size)
     rings = max(round(math.sqrt(count / 4.0)), 3)
     ball = lamp_meshes.mesh("Ball", lamp_meshes.sphere(0.4, 2 * rings, rings))
@@ -94,7 +94,7 @@ def resolution(_, count: int) -> None:
     lamp_scenes.SCENES["S1"].build(count)
 
 
-CURVES = {  # what makes the scene, the numbers, and the two of them whose times are compared
+CURVES = {  # the function that makes the scene, the numbers, and the two of them whose times are compared
     "lamps": (lamps, (1, 10, 100, 1000), (1000, 10)),
     "parts": (balls, (1, 10, 100), (100, 10)),
     "triangles": (triangles, (1_000, 30_000, 1_000_000, 10_000_000), (1_000_000, 1_000)),
@@ -118,8 +118,8 @@ def _variance(renders: list[pictures.Picture]) -> float:
 
 
 def measure(build, count: int, size: int, repeats: int, options) -> dict:
-    """Of a scene: ``start``, seconds before the first sample; ``each``, seconds of a sample of the whole picture;
-    ``errors`` for each number in ``LADDER``; ``made_by``, what has rendered it."""
+    """For a scene: ``start``, seconds before the first sample; ``each``, seconds of a sample of the whole picture;
+    ``errors`` for each number in ``LADDER``; ``made_by``, the device."""
     build(size, count)
     scene = bpy.context.scene
     lamp_scenes.show(volumes=False)

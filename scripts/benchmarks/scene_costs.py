@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene of ``artist_scenes`` costs beside its samples: the start of a process, synchronisation, memory.
+"""Costs of a scene of ``artist_scenes`` beside its samples: the start of a process, synchronisation, memory.
 
-Each engine has a process of its own. Its first render of one sample in a small picture is the start, with compiled
-kernels on disk; the next ones, in which all of the scene is handed over anew, are synchronisation; those with Blender's Persistent Data, in
-which only what has changed is, are ``again``. Memory is the most
-that the process held while it rendered, less what it held before with the scene in Blender. All times are processor
-times.
+Each engine has its own process. Its first render of one sample in a small picture is the start, with compiled kernels
+on disk. The next ones, in which the whole scene is synchronised again, give the synchronisation. Those with Blender's
+Persistent Data, which synchronise only changes, are ``again``. Memory is the peak of the process during the render,
+minus its memory before with the scene in Blender. All times are processor times.
 """
 
 from __future__ import annotations
@@ -21,13 +20,13 @@ from .isolation import Isolated
 from .node_pictures import CYCLES
 from .scene_pictures import ENGINES, width_of
 
-TINY = 16  # pixels across, where samples cost nothing
+TINY = 16  # pixels across, so that samples cost nothing
 TURNS = 3
-LEAST_SECONDS, LEAST_BYTES = 0.1, 64 << 20  # what nobody feels: less counts as this
+LEAST_SECONDS, LEAST_BYTES = 0.1, 64 << 20  # too small to notice: smaller values are rounded up to this
 
 
 def ratios(name: str, options) -> dict:
-    """Ours by Cycles', of start, synchronisation and memory, with the figures of both."""
+    """Ours over Cycles', for start, synchronisation and memory, with the figures of both."""
     found = {}
     for engine in ENGINES:
         process = Isolated()
@@ -80,7 +79,7 @@ def _resident(entry: str) -> int | None:
 
 
 def _forget_peak() -> None:
-    """Let the greatest resident size begin anew, where the system allows it."""
+    """Reset the peak resident size, if the system allows it."""
     try:
         pathlib.Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
     except OSError:

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One scene of ``artist_scenes`` by both engines in turns: the difference of their means, and their errors at equal time.
+"""One scene of ``artist_scenes`` by both engines in turns: the difference of their means, and their errors at equal
+time.
 
-Times are processor times of all threads. The time of a render of Cycles is the measure; ours takes as many samples as
-fit into it, without what comes before the first sample, which ``scene_costs`` measures by itself. Denoised pictures are
-judged in the same way.
+Times are processor times of all threads. Ours takes as many samples as fit into the time of a render of Cycles, without
+the time before the first sample, which ``scene_costs`` measures separately. Denoised pictures are judged in the same
+way.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ def width_of(options) -> int:
 
 
 def difference(name: str, width: int, samples: int, seeds: int) -> dict:
-    """How far the mean of our pictures, of as many samples, is from that of Cycles: ``mean_difference`` without what noise may
-    be, ``mean_doubt`` that noise, and ``mean_ratio``."""
+    """Difference of the mean of our pictures, with as many samples, from that of Cycles: ``mean_difference`` without
+    the possible noise, ``mean_doubt`` that noise, and ``mean_ratio``."""
     options = argparse.Namespace(size=width, quick=True, fresh=False, device="CPU")
     scene = artist_scenes.build(name, width)
     made = []
@@ -46,7 +47,7 @@ def difference(name: str, width: int, samples: int, seeds: int) -> dict:
 
 
 def measure(name: str, options) -> dict:
-    """Figures of a scene. RuntimeError where it cannot be rendered."""
+    """Figures of a scene. RuntimeError if it cannot be rendered."""
     scene = artist_scenes.build(name, width_of(options))
     seeds = options.repeats or (1 if options.quick else SEEDS)
     many = QUICK_MANY if options.quick else MANY
@@ -66,7 +67,7 @@ def measure(name: str, options) -> dict:
     ours = max(round(many * each[CYCLES] / each[GUIDED]), 1)
     numbers = {CYCLES: many, GUIDED: ours}
     taken: dict[tuple[str, bool], list[pictures.Picture]] = {}
-    for seed in range(max(seeds, 2)):  # the second tells how much is noise
+    for seed in range(max(seeds, 2)):  # the second shows how much is noise
         for denoise in (False,) if options.quick else (False, True):
             for engine in ENGINES:
                 taken.setdefault((engine, denoise), []).append(render(engine, numbers[engine], seed, denoise))
@@ -91,7 +92,8 @@ def measure(name: str, options) -> dict:
 
 
 def _difference(made: list[pictures.Picture], truth: references.Reference) -> dict:
-    """Of the mean of our pictures from the reference's, in the worst channel, without what noise may be; and that noise."""
+    """Difference of the mean of our pictures from the reference's, in the worst channel, without the possible noise;
+    and that noise."""
     means = np.array([picture.pixels.mean(axis=(0, 1)) for picture in made])
     theirs = np.array([pixels.mean(axis=(0, 1)) for pixels in truth.renders])
     light = theirs.mean()
@@ -105,7 +107,7 @@ def _difference(made: list[pictures.Picture], truth: references.Reference) -> di
 
 
 def _at_equal_time(made: dict[str, list[pictures.Picture]], start: dict, truth, prefix: str) -> dict:
-    """Errors of both, and Cycles' × its time over ours × our time, where both take about the same."""
+    """Errors of both, and Cycles' × its time over ours × our time, at about equal times."""
     error = {engine: error_of(made[engine], truth) for engine in ENGINES}
     work = {
         engine: max(statistics.median(picture.work for picture in made[engine]) - start[engine], 1e-6)

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whole scenes as artists have them, by both engines: how far pictures are apart, error at equal time, what comes before samples.
+"""Whole scenes typical of artists' work, by both engines: difference of pictures, error at equal time, time before
+samples.
 
-Both engines keep their defaults, so ours divides paths and looks at noisy pixels for longer. References are renders of many
-samples by Cycles, kept in the user's cache.
+Both engines keep their defaults, so ours splits paths and spends more samples on noisy pixels. References are renders
+of many samples by Cycles, kept in the user's cache.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from .isolation import Isolated
 from .progress import Progress
 from .resume import Parts
 
-HELP = "ten scenes as artists have them, beside Cycles: differences, error at equal time, start, memory"
-# Of ``artist_scenes``, which is not loaded for the help of other benchmarks.
+HELP = "ten scenes typical of artists' work, compared with Cycles: differences, error at equal time, start, memory"
+# The names of ``artist_scenes``, which is not loaded for the help of other benchmarks.
 KNOWN = (
     "living_room_day",
     "living_room_night",
@@ -53,7 +54,7 @@ def arguments(parser) -> None:
 
 
 def document(summary: dict, rows: list[dict], sampled: str) -> None:
-    """Write the table of docs/cycles.md; ``sampled`` says of how many samples."""
+    """Write the table of docs/cycles.md; ``sampled`` is the sentence about the number of samples."""
     lines = [
         "| scene | mean, Cycles' as 1 | samples a second | Cycles' error × time to ours |",
         "|---|---|---|---|",
@@ -80,7 +81,7 @@ def document(summary: dict, rows: list[dict], sampled: str) -> None:
 
 
 def complaints(rows: list[dict]) -> list[str]:
-    """A sentence for each scene that could not be rendered or whose mean differs, of the rows of all benchmarks."""
+    """A sentence for each scene that could not be rendered or whose mean differs, from the rows of all benchmarks."""
     said = []
     for row in rows:
         if "artist_scene" not in row:

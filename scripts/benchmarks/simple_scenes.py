@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes that benchmarks share, and settings that make two engines do the same work."""
+"""Scenes shared by benchmarks, and settings that make two engines do the same work."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def material(name: str, kind: str, colour, **inputs):
 
 
 def empty(size: int, eye, target, degrees: float) -> bpy.types.Scene:
-    """Nothing but a camera at ``eye`` that looks at ``target``, with that angle of view; a square picture."""
+    """Only a camera at ``eye`` that looks at ``target``, with that angle of view; a square picture."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     host.register_extension()
     scene = bpy.context.scene
@@ -97,7 +97,7 @@ def enable_cycles() -> None:
 
 
 def plain_cycles(scene, samples: int, bounces: int) -> None:
-    """Cycles on the CPU without what it does by default to trade error for bias: the same work for each sample."""
+    """Cycles on the CPU, without its defaults that trade error for bias: the same work for each sample."""
     enable_cycles()
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
@@ -111,7 +111,7 @@ def plain_cycles(scene, samples: int, bounces: int) -> None:
 
 
 def plain_sdf_lights(scene, samples: int, bounces: int, device: str) -> None:
-    """SDF Lights doing the same."""
+    """SDF Lights with the same work."""
     scene.render.engine = host.ENGINE
     settings = scene.sdf_lights
     settings.origin = "OWN"  # whether Cycles was there before or not

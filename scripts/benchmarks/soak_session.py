@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hours of work in short, in a Blender with a window: edits, undos, renders, cancels by Esc, viewports that come and go.
+"""Simulates hours of work in a Blender with a window: edits, undos, renders, cancels by Esc, opening and closing
+viewports.
 
     blender --factory-startup --python soak_session.py -- REPORT.json STEPS SECONDS SEED
 
-Ends after so many steps, or seconds where those are over first. The report has what the process holds, in ``before``
-after a third of them and in ``after`` at the end: memory, threads, handles. Each time one viewport is left, in Solid
-shading. Simulated events take the place of real ones, and only a real Esc stops a render: xdotool presses it, where it is.
+Ends after so many steps or seconds, whichever comes first. The report has the resources of the process, in ``before``
+after a third of the steps and in ``after`` at the end: memory, threads, handles. Each time one viewport is left, in
+Solid shading. Simulated events replace real ones. Only a real Esc stops a render: xdotool presses it, if it is
+installed.
 """
 
 import pathlib
@@ -60,7 +62,7 @@ class Artist(Actor):
             super().undo()
 
     def shade(self) -> None:
-        """A viewport that renders, or stops to."""
+        """A viewport that starts or stops rendering."""
         area = self.random.choice(areas())
         area.spaces.active.shading.type = self.random.choice(["RENDERED", "RENDERED", "SOLID"])
 
@@ -71,7 +73,7 @@ class Artist(Actor):
             region.view_location.z = self.random.uniform(0.0, 1.0)
 
     def divide(self):
-        """Two viewports in the place of one, or one in that of two."""
+        """Split one viewport in two, or join two."""
         if len(areas()) == 1:
             with override():
                 bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
@@ -82,7 +84,7 @@ class Artist(Actor):
             yield from self.join()
 
     def join(self):
-        """One viewport in the place of two: one of them can take the other's room, not always the smaller one's."""
+        """Join two viewports: one of them can take the other's area, not always the smaller one's."""
         deadline = time.monotonic() + PATIENCE
         while len(areas()) > 1:
             for area in reversed(areas()):
@@ -94,7 +96,7 @@ class Artist(Actor):
                 raise TimeoutError("viewports cannot be joined")
 
     def escape(self):
-        """A render without end, that the key ends."""
+        """An endless render, which the key ends."""
         self.scene.sdf_lights.samples = MANY
         with override():
             bpy.ops.render.render("INVOKE_DEFAULT")

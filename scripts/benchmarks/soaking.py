@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a user does for hours, at random, by a seed: edits, undos, renders, cancels; and what the process then holds.
+"""Simulates hours of a user's work, at random, by a seed: edits, undos, renders, cancels; and measures the resources of
+the process.
 
-Linux alone tells of memory and handles as they are read here.
+Only Linux reports memory and handles as they are read here.
 """
 
 from __future__ import annotations
@@ -27,8 +28,8 @@ from sdf_lights.sdf.expression import evaluate
 
 CLEAN_ALL_BUFFERS = 0  # of tbb/scalable_allocator.h
 
-# Blender with a window may take its memory from Intel's allocator, which keeps pieces of what is freed as long as its neighbours are
-# in use. With this in its environment it takes all from the C library, which tells what the program itself holds.
+# Blender with a window may allocate with Intel's allocator, which keeps freed memory as long as its neighbours are in
+# use. This environment variable makes it use the C library, which reports the memory that the program itself holds.
 C_LIBRARY = {"LD_PRELOAD": "libc.so.6"}
 
 SHAPES = ["SPHERE", "TORUS", "BOX", "CAPSULE", "CONE"]
@@ -41,9 +42,9 @@ EXPRESSIONS = [
 
 
 def memory() -> int:
-    """Resident bytes of this process, now, without what it has freed."""
+    """Present resident bytes of this process, without freed memory."""
     gc.collect()
-    # These allocators keep what is freed, and can be told. Blender with a window has the second.
+    # These allocators keep freed memory, and can release it on request. Blender with a window has the second.
     with contextlib.suppress(AttributeError, OSError):
         ctypes.CDLL("libc.so.6").malloc_trim(0)
     with contextlib.suppress(AttributeError, OSError):
@@ -57,7 +58,7 @@ def handles() -> int:
 
 
 def fill_caches() -> None:
-    """Keep as many shapes with all that lamps are built by as are ever kept: memory that is meant to be taken."""
+    """Fill the caches of shapes and of the data that builds lamps: this memory is kept on purpose."""
     for number in range(KEPT // 2 + 1):
         for text in EXPRESSIONS[:2]:
             shape = evaluate(text.format(round(0.2 + 0.8 * number / KEPT, 5)))
@@ -66,8 +67,8 @@ def fill_caches() -> None:
 
 
 class Actor:
-    """Who works on a scene. ``step`` does one of ``kinds``, and counts it; what it returns are seconds to wait, in turn,
-    of what takes its time by itself."""
+    """A worker on a scene. ``step`` does one of ``kinds``, and counts it; it returns seconds to wait, in turn, for
+    steps that take time by themselves."""
 
     def __init__(self, scene: bpy.types.Scene, seed: int):
         self.scene, self.random, self.made = scene, random.Random(seed), 0
@@ -97,7 +98,7 @@ class Actor:
             obj.location.x = self.random.uniform(-1.0, 1.0)
 
     def write(self) -> None:
-        """An expression of one of some kinds, with another number each time."""
+        """An expression of a random kind, with a different number each time."""
         for obj in self.lamps()[-1:]:
             number = round(self.random.uniform(0.2, 0.6), 3)
             obj.data.sdf_lamp.source = "EXPRESSION"
@@ -124,12 +125,12 @@ class Actor:
         bpy.ops.render.render()
 
     def read(self):
-        """The scene, as a render has it."""
+        """The scene, as for a render."""
         found = sync(bpy.context.evaluated_depsgraph_get())
         found.settings.device = Device(self.scene.sdf_lights.device)
         return found
 
     def give_up(self) -> None:
-        """A render that is cancelled at one of its first looks whether to go on."""
+        """A render that is cancelled at one of its first checks for a cancel."""
         asked = iter(range(self.random.randrange(6)))
         session.render(self.read(), (), lambda: next(asked, None) is None)

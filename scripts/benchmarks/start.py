@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The first minutes, on empty caches: the demo after its downloads, the first F12 of an installed zip, and how long its window
-is busy while kernels compile beside it.
+is busy while kernels compile beside it. Also how far the demo's quick picture is from one of many samples.
 """
 
 from __future__ import annotations
@@ -9,28 +9,30 @@ from __future__ import annotations
 import json
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
 import time
 
 import host
+import numpy as np
+import OpenImageIO
 from sessions import SessionError, seen_by
 
-from . import some_of
+from . import errors, some_of
 from .progress import Progress
 from .resume import Parts
 from .startup import work_folder
 
 HELP = "the first minutes: the demo, the first F12 of an installed zip, and the window meanwhile"
 
-PARTS = ("demo", "f12", "window")
+PARTS = ("demo", "f12", "window", "picture")
 BRIEF = dict(parts=[])  # each takes minutes
 
 LIMITS = dict(demo_seconds_after_downloads=120.0, cold_first_pixels_seconds=15.0, longest_stall_ms=50.0)
 SESSION = pathlib.Path(__file__).with_name("start_session.py")
 WATCHED_SECONDS = 60.0
+MANY_SAMPLES, COMPARED_SIZE = "48", "480x270"  # of the demo, where its quick picture is compared
 
 
 def _environment(**more: str) -> dict[str, str]:
@@ -63,6 +65,28 @@ def _demo() -> dict:
         return dict(preview=seen, picture=time.perf_counter() - started)
 
 
+def _shown(folder: pathlib.Path, *arguments: str) -> np.ndarray:
+    """The demo's picture as a screen shows it, (height, width, 3) in [0, 1]."""
+    out = folder / "-".join(("demo", *arguments))
+    done = subprocess.run(
+        [sys.executable, host.REPOSITORY / "scripts" / "demo.py", "--out", out, "--size", COMPARED_SIZE, *arguments],
+        capture_output=True,
+        text=True,
+    )
+    if done.returncode:
+        raise RuntimeError(f"The demo failed:\n{done.stderr}")
+    return OpenImageIO.ImageBuf(f"{out}.png").get_pixels(OpenImageIO.FLOAT)[..., :3]
+
+
+def _difference() -> dict:
+    """FLIP of the demo's picture, and of one of as many samples with another seed, to one of ``MANY_SAMPLES``."""
+    with tempfile.TemporaryDirectory(dir=work_folder()) as name:
+        folder = pathlib.Path(name)
+        many = _shown(folder, "--samples", MANY_SAMPLES)
+        quick, other = _shown(folder), _shown(folder, "--seed", "1")
+        return dict(flip=errors.flip_of_shown(quick, many), seeds=errors.flip_of_shown(quick, other))
+
+
 def _zip(folder: pathlib.Path, python: str, kernels: bool) -> pathlib.Path:
     import build_extension
 
@@ -88,21 +112,13 @@ def _first_picture() -> dict:
 
 
 def _stalls() -> dict | None:
-    """What the window saw; None where there is no Blender with one."""
+    """The measurements in the window; None if there is no Blender with one."""
     command = host.windowed_blender()
     if command is None:
         return None
     with tempfile.TemporaryDirectory(dir=work_folder()) as name:
         folder = pathlib.Path(name)
-        told = subprocess.run(
-            [*command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
-            capture_output=True,
-            text=True,
-        )
-        found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
-        if found is None:
-            raise RuntimeError(f"Blender does not start:\n{told.stdout}{told.stderr}")
-        path = _zip(folder, f"{found[1]}.{found[2]}", kernels=False)
+        path = _zip(folder, host.python_of(command), kernels=False)
         (folder / "resources").mkdir()
         os.environ["BLENDER_USER_RESOURCES"] = str(folder / "resources")
         try:
@@ -121,7 +137,7 @@ def arguments(parser) -> None:
 
 def run(options) -> tuple[dict, list[dict]]:
     parts, progress = Parts(options), Progress(max(len(options.parts), 1))
-    measures = dict(demo=_demo, f12=_first_picture, window=_stalls)
+    measures = dict(demo=_demo, f12=_first_picture, window=_stalls, picture=_difference)
     found = {}
     for name in options.parts:
         progress.show(name)
@@ -145,9 +161,15 @@ def run(options) -> tuple[dict, list[dict]]:
         rows.append(dict(also="F12 again, seconds", value=first["later"]))
     if window := found.get("window"):
         add("longest_stall_ms", window["longest_ms"], "the window without an answer while kernels compile, ms")
-        rows.append(dict(also="the same before the add-on was there", value=window["before_ms"]))
+        rows.append(
+            dict(also="the same where Blender draws its status bar without the add-on, ms", value=window["before_ms"])
+        )
         rows.append(dict(also="what its thread computed at once, before the add-on", value=window["work_before_ms"]))
         rows.append(dict(also="what its thread computed at once, while kernels compile", value=window["work_ms"]))
-        rows.append(dict(also="times of more than 50 ms while kernels compile", value=window["over_50"]))
+        rows.append(dict(also="number of times of more than 50 ms while kernels compile", value=window["over_50"]))
         rows += [dict(status=text) for text in window["texts"][:: max(len(window["texts"]) // 8, 1)]]
+    if (picture := found.get("picture")) and picture["flip"] is not None:
+        summary["demo_flip"] = picture["flip"]
+        rows.append(dict(also=f"FLIP of the demo's picture to that of {MANY_SAMPLES} samples", value=picture["flip"]))
+        rows.append(dict(also="FLIP of two such pictures with different seeds", value=picture["seeds"]))
     return summary, rows

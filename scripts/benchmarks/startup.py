@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What F12 costs before there is a picture, on the demo scene.
+"""The cost of F12 before the first picture, on the demo scene.
 
-Each figure is the time of a render of one sample in 64 × 36 pixels, less the time that the same render takes with an
-engine that only hands over an empty picture: what Blender itself needs. A child process renders twice: its first render
-loads what is compiled on disk, or compiles it where the cache is empty.
+Each figure is the time of a render of one sample in 64 × 36 pixels, minus the time of the same render with an engine
+that only returns an empty picture: Blender's own share. A child process renders twice. Its first render loads the
+compiled files on disk, or compiles if the cache is empty.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import host
 from .progress import Progress
 from .resume import Parts
 
-LIMIT, COLD_LIMIT = 1.0, 60.0  # seconds that a user is to wait at most
+LIMIT, COLD_LIMIT = 1.0, 60.0  # maximum seconds that a user should wait
 
 HELP = "time to the first pixels, with compiled kernels and without"
 BRIEF = dict(cold=False)
@@ -43,7 +43,7 @@ def work_folder() -> pathlib.Path:
 
 
 class EmptyEngine(bpy.types.RenderEngine):
-    """What a render costs Blender itself: evaluating the scene, decoding image files and showing a result."""
+    """Blender's own cost of a render: evaluating the scene, decoding image files and showing a result."""
 
     bl_idname = "SDF_LIGHTS_BENCH_EMPTY"
     bl_label = "Empty"
@@ -54,7 +54,7 @@ class EmptyEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         for image in bpy.data.images:
             if image.has_data or image.packed_file or image.filepath:
-                image.pixels[0]  # Blender decodes a file when it is first looked at, once for all engines
+                image.pixels[0]  # Blender decodes a file on first use, once for all engines
         result = self.begin_result(0, 0, self.resolution_x, self.resolution_y, layer=depsgraph.view_layer.name)
         self.end_result(result)
 
@@ -68,7 +68,7 @@ def _seconds(engine: str) -> float:
 
 
 def child(blend: str, device: str) -> dict:
-    """Seconds over Blender's own of the first and of later renders in this process."""
+    """Seconds above Blender's own, of the first and of later renders in this process."""
     bpy.utils.register_class(EmptyEngine)
     host.register_extension()
     bpy.ops.wm.open_mainfile(filepath=blend)
@@ -91,7 +91,7 @@ def _measure(blend: pathlib.Path, device: str, cache: str) -> dict:
             **os.environ,
             "SDF_LIGHTS_CACHE": cache,
             "PYTHONPATH": str(host.REPOSITORY / "scripts"),
-            # Python's bytecode belongs to what an installation compiles once, whatever this process is told about it.
+            # Python's bytecode is part of what an installation compiles once, for any option of this process.
             "PYTHONPYCACHEPREFIX": str(pathlib.Path(cache) / "bytecode"),
             "PYTHONDONTWRITEBYTECODE": "",
         }
@@ -123,7 +123,7 @@ def measured(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict
     import demo
 
     blend, device = demo.demo_scene(), options.device
-    # One of its own is kept while this is unfinished: an interrupted run goes on with what has been compiled.
+    # This cache is kept while the run is unfinished: an interrupted run continues with the compiled files.
     cache = work_folder() / f"kernels-{device.lower()}" if options.cold else host.REPOSITORY / "build" / "kernels"
 
     def measure() -> dict:

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Samples a second, against Cycles in the same process, and what a render on the CPU costs before its first sample.
+"""Samples a second, compared with Cycles in the same process, and the cost of a CPU render before its first sample.
 
-Boxes and a glossy sphere lit by one point light, direct light only and with four bounces. The engines take turns; a
-rate is the number of further samples over the further time of a long render against a short one, so that no engine's
-start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too, and all three render the lamp scenes, where
-GPU and CPU have the same settings: paths that do not divide, every pixel as many samples, lamps by cuts, the
-default of both, and in another turn by projection with MIS.
+Boxes and a glossy sphere lit by one point light, with direct light only and with four bounces. The engines take turns.
+A rate is the additional samples of a long render over its additional time, compared with a short one, so that no
+engine's start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too. All three then render
+the lamp scenes, where GPU and CPU have the same settings: paths that do not split, the same number of samples in every
+pixel, lamps by cuts, the default of both, and in another turn by projection with MIS.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ HELP = "samples a second against Cycles in the same process, and start-up"
 arguments = startup.arguments
 
 ENGINES = ("SDF Lights", "Cycles")
-ON_CPU = "SDF Lights on the CPU"  # takes turns, too, where the device is the GPU
+ON_CPU = "SDF Lights on the CPU"  # takes turns, too, if the device is the GPU
 BY_PROJECTION = "SDF Lights, by projection", "SDF Lights on the CPU, by projection"
 BOUNCES = (0, 4)
 LAMP_SCENES = (*lamp_scenes.THE_FIVE, "blob")  # the last has no closed form
@@ -98,7 +98,7 @@ def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
         summary[f"samples_per_second_{key}"] = ours
         summary[f"samples_per_second_ratio_to_cycles_{key}"] = ours / theirs
         progress.step()
-    # The claim is about both, so the smaller of the two ratios stands for them.
+    # The claim is about both, so the smaller of the two ratios is used.
     summary["samples_per_second_ratio_to_cycles"] = min(
         value for name, value in summary.items() if name.startswith("samples_per_second_ratio_to_cycles_")
     )
@@ -106,8 +106,8 @@ def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
 
 
 def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
-    """Samples a second of the GPU, of Cycles, for which lamps are volumes, and of the CPU: direct light, by the same
-    estimators on GPU and CPU, which are cuts, and projection with MIS."""
+    """Samples a second of the GPU, of Cycles, for which lamps are volumes, and of the CPU: direct light, with the same
+    estimators on GPU and CPU: cuts, and projection with MIS."""
     size = 128
     few, many = (1, 5) if options.quick else (4, 36)
     repeats = options.repeats or (1 if options.quick else 5)

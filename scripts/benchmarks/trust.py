@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was tried against the program and survived, how long the worst lamps take, what pictures and scenes take of memory, and
-what hours of work leave behind.
+"""Attacks that the program survived, build times of the worst lamps, memory of pictures and scenes, and leaks after
+hours of work.
 
-Inputs (``trust_inputs``) are random, by fixed seeds. Each has to give a result or a sentence. Anything else is a fault, and the
-command fails.
+Inputs (``trust_inputs``) are random, with fixed seeds. Each must give a result or a sentence. Anything else is a fault,
+and the command fails.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from .trust_inputs import TRIED
 HELP = "inputs tried, faults survived, time of the worst lamps, memory of pictures and scenes"
 
 PARTS = ("tried", "builds", *trust_limits.PARTS, "soak")
-CHUNKS = 10  # in which inputs of a kind are tried
-STEPS, SECONDS = 500, 780.0  # of the soak, and within which it has to come to its end
+CHUNKS = 10  # parts of the inputs of a kind
+STEPS, SECONDS = 500, 780.0  # of the soak, and its maximum time
 SOAK = pathlib.Path(__file__).with_name("soak_session.py")
 SOAK_HEADS = (
     "allocator of|steps|before they count|renders|cancels|undos|MB at the end|more MB|more threads|more handles|min"
@@ -47,7 +47,7 @@ def arguments(parser) -> None:
 
 
 def builds() -> list[dict]:
-    """Processor time of lamps that take long, and the longest time in which a thread does not ask whether to go on."""
+    """Processor time of slow lamps, and the longest time in which a thread does not check for a cancel."""
     import threading
 
     from sdf_lights.emitter.building.build import build_lamp
@@ -95,8 +95,8 @@ def builds() -> list[dict]:
 
 
 def soak(quick: bool) -> list[dict]:
-    """What a Blender with a window holds after a third of its work, and at the end, with the allocator of the C library and
-    with its own. None where there is no such Blender."""
+    """Resources of a Blender with a window after a third of its work, and at the end, with the C library's allocator
+    and with its own. None if there is no such Blender."""
     command = host.windowed_blender()
     if command is None:
         print(f"The soak is left out: there is {host.NO_WINDOW}.")
@@ -219,7 +219,7 @@ def document(rows: list[dict]) -> None:
         if not (mark and closing):
             raise ValueError(f"{DOCUMENT.name} lacks the marks of {name}.")
         table = tables[name]
-        if name == "tried":  # those of some kinds take the places of their rows
+        if name == "tried":  # with only some kinds, their rows are replaced
             fresh = {line.split("|")[1]: line for line in table.splitlines()}
             table = "\n".join([fresh.pop(line.split("|")[1], line) for line in old.split("\n") if "|" in line])
             table = "\n".join([table, *fresh.values()]).strip()
@@ -228,7 +228,7 @@ def document(rows: list[dict]) -> None:
 
 
 def run(options) -> tuple[dict, list[dict]]:
-    """Rows of all parts; inputs are tried in another process, which may end."""
+    """Rows of all parts; inputs run in another process, which may end."""
     progress, rows, process = Progress(len(TRIED) + len(PARTS) - 1), [], isolation.Isolated()
     for what in [name for name in TRIED if options.inputs in name] if "tried" in options.parts else ():
         progress.show(what)
@@ -255,7 +255,7 @@ def run(options) -> tuple[dict, list[dict]]:
 
 
 def complaints(rows: list[dict]) -> list[str]:
-    """A sentence for each kind of inputs that had faults."""
+    """A sentence for each kind of inputs with faults."""
     return [
         f"{row['faults']} of {row['tried']} {row['what']} gave neither a result nor a sentence."
         for row in rows

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs that may harm, made at random by a seed: each has to give a result or a sentence; anything else is a fault.
+"""Potentially harmful inputs, random by a seed: each must give a result or a sentence; anything else is a fault.
 
-``TRIED``: what they are, a function of how many and of the seed, and how many a whole run tries.
+``TRIED``: their name, a function of their number and the seed, and the number in a whole run.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FORMATS = ("png", "exr", "tif", "jpg", "bmp", "hdr", "tga")
 
 
 def _damaged(content: bytes, rng: np.random.Generator) -> bytes:
-    """Some bytes changed, a part left out, or the end."""
+    """Some bytes changed, a part left out, or the end cut off."""
     content = bytearray(content)
     kind = rng.integers(3)
     if kind == 0:
@@ -55,7 +55,7 @@ def _outcomes(inputs, attempt, expected: tuple[type[Exception], ...]) -> dict:
 
 
 def _reworded(text: str, rng: np.random.Generator) -> str:
-    """A word or a sign left out, doubled, or another one of the text in its place."""
+    """A word or a sign left out, doubled, or replaced by another one of the text."""
     words = re.findall(r"\w+|\s+|[^\w\s]", text)
     place = int(rng.integers(len(words)))
     words[place : place + 1] = [[], ["("], [words[int(rng.integers(len(words)))]]][int(rng.integers(3))]
@@ -101,7 +101,7 @@ def examples(count: int, seed: int) -> dict:
 
 
 def certified(count: int, seed: int) -> dict:
-    """Random programs as lamps: rays through those that are called certified, against a dense march."""
+    """Random programs as lamps: rays through certified ones, compared with a dense march."""
     from support.lamps.marched import Verdict, verdict
 
     class Told(Exception):
@@ -114,7 +114,7 @@ def certified(count: int, seed: int) -> dict:
         if found is not Verdict.RIGHT:
             raise Told
 
-    first = 1_000_000 + seed * count  # others than those of the tests
+    first = 1_000_000 + seed * count  # different from those of the tests
     return _outcomes(range(first, first + count), try_rays, (Told,))
 
 
@@ -160,7 +160,7 @@ def light_distributions(count: int, seed: int) -> dict:
 
 
 def cache(count: int, seed: int) -> dict:
-    """Damaged files of the cache of kernels; a result is what was saved or nothing."""
+    """Damaged files of the cache of kernels; a result is the saved data or nothing."""
     from sdf_lights.kernel_cache import Files
 
     rng = np.random.default_rng(seed)

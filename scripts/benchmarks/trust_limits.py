@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What pictures, lamps, meshes, instances and textures take of memory and time, and how large they may be by that."""
+"""Memory and time of pictures, lamps, meshes, instances and textures, and the sizes that follow."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 
 from . import isolation
 
-LARGE = 16_384  # pixels along a side of the largest still that the table has
+LARGE = 16_384  # pixels along a side of the largest still in the table
 MEGABYTE = 1e6
 LAMPS = 100, 1_000, 4_000
 SCENES = {"triangles": 2_000_000, "instances": 100_000, "texels": 64_000_000}
 
 
 def lamps(counts: tuple[int, ...]) -> list[dict]:
-    """Processor time and memory of many lamps, each of a shape of its own size."""
+    """Processor time and memory of many lamps, each with a shape of a different size."""
     from sdf_lights.emitter.building.build import build_lamp
     from sdf_lights.emitter.building.pack import pack_lamps
     from sdf_lights.sdf.shapes import Sphere
@@ -33,7 +33,7 @@ def lamps(counts: tuple[int, ...]) -> list[dict]:
 
 
 def pictures() -> list[dict]:
-    """Bytes of a pixel of the picture alone, and of each pass beside it."""
+    """Bytes per pixel of the picture alone, and of each additional pass."""
     from sdf_lights.render.film import bytes_of_a_pixel
     from sdf_lights.render.passes import PASSES
     from support import scenes
@@ -57,7 +57,7 @@ def pictures() -> list[dict]:
 
 
 def _grid(triangles: int):
-    """A mesh of waves of about so many triangles."""
+    """A mesh of waves with about so many triangles."""
     from sdf_lights.render.scene import Mesh
 
     side = max(int(np.sqrt(triangles / 2)), 1)
@@ -69,7 +69,7 @@ def _grid(triangles: int):
 
 
 def _filled(kind: str, count: int):
-    """The room of the tests, with so many triangles, instances or texels in it; and how many they are."""
+    """The room of the tests with so many triangles, instances or texels in it; and their number."""
     import dataclasses
 
     from sdf_lights.render.scene import Instance
@@ -94,7 +94,8 @@ def _filled(kind: str, count: int):
 
 
 def _taken(kind: str, count: int) -> dict:
-    """What a scene takes more than an empty one, from its meshes to what rays meet; in a process of its own."""
+    """The additional cost of a scene compared with an empty one, from its meshes to the structures for rays; in a
+    separate process."""
     from sdf_lights.render.cpu.block import PackedScene
     from sdf_lights.render.film import Film
 
@@ -113,7 +114,7 @@ def _taken(kind: str, count: int) -> dict:
 
 
 def scenes(quick: bool) -> list[dict]:
-    """Bytes and time of triangles, instances and texels, beside their own numbers."""
+    """Bytes and time of triangles, instances and texels, in addition to their own data."""
     rows = []
     for kind, count in SCENES.items():
         process = isolation.Isolated()

@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The viewport: milliseconds of a frame of lamps, and from an edit until it is seen.
 
-Frames are drawn without a window, by number of lamps and resolution. The lamps are of five shapes, side by side in a
-grid that fills the picture, so each ray meets few of them and each pixel
-some. A frame is drawn and its mask read back, which waits for the graphics card. ``edit`` frames follow a change
-of a number of every lamp.
+Frames are drawn without a window, by number of lamps and resolution. The lamps have five shapes, side by side in a grid
+that fills the picture, so each ray meets few of them and each pixel some. A frame is drawn and its mask read back,
+which waits for the graphics card. ``edit`` frames follow a change of one number of every lamp.
 
-Edits are made in a Blender with a window, where there is one: see viewport_session.py.
+If there is a Blender with a window, edits are made in it: see viewport_session.py.
 """
 
 from __future__ import annotations
@@ -83,7 +82,7 @@ class _Canvas:
         self._view = View(view, projection, size)
 
     def draw(self, lamps, finder) -> tuple[float, float]:
-        """Milliseconds until the commands are given, and until the picture is there."""
+        """Milliseconds until the commands are issued, and until the picture is ready."""
         from sdf_lights.blender.viewport.painter import Drawn
 
         started = time.perf_counter()

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the viewport benchmark runs in a Blender with a window: edits, and the time until they are seen.
+"""The session of the viewport benchmark in a Blender with a window: edits, and the time until they are seen.
 
     blender --factory-startup --python viewport_session.py -- REPORT.json REPEATS SHADING
 
-For each kind of edit the report has, in milliseconds: ``restart``, until the render of the new scene has begun; ``picture``,
-until its first picture is there; ``seen``, until a redraw shows it. ``blocked`` is the longest that one of our functions
-kept Blender's main thread, ``worked`` the longest that it computed: the rest is waiting, mostly for the depth of the
-scene, which a software renderer has yet to draw. Lists, a value for each edit.
+For each kind of edit the report has, in milliseconds: ``restart``, until the render of the new scene has begun;
+``picture``, until its first picture is there; ``seen``, until a redraw shows it. ``blocked`` is the longest time that
+one of our functions kept Blender's main thread, ``worked`` the longest time that it computed. The rest is waiting,
+mostly for the depth of the scene, which a software renderer must still draw. Lists, with a value for each edit.
 """
 
 import pathlib
@@ -31,7 +31,7 @@ SETTLED = 0.6  # seconds between edits
 
 
 class Clock:
-    """Seconds from an edit until each of ``STAGES``, which follow each other; and how long our functions took since."""
+    """Seconds from an edit until each of ``STAGES``, which follow each other; and the times of our functions since."""
 
     STAGES = ("restart", "picture", "seen")
 
@@ -59,7 +59,7 @@ class Clock:
         setattr(owner, name, wrapper)
 
     def watch(self, owner, name: str) -> None:
-        """Note how long the function takes, which Blender calls in its main thread."""
+        """Record how long the function takes, which Blender calls in its main thread."""
         function = getattr(owner, name)
 
         def wrapper(*arguments, **keywords):
@@ -150,7 +150,7 @@ def session():
         clock.watch(overlay.Overlay, name)
     rows = report["rows"] = []
 
-    # Of the proxy there is nothing to restart, and its picture is there when the scene has been drawn.
+    # The proxy has nothing to restart, and its picture is there when the scene has been drawn.
     for stage, name in zip(clock.STAGES, ("before_scene", "after_scene", "labels")):
         clock.after("SOLID", overlay.Overlay, name, stage)
     clock.after("RENDERED", interactive.InteractiveRender, "_prepare", "restart")

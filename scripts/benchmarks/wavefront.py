@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the GPU's path tracer could gain as a wavefront of small kernels, and what that would cost at least.
+"""The possible gain of splitting the GPU's path tracer into a wavefront of small kernels, and its minimum cost.
 
-A wavefront sorts paths by what they do next, so that no thread waits for others that do something else (Laine et al. 2013,
-"Megakernels considered harmful"). It can gain no more than the threads that wait: they are counted, for each sample the
-rounds of the program's loop, those in which a surface is shaded, and those in which a light ray is sent; and of groups
-of threads what the slowest ones let the others wait at the end. Between its kernels paths are in memory, which threads
-of one kernel have in registers: the same program writes a path to a buffer and reads it again, once a round, which is the
-least that a wavefront does.
+A wavefront sorts paths by their next step, so that no thread waits for others with a different step (Laine et al. 2013,
+"Megakernels considered harmful"). It can gain at most the waiting threads. These are counted: for each sample, the
+rounds of the program's loop, those in which a surface is shaded, and those in which a light ray is traced; and in
+groups of threads, the waiting for the slowest ones at the end. Between its kernels, paths are in memory, while threads
+of one kernel keep them in registers. The same program writes a path to a buffer and reads it again, once per round,
+which is the minimum that a wavefront does.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from .throughput import LAMP_SCENES
 HELP = "what the GPU's path tracer could gain as a wavefront, and what that costs"
 
 BOUNCES = (0, 4)
-GROUPS = (8, 32)  # threads that go together: llvmpipe's, and those of most graphics cards
+GROUPS = (8, 32)  # threads of a group: llvmpipe's, and those of most graphics cards
 STATE = 5  # binding of the buffer that paths are in
 ROUND = "fresh = integrator_advance(false)"
 
 
 def counting(source: str) -> tuple[str, int]:
-    """A program whose picture is (rounds, those that shade, those that send a light ray), a sample."""
+    """A program whose picture is (rounds, those that shade, those that trace a light ray), per sample."""
     for place, text in (
         ("void path_clear_sample()", "vec3 rounds;\n\nvoid path_clear_sample()"),
         ("PATH.index = film_offset + index;", "PATH.index = film_offset + index;\n            rounds = vec3(0.0);"),
@@ -65,7 +65,7 @@ def _parts(source: str, record: str) -> list[str]:
 
 
 def remembering(source: str) -> tuple[str, int]:
-    """A program that has paths in a buffer once a round."""
+    """A program that moves paths through a buffer once per round."""
     parts = _parts(source, "path") + _parts(source, "sample")
     into = {"float": "floatBitsToUint({})", "int": "uint({})", "uint": "{}"}
     back = {"float": "uintBitsToFloat({})", "int": "int({})", "uint": "{}"}
@@ -88,7 +88,7 @@ def remembering(source: str) -> tuple[str, int]:
 
 @contextmanager
 def changed(change):
-    """The GPU's programs as ``change`` makes them, which returns how many words of a buffer each pixel needs, too."""
+    """The GPU's programs after ``change``, which also returns how many words of a buffer each pixel needs."""
     renderer = host.program("render.gpu.renderer")
     scene, device = renderer.GpuScene, renderer.GpuRenderer
     source, bind = scene.source, device._bind

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The text of the report. Every number in it is read from results; sentences that judge are chosen by them."""
+"""The text of the report. Every number in it is read from results; results also select the sentences that judge."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ OURS, PAPER = "CUT", "MIS"
 PEERS = ("Cycles volume", "Cycles mesh light")
 LIGHT = {"cycles_direct": ("Direct light", "direct"), "cycles_bounces": ("Four bounces", "bounces")}
 DRAWN = (*LIGHT, "paper", "intervals", "scaling")  # results that have plots
-MANY = 0.01  # of the rays of a shape: what is less is not listed
-TENTH = 0.1  # standard error of a reference, of the least error that it judges, at which it is good enough
+MANY = 0.01  # of the rays of a shape: smaller ones are not listed
+TENTH = 0.1  # standard error of a reference at which it is good enough, relative to the least error that it judges
 
 INTRODUCTION = """\
 # Speed against error
@@ -91,7 +91,7 @@ The light of one lamp at one point, without occlusion, by the same Sobol numbers
 samples. Efficiency is that of ours to the paper's sampler: the ratio of squared errors by that of times.
 """
 
-MORE = {  # columns of hard cases beside the figure: title, and what it is
+MORE = {  # columns of hard cases beside the figure: title and key
     "rays": "rays",
     "too_fine_to_judge": "too fine to judge",
     "unresolved": "length unresolved",
@@ -139,7 +139,7 @@ Cases on which light is easily wrong or dear. A limit was there before the measu
 it. Each is a test of the same name, too.
 """
 
-HARD = {  # kind of case: title, and where its limits are from
+HARD = {  # kind of case: title, and the source of its limits
     "rays": (
         "Rays",
         """\
@@ -221,7 +221,7 @@ def listed(names: list[str]) -> str:
 
 
 def load(result: Result, by_clock: bool = False) -> str:
-    """What it was measured on, and what else ran there. ``by_clock``: times are not those of processors."""
+    """The machine of a measurement, and its other load. ``by_clock``: times are wall-clock times."""
     machine = result.machine
     text = f"On {machine['cores']} cores of {machine['processor']}"
     busy = machine.get("load")
@@ -260,7 +260,7 @@ def shown(paths: list[pathlib.Path], about: str, page: pathlib.Path) -> list[str
 
 
 def ratios(result: Result, method: str) -> list[tuple[str, str, float]]:
-    """Scene, measure, and the error of a method to ours, at equal time, where both are known."""
+    """Scene, measure, and the error of a method over ours, at equal time, if both are known."""
     return [
         (row["scene"], label, row[f"{metric} {method}"] / row[f"{metric} {OURS}"])
         for metric, label in METRICS.items()
@@ -270,7 +270,7 @@ def ratios(result: Result, method: str) -> list[tuple[str, str, float]]:
 
 
 def verdict(result: Result) -> str:
-    """Where we lose, and by how much; where we do not, the least that is won."""
+    """The cases that we lose, and by how much; without any, our least gain."""
     sentences = []
     for method in (*PEERS, PAPER):
         found = ratios(result, method)
@@ -321,7 +321,7 @@ def equal_time(result: Result) -> str:
 
 
 def preparation(result: Result) -> str:
-    """Seconds before the first sample, and what is left of the comparison without them."""
+    """Seconds before the first sample, and the comparison without them."""
     names = (OURS, PAPER, *PEERS)
     rows = []
     for row in (row for row in result.rows if "method" not in row):
@@ -362,7 +362,7 @@ def preparation(result: Result) -> str:
 
 
 def references(result: Result) -> str:
-    """What is known of the references, and of how mesh lights differ."""
+    """Facts about the references, and the difference of mesh lights."""
     found = [row for row in result.rows if "surface_reference" in row]
     if not found:
         return ""
@@ -528,7 +528,7 @@ def efficiencies(result: Result) -> dict[str, list[float]]:
 
 
 def slower(result: Result) -> str:
-    """Where cuts do not pay."""
+    """The cases in which cuts do not pay."""
     lost = [
         f"{scene} to {name} ({number(ratio)})"
         for scene, found in efficiencies(result).items()
@@ -704,7 +704,7 @@ def summary(result: Result) -> str:
 
 
 def figures(result: Result) -> list[str]:
-    """Section of a benchmark that has no other."""
+    """Section of a benchmark without a special one."""
     return [*heading(f"`{result.name}`", result, load(result)), summary(result)]
 
 
@@ -959,7 +959,7 @@ SENTENCES = {
 
 
 def lacking(results: dict[str, Result]) -> list[str]:
-    """What is not on this page, or not yet."""
+    """Parts that are missing on this page."""
     absent = [name for name in RUNS if name not in results]
     found = [f"- **Not measured: {listed(absent)}.**"] if absent else []
     for name in (*LIGHT, "paper"):
@@ -971,7 +971,7 @@ def lacking(results: dict[str, Result]) -> list[str]:
 
 
 def sentences(results: dict[str, Result]) -> list[str]:
-    """What each result comes to."""
+    """The conclusion of each result."""
     found = []
     for name, sentence in SENTENCES.items():
         values = {key: number(value) for key, value in results[name].summary.items()} if name in results else {}
@@ -1002,7 +1002,7 @@ def drawn(results: dict[str, Result], images: pathlib.Path) -> str:
 
 
 def text(results: dict[str, Result], images: pathlib.Path, page: pathlib.Path) -> str:
-    """What stands on the page, from results and the plots that are in ``images``."""
+    """The content of the page, from results and the plots in ``images``."""
     parts = [INTRODUCTION, *overview(results), *sentences(results), *lacking(results)]
     for name, result in results.items():
         if name in LIGHT:

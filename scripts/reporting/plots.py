@@ -24,7 +24,7 @@ DOTS = 90  # an inch
 
 
 def _save(figure, path: pathlib.Path, source: Result | None) -> None:
-    """``source``: what it was drawn from, where that is known."""
+    """``source``: what it was drawn from, if that is known."""
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=DOTS, metadata={"Software": None})
     pyplot.close(figure)
@@ -40,7 +40,7 @@ def _save(figure, path: pathlib.Path, source: Result | None) -> None:
 def against_time(result: Result, metric: str, path: pathlib.Path) -> bool:
     """Error against seconds, both logarithmic, a panel for each scene; bands reach from the best seed to the worst.
 
-    False where nothing is known of the metric.
+    False if nothing is known of the metric.
     """
     scenes = list(dict.fromkeys(row["scene"] for row in result.rows))
     curves = {}
@@ -91,7 +91,7 @@ def against_time(result: Result, metric: str, path: pathlib.Path) -> bool:
 def crossings(result: Result, path: pathlib.Path) -> bool:
     """Evaluations on a ray by each rule, for the smooth cases; and the time of a ray against the number of parts.
 
-    False where there is nothing to draw.
+    False if there is nothing to draw.
     """
     smooth = sorted((row for row in result.rows if row.get("smooth")), key=lambda row: row["evaluations"])
     curves = {}
@@ -133,7 +133,7 @@ def crossings(result: Result, path: pathlib.Path) -> bool:
 
 
 def scaling(result: Result, path: pathlib.Path) -> bool:
-    """Seconds against each number that a scene may have more of, both logarithmic. False where there are none."""
+    """Seconds over each growing number of a scene, both logarithmic. False if there are none."""
     names = list(dict.fromkeys(row["curve"] for row in result.rows))
     if not names:
         return False
@@ -177,14 +177,14 @@ def _shown(pixels: np.ndarray) -> np.ndarray:
 
 
 def _error(pixels: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """Mean over the channels of |x − r| / (r + 0.01 r̄), as MAPE has it, row 0 at the top."""
+    """Mean over the channels of |x − r| / (r + 0.01 r̄), as in MAPE, row 0 at the top."""
     return (np.abs(pixels - reference) / (reference + 0.01 * reference.mean())).mean(axis=2)[::-1]
 
 
 def pictures(file: pathlib.Path, methods: list[str], path: pathlib.Path, source: Result | None = None) -> list[str]:
-    """A reference and renders in a row, with false-colour errors below them; the methods that are shown.
+    """A reference and renders in a row, with false-colour errors below them; returns the shown methods.
 
-    ``source``: the result that the renders belong to, where that is known.
+    ``source``: the result that the renders belong to, if that is known.
     """
     with np.load(file) as kept:
         images = {name: kept[name].astype(float) for name in kept.files}

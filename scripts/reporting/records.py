@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What images of the report were drawn from, which stands in them as PNG text: a result and the hash of its numbers.
+"""The source of the report's images, stored in them as PNG text: a result and the hash of its numbers.
 
-Plots are drawn from a result alone. Pictures are drawn from renders that are too large to be kept with it; they are said to
-be of a result where it has the hash of these renders.
+Plots are drawn from a result alone. Pictures are drawn from renders that are too large to be kept with it. They count
+as those of a result if it has the hash of these renders.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ def _chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:
 
 
 def of(result: Result) -> str:
-    """What an image that is drawn from a result has to say."""
+    """The record of an image drawn from a result."""
     return f"{result.name} {result.digest}"
 
 
 def read(image: pathlib.Path) -> str | None:
-    """What an image says, or None."""
+    """The record in an image, or None."""
     data = image.read_bytes()
     if not data.startswith(SIGNATURE):
         raise ValueError(f"{image} is no PNG file")
@@ -45,7 +45,7 @@ def read(image: pathlib.Path) -> str | None:
 
 
 def compared(results: dict[str, Result], images: pathlib.Path) -> tuple[list[str], list[str]]:
-    """Names of the report's images that do not say what they were drawn from, and of those that say something else."""
+    """Names of the report's images without a record, and of those with a different one."""
     known = {of(result) for result in results.values()}
     said = {path.name: read(path) for path in sorted(images.glob("report_*.png"))}
     return (

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Results of benchmarks, as ``bench --out`` writes them, and how they are made again."""
+"""Results of benchmarks, as ``bench --out`` writes them, and the commands that make them again."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = REPOSITORY / "docs" / "report"
-PICTURES = REPOSITORY / "build" / "report"  # too large to be kept; the report keeps what it draws of them
+PICTURES = REPOSITORY / "build" / "report"  # too large to be kept; the report keeps the images drawn from them
 
-# Enough for references whose standard error is a tenth of the least error that they judge; they end when it is.
+# Enough for references whose standard error is a tenth of the least error that they judge; they stop then.
 _LAMPS = ["--size", "96", "--reference-seconds", "1200"]
 _LADDER = ["--ladder", "4,16,64"]
 RUNS = {  # result: arguments of ./scripts/bench
@@ -64,12 +64,12 @@ class Result:
     machine: dict
 
     def of(self, **wanted) -> list[dict]:
-        """Rows that have these values."""
+        """Rows with these values."""
         return [row for row in self.rows if all(key in row and row[key] == value for key, value in wanted.items())]
 
     @functools.cached_property
     def digest(self) -> str:
-        """Hash of all that was measured."""
+        """Hash of all measured values."""
         content = json.dumps([self.command, self.summary, self.rows, self.machine], sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
@@ -94,12 +94,12 @@ def read(folder: pathlib.Path = RESULTS) -> dict[str, Result]:
 
 
 def pictures_of(folder: pathlib.Path) -> pathlib.Path:
-    """Where renders are that belong to the results in a folder."""
+    """Folder of the renders that belong to the results in a folder."""
     return PICTURES if folder == RESULTS else folder / "pictures"
 
 
 def _named(path: pathlib.Path) -> str:
-    """As a command in the repository names it."""
+    """As a command of the repository."""
     path = path.resolve()
     return str(path.relative_to(REPOSITORY) if path.is_relative_to(REPOSITORY) else path)
 
@@ -107,7 +107,7 @@ def _named(path: pathlib.Path) -> str:
 def run(name: str, folder: pathlib.Path = RESULTS, quick: bool = False) -> int:
     """Measure one of ``RUNS``; the exit code, which is 0 unless it failed or a limit does not hold.
 
-    An interrupted run goes on. ``quick``: only to see that it works.
+    An interrupted run continues. ``quick``: only shows that it works.
     """
     folder.mkdir(parents=True, exist_ok=True)
     arguments = [*RUNS[name], *(["--quick"] if quick else []), "--out", _named(folder / f"{name}.json")]

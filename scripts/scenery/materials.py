@@ -11,7 +11,7 @@ from sdf_lights.blender.shader_trees import use_nodes
 
 
 def image(name: str, pixels: np.ndarray, colour: bool):
-    """A painted texture, (height, width, 3) in [0, 1], packed into the .blend; not ``colour``: plain numbers."""
+    """A painted texture, (height, width, 3) in [0, 1], packed into the .blend; without ``colour``: plain numbers."""
     height, width, _ = pixels.shape
     texture = bpy.data.images.new(name, width, height)
     texture.colorspace_settings.name = "sRGB" if colour else "Non-Color"
@@ -23,7 +23,7 @@ def image(name: str, pixels: np.ndarray, colour: bool):
 
 
 class Graph:
-    """A node tree, written down in a line a node: that of a new material, or of anything else that has one."""
+    """A node tree, written with one line per node: that of a new material, or of another owner."""
 
     def __init__(self, name: str | bpy.types.ID):
         self.material = bpy.data.materials.new(name) if isinstance(name, str) else name
@@ -32,9 +32,9 @@ class Graph:
         self.nodes.clear()
 
     def node(self, kind: str, output: str | int = 0, **inputs):
-        """The output socket of a new node; an input is a value or another node's output, by name or by place: ``_0``.
+        """The output socket of a new node. An input is a value or another node's output, by name or by index: ``_0``.
 
-        What is no input is a setting: ``operation="SINE"``. Settings come first: they decide which sockets there are.
+        Other arguments are settings: ``operation="SINE"``. Settings come first, because they determine the sockets.
         """
         node = self.nodes.new(kind)
         settings = {name for name in inputs if name in node.bl_rna.properties}
@@ -78,7 +78,7 @@ def principled(name: str, base_color, roughness: float, **inputs):
 
 
 def _socket(sockets, key: str | int):
-    """A socket by its name or place, among those that a node's settings have not taken away."""
+    """A socket by its name or index, among those that a node's settings leave."""
     there = [socket for socket in sockets if socket.enabled]
     return (
         there[key]

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Image textures of the demo scene, painted with NumPy.
 
-Every painter returns (height, width, 3) float64 in [0, 1], row 0 at the bottom, that repeats without a seam where
-it says so. Colours are display-referred (sRGB), heights are plain numbers.
+Every painter returns (height, width, 3) float64 in [0, 1], row 0 at the bottom. Those marked seamless repeat without a
+seam. Colours are display-referred (sRGB), heights are plain numbers.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 def noise(size: tuple[int, int], frequency: tuple[float, float], seed: int, octaves: int = 5) -> np.ndarray:
     """Seamless noise with mean 0 and deviation 1: octaves of band-limited Gaussian noise.
 
-    ``size`` is (height, width) in pixels, ``frequency`` the lowest frequency down and across, in waves an image.
+    ``size`` is (height, width) in pixels, ``frequency`` the lowest frequency down and across, in waves per image.
     """
     random = np.random.default_rng(seed)
     down, across = np.meshgrid(

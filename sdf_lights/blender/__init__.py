@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that imports bpy: the add-on's registration, its properties and panels, sync, and the render engine.
+"""All code that imports bpy: the add-on's registration, its properties and panels, sync, and the render engine.
 
-Nothing here imports a kernel until something is rendered, so enabling the add-on does not wait for Numba.
+Nothing here imports a kernel before the first render, so enabling the add-on does not wait for Numba.
 """
 
 import os
@@ -15,7 +15,7 @@ _CACHE = "SDF_LIGHTS_CACHE"
 
 
 def _modules():
-    """Modules with ``CLASSES`` and, where there is more to do, ``register()`` and ``unregister()``, in order."""
+    """Modules with ``CLASSES`` and, if they need more, ``register()`` and ``unregister()``, in order."""
     from . import (
         assets,
         beside_cycles,
@@ -90,13 +90,13 @@ def _nothing() -> None:
 
 
 def register():
-    """Register everything. Once is enough; again is harmless."""
+    """Register everything. Further calls do nothing."""
     from .nodes.tree import set_registered
 
     if hasattr(bpy.types.Scene, "sdf_lights"):
         return
     if IS_EXTENSION:
-        # The extension's own folder may be read-only and is emptied by updates. A folder chosen by the user stays.
+        # The extension's own folder may be read-only, and updates empty it. A folder chosen by the user stays.
         os.environ.setdefault(_CACHE, bpy.utils.extension_path_user(ROOT, path="kernels", create=True))
     for module in _modules():
         for kind in module.CLASSES:
@@ -106,7 +106,7 @@ def register():
 
 
 def unregister():
-    """Undo ``register()``, in the opposite order."""
+    """Undo ``register()``, in reverse order."""
     from .nodes.tree import set_registered
 
     if not hasattr(bpy.types.Scene, "sdf_lights"):

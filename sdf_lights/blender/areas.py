@@ -1,16 +1,17 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Editors for what a button shows: one that is open, else half of the largest one, else a new window."""
+"""Editors that a button opens: one that is already open, else half of the largest area, else a new window."""
 
 from __future__ import annotations
 
 import bpy
 
-_LEAST_WIDTH = 600  # pixels of an area that is worth splitting
+_LEAST_WIDTH = 600  # pixels; smaller areas are not split
 
 
 def area_of(context, kind: str, fits=lambda area: True) -> bpy.types.Area | None:
-    """An area of this type in any window, for which ``fits`` is true; that which ``fits`` answers with more is preferred."""
+    """An area of this type, in any window, for which ``fits`` is true. The one with the largest value of ``fits``
+    wins."""
     found = [
         (fits(area), area)
         for window in context.window_manager.windows
@@ -22,7 +23,7 @@ def area_of(context, kind: str, fits=lambda area: True) -> bpy.types.Area | None
 
 
 def opened(context, ui_type: str) -> bpy.types.Area | None:
-    """A new editor of this type, beside what the largest area of the window shows; None where there is no window."""
+    """A new editor of this type, split off the largest area of the window. None if there is no window."""
     window = context.window
     if window is None or not window.screen.areas:
         return None

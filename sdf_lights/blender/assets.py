@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps as assets: marked with a picture of their own, and the presets as a library in the asset browser."""
+"""Lamps as assets: marked with their own picture, and the presets as a library in the asset browser."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 
 from ..render.errors import RenderError
 from ..render.scene import Ray
-from . import lamp_preview, parameters
+from . import lamp_preview, parameters, preset_sources
 from .lamp_presets import load_preset
 from .naming import IS_EXTENSION, LABEL, ROOT
 from .presets import presets
 
 LIBRARY = f"{LABEL} Presets"
 _FILE = "lamps.blend"
-_SIZE = 128  # pixels of a picture
+_SIZE = 128  # pixels
 
 
 def _is_lamp(obj: bpy.types.Object) -> bool:
@@ -26,7 +26,7 @@ def _is_lamp(obj: bpy.types.Object) -> bool:
 
 
 def show_picture(obj: bpy.types.Object, picture: np.ndarray) -> None:
-    """Make (height, width, 4) display values, row 0 at the bottom, the preview of an object."""
+    """Use (height, width, 4) display values, row 0 at the bottom, as the preview of an object."""
     preview = obj.preview_ensure()
     preview.image_size = picture.shape[1], picture.shape[0]
     preview.image_pixels_float.foreach_set(np.ascontiguousarray(picture, np.float32).ravel())
@@ -44,7 +44,7 @@ class SDFLIGHTS_OT_lamp_mark_asset(bpy.types.Operator):
         return any(_is_lamp(obj) and obj.library is None for obj in context.selected_objects)
 
     def execute(self, context):
-        from .sync.common import matrix_of  # not sooner: these import Numba
+        from .sync.common import matrix_of  # not at the top: these import Numba
         from .sync.lights import light_of
 
         depsgraph, made = context.evaluated_depsgraph_get(), 0
@@ -69,12 +69,13 @@ class SDFLIGHTS_OT_lamp_mark_asset(bpy.types.Operator):
 
 def write_library(path: pathlib.Path) -> None:
     """Write a file with every preset as an asset, each with its picture."""
-    made, texts = set(), set(bpy.data.texts)
+    made, texts, things = set(), set(bpy.data.texts), set()
     try:
         for name, preset in presets().items():
             light = bpy.data.lights.new(preset.title, "POINT")
             load_preset(light, name)
             parameters.update(light)
+            things |= parameters.things_of(light)
             obj = bpy.data.objects.new(preset.title, light)
             made.add(obj)
             obj.asset_mark()
@@ -91,12 +92,13 @@ def write_library(path: pathlib.Path) -> None:
     finally:
         for obj in made:
             bpy.data.lights.remove(obj.data)  # and the object with it
+        preset_sources.remove(things)
         for text in set(bpy.data.texts) - texts:
             bpy.data.texts.remove(text)
 
 
 def folder() -> pathlib.Path:
-    """Where the library is."""
+    """Path of the library."""
     if IS_EXTENSION:
         return pathlib.Path(bpy.utils.extension_path_user(ROOT, path="assets", create=True))
     return pathlib.Path(bpy.utils.user_resource("DATAFILES", path="sdf_lights/assets", create=True))

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps beside Cycles: a second scene, which shares all objects, renders the light of the lamps; the compositor of the first adds it.
+"""Lamps together with Cycles. A second scene, which shares all objects, renders the light of the lamps. The compositor
+of the first scene adds it.
 
-The light that belongs to lamps is that of a light group, of which they all are in the second scene (``sync``). In Cycles, lamps
-give no light meanwhile: an output of their nodes with nothing behind it takes the place of the one that there is (``fallback``).
+In the second scene, all lamps are in one light group (``sync``); its light is the light of the lamps. Meanwhile lamps
+give no light in Cycles: an empty output replaces the output of their nodes (``fallback``).
 """
 
 from __future__ import annotations
@@ -16,19 +17,19 @@ from . import cycles, fallback
 from .naming import BESIDE_GROUP, ENGINE
 
 _PASS = f"Combined_{BESIDE_GROUP}"
-_MARK = "sdf_lights_beside"  # of the nodes that are the add-on's own
-_ASIDE = 300.0  # from a node to the next in the compositor
+_MARK = "sdf_lights_beside"  # marks nodes of the add-on
+_ASIDE = 300.0  # distance between nodes in the compositor
 
 
 def _tree(scene: bpy.types.Scene) -> bpy.types.NodeTree | None:
-    """The nodes of a scene's compositor, where it uses them."""
+    """The nodes of a scene's compositor; None if it does not use them."""
     if hasattr(scene, "compositing_node_group"):
         return scene.compositing_node_group
     return scene.node_tree if scene.use_nodes else None
 
 
 def _new_tree(scene: bpy.types.Scene) -> bpy.types.NodeTree:
-    """Nodes that show what is rendered, marked as the add-on's own."""
+    """Nodes that show the render, marked as the add-on's own."""
     if hasattr(scene, "compositing_node_group"):
         tree = bpy.data.node_groups.new(f"{scene.name} Compositing", "CompositorNodeTree")
         tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
@@ -49,7 +50,7 @@ def _lamps(scene: bpy.types.Scene) -> Iterator[bpy.types.Light]:
 
 
 def add(scene: bpy.types.Scene) -> bpy.types.Scene:
-    """Have the light of the lamps of a scene added to what Cycles renders; returns the scene that renders it."""
+    """Add the light of a scene's lamps to its Cycles render. Returns the scene that renders the light."""
     remove(scene)
     beside = scene.copy()
     beside.name, beside.world = f"{scene.name} SDF Lamps", None
@@ -97,7 +98,7 @@ def _insert(tree: bpy.types.NodeTree, shown: bpy.types.Node, beside: bpy.types.S
 
 
 def remove(scene: bpy.types.Scene) -> bool:
-    """Undo ``add``; False where there is nothing to undo."""
+    """Undo ``add``. Returns False if there is nothing to undo."""
     beside = scene.sdf_lights.beside
     if beside is None:
         return False
@@ -133,7 +134,7 @@ class _BesideOperator:
 
 
 class SDFLIGHTS_OT_beside_cycles_add(_BesideOperator, bpy.types.Operator):
-    """Add the light of the lamps to what Cycles renders, by a scene of its own and the compositor"""
+    """Add the light of the lamps to the render of Cycles, with a separate scene and the compositor"""
 
     bl_idname = "sdf_lights.beside_cycles_add"
     bl_label = "Add Lamps' Light to Cycles"
@@ -145,7 +146,7 @@ class SDFLIGHTS_OT_beside_cycles_add(_BesideOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_beside_cycles_remove(_BesideOperator, bpy.types.Operator):
-    """Render without the light of the lamps again"""
+    """Render again without the light of the lamps"""
 
     bl_idname = "sdf_lights.beside_cycles_remove"
     bl_label = "Remove Lamps' Light from Cycles"

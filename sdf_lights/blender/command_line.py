@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Arguments of renders without a window: ``blender -b FILE -E SDF_LIGHTS -a -- --sdf-samples 0:64 --sdf-threads 8``.
 
-What follows ``--`` belongs to scripts. Only words that begin with ``--sdf-``, and ``--strict``, are read here. They hold for final renders of this
-process, whatever the file says.
+Arguments after ``--`` belong to scripts. Only words that begin with ``--sdf-``, and ``--strict``, are read here. They
+apply to all final renders of this process and override the file.
 
-``blender -c sdf_lights_merge OUT.exr IN.exr ...`` joins the files of renders that have shared the samples of a frame, and
-``blender -c sdf_lights_job OUT.json FILE.blend`` writes a job for a render farm. ``sdf_lights_movie`` makes a movie of the frames.
+``blender -c sdf_lights_merge OUT.exr IN.exr ...`` joins the files of renders that shared the samples of a frame.
+``blender -c sdf_lights_job OUT.json FILE.blend`` writes a job for a render farm. ``sdf_lights_movie`` makes a movie of
+the frames.
 """
 
 from __future__ import annotations
@@ -26,14 +27,14 @@ from . import movie, render_job
 LOG = logging.getLogger("sdf_lights")
 
 _PREFIX = "--sdf-"
-_STRICT = "--strict"  # means the same as with the prefix
+_STRICT = "--strict"  # the same as with the prefix
 LEVELS = {name.lower(): getattr(logging, name) for name in ("DEBUG", "INFO", "WARNING", "ERROR")}
 _LIMITS = {item.name: item.metadata for item in dataclasses.fields(Settings)}
 
 
 @dataclasses.dataclass
 class Arguments:
-    """What the command line says; ``settings`` by their names in ``Settings``."""
+    """The parsed command line. ``settings`` has the names of ``Settings``."""
 
     settings: dict = dataclasses.field(default_factory=dict)
     strict: bool = False
@@ -41,7 +42,7 @@ class Arguments:
 
 
 def arguments(words: Sequence[str] | None = None) -> Arguments:
-    """The arguments among ``words``, those of the process if not given. Raises RenderError with the word that is wrong."""
+    """The arguments in ``words``, by default those of the process. Raises RenderError with the wrong word."""
     found = Arguments(strict=os.environ.get("SDF_LIGHTS_STRICT", "") not in ("", "0"))
     rest = iter(_own_words(sys.argv if words is None else words))
     for word in rest:
@@ -64,8 +65,8 @@ def arguments(words: Sequence[str] | None = None) -> Arguments:
 
 
 def strict() -> bool:
-    """Whether a render has to fail where the scene is not rendered as it says: ``-- --sdf-strict`` or
-    ``SDF_LIGHTS_STRICT=1``. So it has where an argument is wrong: another picture than asked for helps nobody."""
+    """Whether a render must fail if the scene is not rendered as it says: ``-- --sdf-strict`` or
+    ``SDF_LIGHTS_STRICT=1``. A wrong argument fails too: nobody wants a different picture than the requested one."""
     try:
         return arguments().strict
     except RenderError:
@@ -73,20 +74,21 @@ def strict() -> bool:
 
 
 def apply(settings: Settings) -> None:
-    """Give ``settings`` what the command line says."""
+    """Write the values of the command line into ``settings``."""
     for name, value in arguments().settings.items():
         setattr(settings, name, value)
 
 
 def begin_log() -> None:
-    """Write the log to the console, if the command line asks for that."""
+    """Write the log to the console, if the command line asks for it."""
     level = arguments().log
     if level is not None:
         write_log(level)
 
 
 def write_log(level: str) -> None:
-    """Write what is of this level or above (``debug``, ``info``, ``warning``, ``error``) to the console from now on."""
+    """From now on, write messages of this level or above (``debug``, ``info``, ``warning``, ``error``) to the
+    console."""
     LOG.setLevel(LEVELS[level])
     if not LOG.handlers:
         handler = logging.StreamHandler()
@@ -114,14 +116,14 @@ def _read_threads(found: Arguments, value: str) -> None:
 
 
 def _read_samples(found: Arguments, value: str) -> None:
-    """``64``, or ``64:128`` for the samples 64 to 127 of a picture that several renders share."""
+    """``64``, or ``64:128`` for the samples 64 to 127 of a picture shared by several renders."""
     first, colon, end = value.partition(":")
     if not colon:
         found.settings["samples"] = _number("samples", first)
         return
     start, stop = _number("sample_offset", first), _number("samples", end)
     if stop <= start:
-        raise ValueError("the range has no sample: write the first and the one after the last, such as 64:128")
+        raise ValueError("the range has no sample: write the first sample and the one after the last, such as 64:128")
     found.settings.update(sample_offset=start, samples=stop - start)
 
 

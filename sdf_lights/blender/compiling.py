@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kernels that compile beside a session from the moment on at which the add-on is enabled, and how far they are."""
+"""Kernels compile beside the session as soon as the add-on is enabled; this module shows their progress."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ import bpy
 from ..render.cpu import background
 
 BEGIN_SECONDS = 0.5  # after the add-on is enabled, so that Blender's window is there first
-SHOW_SECONDS = 0.5  # from one look at the progress to the next
+SHOW_SECONDS = (
+    2.0  # from one look at the progress to the next: a window that the processor draws is busy for a tenth of a second
+)
 
 
 def short() -> str:
-    """How far it is, for a line with little room; "" where nothing is compiled."""
+    """The progress as a short line; "" if nothing is compiling."""
     if not background.running():
         return ""
     done, total = background.progress()
@@ -23,7 +25,7 @@ def short() -> str:
 
 
 def draw(layout) -> None:
-    """Show in the preferences how far the kernels are."""
+    """Show the progress of the kernels in the preferences."""
     done, total = background.progress()
     if background.running():
         text = f"{done} of {total} kernels are compiled" if total else "Kernels are being compiled"
@@ -42,22 +44,26 @@ def _redraw() -> None:
         for area in window.screen.areas:
             if area.type == "PREFERENCES":
                 area.tag_redraw()
-        if not len(getattr(window, "modal_operators", ())):  # these write their own text there
+        if not len(getattr(window, "modal_operators", ())):  # these have their own status text
             with bpy.context.temp_override(window=window):
-                bpy.context.workspace.status_text_set(None)  # Blender has no other way to have that bar drawn again
+                bpy.context.workspace.status_text_set(None)  # Blender has no other way to redraw that bar
 
 
 def _show() -> float | None:
     """A timer, while something is compiled and once after it."""
-    _redraw()
+    text = short()
+    if text != _shown[0]:
+        _shown[0] = text
+        _redraw()
     return SHOW_SECONDS if background.running() or any(each.is_alive() for each in _starting) else None
 
 
+_shown = [""]  # what the windows show
 _starting: list[threading.Thread] = []
 
 
 def _begin() -> None:
-    """A timer: start in a thread, as a disk may be slow."""
+    """A timer: starts in a thread, because a disk may be slow."""
     _starting[:] = [threading.Thread(target=background.start, daemon=True)]
     _starting[0].start()
     bpy.app.timers.register(_show, first_interval=SHOW_SECONDS, persistent=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an operator or panel is about."""
+"""The data that an operator or a panel works on."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from .naming import ENGINE, LABEL
 
 
 def light_of(context) -> bpy.types.Light | None:
-    """The light that a panel is about: that of the Properties editor, which may be pinned, or of the active object."""
+    """The light of a panel: that of the Properties editor, which may be pinned, or of the active object."""
     light = getattr(context, "light", None)
     if light is None and context.object is not None and context.object.type == "LIGHT":
         light = context.object.data
@@ -16,13 +16,14 @@ def light_of(context) -> bpy.types.Light | None:
 
 
 def lamp_of(context) -> bpy.types.Light | None:
-    """The light that a panel is about, if it is an SDF lamp."""
+    """The light of a panel, if it is an SDF lamp."""
     light = light_of(context)
     return light if light is not None and light.sdf_lamp.use else None
 
 
 class LampTab:
-    """A panel in the lamps' tab of the 3D view: with other engines it is there for lamps, which glow all the same."""
+    """A panel in the lamps' tab of the 3D view. Other engines show it too for lamps, because their overlay glows
+    there."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -34,7 +35,7 @@ class LampTab:
 
 
 class LampOperator:
-    """An operator on the light that the panel is about."""
+    """An operator on the light of the panel."""
 
     bl_options = {"REGISTER", "UNDO"}
 

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings taken over from Cycles, the first time that a scene which was made for it is rendered here.
+"""Copies settings from Cycles, the first time that a scene made for Cycles is rendered here.
 
-``scene.sdf_lights.origin`` says once and for all whose settings these are, so that nothing the user has set is ever
-overwritten: UNKNOWN until the scene first has this engine, then OWN or CYCLES. Nothing may be written while Blender
-renders or draws. So there, and without a window, where nothing tells of a new engine, an UNKNOWN scene is read as if
-what ``settle`` will write had been written.
+``scene.sdf_lights.origin`` records the source of the settings, so the copy never overwrites the user's values. It is
+UNKNOWN until the scene first has this engine, then OWN or CYCLES. Blender forbids changes while it renders or draws.
+Without a window, no event reports a new engine. In these cases, an UNKNOWN scene is read as if ``settle`` had already
+written its values.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ ORIGINS = [
 
 
 class _Seen(NamedTuple):
-    """What is known of a scene since its file was opened."""
+    """Known facts about a scene since its file was opened."""
 
     cycles: bool  # Cycles was its engine at some time
-    values: dict[str, Any]  # what its Cycles settings were at first
+    values: dict[str, Any]  # its first Cycles settings
 
 
 _seen: dict[int, _Seen] = {}
-_owner = object()  # of the subscription
+_owner = object()  # owner of the subscription
 
 
 def _read(scene) -> dict[str, Any]:
@@ -46,14 +46,14 @@ def _read(scene) -> dict[str, Any]:
 
 @functools.cache
 def _defaults() -> dict[str, Any]:
-    """What ``_read`` gives of a scene whose Cycles settings are untouched."""
+    """The result of ``_read`` for a scene with untouched Cycles settings."""
     known = bpy.types.Scene.bl_rna.properties["cycles"].fixed_type.properties
     names = {name for row in cycles_table.ROWS if row.read is not None for name in row.cycles} & set(known.keys())
     return _read(SimpleNamespace(cycles=SimpleNamespace(**{name: known[name].default for name in names})))
 
 
 def look(scene: bpy.types.Scene) -> None:
-    """Note which engine the scene has."""
+    """Record the engine of the scene."""
     known = _seen.get(scene.session_uid)
     is_cycles = scene.render.engine == "CYCLES"
     if known is None:
@@ -63,8 +63,8 @@ def look(scene: bpy.types.Scene) -> None:
 
 
 def comes_from_cycles(scene: bpy.types.Scene) -> bool:
-    """Whether the scene had Cycles as its engine before, or Cycles settings were made since it was first seen: a script that
-    chooses one engine after the other tells nobody."""
+    """Whether the scene had Cycles as its engine before, or its Cycles settings changed since it was first seen. A
+    script that switches between engines sends no event."""
     if not hasattr(scene, "cycles"):
         return False
     known = _seen.get(scene.session_uid)
@@ -74,7 +74,7 @@ def comes_from_cycles(scene: bpy.types.Scene) -> bool:
 
 
 def pending(scene: bpy.types.Scene) -> dict[str, Any]:
-    """Settings by path that ``settle`` would write; empty where there is nothing to be settled. ``scene`` may be evaluated."""
+    """Settings by path that ``settle`` would write; empty if nothing is to be settled. ``scene`` may be evaluated."""
     settings = scene.sdf_lights
     if settings.origin != UNKNOWN or not comes_from_cycles(scene.original):
         return {}
@@ -82,7 +82,7 @@ def pending(scene: bpy.types.Scene) -> dict[str, Any]:
 
 
 def missing(scene: bpy.types.Scene) -> str:
-    """A sentence where there should be Cycles settings, but the add-on that knows them is off."""
+    """A sentence if Cycles settings are needed but Cycles' add-on is off."""
     known = _seen.get(scene.original.session_uid)
     if scene.sdf_lights.origin == UNKNOWN and not hasattr(scene, "cycles") and known is not None and known.cycles:
         return (
@@ -93,7 +93,8 @@ def missing(scene: bpy.types.Scene) -> str:
 
 
 def settle(scene: bpy.types.Scene) -> None:
-    """Decide whose settings a scene with this engine has, and copy those of Cycles that the user has not set here."""
+    """Decide the origin of the settings of a scene with this engine. Copy those of Cycles that the user has not set
+    here."""
     settings = scene.sdf_lights
     if settings.origin != UNKNOWN or scene.render.engine != ENGINE or not scene.is_editable:
         return
@@ -115,7 +116,7 @@ def _write(settings: bpy.types.PropertyGroup, values: dict[str, Any]) -> None:
 
 
 def _place(settings: bpy.types.PropertyGroup, path: str) -> tuple[bpy.types.PropertyGroup, str]:
-    """The group of a property and its name in it."""
+    """The property group of a path, and the last name in the path."""
     group, _, name = path.rpartition(".")
     return (getattr(settings, group) if group else settings), name
 
@@ -136,7 +137,7 @@ def _has_own_settings(settings: bpy.types.PropertyGroup) -> bool:
 
 
 def changed(self, context) -> None:
-    """Callback of every setting: Blender tags the scene for the dependency graph, and what was open is settled."""
+    """Callback of every setting. Blender tags the scene for the dependency graph. An open origin is settled."""
     settle(self.id_data)
 
 
@@ -157,13 +158,13 @@ def _loaded(*_) -> None:
         settings = scene.sdf_lights
         if settings.origin == UNKNOWN and scene.is_editable:
             _update_caustics(settings)
-            # Of a version that knew no origins: what is in the file stays.
+            # A version without origins: the values in the file stay.
             if scene.render.engine == ENGINE or _has_own_settings(settings):
                 settings.origin = OWN
 
 
 def _update_caustics(settings: bpy.types.PropertyGroup) -> None:
-    """Files of before both kinds of caustics had a switch of their own have one for both."""
+    """Older files have one switch for both kinds of caustics."""
     stored = settings.bl_system_properties_get() if hasattr(settings, "bl_system_properties_get") else settings
     if stored is not None and stored.get("caustics") is not None:
         settings.caustics_reflective = settings.caustics_refractive = bool(stored["caustics"])
@@ -177,7 +178,8 @@ def _saving(*_) -> None:
 
 
 def settle_soon() -> None:
-    """Settle all scenes as soon as Blender allows changes: for panels, which may change nothing while they are drawn."""
+    """Settle all scenes as soon as Blender allows changes. Panels call this, because they may not change anything while
+    they are drawn."""
     if not bpy.app.timers.is_registered(_engine_changed):
         bpy.app.timers.register(_engine_changed, first_interval=0.0)
 
@@ -212,7 +214,7 @@ def register():
     bpy.msgbus.subscribe_rna(
         key=(bpy.types.RenderSettings, "engine"), owner=_owner, args=(), notify=_engine_changed, options={"PERSISTENT"}
     )
-    for scene in getattr(bpy.data, "scenes", ()):  # there is no data yet while Blender starts
+    for scene in getattr(bpy.data, "scenes", ()):  # Blender has no data while it starts
         look(scene)
 
 

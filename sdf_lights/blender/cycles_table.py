@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table of settings of Cycles and the settings of this engine that they become.
+"""The table that maps settings of Cycles to settings of this engine.
 
-Sync reads it when a scene comes from Cycles, and docs/cycles.md prints it. This module imports no bpy.
+Sync reads it for scenes from Cycles, and docs/cycles.md prints it. This module imports no bpy.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from ..render.settings import Settings
 
 _LIMITS = {field.name: (field.metadata["minimum"], field.metadata["maximum"]) for field in dataclasses.fields(Settings)}
 
-# Found in Cycles' source: the difference of halves is compared with 5 times the threshold, the sum of RGB with 3 times
-# the clamp.
+# From Cycles' source: the difference of halves is compared with 5 times the threshold, the sum of RGB with 3 times the
+# clamp.
 _THRESHOLD, _CLAMP = 5.0, 3.0
 UNLIMITED = _LIMITS["samples"][1]
 
@@ -26,9 +26,9 @@ UNLIMITED = _LIMITS["samples"][1]
 class Row:
     """One setting.
 
-    ``cycles``: names in ``scene.cycles``. ``ours``: the path in ``scene.sdf_lights``, empty where there is none. ``read``
-    gives our value from a scene; None copies nothing. ``before_5`` is added to the value before Blender 5.0, whose Cycles
-    counts otherwise.
+    ``cycles``: names in ``scene.cycles``. ``ours``: the path in ``scene.sdf_lights``, empty if there is none. ``read``
+    returns our value from a scene; None copies nothing. ``before_5`` is added to the value before Blender 5.0, where
+    Cycles counts differently.
     """
 
     ours: str
@@ -43,7 +43,7 @@ def _same(name: str) -> Callable:
 
 
 def _automatic_threshold(use: bool, threshold: float, samples: int) -> float:
-    """Cycles' threshold; what it takes for 0; 0 where adaptive sampling is off."""
+    """Cycles' threshold, or its replacement for 0; 0 if adaptive sampling is off."""
     if not use:
         return 0.0
     return threshold if threshold > 0.0 or samples == 0 else max(0.001, 1.0 / samples)
@@ -93,16 +93,16 @@ ROWS = (
     Row(
         "samples",
         ("samples", "use_sample_subset", "sample_subset_length"),
-        "Of a sample subset, the samples that it has",
+        "With a sample subset, the number of its samples",
         _samples,
     ),
-    Row("sample_offset", ("sample_offset",), "0 where there is no sample subset", _sample_offset),
+    Row("sample_offset", ("sample_offset",), "0 without a sample subset", _sample_offset),
     Row(
         "noise_threshold",
         ("use_adaptive_sampling", "adaptive_threshold"),
-        "5 times as large. Cycles' threshold is a fifth of the same error |I − A| / √I, where A is the mean of half of the "
-        "samples (|I − A| / I if the sum of RGB is above 1). 0 if adaptive sampling is off. Cycles' threshold 0 is "
-        "1 / samples, 0.001 at least",
+        "5 times as large. Cycles' threshold is a fifth of the same error |I − A| / √I, where A is the mean of half "
+        "of the samples (|I − A| / I if the sum of RGB is above 1). 0 if adaptive sampling is off. Cycles' threshold "
+        "0 means 1 / samples, at least 0.001",
         _noise_threshold(""),
     ),
     Row(
@@ -122,14 +122,14 @@ ROWS = (
     Row(
         "transparent_bounces",
         ("transparent_max_bounces",),
-        "One more before Blender 5.0, whose Cycles passes one more surface",
+        "One more before Blender 5.0, where Cycles passes one more surface",
         _same("transparent_max_bounces"),
         before_5=1,
     ),
     Row(
         "clamp_direct",
         ("sample_clamp_direct",),
-        "3 times as large: Cycles clamps the mean of RGB, this engine their sum. 0 is no clamp in both",
+        "3 times as large: Cycles clamps the mean of RGB, this engine clamps the sum. 0 is no clamp in both",
         lambda scene: _CLAMP * scene.cycles.sample_clamp_direct,
     ),
     Row(
@@ -143,7 +143,7 @@ ROWS = (
     Row(
         "filter_glossy",
         ("blur_glossy",),
-        "Cycles' default, 1, blurs what rough surfaces reflect of glossy ones; the default here is 0",
+        "Cycles' default, 1, blurs glossy reflections in rough surfaces; the default here is 0",
         _same("blur_glossy"),
     ),
     Row("filter", ("pixel_filter_type",), "", _same("pixel_filter_type")),
@@ -151,25 +151,25 @@ ROWS = (
     Row(
         "exposure",
         ("film_exposure",),
-        "Exposure and gamma of colour management are Blender's and apply to both",
+        "Exposure and gamma of colour management are Blender's own and apply to both",
         _same("film_exposure"),
     ),
     Row(
         "denoise",
         ("use_denoising",),
-        "OpenImageDenoise with albedo and normal. The switch of Cycles in a view layer counts too",
+        "OpenImageDenoise with albedo and normal. The switch of Cycles in a view layer also counts",
         _same("use_denoising"),
     ),
     Row(
         "layer_samples",
         ("use_layer_samples",),
-        "How Blender's `view_layer.samples` replaces the samples of the scene",
+        "How Blender's `view_layer.samples` overrides the samples of the scene",
         _same("use_layer_samples"),
     ),
     Row(
         "viewport.samples",
         ("preview_samples",),
-        f"0, which is unlimited, becomes {UNLIMITED}",
+        f"0 means unlimited and becomes {UNLIMITED}",
         lambda scene: scene.cycles.preview_samples or UNLIMITED,
     ),
     Row(
@@ -180,11 +180,11 @@ ROWS = (
     ),
     Row("viewport.min_samples", ("preview_adaptive_min_samples",), "As above", _min_samples("preview_")),
     Row("viewport.denoise", ("use_preview_denoising",), "", _same("use_preview_denoising")),
-    Row("", ("light_sampling_threshold",), "Weak light rays are always traced: no difference in the mean"),
+    Row("", ("light_sampling_threshold",), "Weak light rays are always traced: the mean is the same"),
     Row(
         "",
         ("use_light_tree", "direct_light_sampling_type"),
-        "Lights are always chosen by a light tree, and MIS always joins both samplings",
+        "Lights are always chosen by a light tree, and MIS always combines both samplings",
     ),
     Row(
         "",
@@ -223,17 +223,17 @@ ROWS = (
     Row(
         "",
         ("use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render"),
-        "Fast GI: light is always traced, as without it; listed in the scene's report",
+        "Fast GI: light is always traced in full; listed in the scene's report",
     ),
     Row(
         "",
         ("film_transparent_glass", "film_transparent_roughness"),
-        "Glass hides a transparent film; listed in the scene's report",
+        "Glass is opaque on a transparent film; listed in the scene's report",
     ),
     Row(
         "",
         ("volume_step_rate", "volume_preview_step_rate", "volume_max_steps", "volume_biased"),
-        "Nothing is stepped through",
+        "No ray marching in volumes",
     ),
     Row(
         "",
@@ -250,7 +250,7 @@ ROWS = (
             "preview_denoising_start_sample",
             "preview_denoising_use_gpu",
         ),
-        "Always OpenImageDenoise on the processor, in high quality, by albedo and normal",
+        "Always OpenImageDenoise on the processor, in high quality, with albedo and normal",
     ),
     Row(
         "",
@@ -269,28 +269,28 @@ ROWS = (
             "texture_resolution",
             "texture_resolution_render",
         ),
-        "Read where they are, as the rest of Simplify; a viewport culls no objects",
+        "Read directly, like the rest of Simplify; a viewport culls no objects",
     ),
-    Row("", ("rolling_shutter_type", "rolling_shutter_duration"), "Read where they are, as the rest of motion blur"),
+    Row("", ("rolling_shutter_type", "rolling_shutter_duration"), "Read directly, like the rest of motion blur"),
     Row(
         "",
         ("device", "feature_set", "shading_system", "use_auto_tile", "tile_size", "preview_pause"),
-        "This engine has its own setting of the device",
+        "This engine has a separate setting of the device",
     ),
 )
 
-# Properties of ``scene.cycles`` that are about baking and about how Cycles is built, not about the picture.
+# Properties of ``scene.cycles`` about baking and the build of Cycles, not about the picture.
 UNRELATED = ("bake_", "debug_")
 
 
 def comes_from(row: Row, scene) -> bool:
-    """Whether this Cycles has all that the row is read from."""
+    """Whether this Cycles has all properties that the row reads."""
     return row.read is not None and all(hasattr(scene.cycles, name) for name in row.cycles)
 
 
 def read(scene, blender: tuple[int, ...]) -> dict[str, Any]:
-    """Our settings by path, as the Cycles settings of a scene say them; empty where there is no Cycles. ``blender``: its
-    version, such as (5, 2, 0)."""
+    """Our settings by path, from the Cycles settings of a scene; empty without Cycles. ``blender``: its version, such
+    as (5, 2, 0)."""
     if not hasattr(scene, "cycles"):
         return {}
     found = {}
@@ -311,17 +311,17 @@ def read(scene, blender: tuple[int, ...]) -> dict[str, Any]:
 
 
 def table() -> str:
-    """The rows that are copied."""
+    """The table of settings that are copied."""
     lines = ["| `scene.cycles.` | `scene.sdf_lights.` | |", "|---|---|---|"]
     lines += [f"| {_names(row)} | `{row.ours}` | {row.note} |" for row in ROWS if row.read is not None]
     lines.append(
-        "| `scene.render.film_transparent`, `threads_mode`, `threads` | the same | Blender's own, which both read |"
+        "| `scene.render.film_transparent`, `threads_mode`, `threads` | the same | Blender's own, read by both |"
     )
     return "\n".join(lines)
 
 
 def rest() -> str:
-    """The rows that are not copied."""
+    """The table of settings that are not copied."""
     lines = ["| `scene.cycles.` | here |", "|---|---|"]
     return "\n".join(lines + [f"| {_names(row)} | {row.note} |" for row in ROWS if row.read is None])
 

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lamp's properties say of its emission: the text of a preset or of the artist, and the parameters it declares.
+"""The emission in a lamp's properties: the text of a preset or of the artist, and its declared parameters.
 
-The parameters are custom properties of the Light, as those of shapes (see ``parameters``); ``PREFIX`` before their names
-keeps the two apart.
+The parameters are custom properties of the Light, like those of shapes (see ``parameters``). ``PREFIX`` before their
+names separates them from those of the shape.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from ..sdf.expression import Declaration
 from ..sdf.syntax import ExpressionError
 
 EXPRESSION = "EXPRESSION"
-PREFIX = "emission."  # no name of a parameter has a point in it
+PREFIX = "emission."  # no parameter name contains a point
 
 
 def text_of(emission) -> str:
-    """Text of a ``Light.sdf_lamp.emission``: of its preset, or of its text block where there is one."""
+    """Text of a ``Light.sdf_lamp.emission``: from its preset, or from its text block if it has one."""
     if emission.source != EXPRESSION:
         return presets()[emission.source.lower()].text
     return emission.text.as_string() if emission.text is not None else emission.expression
@@ -28,7 +28,7 @@ def text_of(emission) -> str:
 
 @functools.lru_cache(maxsize=64)
 def parsed(text: str) -> EmissionExpression | ExpressionError:
-    """The expression, or what is wrong with it. Kept, because panels ask at every redraw."""
+    """The expression, or its error. Cached, because panels ask at every redraw."""
     try:
         return EmissionExpression(text)
     except ExpressionError as error:
@@ -36,7 +36,8 @@ def parsed(text: str) -> EmissionExpression | ExpressionError:
 
 
 def declarations(emission) -> tuple[Declaration, ...]:
-    """What the emission declares, with names that begin with ``PREFIX``; nothing of a text with a mistake in it."""
+    """The parameters that the emission declares, with names that begin with ``PREFIX``; none if the text has a
+    mistake."""
     expression = parsed(text_of(emission))
     if isinstance(expression, ExpressionError):
         return ()

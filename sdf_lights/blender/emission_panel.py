@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How bright a lamp is from point to point, as panels show it."""
+"""The emission of a lamp in panels."""
 
 import bpy
 
@@ -12,7 +12,7 @@ from .lamp import pattern_of
 
 
 class SDFLIGHTS_OT_emission_to_text(LampOperator, bpy.types.Operator):
-    """Put the lamp's emission into a new text block, to be changed there"""
+    """Put the lamp's emission into a new text block for editing"""
 
     bl_idname = "sdf_lights.emission_to_text"
     bl_label = "Edit Emission as Text"
@@ -26,7 +26,7 @@ class SDFLIGHTS_OT_emission_to_text(LampOperator, bpy.types.Operator):
 
 
 def draw(layout, light, width: int) -> None:
-    """The preset or text of the emission, its parameters, and what is wrong with it in lines of ``width`` letters."""
+    """Draw the preset or text of the emission, its parameters, and its mistakes in lines of ``width`` letters."""
     lamp = light.sdf_lamp
     if parameters.emission_is_in_nodes(lamp):
         layout.label(text="Set by the node tree", icon="NODETREE")
@@ -51,7 +51,7 @@ def _draw_pattern(layout, light) -> None:
         else:
             layout.operator("sdf_lights.expression_show", icon="TEXT").emission = True
     if parameters.missing(lamp):
-        parameters.update_soon(light)  # nothing may be changed while drawing
+        parameters.update_soon(light)  # drawing may not change data
     column = layout.column()
     for declared in emission.declarations(settings):
         if parameters.exists(light, declared):

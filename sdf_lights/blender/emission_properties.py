@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``Light.sdf_lamp.emission``: how bright a lamp is from point to point."""
+"""``Light.sdf_lamp.emission``: the brightness of a lamp at each point."""
 
 import bpy
 
@@ -10,12 +10,13 @@ from .emission import EXPRESSION
 
 
 def source_items() -> list[tuple]:
-    """Items of an EnumProperty: every preset, and the artist's own. Files store the numbers: presets keep their order."""
+    """Items of an EnumProperty: every preset, and the artist's own text. Files store the numbers, so presets keep their
+    order."""
     items = []
     for number, (name, preset) in enumerate(presets().items(), 1):
         about = preset.text.splitlines()[1].removeprefix("#").strip().rstrip(".")
         items.append((name.upper(), preset.title, about, number))
-    return [*items, (EXPRESSION, "Expression", "A few lines of text of your own", 0)]
+    return [*items, (EXPRESSION, "Expression", "Your own text of a few lines", 0)]
 
 
 def changed(self, context):
@@ -24,7 +25,7 @@ def changed(self, context):
 
 
 class SDFLIGHTS_LampEmission(bpy.types.PropertyGroup):
-    """How bright a lamp is from point to point"""
+    """The brightness of a lamp at each point"""
 
     __slots__ = ()
     __annotations__ = parameters.overridable(

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine: F12, background and animation renders, previews of materials, and Rendered viewports.
 
-An instance lives for one render and keeps nothing, for all frames with Persistent Data (``sync/kept.py``), or for as long
-as a viewport is in Rendered shading: see ``viewport/rendered.py``. ``render()`` copies the scene out of Blender, and from then on
-touches Blender only to show progress, to ask whether to stop, and to hand over pixels.
+An instance lives for one render and keeps nothing. With Persistent Data it lives for all frames (``sync/kept.py``). In
+Rendered shading it lives as long as the viewport (``viewport/rendered.py``). ``render()`` copies the scene out of
+Blender. After that it uses Blender only to show progress, to ask whether to stop, and to return pixels.
 """
 
 import atexit
@@ -24,7 +24,7 @@ from .naming import ENGINE, LABEL
 from .passes import enabled_passes, register_passes
 from .viewport.engine import ViewportEngine
 
-# A preview is as large as a thumbnail and drawn while the user waits.
+# A preview is as large as a thumbnail, and the user waits while it renders.
 PREVIEW = dict(
     device=Device.CPU, samples=64, noise_threshold=0.05, min_samples=8, time_limit=2.0, max_bounces=6, denoise=False
 )
@@ -49,14 +49,15 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
             try:
                 self._render(depsgraph)
             except Exception:
-                if bpy.app.background and bpy.app.binary_path:  # as a Python module, Blender tells its caller
+                # as a Python module, Blender reports failure to its caller
+                if bpy.app.background and bpy.app.binary_path:
                     fail_at_exit()
                 raise
             finally:
                 give_back()
 
     def _render(self, depsgraph):
-        # Not before something is rendered: this imports Numba and every kernel.
+        # Not at the top: this imports Numba and every kernel.
         from ..render import libraries, session
         from .sync import Kept, sync_views
 
@@ -77,7 +78,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
         if self.is_preview:
             for name, value in PREVIEW.items():
                 setattr(scene.settings, name, value)
-            if scene.lamps:  # of a light: Blender's scenes for other previews have none
+            if scene.lamps:  # a preview of a light: Blender's scenes for other previews have none
                 scene = lamp_preview.framed(scene)
                 cameras = [scene.camera] * len(cameras)
         reported = self._report_warnings(scene.warnings, 0)
@@ -110,21 +111,21 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
             raise RenderError(findings.failure(len(scene.warnings)))
 
     def _report_warnings(self, warnings: list[str], first: int) -> int:
-        """Report the warnings from number ``first`` on; returns how many there are. Thumbnails keep quiet."""
+        """Report the warnings from number ``first`` on. Returns the number of warnings. Thumbnails report nothing."""
         if not self.is_preview:
             for warning in findings.in_order(warnings[first:]):
                 self.report({"WARNING"}, warning)
         return len(warnings)
 
     def _views(self, layer: str) -> list[str]:
-        """Names of the views to be rendered, such as two eyes; one without a name where there is nothing like that."""
+        """Names of the rendered views, such as two eyes; one empty name without stereo."""
         result = self.begin_result(0, 0, 1, 1, layer=layer)
         names = [view.name for view in result.views]
         self.end_result(result, cancel=True)
         return names or [""]
 
     def _show(self, begin: float, part: float, progress) -> None:
-        """Tell of ``progress`` in what is ``part`` of the render, after ``begin`` of it."""
+        """Report ``progress`` of this ``part`` of the render, after the part ``begin``."""
         self.update_progress(begin + part * progress.fraction)
         self.update_memory_stats(memory_used=progress.memory / MEGABYTE, memory_peak=progress.memory / MEGABYTE)
         self.update_stats("", status(progress))
@@ -136,7 +137,7 @@ def _strict() -> bool:
 
 @functools.cache
 def fail_at_exit() -> None:
-    """Let this process end with 1: Blender before 5.2 ends with 0 whatever happened to its renders."""
+    """Let this process end with exit code 1. Blender before 5.2 ends with 0 even if its renders fail."""
 
     def leave() -> None:
         sys.stdout.flush()
@@ -147,7 +148,7 @@ def fail_at_exit() -> None:
 
 
 def status(progress) -> str:
-    """Line about a ``session.Progress`` for the header of the image editor."""
+    """Line about a ``session.Progress``, for the header of the image editor."""
     parts = []
     if progress.remaining is not None and progress.fraction < 1.0:
         parts.append(f"Remaining: {clock(progress.remaining)}")
@@ -167,12 +168,12 @@ def clock(seconds: float) -> str:
 
 
 class _Result:
-    """Blender's render result for one view of one view layer, as a context: it is ended whatever happens."""
+    """Blender's render result for one view of one view layer, as a context. It is always ended."""
 
     def __init__(self, engine: SDFLightsRenderEngine, layer: str, view: str, scene):
         self._engine, self._layer, self._view, self._scene = engine, layer, view, scene
         self._result = None
-        self.passes: dict[str, str] = {}  # names in the result by names in the table
+        self.passes: dict[str, str] = {}  # Blender's pass names by table names
 
     def __enter__(self):
         engine = self._engine
@@ -184,11 +185,11 @@ class _Result:
         width, height = self._result.resolution_x, self._result.resolution_y
         x0, y0, x1, y1 = self._scene.border or (0, 0, self._scene.width, self._scene.height)
         if (width, height) != (x1 - x0, y1 - y0):
-            # Blender's rounding decides: a picture of another size could not be written.
+            # Blender's rounding decides: a picture of a different size cannot be written.
             if x0 + width > self._scene.width or y0 + height > self._scene.height:
                 raise RenderError(
                     f"Blender asks for {width} × {height} pixels of a frame of {self._scene.width} × "
-                    f"{self._scene.height}: change the resolution or the render region a little."
+                    f"{self._scene.height}: change the resolution or the render region slightly."
                 )
             self._scene.border = x0, y0, x0 + width, y0 + height
         self.passes = enabled_passes(self._result.layers[0].passes.keys(), self._scene.passes)
@@ -196,7 +197,7 @@ class _Result:
 
     def __exit__(self, kind, error, traceback):
         if self._result is not None:
-            # The picture is kept when it was cancelled, as far as it got, but not when it failed.
+            # A cancelled picture is kept as far as it got. A failed picture is not kept.
             self._engine.end_result(self._result, cancel=error is not None)
             self._result = None
 
@@ -207,11 +208,11 @@ class _Result:
             passes[blender_name].rect.foreach_set(film.read(name).ravel())
 
     def describe(self, film) -> None:
-        """Tell files which samples they have, and which names the numbers of Cryptomatte stand for."""
+        """Write into files the samples that they have, and the names of the Cryptomatte numbers."""
         from ..render import cryptomatte, merging
 
         whole, settings = self._engine.get_result(), self._scene.settings
-        # Where all pixels are clean early, the number that was asked for is the weight: noise must have no part in that.
+        # If all pixels are clean early, the requested number is the weight: noise must not influence it.
         stopped = settings.time_limit > 0.0 or self._engine.test_break()
         samples = film.samples if stopped else settings.samples
         share = merging.Share(settings.seed, settings.sample_offset, samples)
@@ -228,7 +229,7 @@ class _Result:
                 whole.stamp_data_add_field(field=field, value=value)
 
     def update(self, film) -> None:
-        """Show the picture so far."""
+        """Show the present picture."""
         self.write(film)
         self._engine.update_result(self._result)
 

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What other engines see of a lamp: a point light, as large as a ball of the lamp's volume, with the mean colour of its pattern.
+"""The appearance of a lamp in other engines: a point light with the volume of the lamp as a ball, and the mean colour
+of its pattern.
 
-The size is Blender's own radius, also that of the circle which Blender draws. The colour is in the light's nodes, which
-lamps do not need here: so the tint of the lamp stays what the user has set. Both follow the lamp while Blender has a window.
+The size is Blender's own radius, which Blender also draws as a circle. The colour is in the light's nodes, which lamps
+do not use here. So the tint of the lamp stays the user's. Both follow the lamp while Blender has a window.
 """
 
 from __future__ import annotations
@@ -21,16 +22,16 @@ from ..sdf.shapes import Shape
 from .lamp import pattern_of, shape_of
 from .shader_trees import node_tree_of, use_nodes
 
-MARK = "sdf_lights_pattern"  # of a node that is the add-on's own
-DARK = "sdf_lights_dark"  # of the nodes that stand in for those of a light that is to give none
-_FILLED = 0.3  # of its box, by a shape whose volume has no closed form
+MARK = "sdf_lights_pattern"  # marks a node of the add-on
+DARK = "sdf_lights_dark"  # marks the nodes that replace those of a light without light
+_FILLED = 0.3  # part of its box, for a shape whose volume has no closed form
 _POINTS = 4096
-_CHANGE = 0.01  # relative: less is not worth an update of the scene
-_REST = 0.2  # seconds without a change of the scene before lights follow
+_CHANGE = 0.01  # relative; a smaller change does not justify an update of the scene
+_REST = 0.2  # seconds without a change of the scene before lights are updated
 
 
 def radius_of(shape: Shape) -> float:
-    """Radius in metres of a ball of the shape's volume, or of about that where it has no closed form."""
+    """Radius in metres of a ball with the volume of the shape. Approximate if the volume has no closed form."""
     volume = shape.volume()
     if volume is None:
         low, high = shape.bounds()
@@ -40,7 +41,7 @@ def radius_of(shape: Shape) -> float:
 
 @functools.lru_cache(maxsize=256)
 def mean_color(shape: Shape, pattern: Emission | None) -> tuple[float, float, float]:
-    """Mean (RGB) of a pattern over a shape, whose mean over the channels is 1."""
+    """Mean (RGB) of a pattern over a shape, scaled so that the mean over the channels is 1."""
     from .viewport.bodies import points_of
 
     white = (1.0, 1.0, 1.0)
@@ -49,14 +50,14 @@ def mean_color(shape: Shape, pattern: Emission | None) -> tuple[float, float, fl
     low, high = shape.bounds()
     points = np.random.default_rng(0).uniform(low, high, (_POINTS, 3)) if np.isfinite([low, high]).all() else []
     points = points[shape.distance(points) <= 0.0] if len(points) else points_of(shape)
-    if len(points) < _POINTS // 100:  # it is thin
+    if len(points) < _POINTS // 100:  # the shape is thin
         points = points_of(shape)
     mean = pattern.placed(shape).evaluate(points).mean(axis=0) if len(points) else np.ones(3)
     return tuple((mean / mean.mean()).tolist()) if np.isfinite(mean).all() and mean.mean() > 0.0 else white
 
 
 def follow(light: bpy.types.Light) -> None:
-    """Make the light what other engines are to see of the lamp."""
+    """Update the light to what other engines should see of the lamp."""
     lamp = light.sdf_lamp
     if not lamp.use or not light.is_editable or light.library is not None:
         return
@@ -65,14 +66,14 @@ def follow(light: bpy.types.Light) -> None:
         shape, pattern = shape_of(lamp), pattern_of(lamp)
         radius, color = radius_of(shape), mean_color(shape, pattern)
     except (ArithmeticError, RenderError):
-        return  # it keeps what it had
+        return  # it keeps its last values
     if hasattr(light, "shadow_soft_size") and abs(radius - light.shadow_soft_size) > _CHANGE * radius > 0.0:
         light.shadow_soft_size = radius
     _set_color(light, np.array(color))
 
 
 def _set_dark(light: bpy.types.Light, dark: bool) -> None:
-    """Let the light give Cycles nothing, or again what it gave."""
+    """Let the light give no light in Cycles, or restore its light."""
     tree = node_tree_of(light)
     own = [node for node in tree.nodes if DARK in node.keys()] if tree is not None else []
     if dark == bool(own):
@@ -115,7 +116,7 @@ def _set_color(light: bpy.types.Light, color: np.ndarray) -> None:
         node = next(plain, None)
         foreign = [other for other in tree.nodes if DARK not in other.keys()]
         if node is None or len(foreign) > 2 or any(socket.is_linked for socket in node.inputs):
-            return  # nodes of the user's
+            return  # the user's nodes
         node[MARK] = True
     strength = float(color.max())
     wanted = (*(color / strength).tolist(), 1.0)
@@ -126,7 +127,7 @@ def _set_color(light: bpy.types.Light, color: np.ndarray) -> None:
 
 
 def _follow_all() -> None:
-    if bpy.app.is_job_running("RENDER"):  # nothing of the scene may change
+    if bpy.app.is_job_running("RENDER"):  # the scene may not be changed
         bpy.app.timers.register(_follow_all, first_interval=1.0)
         return
     for light in bpy.data.lights:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Warnings and errors of every lamp and of renders, in one panel, with a button that selects what each is about."""
+"""Warnings and errors of all lamps and of renders, in one panel. A button selects the object of each."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ..render.errors import RenderError
-from . import labels, objects, viewport
+from . import labels, sources, viewport
 from .context import LampTab
 from .findings import grouped
 from .lamp import pattern_of, shape_of
@@ -18,29 +18,30 @@ from .naming import ENGINE
 
 _MOST_SHOWN = 30
 _POPUP_WIDTH, _POPUP_LETTERS = 640, 84
-_BUTTON = 6  # letters that the button beside a sentence takes
+_BUTTON = 6  # width in letters of the button beside a sentence
 
 _last: dict[str, list[str]] = {}
 _made_by: dict[str, str] = {}
 
 
 def record(scene: str, sentences: list[str], made_by: str) -> None:
-    """Keep what a render of this scene had to say, and what computed it, in place of what the render before it said."""
+    """Store the warnings and the device of a render of this scene, in place of those of the previous render."""
     _last[scene], _made_by[scene] = list(sentences), made_by
 
 
 def of_last_render(scene: str) -> list[str]:
-    """What the last render of a scene had to say."""
+    """The warnings of the last render of a scene."""
     return list(_last.get(scene, []))
 
 
 def made_by(scene: str) -> str:
-    """What computed the last render of a scene; empty if there is none."""
+    """The device of the last render of a scene; empty if there is none."""
     return _made_by.get(scene, "")
 
 
 def culprit(sentence: str) -> str:
-    """Name of the object that a sentence is about, or of the first with a material or light of that name; or nothing."""
+    """Name of the object that a sentence is about, or of the first object with a material or light of that name; or
+    empty."""
     for name in re.findall(r"'([^']+)'", sentence):
         if name in bpy.data.objects:
             return name
@@ -52,8 +53,8 @@ def culprit(sentence: str) -> str:
 
 
 def of_lamps(scene: bpy.types.Scene) -> list[tuple[str, str]]:
-    """(object, sentence) for each lamp of the scene that cannot be used, or not certainly."""
-    from ..emitter.building.build import is_certified  # not sooner: it imports Numba, which takes a second
+    """(object, sentence) for each lamp of the scene that is unusable or not certified."""
+    from ..emitter.building.build import is_certified  # not at the top: it imports Numba, which takes a second
 
     found = []
     for obj in scene.objects:
@@ -66,13 +67,13 @@ def of_lamps(scene: bpy.types.Scene) -> list[tuple[str, str]]:
         except RenderError as error:
             found.append((obj.name, f"Lamp '{obj.name}': {error}"))
             continue
-        found += [(obj.name, f"Lamp '{obj.name}': {remark}") for remark in objects.remarks(obj.data.sdf_lamp)]
+        found += [(obj.name, f"Lamp '{obj.name}': {remark}") for remark in sources.remarks(obj.data.sdf_lamp)]
         if not is_certified(shape):
             found.append(
                 (
                     obj.name,
-                    f"Lamp '{obj.name}': no bound of its field is known, so thin parts may be "
-                    "missing from the picture.",
+                    f"Lamp '{obj.name}': its field has no known bound, so thin parts may be missing from the picture: "
+                    "use shapes or operators whose field has a bound.",
                 )
             )
         problem = viewport.proxy_error(obj.data)
@@ -110,7 +111,7 @@ class SDFLIGHTS_OT_culprit_select(bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_feedback_clear(bpy.types.Operator):
-    """Forget what the last render had to say"""
+    """Clear the warnings of the last render"""
 
     bl_idname = "sdf_lights.feedback_clear"
     bl_label = "Clear"
@@ -126,7 +127,7 @@ def counted(sentences: list[str]) -> str:
 
 
 class SDFLIGHTS_OT_warnings_show(bpy.types.Operator):
-    """List the warnings of the last render, by what they are about"""
+    """List the warnings of the last render by subject"""
 
     bl_idname = "sdf_lights.warnings_show"
     bl_label = "Warnings of the Last Render"
@@ -143,7 +144,7 @@ class SDFLIGHTS_OT_warnings_show(bpy.types.Operator):
 
 
 def draw_header(self, context) -> None:
-    """In the image editor's header, beside a render: how many warnings it had."""
+    """In the image editor's header, beside a render: the number of warnings."""
     image = context.space_data.image
     sentences = _last.get(context.scene.name, []) if image is not None and image.type == "RENDER_RESULT" else []
     if sentences and context.scene.render.engine == ENGINE:
@@ -153,7 +154,7 @@ def draw_header(self, context) -> None:
 
 
 def draw_groups(layout, sentences: list[str], width: int) -> None:
-    """Sentences under the titles of their groups, each with a button that selects what it is about."""
+    """Sentences under the titles of their groups, each with a button that selects its subject."""
     left = _MOST_SHOWN
     for title, items in grouped(sentences).items():
         shown = items[:left]
@@ -166,7 +167,7 @@ def draw_groups(layout, sentences: list[str], width: int) -> None:
 
 
 def draw_rows(layout, rows: list[tuple[str, str]], width: int) -> None:
-    """Sentences in boxes: (object that can be selected, or nothing; sentence)."""
+    """Sentences in boxes: (object to select, or empty; sentence)."""
     for name, sentence in rows:
         row = layout.box().row()
         labels.draw_sentence(row.column(), sentence, width)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sentences on what is not rendered as the scene says, in groups by what they are about.
+"""Sentences about parts of the scene that are not rendered as the scene says, grouped by subject.
 
 Each sentence begins with the kind of its subject: "Material 'Wood': node …".
 """
@@ -31,7 +31,8 @@ def group_of(sentence: str) -> str:
 
 
 def grouped(sentences: list[str]) -> dict[str, list[str]]:
-    """Sentences by the titles of their groups, in the order of groups; those of one subject stand together."""
+    """Sentences by the titles of their groups, in the order of the groups. Sentences about one subject stand
+    together."""
     found: dict[str, list[str]] = {title: [] for title in (*_GROUPS, _OTHERS)}
     for sentence in sentences:
         found[group_of(sentence)].append(sentence)
@@ -49,5 +50,5 @@ def _subject(sentence: str) -> str:
 
 def failure(count: int) -> str:
     """The last sentence of a strict render."""
-    things = "1 thing is" if count == 1 else f"{count} things are"
+    things = "1 item is" if count == 1 else f"{count} items are"
     return f"{things} not rendered as the scene says, and --sdf-strict forbids this: see the warnings above."

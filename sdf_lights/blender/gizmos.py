@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrows in the 3D view for the lengths of a primitive lamp."""
+"""Arrows in the 3D view for the sizes of a primitive lamp."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from .properties import PRIMITIVES, values_of
 
 _MOST = 6
 _HALVINGS = 24
-_SETS_UNDO = "use_undo" in bpy.types.Gizmo.bl_rna.properties  # from Blender 5.2 on
-_COLORS = ((0.93, 0.21, 0.31), (0.55, 0.86, 0.0), (0.17, 0.56, 1.0))  # of the axes, as Blender has them
+_SETS_UNDO = "use_undo" in bpy.types.Gizmo.bl_rna.properties  # since Blender 5.2
+_COLORS = ((0.93, 0.21, 0.31), (0.55, 0.86, 0.0), (0.17, 0.56, 1.0))  # of the axes, as in Blender
 _TURN = (Matrix.Rotation(math.radians(90.0), 4, "Y"), Matrix.Rotation(math.radians(-90.0), 4, "X"), Matrix())
 
 
 class Handle(NamedTuple):
-    """An arrow: ``component`` (or −1) of a parameter is ``factor`` times the distance of its tip along ``axis``."""
+    """An arrow. The parameter, or its ``component`` if that is not −1, is ``factor`` times the distance of the tip
+    along ``axis``."""
 
     name: str
     component: int
@@ -31,7 +32,8 @@ class Handle(NamedTuple):
 
 
 def handles(shape: str) -> list[Handle]:
-    """Arrows for the lengths of a primitive: heights along z and from the middle, others in turn along x and y."""
+    """Arrows for the sizes of a primitive. Heights lie along z and begin in the middle. Others alternate along x and
+    y."""
     found, aside = [], 0
     for about in PRIMITIVES[shape].fields():
         if about.unit != "LENGTH":
@@ -41,7 +43,7 @@ def handles(shape: str) -> list[Handle]:
         elif about.name in ("height", "length", "leg"):
             found.append(Handle(about.name, -1, 2, 2.0))
         else:
-            # Sizes from one side to the other begin in the middle too.
+            # Sizes from one side to the other also begin in the middle.
             factor = 2.0 if about.name in ("width", "thickness") else 1.0
             found.append(Handle(about.name, -1, aside % 2, factor))
             aside += 1
@@ -57,7 +59,7 @@ def _with(values: dict, handle: Handle, value: float) -> dict:
 
 
 def held(shape: str, values: dict, handle: Handle, wanted: float) -> float:
-    """``wanted``, or the value next to it with which there is a shape still, if there is one with these ``values``."""
+    """``wanted``, or the nearest value that still gives a shape with these ``values``, if there is one."""
     kind = PRIMITIVES[shape]
     about = next(about for about in kind.fields() if about.name == handle.name)
     wanted = min(max(wanted, about.minimum), about.maximum)
@@ -85,14 +87,14 @@ def _lamp(context):
 
 
 class _Shown(NamedTuple):
-    """The word beside an arrow under the mouse, at a point of the world."""
+    """The label beside the arrow under the mouse, at a world position."""
 
     text: str
     place: Vector
 
 
 _shown: dict[int, _Shown] = {}  # by region
-_begun: dict[int, float] = {}  # the value before a drag, by the number of its arrow; empty where none is dragged
+_begun: dict[int, float] = {}  # the value before a drag, by the number of its arrow; empty without a drag
 
 
 def _push_undo() -> None:
@@ -149,7 +151,7 @@ class SDFLIGHTS_GGT_primitive(bpy.types.GizmoGroup):
         self.refresh(context)
 
     def _handle(self, index: int):
-        """Properties, handle, and the object's scale along its axis; None where the shape has fewer lengths."""
+        """Properties, handle, and the object's scale along its axis; None if the shape has fewer sizes."""
         lamp = _lamp(bpy.context)
         listed = handles(lamp.shape.lower()) if lamp is not None else []
         if index >= len(listed):
@@ -220,7 +222,7 @@ class SDFLIGHTS_GGT_primitive(bpy.types.GizmoGroup):
         return value if handle.component < 0 else value[handle.component]
 
     def _watch_drags(self):
-        """Before 5.2, Blender makes no step of undo for the gizmos of add-ons."""
+        """Before 5.2, Blender makes no undo step for the gizmos of add-ons."""
         if _SETS_UNDO:
             return
         for index, arrow in enumerate(self.made):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one place where an exception on its way into Blender becomes a sentence for the user."""
+"""Turns exceptions that would reach Blender into sentences for the user. This is the only place that does."""
 
 import contextlib
 import traceback
@@ -12,7 +12,7 @@ from .naming import LABEL
 
 
 def sentence(error: BaseException) -> str:
-    """What to tell the user about ``error``."""
+    """The sentence for the user about ``error``."""
     if isinstance(error, RenderError):
         return str(error)
     if isinstance(error, MemoryError):
@@ -25,10 +25,10 @@ def sentence(error: BaseException) -> str:
 
 @contextlib.contextmanager
 def guarded(engine: bpy.types.RenderEngine):
-    """Around all that an engine does when Blender calls it: an exception is shown by ``error_set`` and ``report``.
+    """Wraps all methods of an engine that Blender calls. ``error_set`` and ``report`` show an exception.
 
-    The traceback goes to the console only if Blender runs with ``--debug`` or ``--debug-python``: users read one
-    sentence. A decorator would not do, because Blender counts the arguments of a method in its code.
+    The traceback goes to the console only if Blender runs with ``--debug`` or ``--debug-python``; users read one
+    sentence. This is a context, not a decorator, because Blender counts the arguments of a method in its code.
     """
     try:
         yield
@@ -38,5 +38,5 @@ def guarded(engine: bpy.types.RenderEngine):
         text = sentence(error)
         engine.report({"ERROR"}, text)
         if not bpy.app.background:
-            # For the header of the image editor. In the background Blender would only print it a second time.
+            # For the header of the image editor. In the background Blender would only print it twice.
             engine.error_set(text)

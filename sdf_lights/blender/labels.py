@@ -8,23 +8,24 @@ import textwrap
 
 from ..sdf.syntax import ExpressionError
 
-_LETTER, _MARGIN = 6.5, 40.0  # pixels of a letter on average, and of the panel's edges and the icon, at a UI scale of 1
+# mean width of a letter, and width of the panel's edges and the icon, in pixels at a UI scale of 1
+_LETTER, _MARGIN = 6.5, 40.0
 _FEWEST = 20
 
 
 def letters(context) -> int:
-    """Letters that fit a line of a panel in the region that is drawn."""
+    """Number of letters in a line of a panel in the present region."""
     width = context.region.width / context.preferences.system.ui_scale
     return max(_FEWEST, int((width - _MARGIN) / _LETTER))
 
 
 def draw_sentence(layout, text: str, width: int, icon: str = "ERROR") -> None:
-    """A sentence in as many labels as it needs, with an icon before the first; ``width`` in letters."""
+    """Draw a sentence as several labels, with an icon before the first. ``width`` is in letters."""
     _draw(layout, textwrap.wrap(text, width), icon)
 
 
 def draw_expression(layout, owner, is_emission: bool = False) -> None:
-    """An expression of one line over all the width, with a button for more."""
+    """Draw a one-line expression over the full width, with a button for more."""
     row = layout.row(align=True)
     row.use_property_split = False
     row.prop(owner, "expression", text="")
@@ -32,7 +33,8 @@ def draw_expression(layout, owner, is_emission: bool = False) -> None:
 
 
 def draw_problem(layout, error: Exception, width: int) -> None:
-    """An error in labels. Of one in an expression, the place, what is wrong and the cure begin lines of their own."""
+    """Draw an error as labels. For an error in an expression, the location, the mistake and the cure each begin a new
+    line."""
     wrong = error.__cause__
     sentences = [str(error)]
     if isinstance(wrong, ExpressionError):

@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the properties of a lamp to its shape and emission: shared by sync and by the panels that describe a lamp."""
+"""From the properties of a lamp to its shape and emission. Shared by sync and by the panels of a lamp."""
 
 from __future__ import annotations
 
-import functools
 from collections import OrderedDict
 
 import bpy
@@ -12,26 +11,30 @@ import numpy as np
 
 from ..render.errors import RenderError
 from ..sdf.emission import Emission
+from ..sdf.resolver import Cache, Resolver
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import emission, objects, parameters, picture_lamps
+from . import emission, network_lamps, objects, parameters, picture_lamps
 from .nodes import reading
 from .properties import PRIMITIVES, values_of
+from .sources import FileResolver
 
 
 def _anew(error: ExpressionError) -> ExpressionError:
-    """The same error, to be raised: one that is kept would keep all that has called, such as the engine of a viewport."""
+    """A copy of the error for raising. A kept error would keep its whole call stack alive, such as the engine of a
+    viewport."""
     return ExpressionError(error.message, error.line, error.column, error.cure)
 
 
-@functools.lru_cache(maxsize=64)
-def _expression_shape(text: str, values: tuple) -> Shape:
-    # Kept, because panels ask at every redraw.
+_shapes, _emissions = Cache(64), Cache(64)  # because panels ask at every redraw
+
+
+def _expression_shape(text: str, values: tuple, resolver: Resolver) -> Shape:
     expression = parameters.parsed(text)
     try:
         if isinstance(expression, ExpressionError):
             raise _anew(expression)
-        return expression.shape(dict(values))
+        return _shapes.get((text, values), resolver, lambda found: expression.shape(dict(values), found))
     except ExpressionError as error:
         raise RenderError(f"In its expression: {error}") from error
 
@@ -39,19 +42,21 @@ def _expression_shape(text: str, values: tuple) -> Shape:
 def shape_of(lamp, owner: np.ndarray | None = None) -> Shape:
     """Shape of a ``Light.sdf_lamp``.
 
-    ``owner`` is the matrix (4 × 4) of the lamp's object in the world, from which nodes see other objects.
+    ``owner`` is the world matrix (4 × 4) of the lamp's object. Nodes use it to find other objects.
 
-    Raises RenderError with a sentence where there is none, or where its parameters do not go together. Its cause is an
-    ``ExpressionError`` if that is where the problem lies.
+    Raises RenderError with a sentence if there is no shape, or if its parameters contradict each other. Its cause is an
+    ``ExpressionError`` if the expression is wrong.
     """
     if lamp.source == "EXPRESSION":
-        shape = _expression_shape(parameters.text_of(lamp), tuple(parameters.values(lamp).items()))
+        shape = _expression_shape(parameters.text_of(lamp), tuple(parameters.values(lamp).items()), FileResolver(lamp))
     elif lamp.source == "OBJECT":
         shape = objects.shape_of(lamp.object, lamp)
     elif lamp.source == "IMAGE":
         shape = picture_lamps.shape_of(lamp)
+    elif lamp.source == "NETWORK":
+        shape = network_lamps.shape_of(lamp)
     elif lamp.source == "NODES":
-        shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner)
+        shape = reading.shape_of(lamp.nodes, parameters.values(lamp), owner, lamp)
     else:
         name = lamp.shape.lower()
         shape = PRIMITIVES[name](**values_of(getattr(lamp, name), name))
@@ -67,7 +72,7 @@ _good: OrderedDict[int, tuple[Shape, Emission | None]] = OrderedDict()  # by the
 
 
 def keep(light: bpy.types.Light, shape: Shape, pattern: Emission | None) -> None:
-    """Remember what a lamp was like when it last had a shape and an emission. ``light`` is no evaluated copy."""
+    """Store the shape and emission of a lamp while both are valid. ``light`` must not be an evaluated copy."""
     _good[light.session_uid] = shape, pattern
     _good.move_to_end(light.session_uid)
     while len(_good) > _MOST_KEPT:
@@ -75,33 +80,35 @@ def keep(light: bpy.types.Light, shape: Shape, pattern: Emission | None) -> None
 
 
 def last_good(light: bpy.types.Light) -> tuple[Shape, Emission | None] | None:
-    """Shape and emission that a lamp had before something about it became wrong; None if it never was right."""
+    """The last valid shape and emission of a lamp; None if it never was valid."""
     return _good.get(light.session_uid)
 
 
-@functools.lru_cache(maxsize=64)
-def _emission(text: str, values: tuple) -> Emission:
+def _emission(text: str, values: tuple, resolver: Resolver) -> Emission:
     expression = emission.parsed(text)
     try:
         if isinstance(expression, ExpressionError):
             raise _anew(expression)
-        return expression.emission(dict(values))
+        return _emissions.get((text, values), resolver, lambda found: expression.emission(dict(values), found))
     except ExpressionError as error:
         raise RenderError(f"In its emission: {error}") from error
 
 
 def pattern_of(lamp, owner: np.ndarray | None = None) -> Emission | None:
-    """Emission of a ``Light.sdf_lamp``; None where it is the same everywhere. ``owner`` is as for ``shape_of``.
+    """Emission of a ``Light.sdf_lamp``; None if it is uniform. ``owner`` is as for ``shape_of``.
 
-    Raises RenderError with a sentence where its text or nodes do not say one; its cause is the ``ExpressionError`` of a
-    text.
+    Raises RenderError with a sentence if its text or nodes define no emission. Its cause is the ``ExpressionError`` of
+    a text.
     """
     if parameters.emission_is_in_nodes(lamp):
-        return reading.emission_of(lamp.nodes, parameters.values(lamp), owner)
+        return reading.emission_of(lamp.nodes, parameters.values(lamp), owner, lamp)
     declared = emission.declarations(lamp.emission)
     values = parameters.values_of(lamp.id_data, declared)
     found = _emission(
         emission.text_of(lamp.emission),
         tuple((name.removeprefix(emission.PREFIX), value) for name, value in values.items()),
+        FileResolver(lamp),
     )
+    if lamp.source == "IMAGE" and lamp.image_colors:
+        return picture_lamps.in_own_colours(lamp, found)
     return None if lamp.emission.source == "UNIFORM" else found

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of a lamp: the same, in the same order, in the sidebar of the 3D view and in the tab Data of the Properties editor."""
+"""Panels of a lamp: the same panels, in the same order, in the sidebar of the 3D view and in the tab Data of the
+Properties editor."""
 
 import math
 
@@ -10,7 +11,7 @@ import numpy as np
 from ..render.errors import RenderError
 from ..sdf.shapes import Shape
 from ..sdf.syntax import ExpressionError
-from . import beside_cycles, emission_panel, labels, objects, parameters, readout, viewport
+from . import beside_cycles, emission_panel, labels, parameters, readout, sources, viewport
 from .context import LampTab, lamp_of, light_of
 from .lamp import pattern_of, shape_of
 from .lamp_presets import SDFLIGHTS_PT_lamp_presets
@@ -19,7 +20,7 @@ from .properties import PRIMITIVES
 
 
 def draw_emission(layout, light) -> None:
-    """Colour and power, which an SDF lamp shares with Blender's lights."""
+    """Colour and power, as for Blender's lights."""
     column = layout.column()
     row = column.column(heading="Temperature", align=True).row(align=True)
     row.prop(light, "use_temperature", text="")
@@ -37,7 +38,7 @@ def draw_emission(layout, light) -> None:
 
 
 def draw_shape(layout, light, obj, width: int) -> None:
-    """Where the shape of an SDF lamp comes from, and its problems, in lines of ``width`` letters."""
+    """Draw the source of an SDF lamp's shape, and its problems in lines of ``width`` letters."""
     lamp = light.sdf_lamp
     layout.prop(lamp, "source")
     if lamp.source == "EXPRESSION":
@@ -45,16 +46,22 @@ def draw_shape(layout, light, obj, width: int) -> None:
     elif lamp.source == "NODES":
         _draw_nodes(layout, lamp)
     elif lamp.source == "OBJECT":
-        _draw_object(layout, lamp, width)
+        _draw_object(layout, lamp)
     elif lamp.source == "IMAGE":
         layout.template_ID(lamp, "image", open="image.open")
-        for name in ("image_part", "image_threshold", "image_size", "thickness"):
+        for name in ("image_part", "image_threshold", "image_size", "thickness", "image_colors"):
             layout.prop(lamp, name)
+    elif lamp.source == "NETWORK":
+        row = layout.row(align=True)
+        row.prop(lamp, "network", text="File", placeholder="Example")
+        row.operator("sdf_lights.network_reload", text="", icon="FILE_REFRESH")
     else:
         layout.prop(lamp, "shape")
         name = lamp.shape.lower()
         for about in PRIMITIVES[name].fields():
             layout.prop(getattr(lamp, name), about.name)
+    for remark in sources.remarks(lamp):
+        labels.draw_sentence(layout, remark, width, "INFO")
     try:
         _placed_shape(lamp, obj)
     except RenderError as error:
@@ -63,8 +70,6 @@ def draw_shape(layout, light, obj, width: int) -> None:
         labels.draw_problem(column, error, width)
         if isinstance(error.__cause__, ExpressionError) and lamp.source == "EXPRESSION" and lamp.text is not None:
             layout.operator("sdf_lights.expression_show", text="Go to the Line", icon="TEXT")
-    if lamp.source in ("OBJECT", "IMAGE"):
-        return  # no text says what is in them
     row = layout.row(align=True)
     if lamp.source != "NODES":
         row.operator("sdf_lights.nodes_new", text="To Nodes", icon="NODETREE")
@@ -89,7 +94,7 @@ def _draw_nodes(layout, lamp) -> None:
         _draw_parameters(layout, lamp)
 
 
-def _draw_object(layout, lamp, width: int) -> None:
+def _draw_object(layout, lamp) -> None:
     layout.prop(lamp, "object")
     if lamp.object is not None and lamp.object.type in ("MESH", "META"):
         layout.prop(lamp, "voxel_size")
@@ -100,14 +105,12 @@ def _draw_object(layout, lamp, width: int) -> None:
             layout.prop(lamp, "neon_gap")
         else:
             layout.prop(lamp, "thickness")
-    for remark in objects.remarks(lamp):
-        labels.draw_sentence(layout, remark, width, "INFO")
 
 
 def _draw_parameters(layout, lamp) -> None:
     """Properties that an expression or a node tree declares."""
     if parameters.missing(lamp):
-        parameters.update_soon(lamp.id_data)  # nothing may be changed while drawing
+        parameters.update_soon(lamp.id_data)  # drawing may not change data
     column = layout.column()
     for declared in parameters.declarations(lamp):
         if parameters.exists(lamp.id_data, declared):
@@ -118,16 +121,16 @@ def _draw_parameters(layout, lamp) -> None:
 
 
 def _placed_shape(lamp, obj) -> tuple[Shape, np.ndarray]:
-    """The shape of a lamp, and the matrix of its object. Raises RenderError where there is nothing that could glow."""
+    """The shape of a lamp, and the matrix of its object. Raises RenderError if nothing could glow."""
     matrix = np.array([tuple(row) for row in obj.matrix_world] if obj is not None else np.eye(4), np.float64)
     shape = shape_of(lamp, matrix)
     if not np.isfinite(matrix).all() or math.isclose(np.linalg.det(matrix[:3, :3]), 0.0, abs_tol=1e-30):
-        raise RenderError("The object is scaled to zero, so there is nothing to glow: set its scale.")
+        raise RenderError("The object is scaled to zero, so nothing can glow: set its scale.")
     return shape, matrix
 
 
 def draw_visibility(layout, lamp) -> None:
-    """What the camera sees of a lamp."""
+    """Draw the settings of a lamp's visibility to the camera."""
     layout.prop(lamp, "visible_camera", text="Visible to Camera")
     row = layout.row()
     row.active = lamp.visible_camera
@@ -139,13 +142,13 @@ def draw_readout(layout, light, obj, width: int) -> None:
     lamp = light.sdf_lamp
     try:
         shape, matrix = _placed_shape(lamp, obj)
-    except RenderError:  # which the panel of the shape says
+    except RenderError:  # the panel of the shape shows the error
         layout.label(text="There is no shape")
         shape = None
     if shape is not None:
         try:
             pattern = pattern_of(lamp, matrix)
-        except RenderError:  # which the panel of the emission says
+        except RenderError:  # the panel of the emission shows the error
             pattern = None
         column = layout.column(align=True)
         for line in readout.facts(shape, matrix, light, pattern):
@@ -158,7 +161,7 @@ def draw_readout(layout, light, obj, width: int) -> None:
 
 
 def draw_details(layout, light, obj) -> None:
-    """How a lamp's shape is made and traced."""
+    """Draw how a lamp's shape is represented and traced."""
     try:
         shape, _ = _placed_shape(light.sdf_lamp, obj)
     except RenderError:
@@ -196,7 +199,7 @@ def _details_section(layout, context, light, obj) -> None:
     draw_details(layout, light, obj)
 
 
-SECTIONS = (  # end of the panel's name, label, section it stands in, what draws it, closed at first
+SECTIONS = (  # end of the panel's name, label, parent section, draw function, closed by default
     ("shape", "Shape", "", _shape_section, False),
     ("emission", "Emission", "", _emission_section, False),
     ("pattern", "Pattern", "", _pattern_section, False),
@@ -207,7 +210,7 @@ SECTIONS = (  # end of the panel's name, label, section it stands in, what draws
 
 
 class _Section:
-    """What a section is in either place."""
+    """The common part of a section in both editors."""
 
     @classmethod
     def poll(cls, context):
@@ -264,7 +267,7 @@ class SDFLIGHTS_PT_view3d(LampTab, bpy.types.Panel):
 
 
 def draw_other_engine(layout, context, light) -> None:
-    """What another engine makes of a lamp, and what can be done about it."""
+    """The lamp in another engine, and the remedies."""
     if context.engine == ENGINE or not light.sdf_lamp.use:
         return
     labels.draw_sentence(

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets of lamps: those of the add-on, and the user's own in Blender's preset system.
 
-A file of Blender's presets is a script. Those of lamps hold one line that sets ``sdf_lamp.as_text``, which is JSON: what is
-read back are numbers and the languages of shapes and emissions, never code.
+A file of Blender's presets is a script. A lamp preset has one line that sets ``sdf_lamp.as_text``, which is JSON. The
+add-on reads back only numbers and the languages of shapes and emissions, never code.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from bl_ui.utils import PresetPanel
 
 from ..render.errors import RenderError
 from ..sdf import emission_presets
-from . import emission, parameters, properties
+from . import emission, parameters, preset_sources, properties
 from .context import light_of
 from .nodes import editor
 from .presets import Preset, presets
@@ -29,7 +29,7 @@ _EMISSION = parameters.PREFIX + emission.PREFIX
 
 
 def set_expression(light: bpy.types.Light, title: str, expression: str) -> None:
-    """Make the light a lamp of this expression: in a text block of its own if it has several lines."""
+    """Make the light a lamp with this expression. An expression of several lines goes into a new text block."""
     lamp = light.sdf_lamp
     if "\n" in expression.strip():
         text = parameters.new_text(title, expression)
@@ -39,13 +39,13 @@ def set_expression(light: bpy.types.Light, title: str, expression: str) -> None:
 
 
 def load_preset(light: bpy.types.Light, name: str) -> None:
-    """Give the light the shape, colour, emission and power of a preset of the add-on."""
+    """Give the light the shape, colour, emission and power of a preset from the add-on."""
     apply(light, presets()[name.lower()])
 
 
 def apply(light: bpy.types.Light, preset: Preset) -> None:
     """Give the light the shape, colour, emission and power of a preset."""
-    lamp = light.sdf_lamp
+    lamp, preset = light.sdf_lamp, preset_sources.with_sources(preset)
     if preset.shape:
         lamp.use, lamp.source, lamp.shape = True, "PRIMITIVE", preset.shape.upper()
         group = getattr(lamp, preset.shape)
@@ -75,13 +75,16 @@ def apply(light: bpy.types.Light, preset: Preset) -> None:
     ):
         for parameter, value in values.items():
             light[prefix + parameter] = value
-    parameters.update(light)  # a value of another kind has become one that the parameter can have
+    parameters.update(light)  # the value had another kind and was converted to the parameter's kind
     parameters.remove_unused(light)
 
 
 def preset_of(light: bpy.types.Light) -> Preset:
-    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text."""
+    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text, or need what is in this file."""
     lamp = light.sdf_lamp
+    for thing in parameters.things_of(light):
+        what = "an image" if isinstance(thing, bpy.types.Image) else "an object"
+        raise RenderError(f"Its shape is that of {what} of this file, which others do not have: choose another source.")
     primitive = lamp.source == "PRIMITIVE"
     shape = lamp.shape.lower() if primitive else ""
     if primitive:
@@ -112,7 +115,7 @@ def preset_of(light: bpy.types.Light) -> Preset:
 
 
 def _held(light: bpy.types.Light, declared) -> dict:
-    """Properties of declared parameters as the light holds them."""
+    """The values of declared parameters, as stored in the light."""
     names = [declaration.name for declaration in declared if parameters.exists(light, declaration)]
     return {name: _plain(light[parameters.PREFIX + name]) for name in names}
 
@@ -123,14 +126,16 @@ def _plain(value):
 
 def to_text(preset: Preset) -> str:
     """A preset as JSON."""
-    return json.dumps(preset._asdict(), default=dict)
+    about = preset._asdict()
+    del about["sources"]  # none of the user's own has them
+    return json.dumps(about, default=dict)
 
 
 def from_text(text: str) -> Preset:
-    """A preset from what ``to_text`` wrote. Raises RenderError where it is something else."""
+    """A preset from the result of ``to_text``. Raises RenderError for anything else."""
     try:
         about = json.loads(text)
-        known = {name: about[name] for name in Preset._fields if name in about}
+        known = {name: about[name] for name in Preset._fields if name in about and name != "sources"}
         known["color"] = tuple(map(float, known.get("color", (1.0, 1.0, 1.0))))
         preset = Preset(**known)
         numbers = preset.power, preset.temperature, preset.camera_brightness, preset.density or 0.0, *preset.color
@@ -142,7 +147,7 @@ def from_text(text: str) -> Preset:
     except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise RenderError(_UNREADABLE) from error
     if preset.shape and preset.shape not in PRIMITIVES:
-        raise RenderError(f"The preset has the shape '{preset.shape}', which there is not: save it again.")
+        raise RenderError(f"The preset has the shape '{preset.shape}', which does not exist: save it again.")
     if preset.shape and not preset.values.keys() <= {about.name for about in PRIMITIVES[preset.shape].fields()}:
         raise RenderError(_UNREADABLE)
     return preset
@@ -183,7 +188,7 @@ class SDFLIGHTS_PT_lamp_presets(PresetPanel, bpy.types.Panel):
 
 
 class SDFLIGHTS_OT_lamp_preset_add(AddPresetBase, bpy.types.Operator):
-    """Add a preset of this lamp, or remove the one that is chosen"""
+    """Add a preset of this lamp, or remove the chosen preset"""
 
     bl_idname = "sdf_lights.lamp_preset_add"
     bl_label = "Add Lamp Preset"
@@ -198,7 +203,7 @@ class SDFLIGHTS_OT_lamp_preset_add(AddPresetBase, bpy.types.Operator):
             try:
                 preset_of(light)
             except RenderError as error:
-                self.report({"ERROR"}, f"Light '{light.name}' makes no preset. {error}")
+                self.report({"ERROR"}, f"Light '{light.name}' cannot be saved as a preset. {error}")
                 return {"CANCELLED"}
         return super().execute(context)
 

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small pictures of lamps: previews of lights in the Properties editor, and of assets.
+"""Small pictures of lamps: for previews of lights in the Properties editor, and for assets.
 
-Blender's own scene for previews of lights shows what a light does to a ball. A lamp has a shape, so it is shown itself, against
-a dark ground, as bright as its picture can be.
+Blender's preview scene for lights shows a ball lit by the light. A lamp has a shape, so its preview shows the lamp
+itself, against a dark background, with a fixed brightness in the picture.
 """
 
 from __future__ import annotations
@@ -17,17 +17,18 @@ from ..render.scene import Camera, Lamp, Scene, World
 from ..render.settings import Device, Settings
 
 FROM = np.array([0.45, -0.85, 0.35])  # direction towards the camera
-HALF_FIELD = 0.18  # half of the picture's width, one metre in front of the camera
+HALF_FIELD = 0.18  # half of the picture's width, at one metre from the camera
 MARGIN = 1.1
 GROUND = (0.02, 0.02, 0.02)
-BRIGHT = 0.8  # mean radiance of what is seen of the lamp
-# What is seen of a shape of volume V is at most about this times V to the power of two thirds, if it is not thin everywhere.
+BRIGHT = 0.8  # mean radiance of the visible lamp
+# The visible area of a shape of volume V is at most about this times V to the power of two thirds, unless it is thin
+# everywhere.
 SILHOUETTE = 3.0
 
 
 def framed(scene: Scene) -> Scene:
-    """The scene of a preview of its first lamp: nothing else, before a dark ground, in the middle of the picture."""
-    from .viewport.facts import measured  # not sooner: it imports Numba
+    """The preview scene of its first lamp: only the lamp, before a dark background, in the middle of the picture."""
+    from .viewport.facts import measured  # not at the top: it imports Numba
 
     lamp = scene.lamps[0]
     facts = measured(lamp.shape, lamp.emission)
@@ -60,10 +61,10 @@ def framed(scene: Scene) -> Scene:
 
 def picture_of(lamp: Lamp, size: int, samples: int = 8) -> np.ndarray:
     """(size, size, 4) display values of a lamp, row 0 at the bottom. Raises RenderError."""
-    from ..render import session  # not sooner: it imports Numba
+    from ..render import session  # not at the top: it imports Numba
 
     settings = Settings(samples=samples, noise_threshold=0.0, max_bounces=0)
-    if size * size * samples < 1 << 12:  # so few that machine code is not worth its compilation
+    if size * size * samples < 1 << 12:  # too few to justify compiling machine code
         settings.device = Device.REFERENCE
     scene = framed(Scene(Camera(None), size, size, lamps=[lamp], settings=settings))
     light = np.maximum(session.render(scene, ("Combined",)).read("Combined")[..., :3].astype(float), 0.0)

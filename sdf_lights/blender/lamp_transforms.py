@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Apply Scale and Origin to Geometry of lamps, whose data are no vertices but numbers and text.
+"""Apply Scale and Origin to Geometry for lamps, whose data are numbers and text instead of vertices.
 
-Blender's own operators pass over lights in silence, and it refuses add-ons operators of the same name. So these stand beside
-them in the same menus. What a change of numbers does to a shape is not derived but tried: it counts if the lamp is the same
-as before at a few thousand points.
+Blender's own operators skip lights silently, and Blender refuses add-on operators of the same name. So these operators
+stand beside them in the same menus. The effect of changed numbers is tested, not derived: a change is accepted if the
+lamp is the same as before at a few thousand points.
 """
 
 from __future__ import annotations
@@ -25,16 +25,18 @@ from ..sdf.syntax import ExpressionError, parse
 from . import emission, parameters
 from .lamp import pattern_of, shape_of
 from .nodes import editor, reading
-from .properties import PRIMITIVES, values_of
+from .properties import OF_DATA, PRIMITIVES, values_of
+from .sources import FileResolver
 
 _MOST_TRIED = 600  # combinations of factors
 _POINTS, _FEW = 3000, 100
-_BESIDE = 0.02  # of the shape's size: how far from the surface both are compared
-_DIFFERENT = 0.002  # part of the points at which a shape is another one
+_BESIDE = 0.02  # of the shape's size: distance from the surface at which both are compared
+_DIFFERENT = 0.002  # fraction of the points that marks a different shape
 
 
 class _Numbers(NamedTuple):
-    """Numbers of a lamp that may be lengths. ``certain``: all of them are. ``make`` gives what they describe."""
+    """Numbers of a lamp that may be lengths. ``certain``: all of them are lengths. ``make`` builds the shape or pattern
+    from them."""
 
     values: dict[str, object]
     limits: Mapping[str, tuple[float, float]]
@@ -59,7 +61,7 @@ def _points(shape: Shape) -> np.ndarray:
 
 
 def _is_same(old: np.ndarray, new: Shape, points: np.ndarray) -> bool:
-    """Whether a shape has its inside where ``old`` (n,) says, at points (n, 3)."""
+    """Whether the inside of a shape agrees with ``old`` (n,) at points (n, 3)."""
     for part in (slice(0, _FEW), slice(None)):
         wrong = (new.distance(points[part]) <= 0.0) != old[part]
         if np.mean(wrong) > _DIFFERENT:
@@ -76,7 +78,7 @@ def _glow(pattern: Emission | None, shape: Shape, points: np.ndarray) -> np.ndar
 
 
 def _choices(value, scale: np.ndarray, certain: bool) -> list:
-    """What a number may become under a scale (3,)."""
+    """Possible values of a number under a scale (3,)."""
     sizes = sorted(set(np.abs(scale).tolist()))
     if isinstance(value, tuple):
         return [tuple(np.abs(scale) * value)] + ([] if certain else [value])
@@ -86,9 +88,9 @@ def _choices(value, scale: np.ndarray, certain: bool) -> list:
 
 
 def _fitting(numbers: _Numbers, scale: np.ndarray) -> Iterator[dict]:
-    """Numbers that may describe the same under a scale."""
+    """Possible numbers for the same shape under a scale."""
     choices = [_choices(value, scale, numbers.certain) for value in numbers.values.values()]
-    # All of them are lengths, if it can be: this is tried first.
+    # First try: all of them are lengths, if that is possible.
     order = sorted(
         itertools.islice(itertools.product(*(range(len(choice)) for choice in choices)), _MOST_TRIED),
         key=lambda picks: sum(pick != min(1, len(choice) - 1) for pick, choice in zip(picks, choices)),
@@ -124,10 +126,10 @@ def _numbers_of_shape(light: bpy.types.Light, matrix: np.ndarray) -> _Numbers:
         )
     if lamp.source == "NODES":
         return _declared(
-            light, parameters.declarations(lamp), lambda values: reading.shape_of(lamp.nodes, values, matrix)
+            light, parameters.declarations(lamp), lambda values: reading.shape_of(lamp.nodes, values, matrix, lamp)
         )
     expression = parameters.parsed(parameters.text_of(lamp))
-    return _declared(light, parameters.declarations(lamp), lambda values: expression.shape(values))
+    return _declared(light, parameters.declarations(lamp), lambda values: expression.shape(values, FileResolver(lamp)))
 
 
 def _declared(light: bpy.types.Light, declared, make, prefix: str = "") -> _Numbers:
@@ -150,7 +152,8 @@ def _declared(light: bpy.types.Light, declared, make, prefix: str = "") -> _Numb
 
 
 def apply_scale(obj: bpy.types.Object) -> None:
-    """Give a lamp's shape the sizes that the scale of its object gives it. Raises RenderError, which says why not."""
+    """Apply the scale of the object to the sizes of the lamp's shape. Raises RenderError with the reason if that
+    fails."""
     light, scale = obj.data, np.array(obj.scale)
     lamp = light.sdf_lamp
     if light.users > 1:
@@ -159,9 +162,9 @@ def apply_scale(obj: bpy.types.Object) -> None:
         raise RenderError("Its data are linked from another file: make a library override first.")
     if not np.all(np.abs(scale) > 1e-9):
         raise RenderError("It is scaled to zero.")
-    if lamp.source in ("OBJECT", "IMAGE"):
-        what = "an object: apply the scale there" if lamp.source == "OBJECT" else "a picture: set its width"
-        raise RenderError(f"Its shape is that of {what}.")
+    if lamp.source in OF_DATA:
+        cures = {"OBJECT": ": apply the scale there", "IMAGE": ": set its width", "NETWORK": ", which has one size"}
+        raise RenderError(f"Its shape is that of {OF_DATA[lamp.source]}{cures[lamp.source]}.")
     matrix = np.array(obj.matrix_world)
     old, pattern = shape_of(lamp, matrix), pattern_of(lamp, matrix)
     points = _points(old)
@@ -186,7 +189,7 @@ def apply_scale(obj: bpy.types.Object) -> None:
 
 
 def _glow_under(light, pattern, old: Shape, new: Shape, points: np.ndarray, scale: np.ndarray):
-    """The numbers of a pattern and their values under a scale; None where nothing has to change. Raises RenderError."""
+    """The numbers of a pattern and their values under a scale; None if nothing changes. Raises RenderError."""
     wanted = _glow(pattern, old, points)
 
     def is_same(changed) -> bool:
@@ -197,30 +200,38 @@ def _glow_under(light, pattern, old: Shape, new: Shape, points: np.ndarray, scal
     settings = light.sdf_lamp.emission
     parsed = emission.parsed(emission.text_of(settings))
     if not parameters.emission_is_in_nodes(light.sdf_lamp):
-        numbers = _declared(light, emission.declarations(settings), parsed.emission, emission.PREFIX)
+        numbers = _declared(
+            light,
+            emission.declarations(settings),
+            lambda values: parsed.emission(values, FileResolver(light.sdf_lamp)),
+            emission.PREFIX,
+        )
         for found in _fitting(numbers, scale):
             if is_same(numbers.make(found)):
                 return numbers, found
-    raise RenderError("Its pattern is measured along each axis or in metres, and has no numbers for another scale.")
+    raise RenderError(
+        "Its pattern is measured along each axis or in metres, and no numbers adapt it to another scale: keep the "
+        "scale."
+    )
 
 
 def _why_not(lamp, shape: Shape, scale: np.ndarray, numbers: _Numbers) -> str:
     if numbers.certain:
         if len(set(np.abs(scale).round(6))) > 1:
             return (
-                f"A {shape.label()} has one size for directions that are scaled differently: "
-                "scale all axes by the same factor, or keep the scale."
+                f"A {shape.label()} has one size for directions that are scaled differently: scale all axes by the "
+                "same factor, or keep the scale."
             )
         return f"The sizes of a {shape.label()} cannot be that large or small: keep the scale."
     where = "node tree" if lamp.source == "NODES" else "expression"
     return (
-        f"Its {where} has sizes that are no parameters, or parameters with narrow limits: "
-        "change them there, or keep the scale."
+        f"Its {where} has sizes that are not parameters, or parameters with narrow limits: change them there, or keep "
+        "the scale."
     )
 
 
 def _without_scale(obj: bpy.types.Object) -> None:
-    """Set the scale to one; children stay where they are."""
+    """Set the scale to one. Children keep their world position."""
     before = obj.matrix_basis.copy()
     obj.scale = (1.0, 1.0, 1.0)
     change = obj.matrix_basis.inverted() @ before
@@ -232,7 +243,7 @@ def _without_scale(obj: bpy.types.Object) -> None:
 
 
 def _moved(text: str, offset: np.ndarray) -> Iterator[str]:
-    """Texts that may say the shape of a text, moved by ``offset``."""
+    """Possible texts of the shape moved by ``offset``."""
     shift = "({})".format(", ".join(f"{component + 0.0:.6g}" for component in offset))
     body = parse(text).tree.body
     if body and isinstance(body[-1], ast.Expr):
@@ -247,9 +258,10 @@ def _moved(text: str, offset: np.ndarray) -> Iterator[str]:
 
 
 def origin_to_geometry(obj: bpy.types.Object) -> bool:
-    """Move the origin of a lamp to the middle of its body, which stays where it is; False where it is there.
+    """Move the origin of a lamp to the middle of its body, which stays in its place. Returns False if the origin is
+    already there.
 
-    Raises RenderError, which says why not.
+    Raises RenderError with the reason if that fails.
     """
     from .viewport.bodies import points_of
 
@@ -268,7 +280,7 @@ def origin_to_geometry(obj: bpy.types.Object) -> bool:
     if np.all(np.abs(middle) <= near * np.linalg.norm(box.max(axis=0) - box.min(axis=0))):
         return False
     if lamp.source == "NODES":
-        raise RenderError("Its node tree says where its parts are: put a Translate node before Lamp Output.")
+        raise RenderError("Its node tree sets the position of its parts: put a Translate node before Lamp Output.")
     points = _points(shape)
     inside, values = shape.distance(points) <= 0.0, parameters.values(lamp)
     written = editor.expression_of(light)
@@ -276,14 +288,14 @@ def origin_to_geometry(obj: bpy.types.Object) -> bool:
         changed = parameters.parsed(text)
         if isinstance(changed, ExpressionError):
             continue
-        moved = changed.shape(values)
+        moved = changed.shape(values, FileResolver(lamp))
         if _is_same(inside, moved, points - middle):
             break
     else:
-        raise RenderError("Its text says where its parts are: move them there.")
+        raise RenderError("Its text sets the position of its parts: move them there.")
     glow = _glow(pattern, shape, points[inside])
     if not np.allclose(_glow(pattern, moved, points[inside] - middle), glow, rtol=0.02, atol=0.01 * glow.max()):
-        raise RenderError("Its pattern is placed by the origin, so it would not stay where it is.")
+        raise RenderError("Its pattern depends on the origin, so it would move: keep the origin.")
     if lamp.source == "PRIMITIVE" or lamp.text is not None or "\n" in text:
         lamp.text = parameters.new_text(light.name, text)
     else:
@@ -301,7 +313,7 @@ def origin_to_geometry(obj: bpy.types.Object) -> bool:
 
 
 class _LampsOperator:
-    """An operator on the selected lamps, which says of each why it cannot be done."""
+    """An operator on the selected lamps. It reports for each lamp why it failed."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -324,7 +336,7 @@ def _is_lamp(obj: bpy.types.Object) -> bool:
 
 
 class SDFLIGHTS_OT_scale_apply(_LampsOperator, bpy.types.Operator):
-    """Give the shapes of the selected lamps the sizes that their scale gives them, and set that to 1"""
+    """Apply the scale of the selected lamps to the sizes of their shapes, and set the scale to 1"""
 
     bl_idname = "sdf_lights.scale_apply"
     bl_label = "Scale of SDF Lamps"
@@ -340,14 +352,14 @@ class SDFLIGHTS_OT_origin_to_geometry(_LampsOperator, bpy.types.Operator):
 
 
 def draw_apply(self, context):
-    """Entry in Object > Apply, where lamps are selected."""
+    """Entry in Object > Apply, if lamps are selected."""
     if SDFLIGHTS_OT_scale_apply.poll(context):
         self.layout.separator()
         self.layout.operator(SDFLIGHTS_OT_scale_apply.bl_idname)
 
 
 def draw_object(self, context):
-    """Entry in Object, where lamps are selected."""
+    """Entry in Object, if lamps are selected."""
     if SDFLIGHTS_OT_origin_to_geometry.poll(context):
         self.layout.separator()
         self.layout.operator(SDFLIGHTS_OT_origin_to_geometry.bl_idname)

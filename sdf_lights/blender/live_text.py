@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps follow their text blocks while these are typed: Blender tells nobody of changes of a text."""
+"""Updates lamps while their text blocks are edited. Blender sends no event for changes of a text."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import bpy
 from . import parameters
 from .naming import NODE_TREE
 
-_INTERVAL = 0.3  # seconds between looks
+_INTERVAL = 0.3  # seconds between two checks
 
-_seen: dict[int, int] = {}  # hash of the text by the text block's identity
+_seen: dict[int, int] = {}  # hash of the text, by the identity of the text block
 
 
 def _texts(light: bpy.types.Light) -> list[bpy.types.Text]:
@@ -21,7 +21,7 @@ def _texts(light: bpy.types.Light) -> list[bpy.types.Text]:
 
 
 def changed_texts() -> set[int]:
-    """Identities of text blocks that lamps use, whose text is not what it was at the last call."""
+    """Identities of the text blocks of lamps that changed since the last call."""
     used = {text for light in bpy.data.lights for text in _texts(light)}
     used |= {
         node.text

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A movie of the frames that render farms have joined: ``blender -c sdf_lights_movie OUT.mp4 FILE.blend IN.exr …``.
+"""A movie from joined frames of a render farm: ``blender -c sdf_lights_movie OUT.mp4 FILE.blend IN.exr …``.
 
 Blender's own sequencer makes it, with the color management and the frame rate of the file.
 """
@@ -23,11 +23,12 @@ _VIEW = (
     "white_balance_temperature",
     "white_balance_tint",
 )
-_EVEN = 2  # H.264 halves the resolution of colours
+_EVEN = 2  # H.264 halves the colour resolution
 
 
 def write(out: str, scene: bpy.types.Scene, frames: list[str]) -> None:
-    """Write pictures, in this order, as a movie in H.264, as a ``scene`` shows them. Raises RuntimeError where Blender cannot."""
+    """Write pictures, in this order, as an H.264 movie with the colour management of ``scene``. Raises RuntimeError if
+    Blender fails."""
     made = bpy.data.scenes.new("Movie")
     try:
         editor = made.sequence_editor_create()
@@ -66,7 +67,7 @@ def command(words: list[str]) -> int:
     """``sdf_lights_movie``; the exit code."""
     parser = argparse.ArgumentParser(prog="sdf_lights_movie", description="Makes a movie of rendered frames.")
     parser.add_argument("out", help="the movie to write, an .mp4")
-    parser.add_argument("file", help="the .blend, whose color management and frame rate the movie has")
+    parser.add_argument("file", help="the .blend with the color management and the frame rate of the movie")
     parser.add_argument("frames", nargs="+", help="pictures in their order, or patterns such as 'frames/*.exr'")
     chosen = parser.parse_args(words)
     found = [path for pattern in chosen.frames for path in (sorted(glob.glob(pattern), key=_number) or [pattern])]
@@ -84,6 +85,6 @@ def command(words: list[str]) -> int:
 
 
 def _number(path: str) -> tuple[int, str]:
-    """By the last number of a name, so that frame 10,000 comes after 9999."""
+    """Sorts by the last number of a name, so frame 10,000 comes after 9999."""
     numbers = re.findall(r"\d+", os.path.basename(path))
     return (int(numbers[-1]) if numbers else 0, path)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps of objects and pictures: how they are made, and how they follow what is edited there."""
+"""Lamps of objects, pictures and networks: how they are made, and how they follow what is edited there."""
 
 from __future__ import annotations
 
@@ -9,26 +9,25 @@ from bpy.app.handlers import persistent
 from bpy_extras.object_utils import AddObjectHelper, object_data_add
 
 from ..render.errors import RenderError
-from . import fallback, objects, picture_lamps
+from . import fallback, network_lamps, objects, parameters, picture_lamps
+from .context import light_of
 from .lamp import shape_of
 from .operators import SDFLIGHTS_MT_lamp_add
 from .properties import FORMS
 
 POWER = 100.0  # W
+RAYS = tuple(f"visible_{kind}" for kind in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"))
 
 
-def lamps_of_objects() -> list[bpy.types.Light]:
-    """Lights whose shape is that of an object."""
-    return [
-        light
-        for light in bpy.data.lights
-        if light.sdf_lamp.use and light.sdf_lamp.source == "OBJECT" and light.sdf_lamp.object is not None
-    ]
+def _parts_of(thing: bpy.types.ID) -> list[bpy.types.ID | None]:
+    """What of a thing changes the shape that is made of it."""
+    data = getattr(thing, "data", None)
+    return [thing, data, getattr(data, "taper_object", None), getattr(data, "shape_keys", None)]
 
 
 @persistent
 def _changed(scene, depsgraph):
-    """Tells lamps of changes in their objects: Blender only tags what it knows of."""
+    """Tells lamps of changes in what they are made of: Blender only tags what it knows of."""
     changed = set()
     for update in depsgraph.updates:
         if update.is_updated_geometry or update.is_updated_shading or not isinstance(update.id, bpy.types.Object):
@@ -37,13 +36,11 @@ def _changed(scene, depsgraph):
         return
     images = {update.id.original.session_uid for update in depsgraph.updates if isinstance(update.id, bpy.types.Image)}
     picture_lamps.forget(images)
-    for light in bpy.data.lights if images else ():
-        image = light.sdf_lamp.image
-        if light.sdf_lamp.source == "IMAGE" and image is not None and image.session_uid in images:
-            light.update_tag()
-    for light in lamps_of_objects():
-        obj = light.sdf_lamp.object
-        used = [obj, obj.data, getattr(obj.data, "taper_object", None), getattr(obj.data, "shape_keys", None)]
+    for light in bpy.data.lights:
+        # A light that is updated already needs nothing: so an object that depends on its own lamp does not go on for ever.
+        if not light.sdf_lamp.use or light.session_uid in changed:
+            continue
+        used = [part for thing in parameters.things_of(light) for part in _parts_of(thing)]
         if any(block is not None and block.session_uid in changed for block in used):
             light.update_tag()
 
@@ -99,7 +96,12 @@ class SDFLIGHTS_OT_object_to_lamp(bpy.types.Operator):
             collection.objects.link(lamp)
         lamp.parent = obj
         if obj.is_editable:
-            obj.hide_render, obj.display_type = True, "WIRE"
+            obj.display_type = "WIRE"
+            if obj.type == "META":  # Blender makes no surface of one that is hidden in renders
+                for kind in RAYS:
+                    setattr(obj, kind, False)
+            else:
+                obj.hide_render = True
         return lamp
 
 
@@ -129,6 +131,54 @@ class SDFLIGHTS_OT_text_lamp_add(bpy.types.Operator, AddObjectHelper):
             self.layout.prop(self, name)
 
 
+class SDFLIGHTS_OT_network_reload(bpy.types.Operator):
+    """Read the lamp's network again, after its file has changed"""
+
+    bl_idname = "sdf_lights.network_reload"
+    bl_label = "Reload Network"
+
+    @classmethod
+    def poll(cls, context):
+        light = light_of(context)
+        return light is not None and light.sdf_lamp.use and light.sdf_lamp.source == "NETWORK"
+
+    def execute(self, context):
+        light = light_of(context)
+        network_lamps.forget()
+        light.update_tag()
+        try:
+            shape_of(light.sdf_lamp)
+        except RenderError as error:
+            self.report({"WARNING"}, str(error))
+        fallback.follow(light)
+        return {"FINISHED"}
+
+
+class SDFLIGHTS_OT_network_lamp_add(bpy.types.Operator, AddObjectHelper):
+    """Add a lamp of a network: the add-on's example, until another file is chosen"""
+
+    bl_idname = "sdf_lights.network_lamp_add"
+    bl_label = "Add Network Lamp"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT"
+
+    def execute(self, context):
+        light = bpy.data.lights.new("Network Lamp", "POINT")
+        light.energy = POWER
+        light.sdf_lamp.use, light.sdf_lamp.source = True, "NETWORK"
+        fallback.follow(light)
+        object_data_add(context, light, operator=self, name="Network Lamp")
+        return {"FINISHED"}
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in ("align", "location", "rotation"):
+            self.layout.prop(self, name)
+
+
 NEON_COLOR = (1.0, 0.18, 0.09)  # of neon itself; other gases and coatings have others
 
 
@@ -145,9 +195,15 @@ def draw_add(self, context):
     self.layout.separator()
     for form, text in (("SOLID", "Text"), ("NEON", "Neon Text")):
         self.layout.operator(SDFLIGHTS_OT_text_lamp_add.bl_idname, text=text, icon="OUTLINER_OB_FONT").form = form
+    self.layout.operator(SDFLIGHTS_OT_network_lamp_add.bl_idname, text="Network", icon="OUTLINER_OB_LIGHTPROBE")
 
 
-CLASSES = (SDFLIGHTS_OT_object_to_lamp, SDFLIGHTS_OT_text_lamp_add)
+CLASSES = (
+    SDFLIGHTS_OT_object_to_lamp,
+    SDFLIGHTS_OT_text_lamp_add,
+    SDFLIGHTS_OT_network_lamp_add,
+    SDFLIGHTS_OT_network_reload,
+)
 
 
 def register():

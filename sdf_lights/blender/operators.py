@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add > Light > SDF Lamp, and what the panels of a lamp do at a click."""
+"""Add > Light > SDF Lamp, and the operators in the panels of a lamp."""
 
 import math
 
@@ -16,7 +16,7 @@ from ..sdf.shapes import SHAPES
 from ..sdf.shapes.profiles import PROFILES
 from ..sdf.surface_nets import surface_net
 from ..sdf.syntax import ExpressionError
-from . import areas, emission, fallback, labels, parameters, readout
+from . import areas, emission, fallback, labels, parameters, preset_sources, readout
 from .context import LampOperator, light_of
 from .lamp import pattern_of, shape_of
 from .lamp_presets import load_preset, set_expression
@@ -41,12 +41,12 @@ def preset_items() -> list[tuple]:
 
 
 def _profiles() -> dict[str, type]:
-    """Profiles that numbers alone make."""
+    """Profiles defined only by numbers."""
     return {name: profile for name, profile in PROFILES.items() if profile.fields()}
 
 
 def profile_items() -> list[tuple]:
-    """Items of an EnumProperty with every profile that numbers make."""
+    """Items of an EnumProperty with every profile defined by numbers."""
     return [(name.upper(), profile.label(), profile.summary().rstrip(".")) for name, profile in _profiles().items()]
 
 
@@ -62,7 +62,7 @@ def profile_expression(name: str, sweep: str) -> str:
         for about in kind.fields():
             default, maximum = about.default, about.soft_maximum
             if kind is solid and about.name == "offset":
-                default = 0.6  # beside the axis, not across it
+                default = 0.6  # placed beside the axis so that it does not cross it
             key = f"{sweep}_{about.name}" if about.name in named or about.name in USAGE else about.name
             minimum = max(about.minimum, 0.001) if about.unit == "LENGTH" and about.minimum > 0.0 else about.minimum
             word = "integer" if about.whole else "angle" if about.unit == "ANGLE" else "slider"
@@ -78,7 +78,7 @@ def profile_expression(name: str, sweep: str) -> str:
 
 
 def load_example(light: bpy.types.Light, name: str) -> None:
-    """Make the light a lamp whose expression is an example, in a text block of its own."""
+    """Make the light a lamp with an example as its expression, in a new text block."""
     example = examples()[name.lower()]
     set_expression(light, example.title, example.text)
 
@@ -92,14 +92,14 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
 
     source: bpy.props.EnumProperty(
         name="Source",
-        description="Where the shape of the lamp comes from",
+        description="Source of the shape of the lamp",
         items=[
             ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
-            ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
-            ("EXAMPLE", "Example", "An expression to start from", 2),
+            ("EXPRESSION", "Expression", "A few lines of text that combine shapes", 1),
+            ("EXAMPLE", "Example", "A worked example of an expression", 2),
             ("PRESET", "Preset", "A lamp with a colour and a power", 3),
-            ("PROFILE", "Profile", "An outline that is extruded or turned about an axis", 4),
-            ("NODES", "Nodes", "Shapes combined by a node tree", 5),
+            ("PROFILE", "Profile", "An outline that is extruded or revolved about an axis", 4),
+            ("NODES", "Nodes", "A node tree that combines shapes", 5),
         ],
     )
     shape: bpy.props.EnumProperty(name="Shape", description="Shape that glows", items=shape_items(), default="SPHERE")
@@ -114,7 +114,7 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
             for name in ("extrusion", "revolution", "partial_revolution")
         ],
     )
-    tree: bpy.props.StringProperty(name="Node Tree", description="Node tree of the lamp; without a name a new one")
+    tree: bpy.props.StringProperty(name="Node Tree", description="Node tree of the lamp; an empty name makes a new one")
     power: bpy.props.FloatProperty(
         name="Power", description="Power of the whole lamp", default=100.0, min=0.0, soft_max=1000.0, unit="POWER"
     )
@@ -157,7 +157,9 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
         except RenderError as error:  # the node tree has a mistake
             self.report({"WARNING"}, str(error))
         fallback.follow(light)
-        object_data_add(context, light, operator=self, name=name)
+        made = object_data_add(context, light, operator=self, name=name)
+        if self.source == "PRESET":
+            preset_sources.place(parameters.things_of(light), made)
         return {"FINISHED"}
 
     def draw(self, context):
@@ -206,7 +208,7 @@ class SDFLIGHTS_OT_expression_to_text(LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_parameters_remove(LampOperator, bpy.types.Operator):
-    """Remove parameters of expressions that the lamp had before"""
+    """Remove parameters of earlier expressions of the lamp"""
 
     bl_idname = "sdf_lights.parameters_remove"
     bl_label = "Remove Unused Parameters"
@@ -225,19 +227,23 @@ class SDFLIGHTS_OT_preset_load(LampOperator, bpy.types.Operator):
     preset: bpy.props.EnumProperty(name="Preset", description="Lamp to start from", items=preset_items())
 
     def execute(self, context):
-        load_preset(light_of(context), self.preset)
+        light = light_of(context)
+        load_preset(light, self.preset)
+        owner = next((obj for obj in bpy.data.objects if obj.data == light and obj.users_collection), None)
+        if owner is not None:
+            preset_sources.place(parameters.things_of(light), owner)
         return {"FINISHED"}
 
 
 class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
-    """Show the text block of the lamp in a text editor, which is opened where there is none, at the line with a mistake"""
+    """Show the text block of the lamp in a text editor, at the line of a mistake. Opens an editor if none is open"""
 
     bl_idname = "sdf_lights.expression_show"
     bl_label = "Show in Text Editor"
     bl_options = {"REGISTER"}
 
     emission: bpy.props.BoolProperty(
-        name="Emission", description="Show the text of the emission, not that of the shape", options={"SKIP_SAVE"}
+        name="Emission", description="Show the text of the emission instead of the shape", options={"SKIP_SAVE"}
     )
 
     def execute(self, context):
@@ -252,7 +258,7 @@ class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
             text.cursor_set(line, character=min(wrong.column - 1, len(text.lines[line].body)))
         area = areas.area_of(context, "TEXT_EDITOR") or areas.opened(context, "TEXT_EDITOR")
         if area is None:
-            self.report({"INFO"}, "There is no window for a text editor.")
+            self.report({"INFO"}, "No window has room for a text editor: open a window first.")
         else:
             area.spaces.active.text = text
             area.spaces.active.top = max(text.current_line_index - 5, 0)
@@ -261,13 +267,13 @@ class SDFLIGHTS_OT_expression_show(LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_expression_edit(LampOperator, bpy.types.Operator):
-    """Edit the expression in a wide field, with what is wrong with it below"""
+    """Edit the expression in a wide field, with its mistakes below"""
 
     bl_idname = "sdf_lights.expression_edit"
     bl_label = "Edit Expression"
 
     emission: bpy.props.BoolProperty(
-        name="Emission", description="Edit the text of the emission, not that of the shape", options={"SKIP_SAVE"}
+        name="Emission", description="Edit the text of the emission instead of the shape", options={"SKIP_SAVE"}
     )
 
     def invoke(self, context, event):
@@ -301,7 +307,7 @@ class SDFLIGHTS_OT_lamp_to_mesh(bpy.types.Operator):
         max=512,
         soft_max=256,
     )
-    keep_original: bpy.props.BoolProperty(name="Keep Original", description="Keep the lamps, too", default=False)
+    keep_original: bpy.props.BoolProperty(name="Keep Original", description="Keep the lamps as well", default=False)
 
     @classmethod
     def poll(cls, context):
@@ -323,7 +329,7 @@ def _is_lamp(obj: bpy.types.Object) -> bool:
 
 
 def to_mesh(obj: bpy.types.Object, resolution: int, keep_original: bool) -> bpy.types.Object:
-    """A mesh object in the place of a lamp, whose surface gives as much light. Raises RenderError."""
+    """A mesh object that replaces a lamp; its surface gives as much light. Raises RenderError."""
     light = obj.data
     matrix = np.array(obj.matrix_world)
     shape = shape_of(light.sdf_lamp, matrix)
@@ -355,7 +361,7 @@ def to_mesh(obj: bpy.types.Object, resolution: int, keep_original: bool) -> bpy.
 
 
 def _glowing(light: bpy.types.Light, power: float, mesh: bpy.types.Mesh, matrix) -> bpy.types.Material:
-    """A material whose emission gives the lamp's colour and this power, spread over the surface."""
+    """A material that emits the lamp's colour with this power, spread over the surface."""
     copy = mesh.copy()
     copy.transform(matrix)
     area = sum(face.area for face in copy.polygons)
@@ -384,7 +390,8 @@ class SDFLIGHTS_MT_examples(bpy.types.Menu):
 
 
 def _add_menu(idname: str, title: str, source: str, prop: str, items, icon=lambda name: 0) -> type:
-    """A menu that adds a lamp of one source, by items of an enumeration; ``icon`` gives the number of an item's icon."""
+    """A menu that adds a lamp of one source, from the items of an enumeration. ``icon`` returns the icon number of an
+    item."""
 
     def draw(self, context):
         for name, label, _ in items():
@@ -470,7 +477,7 @@ def draw_menu(self, context):
 
 
 def draw_convert(self, context):
-    """Entries in Object > Convert, where lamps are selected."""
+    """Entries in Object > Convert, if lamps are selected."""
     if SDFLIGHTS_OT_lamp_to_mesh.poll(context):
         self.layout.separator()
         self.layout.operator(SDFLIGHTS_OT_lamp_to_mesh.bl_idname, icon="OUTLINER_OB_MESH")

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels: properties of render, view layer, light and object, and the tab in the 3D view.
 
-Blender's own panels for other engines are reused where they fit (``stock_panels``).
+Blender's own panels are reused if they fit (``stock_panels``).
 """
 
 import bpy
@@ -15,7 +15,7 @@ from .passes import owner_of, switches
 from .preferences import draw_back_end
 from .sampling_presets import SDFLIGHTS_PT_sampling_presets, SDFLIGHTS_PT_viewport_sampling_presets
 
-# Blender's panels for every engine that say what is not so here, or that stand below in another form.
+# Blender's generic panels that are wrong for this engine, or that are replaced below.
 _EXCLUDED = {
     "DATA_PT_light",
     "DATA_PT_spot",
@@ -33,7 +33,7 @@ _EXCLUDED = {
     "VIEWLAYER_PT_freestyle_linestyle",
 }
 
-# Panels made for EEVEE that edit what this engine reads too.
+# EEVEE's panels for properties that this engine reads too.
 _EEVEE = {
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
@@ -53,7 +53,7 @@ def stock_panels():
 
 
 class RenderPanel:
-    """What the panels of the Properties editor have in common."""
+    """Common base of panels in the Properties editor."""
 
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -70,7 +70,7 @@ class RenderPanel:
         self.draw_properties(layout, context)
 
     def draw_properties(self, layout, context):
-        """Nothing, for a panel that only holds others."""
+        """Nothing: the panel only holds others."""
 
 
 # -- render ------------------------------------------------------------------------------------------------------------
@@ -86,8 +86,8 @@ def _settings_panel(
     header: str = "",
     presets: type | None = None,
 ) -> type:
-    """A panel with some properties of ``scene.sdf_lights``, or of its viewport group; ``header`` is a switch, and
-    ``presets`` the panel of presets that opens from there."""
+    """A panel with some properties of ``scene.sdf_lights``, or of its viewport group. ``header`` is a switch in the
+    header. ``presets`` is the panel of presets that opens there."""
 
     def group(context):
         settings = context.scene.sdf_lights

@@ -1,14 +1,13 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parameters that an expression or a node tree declares, and an emission, as custom properties of the Light.
+"""Parameters of an expression, a node tree or an emission, as custom properties of the Light.
 
-Custom properties are the one kind in Blender whose limits, default and description can be set while it runs. They are
-saved, undone, animated, driven and overridden as others are. Their names begin with ``PREFIX``, to be told from the
-user's own.
+Only custom properties can get limits, defaults and descriptions while Blender runs. They are saved, undone, animated,
+driven and overridden like all others. Their names begin with ``PREFIX``, which separates them from the user's own.
 
-A property is made when an expression is set, and, if a text block has changed, when a panel is drawn next. Rendering
-needs none: where it is missing the parameter has its default. What an expression no longer declares keeps its value, so
-a line that is put back finds it again, until the user removes it.
+A property is made when an expression is set. If a text block has changed, it is made when a panel is drawn next.
+Rendering does not need it: without it the parameter has its default. A parameter that is no longer declared keeps its
+value until the user removes it, so a restored line finds it again.
 """
 
 from __future__ import annotations
@@ -20,14 +19,14 @@ import bpy
 
 from ..sdf.expression import Declaration, Expression
 from ..sdf.syntax import ExpressionError
-from . import emission
-from .nodes.reading import declarations_of, has_emission
+from . import emission, sources
+from .nodes.reading import declarations_of, has_emission, texts_in, things_in
 
 PREFIX = "sdf_"
 
 
 def overridable(annotations: dict) -> dict:
-    """Properties of a group, which library overrides may change."""
+    """Properties of a group that library overrides may change."""
     return {
         name: made.function(**made.keywords | {"override": {"LIBRARY_OVERRIDABLE"}})
         for name, made in annotations.items()
@@ -35,7 +34,8 @@ def overridable(annotations: dict) -> dict:
 
 
 def new_text(title: str, text: str) -> bpy.types.Text:
-    """A text block for a lamp, which files lose when no lamp has it any more. Blender keeps those of its own for ever."""
+    """A text block for a lamp. Files drop it when no lamp uses it any more. Blender keeps its own text blocks for
+    ever."""
     made = bpy.data.texts.new(title)
     made.write(text)
     made.use_fake_user = False
@@ -43,13 +43,13 @@ def new_text(title: str, text: str) -> bpy.types.Text:
 
 
 def text_of(lamp) -> str:
-    """Text of a lamp's expression: that of its text block where there is one."""
+    """Text of a lamp's expression: that of its text block, if there is one."""
     return lamp.text.as_string() if lamp.text is not None else lamp.expression
 
 
 @functools.lru_cache(maxsize=64)
 def parsed(text: str) -> Expression | ExpressionError:
-    """The expression, or what is wrong with it. Kept, because panels ask at every redraw."""
+    """The expression, or its error. Cached, because panels ask at every redraw."""
     try:
         return Expression(text)
     except ExpressionError as error:
@@ -57,7 +57,7 @@ def parsed(text: str) -> Expression | ExpressionError:
 
 
 def declarations(lamp) -> tuple[Declaration, ...]:
-    """What the lamp's expression or nodes declare; nothing of an expression with a mistake in it."""
+    """The parameters that the lamp's expression or nodes declare; none if the expression has a mistake."""
     if lamp.source == "NODES":
         return declarations_of(lamp.nodes)
     expression = parsed(text_of(lamp)) if lamp.source == "EXPRESSION" else None
@@ -65,12 +65,12 @@ def declarations(lamp) -> tuple[Declaration, ...]:
 
 
 def emission_is_in_nodes(lamp) -> bool:
-    """Whether the lamp's node tree says its emission too: then the pattern of the panel does not count."""
+    """Whether the lamp's node tree also defines its emission. Then the pattern of the panel is not used."""
     return lamp.source == "NODES" and has_emission(lamp.nodes)
 
 
 def all_declarations(lamp) -> tuple[Declaration, ...]:
-    """Those of the shape, and those of the emission where it has declarations of its own."""
+    """The parameters of the shape, and those of a separate emission."""
     if emission_is_in_nodes(lamp):
         return declarations(lamp)
     return (*declarations(lamp), *emission.declarations(lamp.emission))
@@ -99,17 +99,50 @@ def values_of(light: bpy.types.Light, declared: tuple[Declaration, ...]) -> dict
         try:
             found[declaration.name] = declaration.held(math.degrees(value) if declaration.kind == "angle" else value)
         except (TypeError, ValueError, OverflowError):
-            pass  # missing, or of another kind: a script can put anything there
+            pass  # missing, or of another kind: scripts can store anything there
     return found
 
 
 def missing(lamp) -> bool:
     """Whether ``update`` has something to do."""
-    return lamp.id_data.is_editable and any(_differs(lamp.id_data, declared) for declared in all_declarations(lamp))
+    return lamp.id_data.is_editable and (
+        any(_differs(lamp.id_data, declared) for declared in all_declarations(lamp))
+        or sources.is_behind(lamp, data_of(lamp))
+    )
+
+
+def data_of(lamp) -> frozenset[tuple[str, str]]:
+    """Kinds and names of data in the texts of a lamp."""
+    texts = [parsed(text_of(lamp))] if lamp.source == "EXPRESSION" else []
+    if not emission_is_in_nodes(lamp):
+        texts.append(emission.parsed(emission.text_of(lamp.emission)))
+    found = frozenset().union(*(text.data for text in texts if not isinstance(text, ExpressionError)))
+    return found | texts_in(lamp.nodes) if lamp.source == "NODES" else found
+
+
+def things_of(light: bpy.types.Light) -> set[bpy.types.ID]:
+    """Objects and images that the shape or the emission of a lamp is made of."""
+    lamp = light.sdf_lamp
+    found: set[bpy.types.ID | None] = set()
+    if lamp.source == "OBJECT":
+        found.add(lamp.object)
+    elif lamp.source == "IMAGE":
+        found.add(lamp.image)
+    elif lamp.source == "NODES":
+        found.update(things_in(lamp.nodes))
+    resolver = sources.FileResolver(lamp)
+    found.update(resolver.thing(kind, name) for kind, name in data_of(lamp))
+    return found - {None}
+
+
+def pin(light: bpy.types.Light) -> None:
+    """Lets a lamp hold on to the data that its texts name."""
+    if light.is_editable:
+        sources.pin(light.sdf_lamp, data_of(light.sdf_lamp))
 
 
 def unused(light: bpy.types.Light) -> list[str]:
-    """Names of properties for what is not declared, unless one of the texts cannot be read at present."""
+    """Names of properties that are no longer declared. Empty while one of the texts has a mistake."""
     lamp = light.sdf_lamp
     if lamp.source == "EXPRESSION" and isinstance(parsed(text_of(lamp)), ExpressionError):
         return []
@@ -120,20 +153,21 @@ def unused(light: bpy.types.Light) -> list[str]:
 
 
 def remove_unused(light: bpy.types.Light) -> None:
-    """Removes the properties that ``unused`` lists."""
+    """Remove the properties that ``unused`` lists."""
     for key in unused(light):
         del light[key]
     light.update_tag()
 
 
-# Properties of the add-on itself: up to Blender 4.5 they are listed with the custom ones.
+# Properties of the add-on itself: up to Blender 4.5 they are listed among the custom ones.
 _OWN = frozenset({"sdf_lamp"})
 
 
 def update(light: bpy.types.Light) -> None:
-    """Makes the properties of what the lamp declares, with its limits."""
+    """Make the properties of all declared parameters, with their limits."""
     if not light.is_editable:
         return
+    pin(light)
     declared = all_declarations(light.sdf_lamp)
     held = values_of(light, declared)
     for declaration in declared:
@@ -142,7 +176,7 @@ def update(light: bpy.types.Light) -> None:
 
 
 def _stored(declaration: Declaration, value):
-    """A value as the property holds it: angles in radians, as Blender shows them in degrees."""
+    """A value as the property stores it: angles in radians, which Blender shows in degrees."""
     if declaration.kind == "vector":
         return [float(component) for component in value]
     kind = {"integer": int, "toggle": bool, "angle": math.radians}.get(declaration.kind, float)
@@ -150,7 +184,7 @@ def _stored(declaration: Declaration, value):
 
 
 def is_temperature(declaration: Declaration) -> bool:
-    """Whether the remark on a parameter says that it is in kelvins."""
+    """Whether the description of a parameter says that it is in kelvins."""
     return declaration.kind == "slider" and declaration.description.rstrip(" .").endswith("in kelvins")
 
 
@@ -161,7 +195,7 @@ def label_of(declaration: Declaration) -> str:
 
 
 def _ui(declaration: Declaration) -> dict:
-    """What the user interface is told of the property."""
+    """The user interface data of the property."""
     about = {"description": declaration.description, "subtype": "NONE"}
     if declaration.kind == "toggle":
         return about | {"default": bool(declaration.default)}
@@ -201,7 +235,7 @@ def _is_other_kind(light: bpy.types.Light, declaration: Declaration) -> bool:
 def _make(light: bpy.types.Light, declaration: Declaration, value) -> None:
     key = PREFIX + declaration.name
     if exists(light, declaration) and _is_other_kind(light, declaration):
-        del light[key]  # a property keeps its kind
+        del light[key]  # a property keeps its type
     light[key] = _stored(declaration, value)
     light.id_properties_ui(key).update(**_ui(declaration))
     light.property_overridable_library_set(f'["{key}"]', True)
@@ -212,7 +246,7 @@ _pending: set[str] = set()
 
 
 def update_soon(light: bpy.types.Light) -> None:
-    """``update`` as soon as Blender is not drawing, when nothing may be changed."""
+    """Call ``update`` as soon as Blender is not drawing. Drawing may not change data."""
     if not _pending:
         bpy.app.timers.register(_update_pending, first_interval=0.0)
     _pending.add(light.name_full)

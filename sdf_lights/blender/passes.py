@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render passes in Blender: their switches, registration and names, all from the table ``render.passes.PASSES``."""
+"""Render passes in Blender: their switches, registration and names, from the table ``render.passes.PASSES``."""
 
 from collections.abc import Iterable
 
@@ -22,12 +22,12 @@ from .properties import group
 
 
 def blender_name(item: Pass) -> str:
-    """The name that this version of Blender has for a pass."""
+    """The name of a pass in this version of Blender."""
     return OLD_NAMES.get(item.name, item.name) if bpy.app.version < (5, 0, 0) else item.name
 
 
 def _own_switches() -> dict:
-    """A property for each switch of our own; its tooltip describes every pass behind it."""
+    """A property for each of our own switches. Its tooltip describes all passes of the switch."""
     switches: dict[str, list[Pass]] = {}
     for item in PASSES:
         if item.owner is Owner.OWN:
@@ -44,7 +44,7 @@ def _own_switches() -> dict:
 
 
 def _passes_changed(self, context):
-    """Blender asks the engine again which passes there are, so that the compositor shows their sockets."""
+    """Let Blender ask the engine again for its passes, so the compositor shows their sockets."""
     for view_layer in self.id_data.view_layers:
         view_layer.update_render_passes()
 
@@ -55,9 +55,9 @@ SDFLIGHTS_ViewLayerSettings = group(
 
 
 def owner_of(item: Pass, view_layer: bpy.types.ViewLayer):
-    """What has the property ``item.switch``."""
+    """The owner of the property ``item.switch``."""
     if item.owner is Owner.CYCLES:
-        return getattr(view_layer, "cycles", None)  # present only while the Cycles add-on is enabled
+        return getattr(view_layer, "cycles", None)  # exists only while the Cycles add-on is enabled
     return view_layer.sdf_lights if item.owner is Owner.OWN else view_layer
 
 
@@ -67,12 +67,12 @@ def is_enabled(item: Pass, view_layer: bpy.types.ViewLayer) -> bool:
 
 
 def own_pass_name(obj: bpy.types.Object) -> str:
-    """Name of the pass of a light alone; dots would end a name in files."""
+    """Name of the pass of a single light. Dots would end a name in files, so they are replaced."""
     return f"Light {obj.name}".replace(".", "_")[:60]
 
 
 def layer_passes(view_layer: bpy.types.ViewLayer) -> list[Pass]:
-    """Passes beside ``PASSES`` that a view layer asks for: Cryptomatte, shader AOVs, light groups, and of single lights."""
+    """Passes of a view layer that are not in ``PASSES``: Cryptomatte, shader AOVs, light groups, and single lights."""
     found = []
     for kind in MATTES:
         if getattr(view_layer, f"use_pass_cryptomatte_{kind}"):
@@ -85,7 +85,7 @@ def layer_passes(view_layer: bpy.types.ViewLayer) -> list[Pass]:
 
 
 def register_passes(engine: bpy.types.RenderEngine, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
-    """Tell Blender which passes the view layer will have."""
+    """Tell Blender the passes of the view layer."""
     for item in (*PASSES, *layer_passes(view_layer)):
         if is_enabled(item, view_layer):
             engine.register_pass(
@@ -94,12 +94,12 @@ def register_passes(engine: bpy.types.RenderEngine, scene: bpy.types.Scene, view
 
 
 def enabled_passes(names, others: Iterable[Pass] = ()) -> dict[str, str]:
-    """Blender's name of each pass among ``names`` (those of a render result) by the name in the table, or of ``others``."""
+    """Blender's pass names among ``names`` (those of a render result), by the name in the table or in ``others``."""
     return {item.name: blender_name(item) for item in (*PASSES, *others) if blender_name(item) in set(names)}
 
 
 def switches(light: bool) -> list[tuple[Pass, str]]:
-    """Passes with a switch, each switch once, and a label where Blender's would not do: those of light, or of data."""
+    """Passes with a switch, each switch once, with a label if Blender's does not fit: those of light, or of data."""
     first: dict[str, Pass] = {}
     for item in PASSES:
         if item.switch:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's preferences: what renders on this computer, which back end there is, what is lost without it, compiled kernels, and
+"""The add-on's preferences: the device of this computer, the available back end and its limits, compiled kernels, and
 the log."""
 
 import functools
@@ -15,12 +15,12 @@ from ..render.settings import Device, Settings
 from . import command_line, compiling
 from .naming import ROOT
 
-_SECONDS = 2.0  # for which the size of the cache is not looked up again
+_SECONDS = 2.0  # seconds before the size of the cache is measured again
 
 
 @functools.lru_cache(maxsize=1)
 def back_end() -> tuple[bool, str]:
-    """(whether Numba is there, one sentence about it). Looks for Numba without importing it, which takes 0.2 s."""
+    """(whether Numba is available, a sentence about it). Looks for Numba without importing it, which takes 0.2 s."""
     if all(importlib.util.find_spec(name) for name in ("numba", "llvmlite")):
         return True, "Numba is available: renders run as machine code on all processor cores."
     return False, (
@@ -30,7 +30,7 @@ def back_end() -> tuple[bool, str]:
 
 
 def zip_ending() -> str:
-    """How the names of zips end that have Numba for this Python."""
+    """The ending of the zip names that contain Numba for this Python."""
     return "-python{}.{}.zip".format(*sys.version_info[:2])
 
 
@@ -55,7 +55,7 @@ def _cache_size() -> int:
 
 
 def draw_cache(layout) -> None:
-    """Where compiled kernels are, how large they are, and a button that deletes them."""
+    """Draw the folder of compiled kernels, its size, and a button that deletes them."""
     row = layout.split(factor=0.75)
     row.label(text=f"Compiled kernels: {_cache_size() / 1e6:,.0f} MB in {kernel_cache.cache_folder()}")
     row.operator(SDFLIGHTS_OT_kernels_clear.bl_idname, icon="TRASH")
@@ -64,7 +64,7 @@ def draw_cache(layout) -> None:
 
 
 class SDFLIGHTS_OT_kernels_clear(bpy.types.Operator):
-    """Delete the compiled kernels: the next start of Blender compiles again what it needs"""
+    """Delete the compiled kernels. The next start of Blender compiles them again as needed"""
 
     bl_idname = "sdf_lights.kernels_clear"
     bl_label = "Clear"
@@ -79,13 +79,13 @@ AS_SCENES = "SCENE"
 
 
 def own() -> bpy.types.AddonPreferences | None:
-    """What the user prefers; None where the add-on is registered without being enabled, as by scripts."""
+    """The user's preferences; None if the add-on is registered without being enabled, as in scripts."""
     addon = bpy.context.preferences.addons.get(ROOT)
     return addon and addon.preferences
 
 
 def apply(settings: Settings) -> None:
-    """Give ``settings`` what this computer's user prefers for all scenes."""
+    """Write this computer's preferences for all scenes into ``settings``."""
     wanted = own()
     if wanted is None:
         return
@@ -104,29 +104,32 @@ class SDFLIGHTS_Preferences(bpy.types.AddonPreferences):
 
     log_level: bpy.props.EnumProperty(
         name="Log",
-        description="What the add-on writes to the console while it works; --sdf-log on the command line goes before it",
+        description="Messages that the add-on writes to the console; --sdf-log on the command line overrides this",
         default="WARNING",
         update=_write_log,
         items=[
-            ("ERROR", "Errors", "What fails"),
-            ("WARNING", "Warnings", "What is not as the scene says, too"),
-            ("INFO", "Information", "What is done, and how long it takes, too"),
-            ("DEBUG", "Debug", "All there is"),
+            ("ERROR", "Errors", "Errors only"),
+            ("WARNING", "Warnings", "Errors and warnings"),
+            ("INFO", "Information", "Also the steps of a render and their times"),
+            ("DEBUG", "Debug", "All messages"),
         ],
     )
 
     device: bpy.props.EnumProperty(
         name="Device",
-        description="What renders on this computer; --sdf-device on the command line goes before it",
+        description="Device that renders on this computer; --sdf-device on the command line overrides this",
         items=[
-            (AS_SCENES, "As Scenes Say", "What each scene is set to"),
-            (Device.CPU.value, "CPU", "The processor, whatever scenes say"),
-            (Device.GPU.value, "GPU", "The graphics card, whatever scenes say; the processor where there is none"),
+            (AS_SCENES, "As Scenes Say", "The device that each scene chooses"),
+            (Device.CPU.value, "CPU", "The processor, for all scenes"),
+            (Device.GPU.value, "GPU", "The graphics card, for all scenes; the processor if there is none"),
         ],
     )
     threads: bpy.props.IntProperty(
         name="Threads",
-        description="Most threads of renders on this computer. 0: as scenes say; --sdf-threads on the command line goes before it",
+        description=(
+            "Maximum number of threads of renders on this computer. 0: as scenes say; --sdf-threads on the command "
+            "line overrides this"
+        ),
         min=0,
         max=1024,
     )

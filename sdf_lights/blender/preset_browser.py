@@ -23,7 +23,7 @@ def items(self=None, context=None) -> list[tuple]:
 
 
 def draw_browser(layout, context) -> None:
-    """The picture of the chosen preset, which opens all of them, and what can be done with it."""
+    """Draw the picture of the chosen preset, which opens all of them, and its buttons."""
     manager = context.window_manager
     layout.template_icon_view(manager, "sdf_lights_preset", show_labels=True, scale=5.0, scale_popup=4.5)
     chosen = manager.sdf_lights_preset

@@ -12,7 +12,7 @@ _pictures = None
 
 
 def icon_of(name: str) -> int:
-    """Number of the icon of a preset."""
+    """Icon number of a preset."""
     global _pictures
     if _pictures is None:
         _pictures = bpy.utils.previews.new()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What someone who mends a problem has to know, as text for the clipboard."""
+"""The facts needed to solve a problem, as text for the clipboard."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ _PACKAGES = ("numpy", "numba", "llvmlite")
 
 
 def report(scene: bpy.types.Scene) -> str:
-    """Versions, the machine, the scene's settings that are not the defaults, and what the last render had to say."""
+    """Versions, the machine, the scene's settings that differ from the defaults, and the warnings of the last
+    render."""
     lines = [
         f"{LABEL} {_version()}, Blender {bpy.app.version_string} ({bpy.app.build_hash.decode(errors='replace')})",
         f"{platform.platform()}, {platform.machine()}, {os.cpu_count()} processor cores, Python {platform.python_version()}",
@@ -65,7 +66,7 @@ def _cache() -> str:
 
 
 def _changed(scene: bpy.types.Scene) -> list[str]:
-    """A line for each setting that is not the default."""
+    """A line for each setting that differs from the default."""
     if scene.render.engine != ENGINE:
         return []
     group, found = scene.sdf_lights, []
@@ -83,7 +84,7 @@ class SDFLIGHTS_OT_report_copy(bpy.types.Operator):
 
     def execute(self, context):
         text = report(context.scene)
-        if bpy.app.background:  # which has no clipboard
+        if bpy.app.background:  # has no clipboard
             sys.stdout.write(text)
         else:
             context.window_manager.clipboard = text

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Properties on Blender's data: ``Scene.sdf_lights`` and ``Light.sdf_lamp``.
 
-Those of the scene are generated from the fields of ``Settings``, those of a lamp from the parameters of every shape:
-a new field or shape shows up in Blender by itself.
+Scene properties are generated from the fields of ``Settings``, lamp properties from the parameters of every shape. A
+new field or shape appears in Blender automatically.
 """
 
 import dataclasses
@@ -21,13 +21,13 @@ from . import cycles, objects, parameters
 from .emission_properties import SDFLIGHTS_LampEmission
 from .naming import NODE_TREE
 
-# Settings that Blender has a property for already.
+# Settings for which Blender has a property already.
 BLENDERS_OWN = {
     "transparent_film": lambda scene: scene.render.film_transparent,
     "threads": lambda scene: scene.render.threads if scene.render.threads_mode == "FIXED" else 0,
 }
 
-# Settings that the viewport has values of its own for, with their defaults there.
+# Settings with separate values for the viewport, and their defaults there.
 VIEWPORT = {"samples": 1024, "noise_threshold": 0.1, "min_samples": 1, "time_limit": 0.0, "denoise": False}
 
 _ABBREVIATIONS = {"CPU", "GPU", "MIS", "BSDF"}
@@ -36,9 +36,13 @@ LARGEST_INT = (1 << 31) - 1
 
 
 FORMS = [
-    ("SOLID", "Solid", "What is filled is extruded, with its bevel; an open curve is a tube", 0),
+    ("SOLID", "Solid", "Filled parts are extruded, with their bevel; an open curve is a tube", 0),
     ("NEON", "Neon", "A glass tube along every curve or letter, with a gap where it is closed", 1),
 ]
+
+
+OF_DATA = {"OBJECT": "an object", "IMAGE": "a picture", "NETWORK": "a network"}
+"""Sources whose shapes no text says, and what they are, as part of a sentence."""
 
 
 def tag(self, context):
@@ -46,14 +50,14 @@ def tag(self, context):
 
 
 def _passes_changed(self, context):
-    """Blender asks the engine again which passes there are, so that the compositor shows their sockets."""
+    """Let Blender ask the engine again for its passes, so the compositor shows their sockets."""
     for scene in bpy.data.scenes:
         for view_layer in scene.view_layers:
             view_layer.update_render_passes()
 
 
 def _items(kind: type[enum.Enum]) -> list[tuple]:
-    """Items of an EnumProperty. Numbers are stored in files: members of the enumerations keep their order."""
+    """Items of an EnumProperty. Files store the numbers, so members of the enumerations keep their order."""
     return [(member.value, _label(member.name), "", number) for number, member in enumerate(kind)]
 
 
@@ -90,7 +94,8 @@ def group(name: str, doc: str, annotations: dict) -> type:
 
 
 def _version():
-    """Version of the settings that a scene or light has, for ``versions.py``; 0: not saved yet, or by the first version."""
+    """Version of the settings of a scene or light, for ``versions.py``; 0: not saved yet, or saved by the first
+    version."""
     return bpy.props.IntProperty(name="Version", description="Version of the settings", min=0, options={"HIDDEN"})
 
 
@@ -110,36 +115,38 @@ SDFLIGHTS_SceneSettings = group(
         "viewport": bpy.props.PointerProperty(type=SDFLIGHTS_ViewportSettings),
         "layer_samples": bpy.props.EnumProperty(
             name="Layer Samples",
-            description="Use of the number of samples of a view layer",
+            description="How the samples of a view layer are used",
             update=cycles.changed,
             items=[
-                ("USE", "Use", "It replaces that of the scene", 0),
-                ("BOUNDED", "Bounded", "It replaces that of the scene where it is lower", 1),
+                ("USE", "Use", "They replace those of the scene", 0),
+                ("BOUNDED", "Bounded", "They replace those of the scene if they are fewer", 1),
                 ("IGNORE", "Ignore", "Nothing", 2),
             ],
         ),
         "beside": bpy.props.PointerProperty(
             name="Beside",
-            description="Scene whose lamps' light is added to what Cycles renders of this one",
+            description="Scene with the lamps whose light is added to the Cycles render of this scene",
             type=bpy.types.Scene,
             options={"HIDDEN"},
         ),
         "is_beside": bpy.props.BoolProperty(
             name="Is Beside",
-            description="The scene renders the light of lamps for another, so that these are all in one light group",
+            description=(
+                "The scene renders the light of lamps for another scene, so all its lamps are in one light group"
+            ),
             options={"HIDDEN"},
             update=tag,
         ),
         "version": _version(),
         "origin": bpy.props.EnumProperty(
-            name="Origin", description="Where the settings come from", items=cycles.ORIGINS, options={"HIDDEN"}
+            name="Origin", description="Origin of the settings", items=cycles.ORIGINS, options={"HIDDEN"}
         ),
     },
 )
 
 
 def settings_of(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
-    """``Settings`` as the scene has them, or as Cycles left them to us, for the final render or the viewport."""
+    """``Settings`` of the scene, or those copied from Cycles, for the final render or the viewport."""
     source, pending = scene.sdf_lights, cycles.pending(scene)
     values = {name: pending.get(name, getattr(source, name)) for name in _FIELDS}
     if viewport:
@@ -151,7 +158,7 @@ def settings_of(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
 
 
 def layer_samples(scene: bpy.types.Scene, samples: int, asked: int) -> int:
-    """Samples of a view layer that asks for some of its own (0: it does not), where the scene has ``samples``."""
+    """Samples of a view layer that sets its own (0: it does not), if the scene has ``samples``."""
     rule = cycles.pending(scene).get("layer_samples", scene.sdf_lights.layer_samples)
     if asked <= 0 or rule == "IGNORE":
         return samples
@@ -179,9 +186,9 @@ def parameter_property(about):
 
 
 def _is_primitive(shape: type[Shape]) -> bool:
-    """Whether parameters alone make a lamp of the shape.
+    """Whether the shape is a lamp by its parameters alone.
 
-    An operator needs other shapes, and a shape without end an intersection: an expression gives them that.
+    An operator needs other shapes, and an unbounded shape needs an intersection: both need an expression.
     """
     return len(shape.fields()) == len(dataclasses.fields(shape)) and shape().bounded
 
@@ -199,20 +206,20 @@ _SHAPE_GROUPS = {
 
 
 def values_of(group, shape: str) -> dict:
-    """Parameters of a primitive as its properties have them."""
+    """Parameters of a primitive, in the form of its properties."""
     found = {about.name: getattr(group, about.name) for about in PRIMITIVES[shape].fields()}
     return {name: value if isinstance(value, (int, float)) else tuple(value) for name, value in found.items()}
 
 
 def _summary(shape: type[Shape]) -> str:
-    """First sentence about a shape, without the full stop, as Blender writes tooltips."""
+    """First sentence about a shape, without the full stop, like Blender's tooltips."""
     return (shape.__doc__ or shape.label()).strip().splitlines()[0].rstrip(".")
 
 
 def shape_items() -> list[tuple]:
     """Items of an EnumProperty with every primitive, under the titles of their groups.
 
-    Files store the number, so it is made from the name and stays the same when shapes are added.
+    Files store the number. It is made from the name, so it stays the same when shapes are added.
     """
     items = []
     for title, shapes in grouped(PRIMITIVES.values()).items():
@@ -229,10 +236,13 @@ def expression_changed(self, context):
 
 
 def make_groups(lamp) -> None:
-    """Let the file hold the parameters of every shape, also where they are the defaults.
+    """Let the file store the parameters of every shape, even defaults.
 
-    Blender keeps library overrides of a group only where the file that is linked has the group.
+    Blender keeps library overrides of a group only if the linked file has the group.
     """
+    if bpy.app.version[:2] == (5, 0):
+        # There, pointers of add-ons in a light to what is removed are cleared only if it has a custom property.
+        lamp.id_data["SDF Lights"] = True
     for name, kind in PRIMITIVES.items():
         values, first = getattr(lamp, name), kind.fields()[0].name
         if not values.is_property_set(first):
@@ -248,10 +258,29 @@ def _use_changed(self, context):
 
 @persistent
 def _make_all_groups(*_):
-    """Lamps of files from before."""
+    """Update lamps of older files."""
     for light in bpy.data.lights:
         if light.library is None and light.override_library is None and light.sdf_lamp.use:
             make_groups(light.sdf_lamp)
+            parameters.pin(light)
+
+
+class SDFLIGHTS_LampData(bpy.types.PropertyGroup):
+    """Something that the texts of a lamp name, by its ``kind`` and ``name`` there"""
+
+    __slots__ = ()
+
+    kind: bpy.props.StringProperty(name="Kind", description="Word of the expression", override={"LIBRARY_OVERRIDABLE"})
+    object: bpy.props.PointerProperty(
+        name="Object", description="The object", type=bpy.types.Object, override={"LIBRARY_OVERRIDABLE"}
+    )
+    image: bpy.props.PointerProperty(
+        name="Image", description="The image", type=bpy.types.Image, override={"LIBRARY_OVERRIDABLE"}
+    )
+
+    def thing(self) -> bpy.types.ID | None:
+        """The object or image, if it is still there."""
+        return self.image if self.kind == "image" else self.object
 
 
 SDFLIGHTS_LampSettings = group(
@@ -261,22 +290,31 @@ SDFLIGHTS_LampSettings = group(
         {
             "use": bpy.props.BoolProperty(
                 name="SDF Lamp",
-                description="The inside of a shape glows, in the SDF Lights engine; other engines render the "
-                "light as it is",
+                description=(
+                    "The inside of a shape glows in the SDF Lights engine. Other engines render a normal light"
+                ),
                 default=False,
                 update=_use_changed,
             ),
             "source": bpy.props.EnumProperty(
                 name="Source",
-                description="Where the shape of the lamp comes from",
+                description="Source of the shape of the lamp",
                 update=expression_changed,
                 items=[
                     ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
                     ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
                     ("NODES", "Nodes", "Shapes combined by a node tree", 2),
-                    ("OBJECT", "Object", "A text, a curve or a mesh of the scene, which stays live", 3),
+                    ("OBJECT", "Object", "A text, a curve, a mesh or a volume of the scene, which stays live", 3),
                     ("IMAGE", "Image", "The outline of a picture, extruded", 4),
+                    ("NETWORK", "Network", "A network of sines that was fitted to a shape", 5),
                 ],
+            ),
+            "network": bpy.props.StringProperty(
+                name="Network",
+                description="File (.npz) of the network. Without one, it is the example of the add-on, a rabbit",
+                subtype="FILE_PATH",
+                options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+                update=expression_changed,
             ),
             "image": bpy.props.PointerProperty(
                 name="Image",
@@ -286,21 +324,27 @@ SDFLIGHTS_LampSettings = group(
             ),
             "image_part": bpy.props.EnumProperty(
                 name="Part",
-                description="What of the picture glows",
+                description="Part of the picture that glows",
                 update=tag,
                 items=[
-                    ("ALPHA", "Opaque", "Where its alpha is above the threshold", 0),
-                    ("BRIGHT", "Bright", "Where it is brighter than the threshold", 1),
-                    ("DARK", "Dark", "Where it is darker than the threshold", 2),
+                    ("ALPHA", "Opaque", "Where alpha is above the threshold", 0),
+                    ("BRIGHT", "Bright", "Where the picture is brighter than the threshold", 1),
+                    ("DARK", "Dark", "Where the picture is darker than the threshold", 2),
                 ],
             ),
             "image_threshold": bpy.props.FloatProperty(
                 name="Threshold",
-                description="Alpha or brightness of the edge",
+                description="Alpha or brightness at the edge",
                 default=0.5,
                 min=0.001,
                 max=0.999,
                 subtype="FACTOR",
+                update=tag,
+            ),
+            "image_colors": bpy.props.BoolProperty(
+                name="Own Colors",
+                description="The lamp has the colors of the picture, times its pattern and its color",
+                default=False,
                 update=tag,
             ),
             "image_size": bpy.props.FloatProperty(
@@ -314,20 +358,20 @@ SDFLIGHTS_LampSettings = group(
             ),
             "object": bpy.props.PointerProperty(
                 name="Object",
-                description="Text, curve or mesh whose shape glows. The lamp follows what is edited there",
+                description="Text, curve, mesh or volume whose shape glows. The lamp follows what is edited there",
                 type=bpy.types.Object,
                 poll=lambda self, obj: obj.type in objects.READERS,
                 update=expression_changed,
             ),
             "object_form": bpy.props.EnumProperty(
                 name="Form",
-                description="What the lamp makes of the object",
+                description="Shape that the lamp makes from the object",
                 update=tag,
                 items=FORMS,
             ),
             "thickness": bpy.props.FloatProperty(
                 name="Thickness",
-                description="Thickness of the lamp where the object has no extrusion and no bevel",
+                description="Thickness of the lamp if the object has no extrusion and no bevel",
                 default=0.1,
                 min=1e-5,
                 soft_max=1.0,
@@ -336,7 +380,10 @@ SDFLIGHTS_LampSettings = group(
             ),
             "voxel_size": bpy.props.FloatProperty(
                 name="Voxel Size",
-                description="Size of the voxels that hold the distance to a mesh. 0 divides its longest side into 128 in renders, 64 in viewports",
+                description=(
+                    "Size of the voxels that store the distance to a mesh. 0 divides its longest side into 128 voxels "
+                    "in renders, 64 in viewports"
+                ),
                 default=0.0,
                 min=0.0,
                 soft_max=1.0,
@@ -354,7 +401,7 @@ SDFLIGHTS_LampSettings = group(
             ),
             "neon_gap": bpy.props.FloatProperty(
                 name="Gap",
-                description="Gap between both ends of a tube that would be closed",
+                description="Gap between the ends of a closed tube",
                 default=0.03,
                 min=0.0,
                 soft_max=0.5,
@@ -401,15 +448,16 @@ SDFLIGHTS_LampSettings = group(
             ),
             "use_pass": bpy.props.BoolProperty(
                 name="Pass",
-                description="The light has a render pass of its own, in every view layer",
+                description="The light has a separate render pass in every view layer",
                 default=False,
                 update=_passes_changed,
             ),
             "visible_camera": bpy.props.BoolProperty(
-                # Blender creates every light hidden from the camera, which is for lights without a shape of their own.
+                # Blender hides every new light from the camera. This suits lights without a visible shape.
                 name="Camera",
-                description="The camera sees the lamp itself. The switch of the object is for the light "
-                "that other engines show",
+                description=(
+                    "The camera sees the lamp itself. The object's own switch is for the light in other engines"
+                ),
                 default=True,
                 update=tag,
             ),
@@ -422,6 +470,9 @@ SDFLIGHTS_LampSettings = group(
                 soft_max=1.0,
                 precision=3,
                 update=tag,
+            ),
+            "data": bpy.props.CollectionProperty(
+                name="Data", description="What its texts name", type=SDFLIGHTS_LampData
             ),
             "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
             "version": _version(),
@@ -438,6 +489,7 @@ CLASSES = (
     SDFLIGHTS_SceneSettings,
     *_SHAPE_GROUPS.values(),
     SDFLIGHTS_LampEmission,
+    SDFLIGHTS_LampData,
     SDFLIGHTS_LampSettings,
 )
 

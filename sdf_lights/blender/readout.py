@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What there is to know of a lamp's shape, for panels: volume, power, bounds, size. Nothing here may hold up drawing.
+"""Facts about a lamp's shape for panels: volume, power, bounds, size. Nothing here may delay drawing.
 
-What takes longer than a redraw is found once for each shape, by a thread, and kept: first a volume, within a budget of
-time; then whether rays are certain to miss nothing, which may take seconds. The next edit ends the thread.
+A thread computes whatever takes longer than a redraw, once for each shape, and caches it. First comes a volume, within
+a time budget. Then comes the question whether rays are certain to miss nothing, which may take seconds. The next edit
+ends the thread.
 """
 
 from __future__ import annotations
@@ -24,19 +25,19 @@ from ..sdf.emission import Emission
 from ..sdf.program import NoClosedForm
 from ..sdf.shapes import BOUND, EXACT, Shape
 
-_POINTS = 1 << 14  # of one round of the estimate of a volume
+_POINTS = 1 << 14  # points of one round of the volume estimate
 _ROUNDS = 8
 _BUDGET = 0.25  # seconds of one estimate
-_REST = 0.15  # seconds without a new shape before one begins: sliders are let go first
+_REST = 0.15  # seconds without a new shape before an estimate begins, so a slider is released first
 _MOST_KEPT = 64
 
 _EXACTNESS = {EXACT: "exact distance", BOUND: "distance never overestimated"}
 
 
 class Volume(NamedTuple):
-    """Cubic metres in the shape's own space, and its standard error; 0 where it is exact.
+    """Cubic metres in the shape's local space, and the standard error; 0 if exact.
 
-    ``glow`` is the mean of the relative emission over it; 1 where it is even.
+    ``glow`` is the mean of the relative emission over the volume; 1 if it is uniform.
     """
 
     value: float
@@ -44,7 +45,7 @@ class Volume(NamedTuple):
     glow: float = 1.0
 
 
-_POLL = 0.1  # seconds between two looks at whether it is found
+_POLL = 0.1  # seconds between two checks for a result
 
 _certain: dict[Shape, bool] = {}
 _found: dict[tuple[Shape, Emission | None], Volume] = {}
@@ -53,21 +54,21 @@ _finders: list["_Finder"] = []  # at most one
 
 
 def certain(shape: Shape) -> bool:
-    """Whether rays are certain to miss nothing of a shape. Of fields that is found while Blender is idle; until then they
-    count as certain."""
+    """Whether rays are certain to miss nothing of a shape. For fields, this is computed while Blender is idle; until
+    then they count as certain."""
     return shape.certified and _certain.get(shape, True)
 
 
 def _wonder(shape: Shape, pattern: Emission | None) -> None:
-    """Find out whether a shape is certain, where the thread that was at it has been ended by another shape."""
+    """Find out whether a shape is certain, if another shape has ended the thread that computed it."""
     if shape.certified and (shape, pattern) in _found and shape not in _certain:
         _want(shape, pattern)
 
 
 def volume_of(shape: Shape, pattern: Emission | None = None) -> Volume | None:
-    """The volume; None if it is not known yet: then panels are drawn again when it is.
+    """The volume; None if it is not known yet. Panels are redrawn when it is known.
 
-    With a ``pattern``, its mean is found too.
+    With a ``pattern``, its mean is computed too.
     """
     exact = shape.volume() if pattern is None else None
     if exact is not None:
@@ -87,7 +88,8 @@ def _want(shape: Shape, pattern: Emission | None) -> None:
 
 
 class _Finder:
-    """A thread that finds what panels show of a shape. ``news``: it has found something since that was last False."""
+    """A thread that computes the facts of a shape for panels. ``news``: it has new results since ``news`` was last
+    False."""
 
     def __init__(self, shape: Shape, pattern: Emission | None):
         self.lit, self._ended, self.news = (shape, pattern), False, False
@@ -99,12 +101,12 @@ class _Finder:
         return self._thread.is_alive()
 
     def end(self) -> None:
-        """End it, and wait for that."""
+        """End the thread and wait for it."""
         self._ended = True
         self._thread.join()
 
     def _work(self) -> None:
-        from ..emitter.building.build import is_certified  # not sooner: it imports Numba, which takes a second
+        from ..emitter.building.build import is_certified  # not at the top: it imports Numba, which takes a second
 
         try:
             with watched(Watch(lambda: self._ended)):
@@ -124,7 +126,7 @@ def _keep(known: dict, key, value) -> None:
 
 
 def _find() -> float | None:
-    """A timer: begins what is wanted once edits rest, and lets panels be drawn again when there is something new."""
+    """A timer: begins the wanted work after a pause in edits, and redraws panels when there are new results."""
     if _wanted:
         asked, *wanted = _wanted[-1]
         if time.monotonic() - asked < _REST:
@@ -159,11 +161,12 @@ def _redraw() -> None:
 
 
 def estimate(shape: Shape, pattern: Emission | None, budget: float) -> Volume:
-    """The share of random points of the bounding box that are inside, from as many as there is time for (seconds)."""
+    """The fraction of random points of the bounding box that are inside. Takes as many points as the time (seconds)
+    allows."""
     low, high = shape.bounds()
     placed = pattern.placed(shape) if pattern is not None else None
     random, inside, tried, glow, started = np.random.default_rng(0), 0, 0, 0.0, time.perf_counter()
-    points = _POINTS // 16  # until it is known how long they take
+    points = _POINTS // 16  # until their time is known
     for _ in range(_ROUNDS):
         found = random.uniform(low, high, (points, 3))
         found = found[shape.distance(found) <= 0.0]
@@ -182,8 +185,8 @@ def estimate(shape: Shape, pattern: Emission | None, budget: float) -> Volume:
 def power_of(
     light: bpy.types.Light, shape: Shape, matrix: np.ndarray, pattern: Emission | None = None, wait: bool = False
 ) -> float | None:
-    """Watts of a lamp with this shape and emission under a matrix (4 × 4); None if its volume is not known yet and not to
-    be waited for."""
+    """Watts of a lamp with this shape and emission under a matrix (4 × 4); None if its volume is not known yet and
+    ``wait`` is off."""
     exposed = 2.0**light.exposure
     if light.sdf_lamp.normalize:
         return light.energy * exposed
@@ -232,7 +235,7 @@ def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emi
 
 
 def details(shape: Shape) -> tuple[str, ...]:
-    """Lines about how a shape is made and traced."""
+    """Lines about the representation and tracing of a shape."""
     return _shape_facts(shape, certain(shape))
 
 

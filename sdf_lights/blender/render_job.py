@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Jobs of render farms, as Open Job Description templates: frames × ranges of samples, then one picture of each frame, then a movie
-where one is wanted.
+"""Jobs for render farms, as Open Job Description templates: frames × ranges of samples, then one picture for each
+frame, then an optional movie.
 
-A farm that reads such a template, or ``openjd run`` on one machine, starts the tasks, and again those that fail. Written by an operator,
-and by ``blender -c sdf_lights_job OUT.json FILE.blend``. Specification: "Open Job Description", template schema 2023-09.
+A farm that reads such a template, or ``openjd run`` on one machine, starts the tasks and repeats failed ones. An
+operator writes it, or ``blender -c sdf_lights_job OUT.json FILE.blend``. Specification: "Open Job Description",
+template schema 2023-09.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ _MOST_VALUES = 1024  # of a task parameter, by the specification
 
 
 def ranges(samples: int, count: int) -> list[tuple[int, int]]:
-    """(first, end) of at most ``count`` ranges of ``samples`` samples, which differ by one in length."""
+    """(first, end) of at most ``count`` ranges of ``samples`` samples. Their lengths differ by at most one."""
     ends = [samples * index // count for index in range(count + 1)]
     return [(first, end) for first, end in zip(ends, ends[1:]) if end > first]
 
@@ -39,10 +40,12 @@ def template(
     denoise: bool,
     movie: bool,
 ) -> dict:
-    """The job: ``frames`` such as ``"1-10"`` or ``"1-100:2"`` of a .blend, with ``count`` tasks for each, into a folder.
+    """The job: ``frames`` such as ``"1-10"`` or ``"1-100:2"`` of a .blend, with ``count`` tasks for each frame, into a
+    folder.
 
-    ``place`` is where the template will be. Paths below its folder are defaults. The specification allows no others, so these
-    have to be given with the job. Parts are joined under another name and then renamed, so a frame that is there is whole.
+    ``place`` is the path of the template. Paths below its folder are defaults. The specification allows no others, so
+    others must be given with the job. Joined parts get a temporary name and are renamed at the end, so an existing
+    frame is complete.
     """
     shares = ranges(samples, min(count, _MOST_VALUES))
     firsts, ends = ([str(value) for value in values] for values in zip(*shares))
@@ -104,7 +107,8 @@ def template(
 
 
 def write(place: str, file: str, folder: str | None, *rest) -> None:
-    """Write the template of a job; ``rest`` as in ``template``. Frames go beside the file if not told. Raises OSError."""
+    """Write the template of a job; ``rest`` is as in ``template``. Frames go beside the file by default. Raises
+    OSError."""
     job, blend = pathlib.Path(os.path.abspath(place)), pathlib.Path(os.path.abspath(file))
     frames = pathlib.Path(os.path.abspath(folder)) if folder else blend.with_name(f"{blend.stem} frames")
     made = template(job, blend, frames, *rest)
@@ -112,14 +116,14 @@ def write(place: str, file: str, folder: str | None, *rest) -> None:
 
 
 def frames_of(scene: bpy.types.Scene) -> str:
-    """The frame range of a scene, as templates write it."""
+    """The frame range of a scene, in the notation of templates."""
     step = f":{scene.frame_step}" if scene.frame_step > 1 else ""
     return f"{scene.frame_start}-{scene.frame_end}{step}"
 
 
 class SDFLIGHTS_OT_render_job_write(bpy.types.Operator, ExportHelper):
-    """Write a job for a render farm: an Open Job Description template of the frames of this scene, in which several machines share the
-    samples of each frame"""
+    """Write a job for a render farm: an Open Job Description template of the frames of this scene. Several machines
+    share the samples of each frame"""
 
     bl_idname = "sdf_lights.render_job_write"
     bl_label = "Write Render Job"
@@ -160,7 +164,7 @@ class SDFLIGHTS_OT_render_job_write(bpy.types.Operator, ExportHelper):
             self.report({"ERROR"}, f"{self.filepath} cannot be written ({error.strerror}): choose another folder.")
             return {"CANCELLED"}
         if bpy.data.is_dirty:
-            self.report({"WARNING"}, "The job renders the saved file: save it to have its last changes in the job.")
+            self.report({"WARNING"}, "The job renders the saved file: save it to include its last changes in the job.")
         self.report({"INFO"}, f"{self.filepath} has the job.")
         return {"FINISHED"}
 
@@ -170,10 +174,10 @@ def command(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="sdf_lights_job", description="Writes a job for a render farm.")
     parser.add_argument("out", help="the template to write, a .json")
     parser.add_argument("file", help="the .blend to render")
-    parser.add_argument("--frames", help="such as 1-10 or 1-100:2; those of the file where this is missing")
-    parser.add_argument("--samples", type=int, help="those of the file where this is missing")
+    parser.add_argument("--frames", help="such as 1-10 or 1-100:2; by default those of the file")
+    parser.add_argument("--samples", type=int, help="by default those of the file")
     parser.add_argument("--tasks", type=int, default=4, help="tasks that share the samples of a frame")
-    parser.add_argument("--folder", help="where frames go; beside the file where this is missing")
+    parser.add_argument("--folder", help="folder of the frames; by default beside the file")
     parser.add_argument("--denoise", action="store_true", help="denoise each joined frame")
     parser.add_argument("--movie", action="store_true", help="make a movie of the joined frames")
     chosen = parser.parse_args(words)

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets of sampling, in the headers of the panels, as Blender's own engines have them: Preview, Default and Final come
-with the add-on, others are the user's."""
+"""Presets of sampling in the headers of the panels, as in Blender's own engines. Preview, Default and Final come with
+the add-on; others are the user's."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class SDFLIGHTS_PT_viewport_sampling_presets(_Presets, bpy.types.Panel):
 
 
 class SDFLIGHTS_OT_sampling_preset_add(AddPresetBase, bpy.types.Operator):
-    """Add a preset of sampling, or remove the one that is chosen"""
+    """Add a preset of sampling, or remove the chosen preset"""
 
     bl_idname = "sdf_lights.sampling_preset_add"
     bl_label = "Add Sampling Preset"
@@ -45,7 +45,7 @@ class SDFLIGHTS_OT_sampling_preset_add(AddPresetBase, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_viewport_sampling_preset_add(AddPresetBase, bpy.types.Operator):
-    """Add a preset of sampling in the viewport, or remove the one that is chosen"""
+    """Add a preset of viewport sampling, or remove the chosen preset"""
 
     bl_idname = "sdf_lights.viewport_sampling_preset_add"
     bl_label = "Add Viewport Sampling Preset"
@@ -62,7 +62,7 @@ CLASSES = (
     SDFLIGHTS_OT_viewport_sampling_preset_add,
 )
 
-_FOLDER = str(FOLDER.parent)  # Blender looks into its folder "presets"
+_FOLDER = str(FOLDER.parent)  # Blender looks in its folder "presets"
 
 
 def register():

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of Simplify and Motion Blur, with all that this engine reads of them: of Simplify that is more than Blender's own has,
-which other engines leave to panels of theirs."""
+"""Panels of Simplify and Motion Blur with all properties that this engine reads. For Simplify, these are more than in
+Blender's own panel, because other engines have panels of their own."""
 
 import bpy
 
@@ -43,8 +43,8 @@ class SDFLIGHTS_PT_simplify(RenderPanel, bpy.types.Panel):
 
 class _Simplify(RenderPanel):
     bl_parent_id = "SDFLIGHTS_PT_simplify"
-    own: tuple[tuple[str, str], ...] = ()  # properties of Blender, with labels
-    cycles: tuple[tuple[str, str], ...] = ()  # those that exist while the Cycles add-on is enabled
+    own: tuple[tuple[str, str], ...] = ()  # Blender's properties, with labels
+    cycles: tuple[tuple[str, str], ...] = ()  # properties that exist while the Cycles add-on is enabled
 
     def draw_properties(self, layout, context):
         scene = context.scene

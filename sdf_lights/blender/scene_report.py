@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scene Report: a list of all that would not be rendered as the scene says, found without rendering."""
+"""Scene Report: a list of everything that is not rendered as the scene says, made without rendering."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from .findings import grouped
 from .guard import sentence as sentence_of
 from .naming import ENGINE
 
-_BUTTON = 6  # letters that the button beside a sentence takes
+_BUTTON = 6  # width in letters of the button beside a sentence
 _MOST_SHOWN = 200
 
 
 class _Report(NamedTuple):
-    groups: dict[str, list[tuple[str, str]]]  # by title: (object that can be selected, or nothing; sentence)
-    hidden: int  # objects that are rendered, but not looked at
+    groups: dict[str, list[tuple[str, str]]]  # by title: (object to select, or empty; sentence)
+    hidden: int  # objects that are rendered, but not checked
 
 
 _reports: dict[int, _Report] = {}
 
 
 def check(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> list[str]:
-    """All that is to be said of a scene, each sentence once. Nothing is rendered."""
+    """All sentences about a scene, each once. Nothing is rendered."""
     from .sync import sync
 
     found = []
@@ -44,7 +44,8 @@ def check(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> list[str]:
 
 
 def _unseen(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> int:
-    """How many objects of the scene a render has, but not the viewport, whose data are looked at."""
+    """The number of objects that are in the render but not in the viewport. The check reads only the viewport's
+    data."""
     seen = {obj.original.session_uid for obj in depsgraph.objects}
     return sum(
         not obj.hide_render and obj.session_uid not in seen and obj.type not in {"EMPTY", "ARMATURE", "LATTICE"}
@@ -53,7 +54,7 @@ def _unseen(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> int:
 
 
 class SDFLIGHTS_OT_scene_check(bpy.types.Operator):
-    """List all that is not rendered as the scene says, without rendering"""
+    """List everything that is not rendered as the scene says, without rendering"""
 
     bl_idname = "sdf_lights.scene_check"
     bl_label = "Check Scene"
@@ -76,7 +77,7 @@ class SDFLIGHTS_OT_scene_check(bpy.types.Operator):
         finally:
             if context.window is not None:
                 context.window.cursor_set("DEFAULT")
-        things = {0: "Nothing", 1: "1 thing"}.get(len(found), f"{len(found)} things")
+        things = {0: "Nothing", 1: "1 thing"}.get(len(found), f"{len(found)} items")
         self.report({"INFO"}, f"{things} in the report of this scene")
         return {"FINISHED"}
 
@@ -110,7 +111,7 @@ class SDFLIGHTS_PT_scene_report(bpy.types.Panel):
         if report.hidden:
             number = "1 object is" if report.hidden == 1 else f"{report.hidden} objects are"
             labels.draw_sentence(
-                layout, f"{number} hidden in the viewport, and looked at only when rendered", width, "INFO"
+                layout, f"{number} hidden in the viewport, and checked only when rendered", width, "INFO"
             )
 
 

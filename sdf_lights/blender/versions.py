@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The version of settings in files, so that files of all versions open for ever.
 
-Scenes and lights say by which version of the settings they were saved; 0, before there were any, is as 1. What is older is changed
-when a file is opened or when something is appended from it. ``tests/blender/files`` has files of each version.
+Scenes and lights record the version of the settings that saved them. Version 0, before this record existed, counts as
+1. Older settings are updated when a file is opened or when data is appended from it. ``tests/blender/files`` has files
+of each version.
 
-To change what a property means, raise ``VERSION`` by one, add what brings a scene or light of the version before to it to ``STEPS``, and
-save files of the new version by ``scripts/version_files.py``.
+To change the meaning of a property, raise ``VERSION`` by one, add a step to ``STEPS`` that updates a scene or light
+from the version before, and save files of the new version with ``scripts/version_files.py``.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from .naming import LABEL
 
 VERSION = 1
 
-# By the version that a scene or light comes from.
+# By the version of the scene or light.
 STEPS: dict[int, Callable[[bpy.types.Scene | bpy.types.Light], None]] = {}
 
 
@@ -30,17 +31,17 @@ def _settings() -> Iterator[tuple[bpy.types.Scene | bpy.types.Light, bpy.types.P
 
 
 def bring_up() -> None:
-    """Bring all that is in the open file, and what is linked, to this version."""
+    """Update everything in the open file, and linked data, to this version."""
     for owner, settings in _settings():
         for version in range(settings.version, VERSION):
             if version in STEPS:
                 STEPS[version](owner)
-        if owner.library is None:  # what is linked is read anew from its own file each time
+        if owner.library is None:  # linked data is read again from its own file each time
             settings.version = max(settings.version, VERSION)
 
 
 def newer(depsgraph: bpy.types.Depsgraph) -> str:
-    """A sentence where a later version has saved the scene or one of its lamps, else empty."""
+    """A sentence if a later version has saved the scene or one of its lamps, else empty."""
     scene = depsgraph.scene
     later = [scene.sdf_lights.version > VERSION and f"Scene '{scene.name}'"]
     later += [
@@ -50,7 +51,7 @@ def newer(depsgraph: bpy.types.Depsgraph) -> str:
     ]
     name = next(filter(None, later), "")
     return name and (
-        f"{name} was saved by a later version of {LABEL}: what this version does not know is ignored; update the extension."
+        f"{name} was saved by a later version of {LABEL}: unknown settings are ignored; update the extension."
     )
 
 

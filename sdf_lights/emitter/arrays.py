@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lamp for arrays of points and rays, without a renderer: what the kernels give, as NumPy arrays."""
+"""A lamp for arrays of points and rays, without a renderer: the results of the kernels as NumPy arrays."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BLOCK = block_dtype(lamps.TABLES, lamps.SCALARS)
 
 
 class Lamps:
-    """The first of some lamps that ``build_lamp`` has made. All is in world space, in metres.
+    """The first of the lamps made by ``build_lamp``. Everything is in world space, in metres.
 
     Origins ``x`` are (3,) or (n, 3), directions (n, 3) of unit length, and ``u`` are uniform random numbers in [0, 1).
     """
@@ -32,11 +32,11 @@ class Lamps:
         self.row = self.tables["lamps"][0]
 
     def sample(self, x, u) -> np.ndarray:
-        """(n, 3) directions from the point x, for (n, 3) numbers; their density is ``pdf``."""
+        """(n, 3) directions from the point x, for (n, 3) random numbers; their density is ``pdf``."""
         return _sample(self.blocks, tuple(map(float, x)), np.array(u, float, order="C"))
 
     def points(self, u) -> np.ndarray:
-        """(n, 3) points that are uniform in the interior, for (n, 3) numbers."""
+        """(n, 3) uniform points in the interior, for (n, 3) random numbers."""
         return _points(self.blocks, np.array(u, float, order="C")) + self.row["center"]
 
     def pdf(self, x, directions) -> np.ndarray:
@@ -52,14 +52,15 @@ class Lamps:
         return _measure(self.blocks, *_rows(x, directions), self.spans)[:, 2].astype(int)
 
     def crossings(self, x, directions) -> np.ndarray:
-        """(n, m, 2) distances at which each ray enters and leaves the lamp, in order; NaN where it has fewer than m intervals."""
+        """(n, m, 2) distances at which each ray enters and leaves the lamp, in order; NaN if it has fewer than m
+        intervals."""
         origins, directions = _rows(x, directions)
         most = int(_measure(self.blocks, origins, directions, self.spans)[:, 2].max(initial=0))
         return _crossings(self.blocks, origins, directions, self.spans, most)
 
     def radiance(self, x, directions, u) -> np.ndarray:
-        """(n, 3) light along each ray, RGB, W/(sr·m²); for (n,) numbers, which matter where the emission varies: then it is an
-        unbiased estimate."""
+        """(n, 3) radiance along each ray, RGB, W/(sr·m²), for (n,) random numbers. They matter only if the emission
+        varies; then this is an unbiased estimate."""
         return _radiance(self.blocks, *_rows(x, directions), np.array(u, float, order="C"), self.spans)
 
     def trace(self, o, d) -> np.ndarray:
@@ -68,7 +69,7 @@ class Lamps:
 
 
 def _rows(x, directions):
-    # Copies: kernels are compiled once more for arrays that are read-only.
+    # Copies: read-only arrays would compile the kernels once more.
     origins = np.broadcast_to(np.asarray(x, float), directions.shape)
     return np.array(origins, float, order="C"), np.array(directions, float, order="C")
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Uniform numbers from a counter, for the draws that a fixed number of sample dimensions cannot supply.
+"""Uniform numbers from a counter, for draws outside the fixed dimensions of the sampler.
 
 The finalizer of SplitMix64: Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
 """
@@ -24,7 +24,7 @@ def following(state):
 
 @kernel
 def bits(state):
-    """The 64 random bits that belong to a state."""
+    """The 64 random bits of a state."""
     z = state
     z = (z ^ (z >> np.uint64(30))) * _FIRST
     z = (z ^ (z >> np.uint64(27))) * _SECOND
@@ -34,14 +34,14 @@ def bits(state):
 @replaced_on_gpu
 @kernel
 def uniform(state):
-    """The number in [0, 1) that belongs to a state, of 53 random bits."""
+    """The number in [0, 1) of a state, with 53 random bits."""
     return (bits(state) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
 
 
 @replaced_on_gpu
 @kernel
 def uniform_point(state):
-    """Three numbers in [0, 1) that belong to a state, of 21 random bits each."""
+    """Three numbers in [0, 1) of a state, with 21 random bits each."""
     number = bits(state)
     scale = 1.0 / 2097152.0
     return (

@@ -6,25 +6,25 @@ The radiance along a ray is
 
     L(ω) = ρ Σ 2h
 
-over the intervals [c − h, c + h] of the ray inside. Distances and the volume V are those of the world, so no Jacobian
-is needed: a uniform point stays uniform under the lamp's affine transform. ``sampling`` draws directions.
+over the intervals [c − h, c + h] of the ray inside. Distances and the volume V are in world space, so no Jacobian is
+needed: a uniform point stays uniform under the lamp's affine transform. ``sampling`` draws directions.
 
-Where V has no closed form the estimate V̂ stands for it in ρ = P/(4π V̂) and in the density alike, while the points
-stay uniform in the true interior. Directions sampled here then give the exact power P, since V̂ cancels in L/p; those
-that a BSDF samples carry V/V̂. Under MIS the two shares w and 1 − w of the light add up to w + (1 − w)·V/V̂: no pixel
-is off by more than the relative error of V̂, whose bound is in ``volume_error``. (Where ρ is given as a density it is
-the other way round: what a BSDF samples is exact, and the lamp's own share carries V̂/V.)
+If V has no closed form, the estimate V̂ replaces it both in ρ = P/(4π V̂) and in the density, while the points stay
+uniform in the true interior. Then directions sampled here give the exact power P, because V̂ cancels in L/p. Directions
+that a BSDF samples carry V/V̂. Under MIS the two shares w and 1 − w of the light add up to w + (1 − w)·V/V̂. So no
+pixel is off by more than the relative error of V̂, whose bound is in ``volume_error``. (If ρ is given as a density, it
+is the other way round: BSDF samples are exact, and the lamp's own share carries V̂/V.)
 
 There are three kinds of lamps. A *primitive* has a closed form for everything. A *closed* shape is a program of
-primitives and set operations, whose intervals have closed forms. Of all others the *field* is traced and drawn from.
-The last two have an interior tree (``interior``).
+primitives and set operations, whose intervals have closed forms. For all others the *field* is traced and sampled. The
+last two kinds have an interior tree (``interior``).
 
-Emission that varies is ρ(x) = P e(x) / (4π ∫e dV), or the density times e(x), for a relative emission e (``sdf.emission``)
-whose integral is estimated with what is in the boxes of the tree (``moments``). The projection density stays that of
-uniform points.
+Emission that varies is ρ(x) = P e(x) / (4π ∫e dV), or the density times e(x), for a relative emission e
+(``sdf.emission``). Its integral is estimated from the contents of the tree's boxes (``moments``). The projection
+density stays that of uniform points.
 
-Everything the kernels store is relative to the centre of the lamp's bounding box, and rays are moved to their closest
-approach to it: the distance of the camera or of the lamp from the origin costs no digits.
+Everything that the kernels store is relative to the centre of the lamp's bounding box, and rays are moved to their
+closest approach to it. So the distance of the camera or of the lamp from the origin costs no digits.
 """
 
 from __future__ import annotations
@@ -51,14 +51,14 @@ PRIMITIVE, CLOSED, FIELD = 0, 1, 2  # kinds of lamps
 
 LAMP = np.dtype(
     [
-        ("center", np.float64, (3,)),  # of the world bounding box; what follows is relative to it
+        ("center", np.float64, (3,)),  # of the world bounding box; the rest is relative to it
         ("half", np.float64, (3,)),  # of the world bounding box
         ("bounding_radius", np.float64),  # of the sphere around the centre
         ("volume", np.float64),  # m³, in the world
-        ("volume_error", np.float64),  # bound on the relative error of the volume; 0 where it has a closed form
+        ("volume_error", np.float64),  # bound of the relative error of the volume; 0 if it has a closed form
         ("emission", np.float64, (3,)),  # ρ, W/(sr·m³): its mean over the volume
-        ("emission_error", np.float64),  # bound on the relative error of that mean; 0 where it does not vary
-        ("glow", np.int64),  # index of the emission, where it varies; −1: ρ is the same everywhere
+        ("emission_error", np.float64),  # bound of the relative error of that mean; 0 if it is uniform
+        ("glow", np.int64),  # index of the emission, if it varies; −1: ρ is uniform
         ("power", np.float64),  # W, mean of the colour channels: 4π V ρ
         ("visibility", np.int64),  # render.scene.Ray
         ("kind", np.int64),
@@ -67,15 +67,15 @@ LAMP = np.dtype(
             np.float64,
             (3, 4),
         ),  # tree space, or the space of a single primitive -> world, relative to the centre
-        ("inverse", np.float64, (3, 4)),  # back
+        ("inverse", np.float64, (3, 4)),  # the inverse
         ("primitive", np.int64),  # the Op of a lamp that is a single primitive
         ("parameters", np.float64, (4,)),  # of that primitive
         ("low", np.float64, (3,)),  # corners of the root's box in tree space
         ("high", np.float64, (3,)),
-        ("rows", np.int64),  # of spans that hold the intervals of a ray at most
+        ("rows", np.int64),  # maximum rows of spans for the intervals of a ray
         ("first_instruction", np.int64),
         ("instruction_count", np.int64),
-        ("direct", np.int64),  # 1 where rays are solved by the whole program, without the tree
+        ("direct", np.int64),  # 1 if rays are solved by the whole program, without the tree
         ("first_term", np.int64),
         ("first_node", np.int64),
         ("node_count", np.int64),
@@ -87,7 +87,8 @@ LAMP = np.dtype(
 TABLES = {"lamps": LAMP, "lamp_instructions": INSTRUCTION, **interior.TABLES, **fields.TABLES, **emissions.TABLES}
 SCALARS = [("lamp_rows", np.int64)]  # rows of ``spans`` for intervals: the most that any lamp of the scene can use
 
-SMALLEST_INTERVAL = 1e-10  # of a lamp's bounding radius: shorter intervals and gaps are rounding, where faces coincide
+# of a lamp's bounding radius: shorter intervals and gaps are rounding errors of coincident faces
+SMALLEST_INTERVAL = 1e-10
 
 lamps = table("lamps", LAMP)
 instructions = table("lamp_instructions", INSTRUCTION)
@@ -112,7 +113,7 @@ def _approach(row, o, d):
 
 @kernel
 def _keep(spans, count, distance, start, end):
-    """Append what is left at t ≥ 0 of an interval whose ends are relative to ``distance``; returns the new count."""
+    """Append the part at t ≥ 0 of an interval whose ends are relative to ``distance``. Returns the new count."""
     if distance + end <= 0.0:
         return count
     start = max(start, -distance)
@@ -130,7 +131,7 @@ def note_length(block, lamp, column, length, spans):
 @replaced_on_gpu
 @kernel
 def solve_all(block, row, p, d, spans):
-    """Intervals of a ray of tree space in a lamp's whole program; returns their number."""
+    """Find the intervals of a ray in tree space in a lamp's whole program. Returns their number."""
     program = instructions(block)[row.first_instruction : row.first_instruction + row.instruction_count]
     return solve(program, p, d, spans)
 
@@ -161,10 +162,10 @@ def _trace_parts(block, row, lamp, distance, p, d, spans):
 def trace(block, lamp, o, d, spans):
     """Write all intervals of the ray o + t·d, t ≥ 0, to ``spans``: rows (c, h) in order. Returns their number.
 
-    ``spans`` is ``new_spans``: no closed-form shape of the scene can need more rows, so nothing of them is dropped.
-    Row ``block.lamp_rows + lamp`` sums two lengths along rays, of which the first counts for fields alone: what could
-    not be resolved or had no row, and what is inside the lamp. Intervals and gaps below ``SMALLEST_INTERVAL`` × the bounding radius are
-    rounding noise of coincident faces, and removed.
+    ``spans`` is ``new_spans``: no closed-form shape of the scene can need more rows, so no interval is dropped. Row
+    ``block.lamp_rows + lamp`` sums two lengths along rays: the length that was unresolved or had no row (only for
+    fields), and the length inside the lamp. Intervals and gaps below ``SMALLEST_INTERVAL`` × the bounding radius are
+    rounding errors of coincident faces, and are removed.
     """
     row = lamps(block)[lamp]
     distance, p = _approach(row, o, d)
@@ -181,7 +182,7 @@ def trace(block, lamp, o, d, spans):
 
 @kernel
 def varies(block, lamp):
-    """Whether the emission of a lamp differs from point to point."""
+    """Whether the emission of a lamp varies in space."""
     return lamps(block)[lamp].glow >= 0
 
 
@@ -189,7 +190,8 @@ def varies(block, lamp):
 def radiance(block, lamp, x, d, spans, count, t_min, t_max, u):
     """Line integral of the emission along x + t·d over the traced intervals, between the distances t_min and t_max: RGB.
 
-    Where the emission varies it is an unbiased estimate, from one uniform number u; else u and the ray do not matter.
+    If the emission varies, it is an unbiased estimate from one uniform number u. Otherwise u and the ray have no
+    effect.
     """
     row = lamps(block)[lamp]
     if row.glow >= 0:

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tells the sides of clamps, folds and cells apart, by which boxes are divided. See ``slope_evaluation.py``."""
+"""The comparisons that separate the sides of clamps, folds and cells; boxes are split by them. See
+``slope_evaluation.py``."""
 
 from __future__ import annotations
 
@@ -15,10 +16,10 @@ SIGN, STEP = "sign", "step"
 
 
 def find_sides(formula: Formula) -> dict[Formula, list[tuple]]:
-    """What tells the sides of clamps, folds and cells apart, by each formula that it depends on.
+    """The comparisons that separate the sides of clamps, folds and cells, for each formula that depends on them.
 
-    A pair of formulas of which the lesser and the greater are taken, or of which one is a number; or a formula and
-    ``SIGN``, where its absolute value is taken, or ``STEP``, where it is rounded down.
+    A comparison is a pair. Either it has two formulas, or a formula and a number, of which the lesser or greater is
+    taken. Or it has a formula and ``SIGN``, if its absolute value is taken, or ``STEP``, if it is rounded down.
     """
     pairs: dict[tuple, set[str]] = {}
     fixed: dict[Formula, bool] = {}
@@ -44,7 +45,7 @@ def find_sides(formula: Formula) -> dict[Formula, list[tuple]]:
 
 
 def declared_inputs(formula: Formula) -> set[Formula]:
-    """Formulas that others are declared to be continuous functions of."""
+    """The formulas of which others are declared to be continuous functions."""
     found: set[Formula] = set()
     pending = [formula]
     while pending:
@@ -58,7 +59,8 @@ def declared_inputs(formula: Formula) -> set[Formula]:
 
 
 def remainder_limits(period: Interval, line) -> tuple[float, float] | None:
-    """Values of a remainder a − period · floor(line of a) below and above its steps, if they are the same at all."""
+    """Values of a remainder a − period · floor(line of a) below and above its steps, if they are the same at all
+    steps."""
     if not (period.is_number or np.all(period.high - period.low <= EQUAL * period.magnitude)):
         return None
     size, scale, shift = (float(0.5 * (value.low + value.high)) for value in (period, line.scale, line.shift))
@@ -69,9 +71,9 @@ def remainder_limits(period: Interval, line) -> tuple[float, float] | None:
 
 
 def taken_rows(value, index: np.ndarray, rows: int, done: dict):
-    """A value with the rows ``index`` of its arrays; what is the same object stays the same object.
+    """A value with the rows ``index`` of its arrays. Shared objects stay shared.
 
-    ``done`` holds the objects that were seen, by their identities, so that these stay theirs.
+    ``done`` holds the objects seen so far, by identity, and keeps them alive.
     """
     if id(value) in done:
         return done[id(value)][1]

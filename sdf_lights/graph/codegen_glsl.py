@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The GLSL reading of a formula: the source of one function, in float32.
+"""Writes a formula as GLSL: the source of one function, in float32.
 
-It is plain GLSL 4.30, which Blender's ``gpu`` module takes as well: no version, layout, extension or global variable,
-and parameters are read through whatever text names them there. The same formula always gives the same text.
+It is plain GLSL 4.30 without version, layout, extension or global variable, so Blender's ``gpu`` module accepts it too.
+The caller supplies the text that reads a parameter. The same formula always gives the same text.
 
-float32 holds numbers up to 3.4e38; a constant beyond is cut off there, and one below 1.2e-38 may count as 0.
+float32 holds numbers up to 3.4e38. Greater constants are clamped to that, and those below 1.2e-38 may count as 0.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from .operations import CONDITIONS, OPERATIONS
 
 _TYPES = {1: "float", 2: "vec2", 3: "vec3", 4: "vec4"}
 _NAME = re.compile(r"(?!gl_)(?!.*__)[A-Za-z]\w*", re.ASCII)
-_LONGEST = 600  # characters of an expression: compilers nest only so deep
+_LONGEST = 600  # characters of an expression: compilers limit the nesting
 
-# GLSL leaves pow undefined for some operands that NumPy has values for. It promises little of its inverse functions:
+# GLSL leaves pow undefined for some operands for which NumPy has values, and promises little for its inverse functions:
 # asin is wrong in the fourth digit on Mesa. The polynomial is that of atanf in the Cephes library (S. Moshier), within
-# 2 units in the last place for |x| ≤ tan(π/8). In order: those that use others come after them.
+# 2 units in the last place for |x| ≤ tan(π/8). Helpers come after those that they use.
 _HELPERS = {
     "power": """\
 float {name}_power(float a, float b)
@@ -85,21 +85,23 @@ _NEEDS_ATAN2 = frozenset({"atan", "asin", "acos"})
 
 
 class UnwrittenError(ValueError):
-    """A formula calls a function that has no GLSL here."""
+    """A formula calls a function without a GLSL version."""
 
 
 def function(
     formula: Formula | Sequence[Formula], name: str, parameters: str = "k[{}]", written: set[str] | None = None
 ) -> str:
-    """Source of ``float name(vec3 p)``; of a function that gives a vector, for two to four formulas.
+    """Source of ``float name(vec3 p)``; for two to four formulas, of a function that returns a vector.
 
     ``parameters`` is GLSL for the value in a slot, with ``{}`` for the slot's number. Names of functions start with
-    ``name``, all others are local. Where there are tables, which ``table_number(i)`` reads, ``written`` takes the names of
-    the functions that read them and have been written; those there are not written again.
+    ``name``; all others are local. ``table_number(i)`` reads the tables. ``written`` collects the names of functions
+    that read tables and are already written; they are not written again.
     """
     formulas = (formula,) if isinstance(formula, Formula) else tuple(formula)
     if not _NAME.fullmatch(name):
-        raise ValueError(f"{name!r} is no name for a GLSL function: it needs letters, digits and single underscores")
+        raise ValueError(
+            f"{name!r} is not a valid name of a GLSL function: it needs letters, digits and single underscores"
+        )
     if len(formulas) not in _TYPES:
         raise ValueError(f"a GLSL function gives 1 to 4 values, not {len(formulas)}")
     sources: list[str] = []
@@ -108,9 +110,10 @@ def function(
         glsl = getattr(called, "glsl", "")
         if written is None or not glsl:
             raise UnwrittenError(f"lamps of the kind '{called.name}' have no form for the graphics card yet")
-        if called.name not in written:
-            written.add(called.name)
-            sources.append(glsl)
+        for part in (*getattr(called, "needs", ()), called):
+            if part.name not in written:
+                written.add(part.name)
+                sources.append(part.glsl)
         tables = [f"int({operand})" for operand in operands[: called.tables]]
         return [declare("float", f"{called.name}({', '.join([*tables, *operands[called.tables :]])})")]
 
@@ -124,12 +127,13 @@ def function(
 
 
 def helpers(name: str, used: Set[str] = _NEEDS_ATAN2 | {"atan2"}) -> list[str]:
-    """Sources of functions ``name_atan2``, … for what GLSL lacks or does badly: those in ``used``."""
+    """Sources of functions ``name_atan2``, … for operations that GLSL lacks or computes badly: those in ``used``."""
     return [text.format(name=name, greatest=literal(np.inf)) for kind, text in _HELPERS.items() if kind in used]
 
 
 def literal(value: float) -> str:
-    """A number that float32 reads as the nearest one it has; what is not 0 stays so, since formulas divide by it."""
+    """A decimal number that float32 reads as its nearest value. A nonzero number stays nonzero, because formulas divide
+    by it."""
     limits = np.finfo(np.float32)
     if value != 0.0:
         value = np.copysign(np.clip(abs(value), float(limits.tiny), float(limits.max)), value)
@@ -151,10 +155,10 @@ def statements(
     variable: Callable[[Formula], str],
     call: Callable[[Function, list[str], Callable[[str, str], str]], list[str]],
 ) -> tuple[list[str], list[str], set[str]]:
-    """Lines of the body of a function, expressions for the formulas after them, and the ``helpers`` that they use.
+    """Lines of a function body, the expressions for the formulas after them, and the ``helpers`` used.
 
-    ``variable`` gives GLSL of a variable. ``call(function, operands, declare)`` gives that of the results of a function,
-    where ``declare(kind, value)`` declares a local variable and gives its name.
+    ``variable`` returns GLSL for a variable. ``call(function, operands, declare)`` returns GLSL for the results of a
+    function; in it, ``declare(kind, value)`` declares a local variable and returns its name.
     """
     writer = _Writer(name, parameters, variable, call)
     values = writer.write(tuple(formulas))
@@ -169,7 +173,7 @@ class _Writer:
         self.call: Any = call
         self.lines: list[str] = []
         self.used: set[str] = set()  # kinds of operations
-        self._count = 0  # names given
+        self._count = 0  # number of names so far
         self._depth = 1
 
     def _say(self, line: str) -> None:

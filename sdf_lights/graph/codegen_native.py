@@ -1,18 +1,19 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Machine code for formulas, compiled once for each formula, or each group of them.
+"""Machine code for formulas, compiled once for each formula or group of formulas.
 
 ``compiled`` makes code over n points, for the fields of lamps; ``compiled_at_surface`` for one point of a surface, for
 materials.
 
-The graph goes node by node into LLVM vector instructions (Numba's LLVM), ``LANES`` points side by side. No source text
-is made, and LLVM's optimiser is not run: hash-consing has already done its work on a graph without branches, and it
-takes 5 s for the 2,800 nodes of 200 transformed spheres, where instruction selection alone takes 0.4 s and the code is
-as fast. What depends on parameters alone stays scalar.
+The graph is translated node by node into LLVM vector instructions (Numba's LLVM), for ``LANES`` points side by side. No
+source text is made, and LLVM's optimiser is not run: hash-consing has already done its work on a graph without
+branches. The optimiser takes 5 s for the 2,800 nodes of 200 transformed spheres, while instruction selection alone
+takes 0.4 s and the code is as fast. Values that depend only on parameters stay scalar.
 
-What is compiled is kept on disk, too, by a description of the formulas: a second process reads it in a tenth of the time.
+Compiled code is also cached on disk, under a description of the formulas: a second process loads it in a tenth of the
+time.
 
-``AVAILABLE`` is False where Numba cannot be imported; then ``numpy_evaluation`` does the same, slower.
+``AVAILABLE`` is False if Numba cannot be imported. Then ``numpy_evaluation`` does the same, more slowly.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ from .operations import OPERATIONS, Native
 
 LANES = 8  # a cache line of doubles: two registers with AVX2, four with NEON
 
-KEPT = 256  # compiled formulas kept, the most recently used ones; each is some kilobytes of code
+KEPT = 256  # number of cached formulas, the most recently used ones; each takes some kilobytes of code
 
 MOST_BYTES = 64 << 20  # of code on disk
 
@@ -63,9 +64,9 @@ class Compiled(NamedTuple):
 
         void f(int64_t n, const double *points, const double *parameters, double *values)
 
-    with all x, then all y, then all z in ``points`` (3, n), and the formulas' slots in ``parameters``; all values of the
-    first formula come first in ``values`` (formulas, n). n must be a multiple of ``LANES`` (repeat a point to fill up).
-    It may be called from any number of threads.
+    ``points`` (3, n) has all x, then all y, then all z. ``parameters`` has the formulas' slots. ``values`` (formulas,
+    n) gets all values of the first formula first. n must be a multiple of ``LANES`` (repeat a point to fill up). Any
+    number of threads may call it.
     """
 
     address: int  # valid as long as ``owner`` lives
@@ -73,7 +74,7 @@ class Compiled(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a variable lies in the record of a surface: the byte of its first component, and "f8" or "i4"."""
+    """Position of a variable in the record of a surface: the byte of its first component, and "f8" or "i4"."""
 
     offset: int
     dtype: str
@@ -84,13 +85,13 @@ _lock = threading.RLock()
 
 
 def compiled(*formulas: Formula) -> Compiled:
-    """Code of the formulas, compiled when it is first asked for. Parameter values are not part of it."""
+    """Code of the formulas, compiled on first use. Parameter values are not part of it."""
     called = [_part_symbol(node.value, len(node.operands)) for node in _all_nodes(formulas) if node.kind == CALL]
     return _kept(formulas, formulas, tuple(called), lambda: _module(formulas))
 
 
 def _part_symbol(function: Function, operands: int) -> str:
-    """What code of formulas of the position knows a function by: the same in each process, while its address is not."""
+    """Identifies a function in code for formulas of the position: the same in each process, unlike its address."""
     if function.scene:
         raise ValueError(f"{function.name!r} cannot be called in the formula of a shape")
     symbol = _symbol(function, operands, "position")
@@ -113,13 +114,13 @@ def compiled_at_surface(
 
         void f(int64_t block, int64_t workspace, int64_t surface, const double *parameters, double *values)
 
-    ``places`` says where the variables lie in the record at ``surface``. ``address_of`` gives the address of
-    ``void f(int64_t block, int64_t workspace, int64_t operands, int64_t results)`` for a function that is called with
-    some number of operands; ``scene`` stands for what these addresses depend on.
+    ``places`` gives the positions of the variables in the record at ``surface``. ``address_of`` returns the address of
+    ``void f(int64_t block, int64_t workspace, int64_t operands, int64_t results)`` for a function called with some
+    number of operands; ``scene`` stands for everything that these addresses depend on.
     """
 
     def symbol_of(function: Function, operands: int) -> str:
-        """What code that calls a function knows it by: the same in each process, while its address is not."""
+        """Identifies a function in code that calls it: the same in each process, unlike its address."""
         symbol = _symbol(function, operands, scene)
         llvm.add_symbol(symbol, address_of(function, operands))
         return symbol
@@ -130,7 +131,8 @@ def compiled_at_surface(
 
 
 def _kept(key: tuple, formulas: tuple[Formula, ...], context: tuple, module: Callable) -> Compiled:
-    """The code of ``key``, from where it is kept, or of the ``module``. It depends on nothing but ``formulas`` and ``context``."""
+    """The code of ``key``, from the cache, or compiled from the ``module``. It depends only on ``formulas`` and
+    ``context``."""
     with _lock:
         found = _compiled.get(key)
         if found is None:
@@ -162,7 +164,7 @@ def _folder() -> pathlib.Path:
 
 
 def _all_nodes(formulas: tuple[Formula, ...]) -> list[Formula]:
-    """Nodes of the formulas, those in loops too."""
+    """Nodes of the formulas, including those in loops."""
     found, pending = {}, list(order(*formulas))
     while pending:
         node = pending.pop()
@@ -174,7 +176,7 @@ def _all_nodes(formulas: tuple[Formula, ...]) -> list[Formula]:
 
 
 def _description(formulas: tuple[Formula, ...]) -> str:
-    """Text that is the same for formulas of the same code, in each process, and for no others."""
+    """Text that identifies the code of formulas, the same in each process."""
     lines: list[str] = []
     numbers: dict[Formula, int] = {}
 
@@ -198,7 +200,7 @@ def _description(formulas: tuple[Formula, ...]) -> str:
 def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> np.ndarray:
     """Values (…) of the formula at points (…, 3), like ``numpy_evaluation.evaluate``.
 
-    The two agree to rounding. Where an operand of minimum, maximum or a comparison is NaN, either operand may result.
+    The two agree to rounding. If an operand of minimum, maximum or a comparison is NaN, either operand may result.
     """
     points = np.asarray(points, np.float64)
     rows = points.reshape(-1, 3)
@@ -239,9 +241,9 @@ if AVAILABLE:
 
     @functools.cache
     def _library_function(name: str, arity: int):
-        """Let code find the function; what is returned has to be kept."""
+        """Let code find the function; keep the returned object alive."""
         try:
-            # What Numba's code calls, which is on these platforms what the process has.
+            # On these platforms, Numba's code calls the functions of the process.
             function = getattr(ctypes.CDLL(None), name)
             address = ctypes.cast(function, ctypes.c_void_p).value
         except (AttributeError, OSError, TypeError):  # on Windows, Numba has functions of its own
@@ -256,7 +258,7 @@ if AVAILABLE:
         return known or ir.Function(module, ir.FunctionType(result, [o.type for o in operands]), name)
 
     def _each_lane(name: str, builder, operands):
-        """The library's function for one lane after the other."""
+        """The library's function, called for one lane after the other."""
         _library_function(name, len(operands))
         vector = ir.Constant(_LANES, ir.Undefined)
         for lane in range(LANES):
@@ -266,7 +268,7 @@ if AVAILABLE:
         return vector
 
     def _vector_function(module: ir.Module, name: str, arity: int) -> ir.Function:
-        """A function of ``LANES`` numbers: by ``vector_math`` where that holds for all of them, else by the library."""
+        """A function of ``LANES`` numbers: by ``vector_math`` if that is valid for all of them, else by the library."""
         function = ir.Function(module, ir.FunctionType(_LANES, [_LANES] * arity), f"lanes_{name}")
         function.linkage = "internal"
         entry, fast, slow = (function.append_basic_block(block) for block in ("entry", "fast", "slow"))
@@ -292,7 +294,7 @@ if AVAILABLE:
         return emit
 
     def _instruction(name: str):
-        """Emits one of the functions that LLVM itself knows."""
+        """Emits a function that LLVM has built in."""
 
         def emit(builder, operand):
             suffix = "f64" if operand.type == _DOUBLE else f"v{LANES}f64"
@@ -329,7 +331,7 @@ if AVAILABLE:
         return builder.shuffle_vector(first, first, _FIRST)
 
     def _rounds(builder: ir.IRBuilder, count, limit: int):
-        """Rounds of a loop for the value of its count, as ``numpy_evaluation.rounds``."""
+        """Number of iterations of a loop from the value of its count, as ``numpy_evaluation.rounds``."""
         low, high = ir.Constant(_DOUBLE, 0.0), ir.Constant(_DOUBLE, float(limit))
         count = builder.select(builder.fcmp_ordered(">", count, low), count, low)  # not ordered: NaN
         return builder.fptosi(builder.select(builder.fcmp_ordered("<", count, high), count, high), _INDEX)
@@ -342,10 +344,10 @@ if AVAILABLE:
         return builder.icmp_unsigned("!=", bits, bits.type(0))
 
     class _Scope:
-        """What is computed for the whole formula, or in one round of a loop.
+        """Values computed for the whole formula, or in one iteration of a loop.
 
-        ``values`` holds one double or ``LANES`` of them for each node (a list of such for a loop). Those of a round
-        mean nothing outside it.
+        ``values`` holds one double or ``LANES`` of them for each node (for a loop, a list of these). Those of an
+        iteration are valid only inside it.
         """
 
         def __init__(self, builder: ir.IRBuilder, outside: "_Lanes | _Surface", parameters, values: dict, spread: dict):
@@ -364,7 +366,7 @@ if AVAILABLE:
             return self.spread[node]
 
         def emit(self, nodes: list[Formula], mask=None) -> None:
-            """Instructions for ``nodes``, operands first. What lanes outside ``mask`` come to does not matter."""
+            """Instructions for ``nodes``, operands first. Values of lanes outside ``mask`` do not matter."""
             for node in nodes:
                 if node not in self.values:
                     self.values[node] = self._emitted(node, mask)
@@ -401,7 +403,7 @@ if AVAILABLE:
                 {} if scalar else {c: self.lanes(c) for c in captures},
             )
             if scalar:
-                mask = None  # the loop is needed as long as one lane needs it
+                mask = None  # the loop runs as long as one lane needs it
             if loop.going is not None and mask is None:
                 mask = _TRUE if scalar else ir.Constant(_MASK, [_TRUE] * LANES)
             rounds = _rounds(builder, self.values[count], loop.limit)
@@ -445,7 +447,7 @@ if AVAILABLE:
             return states
 
     class _Lanes(NamedTuple):
-        """Where ``LANES`` points have their coordinates: in ``points`` (3, n), from the column ``first`` on."""
+        """Reads coordinates of ``LANES`` points: in ``points`` (3, n), from the column ``first`` on."""
 
         points: ir.Value
         n: ir.Value
@@ -456,7 +458,7 @@ if AVAILABLE:
             return builder.load(builder.bitcast(builder.gep(self.points, [index]), _LANES.as_pointer()), align=8)
 
         def call(self, builder: ir.IRBuilder, function: Function, operands: list):
-            """The function of one point after the other: each result in every lane."""
+            """The function called for one point after the other, with each result placed in its lane."""
             lanes = [ir.Constant(_LANES, ir.Undefined)] * function.results
             with builder.goto_entry_block():
                 given = builder.alloca(_DOUBLE, max(len(operands), 1))
@@ -476,7 +478,7 @@ if AVAILABLE:
             return lanes
 
     class _Surface(NamedTuple):
-        """Where one point of a surface has its variables, and how functions are called from there."""
+        """Reads the variables of one point of a surface, and calls functions from there."""
 
         block: ir.Value
         workspace: ir.Value
@@ -528,7 +530,7 @@ if AVAILABLE:
         return module
 
     BLOCK = 2048  # operations
-    LARGE = 8 * BLOCK  # from there on compilation counts for more than the speed of what it makes
+    LARGE = 8 * BLOCK  # from this number of operations on, compile time matters more than the speed of the code
 
     def _module(formulas: tuple[Formula, ...]) -> ir.Module:
         module = ir.Module()
@@ -575,7 +577,7 @@ if AVAILABLE:
 
     @functools.cache
     def _processor() -> tuple:
-        """What machine code depends on beside its formulas and the sources of the package."""
+        """Everything that machine code depends on, beside its formulas and the sources of the package."""
         versions = llvmlite.__version__, llvm.llvm_version_info, llvm.get_process_triple()
         base = base_processor()
         here = (base, "") if base else (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())
@@ -589,7 +591,7 @@ if AVAILABLE:
         )
 
     def _loaded(code: bytes) -> Compiled:
-        """Code that ``emit_object`` has made, linked with what it calls."""
+        """Code from ``emit_object``, linked with the functions that it calls."""
         engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
         engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()

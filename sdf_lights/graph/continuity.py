@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where formulas are continuous though operations in them jump.
+"""Where formulas are continuous although operations in them jump.
 
-Steps of ``floor``, cuts of angles and choices tear a formula, unless what follows joins both sides again. ``lipschitz`` finds
-some of that from values. What cannot be found there is known here: by whoever wrote the formula, who *declares* it, and of a
-choice between two polynomials that are equal where its condition changes.
+Steps of ``floor``, cuts of angles and choices tear a formula, unless later operations join both sides again.
+``lipschitz`` finds some of these cases from values. Two other cases are handled here: the author of the formula
+*declares* it continuous, and a choice between two polynomials that are equal where its condition changes.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from .operations import CONDITIONS
 
 
 class Declared(NamedTuple):
-    """A formula, or its absolute value alone if ``even``, is a continuous function of ``inputs`` where all of the formulas
-    ``whole``, which are numbers, are whole numbers."""
+    """A formula, or only its absolute value if ``even``, is a continuous function of ``inputs``, if all of the formulas
+    ``whole``, which are numbers, are integers."""
 
     inputs: tuple[Formula, ...]
     even: bool = False
@@ -34,7 +34,7 @@ _lock = threading.Lock()
 
 
 def declare(formula: Formula, inputs: Iterable[Formula], even: bool = False, whole: Iterable[Formula] = ()) -> Formula:
-    """Say that a formula is continuous, whatever the numbers in its slots are but for ``whole``: see ``Declared``."""
+    """Declare that a formula is continuous for all numbers in its slots, except for ``whole``: see ``Declared``."""
     if formula.operands:
         with _lock:
             _declared[formula] = Declared(tuple(inputs), even, tuple(whole))
@@ -42,7 +42,7 @@ def declare(formula: Formula, inputs: Iterable[Formula], even: bool = False, who
 
 
 def declared(formula: Formula) -> Declared | None:
-    """What was declared of a formula."""
+    """The declaration of a formula."""
     with _lock:
         return _declared.get(formula)
 
@@ -102,7 +102,8 @@ _RING = frozenset({"negate", "add", "subtract", "multiply"})
 def joins(condition: Formula, then: Formula, otherwise: Formula) -> bool:
     """Whether both sides of a choice are certainly equal where its condition changes.
 
-    They are if their difference is 0 once a formula that the condition is linear in has the value at which it changes.
+    They are equal if their difference is 0 at the value where the condition changes; the condition must be linear in
+    one formula.
     """
     if condition.kind not in CONDITIONS:
         return False

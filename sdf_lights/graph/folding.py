@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Formulas with numbers for their parameters: what is constant then becomes a constant."""
+"""Formulas with numbers for their parameters: constant parts then become constants."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Folding:
         self._known: dict[Formula, Formula] = {}
 
     def fold(self, formula: Formula) -> Formula:
-        """The formula with numbers for its parameters. What no variable reaches has become one constant."""
+        """The formula with numbers for its parameters. Parts that depend on no variable become one constant."""
         with numbers_may_change():
             return rewritten((formula,), self._known, self._replace)[0]
 

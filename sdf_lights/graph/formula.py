@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Formulas: hash-consed expression graphs over variables, parameters and constants.
 
-The same expression is always the same object, so common subexpressions are computed once whatever way they came
-about, and the formula itself is the key under which a reading (compiled code, say) is kept. A parameter is the number
-of a slot in an array of values: other values, same formula.
+The same expression is always the same object, so common subexpressions are computed once, wherever they come from. The
+formula itself is the key of everything derived from it, such as compiled code. A parameter is the number of a slot in
+an array of values: other values, same formula.
 
-A variable is a named input, such as the position; what names there are is up to who evaluates the formula.
+A variable is a named input, such as the position. The evaluator defines which names exist.
 
-``operations.OPERATIONS`` is the one table of what a node can compute; ``iterate`` adds bounded loops, ``call`` the
-functions of ``functions.py``. Evaluators and code generators walk ``order(formula)`` and add nothing to it: see
-``numpy_evaluation``, ``codegen_native`` and ``formula_text``. This module knows none of them.
+``operations.OPERATIONS`` is the one table of operations; ``iterate`` adds bounded loops, ``call`` the functions of
+``functions.py``. Evaluators and code generators walk ``order(formula)`` and do not change it: see ``numpy_evaluation``,
+``codegen_native`` and ``formula_text``. This module depends on none of them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Numbers = Sequence[float] | np.ndarray  # values of the slots of a formula
 CONSTANT, VARIABLE, PARAMETER = "constant", "variable", "parameter"
 STATE, ITERATE, CALL, RESULT = "state", "iterate", "call", "result"
 
-POSITION = "position"  # the variable that formulas of shapes have
+POSITION = "position"  # the variable of a shape's formula
 
 LONGEST_LOOP = 1000  # rounds
 
@@ -42,11 +42,11 @@ class Formula:
     """One node. Made only by the functions and operators of this module; compared and hashed by identity.
 
     ``kind`` is ``CONSTANT`` (``value`` a float), ``VARIABLE`` (``value`` a name and the number of a component),
-    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Of loops (see ``iterate``) it is
-    ``ITERATE`` (``value`` a ``Loop``, ``operands`` the number of rounds, the first states, and what the body needs from
-    outside), or, in the body alone, ``STATE`` (``value`` the loop's level and the number of the state). Of calls it is
-    ``CALL`` (``value`` a ``Function``). ``RESULT`` is one of the values of a loop or call (``value`` its number,
-    ``operands`` the loop or call).
+    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Loops (see ``iterate``) have
+    ``ITERATE`` (``value`` a ``Loop``; ``operands`` the number of iterations, the first states, and the outer values
+    that the body uses). Only inside the body, ``STATE`` has the loop's level and the number of the state as its
+    ``value``. Calls have ``CALL`` (``value`` a ``Function``). ``RESULT`` is one of the values of a loop or call
+    (``value`` its number, ``operands`` the loop or call).
     """
 
     __slots__ = ("kind", "operands", "value", "__weakref__")
@@ -110,7 +110,7 @@ class Formula:
 class Loop(NamedTuple):
     """The body of a loop: ``steps`` are the next states, computed while the comparison ``going`` holds.
 
-    ``level`` says how many loops it stands in. ``limit`` is the most rounds there can be.
+    ``level`` is the number of surrounding loops. ``limit`` is the maximum number of iterations.
     """
 
     level: int
@@ -119,11 +119,11 @@ class Loop(NamedTuple):
     going: Formula | None
 
     def roots(self) -> tuple[Formula, ...]:
-        """What a round has to compute."""
+        """The nodes that an iteration computes."""
         return self.steps if self.going is None else (*self.steps, self.going)
 
 
-# Formulas live as long as somebody holds them. Blender renders and draws from different threads, hence the lock.
+# Formulas live as long as something refers to them. Blender renders and draws in different threads, hence the lock.
 _known: weakref.WeakValueDictionary[tuple, Formula] = weakref.WeakValueDictionary()
 _lock = threading.Lock()
 
@@ -144,7 +144,7 @@ def _intern(kind: str, operands: tuple[Formula, ...] = (), value=None) -> Formul
 
 
 def constant(value: float) -> Formula:
-    """A number. Raises ValueError for NaN, which is no value of any formula."""
+    """A number. Raises ValueError for NaN, which no formula may contain."""
     value = float(value)
     if math.isnan(value):
         raise ValueError("a constant of a formula cannot be NaN")
@@ -162,10 +162,10 @@ def variable(name: str, component: int = 0) -> Formula:
 
 
 def axis_of(node: Formula) -> int:
-    """The axis that a variable of a shape's formula stands for. Raises ValueError for any variable but the position."""
+    """The axis of a variable in a shape's formula. Raises ValueError for any variable but the position."""
     name, axis = node.value
     if name != POSITION:
-        raise ValueError(f"a formula of the position alone is wanted here, and this one has the variable {name!r}")
+        raise ValueError(f"a formula of the position alone is needed here, but this one has the variable {name!r}")
     return axis
 
 
@@ -174,7 +174,7 @@ def _formula(value: Formula | float) -> Formula:
 
 
 def call(function: Function, *operands: Formula | float) -> tuple[Formula, ...]:
-    """All results of an outside function."""
+    """All results of an external function."""
     nodes = tuple(map(_formula, operands))
     if any(o.kind in CONDITIONS for o in nodes):
         raise TypeError("a condition can only be the first operand of select")
@@ -193,8 +193,8 @@ _numbers_may_change = contextvars.ContextVar("numbers_may_change", default=False
 
 @contextlib.contextmanager
 def numbers_may_change():
-    """Within, no rule looks at what a number is, except for 0, 1 and which of two numbers is the greater: a formula with other
-    numbers has the same nodes."""
+    """Inside this context, no rule uses the value of a number, except for 0, 1 and the order of two numbers: a formula
+    with other numbers has the same nodes."""
     token = _numbers_may_change.set(True)
     try:
         yield
@@ -203,7 +203,7 @@ def numbers_may_change():
 
 
 def _simplified(kind: str, operands: tuple[Formula, ...]) -> Formula | None:
-    """A smaller or faster formula of the same value, to rounding, for all finite operands; None if no rule has one."""
+    """A smaller or faster formula of the same value, to rounding, for all finite operands; None if no rule applies."""
     rule = _RULES.get(kind)
     return rule(*operands) if rule else None
 
@@ -359,7 +359,7 @@ def apply(kind: str, *operands: Formula | float) -> Formula:
         if all(o.kind == CONSTANT for o in nodes):
             with np.errstate(all="ignore"):
                 folded = float(operation.meaning(*(o.value for o in nodes)))
-            # sqrt(-1) and the like stay as they are: what is undefined is then seen where the formula is read.
+            # sqrt(-1) and the like stay as they are: an undefined value then shows when the formula is evaluated.
             if not math.isnan(folded):
                 return constant(folded)
         smaller = _simplified(kind, nodes)
@@ -419,7 +419,7 @@ def power(a: Formula | float, exponent: Formula | float) -> Formula:
 
 
 def floor(a: Formula | float) -> Formula:
-    """The greatest whole number that is not above ``a``."""
+    """The greatest integer that is not above ``a``."""
     return apply("floor", a)
 
 
@@ -434,7 +434,7 @@ def maximum(*operands: Formula | float) -> Formula:
 
 
 def clamp(a: Formula | float, low: Formula | float, high: Formula | float) -> Formula:
-    """``a`` limited to [low, high]; ``high`` where low > high."""
+    """``a`` limited to [low, high]; ``high`` if low > high."""
     return minimum(maximum(a, low), high)
 
 
@@ -449,7 +449,8 @@ def length(*components: Formula | float) -> Formula:
 
 
 def _fold(kind: str, operands) -> Formula:
-    # A balanced tree: short chains of dependent instructions, and no depth that grows with the number of operands.
+    # A balanced tree: short chains of dependent instructions, and a depth that grows only with the logarithm of the
+    # number of operands.
     operands = list(operands)
     while len(operands) > 1:
         pairs = [apply(kind, a, b) for a, b in zip(operands[::2], operands[1::2])]
@@ -459,7 +460,7 @@ def _fold(kind: str, operands) -> Formula:
 
 
 class Vector(NamedTuple):
-    """Three formulas, with the arithmetic of vectors (a scalar operand counts for each component)."""
+    """Three formulas with the arithmetic of vectors (a scalar operand applies to each component)."""
 
     x: Formula
     y: Formula
@@ -521,7 +522,7 @@ class Vector(NamedTuple):
         return length(*self)
 
     def normalized(self) -> "Vector":
-        """The vector with length 1; zero where it is shorter than any length that matters."""
+        """The vector with length 1; zero if it is shorter than any relevant length."""
         return self / maximum(self.length(), 1e-150)
 
     def reflected(self, normal) -> "Vector":
@@ -529,9 +530,10 @@ class Vector(NamedTuple):
         return self - Vector(*normal) * (2.0 * self.dot(normal))
 
     def rotated(self, axis, cosine: Formula | float, sine: Formula | float) -> "Vector":
-        """Turned about a unit axis by the angle with this cosine and sine, counter-clockwise seen against the axis.
+        """Rotated about a unit axis by the angle with this cosine and sine, counter-clockwise as seen from the tip of
+        the axis.
 
-        The formula of Rodrigues.
+        Rodrigues' formula.
         """
         axis = Vector(*axis)
         return self * cosine + axis.cross(self) * sine + axis * (self.dot(axis) * (1.0 - cosine))
@@ -550,11 +552,11 @@ def iterate(
     body: Callable[..., tuple[tuple[Formula | float, ...], Formula | None]],
     limit: int,
 ) -> tuple[Formula, ...]:
-    """States after ``count`` rounds of a loop: ``steps, going = body(*states)``.
+    """States after ``count`` iterations of a loop: ``steps, going = body(*states)``.
 
-    ``count`` must not depend on the position; it is rounded down, and held to 0 and ``limit`` (NaN counts as 0).
-    ``going`` is a comparison of the states before the round, or None: a point at which it fails keeps its states from
-    then on. ``body`` is called once, with the formulas that stand for the states; it may contain loops itself.
+    ``count`` must not depend on the position. It is rounded down, and clamped to 0 and ``limit`` (NaN counts as 0).
+    ``going`` is a comparison of the states before the iteration, or None: a point at which it fails keeps its states
+    from then on. ``body`` is called once, with formulas for the states. It may contain loops itself.
     """
     if not 0 < limit <= LONGEST_LOOP:
         raise ValueError(f"a loop can have 1 to {LONGEST_LOOP} rounds, not {limit}")
@@ -579,7 +581,7 @@ def iterate(
 
 
 def _captures(loop: Loop) -> list[Formula]:
-    """Nodes that the body of a loop uses and that stay the same in all its rounds; constants are not listed."""
+    """Nodes used in the body of a loop that stay the same in all its iterations, without constants."""
     nodes = order(*loop.roots())
     inside: dict[Formula, bool] = {}
     for node in nodes:
@@ -590,16 +592,17 @@ def _captures(loop: Loop) -> list[Formula]:
 
 
 def body(node: Formula) -> list[Formula]:
-    """What each round of an ``ITERATE`` node computes, in order; its captures are known by then (as its operands)."""
+    """The nodes that each iteration of an ``ITERATE`` node computes, in order. Its captures are known by then (as its
+    operands)."""
     loop = node.value
     known = set(node.operands[1 + len(loop.steps) :])
     return [n for n in order(*loop.roots(), known=known) if n not in known]
 
 
 def order(*formulas: Formula, known: Set[Formula] = frozenset()) -> list[Formula]:
-    """Every node of the graph once, operands before the nodes that use them; the last formula itself comes last.
+    """Every node of the graph once, operands before the nodes that use them; the last formula comes last.
 
-    The bodies of loops are not part of it. Operands of ``known`` nodes are left out, where nothing else uses them.
+    The bodies of loops are not included. Operands of ``known`` nodes are left out, unless other nodes use them.
     """
     ordered: list[Formula] = []
     seen: set[Formula] = set()
@@ -617,5 +620,5 @@ def order(*formulas: Formula, known: Set[Formula] = frozenset()) -> list[Formula
 
 
 def slots(formula: Formula) -> int:
-    """Least length of a parameter array that the formula can be read with."""
+    """Minimum length of a parameter array for the formula."""
     return 1 + max((node.value for node in order(formula) if node.kind == PARAMETER), default=-1)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reading of a formula for people: infix text, with a line of its own for whatever is used more than once."""
+"""Writes a formula for people: infix text, with a separate line for every shared part."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from .operations import OPERATIONS
 
 _NEGATE, _ATOM = 4, 5
 
-_Written = tuple[str, int]  # text, and how strongly its outermost operation binds
+_Written = tuple[str, int]  # text, and the precedence of its outermost operation
 
 
 def text(formula: Formula) -> str:
-    """The formula, a definition a line and its value last; ``k0, k1, …`` are parameters, ``a0, a1, …`` shared parts.
+    """The formula as text: one definition per line, its value last. ``k0, k1, …`` are parameters, ``a0, a1, …`` shared
+    parts.
 
         a0 = sqrt(x * x + y * y) - k0
         sqrt(a0 * a0 + z * z) - k1
@@ -34,20 +35,20 @@ def text(formula: Formula) -> str:
 
 
 class _Writer:
-    """Writes nodes into ``lines``; ``text`` holds what each node is then called, or computed by."""
+    """Writes nodes into ``lines``. ``text`` holds the name or expression of each node."""
 
     def __init__(self):
         self.lines: list[str] = []
         self.text: dict[Formula, _Written] = {}
         self._states: dict[Formula, list[str]] = {}  # of each loop
-        self._named: Counter[str] = Counter()  # names given so far, by letter
+        self._named: Counter[str] = Counter()  # number of names so far, by letter
 
     def _name(self, letter: str) -> str:
         self._named[letter] += 1
         return f"{letter}{self._named[letter] - 1}"
 
     def write(self, nodes: list[Formula], roots: tuple[Formula, ...], indent: str = "") -> None:
-        """Write ``nodes``, operands first, of which ``roots`` are what is asked for."""
+        """Write ``nodes``, operands first. ``roots`` are the requested results."""
         uses = Counter(roots) + Counter(operand for node in nodes for operand in node.operands)
         for node in nodes:
             if node.kind == ITERATE:
@@ -80,7 +81,7 @@ class _Writer:
             self.lines.append(f"{indent}    stop unless {self.text[loop.going][0]}")
         following = ", ".join(self.text[step][0] for step in loop.steps)
         self.lines.append(f"{indent}    {', '.join(states)} = {following}")
-        self.text = outside  # loops side by side have the same states, and so the same nodes that mean something else
+        self.text = outside  # loops side by side have the same states, so equal nodes with different meanings
 
 
 def _line(node: Formula, operands: list[_Written]) -> _Written:

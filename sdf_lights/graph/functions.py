@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Functions that formulas call and that are no formulas themselves: noise, look-ups in tables and images.
+"""Functions that formulas call but that are no formulas themselves: noise, look-ups in tables and images.
 
-A ``Function`` names a kernel (see ``jit.kernel``): Numba compiles it, the GPU's translator writes it as GLSL, and where
-there is no Numba it runs as Python. So it is written once.
+A ``Function`` names a kernel (see ``jit.kernel``). Numba compiles it, the GPU's translator writes it as GLSL, and
+without Numba it runs as Python. So it is written only once.
 """
 
 from __future__ import annotations
@@ -19,11 +19,12 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Function:
-    """``kernel(*static, *operands)`` gives a tuple of ``results`` numbers; a number by itself where ``results`` is 1.
+    """``kernel(*static, *operands)`` returns a tuple of ``results`` numbers, or a single number if ``results`` is 1.
 
-    ``static`` are whole numbers that choose a mode: they are compiled in. Where ``scene`` holds, the kernel's first two
-    arguments are the scene's block and the thread's workspace: ``kernel(block, workspace, *static, *operands)``.
-    ``of_object``: it reads objects or the one that a ray has met, so it cannot be called where there is none, as in a world.
+    ``static`` are integers that choose a mode; they are compiled in. With ``scene``, the kernel's first two arguments
+    are the scene's block and the thread's workspace: ``kernel(block, workspace, *static, *operands)``. With
+    ``of_object``, it reads objects or the one that a ray has hit, so it cannot be called without an object, as in a
+    world.
     """
 
     name: str
@@ -37,31 +38,32 @@ class Function:
 
 @dataclass(frozen=True)
 class TableFunction(Function):
-    """A field that reads tables (see ``tables``): ``kernel(*addresses, *coordinates)`` gives one number.
+    """A field that reads tables (see ``tables``): ``kernel(*addresses, *coordinates)`` returns one number.
 
     The coordinates are any further operands: those of a point, and numbers. The kernel must end for all numbers, NaN and
     infinity too. ``bounds`` takes ``(*addresses, low, high, low, high, …)``, the bounds of each coordinate over a box, and gives
     ``(low, high, slope_low, slope_high, …)``: bounds of the value, and of its derivative by each coordinate. At a crease
     those of both sides are bounded. They are certain but for rounding, which it covers with ``interval_evaluation.MARGIN``.
     ``glsl`` is the source of ``float name(int table, …, float x, …)`` in float32, which reads the number i of all tables one
-    after the other by ``table_number(i)``, and is told where its own begin. ``derivatives`` takes what the kernel takes and gives the derivative by each coordinate.
+    after the other by ``table_number(i)``, and is told where its own begin; it may call what that of ``needs`` defines. ``derivatives`` takes what the kernel takes and gives the derivative by each coordinate.
     """
 
     tables: int = 1
     bounds: Function | None = None
     derivatives: Function | None = None
-    lipschitz: float = math.inf  # bound on the length of the gradient by all coordinates together
+    lipschitz: float = math.inf  # bound of the length of the gradient by all coordinates together
     glsl: str = ""
+    needs: "tuple[TableFunction, ...]" = ()
     operations: float = 200.0  # that a point takes, as many as that of a formula: about 0.1 ns each
 
 
 def evaluate(function: Function, operands: Sequence[np.ndarray]) -> tuple[np.ndarray, ...]:
-    """Results of a function that needs no scene, point by point: (…) each, for operands that broadcast to (…)."""
+    """Results of a function that needs no scene, for each point: (…) each, for operands that broadcast to (…)."""
     arrays = np.broadcast_arrays(*(np.asarray(operand, np.float64) for operand in operands))
     shape = arrays[0].shape if arrays else ()
     rows = np.stack([array.ravel() for array in arrays], axis=1) if arrays else np.empty((1, 0))
     results = np.empty((len(rows), function.results))
-    from .. import jit  # not before it is needed: adding a lamp, and enabling the add-on, do not wait for Numba
+    from .. import jit  # not at the top: adding a lamp, and enabling the add-on, do not wait for Numba
 
     if jit.AVAILABLE and function.kernel is not inspect.unwrap(function.kernel):
         compiled_part(function, len(arrays)).fill(np.ascontiguousarray(rows), results)

@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gradients of formulas: from graph to graph, so every reading reads gradients too.
+"""Gradients of formulas, as formulas: every evaluator can evaluate them.
 
 Forward mode (Griewank and Walther, "Evaluating Derivatives", 2nd ed., chapter 3). Loops carry the derivatives of their
-states as further states. Where a formula has a crease the gradient is that of one of the sides; where it jumps, what
-is true beside the jump.
+states as further states. At a crease the gradient is that of one side; at a jump, that beside the jump.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ def _differentiated(roots: tuple[Formula, ...], known: dict[Formula, _Dual]) -> 
 
 
 def _dual(node: Formula, operands: list) -> _Dual | list[_Dual]:
-    """Value and gradient of one node; of a loop, those of all its states."""
+    """Value and gradient of one node; for a loop, those of all its states."""
     if node.kind in (CONSTANT, PARAMETER):
         return _Dual(node, _NONE)
     if node.kind == VARIABLE:
@@ -87,7 +86,7 @@ def _called(node: Formula, operands: list[_Dual]) -> list[_Dual]:
     if all(part.slope == _NONE for part in parts):
         return [_Dual(value, _NONE) for value in values]
     if getattr(function, "derivatives", None) is None:
-        raise ValueError(f"nothing tells the derivative of {function.name!r}")
+        raise ValueError(f"the function {function.name!r} has no known derivative")
     slope = _NONE
     for part, derivative in zip(parts, call(function.derivatives, *(operand.value for operand in operands))):
         slope = slope + part.slope * derivative
@@ -121,7 +120,7 @@ def _select(condition: Formula, then: Vector, otherwise: Vector) -> Vector:
 
 
 class _Formulas:
-    """The algebra of ``operations.Operation.derivative`` that gives formulas."""
+    """The algebra of ``operations.Operation.derivative`` that returns formulas."""
 
     number = staticmethod(constant)
 

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operations on intervals, vectorised: by them, ``interval_evaluation`` bounds values of formulas over boxes.
+"""Operations on intervals, vectorised. ``interval_evaluation`` uses them to bound values of formulas over boxes.
 
-Every result is rounded outward, so it holds both for exact arithmetic and for any reading whose operations are as good
-as the ``Precision`` says. Interval arithmetic as in Moore, Kearfott and Cloud, "Introduction to Interval Analysis",
-with three-valued conditions. Where a value may be undefined (NaN, or a division by zero) the bounds are those of the
-points where it is defined, and every comparison with it is open: either side may come out.
+Every result is rounded outwards, so it holds for exact arithmetic and for every evaluator whose operations are as good
+as the ``Precision`` says. Interval arithmetic follows Moore, Kearfott and Cloud, "Introduction to Interval Analysis",
+with three-valued conditions. Where a value may be undefined (NaN, or a division by zero), the bounds are those of the
+points where it is defined, and every comparison with it is undecided.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ import numpy as np
 
 
 class Precision(NamedTuple):
-    """How far results of floating-point operations may be from exact ones: relative errors, unless said."""
+    """Largest deviation of floating-point operations from exact results: relative errors, unless stated otherwise."""
 
     number: type
     basic: float  # +, −, ·, /, √
     library: float  # other functions
     sine: float = 0.0  # absolute error of sine and cosine, for operands up to 1; for others times the operand
-    logarithm: float = 0.0  # absolute error of the logarithm, also of that inside a power
+    logarithm: float = 0.0  # absolute error of the logarithm, including that inside a power
     exponent: float = 0.0  # of an exponential function or a power, times the logarithm of the result
     tiny: float = 0.0  # absolute error of any result, from underflow; see ``sums_underflow``
 
@@ -36,7 +36,7 @@ class Precision(NamedTuple):
 
     @property
     def sums_underflow(self) -> bool:
-        """In double precision sums that are too small for a normal number are exact."""
+        """In double precision, sums that are too small for a normal number are exact."""
         return self.number is not np.float64
 
     def holds(self, value: float) -> bool:
@@ -46,19 +46,19 @@ class Precision(NamedTuple):
 
 _ULP = 2.0**-52
 
-# Basic operations are rounded correctly; functions of NumPy and of C libraries are within 4 ulps, and two of them may
-# differ in both directions.
+# Basic operations are rounded correctly. Functions of NumPy and of C libraries are within 4 ulps, and two of them may
+# deviate in different directions.
 DOUBLE = Precision(np.float64, basic=_ULP, library=8.0 * _ULP, tiny=2.0**-1022)
 
 
 class Interval(NamedTuple):
-    """Bounds of a value: arrays that broadcast to the boxes. ``low`` is never +∞, ``high`` never −∞, neither NaN."""
+    """Bounds of a value: arrays that broadcast to the boxes. ``low`` is never +∞, ``high`` never −∞, neither is NaN."""
 
     low: np.ndarray
     high: np.ndarray
     undefined: np.ndarray | None = None  # where the value may be NaN; None for nowhere
     positive: bool = False  # every value is +0 or greater, by the form of the formula
-    whole: bool = False  # every value is a whole number, likewise
+    whole: bool = False  # every value is an integer, likewise
 
     @property
     def magnitude(self) -> np.ndarray:
@@ -72,7 +72,7 @@ class Interval(NamedTuple):
 
 
 class Line(NamedTuple):
-    """scale · a + shift; ``size`` is the greatest of what was added up to the shift."""
+    """scale · a + shift; ``size`` is the greatest term that was added up to the shift."""
 
     scale: Interval
     shift: Interval
@@ -80,7 +80,7 @@ class Line(NamedTuple):
 
 
 class Condition(NamedTuple):
-    """A comparison: whether it holds everywhere in a box, and whether it may hold anywhere."""
+    """A comparison: whether it holds everywhere in a box, and whether it may hold anywhere in it."""
 
     certain: np.ndarray
     possible: np.ndarray
@@ -99,7 +99,7 @@ def _holds_zero(a: Interval) -> np.ndarray:
 
 
 def hull(a: Interval, b: Interval) -> Interval:
-    """The least interval that contains both, box by box."""
+    """The smallest interval that contains both, for each box."""
     return Interval(
         np.minimum(a.low, b.low),
         np.maximum(a.high, b.high),
@@ -109,7 +109,7 @@ def hull(a: Interval, b: Interval) -> Interval:
 
 
 class Arithmetic:
-    """Operations on intervals; those of formulas have the names that ``operations.OPERATIONS`` gives them."""
+    """Operations on intervals. Those of formulas have the names in ``operations.OPERATIONS``."""
 
     def __init__(self, precision: Precision = DOUBLE):
         self.precision = precision
@@ -145,7 +145,7 @@ class Arithmetic:
         return Interval(low, high, undefined, positive)
 
     def _exact(self, operation: Callable, a: Interval, b: Interval) -> Interval | None:
-        """The result of numbers, where it needs no rounding: exponents, say, have to stay whole."""
+        """The result of numbers, if it needs no rounding: exponents, for instance, must stay integers."""
         if not (a.is_number and b.is_number):
             return None
         value = operation(float(a.low), float(b.low))
@@ -154,7 +154,7 @@ class Arithmetic:
         return self.number(value) if self.precision.holds(value) else None
 
     def _whole(self, low, high, a: Interval, b: Interval, positive: bool) -> Interval | None:
-        """The result of whole numbers, where it is small enough to be exact: hashes rely on that."""
+        """The result of integers, if it is small enough to be exact: hashes rely on that."""
         most = 2.0 / np.finfo(self.precision.number).eps
         if not (a.whole and b.whole and high.max(initial=-np.inf) <= most and low.min(initial=np.inf) >= -most):
             return None
@@ -187,7 +187,8 @@ class Arithmetic:
     def _extreme(self, function, a: Interval, b: Interval) -> Interval:
         low, high = function(a.low, b.low), function(a.high, b.high)
         undefined = _either(a.undefined, b.undefined)
-        if undefined is not None:  # readings differ in whether the least of NaN and a number is NaN or the number
+        # evaluators differ: the least of NaN and a number is NaN for some, the number for others
+        if undefined is not None:
             either = hull(a, b)
             low, high = np.where(undefined, either.low, low), np.where(undefined, either.high, high)
         return Interval(low, high, undefined, a.positive and b.positive)
@@ -208,7 +209,7 @@ class Arithmetic:
         )
 
     def select(self, condition: Condition, then: Interval, otherwise: Interval) -> Interval:
-        """Bounds of ``then`` where the condition is certain, of ``otherwise`` where it is impossible, else of both."""
+        """Bounds of ``then`` if the condition is certain, of ``otherwise`` if it is impossible, else of both."""
         certain, possible = condition
         if certain.all():
             return then
@@ -267,7 +268,7 @@ class Arithmetic:
         if whole:
             return whole
         if not math.isfinite((high - low).sum()):
-            # 0 · ∞: nothing but 0, as a bound of products of numbers; a product of values it would be undefined.
+            # 0 · ∞: as a bound of products of finite numbers it is 0; as a product of values it would be undefined.
             zero = np.any([np.isnan(product) for product in np.broadcast_arrays(*products)], axis=0)
             low, high = _extremes(np.fmin, np.fmax, products)
             low, high = np.where(zero, np.fmin(low, 0.0), low), np.where(zero, np.fmax(high, 0.0), high)
@@ -275,7 +276,7 @@ class Arithmetic:
         return self._rounded(low, high, self.precision.basic, undefined, positive)
 
     def odd_power(self, a: Interval, squares: int) -> Interval:
-        """a · a^(2^squares): it grows with a, which the product of two intervals does not know."""
+        """a · a^(2^squares): it grows with a, which the product of two intervals does not show."""
         ends = []
         for end in a[:2]:
             a_end = power = Interval(end, end)
@@ -285,7 +286,7 @@ class Arithmetic:
         return Interval(ends[0].low, ends[1].high, a.undefined, a.positive)
 
     def remainder(self, a: Interval, period: Interval, line: "Line") -> Interval:
-        """a − period · floor(line of a): the floor is less than what it is of by 0 to 1."""
+        """a − period · floor(line of a): the floor is less than its operand by 0 to 1."""
         along = self.multiply(a, line.scale)
         error = 8.0 * self.precision.basic * (along.magnitude + line.size) + self.precision.tiny
         fraction = Interval(-error, 1.0 + error)
@@ -300,7 +301,7 @@ class Arithmetic:
         return exact or self._rounded(low, high, self.precision.basic, a.undefined, True)
 
     def divide(self, a: Interval, b: Interval) -> Interval:
-        """Bounds of a / b, rounded outwards; infinite and maybe undefined where b may be 0."""
+        """Bounds of a / b, rounded outwards; infinite and possibly undefined if b may be 0."""
         exact = self._exact(lambda u, v: u / v, a, b) if b.is_number and b.low != 0.0 else None
         if exact:
             return exact
@@ -319,13 +320,13 @@ class Arithmetic:
         return self._rounded(low, high, self.precision.basic, undefined, a.positive and b.positive)
 
     def sqrt(self, a: Interval) -> Interval:
-        """Bounds of √a; undefined where a may be negative."""
+        """Bounds of √a; undefined if a may be negative."""
         return self._partial(np.sqrt, a, 0.0, np.inf, self.precision.basic, True)
 
     # -- functions ------------------------------------------------------------------------------------------------
 
     def _partial(self, function, a: Interval, first: float, last: float, relative: float, positive: bool) -> Interval:
-        """A monotone function (growing, or falling where ``first`` > ``last``) of a bounded domain."""
+        """A monotone function (increasing, or decreasing if ``first`` > ``last``) on a bounded domain."""
         least, greatest = min(first, last), max(first, last)
         outside = (a.low < least) | (a.high > greatest)
         undefined = _either(a.undefined, _where_any(outside))
@@ -344,7 +345,7 @@ class Arithmetic:
         return self._rounded(low, high, self._exponential_error(low, high), a.undefined, True)
 
     def _exponential_error(self, low, high, exponent: float = 0.0):
-        """Of a power with this exponent that is computed as exp(b log a), as in single precision it often is."""
+        """A power with this exponent that is computed as exp(b log a), as is common in single precision."""
         precision = self.precision
         if not precision.exponent and not precision.logarithm:
             return precision.library
@@ -352,7 +353,7 @@ class Arithmetic:
         return precision.library + precision.exponent * np.maximum(*ends) + precision.logarithm * exponent
 
     def log(self, a: Interval) -> Interval:
-        """Bounds of log(a); undefined where a may be negative."""
+        """Bounds of log(a); undefined if a may be negative."""
         found = self._partial(np.log, a, 0.0, np.inf, self.precision.library, False)
         error = self.precision.logarithm
         return found._replace(low=found.low - error, high=found.high + error) if error else found
@@ -362,19 +363,19 @@ class Arithmetic:
         return self._rounded(np.arctan(a.low), np.arctan(a.high), self.precision.library, a.undefined, a.positive)
 
     def asin(self, a: Interval) -> Interval:
-        """Bounds of arcsin(a); undefined where a may leave [−1, 1]."""
+        """Bounds of arcsin(a); undefined if a may leave [−1, 1]."""
         return self._partial(np.arcsin, a, -1.0, 1.0, self.precision.library, False)
 
     def acos(self, a: Interval) -> Interval:
-        """Bounds of arccos(a); undefined where a may leave [−1, 1]."""
+        """Bounds of arccos(a); undefined if a may leave [−1, 1]."""
         return self._partial(np.arccos, a, 1.0, -1.0, self.precision.library, False)
 
     def sin(self, a: Interval) -> Interval:
-        """Bounds of sin(a), of the whole wave where ``a`` is longer than a turn."""
+        """Bounds of sin(a); −1 to 1 if ``a`` is longer than a turn."""
         return self._wave(np.sin, a, 0.25)
 
     def cos(self, a: Interval) -> Interval:
-        """Bounds of cos(a), of the whole wave where ``a`` is longer than a turn."""
+        """Bounds of cos(a); −1 to 1 if ``a`` is longer than a turn."""
         return self._wave(np.cos, a, 0.0)
 
     def _wave(self, function, a: Interval, crest: float) -> Interval:
@@ -393,13 +394,13 @@ class Arithmetic:
         )
 
     def _passes(self, a: Interval, first: float, period: float) -> np.ndarray:
-        """Whether the interval has one of the angles first + i · period in it, given in turns; true where in doubt."""
+        """Whether the interval contains one of the angles first + i · period, in turns; true in case of doubt."""
         doubt = 4.0 * _ULP * (1.0 + a.magnitude / math.tau)
         u, v = ((end / math.tau - first) / period for end in a[:2])
         return np.ceil(u - doubt / period) <= np.floor(v + doubt / period)
 
     def tan(self, a: Interval) -> Interval:
-        """Bounds of tan(a); infinite where ``a`` may have a pole in it."""
+        """Bounds of tan(a); infinite if ``a`` may contain a pole."""
         endless = ~(np.isfinite(a.low) & np.isfinite(a.high))
         pole = endless | self._passes(a, 0.25, 0.5)
         low, high = np.tan(np.where(pole, 0.0, a.low)), np.tan(np.where(pole, 0.0, a.high))
@@ -413,18 +414,19 @@ class Arithmetic:
         )
 
     def atan2(self, y: Interval, x: Interval) -> Interval:
-        """Bounds of the angle of (x, y); all angles where the box may cross the negative x axis."""
+        """Bounds of the angle of (x, y); all angles if the box may cross the negative x axis."""
         corners = [np.arctan2(v, u) for v in y[:2] for u in x[:2]]
         low, high = _extremes(np.minimum, np.maximum, corners)
         if not x.positive:
-            # Below the negative x axis the angle is −π, above it π. To be on it can mean either: there are two zeros.
+            # Below the negative x axis the angle is −π, above it π. On the axis both are possible, because there are
+            # two zeros.
             above = y.low >= 0.0 if y.positive else np.False_
             cut = (x.low <= 0.0) & _holds_zero(y) & ~above
             low, high = np.where(cut, -np.pi, low), np.where(cut, np.pi, high)
         return self._rounded(low, high, self.precision.library, _either(x.undefined, y.undefined), y.positive)
 
     def power(self, a: Interval, b: Interval) -> Interval:
-        """Bounds of a to the power b; undefined where ``a`` may be negative and b is not one whole number."""
+        """Bounds of a to the power b; undefined if ``a`` may be negative and b is not a single integer."""
         undefined = _either(a.undefined, b.undefined)
         if b.is_number and float(b.low).is_integer():
             return self._whole_power(a, float(b.low), undefined)
@@ -439,7 +441,7 @@ class Arithmetic:
         relative = self._exponential_error(low, high, b.magnitude)
         positive = a.positive or bool(np.all(a.low > 0.0))
         if not positive:
-            # Negative numbers have powers with whole exponents alone; they may be of either sign.
+            # Negative numbers have only powers with whole exponents, which may have either sign.
             negative = a.low < 0.0
             low, high = np.where(negative, -high, low), high
             undefined = _either(undefined, _where_any(negative))

@@ -19,7 +19,7 @@ def enclose(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bounds (n,), (n,) of the formula's values over boxes with the corners ``low`` and ``high`` (n, 3).
 
-    Boxes may be points, and they may be infinite. Where a formula has no value in all of a box, or none that can be
+    Boxes may be points, and they may be infinite. If a formula has no value in all of a box, or none that can be
     bounded, the bounds are −∞ and ∞.
     """
     low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
@@ -30,7 +30,7 @@ def enclose(
 
 
 def _squares(base: Formula, other: Formula) -> int:
-    """How often ``base`` has to be squared to give ``other``; 0 if it does not."""
+    """How often ``base`` must be squared to give ``other``; 0 if that is impossible."""
     count = 0
     while other.kind == "multiply" and other.operands[0] is other.operands[1]:
         count, other = count + 1, other.operands[0]
@@ -39,14 +39,14 @@ def _squares(base: Formula, other: Formula) -> int:
     return 0
 
 
-MARGIN = 1e-12  # relative to what is bounded: more than rounding does to a few hundred operations
+MARGIN = 1e-12  # relative to the bounded value: more than the rounding of a few hundred operations
 
 
 def called(node: Formula, operands: list[Interval]) -> tuple[Interval, list[tuple[np.ndarray, np.ndarray]]]:
     """Bounds of the value of a function of tables, and of its derivative by each of its coordinates."""
     function = node.value
     if not isinstance(function, TableFunction) or function.bounds is None:
-        raise ValueError(f"nothing bounds the function {function.name!r}")
+        raise ValueError(f"the function {function.name!r} has no known bounds")
     coordinates = operands[function.tables :]
     addresses = [operand.low for operand in operands[: function.tables]]
     bounds = evaluate(function.bounds, [*addresses, *(end for part in coordinates for end in part[:2])])
@@ -63,9 +63,9 @@ def called(node: Formula, operands: list[Interval]) -> tuple[Interval, list[tupl
 
 
 class Boxes:
-    """What intervals do at each kind of node. ``lipschitz`` has the same for values with gradients.
+    """The interval rules of each kind of node. ``lipschitz`` has the same for values with gradients.
 
-    A box may stand in several rows, each for a part of its points: see ``divide``.
+    A box may have several rows, each for a part of its points: see ``divide``.
     """
 
     def __init__(self, arithmetic: Arithmetic, low: np.ndarray, high: np.ndarray, parameters: np.ndarray):
@@ -113,7 +113,7 @@ class Boxes:
         return value
 
     def _floored(self, a: Formula, product: Formula) -> tuple[Interval, Line] | None:
-        """The number and the line of ``product`` = number · floor(line of a), if it is of that form."""
+        """The number and the line of ``product`` = number · floor(line of a), if it has that form."""
         factors = ((None, product),)
         if product.kind == "multiply":
             factors = product.operands, product.operands[::-1]
@@ -146,7 +146,7 @@ class Boxes:
         return Line(line.scale, apply(line.shift, number), line.size + line.shift.magnitude + number.magnitude)
 
     def _fixed(self, formula: Formula, depth: int = 4) -> Interval | None:
-        """A number, or what is computed from a few numbers."""
+        """A number, or the result of a few numbers."""
         if formula.kind == CONSTANT:
             return self.arithmetic.number(formula.value)
         if formula.kind == PARAMETER:
@@ -161,11 +161,11 @@ class Boxes:
         return called(node, operands)[0]
 
     def divide(self, node: Formula) -> None:
-        """Called when the value of a node has become known: the place to treat parts of boxes apart."""
+        """Called when the value of a node is known: here parts of boxes can be separated."""
 
 
 def run(roots: tuple[Formula, ...], boxes: Boxes, known: dict | None = None) -> list:
-    """Values of the roots; those of other nodes are forgotten after their last use."""
+    """Values of the roots; those of other nodes are dropped after their last use."""
     known = known or {}
     nodes = [node for node in order(*roots, known=set(known)) if node not in known]
     uses = dict.fromkeys(nodes, 0)
@@ -202,13 +202,13 @@ def run(roots: tuple[Formula, ...], boxes: Boxes, known: dict | None = None) -> 
 
 
 def _loop(node: Formula, operands: list, boxes: Boxes) -> list:
-    """States after the loop: of the points that ran to its end, and of those that stopped in some round."""
+    """States after the loop: of the points that ran to its end, and of those that stopped in some iteration."""
     loop, size = node.value, len(node.value.steps)
     captures = dict(zip(node.operands[1 + size :], operands[1 + size :]))
     own = [n for n in body(node) if n.kind == STATE and n.value[0] == loop.level]
     count = boxes.interval(operands[0])
     least, most = (rounds(float(end), loop.limit) for end in count[:2])
-    # The states of points that run and of those that do not, and whether some points of a box may be either.
+    # The states of running and stopped points, and whether some points of a box may be either.
     now = dict(
         states=operands[1 : 1 + size],
         stopped=operands[1 : 1 + size],

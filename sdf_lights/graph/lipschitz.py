@@ -3,15 +3,15 @@
 """Lipschitz bounds of formulas over boxes: values and gradients in interval arithmetic, side by side.
 
 Interval forward differentiation (Griewank and Walther, "Evaluating Derivatives"), with two additions that distance
-fields live on. Every node also has a bound on the norm of its gradient, which rotations and nested lengths would
-inflate if it came from bounds of the components alone; and the square root of a sum of squares is taken as a norm,
-whose gradient is bounded where that of the root alone has a pole. At a crease the gradients of both sides are bounded
-(Clarke's generalised gradient).
+fields need. First, every node has a bound on the norm of its gradient; a norm from bounds of the components would be
+inflated by rotations and nested lengths. Second, the square root of a sum of squares is treated as a norm: its gradient
+is bounded, while that of the root alone has a pole. At a crease the gradients of both sides are bounded (Clarke's
+generalised gradient).
 
-Every value also knows in which boxes it may be *torn*: at a step of ``floor``, by a ``select`` whose sides may differ, at
-the cut of an angle, at the end of a loop that points leave early, at a pole, at the border of where it is defined. There the
-bound is infinite, unless what follows joins both sides again, as the absolute value of a remainder that goes from −1 to 1
-does; see ``continuity`` for what is known beyond that.
+Every value also records in which boxes it may be *torn*: at a step of ``floor``, at a ``select`` whose sides may
+differ, at the cut of an angle, at the end of a loop that points leave early, at a pole, at the border of its domain.
+There the bound is infinite, unless later operations join both sides again, as the absolute value of a remainder from −1
+to 1 does. ``continuity`` has further cases.
 """
 
 from __future__ import annotations
@@ -34,20 +34,20 @@ def lipschitz(
 ) -> np.ndarray:
     """Least bounds (n,) found for |φ(x) − φ(y)| / |x − y| over boxes with the corners ``low`` and ``high`` (n, 3).
 
-    Infinite where no bound is found. It covers every box by itself: between points of two boxes the greatest of the
-    boxes' bounds that the segment passes through holds. ``parts`` is how many cases a box may be taken apart into, by
-    the sides of clamps and folds that its points are on. Without ``tears`` the bounds are those of both sides of a jump.
+    Infinite if no bound is found. The bound covers every box separately: between points of two boxes, the greatest
+    bound of the boxes that the segment passes through holds. ``parts`` is the maximum number of cases for a box, by the
+    sides of clamps and folds that its points are on. Without ``tears`` the bounds are those of both sides of a jump.
     """
     return _slope(formula, low, high, parameters, parts, tears)[2]
 
 
 def torn(formula: Formula, low: np.ndarray, high: np.ndarray, parameters: Numbers = (), parts: int = 16) -> np.ndarray:
-    """In which boxes the formula may jump, or may not have a value everywhere: (n,)."""
+    """The boxes in which the formula may jump, or may be undefined somewhere: (n,)."""
     return ~np.isfinite(_slope(formula, low, high, parameters, parts)[2])
 
 
 def may_tear(formula: Formula) -> bool:
-    """Whether anything in a formula can jump, or can be without a value."""
+    """Whether any part of a formula can jump or be undefined."""
     return any(
         node.kind in _TEARING or node.kind == ITERATE and any(map(may_tear, node.value.roots())) or _leaves(node)
         for node in order(formula)
@@ -64,10 +64,11 @@ _TEARING = frozenset({"floor", "select", "atan2", "tan", "divide", "sqrt", "log"
 def global_lipschitz(
     formula: Formula, low: np.ndarray, high: np.ndarray, parameters: Numbers = (), tears: bool = True
 ) -> float:
-    """As ``lipschitz``, of one box with the corners ``low`` and ``high`` (3,), by dividing it where the bound is loose.
+    """As ``lipschitz``, for one box with the corners ``low`` and ``high`` (3,), which is split while the bound is
+    loose.
 
-    Ends when no slope much below the bound is known to occur any more, or after ``_ROUNDS`` divisions. Infinite where
-    no bound is found.
+    Ends when no slope much below the bound is known to occur any more, or after ``_ROUNDS`` splits. Infinite if no
+    bound is found.
     """
     low, high = np.array(low, np.float64, ndmin=2), np.array(high, np.float64, ndmin=2)
     if not np.isfinite(high - low).all():
@@ -77,7 +78,7 @@ def global_lipschitz(
     round_ = 0
     while True:
         round_ += 1
-        # Slopes that do occur: those at one point of each box, off the planes of symmetry that shapes have.
+        # Slopes that do occur: those at one point of each box, away from the planes of symmetry of shapes.
         points = low + (high - low) * _INSIDE
         bounds = lipschitz(formula, np.concatenate([low, points]), np.concatenate([high, points]), parameters, 1, tears)
         bounds, slopes = bounds[: len(low)], bounds[len(low) :]
@@ -99,7 +100,7 @@ _INSIDE = np.array([0.37, 0.61, 0.53])
 
 
 def _octants(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes (n, 3), each divided in 8."""
+    """Boxes (n, 3), each split in 8."""
     corner = np.stack(np.meshgrid(*[(0.0, 1.0)] * 3, indexing="ij"), axis=-1).reshape(8, 1, 3)
     middle = 0.5 * (low + high)
     return np.where(corner, middle, low).reshape(-1, 3), np.where(corner, high, middle).reshape(-1, 3)

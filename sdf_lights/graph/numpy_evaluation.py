@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The NumPy reading of a formula: vectorised float64, the reference for every other reading."""
+"""Evaluates a formula in NumPy: vectorised float64, the reference for all other evaluators."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from .operations import OPERATIONS
 
 
 def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> np.ndarray:
-    """Values (…) of the formula at points (…, 3). Where it is undefined the value is NaN, without a warning."""
+    """Values (…) of the formula at points (…, 3). Undefined values are NaN, without a warning."""
     return evaluate_all((formula,), points, parameters)[0]
 
 
 def evaluate_all(formulas: tuple[Formula, ...], points: np.ndarray, parameters: Numbers = ()) -> list[np.ndarray]:
-    """As ``evaluate``, for each formula; what they share is computed once."""
+    """As ``evaluate``, for each formula; shared parts are computed once."""
     points = np.asarray(points, np.float64)
     with np.errstate(all="ignore"):
         values = _run(order(*formulas), formulas, {}, _OfPosition(points), parameters)
@@ -38,14 +38,14 @@ def evaluate_all(formulas: tuple[Formula, ...], points: np.ndarray, parameters: 
 
 
 class Inputs:
-    """What a formula needs from outside: values of variables and of functions that look at a scene."""
+    """External inputs of a formula: values of variables, and functions that read a scene."""
 
     def variable(self, name: str, component: int) -> np.ndarray:
         """Values of component ``component`` of the variable: an array or a number. Raises ValueError if it has none."""
         raise ValueError(f"the variable {name!r} has no value here")
 
     def call(self, function: functions.Function, operands: list) -> tuple[np.ndarray, ...]:
-        """Results of a function, each an array (…) or a number. ``function.scene`` is True of those to be overridden."""
+        """Results of a function, each an array (…) or a number. Override this for functions with ``function.scene``."""
         if function.scene:
             raise ValueError(f"{function.name!r} needs a scene")
         return functions.evaluate(function, operands)
@@ -69,7 +69,7 @@ def evaluate_inputs(formulas: tuple[Formula, ...], inputs: Inputs, parameters: N
 
 
 def _run(nodes: list[Formula], wanted: tuple[Formula, ...], known: dict, inputs: Inputs, parameters) -> dict:
-    """Values of ``nodes``, given in order; those that are not ``wanted`` are forgotten after their last use."""
+    """Values of ``nodes``, given in order; those that are not ``wanted`` are dropped after their last use."""
     uses = dict.fromkeys(nodes, 0)
     for node in (*wanted, *(operand for node in nodes for operand in node.operands)):
         if node in uses:
@@ -120,5 +120,5 @@ def _loop(node: Formula, operands: list, inputs: Inputs, parameters) -> list:
 
 
 def rounds(count: float, limit: int) -> int:
-    """Rounds of a loop for the value of its count."""
+    """Number of iterations of a loop from the value of its count."""
     return int(min(max(np.floor(count), 0.0), limit)) if count == count else 0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one table of what a node of a formula can compute: a row an operation, with every reading of it in the row."""
+"""The one table of the operations of formulas: one row per operation, with its form in every evaluator."""
 
 from __future__ import annotations
 
@@ -12,28 +12,29 @@ import numpy as np
 
 
 class Native(enum.Enum):
-    """How machine code computes an operation, with a name that says by what."""
+    """How machine code computes an operation, and its name there."""
 
     ARITHMETIC = enum.auto()  # an instruction of LLVM
-    INTRINSIC = enum.auto()  # a function that LLVM knows
+    INTRINSIC = enum.auto()  # a built-in function of LLVM
     LIBRARY = (
         enum.auto()
-    )  # a function of C's mathematics; several points at a time by ``vector_math``, where that has it
+    )  # a function of C's mathematics; several points at a time by ``vector_math``, if it has the function
     COMPARISON = enum.auto()  # two operands, by this symbol
-    CHOICE = enum.auto()  # the first of two operands where the comparison by this symbol holds
+    CHOICE = enum.auto()  # the first of two operands if the comparison by this symbol holds
     SELECT = enum.auto()
 
 
 class Operation(NamedTuple):
     """One row.
 
-    ``meaning`` is the operation on float64 arrays, by which constants are folded, too. ``glsl`` is an expression of its
-    operands; ``{name}_…`` is one of ``codegen_glsl``'s helpers. ``infix`` is how text writes it, and how strongly that binds;
-    without one, it is written as a call. Bounds over boxes are the method of the same name of ``interval_arithmetic.Arithmetic``.
+    ``meaning`` is the operation on float64 arrays; constants are folded with it, too. ``glsl`` is an expression of its
+    operands; ``{name}_…`` is one of ``codegen_glsl``'s helpers. ``infix`` is its symbol in text and its precedence;
+    without one, it is written as a call. Bounds over boxes are the method of the same name of
+    ``interval_arithmetic.Arithmetic``.
 
-    ``derivative(algebra, value, operand)`` is that of an operation of one operand. ``algebra`` has a method for each operation,
-    ``number`` and ``square``: for formulas it gives gradients, for intervals bounds of slopes. ``gradient`` and
-    ``slope_rules`` have rules of their own for operations that need all operands' derivatives at once.
+    ``derivative(algebra, value, operand)`` is that of an operation of one operand. ``algebra`` has a method for each
+    operation, ``number`` and ``square``: for formulas it gives gradients, for intervals bounds of slopes. ``gradient``
+    and ``slope_rules`` have separate rules for operations that need the derivatives of all operands at once.
     """
 
     arity: int

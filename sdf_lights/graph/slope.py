@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A value over boxes with its gradient, and what sums, multiples, choices and lengths of such are."""
+"""A value over boxes with its gradient, and the rules for sums, multiples, choices and lengths."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ ARITHMETIC = Arithmetic()
 
 
 class Tear(NamedTuple):
-    """Where a value may jump: in all of the boxes that ``torn`` tells, and what is known of both sides."""
+    """Where a value may jump: in all of the ``torn`` boxes, with the known facts about both sides."""
 
     torn: np.ndarray | None = None  # (n,) which boxes; None for none
-    source: Formula | None = None  # the one node whose jumps these are, if there is one
+    source: Formula | None = None  # the one node that causes these jumps, if there is one
     limits: tuple[float, float] | None = None  # the values on both sides, the same at all of them
     even: bool = False  # it only changes its sign: the absolute value does not jump
     zero: Formula | None = None  # a node at whose jumps the value is 0, whether it is torn or not
@@ -34,9 +34,9 @@ class Slope(NamedTuple):
     """A value over boxes, and its gradient with respect to the position."""
 
     value: Interval
-    gradient: Interval | None  # components (3, n); None where the value does not depend on the position
-    norm: np.ndarray | float  # bound on the length of the gradient, often less than that of the components together
-    parts: "tuple[Slope, ...] | None" = None  # the value is the sum of their squares; where a square root needs them
+    gradient: Interval | None  # components (3, n); None if the value does not depend on the position
+    norm: np.ndarray | float  # bound of the length of the gradient, often less than that of the components together
+    parts: "tuple[Slope, ...] | None" = None  # the value is the sum of their squares; needed for a square root
     tear: Tear = WHOLE
 
     @property
@@ -59,13 +59,13 @@ def scaled(slope: Slope, factor: Interval) -> tuple[Interval | None, np.ndarray 
 
 
 def product_bound(norm, factor):
-    """Product of two bounds, where 0 · ∞ is 0: of what is bounded by 0 no multiple is more."""
+    """Product of two bounds, where 0 · ∞ is 0: a multiple of something bounded by 0 is 0."""
     product = norm * factor * MARGIN + TINY
     return np.where(np.isnan(product), 0.0, product)
 
 
 def without_domain(gradient: Interval) -> Interval:
-    """Whether a gradient is defined is not asked: bounds are about the points where it is."""
+    """Undefined gradients are ignored: bounds are about the points where the value is defined."""
     return Interval(gradient.low, gradient.high)
 
 
@@ -86,7 +86,7 @@ NO_GRADIENT = Interval(np.zeros((3, 1)), np.zeros((3, 1)))
 
 
 def select_slope(condition: Condition, a: Slope, b: Slope, value: Interval | None = None) -> Slope:
-    """The slope of a choice: of ``a`` where the condition holds. ``value``: its value, where that is known."""
+    """The slope of a choice: of ``a`` where the condition holds. ``value``: its value, if it is known."""
     value = ARITHMETIC.select(condition, a.value, b.value) if value is None else value
     if a.gradient is None and b.gradient is None:
         return Slope(value, None, 0.0)
@@ -97,13 +97,13 @@ def select_slope(condition: Condition, a: Slope, b: Slope, value: Interval | Non
 
 
 def unit_bounds(parts: list[Slope]) -> tuple[list[tuple[np.ndarray, np.ndarray]], np.ndarray]:
-    """Of a vector of values: bounds of the components of the unit vector along it, and of its least length."""
+    """For a vector of values: bounds of the components of its unit vector, and of its least length."""
     squares = [ARITHMETIC.square(part.value) for part in parts]
     units = []
     for i, (part, square) in enumerate(zip(parts, squares)):
         rest = [other for j, other in enumerate(squares) if j != i]
         least, most = (sum(other[end] for other in rest) for end in (0, 1))
-        # u/√(u² + rest) grows with u; it moves away from 0 as the rest becomes less. At the origin it can be anything.
+        # u/√(u² + rest) grows with u; it moves away from 0 as the rest decreases. At the origin it can be anything.
         u, v = part.value.low, part.value.high
         low = u / np.hypot(u, np.sqrt(np.where(u < 0.0, least, most))) * MARGIN
         high = v / np.hypot(v, np.sqrt(np.where(v > 0.0, least, most))) * MARGIN
@@ -115,12 +115,12 @@ def unit_bounds(parts: list[Slope]) -> tuple[list[tuple[np.ndarray, np.ndarray]]
 
 
 def steepest_bound(parts: list[Slope], units: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | float:
-    """Bound on |Jᵀu| for unit vectors u within ``units`` and the matrix J of the gradients of ``parts``.
+    """Bound of |Jᵀu| for unit vectors u within ``units`` and the matrix J of the gradients of ``parts``.
 
     |Jᵀu|² = uᵀGu with G = JJᵀ, which is at most the greatest sum of |G| along a row, and at most Σ |u_i| |G_ij| |u_j|.
     """
     moving = [(part, np.maximum(-low, high)) for part, (low, high) in zip(parts, units) if part.gradient is not None]
-    if len(moving) > 4:  # the pairs are too many: the Frobenius norm
+    if len(moving) > 4:  # too many pairs: the Frobenius norm
         return np.sqrt(sum(product_bound(part.norm, part.norm) for part, _ in moving)) * MARGIN
     rows, total = [], 0.0
     for i, (a, u) in enumerate(moving):

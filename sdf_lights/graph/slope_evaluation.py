@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Evaluates formulas over boxes with their gradients, and divides boxes at clamps and folds."""
+"""Evaluates formulas over boxes with their gradients, and splits boxes at clamps and folds."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from .tears import any_of, at_limits, combined, common_source, either, outside_d
 
 
 class SlopeBoxes(Boxes):
-    """Values with gradients, at each kind of node.
+    """Rules for values with gradients, for each kind of node.
 
-    Where it is open which side of a clamp, a fold or a cell's border a box is on, it is divided into the points on
-    either side: what is computed from both sides later, as in the distance to a box, which joins one inside and one
-    outside, or after repeated reflections, would else be taken to combine in ways that do not occur.
+    If it is undecided on which side of a clamp, a fold or a cell's border a box is, the box is split into the points on
+    either side. Later operations use both sides, as in the distance to a box, which joins one inside and one outside,
+    or after repeated reflections. Without the split, they would combine the sides in ways that do not occur.
     """
 
     def __init__(self, formula: Formula, low: np.ndarray, high: np.ndarray, parameters: np.ndarray, parts: int):
@@ -41,7 +41,7 @@ class SlopeBoxes(Boxes):
         self.parts = parts
         self.under_roots = under_roots(formula)
         self.sides = find_sides(formula) if parts > 1 else {}
-        self.rows = np.arange(len(low))  # the box that each row is of
+        self.rows = np.arange(len(low))  # the box of each row
         self.inputs = declared_inputs(formula)
         self.torn_inputs: dict[Formula, np.ndarray | None] = {}  # (boxes,) in which of them each is torn
 
@@ -95,7 +95,7 @@ class SlopeBoxes(Boxes):
         return Slope(value, gradient, norm, tear=Tear(torn))
 
     def _compared(self, found: Condition, operands: list[Slope]) -> Condition:
-        """A condition on what is torn: a box counts as a whole, as the jump may be between its rows."""
+        """A condition on a torn value: a box counts as a whole, because the jump may be between its rows."""
         torn = either(operands[0].tear.torn, operands[1].tear.torn)
         if torn is None or not self.divided:
             return found
@@ -135,12 +135,12 @@ class SlopeBoxes(Boxes):
         if kind == "atan2":
             y, x = a.value, operands[1].value
             cut = any_of((x.low <= 0.0) & (y.low < 0.0) & (y.high >= 0.0))
-            if cut is not None:  # the gradient tells of the centre
+            if cut is not None:  # the gradient only records the centre
                 return Tear(cut, node, (-np.pi, np.pi), True) if tear.torn is None else Tear(either(tear.torn, cut))
         return tear
 
     def _rejoined(self, node: Formula, tear: Tear) -> Tear:
-        """What is left of a tear by what is declared of the formula."""
+        """The tear that is left after the declarations about the formula."""
         about = declared(node)
         if about is None:
             return tear
@@ -160,7 +160,7 @@ class SlopeBoxes(Boxes):
             return None
         if node.kind == STATE:
             return self.live[-1][node].tear.torn if node in self.live[-1] else np.True_
-        if node not in self.torn_inputs:  # it is not part of the formula: what is, is torn or not
+        if node not in self.torn_inputs:  # it is not part of the formula: its parts are torn or not
             return np.True_
         found = self.torn_inputs[node]
         return None if found is None else found[self.rows]
@@ -182,7 +182,7 @@ class SlopeBoxes(Boxes):
         return Slope(value, *RULES[node.kind](value, operands))
 
     def _first_of(self, node: Formula, operands: list[Slope]) -> Condition:
-        """Where a minimum or maximum is its first operand. Where both are the same, so are their gradients."""
+        """Where a minimum or maximum is its first operand. If both are the same, so are their gradients."""
         a, b = (operand.value for operand in operands)
         if node.kind == "maximum":
             a, b = b, a
@@ -250,7 +250,7 @@ class SlopeBoxes(Boxes):
         done: dict = {}
         for frame in self.live:
             frame.update(taken_rows(frame, index, n, done))
-        sides = np.zeros(len(index), np.int8)  # −1: a ≤ b, 1: a ≥ b, 0: open
+        sides = np.zeros(len(index), np.int8)  # −1: a ≤ b, 1: a ≥ b, 0: undecided
         sides[open_], sides[n:] = -1, 1
         values[a, b] = sides
         u, v = taken_rows(u, index, n, {}), taken_rows(v, index, n, {})
@@ -259,7 +259,7 @@ class SlopeBoxes(Boxes):
             self._restrict(b, v, u, -sides)
 
     def _restrict(self, node: Formula, value: Interval, other: Interval, sides: np.ndarray) -> None:
-        """Hold the value of a node to its side of another."""
+        """Restrict the value of a node to its side of another."""
         if np.ndim(value.low):
             low = np.where(sides > 0, np.maximum(value.low, other.low), value.low)
             high = np.where(sides < 0, np.minimum(value.high, other.high), value.high)

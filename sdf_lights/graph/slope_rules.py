@@ -76,7 +76,7 @@ _PASSES_ROOTS_ON = frozenset({"add", "minimum", "maximum", "select", "multiply",
 
 
 def under_roots(formula: Formula) -> set[Formula]:
-    """Nodes that a square root is taken of, and those whose sums, choices and multiples these are."""
+    """Nodes under a square root, and those of which they are sums, choices and multiples."""
     nodes = order(formula)
     found = set()
     for node in reversed(nodes):
@@ -89,7 +89,7 @@ def under_roots(formula: Formula) -> set[Formula]:
 
 
 def _root(slope: Slope) -> Slope:
-    """Something whose square is the sum of the squares of the parts."""
+    """A value whose square is the sum of the squares of the parts."""
     return slope.parts[0] if len(slope.parts) == 1 else length_of(ARITHMETIC.sqrt(slope.value), list(slope.parts))
 
 
@@ -100,13 +100,13 @@ def _constant_root(slope: Slope) -> Slope | None:
 
 
 def _with_parts(slope: Slope) -> Slope:
-    """The slope with its parts, if it has none, but is itself the square of a number."""
+    """The slope with its parts; a slope without parts becomes the square of a number."""
     root = _constant_root(slope) if slope.parts is None else None
     return slope if root is None else slope._replace(parts=(root,))
 
 
 def square_parts(kind: str, operands: list[Slope], condition: Condition | None) -> tuple[Slope, ...] | None:
-    """Parts of the value of one node; ``condition`` says where it is the first of two operands, for a choice."""
+    """Parts of the value of one node; for a choice, ``condition`` tells where it is the first of two operands."""
     a, b = (*operands, None)[:2]
     if condition is not None:
         a, b = _with_parts(a), _with_parts(b)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A formula read at another point, with other parameters: from graph to graph."""
+"""Formulas at another point, with other parameters: from graph to graph."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .functions import Function
 
 
 def substitute(formula: Formula, point: Vector, parameters: Sequence[Formula]) -> Formula:
-    """The formula with ``point`` for the position and ``parameters`` for its slots, loops included."""
+    """The formula with ``point`` for the position and ``parameters`` for its slots, including loops."""
 
     def replace(node: Formula) -> Formula:
         return point[axis_of(node)] if node.kind == VARIABLE else parameters[node.value]
@@ -38,12 +38,12 @@ def substitute(formula: Formula, point: Vector, parameters: Sequence[Formula]) -
 
 
 def without_objects(roots: Sequence[Formula]) -> list[Formula]:
-    """The formulas where there is no object: what functions tell of one is 0, and its space is that of the world."""
+    """The formulas without an object: functions of an object return 0, and object space is world space."""
 
     def called(function: Function, *operands: Formula) -> tuple[Formula, ...]:
         if not function.of_object:
             return call(function, *operands)
-        # A transform gives as many numbers as it takes.
+        # A transform returns as many numbers as it takes.
         return operands if len(operands) == function.results else (constant(0.0),) * function.results
 
     return rewritten(roots, {}, lambda node: node, called)
@@ -56,11 +56,11 @@ def rewritten(
     called: Callable[..., tuple[Formula, ...]] = call,
     number: Callable[[Formula], Formula] | None = None,
 ) -> list[Formula]:
-    """The formulas with ``known`` nodes replaced, every variable and parameter by what ``replace`` makes of it, and, outside
-    of loops, every call of a function by what ``called`` makes of the function and its operands, and every constant, once
-    for each of its uses, by what ``number`` makes of it.
+    """The formulas with ``known`` nodes replaced. Every variable and parameter is replaced by ``replace``. Outside of
+    loops, every call of a function is replaced by ``called`` of the function and its operands, and every use of a
+    constant by ``number``.
 
-    What is written is added to ``known``. What is declared of their continuity stays.
+    New nodes are added to ``known``. Declarations of continuity are kept.
     """
     written = known
 
@@ -85,7 +85,7 @@ def rewritten(
             written[node] = apply(node.kind, *operands)
         about = declared(node) if called is call and number is None and node.kind != STATE else None
         if about is not None:
-            # What the formula does not contain, it does not depend on: of variables that says enough.
+            # A formula depends only on variables that it contains; this is exact enough.
             inputs = [part for part in about.inputs if part in written or part.kind != VARIABLE]
             if all(part in written or part.kind == CONSTANT for part in (*inputs, *about.whole)):
                 inputs, whole = ([written.get(part, part) for part in group] for group in (inputs, about.whole))
@@ -94,7 +94,7 @@ def rewritten(
 
 
 def _loop(node: Formula, operands: list[Formula], replace: Callable[[Formula], Formula]) -> tuple[Formula, ...]:
-    """Results of the loop, written anew: states of loops are numbered by how deep they stand."""
+    """Results of the rewritten loop: its states are numbered by their nesting depth."""
     loop, size = node.value, len(node.value.steps)
     captures = dict(zip(node.operands[1 + size :], operands[1 + size :]))
     own = [n for n in body(node) if n.kind == STATE and n.value[0] == loop.level]

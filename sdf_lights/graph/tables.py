@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Arrays that formulas read: outlines, curves, grids, weights.
 
-A formula knows a table by a parameter that holds the address of its first number. So the graph, which is the key of compiled
-code, does not depend on what is in a table: an edited outline compiles nothing. An address is below 2⁵³, so float64 holds it.
+A formula refers to a table by a parameter that holds the address of its first number. So the graph, which is the key of
+compiled code, does not depend on the content of a table: editing an outline compiles nothing. An address is below 2⁵³,
+so float64 holds it.
 
-Tables of the same content are one object, found by a hash. A shape holds its tables, and an ``Address`` its table, so a key of
-a cache that contains one keeps the memory from being used for something else.
+Tables of the same content are one object, found by a hash. A shape refers to its tables, and an ``Address`` to its
+table. So a cache key that contains one keeps the memory alive.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ _LARGEST = 1e37  # in float32
 
 
 class Table:
-    """A read-only 1-D array in a place of its own, compared by identity; made by ``table`` alone."""
+    """A read-only 1-D array in a separate piece of memory, compared by identity. Only ``table`` makes them."""
 
     __slots__ = ("array", "key", "__weakref__")
 
@@ -34,7 +35,7 @@ class Table:
 
     @property
     def address(self) -> "Address":
-        """Where the first number lies, for a slot of a formula."""
+        """Address of the first number, for a slot of a formula."""
         return Address(self)
 
     @property
@@ -69,10 +70,11 @@ _lock = threading.Lock()
 
 
 def table(array: np.ndarray) -> Table:
-    """The table of the content of a 1-D array, which is copied unless that table is there. It begins a line of the cache."""
+    """The table with the content of a 1-D array. The array is copied unless the table already exists. A table begins at
+    a cache line."""
     array = np.ascontiguousarray(array)
     if array.ndim != 1 or not len(array):
-        raise ValueError(f"a table is an array of one dimension that is not empty, not one of shape {array.shape}")
+        raise ValueError(f"a table is a non-empty array of one dimension, not one of shape {array.shape}")
     key = hashlib.sha256(array.dtype.str.encode() + array.view(np.uint8).data).digest()
     with _lock:
         found = _known.get(key)
@@ -90,14 +92,14 @@ def table(array: np.ndarray) -> Table:
 
 
 def tables_of(formula: Formula, parameters: Numbers) -> tuple[Table, ...]:
-    """Tables that a formula with these parameters reads. Whoever keeps the numbers alone has to keep these too."""
+    """Tables that a formula with these parameters reads. Code that keeps only the numbers must keep these too."""
     found = [at_address(parameters[slot]) for slot in sorted(address_slots(formula))]
     return tuple(dict.fromkeys(known for known in found if known is not None))
 
 
 def with_places(numbers: np.ndarray, slots: Iterable[int], first: int = 0) -> tuple[np.ndarray, list[Table]]:
-    """Numbers for a graphics card: where they have addresses of tables, in ``slots``, the place of the first number of each of the
-    tables, which lie one after the other from place ``first`` on. And these tables."""
+    """Numbers for a graphics card, and their tables. Addresses of tables, in ``slots``, are replaced by the position of
+    the first number of each table in the concatenated tables, counted from ``first`` on."""
     numbers, places, used = np.array(numbers, np.float64), dict[Table, int](), first
     for slot in sorted(slots):
         found = at_address(numbers[slot])
@@ -109,7 +111,7 @@ def with_places(numbers: np.ndarray, slots: Iterable[int], first: int = 0) -> tu
 
 
 def as_float32(found: Table) -> np.ndarray:
-    """The numbers of a table, none of which is infinite in float32."""
+    """The numbers of a table, clamped to the finite range of float32."""
     return np.clip(found.array, -_LARGEST, _LARGEST).astype(np.float32)
 
 
@@ -129,12 +131,22 @@ def address_slots(*formulas: Formula) -> frozenset[int]:
     return frozenset(found)
 
 
+def kept(value: float) -> float:
+    """A number as a float. The address of a table stays one, which keeps the table."""
+    return value if isinstance(value, Address) else float(value)
+
+
+def tables_among(values: Iterable[float]) -> tuple[Table, ...]:
+    """Tables whose addresses are among numbers."""
+    return tuple(dict.fromkeys(value.table for value in values if isinstance(value, Address)))
+
+
 def at_address(number: float) -> Table | None:
     """The table at an address, if there is one."""
     return _places.get(int(number))
 
 
 def memory() -> int:
-    """Bytes of all tables that live."""
+    """Bytes of all tables in memory."""
     with _lock:
         return sum(known.bytes for known in _known.values())

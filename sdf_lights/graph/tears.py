@@ -11,27 +11,27 @@ from .interval_arithmetic import Condition
 from .operations import OPERATIONS
 from .slope import ARITHMETIC, Slope, Tear
 
-EQUAL = 1e-9  # relative: values on both sides of a jump that differ by rounding alone
+EQUAL = 1e-9  # relative: values on both sides of a jump that differ only by rounding
 
 
 def either(a: np.ndarray | None, b: np.ndarray | None) -> np.ndarray | None:
-    """In which boxes (n,) one of two masks holds; None for none."""
+    """The boxes (n,) in which one of two masks holds; None for none."""
     return b if a is None else a if b is None else a | b
 
 
 def any_of(mask) -> np.ndarray | None:
-    """The mask (n,), or None where it holds nowhere."""
+    """The mask (n,), or None if it holds nowhere."""
     return mask if np.any(mask) else None
 
 
 def alike(limits: tuple[float, float]) -> bool:
-    """Whether two numbers differ by rounding alone."""
+    """Whether two numbers differ only by rounding."""
     u, v = limits
     return abs(u - v) <= EQUAL * (1.0 + abs(u) + abs(v))
 
 
 def torn_choice(condition: Condition, a: Slope, b: Slope, jumps: bool) -> np.ndarray | None:
-    """Where a choice is torn: where what is chosen is, and, if it ``jumps``, where the condition may change."""
+    """Where a choice is torn: where the chosen value is torn, and, if it ``jumps``, where the condition may change."""
     certain, possible = condition
     found = any_of(possible & ~np.asarray(certain)) if jumps else None
     if a.tear.torn is not None:
@@ -42,13 +42,13 @@ def torn_choice(condition: Condition, a: Slope, b: Slope, jumps: bool) -> np.nda
 
 
 def common_source(operands: list[Slope]) -> Formula | None:
-    """The one node that tears the operands, if it is one."""
+    """The one node that tears the operands, if there is only one."""
     sources = {operand.tear.source for operand in operands if operand.tear.torn is not None}
     return sources.pop() if len(sources) == 1 else None
 
 
 def at_limits(node: Formula, operands: list[Slope]) -> tuple[float, float] | None:
-    """Values of an operation on both sides of the jumps of its one operand that is torn, if these are known."""
+    """Values of an operation on both sides of the jumps of its one torn operand, if these are known."""
     jumping = [operand for operand in operands if operand.tear.torn is not None]
     if len(jumping) != 1 or jumping[0].tear.limits is None:
         return None
@@ -62,7 +62,7 @@ def at_limits(node: Formula, operands: list[Slope]) -> tuple[float, float] | Non
 
 
 def with_limits(tear: Tear) -> Tear:
-    """What the limits tell of a tear."""
+    """The facts about a tear that follow from its limits."""
     if tear.limits is None or tear.torn is None:
         return tear
     u, v = tear.limits
@@ -77,7 +77,7 @@ def combined(node: Formula, operands: list[Slope]) -> Tear:
     zeros = [tear.zero for tear in tears]
     common = zeros[0] if len(set(zeros)) == 1 else None
     if kind == "multiply":
-        # What is 0 where the other factor jumps holds the product together there.
+        # A factor that is 0 where the other factor jumps makes the product continuous there.
         torn = None
         for tear, zero in zip(tears, zeros[::-1]):
             if tear.torn is not None and (zero is None or tear.source is not zero):
@@ -102,7 +102,7 @@ def combined(node: Formula, operands: list[Slope]) -> Tear:
 
 
 def outside_domain(node: Formula, operands: list[Slope]) -> np.ndarray | None:
-    """In which boxes an operation may have a pole or no value."""
+    """The boxes in which an operation may have a pole or be undefined."""
     a = operands[0].value
     if node.kind == "sqrt":
         return any_of(a.low < 0.0)

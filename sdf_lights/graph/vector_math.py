@@ -3,9 +3,9 @@
 """Elementary functions of several numbers at a time, as LLVM code: the same on every platform.
 
 Methods and coefficients are those of the Cephes library (S. L. Moshier, "Methods and Programs for Mathematical
-Functions", 1989; netlib.org/cephes), without its branches. A function of ``FUNCTIONS`` gives its values and whether
-they hold: to 5 units in the last place, or of 1 for sine and cosine; of a power to 1e-14 (2e-13 of one below e⁻²⁴).
-They do not for NaN and infinities.
+Functions", 1989; netlib.org/cephes), without its branches. A function of ``FUNCTIONS`` returns its values and whether
+they are valid: to 5 units in the last place, or to that of 1 for sine and cosine; for a power to 1e-14 (2e-13 for one
+below e⁻²⁴). They are not valid for NaN and infinities.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ _WORD, _LONG = ir.IntType(32), ir.IntType(64)
 
 
 class Number:
-    """A vector of doubles or of truth values, with operators that emit code.
+    """A vector of doubles or of booleans, with operators that emit code.
 
-    Without fast-math flags: reductions and sums below are exact in this order alone.
+    Without fast-math flags: the reductions and sums below are exact only in this order.
     """
 
     def __init__(self, builder: ir.IRBuilder, value: ir.Value):
@@ -76,7 +76,7 @@ class Number:
         return self._compared(">", other)
 
     def select(self, then, otherwise) -> "Number":
-        """Of truth values: one or the other, lane by lane."""
+        """For booleans: one or the other, lane by lane."""
         then = then if isinstance(then, Number) else Number(self.builder, otherwise._other(then))
         return Number(self.builder, self.builder.select(self.value, then.value, then._other(otherwise)))
 
@@ -98,7 +98,7 @@ class Number:
         return self._intrinsic("sqrt")
 
     def signed_as(self, other: "Number") -> "Number":
-        """The size of this number with the sign of another, lane by lane."""
+        """The magnitude of this number with the sign of another, lane by lane."""
         return self._intrinsic("copysign", other)
 
     # -- the bits of doubles
@@ -110,14 +110,14 @@ class Number:
         return ir.Constant(self._integers(_LONG), [value] * self.lanes)
 
     def power_of_two(self) -> "Number":
-        """2 to this whole number, within the exponents of doubles."""
+        """2 to the power of this integer, within the exponents of doubles."""
         b = self.builder
         exponent = b.sext(b.fptosi(self.value, self._integers(_WORD)), self._integers(_LONG))
         bits = b.shl(b.add(exponent, self._longs(1023)), self._longs(52))
         return Number(b, b.bitcast(bits, self.value.type))
 
     def mantissa_and_exponent(self) -> tuple["Number", "Number"]:
-        """m in [½, 1) and a whole n, with m · 2ⁿ this normal, positive number."""
+        """m in [½, 1) and an integer n, with m · 2ⁿ equal to this normal, positive number."""
         b = self.builder
         bits = b.bitcast(self.value, self._integers(_LONG))
         mantissa = b.or_(b.and_(bits, self._longs((1 << 52) - 1)), self._longs(1022 << 52))
@@ -126,7 +126,7 @@ class Number:
 
 
 def _polynomial(x: Number, *coefficients: float) -> Number:
-    """With the coefficient of the highest power first."""
+    """The coefficient of the highest power comes first."""
     value = x * coefficients[0] + coefficients[1] if coefficients[0] != 1.0 else x + coefficients[1]
     for coefficient in coefficients[2:]:
         value = value * x + coefficient
@@ -136,7 +136,7 @@ def _polynomial(x: Number, *coefficients: float) -> Number:
 def _wave(x: Number, quarters: float) -> Number:
     """sin(x + quarters · π/2)"""
     count = (x * (2.0 / math.pi) + 0.5).floor()
-    # π/2 in three parts, the first two with few enough digits that these products are exact.
+    # π/2 in three parts. The first two have few enough digits that these products are exact.
     x = ((x - count * 1.57079625129699707031) - count * 7.54978941586159635335e-8) - count * 5.39030285815811905290e-15
     turned = count + quarters
     turned = turned - (turned * 0.25).floor() * 4.0  # 0, 1, 2 or 3
@@ -206,11 +206,11 @@ def _log(x: Number) -> Number:
             2.31251620126765340583e1,
         )
     )
-    value = value - exponent * 2.121944400546905827679e-4  # ln 2 less the part that is exact
+    value = value - exponent * 2.121944400546905827679e-4  # ln 2 minus its exact part
     return (x + (value - squared * 0.5)) + exponent * 0.693359375
 
 
-_PI, _PI_REST = math.pi, 1.2246467991473531772e-16  # π, and what its double leaves out
+_PI, _PI_REST = math.pi, 1.2246467991473531772e-16  # π, and the error of its double
 
 
 def _atan2(y: Number, x: Number) -> Number:
@@ -244,23 +244,24 @@ def _atan2(y: Number, x: Number) -> Number:
     zero = angle * 0.0
     angle = high.select(0.25 * _PI_REST, zero) + angle + high.select(0.25 * _PI, zero)
     angle = steep.select(0.5 * _PI - (angle - 0.5 * _PI_REST), angle)
-    behind = (zero + 1.0).signed_as(x) < 0.0  # −0 is, as IEEE 754 has it
+    behind = (zero + 1.0).signed_as(x) < 0.0  # −0 counts as negative, as in IEEE 754
     return behind.select(_PI - (angle - _PI_REST), angle).signed_as(y)
 
 
-_FEW = 1e5  # radians up to which products with the count of quarter turns are exact
+_FEW = 1e5  # radians up to which products with the number of quarter turns are exact
 _LEAST, _MOST = 1e-300, 1e300  # far from where doubles lose digits or overflow
 
 
 def _beside(x: Number) -> Number:
-    """Length of the other side of a right triangle with a side x and the hypotenuse 1."""
+    """Length of the other leg of a right triangle with a leg x and the hypotenuse 1."""
     return ((1.0 - x) * (x + 1.0)).sqrt()
 
 
 def _power(x: Number, y: Number) -> tuple[Number, Number]:
     exponent = y * _log(x)
     zero = (abs(x) <= 0.0) & (y > 0.0)
-    # The exponent's error, which grows with it, is the relative one of the power: of little weight if that is small.
+    # The exponent's error grows with the exponent. It is the relative error of the power, and matters little for a
+    # small power.
     holds = (x > _LEAST) & (x < _MOST) & (exponent > -700.0) & (exponent < 24.0)
     return zero.select(0.0, _exp(exponent)), holds | zero
 

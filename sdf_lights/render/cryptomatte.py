@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cryptomatte: names as numbers, and what a file says of them (Friedman and Jones 2015, "Fully automatic ID mattes with
+"""Cryptomatte: names as numbers, and the metadata of a file (Friedman and Jones 2015, "Fully automatic ID mattes with
 support for motion blur and transparency")."""
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ def _rotated(x: int, bits: int) -> int:
 
 
 def murmur_hash(name: str) -> int:
-    """MurmurHash3 of 32 bits of the name in UTF-8."""
+    """32-bit MurmurHash3 of the name in UTF-8."""
     data = name.encode()
     whole = len(data) // 4 * 4
     value = 0
@@ -40,7 +40,7 @@ def number_of(name: str) -> float:
 
 
 def metadata(layer: str, names: Iterable[str]) -> dict[str, str]:
-    """What a file says of a kind of Cryptomatte: ``layer`` is the name of the view layer and of the passes."""
+    """The metadata of one kind of Cryptomatte in a file: ``layer`` is the name of the view layer and of the passes."""
     prefix = f"cryptomatte/{murmur_hash(layer):08x}"[: len("cryptomatte/") + 7]
     manifest = {name: f"{murmur_hash(name):08x}" for name in sorted(set(names))}
     return {

@@ -41,7 +41,7 @@ _SIGNATURES = {
 
 
 class _Denoiser:
-    """A CPU device of the library. ``stop`` set by another thread cancels the filter that runs."""
+    """A CPU device of the library. If another thread sets ``stop``, the running filter is cancelled."""
 
     def __init__(self):
         library = load_denoise()
@@ -55,7 +55,7 @@ class _Denoiser:
         if not self._device:
             reason = self._error(None)[1]
             raise RenderError(f"OpenImageDenoise has no CPU device here ({reason}), so the picture stays noisy.")
-        # Threads pinned to cores would stay pinned for the rest of Blender too.
+        # Otherwise threads pinned to cores would stay pinned for the rest of Blender too.
         library.oidnSetDeviceBool(self._device, b"setAffinity", False)
         library.oidnCommitDevice(self._device)
         self._check()
@@ -95,8 +95,8 @@ class _Denoiser:
             self._api.oidnReleaseFilter(handle)
 
     def denoise(self, color: np.ndarray, guides: dict[str, np.ndarray]) -> np.ndarray | None:
-        """``color`` denoised with guides that are denoised first, each for itself (the library's documentation
-        recommends that for guides that are not free of noise: lens blur, rough glass)."""
+        """``color`` denoised with guides that are first denoised separately. The library's documentation recommends
+        this for noisy guides: lens blur, rough glass."""
         clean = {}
         for name, guide in guides.items():
             clean[name] = self.filter({name: guide})
@@ -123,8 +123,8 @@ def denoise(
     """Denoised picture (H, W, 3) float32; None if cancelled.
 
     ``color``: (H, W, 3) scene-linear radiance; ``albedo`` in [0, 1] and ``normal`` in [−1, 1] of the same shape guide
-    the filter; the library uses normals only together with albedo. ``cancelled`` is polled in the calling thread while
-    another thread filters. Raises RenderError where the library is missing or fails.
+    the filter; the library uses normals only together with albedo. The calling thread polls ``cancelled`` while another
+    thread filters. Raises RenderError if the library is missing or fails.
     """
     color = np.ascontiguousarray(color, np.float32)
     guides = {"albedo": albedo, "normal": normal} if albedo is not None else {}
@@ -150,7 +150,7 @@ def denoise(
                     denoiser.stop.set()
                 thread.join(POLL_SECONDS)
         finally:
-            # Also when ``cancelled`` raises: the arrays must outlive the filter.
+            # Also if ``cancelled`` raises: the arrays must outlive the filter.
             if thread.is_alive():
                 denoiser.stop.set()
                 thread.join()
@@ -161,7 +161,7 @@ def denoise(
 
 
 def denoise_film(film: Film, cancelled: Callable[[], bool] = lambda: False) -> None:
-    """Replace the film's Combined pass by a denoised one, unless cancelled; Noisy Image keeps what it was."""
+    """Replace the film's Combined pass by a denoised one, unless cancelled; Noisy Image keeps the original."""
     result = denoise(
         film.read("Noisy Image")[..., :3], film.read("Denoising Albedo"), film.read("Denoising Normal"), cancelled
     )

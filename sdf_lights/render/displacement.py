@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Displacement: the nodes of materials move the vertices of meshes, before anything is traced.
+"""Displacement: the nodes of materials move the vertices of meshes before any ray is traced.
 
-The model is Cycles'. A vertex is moved once, by the material of the first triangle that has it, with the coordinates that the
-triangle's corner has. A mesh that several instances show is moved as the first of them says.
+The model is Cycles'. A vertex is moved once, by the material of the first triangle that contains it, with the
+coordinates of that triangle's corner. A mesh shared by several instances is moved for the first of them.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from .reference.geometry import Hits, Placed, Surface
 from .reference.nodes import Graph, Points
 from .scene import AttributeValues, Domain, Instance, Mesh, Primitive, Scene
 
-_CHUNK = 1 << 18  # vertices whose formulas are evaluated together
-_FLAT = 1e-5  # corner normals so near to the triangle's are its own
+_CHUNK = 1 << 18  # number of vertices whose formulas are evaluated together
+_FLAT = 1e-5  # corner normals this close to the triangle's are the triangle's own
 
 
 class Habits(NamedTuple):
-    """What differs between versions of Cycles. It tore meshes along sharp edges before Blender 5.1. Before 5.0, the bump of a
-    mesh all of whose faces are flat started from where those had been moved to."""
+    """Differences between versions of Cycles. Before Blender 5.1 it tore meshes along sharp edges. Before 5.0, the bump
+    of a mesh with only flat faces started from the displaced faces."""
 
     tears: bool = False
     bumps_moved_faces: bool = False
 
 
 def displace(scene: Scene, habits: Habits = Habits()) -> None:
-    """Move the vertices of all meshes of ``scene`` whose materials ask for it. Images must have been loaded.
+    """Move the vertices of all meshes of ``scene`` whose materials ask for it. The images must be loaded.
 
-    A mesh that is shown with other materials, too, becomes another one there.
+    If other instances show the mesh with other materials, they get a separate copy.
     """
     moving = [index for index, material in enumerate(scene.materials) if material.displacement is not None]
     if not moving:
@@ -97,7 +97,7 @@ def _displaced(
 
 
 def _surface(places: Placed, triangles: np.ndarray, corners: np.ndarray, vertices: np.ndarray) -> Surface:
-    """The surface of the only mesh at these corners of triangles, with smooth normals and seen from nowhere."""
+    """The surface of the only mesh at these corners of triangles, with smooth normals and no viewer."""
     mesh = places.scene.meshes[0]
     nowhere = np.zeros(len(triangles), int)
     surface = places.surface(
@@ -112,7 +112,7 @@ def _surface(places: Placed, triangles: np.ndarray, corners: np.ndarray, vertice
 
 
 def _offsets(places: Placed, material: Material, surface: Surface) -> np.ndarray:
-    """Displacement (N, 3) in the world of points on a surface."""
+    """Displacement (N, 3) in world space at points on a surface."""
     graph = Graph(
         Material(material.name, Node("emission", {"color": material.displacement}), parameters=material.parameters)
     )
@@ -125,13 +125,13 @@ def _offsets(places: Placed, material: Material, surface: Surface) -> np.ndarray
 
 
 def _normals_over(mesh: Mesh) -> list[np.ndarray | None]:
-    """Corner normals of a mesh at each of the times that its form is known at."""
+    """Corner normals of a mesh at each of the known times of its motion."""
     return [mesh.normals] * len(mesh.motion) if mesh.motion_normals is None else list(mesh.motion_normals)
 
 
 def _vertex_normals(positions: np.ndarray, triangles: np.ndarray, by_angle: bool = False) -> np.ndarray:
-    """(V, 3) unit means of the normals of the triangles at each vertex, by their angles there, as Blender has them, or all
-    alike; zero where there are none."""
+    """(V, 3) unit means of the normals of the triangles at each vertex, weighted by their angles there, as in Blender,
+    or equally; zero if there are none."""
     corners = positions.astype(np.float64)[triangles]
     edges = np.roll(corners, -1, axis=1) - corners
     normals = _unit(np.cross(edges[:, 0], edges[:, 1]))
@@ -146,7 +146,7 @@ def _vertex_normals(positions: np.ndarray, triangles: np.ndarray, by_angle: bool
 
 
 def _torn(mesh: Mesh) -> Mesh:
-    """The mesh with a vertex of its own for each normal that corners have at a vertex."""
+    """The mesh with a separate vertex for each normal that corners have at a vertex."""
     if mesh.normals is None or _at_vertices(mesh) is not None:
         return mesh
     corners = np.concatenate([mesh.triangles.reshape(-1, 1), mesh.normals.reshape(-1, 3).view(np.int32)], 1)
@@ -167,8 +167,8 @@ def _torn(mesh: Mesh) -> Mesh:
 
 
 def _normals(mesh: Mesh, positions: np.ndarray, anew: np.ndarray, habits: Habits) -> np.ndarray | None:
-    """(T, 3, 3) corner normals of a mesh whose vertices have moved to ``positions``. Those of the triangles ``anew`` (T,) are
-    found again; the others stay, as what bumps them starts from there."""
+    """(T, 3, 3) corner normals of a mesh whose vertices have moved to ``positions``. Those of the triangles ``anew``
+    (T,) are computed again. The others stay, because their bump starts from there."""
     if mesh.normals is None:
         flat = np.ones(len(mesh.triangles), bool)
         result = np.repeat(_triangle_normals(mesh.positions, mesh.triangles)[:, None], 3, 1)
@@ -193,14 +193,14 @@ def _normals(mesh: Mesh, positions: np.ndarray, anew: np.ndarray, habits: Habits
 
 
 def _at_vertices(mesh: Mesh) -> np.ndarray | None:
-    """(V, 3) normals of the vertices; None where corners at a vertex have different ones."""
+    """(V, 3) normals of the vertices; None if the corners at a vertex differ."""
     normals = np.zeros((len(mesh.positions), 3), np.float32)
     normals[mesh.triangles] = mesh.normals
     return normals if np.array_equal(normals[mesh.triangles], mesh.normals) else None
 
 
 def _flat_triangles(mesh: Mesh, smooth: bool) -> np.ndarray:
-    """(T,) bool; ``smooth``: corners at a vertex have one normal, so that does not tell."""
+    """(T,) bool; ``smooth``: all corners at a vertex have one normal, so normals alone do not tell."""
     known = mesh.attributes.get(SHARP_FACE)
     if known is not None and known.domain == Domain.TRIANGLE:
         return known.values[:, 0] > 0.5
@@ -216,7 +216,7 @@ def _triangle_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarra
 
 
 def _along(tangents: np.ndarray, normals: np.ndarray | None) -> np.ndarray:
-    """Tangents (T, 3, 4) turned into the new surface."""
+    """Tangents (T, 3, 4) rotated into the new surface."""
     if normals is None:
         return tangents
     directions = tangents[..., :3] - normals * (tangents[..., :3] * normals).sum(-1, keepdims=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The film: what the samples of every pixel add up to, how noisy that still is, and the passes read from it."""
+"""The film: the sums of the samples of every pixel, their noise, and the passes read from them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .passes import BY_NAME, CATCHER_SUMS, DATA_SUMS, Pass, Rule, data_width, is
 from .scene import Scene, catches_shadows
 from .settings import START_BRANCHES
 
-# Values that a pixel sums up for each pass; "half" sums half of the samples of "combined", to estimate the noise.
+# Values that a pixel sums for each pass. "half" sums half of the samples of "combined", to estimate the noise.
 CHANNELS = {
     "combined": 4,
     "half": 3,
@@ -28,27 +28,27 @@ CHANNELS = {
     "scattered_half": 3,
     "scattered_lamps": 3,
 }
-# Where paths divide these hold what comes before, and others what branches bring, one term for each branch: samples whose paths
-# divide into many branches tell more.
+# If paths split, these hold the part before the split. Others hold the contributions of branches, one term for each
+# branch: samples with many branches carry more information.
 SCATTERED = {"combined": "scattered", "half": "scattered_half", "lamps": "scattered_lamps"}
 
-# Light of paths that have met a shadow catcher, among the sums of light.
+# Light of paths that have hit a shadow catcher, among the sums of light.
 CAUGHT_LIGHT = "caught light"
 
-# Depth of a pixel that sees nothing, as Cycles gives it.
+# Depth of a pixel that sees nothing, as in Cycles.
 NO_DEPTH = 1e10
 # A sample belongs to "half" if this bit of its index is set: every second block of 8. Each block is a stratified point
-# set by itself, as the whole is, so the halves differ by as much as the error; odd and even samples are each less well
-# stratified than the whole, and overestimate it up to 2.5 times for light that is scattered once.
+# set by itself, like the whole, so the halves differ by as much as the error. Odd and even samples are each less well
+# stratified than the whole, and overestimate the error up to 2.5 times for light that is scattered once.
 HALF_BIT = 8
-# Fewest samples that make two halves of equal size.
+# Smallest number of samples that gives two halves of equal size.
 LEAST_SAMPLES = 2 * HALF_BIT
 
 # Kinds of samples that are not finite; each pixel has a count of each.
 DISCARDED = ("NaN", "infinite")
-DENOISED_BYTES = 4 * (4 + 3 + 3 + 3)  # of a pixel: the picture, what guides it, and the result
-DIVIDED, SQUARES = 5, 4  # sums that tell what branches cost, and how samples scatter
-GREATEST = float(np.finfo(np.float32).max)  # that a pixel of a pass can have
+DENOISED_BYTES = 4 * (4 + 3 + 3 + 3)  # of a pixel: the picture, its guides, and the result
+DIVIDED, SQUARES = 5, 4  # sums about the cost of branches, and the scatter of samples
+GREATEST = float(np.finfo(np.float32).max)  # largest number for a pixel of a pass
 
 
 def half_count(count: np.ndarray) -> np.ndarray:
@@ -57,7 +57,7 @@ def half_count(count: np.ndarray) -> np.ndarray:
 
 
 def bytes_of_a_pixel(scene: Scene, passes: tuple[str, ...] = ()) -> int:
-    """Memory that a film takes for each pixel, with what is added while it is sampled and its passes as Blender has them."""
+    """Memory of a film per pixel, including data during sampling and the copies of its passes in Blender."""
     film = Film(dataclasses.replace(scene, border=(0, 0, 1, 1)), passes)
     arrays = [*vars(film).values(), *film.sums.values()]
     held = sum(array.nbytes for array in arrays if isinstance(array, np.ndarray))
@@ -67,7 +67,7 @@ def bytes_of_a_pixel(scene: Scene, passes: tuple[str, ...] = ()) -> int:
 
 
 def _placed(widths: dict[str, int]) -> tuple[dict[str, int], int]:
-    """The first column of each, side by side, and how many there are."""
+    """The first column of each in one array, and the number of columns."""
     ends = np.cumsum([0, *widths.values()])
     return dict(zip(widths, ends.tolist())), int(ends[-1])
 
@@ -75,8 +75,8 @@ def _placed(widths: dict[str, int]) -> tuple[dict[str, int], int]:
 class Film:
     """Sums of samples for the pixels of ``window`` = (x0, y0, x1, y1), the border or the whole frame.
 
-    Arrays are flat, row 0 at the bottom, float64: a million samples add up without drift. Back ends add to them; a
-    pixel takes its samples in the order of their index, none left out, and belongs to one thread at a time, so the sums
+    Arrays are flat, row 0 at the bottom, float64: a million samples add up without drift. Back ends add to them. A
+    pixel takes its samples in the order of their index, without gaps, and belongs to one thread at a time, so the sums
     do not depend on the order of work.
 
     - ``sums``: name of ``CHANNELS`` -> sums, pixel by pixel; empty where no pass needs them.
@@ -144,13 +144,14 @@ class Film:
         self._clean_shadow: np.ndarray | None = None
 
     def read(self, name: str, rows: slice = slice(None)) -> np.ndarray:
-        """(height, width, channels) float32 of the pass ``name``, of the samples so far, or of these rows of it."""
+        """(height, width, channels) float32 of the pass ``name``, from the samples so far; of the given rows, or of
+        all."""
         item = self._table[name]
         if name == "Combined" and self._denoised is not None:
             return self._denoised[rows]
 
         def of(values: np.ndarray) -> np.ndarray:
-            """Those of the rows' pixels, (pixels, channels)."""
+            """The values of the rows' pixels, (pixels, channels)."""
             found = values.reshape(self.height, self.width, -1)[rows]
             return found.reshape(-1, found.shape[-1])
 
@@ -186,14 +187,15 @@ class Film:
             value[:, :3] *= self.exposure
         value = np.clip(value, -GREATEST, GREATEST).astype(np.float32)
         if item.channels == "RGBA":
-            # Light that comes through several transparent surfaces may take more than there is in one sample.
+            # Light through several transparent surfaces may exceed what one sample has.
             np.clip(value[:, 3], 0.0, 1.0, out=value[:, 3])
         if name == "Depth":
             value[of(self.surfaces) == 0] = NO_DEPTH
         return value.reshape(-1, self.width, value.shape[-1])
 
     def _shadow(self, of) -> tuple[np.ndarray, np.ndarray]:
-        """(pixels, 3) what other objects make of the light of shadow catchers, and that light; of the rows' pixels."""
+        """(pixels, 3) the effect of other objects on the light of shadow catchers, and that light; of the rows'
+        pixels."""
         count, mean = of(self.count), of(self.sums["combined"])[:, 3:] / np.maximum(of(self.count), 1)
         if not self.catches:
             return np.ones((len(count), 3)), np.zeros((len(count), 3))
@@ -206,17 +208,17 @@ class Film:
         return (ratio if self._clean_shadow is None else of(self._clean_shadow)), light
 
     def _caught_light(self, of):
-        """Sums of light of shadow catchers before paths divide and after that, and by what to divide each."""
+        """Sums of light of shadow catchers before and after the split of paths, and the divisor of each."""
         return zip(self._sums_of(CAUGHT_LIGHT), (of(self.count), of(self.divided)[:, :1]))
 
     def _caught(self, value: np.ndarray, of) -> np.ndarray:
-        """Combined (pixels, 4) of other objects alone, over the shadows on the catchers: as Cycles, darkness in the place of
-        their colour, unless they have a pass of their own."""
+        """Combined (pixels, 4) of other objects alone, over the shadows on the catchers. As in Cycles, the catchers
+        show as darkness, unless they have a separate pass."""
         count = np.maximum(of(self.count), 1)
         shadow, light = self._shadow(of)
         alpha = np.clip(of(self._sums_of("uncaught")[0]) / count, 0.0, 1.0)
         color = value[:, :3] - light
-        # Where all samples have met catchers, nothing is left of the difference but rounding.
+        # If all samples have hit catchers, only rounding is left of the difference.
         color = np.where(np.abs(color) > 1e-9 * np.abs(value[:, :3]), color, 0.0)
         if "Shadow Catcher" not in self.passes:
             alpha = alpha + (1.0 - alpha) * (1.0 - np.clip(shadow.mean(1, keepdims=True), 0.0, 1.0))
@@ -226,11 +228,11 @@ class Film:
         return np.concatenate([color, alpha], 1)
 
     def replace_shadow(self, shadow: np.ndarray) -> None:
-        """Take ``shadow`` (height, width, RGB) for what shadow catchers catch: the denoised one."""
+        """Use ``shadow`` (height, width, RGB), the denoised pass, as the light of shadow catchers."""
         self._clean_shadow = shadow.reshape(-1, 3)
 
     def _matte(self, item: Pass, of) -> np.ndarray:
-        """(pixels, 4) numbers and coverage of the two things of a level, the greatest coverage first."""
+        """(pixels, 4) numbers and coverage of the two objects of a level, the greatest coverage first."""
         count, sums = self._settled([of(self.count), of(self.matte_sums[:, self.matte_places[matte_of(item)]])])
         slots = sums.reshape(len(sums), -1, 2)
         order = np.argsort(-slots[..., 1], axis=1, kind="stable")[:, 2 * item.level : 2 * item.level + 2]
@@ -239,7 +241,7 @@ class Film:
         return found.reshape(-1, 4).astype(np.float32)
 
     def _sums_of(self, source: str) -> list[np.ndarray]:
-        """(pixels × columns) sums by the name of a source; of light, and of what branches bring."""
+        """(pixels × columns) sums by the name of a source: of light, and of the contributions of branches."""
         if source in self.light_places:
             place, half = self.light_places[source], self.light_sums.shape[1] // 2
             return [self.light_sums[:, at : at + 3] for at in (place, half + place)]
@@ -250,10 +252,10 @@ class Film:
         return [self.sums[name] for name in (source, SCATTERED.get(source)) if name is not None]
 
     def _settled(self, parts: list[np.ndarray]) -> list[np.ndarray]:
-        """Copies of counts (pixels, 1) and sums (pixels, channels) that belong together, while threads go on adding.
+        """Consistent copies of counts (pixels, 1) and sums (pixels, channels), while threads go on adding.
 
-        Pixels whose count changed during the copy are read again; in the end at most the one pixel that each thread is
-        at may be a sample apart.
+        Pixels whose count changed during the copy are read again. In the end, only the present pixel of each thread may
+        differ by a sample.
         """
         kept, counts = [part.copy() for part in parts], parts[0]
         changed = np.flatnonzero(kept[0] != counts)
@@ -266,7 +268,8 @@ class Film:
         return kept
 
     def beyond(self, back_end: str) -> list[str]:
-        """A sentence on the passes whose sums are no ``CHANNELS``, for a back end that has only those; none without any."""
+        """A sentence about passes whose sums are not in ``CHANNELS``, for a back end that has only those; None if there
+        are none."""
         chosen = [self._table[name] for name in self.passes]
         chosen = [item for item in chosen if item.rule is not Rule.RATIO]
         names = [item.name for item in chosen if is_light(item) or data_width(item) or matte_of(item)]
@@ -293,14 +296,15 @@ class Film:
         )
 
     def _errors(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of each pixel (height, width): brightness I, the sum of RGB, and its estimated error |I − A|, A being the
-        mean of "half" alone. Where the two halves are independent, I − A has the variance of I itself."""
+        """For each pixel (height, width): brightness I, the sum of RGB, and its estimated error |I − A|, where A is the
+        mean of "half" alone. If the two halves are independent, I − A has the variance of I itself."""
         shape = (self.height, self.width)
         mean, half = self.light()
         return mean.sum(axis=1).reshape(shape), np.abs(mean - half).sum(axis=1).reshape(shape)
 
     def noise(self) -> float | None:
-        """Estimated relative error of the picture: Σ |error| / Σ brightness over its pixels. None: too few samples."""
+        """Estimated relative error of the picture: Σ |error| / Σ brightness over its pixels. None if there are too few
+        samples."""
         known = (self.count >= LEAST_SAMPLES).reshape(self.height, self.width)
         if not known.any():
             return None
@@ -309,12 +313,12 @@ class Film:
         return float(error[known].sum() / total) if total > 0.0 else 0.0
 
     def update_active(self, threshold: float) -> bool:
-        """Stop sampling pixels whose error is below ``threshold``; False when none are left.
+        """Stop sampling pixels whose error is below ``threshold``. Returns False when none are left.
 
-        The error is |I − A| / √I of the exposed picture, between absolute and relative, and |I − A| / I above I = 1,
-        as Cycles has it, which calls a fifth of it the threshold; the largest of the 3 × 3 neighbourhood counts, so
-        that one lucky pixel does not stop early. A pixel that has stopped does
-        not start again: its samples stay a prefix of its stratified pattern.
+        The error is |I − A| / √I of the exposed picture, between absolute and relative, and |I − A| / I above I = 1.
+        Cycles uses the same error, and its threshold is a fifth of it. The largest error of the 3 × 3 neighbourhood
+        counts, so that one lucky pixel does not stop early. A stopped pixel does not start again: its samples stay a
+        prefix of its stratified pattern.
         """
         brightness, error = self._errors()
         exposed = self.exposure * np.maximum(brightness, 1e-8)
@@ -327,8 +331,8 @@ class Film:
         return bool(self.active.any())
 
     def discarded_report(self) -> str | None:
-        """One sentence on samples that were not finite, or pixels that are brighter than numbers of pictures go; None if there
-        are none."""
+        """One sentence about samples that were not finite, or pixels that are too bright for the numbers of a picture;
+        None if there are none."""
         counts = self.discarded.reshape(-1, len(DISCARDED))
         if not counts.any():
             brightest = np.abs(self.light()[0]).max(axis=1) * self.exposure
@@ -336,8 +340,9 @@ class Film:
                 return None
             y, x = divmod(int(brightest.argmax()), self.width)
             return (
-                f"Pixel ({x + self.window[0]}, {y + self.window[1]}) and others are brighter than a picture can say, and are held to "
-                f"{GREATEST:.2g}: look there for a material or a light with an extreme value."
+                f"Pixel ({x + self.window[0]}, {y + self.window[1]}) and others are brighter than a picture can "
+                f"store, and are clamped to {GREATEST:.2g}: look there for a material or a light with an extreme "
+                "value."
             )
         totals = zip(counts.sum(axis=0, dtype=np.int64), DISCARDED)
         kinds = " and ".join(f"{count} {kind}" for count, kind in totals if count)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Photometric files (IES, ANSI/IESNA LM-63): parsing, and intensity by direction, as Cycles reads them.
+"""Photometric files (IES, ANSI/IESNA LM-63): parsing, and intensity by direction, as in Cycles.
 
-Files are often not what the standard says. Like Cycles, this takes any angles, skips what it does not need, and makes
-of types A and B, and of files that leave out mirror images, a table over the angles of type C.
+Files often deviate from the standard. Like Cycles, this accepts any angles and skips unneeded data. It converts types A
+and B, and files without mirrored parts, to a table over the angles of type C.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from ..jit import kernel
 from ..vec import normalize
 
 WITHOUT_FILE = 100.0
-"""Intensity, in every direction, where there is no file or one that cannot be read."""
+"""Intensity, in every direction, without a readable file."""
 
-_CANDELA = 4.0 * math.pi / 177.83  # in watts of a light that shines alike in all directions, of daylight (D65)
+_CANDELA = 4.0 * math.pi / 177.83  # watts of a light of one candela in all directions, for daylight (D65)
 _CLOSE = 1e-4  # degrees
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
 _WHOLE = re.compile(r"\s*([+-]?\d+)")
 
 
 class IESError(Exception):
-    """Why a file cannot be read: the end of a sentence."""
+    """The reason why a file cannot be read: the end of a sentence."""
 
 
 class _Numbers:
-    """Numbers of a text, one after the other."""
+    """Reads the numbers of a text in sequence."""
 
     def __init__(self, text: str, place: int):
         self._text, self.place = text, place
@@ -38,7 +38,7 @@ class _Numbers:
     def next(self, pattern: re.Pattern = _NUMBER) -> float:
         found = pattern.match(self._text, self.place)
         if found is None:
-            raise IESError("it has fewer numbers than it promises, or something else among them")
+            raise IESError("it has fewer numbers than it promises, or other text among them")
         self.place = found.end()
         return float(found.group(1))
 
@@ -46,7 +46,7 @@ class _Numbers:
         return int(self.next(_WHOLE))
 
     def row(self, count: int) -> np.ndarray:
-        # Two characters a number at least: a wrong count must not reserve the memory for it.
+        # At least two characters per number: a wrong count must not reserve memory.
         if not 0 < count <= (len(self._text) - self.place) // 2 + 1:
             raise IESError(f"it says that it has {count} angles or values in a row")
         return np.array([self.next() for _ in range(count)])
@@ -71,7 +71,7 @@ def parse(text: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         if end < 0:
             raise IESError("nothing follows its line TILT=")
         numbers = _Numbers(text, end)
-    numbers.whole(), numbers.next()  # lamps, lumens of each
+    numbers.whole(), numbers.next()  # number of lamps, lumens of each
     factor = numbers.next()
     vertical_count, horizontal_count, kind = numbers.whole(), numbers.whole(), numbers.whole()
     if kind not in (1, 2, 3):
@@ -91,19 +91,19 @@ def _close(a: float, b: float) -> bool:
 
 
 def _mirrored(angles: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows for the angles −a too, below those given, of which the first is 0."""
+    """Adds rows for the angles −a below the given ones, of which the first is 0."""
     return np.concatenate((-angles[:0:-1], angles)), np.concatenate((values[:0:-1], values))
 
 
 def _from_type_a(horizontal, vertical, values):
-    """Of car headlamps: angles from the axis, −90° to 90° both; those to the left may be left out."""
+    """Of car headlamps: both angles from the axis, −90° to 90°; those to the left may be missing."""
     if _close(horizontal[0], 0.0):
         horizontal, values = _mirrored(horizontal, values)
     return 180.0 - horizontal[::-1], vertical + 90.0, values[::-1]
 
 
 def _from_type_b(horizontal, vertical, values):
-    """Of floodlights, whose polar axis is horizontal: both angles change places, and the light has to be turned."""
+    """Of floodlights with a horizontal polar axis: both angles are exchanged, and the light must be rotated."""
     horizontal, vertical, values = vertical, horizontal, values.T
     if _close(horizontal[0], 0.0):
         horizontal, values = _mirrored(horizontal, values)
@@ -114,7 +114,7 @@ def _from_type_b(horizontal, vertical, values):
 
 
 def _from_type_c(horizontal, vertical, values):
-    """Of most luminaires: one angle, a quadrant, a half, or all of the turn, which may lack its last angle, 360°."""
+    """Of most luminaires: one angle, a quadrant, a half, or the full turn, which may lack its last angle, 360°."""
     if _close(horizontal[0], 90.0):
         horizontal = horizontal - 90.0
     if len(horizontal) == 1:
@@ -131,11 +131,12 @@ def _from_type_c(horizontal, vertical, values):
 
 
 def pack(horizontal: np.ndarray, vertical: np.ndarray, values: np.ndarray, repeats_ends: bool = True) -> np.ndarray:
-    """What ``intensity`` reads, one row: both counts, the angles, and the intensities with a row and a column more
-    at either end, for the cubic interpolation there.
+    """The table for ``intensity``, in one row: both counts, the angles, and the intensities with an additional row and
+    column at both ends, for the cubic interpolation there.
 
-    ``repeats_ends``: intensities go on beyond the ends; in Blender 4.5 they are 0 there. Cycles means to go on at the
-    other end where angles close, but compares in single precision, in which 180° and 360° fall short. So this does not.
+    ``repeats_ends``: intensities continue beyond the ends; in Blender 4.5 they are 0 there. Cycles intends to continue
+    at the other end if the angles close, but compares in single precision, in which 180° and 360° fall short. So this
+    does not.
     """
     nothing = 0.0 * values[:, :1]
     low, high = (values[:, :1], values[:, -1:]) if repeats_ends else (nothing, nothing)
@@ -168,14 +169,14 @@ def _interval(values, first, count, angle):
 
 @kernel
 def _share(values, place, angle):
-    """Where an angle lies between two neighbours: 0 at the first, 1 at the second."""
+    """Position of an angle between two neighbours: 0 at the first, 1 at the second."""
     span = values[place + 1] - values[place]
     return (angle - values[place]) / span if span > 0.0 else 0.0
 
 
 @kernel
 def _cubic(a, b, c, d, x):
-    """Catmull and Rom's spline from b (x = 0) to c (x = 1)."""
+    """Catmull–Rom spline from b (x = 0) to c (x = 1)."""
     return b + 0.5 * x * (c - a + x * (2.0 * a - 5.0 * b + 4.0 * c - d + x * (3.0 * (b - c) + d - a)))
 
 
@@ -186,9 +187,9 @@ def _along(values, place, x):
 
 @kernel
 def intensity(values, first, d):
-    """Intensity in a direction from the light, in its own space: −z is down, and the horizontal angle is 0 at −y.
+    """Intensity in a direction from the light, in its local space: −z is down, and the horizontal angle is 0 at −y.
 
-    ``values`` is an array in which what ``pack`` gives begins at ``first``. 0 beyond the angles of the file.
+    ``values`` is an array in which the result of ``pack`` begins at ``first``. 0 beyond the angles of the file.
     """
     d = normalize(d)
     rows, columns = int(values[first]), int(values[first + 1])

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A render that goes on in a thread and starts anew whenever the scene changes: what a viewport needs.
+"""A render that runs in a thread and restarts whenever the scene changes, for viewports.
 
-The first picture after a change is coarse, and small enough to be there within a fraction of a second; finer ones
-follow, then samples at full resolution. What a change leaves as it was is not built again: a move of the camera keeps
-the scene, an edit of a lamp the meshes.
+The first picture after a change is coarse, so that it is ready within a fraction of a second. Finer ones follow, then
+samples at full resolution. Unchanged parts are not built again: a move of the camera keeps the scene, an edit of a lamp
+keeps the meshes.
 """
 
 from __future__ import annotations
@@ -27,28 +27,29 @@ from .interfaces import InteractiveBackEnd
 from .scene import Camera, Ray, Scene
 from .session import LARGEST_BATCH, check_size, choose_back_end
 
-# Seconds: how long the first coarse picture may take, how often a new one is published after that, and how long a batch
-# of samples may take, which a pause does not interrupt.
+# Seconds: maximum time of the first coarse picture, time between two published pictures, and maximum time of a batch of
+# samples, which a pause does not interrupt.
 FIRST_PICTURE, PUBLISH_INTERVAL, BATCH = 0.05, 0.15, 0.3
-# Seconds that a scene has for its first picture, whatever comes after it: a scene that changes all the time would
-# otherwise never be seen.
+# Seconds that a scene has for its first picture before a newer scene replaces it: otherwise a continuously changing
+# scene would never be seen.
 OWED = 2.0 * FIRST_PICTURE
-# The same for lamps that are built: while a slider is dragged, only those that take longer than this wait for its end.
+# The same for building lamps: while a slider is dragged, only lamps that take longer than this wait for its end.
 LAMPS_OWED = 1.0
-# Pixels along one pixel of a coarse picture: most of all; where the speed is not known; from one to the next.
+# Pixels along one pixel of a coarse picture: the maximum; the value while the speed is unknown; the factor from one
+# picture to the next.
 COARSEST, UNKNOWN, REFINEMENT = 16, 8, 4
-# Pixels that are read between two looks for a newer scene.
+# Pixels read between two checks for a newer scene.
 BAND = 1 << 16
-# Into how many branches paths of coarse pictures divide: they are seen for a moment only.
+# Number of branches of paths in coarse pictures: they are seen only for a moment.
 COARSE_BRANCHES = 8
-# Of a value in a picture: viewports hold half floats.
+# Largest value in a picture: viewports hold half floats.
 GREATEST = 65000.0
-# Samples at which a picture is denoised for the first time; then at four times as many, and so on, and in the end.
+# Number of samples at the first denoising; then at four times as many, and so on, and at the end.
 FIRST_DENOISING = 4
 
 
 class Change(enum.IntEnum):
-    """What is different from the scene before. Each includes those before it."""
+    """The change since the previous scene. Each includes those before it."""
 
     VIEW = 0  # camera, size, border, settings
     LIGHTS = 1  # lamps and lights
@@ -57,10 +58,10 @@ class Change(enum.IntEnum):
 
 @dataclasses.dataclass(frozen=True)
 class Picture:
-    """``pixels`` (height, width, RGBA) float32, contiguous, scene-linear, premultiplied, no greater than half floats can
-    be, row 0 at the bottom, of the frame's part ``window`` (x0, y0, x1, y1), in pixels of a frame of ``size``; each pixel
-    covers ``divider`` of those in both directions. ``camera``: what was rendered. ``lamps``: whether SDF lamps that the
-    camera sees are in it. ``number`` grows from picture to picture."""
+    """``pixels`` (height, width, RGBA) float32, contiguous, scene-linear, premultiplied, within the range of half
+    floats, row 0 at the bottom. They show the part ``window`` (x0, y0, x1, y1) of a frame of ``size`` pixels; each
+    covers ``divider`` pixels of the frame in both directions. ``camera``: the rendered camera. ``lamps``: whether it
+    contains SDF lamps that the camera sees. ``number`` increases from picture to picture."""
 
     pixels: np.ndarray
     window: tuple[int, int, int, int]
@@ -73,9 +74,9 @@ class Picture:
 
 
 class InteractiveRender:
-    """All methods but the thread's own return at once, and may be called by one thread only.
+    """All methods except the thread's own return at once. Only one thread may call them.
 
-    ``coarse_lamps``: whether the camera sees SDF lamps in coarse pictures; False where the owner draws them itself.
+    ``coarse_lamps``: whether the camera sees SDF lamps in coarse pictures; False if the owner draws them itself.
     """
 
     def __init__(self):
@@ -84,10 +85,10 @@ class InteractiveRender:
         self._thread: threading.Thread | None = None
         self._pending: tuple[Scene, Change] | None = None
         self._stopping = self._held = self._paused = self._without_lamps = False
-        self._owed = 0.0  # until when the first picture of a scene is waited for
+        self._owed = 0.0  # end of the wait for the first picture of a scene
         self._renderer: InteractiveBackEnd | None = None
         self._picture: Picture | None = None
-        self._pace = 0.0  # seconds a sample of a pixel takes; 0: not known yet
+        self._pace = 0.0  # seconds per sample of a pixel; 0: unknown yet
         self._next_denoising = FIRST_DENOISING
         self.status = ""
         self.error = ""
@@ -111,7 +112,7 @@ class InteractiveRender:
         self._interrupt()
 
     def hold(self) -> None:
-        """Leave the processor to the owner, who is about to ``update``."""
+        """Leave the processor to the owner, who is about to call ``update``."""
         if self._thread is None:
             return
         with self._condition:
@@ -131,7 +132,7 @@ class InteractiveRender:
 
     @paused.setter
     def paused(self, value: bool) -> None:
-        """Whether it waits, with what it has, for ``resume``."""
+        """Whether it waits with its present picture for ``resume``."""
         with self._condition:
             self._paused = value
             self._condition.notify_all()
@@ -142,7 +143,7 @@ class InteractiveRender:
         return self._thread is not None and not self.finished and not self._paused
 
     def stop(self) -> None:
-        """End the thread, and wait for it. What it has built is freed; ``update`` with ``Change.ALL`` starts again."""
+        """End the thread and wait for it. Its data is freed; ``update`` with ``Change.ALL`` starts again."""
         thread = self._thread
         if thread is None:
             return
@@ -169,7 +170,7 @@ class InteractiveRender:
         return self._stopping or (changed and time.perf_counter() > self._owed)
 
     def _useless(self) -> bool:
-        """Whether what is being built is of no use for the scene that waits."""
+        """Whether the present build is useless for the waiting scene."""
         pending = self._pending
         return self._stopping or (pending is not None and pending[1] is Change.ALL and self._outdated())
 
@@ -188,7 +189,10 @@ class InteractiveRender:
             except MemoryError:
                 self._fail("The viewport ran out of memory: use fewer or smaller textures and meshes.")
             except Exception as error:
-                self._fail(f"Rendering in the viewport failed ({type(error).__name__}: {error}).")
+                self._fail(
+                    f"Rendering in the viewport failed ({type(error).__name__}: {error}): start Blender with "
+                    "--debug-python to see where, and report it."
+                )
         self._drop()
 
     def _fail(self, sentence: str) -> None:
@@ -225,14 +229,15 @@ class InteractiveRender:
         self._refine(scene, film)
 
     def _prepare(self, scene: Scene, film: Film, change: Change) -> bool:
-        """Bring the back end up to date with a scene. False if there is another one meanwhile."""
+        """Update the back end to a scene. Returns False if a newer scene is waiting."""
         if self._renderer is None or change is Change.ALL:
             self._drop()
             check_size(scene)
             renderer = choose_back_end(scene)(scene, film, self._useless, self._say)
             if not renderer.ready:
                 with self._condition:
-                    if self._pending is not None:  # it may say that less has changed, since the scene that is not built
+                    # it may report a smaller change, relative to the scene that is not built
+                    if self._pending is not None:
                         self._pending = self._pending[0], Change.ALL
                 return False
             self._renderer = renderer
@@ -243,7 +248,7 @@ class InteractiveRender:
         return True
 
     def _update_lights(self, scene: Scene) -> bool:
-        """Bring the back end's lamps and lights up to date. False if there are others meanwhile, and these take long."""
+        """Update the back end's lamps and lights. Returns False if newer ones are waiting and these take long."""
         owed = time.perf_counter() + LAMPS_OWED
 
         def stop() -> bool:
@@ -254,7 +259,8 @@ class InteractiveRender:
                 self._renderer.update_lights(scene)
         except Interrupted:
             with self._condition:
-                if self._pending is not None:  # it may say that less has changed, since the lamps that are not built
+                # it may report a smaller change, relative to the lamps that are not built
+                if self._pending is not None:
                     self._pending = self._pending[0], max(self._pending[1], Change.LIGHTS)
             return False
         return True
@@ -267,7 +273,7 @@ class InteractiveRender:
         while going_on and self._wait_while_paused():
             self.status = f"Sample {first}/{settings.samples}"
             count = min(self._batch(film), settings.samples - first, sample_allocation.samples_left(film))
-            # Until every pixel has a sample, the coarse picture is the better one.
+            # Until every pixel has a sample, the coarse picture is better.
             if not self._sample(film, first, count, (lambda: self._publish(scene, film)) if first else lambda: None):
                 return
             first += count
@@ -284,7 +290,7 @@ class InteractiveRender:
                 self.finished = self._pending is None
 
     def _sample(self, film: Film, first: int, count: int, show: Callable[[], None] = lambda: None) -> bool:
-        """Add samples, and show the picture from time to time. False if the scene is not the latest any more."""
+        """Add samples, and show the picture from time to time. Returns False if the scene is outdated."""
         started = published = time.perf_counter()
 
         def report(done: float) -> None:
@@ -300,7 +306,7 @@ class InteractiveRender:
         return True
 
     def _first_divider(self, scene: Scene) -> int:
-        """Pixels along one of the first coarse picture."""
+        """Pixels along one pixel of the first coarse picture."""
         pixels = scene.width * scene.height
         if not self._pace:
             return UNKNOWN
@@ -312,7 +318,7 @@ class InteractiveRender:
         return min(max(int(BATCH / (pixels * self._pace)), 1), LARGEST_BATCH) if self._pace else 1
 
     def _wait_while_paused(self) -> bool:
-        """False if the scene is not the latest any more."""
+        """Returns False if the scene is outdated."""
         with self._condition:
             while self._paused and not self._outdated():
                 self.status = "Paused"
@@ -328,7 +334,7 @@ class InteractiveRender:
                 self.warnings.append(str(error))
 
     def _publish(self, scene: Scene, film: Film, divider: int = 1) -> None:
-        """Make the film's picture the latest one. A large one is given up for a newer scene."""
+        """Publish the film's picture. A large one is abandoned for a newer scene."""
         pixels = np.empty((film.height, film.width, 4), np.float32)
         rows = max(BAND // film.width, 1)
         for row in range(0, film.height, rows):
@@ -380,7 +386,7 @@ class InteractiveRender:
 
 
 def _widened(camera: Camera, across: float, up: float) -> Camera:
-    """The camera with a frame that is larger by these factors to the right and to the top."""
+    """The camera with a frame enlarged by these factors to the right and to the top."""
 
     def grow(low: float, high: float, factor: float) -> tuple[float, float]:
         return low, low + factor * (high - low)

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the parts of the renderer are to one another: a back end, a light, a light sampler, a BSDF, a sampler, a film.
+"""Interfaces between the parts of the renderer: a back end, a light, a light sampler, a BSDF, a sampler, a film.
 
-As ``base/`` is in pbrt. Kernels have no objects, so all but a back end are modules: a module that has these functions is one.
-``block`` is the record of a scene (``kernels.packing``), ``workspace`` that of a thread (``kernels.workspace``). Points and unit
-vectors are tuples in world space, pdfs are per solid angle, radiance is RGB, u1 … are uniform numbers of [0, 1).
-``tests/render/test_interfaces.py`` holds everything that is registered against them, by names and parameters.
+They correspond to ``base/`` in pbrt. Kernels have no objects, so everything except a back end is a module with these
+functions. ``block`` is the record of a scene (``kernels.packing``), ``workspace`` that of a thread
+(``kernels.workspace``). Points and unit vectors are tuples in world space, pdfs are per solid angle, radiance is RGB,
+u1 … are uniform numbers in [0, 1). ``tests/render/test_interfaces.py`` checks everything registered against them, by
+names and parameters.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from .scene import Scene
 class BackEnd(Protocol):
     """Renders a scene into a film. Made with (scene, film, cancelled, say), which may compile for a while.
 
-    ``say(text)`` tells what it is at. ``ready`` is False if ``cancelled()`` said so meanwhile. Raises ``RenderError``, and
-    ``DeviceError`` where another back end has to take over.
+    ``say(text)`` reports its present step. ``ready`` is False if ``cancelled()`` returned True during the set-up.
+    Raises ``RenderError``, and ``DeviceError`` if another back end must take over.
     """
 
     @property
@@ -33,28 +34,29 @@ class BackEnd(Protocol):
     ready: bool
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
-        """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if ``stop()`` ended it before."""
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel. Returns False if ``stop()`` ended it
+        before."""
         ...
 
     def finish(self) -> None:
-        """Warn of what could not be resolved, and free what the render needed; the film stays."""
+        """Warn about unresolved rays, and free the memory of the render; the film stays."""
         ...
 
 
 @runtime_checkable
 class InteractiveBackEnd(BackEnd, Protocol):
-    """A back end of the viewport: it takes changes of a scene, and stops at once."""
+    """A back end for the viewport: it accepts changes of a scene, and stops at once."""
 
     def update_lights(self, scene: Scene) -> None:
-        """Take the lamps and lights of a scene that is otherwise the same as before."""
+        """Take the lamps and lights of a scene that is otherwise unchanged."""
         ...
 
     def update_camera(self, scene: Scene, film: FilmOfScene) -> None:
-        """Take the camera and the settings of a scene that is otherwise the same as before, and another film."""
+        """Take the camera and the settings of an otherwise unchanged scene, and another film."""
         ...
 
     def interrupt(self) -> None:
-        """Stop sampling within milliseconds, if ``stop`` then says so too. May be called by another thread."""
+        """Stop sampling within milliseconds, if ``stop`` also returns True then. Other threads may call this."""
         ...
 
 
@@ -62,15 +64,17 @@ class InteractiveBackEnd(BackEnd, Protocol):
 class Light(Protocol):
     """A kind of light: a module of ``kernels.lights.kinds``, whose ``RECORD`` has a row for each light of the kind.
 
-    ``normal(light, back)`` is optional: the unit normal of its surface, where that is not ``back``, the way to who sees it.
+    ``normal(light, back)`` is optional: the unit normal of its surface, if that is not ``back``, the direction to the
+    viewer.
     """
 
     def has_size(self, light):
-        """Whether rays can meet the light of a scene."""
+        """Whether rays can hit the light of a scene."""
         ...
 
     def pack(self, row, light, rgb):
-        """Fill the row of ``light``, whose strength times colour is ``rgb``; what the light tree has to know of it."""
+        """Fill the row of ``light``, whose strength times colour is ``rgb``. Returns what the light tree needs to know
+        of it."""
         ...
 
     def sample(self, light, x, u1, u2):
@@ -78,18 +82,19 @@ class Light(Protocol):
         ...
 
     def hit(self, light, o, d):
-        """What a ray meets: (distance, radiance, pdf of ``sample`` at o); a distance of −1 where it misses."""
+        """The hit of a ray: (distance, radiance, pdf of ``sample`` at o); the distance is −1 if it misses."""
         ...
 
 
 @runtime_checkable
 class LightSampler(Protocol):
-    """Chooses one emitter of all for a point: ``kernels.lights``."""
+    """Chooses one emitter among all for a point: ``kernels.lights``."""
 
     def select(self, block, number, x, n, u, cut):
-        """(emitter, probability, u remapped to [0, 1)); emitter −1 where nothing shines. n is zero where both sides count.
+        """(emitter, probability, u remapped to [0, 1)); emitter −1 if nothing gives light. n is zero if both sides
+        count.
 
-        ``number``: that of the light tree, which has the emitters that light the point.
+        ``number``: that of the light tree with the emitters that light the point.
         """
         ...
 
@@ -113,10 +118,10 @@ class Bsdf(Protocol):
 
 @runtime_checkable
 class Sampler(Protocol):
-    """The sampling pattern: ``kernels.samplers``. A set of one to four numbers has a ``dimension`` of its own."""
+    """The sampling pattern: ``kernels.samplers``. Each set of one to four numbers has its own ``dimension``."""
 
     def pixel_seed(self, x, y, seed):
-        """A number that keeps the patterns of pixels, and of renders with different ``seed``, independent."""
+        """A number that makes the patterns of pixels, and of renders with different ``seed``, independent."""
         ...
 
     def get_1d(self, index, seed, dimension):
@@ -124,7 +129,7 @@ class Sampler(Protocol):
         ...
 
     def get_2d(self, index, seed, dimension):
-        """A point of the unit square, arguments as in ``get_1d``."""
+        """A point of the unit square; arguments as in ``get_1d``."""
         ...
 
     def get_3d(self, index, seed, dimension):
@@ -138,7 +143,7 @@ class Sampler(Protocol):
 
 @runtime_checkable
 class Film(Protocol):
-    """Where samples go: ``kernels.film``, by the index of a pixel."""
+    """Stores samples: ``kernels.film``, by the index of a pixel."""
 
     def pixel_index(self, block, x, y):
         """The index of the pixel in column x and row y of the full frame."""
@@ -149,7 +154,7 @@ class Film(Protocol):
         ...
 
     def samples_due(self, block, pixel, samples):
-        """Indices (first, end) of the samples that a pixel is to take, where others are to have ``samples`` then."""
+        """Indices (first, end) of the next samples of a pixel, so that pixels of rate 1 have ``samples`` then."""
         ...
 
     def add_sample(self, block, workspace, pixel, index):

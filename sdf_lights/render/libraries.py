@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's own Embree 4 and OpenImageDenoise 2, found on disk and loaded with ctypes.
 
-Every Blender from 4.2 on ships both as shared libraries, so the extension bundles neither. Where they lie:
+Every Blender from 4.2 on ships both as shared libraries, so the extension bundles neither. Their positions:
 
 - bpy from a wheel: ``bpy/lib/libembree4.so.4`` beside the module;
 - Blender for Linux from blender.org: ``lib/`` beside the binary;
@@ -10,8 +10,8 @@ Every Blender from 4.2 on ships both as shared libraries, so the extension bundl
 - macOS: ``Blender.app/Contents/Resources/lib/``, the binary being in ``Contents/MacOS/``;
 - Linux distributions: the folders of the system's loader.
 
-A library that the process has loaded already comes first, because two copies of one library would each start their
-own threads. Nothing here imports bpy.
+A library that the process has already loaded comes first, because two copies of one library would each start their own
+threads. Nothing here imports bpy.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from dataclasses import dataclass
 
 from .errors import RenderError
 
-# From a folder that holds Blender's binary, Python or modules (or a parent of it) to its shared libraries.
+# From a folder with Blender's binary, Python or modules (or a parent of it) to its shared libraries.
 _SUBFOLDERS = ("lib", "blender.shared", "Resources/lib", "")
 # Blender's Python is at most four folders below the binary: 5.2/python/bin/python3.13.
 _PARENTS = 5
@@ -40,8 +40,8 @@ class _Library:
     title: str
     sonames: dict[str, tuple[str, ...]]  # sys.platform -> names for the system's loader, best first
     pattern: dict[str, str]  # sys.platform -> file name pattern
-    symbol: str  # a function of the major version wanted
-    without: str  # what the user loses
+    symbol: str  # a function of the wanted major version
+    without: str  # the consequence for the user
 
 
 _EMBREE = _Library(
@@ -66,7 +66,7 @@ _DENOISE = _Library(
 
 
 def add_search_folder(path: str | os.PathLike) -> None:
-    """Look for libraries in ``path`` and its usual subfolders too: the folder of Blender's binary, say."""
+    """Search for libraries in ``path`` and its usual subfolders too, for example the folder of Blender's binary."""
     folder = pathlib.Path(path)
     if folder not in _search_folders:
         _search_folders.append(folder)
@@ -87,7 +87,7 @@ def _platform() -> str:
 
 
 def search_folders() -> Iterator[pathlib.Path]:
-    """Existing folders that may hold Blender's libraries, the most certain first, each once."""
+    """Existing folders that may hold Blender's libraries, the most certain first, without duplicates."""
     starts = list(_search_folders)
     bpy = sys.modules.get("bpy")
     if getattr(bpy, "__file__", None):
@@ -118,7 +118,7 @@ def _bpy_wheel() -> pathlib.Path | None:
 
 
 def _loaded(name: str) -> ctypes.CDLL | None:
-    """The library ``name`` if this process has it already."""
+    """The library ``name``, if this process has loaded it."""
     try:
         if sys.platform == "win32":
             get_handle = ctypes.windll.kernel32.GetModuleHandleW
@@ -145,7 +145,7 @@ def _candidates(library: _Library, failures: list[str]) -> Iterator[ctypes.CDLL 
     for folder in search_folders():
         for path in sorted(folder.glob(library.pattern[_platform()])):
             yield _open(str(path), failures)
-    if sys.platform != "win32":  # where the loader would search the folders of other programs
+    if sys.platform != "win32":  # otherwise the loader would search the folders of other programs
         for name in names:
             yield _open(name, failures)
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials: closures whose inputs are constants or formulas, independent of Blender and of any back end.
 
-``NODES`` is the one table of closures: sync maps Blender's nodes to it, back ends compile or evaluate it. All that
-gives values is a ``graph.formula.Formula`` (see ``nodes/``): over the variables of a surface, the parameters of the
-material, and functions that look things up in the scene.
+``NODES`` is the one table of closures: sync maps Blender's nodes to it, back ends compile or evaluate it. All values
+are ``graph.formula.Formula`` (see ``nodes/``): formulas over the variables of a surface, the parameters of the
+material, and functions that look up data in the scene.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ Value = "float | tuple[float, float, float] | Formula | Vector | Node | None"
 WHITE = (1.0, 1.0, 1.0)
 GREY = (0.8, 0.8, 0.8)
 
-# kind -> inputs with their defaults. A 3-tuple is a colour or a vector; None for a normal means the shading normal,
-# None for a tangent one around the object's z axis (of hair: along the second edge of the triangle), None for a position
-# or direction that of the ray, None for a closure black. A value where a closure is expected emits it.
+# kind -> inputs with their defaults. A 3-tuple is a colour or a vector. None for a normal means the shading normal.
+# None for a tangent means one around the object's z axis (for hair: along the second edge of the triangle). None for a
+# position or direction means that of the ray. None for a closure means black. A value at a closure input is emitted.
 NODES: dict[str, dict[str, object]] = {
     "diffuse": dict(color=GREY, roughness=0.0, normal=None),
-    # settings of glossy: distribution ("MULTI_GGX", the default, | "GGX" | "BECKMANN" | "ASHIKHMIN_SHIRLEY"); of glass the
-    # first three, of refraction "GGX" (the default) or "BECKMANN", of principled "MULTI_GGX" or "GGX"
+    # settings of glossy: distribution ("MULTI_GGX", the default, | "GGX" | "BECKMANN" | "ASHIKHMIN_SHIRLEY"); of glass
+    # the first three, of refraction "GGX" (the default) or "BECKMANN", of principled "MULTI_GGX" or "GGX"
     "glossy": dict(color=GREY, roughness=0.5, normal=None, anisotropy=0.0, rotation=0.0, tangent=None),
     "glass": dict(color=WHITE, roughness=0.0, ior=1.5, normal=None, thin_film_thickness=0.0, thin_film_ior=1.33),
     "refraction": dict(color=WHITE, roughness=0.0, ior=1.45, normal=None),
@@ -99,8 +99,8 @@ NODES: dict[str, dict[str, object]] = {
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """One closure: its kind (a key of ``NODES``), the inputs that differ from the defaults, and settings that are not
-    values. Closures are compared by identity, so one that is used twice is computed once."""
+    """One closure: its kind (a key of ``NODES``), the inputs that differ from the defaults, and its settings. Closures
+    are compared by identity, so a closure used twice is computed once."""
 
     kind: str
     inputs: dict[str, object] = field(default_factory=dict)
@@ -119,11 +119,11 @@ class Node:
 class Attribute:
     """Data of meshes or objects that a formula looks up (``nodes.lookups.attribute``).
 
-    ``kind`` is "uv" or "tangent" (``name`` is that of a UV map; "" is the active one), "generated" (position in the
-    box around the undeformed mesh, 0 to 1), "geometry" (``name`` is that of an attribute of the mesh), or "object",
-    "instancer", "view_layer" (``name`` is that of a property), "instancer_generated" and "instancer_uv" (where on the
-    instancer an instance is), "pointiness" (how convex a mesh is), "island" (a random number of each part) or "undisplaced"
-    (where a point was before ``displacement`` moved it).
+    ``kind`` is "uv" or "tangent" (``name`` is that of a UV map; "" is the active one), "generated" (position in the box
+    around the undeformed mesh, 0 to 1), "geometry" (``name`` is that of an attribute of the mesh), or "object",
+    "instancer", "view_layer" (``name`` is that of a property), "instancer_generated" and "instancer_uv" (position of an
+    instance on the instancer), "pointiness" (convexity of a mesh), "island" (a random number of each part) or
+    "undisplaced" (position of a point before ``displacement``).
     """
 
     kind: str
@@ -134,7 +134,7 @@ UNDISPLACED = Attribute("undisplaced")
 UV = Attribute("uv")
 """The active UV map, for the pass."""
 SHARP_FACE = Attribute("geometry", "sharp_face")
-"""Which faces are flat; displacement asks for it."""
+"""Which faces are flat; displacement needs it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,16 +146,17 @@ class Table:
 
 @dataclass
 class Material:
-    """A surface: the closure that its graph ends in (None: black), and the ``medium`` behind it.
+    """A surface: the closure of its graph (None: black), and the ``medium`` behind it.
 
-    A surface that is only there to bound its medium is a white ``transparent``.
+    A surface that only bounds its medium is a white ``transparent``.
 
-    Where there is a ``displacement``, formulas of a vector in the world, vertices are moved by it (see ``displacement.py``);
-    ``keeps_normals``: their normals stay, as ``normal`` follows what moves them. That is the shading normal in the place of the
-    surface's, where there is one: closures without a normal of their own have it, and those with one are bumps of it.
+    If there is a ``displacement``, formulas of a world vector, it moves the vertices (see ``displacement.py``).
+    ``keeps_normals``: their normals stay, because ``normal`` follows the displacement. ``normal`` replaces the shading
+    normal, if given: closures without their own normal use it, and those with one are bumps of it.
 
-    ``index`` is for the pass of that name, ``aovs`` for those of shader AOVs. ``parameters`` are the values of the slots of its formulas: numbers, or what a function looks up, whose slot then
-    holds its place: an ``Attribute``, a ``Table`` or a ``Texture``.
+    ``index`` is for the pass of that name, ``aovs`` for those of shader AOVs. ``parameters`` are the values of the
+    slots of its formulas: numbers, or an ``Attribute``, a ``Table`` or a ``Texture`` that a function looks up; the slot
+    then holds its index.
     """
 
     name: str
@@ -171,7 +172,7 @@ class Material:
 
 
 def attributes_of(materials: Iterable[Material], others: Iterable[Attribute] = ()) -> list[Attribute]:
-    """Every attribute that the materials look up, and ``others``, in the order of their places."""
+    """Every attribute that the materials look up, and ``others``, in the order of their indices."""
     found = {value for material in materials for value in material.parameters if isinstance(value, Attribute)} | {
         *others
     }

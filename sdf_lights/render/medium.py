@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Participating media: what the inside of a mesh, or all of the world, does to light. The same everywhere inside.
+"""Participating media: the effect on light of the inside of a mesh, or of the whole world. Homogeneous.
 
-Where media overlap their coefficients add up, as in Cycles.
+The coefficients of overlapping media add up, as in Cycles.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ BLACK = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Scattering:
-    """Light scattered in one way: ``coefficient`` in 1/m, and a phase function in proportion to
+    """One way of scattering: ``coefficient`` in 1/m, and a phase function proportional to
 
         (1 + α cos²θ) (1 + g² − 2g cosθ)^(−3/2)
 
-    (Draine 2003, "Scattering by interstellar dust grains"), which is Henyey and Greenstein's, of mean cosine g, where ``alpha``
-    is 0, and Rayleigh's for g = 0 and α = 1. Light that goes straight on has cosθ = 1.
+    (Draine 2003, "Scattering by interstellar dust grains"). For ``alpha`` = 0 it is Henyey and Greenstein's with mean
+    cosine g. For g = 0 and α = 1 it is Rayleigh's. cosθ = 1 is straight on.
     """
 
     coefficient: RGB
@@ -33,7 +33,7 @@ class Scattering:
 
 @dataclass(frozen=True)
 class Medium:
-    """``absorption`` in 1/m, ``emission`` in W/(sr·m³): radiance gained in each metre."""
+    """``absorption`` in 1/m, ``emission`` in W/(sr·m³): radiance gained per metre."""
 
     absorption: RGB = BLACK
     scattering: tuple[Scattering, ...] = ()
@@ -51,5 +51,5 @@ class Medium:
 
 
 def hides_horizon(medium: Medium | None) -> bool:
-    """Whether no light comes through endless space that the medium fills."""
+    """Whether no light comes through infinite space filled by the medium."""
     return medium is not None and bool((medium.extinction > 0.0).all())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory there is, so that what does not fit is said before it is begun."""
+"""The amount of memory, so that a render without enough memory is refused before it begins."""
 
 from __future__ import annotations
 
@@ -10,27 +10,28 @@ import sys
 
 GIGABYTE = 1 << 30
 
-# What the CPU takes for one, beside its own numbers, rounded down: ``./scripts/bench trust --parts scenes``.
+# Bytes of the CPU back end for one, in addition to its own data, rounded down: ``./scripts/bench trust --parts
+# scenes``.
 TRIANGLE_BYTES, INSTANCE_BYTES = 100, 900
 
 
 def available() -> int | None:
-    """Bytes that programs can have without others being moved out; None where the platform does not tell."""
+    """Bytes that programs can use without swapping others out; None if the platform does not tell."""
     if sys.platform.startswith("linux"):
         return _available_on_linux()
     if sys.platform == "win32":
         return _available_on_windows()
-    try:  # macOS compresses and swaps as it likes: all there is
+    try:  # macOS compresses and swaps automatically: all memory counts
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (ValueError, OSError):
         return None
 
 
 def give_back() -> None:
-    """Return to the system what has been freed. The C library of Linux keeps that for each thread, up to what a thread once held,
-    and other programs cannot have it. Takes some milliseconds."""
+    """Return freed memory to the system. On Linux, the C library keeps it for each thread, up to the peak of the
+    thread, and other programs cannot use it. Takes some milliseconds."""
     if sys.platform.startswith("linux"):
-        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # glibc has it alone
+        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # only glibc has it
         if trim is not None:
             trim(0)
 

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Joins OpenEXR files of renders that have shared the samples of a frame (``--sdf-samples 0:64``, ``64:128`` and so on).
+"""Joins OpenEXR files of renders that shared the samples of a frame (``--sdf-samples 0:64``, ``64:128`` and so on).
 
-Every pass is joined by its own rule, with the number of samples that each file says it has.
+Every pass is joined by its own rule, weighted by the number of samples recorded in each file.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .merging import Layer, MergeError, Share, merge, shares
 
 @dataclass
 class Part:
-    """A part of a file: what it says of itself, and its pixels (height, width, channels)."""
+    """A part of a file: its metadata, and its pixels (height, width, channels)."""
 
     spec: oiio.ImageSpec
     pixels: np.ndarray
@@ -64,7 +64,7 @@ def read(path: pathlib.Path) -> list[Part]:
 
 
 def share_of(path: pathlib.Path, told: dict[str, Share], layer: str) -> Share:
-    """The samples of a view layer of a file; a file of one layer does not name it."""
+    """The samples of a view layer of a file; a file with one layer does not name it."""
     if layer in told:
         return told[layer]
     if not layer and len(told) == 1:
@@ -75,7 +75,7 @@ def share_of(path: pathlib.Path, told: dict[str, Share], layer: str) -> Share:
 
 
 def merged(paths: list[pathlib.Path]) -> list[Part]:
-    """The files together, with the parts of the first. Raises MergeError."""
+    """The files joined, with the parts of the first. Raises MergeError."""
     files = [read(path) for path in paths]
     told = [
         shares({str(item.name): str(item.value) for part in file for item in part.spec.extra_attribs}) for file in files
@@ -109,12 +109,12 @@ def merged(paths: list[pathlib.Path]) -> list[Part]:
 
 
 def together(parts: list[Share]) -> Share:
-    """The share of a joined file. Where ranges have gaps between them, it begins with the first."""
+    """The share of a joined file. If the ranges have gaps, it begins with the first."""
     return Share(parts[0].seed, min(part.first for part in parts), sum(part.count for part in parts))
 
 
 def write(path: pathlib.Path, parts: list[Part]) -> None:
-    """Write a file, under another name until it is whole. Raises MergeError."""
+    """Write a file, under a temporary name until it is complete. Raises MergeError."""
     unfinished = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
     target = oiio.ImageOutput.create(str(unfinished))
     if target is None:
@@ -130,7 +130,8 @@ def write(path: pathlib.Path, parts: list[Part]) -> None:
             done = done and target.write_image(part.pixels)
         if not (target.close() and done):
             raise MergeError(
-                f"{path} cannot be written ({reason_of(target, 'no reason is given')}): look for space and rights there"
+                f"{path} cannot be written ({reason_of(target, 'no reason is given')}): check free space and "
+                "permissions there"
             )
         os.replace(unfinished, path)
     finally:
@@ -138,7 +139,7 @@ def write(path: pathlib.Path, parts: list[Part]) -> None:
 
 
 def denoise_combined(parts: list[Part]) -> None:
-    """Denoise the pictures, by the passes for that where they are there. Raises RenderError."""
+    """Denoise the pictures, guided by the denoising passes if they exist. Raises RenderError."""
 
     def read(place: tuple[int, list[int]] | None) -> np.ndarray | None:
         return None if place is None else parts[place[0]].pixels[..., place[1][:3]]
@@ -152,16 +153,16 @@ def denoise_combined(parts: list[Part]) -> None:
 
 
 def _of_frame(path: pathlib.Path, frame: int | None) -> pathlib.Path:
-    """The path, with the number of the frame in the place of ####, as Blender writes it."""
+    """The path, with the number of the frame instead of ####, as in Blender."""
     if frame is None:
         return path
     return path.with_name(re.sub("#+", lambda found: str(frame).zfill(len(found[0])), path.name, count=1))
 
 
 def main(arguments: list[str]) -> int:
-    """Join the files that ``arguments`` name; the exit code."""
+    """Join the files named by ``arguments``; returns the exit code."""
     parser = argparse.ArgumentParser(prog="merge", description=__doc__)
-    parser.add_argument("--frame", type=int, help="number that stands for #### in the names of files")
+    parser.add_argument("--frame", type=int, help="number that replaces #### in the names of files")
     parser.add_argument("--denoise", action="store_true", help="denoise Combined of the joined picture")
     parser.add_argument("out", type=pathlib.Path, help="the OpenEXR file to write")
     parser.add_argument("files", type=pathlib.Path, nargs="+", help="the OpenEXR files to join")

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One picture of several renders that have shared its samples, pass by pass.
+"""One picture from several renders that shared its samples, pass by pass.
 
-Means are weighed by the number of samples that each render was given, which no pixel's noise has a part in, so the joined picture
-has no bias, also where pixels have taken more or fewer.
+Means are weighted by the number of samples that each render was given. No pixel's noise influences it, so the joined
+picture has no bias, even if pixels took more or fewer samples.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ class MergeError(Exception):
 
 @dataclass(frozen=True)
 class Share:
-    """Which samples a render has: ``count`` of the pattern of ``seed``, from number ``first`` on."""
+    """The samples of a render: ``count`` of the pattern of ``seed``, from number ``first`` on."""
 
     seed: int
     first: int
     count: int
 
     def metadata(self, layer: str) -> dict[str, str]:
-        """What a file says of a view layer."""
+        """The metadata of a view layer in a file."""
         return {f"{_PREFIX}.{layer}.{name}": str(value) for name, value in vars(self).items()}
 
     def overlaps(self, other: Share) -> bool:
@@ -43,7 +43,7 @@ class Share:
 
 
 def shares(metadata: Mapping[str, str]) -> dict[str, Share]:
-    """The share of each view layer, by what a file says."""
+    """The share of each view layer, from the metadata of a file."""
     found: dict[str, dict[str, int]] = {}
     for key, value in metadata.items():
         prefix, _, rest = key.partition(".")
@@ -68,7 +68,7 @@ class Layer:
 
 
 def merge(layers: Sequence[Layer]) -> dict[str, np.ndarray]:
-    """The passes of all ``layers`` together. They have the same passes and sizes. Raises MergeError where two of them have
+    """The passes of all ``layers`` together. They have the same passes and sizes. Raises MergeError if two of them have
     the same samples."""
     layers = sorted(layers, key=lambda layer: layer.share.first)
     for index, layer in enumerate(layers):
@@ -76,7 +76,7 @@ def merge(layers: Sequence[Layer]) -> dict[str, np.ndarray]:
             if layer.share.overlaps(other.share):
                 raise MergeError(
                     f"two renders have the same samples ({_range(other.share)} and {_range(layer.share)}, seed "
-                    f"{layer.share.seed}): give each a range of its own with --sdf-samples, or another seed"
+                    f"{layer.share.seed}): give each a separate range with --sdf-samples, or another seed"
                 )
     weights = np.array([layer.share.count for layer in layers], float)
     weights /= weights.sum()
@@ -121,7 +121,7 @@ def _mean(values: Sequence[np.ndarray], weights: np.ndarray) -> np.ndarray:
 
 
 def _first(name: str, layers: Sequence[Layer]) -> np.ndarray:
-    """Of the first render whose samples have met a surface there."""
+    """From the first render whose samples have hit a surface there."""
     found = layers[0].passes[name].copy()
     for layer in layers[1:]:
         empty = found[..., :1] >= NO_DEPTH if name == "Depth" else ~found.any(axis=2, keepdims=True)
@@ -130,7 +130,7 @@ def _first(name: str, layers: Sequence[Layer]) -> np.ndarray:
 
 
 def _over_color(item: Pass, values, layers: Sequence[Layer], weights: np.ndarray) -> np.ndarray:
-    """Light over the colour of its lobe: the quotient of the means, where the file has the colour."""
+    """Light over the colour of its lobe: the quotient of the means, if the file has the colour."""
     wanted = _COLORS[item.per or ""]
     color = next((name for name in (wanted, OLD_NAMES[wanted]) if name in layers[0].passes), None)
     if color is None:
@@ -141,7 +141,7 @@ def _over_color(item: Pass, values, layers: Sequence[Layer], weights: np.ndarray
 
 
 def _merged_mattes(names: Sequence[str], layers: Sequence[Layer], weights: np.ndarray) -> dict[str, np.ndarray]:
-    """Numbers of things with the coverage of all renders, the greatest first; what there is no room for is dropped."""
+    """Object numbers with the coverage of all renders, the greatest first; those without room are dropped."""
     parts = []
     for layer, weight in zip(layers, weights):
         slots = np.concatenate([layer.passes[name] for name in names], axis=2)

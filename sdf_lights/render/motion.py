@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What moves while the shutter is open: where it is at a time, and on which lines poses of Blender are joined.
+"""Motion while the shutter is open: positions at a given time, and the lines that join Blender's poses.
 
-Cycles joins poses by what they are made of: it turns a rotation along the shortest arc, and moves and stretches in straight
-lines. Here poses are put on these arcs, as close as straight lines between matrices ask for. So Embree, kernels and the
-reference all have straight lines, and agree.
+Cycles decomposes poses: it rotates along the shortest arc, and translates and scales along straight lines. Here,
+additional poses are placed on these arcs, as close as linear interpolation of matrices requires. So Embree, kernels and
+the reference all interpolate linearly, and agree.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ import numpy as np
 
 from .scene import Instance, Mesh, Scene, Shutter
 
-# Greatest angle between two poses: a chord is then within 1e-5 of its arc, of the radius.
+# Greatest angle between two poses: a chord then deviates from its arc by at most 1e-5 of the radius.
 LARGEST_TURN = math.radians(0.5)
 MOST_STEPS = 128  # of Embree, less one
 TABLE = 1024  # parts of an exposure
 
 
 def exposure(density: np.ndarray) -> np.ndarray:
-    """(TABLE + 1,) ``Shutter.times`` for how far the shutter is open at even times; the whole time where it never opens."""
+    """(TABLE + 1,) ``Shutter.times`` for the opening of the shutter at even times; the whole time if it never opens."""
     x = np.linspace(0.0, 1.0, TABLE + 1)
     density = np.interp(x, np.linspace(0.0, 1.0, len(density)), np.maximum(np.asarray(density, float), 0.0))
     cdf = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]))])
     if not 0.0 < cdf[-1] < math.inf:
         return np.linspace(0.0, 1.0, 2)
-    # Where it is shut at first, in between, and at last, no part of the exposure comes.
+    # No part of the exposure comes while it is closed at the start, in between, or at the end.
     used = np.flatnonzero(np.concatenate([np.diff(cdf) > 0.0, [False]]))
     used = np.concatenate([used, [used[-1] + 1]])
     return np.interp(np.linspace(0.0, cdf[-1], TABLE + 1), cdf[used], x[used])
@@ -52,7 +52,7 @@ class _Step:
         self._start, self._end = start, end
         self._turn, self._stretch = zip(*(_polar(pose[:3, :3]) for pose in (start, end)))
         self._axis, self._angle = _axis_angle(self._turn[0].T @ self._turn[1])
-        # Powers of two: what has fewer poses then has one at some of the times of what has more.
+        # Powers of two: objects with fewer poses then have one at some of the times of objects with more.
         self.divisions = 1 << max(math.ceil(math.log2(max(self._angle / LARGEST_TURN, 1.0))), 0)
 
     def at(self, part: float) -> np.ndarray:
@@ -95,14 +95,14 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def between(values: np.ndarray, time: float) -> np.ndarray:
-    """Of K values at even times, what lies on the straight line at a time."""
+    """Linear interpolation of K values at even times."""
     place = min(max(time, 0.0), 1.0) * (len(values) - 1)
     first = min(int(place), len(values) - 2)
     return values[first] + (place - first) * (values[first + 1] - values[first])
 
 
 def blend(a, b, part: float):
-    """What is ``part`` of the way from a dataclass to another of its kind: numbers go in straight lines, all else is that of
+    """Interpolation by ``part`` between two dataclasses of one kind: numbers are linear, other fields are those of
     ``a``."""
     changes = {}
     for item in dataclasses.fields(a):
@@ -128,7 +128,7 @@ def _blend_values(old, new, part: float):
 
 
 def thing_at(thing, time: float):
-    """A lamp, a light or the camera at a time, standing still."""
+    """A lamp, a light or the camera at a time, without motion."""
     if not thing.motion:
         return thing
     place = min(max(time, 0.0), 1.0) * (len(thing.motion) - 1)
@@ -137,7 +137,7 @@ def thing_at(thing, time: float):
 
 
 def resampled(things: tuple) -> tuple:
-    """``motion`` of a lamp, a light or the camera, from K of itself at even times: as many as its turns ask for."""
+    """``motion`` of a lamp, a light or the camera, from K of itself at even times: as many as its rotation needs."""
     if len(things) < 2:
         return ()
     matrices = poses(np.stack([thing.matrix for thing in things]))
@@ -151,8 +151,8 @@ def resampled(things: tuple) -> tuple:
 
 
 def at(scene: Scene, time: float, chosen: np.ndarray | None = None) -> Scene:
-    """The scene at a time, in which nothing moves; of its surfaces only the instances ``chosen`` (instances,) are moved there,
-    where that is given."""
+    """The scene at a time, without motion. Of its surfaces only the instances ``chosen`` (instances,) are moved, if
+    given."""
     instances, meshes = list(scene.instances), list(scene.meshes)
     indices = range(len(instances)) if chosen is None else np.flatnonzero(chosen)
     for index in indices:
@@ -193,7 +193,7 @@ def _instance_at(instance: Instance, time: float) -> Instance:
 
 
 def still(scene: Scene) -> Scene:
-    """The scene where everything stands still as it is at the frame; for who cannot blur motion."""
+    """The scene without motion, as it is at the frame, for back ends without motion blur."""
     return dataclasses.replace(
         scene,
         camera=_stop(scene.camera),
@@ -212,8 +212,8 @@ def _stop(thing):
 
 
 def light_steps(scene: Scene, emissive: np.ndarray) -> int:
-    """Steps of the shutter at whose ends camera, lamps, lights and the instances ``emissive`` (instances,) are known; 0 if
-    none of them moves."""
+    """Number of shutter steps at whose ends camera, lamps, lights and the instances ``emissive`` (instances,) are
+    known; 0 if none of them moves."""
     counts = [len(thing.motion) - 1 for thing in (scene.camera, *scene.lamps, *scene.lights) if thing.motion]
     for instance in (scene.instances[index] for index in np.flatnonzero(emissive)):
         moved = (instance.motion, scene.meshes[instance.mesh].motion)
@@ -222,8 +222,8 @@ def light_steps(scene: Scene, emissive: np.ndarray) -> int:
 
 
 def time_of(shutter: Shutter, u: float, height: float) -> float:
-    """Time when the part ``u`` of the exposure has gone, in the line whose lower edge is at ``height``, 0 to 1 from the frame's
-    bottom."""
+    """Time at which the fraction ``u`` of the exposure has passed, in the line whose lower edge is at ``height``, 0 to
+    1 from the frame's bottom."""
     table = shutter.times
     time = float(np.interp(u, np.linspace(0.0, 1.0, len(table)), table))
     if shutter.rolling is None:

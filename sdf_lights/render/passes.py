@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render passes: one table for what is registered with Blender, sampled, stored and written."""
+"""The render passes: one table for registration with Blender, sampling, storage and output."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 
 class Kind(enum.Enum):
-    """Blender's kind of a pass, which decides how its viewers show it."""
+    """Blender's kind of a pass, which tells its viewers how to show it."""
 
     COLOR = "COLOR"
     VECTOR = "VECTOR"
@@ -21,18 +21,18 @@ class Rule(enum.Enum):
     """How the samples of a pixel become its value."""
 
     MEAN = "MEAN"  # over all samples
-    SURFACE_MEAN = "SURFACE_MEAN"  # over the samples that met a surface, so edges do not blend with nothing
-    FIRST = "FIRST"  # of the first sample that met a surface: distances must not be averaged
-    NUMBER = "NUMBER"  # of the first sample, 0 where that met no surface: numbers of things must not be averaged
+    SURFACE_MEAN = "SURFACE_MEAN"  # over the samples that hit a surface, so edges do not blend with nothing
+    FIRST = "FIRST"  # of the first sample that hit a surface: distances must not be averaged
+    NUMBER = "NUMBER"  # of the first sample, 0 if that hit no surface: object numbers must not be averaged
     COMPLEMENT = "COMPLEMENT"  # 1 less the mean over all samples
     COUNT = "COUNT"  # the number of samples
-    RATIO = "RATIO"  # of a shadow catcher: its light, over what that is without other objects
-    WEIGHTED = "WEIGHTED"  # over the samples that have one: their sums end with how many these are
-    MATTE = "MATTE"  # of Cryptomatte: what covers most of the pixel, and how much, for two things a pass
+    RATIO = "RATIO"  # of a shadow catcher: its light, over its light without other objects
+    WEIGHTED = "WEIGHTED"  # over the samples that have a value: the last column is their number
+    MATTE = "MATTE"  # of Cryptomatte: the objects that cover most of the pixel, and their coverage, two per pass
 
 
-# Sums of the light of parts of Combined, RGB each: what has been scattered first by such a lobe or by a medium, once or
-# more often.
+# Sums of the light of parts of Combined, RGB each: light first scattered by such a lobe or by a medium, once or more
+# often.
 LIGHT_SUMS = (
     "diffuse_direct",
     "diffuse_indirect",
@@ -43,7 +43,7 @@ LIGHT_SUMS = (
     "volume_direct",
     "volume_indirect",
 )
-# Sums of what surfaces are that the camera sees, and how many numbers each has.
+# Sums of the properties of surfaces that the camera sees, and the number of columns of each.
 DATA_SUMS = {
     "mist": 1,
     "uv": 3,
@@ -53,8 +53,8 @@ DATA_SUMS = {
     "glossy_albedo": 3,
     "transmission_albedo": 3,
     "occlusion": 3,
-    # Of shadow catchers: their light where there is nothing else, whether there is one, what is behind it, and how much the rest
-    # covers.
+    # Of shadow catchers: their light without other objects, whether there is one, the light behind it, and the coverage
+    # of the rest.
     "bare": 3,
     "caught": 1,
     "backdrop": 3,
@@ -64,7 +64,7 @@ CATCHER_SUMS = ("bare", "caught", "backdrop", "uncaught")
 
 
 class Owner(enum.Enum):
-    """What of a view layer has the switch of a pass."""
+    """The owner of a pass's switch, in a view layer."""
 
     BLENDER = "BLENDER"  # Blender itself
     CYCLES = "CYCLES"  # the settings of Cycles
@@ -75,10 +75,9 @@ class Owner(enum.Enum):
 class Pass:
     """One pass.
 
-    ``source`` names the sums of the film that it is read from (``film.CHANNELS``, ``LIGHT_SUMS``, ``DATA_SUMS``).
-    ``switch`` names the property that switches it on: of ``owner``. None: always on. ``light``: the exposure of the film
-    applies. ``per``: sums of a colour, by whose mean it is divided. ``level``: of a
-    matte, how many passes come before it.
+    ``source`` names the sums of the film for the pass (``film.CHANNELS``, ``LIGHT_SUMS``, ``DATA_SUMS``). ``switch``
+    names the property of ``owner`` that switches it on; None: always on. ``light``: the exposure of the film applies.
+    ``per``: sums of a colour whose mean divides it. ``level``: for a matte, the number of passes before it.
     """
 
     name: str
@@ -95,7 +94,7 @@ class Pass:
 
 
 def _lobe(name: str, adjective: str, color: str) -> tuple[Pass, Pass]:
-    """Passes of the light that lobes of a kind have scattered first."""
+    """Passes of the light first scattered by lobes of a kind."""
     low = name.lower()
     return (
         Pass(
@@ -105,7 +104,7 @@ def _lobe(name: str, adjective: str, color: str) -> tuple[Pass, Pass]:
             Rule.MEAN,
             f"{low}_direct",
             f"use_pass_{low}_direct",
-            f"Light that is scattered once, by {adjective}, over {name} Color",
+            f"Light scattered once, by {adjective}, divided by {name} Color",
             light=True,
             per=color,
         ),
@@ -116,7 +115,7 @@ def _lobe(name: str, adjective: str, color: str) -> tuple[Pass, Pass]:
             Rule.MEAN,
             f"{low}_indirect",
             f"use_pass_{low}_indirect",
-            f"Light that is scattered first by {adjective}, and again before, over {name} Color",
+            f"Light scattered several times, the last time before the camera by {adjective}, divided by {name} Color",
             light=True,
             per=color,
         ),
@@ -133,7 +132,7 @@ PASSES = (
         Rule.COMPLEMENT,
         "mist",
         "use_pass_mist",
-        "0 near the camera to 1 afar, as the Mist Pass of the world says",
+        "0 near the camera to 1 far away, by the Mist Pass settings of the world",
     ),
     Pass(
         "Position", "XYZ", Kind.VECTOR, Rule.FIRST, "position", "use_pass_position", "Position in the world, in metres"
@@ -146,7 +145,7 @@ PASSES = (
         Rule.WEIGHTED,
         "vector",
         "use_pass_vector",
-        "Motion in pixels: from here to the frame before, then from the frame after to here. Zero with Motion Blur",
+        "Motion in pixels: from here to the previous frame, then from the next frame to here. Zero with Motion Blur",
     ),
     Pass(
         "UV",
@@ -155,7 +154,7 @@ PASSES = (
         Rule.MEAN,
         "uv",
         "use_pass_uv",
-        "UV map that is active for rendering, and how much it covers",
+        "UV map that is active for rendering, and its coverage",
     ),
     Pass(
         "Object Index",
@@ -212,7 +211,7 @@ PASSES = (
         Rule.MEAN,
         "volume_direct",
         "use_pass_volume_direct",
-        "Light that a volume scatters once",
+        "Light scattered once, by a volume",
         owner=Owner.CYCLES,
         light=True,
     ),
@@ -223,7 +222,7 @@ PASSES = (
         Rule.MEAN,
         "volume_indirect",
         "use_pass_volume_indirect",
-        "Light that a volume scatters first, and that is scattered again before",
+        "Light scattered several times, the last time before the camera by a volume",
         owner=Owner.CYCLES,
         light=True,
     ),
@@ -254,7 +253,7 @@ PASSES = (
         Rule.MEAN,
         "occlusion",
         "use_pass_ambient_occlusion",
-        "How little is near that hides the sky, within the distance of the world's Ambient Occlusion",
+        "Fraction of the sky that nearby objects leave visible, within the distance in the world's Ambient Occlusion",
     ),
     Pass(
         "Shadow Catcher",
@@ -263,7 +262,7 @@ PASSES = (
         Rule.RATIO,
         "bare",
         "use_pass_shadow_catcher",
-        "What the light of shadow catchers is multiplied by, where other objects shade or light them",
+        "Factor on the light of shadow catchers from the shadows and the light of other objects",
         owner=Owner.CYCLES,
     ),
     Pass(
@@ -321,7 +320,7 @@ PASSES = (
 )
 
 BY_NAME = {item.name: item for item in PASSES}
-# Names before Blender 5.0, which compositor nodes and files of that time go by.
+# Names before Blender 5.0, used by compositor nodes and files of that time.
 OLD_NAMES = {
     "Emission": "Emit",
     "Environment": "Env",
@@ -337,7 +336,7 @@ OLD_NAMES = {
     },
 }
 
-# Kinds of Cryptomatte, by what they tell apart, and the names of their passes.
+# Kinds of Cryptomatte, by the objects that they separate, and the names of their passes.
 MATTES = {"object": "CryptoObject", "material": "CryptoMaterial", "asset": "CryptoAsset"}
 _GROUP, _OWN, _AOV, _MATTE = "group ", "light ", "aov ", "matte "
 
@@ -349,7 +348,7 @@ def light_group_pass(group: str) -> Pass:
 
 
 def own_pass(name: str) -> Pass:
-    """The pass of lights that ask for one of this name."""
+    """The pass of lights that ask for a pass of this name."""
     return Pass(name, "RGB", Kind.COLOR, Rule.MEAN, _OWN + name, None, f"Light of {name}", light=True)
 
 
@@ -357,7 +356,13 @@ def aov_pass(name: str, is_value: bool) -> Pass:
     """The pass of a shader AOV."""
     kind = Kind.VALUE if is_value else Kind.COLOR
     return Pass(
-        name, "X" if is_value else "RGBA", kind, Rule.MEAN, _AOV + name, None, f"What AOV Output nodes give to {name}"
+        name,
+        "X" if is_value else "RGBA",
+        kind,
+        Rule.MEAN,
+        _AOV + name,
+        None,
+        (f"Values that AOV Output nodes give to {name}"),
     )
 
 
@@ -367,12 +372,12 @@ def aov_names(passes: Iterable[Pass]) -> list[str]:
 
 
 def aov_sources(passes: Iterable[Pass]) -> list[str]:
-    """What the shader AOVs among passes are read from."""
+    """The sources of the shader AOVs among passes."""
     return [item.source for item in passes if item.source and item.source.startswith(_AOV)]
 
 
 def matte_passes(kind: str, depth: int) -> list[Pass]:
-    """Passes of a kind of Cryptomatte, for so many things in a pixel."""
+    """Passes of a kind of Cryptomatte, for so many objects in a pixel."""
     return [
         Pass(
             f"{MATTES[kind]}{level:02}",
@@ -394,7 +399,7 @@ def is_light(item: Pass) -> bool:
 
 
 def data_width(item: Pass) -> int:
-    """How many numbers of what surfaces are a pass sums; 0: none."""
+    """Number of columns of surface properties that a pass sums; 0: none."""
     if item.source is None:
         return 0
     return len(item.channels) if item.source.startswith(_AOV) else DATA_SUMS.get(item.source, 0)

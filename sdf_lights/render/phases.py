@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions of Blender that ``medium.Scattering`` has no words for, as what it has."""
+"""Phase functions of Blender, converted to those of ``medium.Scattering``."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import math
 
 import numpy as np
 
-MOST_G = 1.0 - 1e-3  # as in Cycles: beyond, light would hardly be scattered at all
-_DRAINE_OF_SMALL = 250.0  # α of Draine's part for droplets that are small against the wavelength
+MOST_G = 1.0 - 1e-3  # as in Cycles: beyond, light would hardly be scattered
+_DRAINE_OF_SMALL = 250.0  # α of Draine's part for droplets much smaller than the wavelength
 
 
 def limited(g: float) -> float:
-    """The anisotropy g, at most ``MOST_G`` in size."""
+    """The anisotropy g, clamped to ``MOST_G`` in magnitude."""
     return math.copysign(min(abs(g), MOST_G), g)
 
 
 def mie(diameter: float) -> tuple[tuple[float, float, float], ...]:
-    """(share, g, α) of the phase functions that together stand for droplets of so many micrometres.
+    """(share, g, α) of the phase functions that together represent droplets of so many micrometres.
 
     Jendersie and d'Eon 2023, "An approximate Mie scattering function for fog and cloud rendering".
     """
@@ -46,7 +46,7 @@ def mie(diameter: float) -> tuple[tuple[float, float, float], ...]:
 
 
 def fournier_forand_mean(index: float, backscatter: float) -> float:
-    """Mean cosine of particles of this refractive index that send this part of the light back.
+    """Mean cosine of particles with this refractive index that scatter this fraction backwards.
 
     Fournier and Jonasz 1999, "Computer-based underwater imaging analysis", SPIE 3761.
     """

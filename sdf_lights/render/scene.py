@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene as every back end receives it: plain dataclasses and NumPy arrays, copied once out of Blender.
+"""The scene for every back end: plain dataclasses and NumPy arrays, copied once out of Blender.
 
 Units: metres, watts, radians, scene-linear RGB. Matrices are 4 × 4, float64, column vectors (world = matrix @ local).
-Images and pixel coordinates have row 0 at the bottom, as Blender's render result has.
+Images and pixel coordinates have row 0 at the bottom, like Blender's render result.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ RGB = tuple[float, float, float]
 
 
 class Ray(enum.IntFlag):
-    """Kinds of ray, and so what an object can be visible to (Blender's Ray Visibility)."""
+    """Kinds of rays, to which an object can be visible (Blender's Ray Visibility)."""
 
     CAMERA = 1
     DIFFUSE = 2
@@ -37,7 +37,7 @@ class Ray(enum.IntFlag):
 
 
 class Domain(enum.IntEnum):
-    """What the rows of an attribute belong to."""
+    """The elements to which the rows of an attribute belong."""
 
     CORNER = 0  # three rows a triangle
     VERTEX = 1
@@ -54,12 +54,10 @@ class AttributeValues:
 
 
 class Primitive(enum.IntEnum):
-    """What the rows of ``Mesh.triangles`` are."""
+    """The meaning of the rows of ``Mesh.triangles``."""
 
     TRIANGLES = 0
-    RIBBONS = (
-        1  # segments of Catmull-Rom curves that turn their flat side to every ray, and are shaded as if they were round
-    )
+    RIBBONS = 1  # segments of Catmull-Rom curves; their flat side faces every ray, and they are shaded as if round
     STRANDS = 2  # the same, round
     CONES = 3  # round segments of straight lines
     SPHERES = 4
@@ -69,9 +67,9 @@ class Primitive(enum.IntEnum):
 class Mesh:
     """Triangles in local space. Corner arrays hold three values a triangle, in the order of its vertices.
 
-    Of curves a row is a segment (a, a + 1, a), whose barycentric coordinates are how far along it a point is, and where across
-    it, from −1 to 1; the vertices of a curve follow each other. Of spheres it is (a, a, a). Both have no corners, and
-    attributes instead of UV maps.
+    For curves a row is a segment (a, a + 1, a). Its barycentric coordinates are the position along it, and the position
+    across it, from −1 to 1. The vertices of a curve follow each other. For spheres a row is (a, a, a). Both have no
+    corners, and attributes instead of UV maps.
     """
 
     name: str
@@ -81,32 +79,32 @@ class Mesh:
     uvs: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (T, 3, 2) float32; "" is the active map
     tangents: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (T, 3, 4) float32, w = sign of bitangent
     slots: np.ndarray | None = None  # (T,) int32 material slot; None: all in slot 0
-    attributes: dict[Attribute, AttributeValues] = field(default_factory=dict)  # all others that materials look up
-    motion: np.ndarray | None = (
-        None  # (K, V, 3) float32 positions at even times of the shutter; None: it keeps its form
-    )
+    # all other attributes that materials look up
+    attributes: dict[Attribute, AttributeValues] = field(default_factory=dict)
+    motion: np.ndarray | None = None  # (K, V, 3) float32 positions at even times of the shutter; None: no deformation
     shifts: np.ndarray | None = (
-        None  # (2, V, 3) float32 to where it is at the frame before and the one after; None: there
+        None  # (2, V, 3) float32 offsets to the positions at the previous and the next frame; None: no deformation
     )
-    motion_normals: np.ndarray | None = None  # (K, T, 3, 3) float32, where there are ``normals``
+    motion_normals: np.ndarray | None = None  # (K, T, 3, 3) float32, if there are ``normals``
     primitive: Primitive = Primitive.TRIANGLES
     radii: np.ndarray | None = None  # (V,) float32 of curves and spheres
-    motion_radii: np.ndarray | None = None  # (K, V) float32, where they have ``motion``
-    subdivisions: int = 2  # of ribbons: each segment is 2 to this power flat pieces
+    motion_radii: np.ndarray | None = None  # (K, V) float32, if they have ``motion``
+    subdivisions: int = 2  # of ribbons: each segment has 2 to this power flat pieces
 
 
 ALL_SETS = -1  # bits of all sets of instances
-OPEN_SET = 0  # the set of what no collection of light or shadow linking names, and of the medium of the world
+OPEN_SET = 0  # the set of objects in no collection of light or shadow linking, and of the medium of the world
 MANY_BOUNCES = 1024
 
 
 @dataclass(kw_only=True)
 class Emitter:
-    """Light control. Where emission lights all and all cast its shadows, as without light linking, both masks are all ones.
+    """Light control. If emission lights all objects and all cast its shadows, as without light linking, both masks are
+    all ones.
 
     ``receivers``: bits of the sets ``Instance.light_set`` that it lights. ``blockers``: bits of the sets
-    ``Instance.shadow_set`` that cast its shadows. ``max_bounces``: it lights nothing that a path meets after more bounces.
-    ``light_group``: the pass of light that it counts to. ``sampled_only``: no ray but the camera's meets it by chance.
+    ``Instance.shadow_set`` that cast its shadows. ``max_bounces``: it lights no surface after more bounces.
+    ``light_group``: the pass of light that contains it. ``sampled_only``: only camera rays hit it by chance.
     """
 
     receivers: int = ALL_SETS
@@ -114,7 +112,7 @@ class Emitter:
     max_bounces: int = MANY_BOUNCES
     sampled_only: bool = False
     light_group: str = ""
-    own_pass: str = ""  # name of a pass of its light alone
+    own_pass: str = ""  # name of a separate pass of its light
 
 
 @dataclass
@@ -128,24 +126,25 @@ class Instance(Emitter):
     visibility: Ray = Ray.ALL
     holdout: bool = False
     attributes: dict[Attribute, AttributeValues] = field(default_factory=dict)  # of the object, before the mesh's own
-    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  # what Object Info gives
+    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  # values of Object Info
     index: int = 0
     random: float = 0.0  # 0 to 1
-    motion: np.ndarray | None = None  # (K, 4, 4) matrices at even times of the shutter; None: it stands still
-    around: np.ndarray | None = None  # (2, 4, 4) matrices at the frame before and the one after; None: as here
+    motion: np.ndarray | None = None  # (K, 4, 4) matrices at even times of the shutter; None: no motion
+    around: np.ndarray | None = None  # (2, 4, 4) matrices at the previous and the next frame; None: the same
     light_set: int = OPEN_SET
     shadow_set: int = OPEN_SET
     catcher: bool = False  # a shadow catcher
+    terminator: float = 0.0  # cosine below which light rays start above triangles with smooth normals; 0: none does
     asset: str = ""  # for Cryptomatte: the name of the object that all its parents end in
 
 
 @dataclass
 class Shutter:
-    """Times run from 0, where the shutter opens, to 1. What moves says where it is at K of them, evenly from 0 to 1, and is
-    on straight lines between. ``motion`` of a lamp, a light or the camera is K of itself; none: it stays as it is.
+    """Times run from 0, where the shutter opens, to 1. A moving object has its state at K times, evenly from 0 to 1,
+    with linear motion in between. ``motion`` of a lamp, a light or the camera is K copies of itself; empty: no motion.
 
-    ``times`` are those by which equal parts of the exposure have come. With ``rolling`` lines are exposed from the top of the
-    frame to its bottom, each for this part of the time.
+    ``times`` divide the exposure into equal parts. With ``rolling``, lines are exposed from the top of the frame to its
+    bottom, each for this fraction of the time.
     """
 
     times: np.ndarray = field(default_factory=lambda: np.linspace(0.0, 1.0, 2))
@@ -156,9 +155,9 @@ class Shutter:
 class Lamp(Emitter):
     """An SDF lamp: the interior of ``shape`` glows, and neither absorbs nor scatters.
 
-    Its world volume is V = shape volume × |det matrix|. Emission per metre is ρ = power · color / (4π V), in watts
-    per steradian and cubic metre, so far away the lamp lights like a Blender point light of the same power. Where
-    ``density`` is given, ρ = density · color instead, whatever the volume.
+    Its world volume is V = shape volume × |det matrix|. Emission per metre is ρ = power · color / (4π V), in watts per
+    steradian and cubic metre. So far away, the lamp lights like a Blender point light of the same power. With a
+    ``density``, ρ = density · color instead, for any volume.
 
     With a relative ``emission`` e(x), ρ(x) = power · color · e(x) / (4π V ē), where ē is the mean of e over the volume
     and its channels; or ρ(x) = density · color · e(x). Rays of the camera see ``camera_brightness`` times as much.
@@ -171,15 +170,15 @@ class Lamp(Emitter):
     density: float | None = None
     color: RGB = (1.0, 1.0, 1.0)
     visibility: Ray = Ray.ALL
-    emission: Emission | None = None  # None: the same everywhere
+    emission: Emission | None = None  # None: uniform
     motion: tuple = ()
     camera_brightness: float = 1.0
 
 
 @dataclass
 class Light(Emitter):
-    """One of Blender's lights; ``render.lights`` has their classes, each with its ``color``. ``emission``: nodes, whose Emission
-    closures its radiance is multiplied by."""
+    """One of Blender's lights; ``render.lights`` has their classes, each with its ``color``. ``emission``: nodes whose
+    Emission closures multiply its radiance."""
 
     name: str
     matrix: np.ndarray  # shines along its local −z
@@ -191,7 +190,8 @@ class Light(Emitter):
 
 @dataclass
 class Portal:
-    """A rectangle or ellipse through which light of the world is sampled, on the side of its local −z. It gives no light."""
+    """A rectangle or ellipse through which light of the world is sampled, on the side of its local −z. It emits no
+    light."""
 
     name: str
     matrix: np.ndarray
@@ -202,8 +202,8 @@ class Portal:
 
 @dataclass
 class World:
-    """Background radiance: ``color`` × ``strength``, times the equirectangular ``image`` where there is one, or times what
-    the Emission closures of ``emission`` give, whose position is the direction of the ray. ``medium`` fills all space."""
+    """Background radiance: ``color`` × ``strength``, times the equirectangular ``image`` if there is one, or times the
+    Emission closures of ``emission``, whose position is the direction of the ray. ``medium`` fills all space."""
 
     color: RGB = (0.0, 0.0, 0.0)
     strength: float = 1.0
@@ -218,7 +218,7 @@ class World:
 
 
 class Projection(enum.IntEnum):
-    """How a point (x, y) of ``Camera.window`` becomes a ray. From the third on they are panoramas."""
+    """How a point (x, y) of ``Camera.window`` becomes a ray. The third and later ones are panoramas."""
 
     PERSPECTIVE = 0  # on the plane z = −1
     ORTHOGRAPHIC = 1  # metres
@@ -226,7 +226,7 @@ class Projection(enum.IntEnum):
     FISHEYE_EQUIDISTANT = 3  # the distance from (0, 0) is the angle θ from the viewing axis
     FISHEYE_EQUISOLID = 4  # it is sin(θ / 2)
     FISHEYE_POLYNOMIAL = 5  # millimetres r of a sensor; −θ is the polynomial of r with the coefficients ``Camera.lens``
-    MIRROR_BALL = 6  # a mirroring ball of radius 1, seen from infinitely far; its middle shows what is ahead
+    MIRROR_BALL = 6  # a mirror ball of radius 1, seen from infinitely far; its middle shows the view ahead
     CUBEMAP_FACE = 7  # angles from the viewing axis, to the right and upwards
     CYLINDER = 8  # longitude, and height on a cylinder of radius 1
 
@@ -236,12 +236,12 @@ FULL_SPHERE = (-np.pi, np.pi, -np.pi / 2, np.pi / 2)  # window of an equirectang
 
 @dataclass
 class Eye:
-    """Where one of two eyes stands that turn with the direction they look in (spherical stereo)."""
+    """Position of one of two eyes that turn with the viewing direction (spherical stereo)."""
 
-    offset: float  # metres to the right of the camera, half the distance of the eyes
-    convergence: float = np.inf  # metres at which both see the same
+    offset: float  # metres to the right of the camera, half the distance between the eyes
+    convergence: float = np.inf  # metres at which both eyes see the same
     merge: tuple[float, float] | None = (
-        None  # angles above and below the horizon from which, and at which, both become one
+        None  # angles above and below the horizon where the eyes begin to converge, and where they coincide
     )
 
 
@@ -249,15 +249,15 @@ class Eye:
 class Camera:
     """Looks along its local −z, y up.
 
-    ``window`` is (left, right, bottom, top) of the whole frame in the plane of its projection: sensor fit, shift and
-    pixel aspect are in it already.
+    ``window`` is (left, right, bottom, top) of the whole frame in the plane of its projection, including sensor fit,
+    shift and pixel aspect.
     """
 
     matrix: np.ndarray  # camera to world, without scale
     projection: Projection = Projection.PERSPECTIVE
     window: tuple[float, float, float, float] = (-0.5, 0.5, -0.5, 0.5)
     clip: tuple[float, float] = (0.1, 1000.0)  # along the viewing axis (radius for panoramas)
-    field: float = np.inf  # of a fisheye: angle from edge to edge, beyond which there is no picture
+    field: float = np.inf  # of a fisheye: angle from edge to edge, outside of which there is no picture
     lens: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)  # of a polynomial fisheye: coefficients of r⁰ … r⁴
     eye: Eye | None = None  # of panoramas
     aperture: float = 0.0  # lens radius in metres; 0: pinhole
@@ -266,12 +266,12 @@ class Camera:
     blade_rotation: float = 0.0
     blade_ratio: float = 1.0
     motion: tuple = ()
-    around: tuple = ()  # itself at the frame before and the one after; none: as here
+    around: tuple = ()  # itself at the previous and the next frame; empty: the same
 
 
 @dataclass
 class Mist:
-    """What the pass of that name shows: how far the distance is between ``start`` and ``depth`` behind it (metres), from 0 to
+    """The pass of that name: the position of the distance between ``start`` and ``depth`` behind it (metres), from 0 to
     1, to the ``power``."""
 
     start: float = 5.0
@@ -297,18 +297,18 @@ class Scene:
     world: World = field(default_factory=World)
     mist: Mist = field(default_factory=Mist)
     occlusion_distance: float = 10.0  # metres within which the pass Ambient Occlusion looks for surfaces
-    passes: list[Pass] = field(default_factory=list)  # that there are beside ``passes.PASSES``
-    attributes: list[Attribute] = field(default_factory=list)  # that passes look up, beside those that materials do
+    passes: list[Pass] = field(default_factory=list)  # that exist in addition to ``passes.PASSES``
+    attributes: list[Attribute] = field(default_factory=list)  # that passes look up, in addition to those of materials
     settings: Settings = field(default_factory=Settings)
     shutter: Shutter | None = None  # None: nothing moves
-    background_moves: bool = False  # whether the pass Vector also has what shows no surface
+    background_moves: bool = False  # whether the pass Vector also includes the background
     warnings: list[str] = field(default_factory=list)
     kept: dict | None = (
-        None  # what a back end keeps for the next render, whose scene may be nearly the same; None: nothing
+        None  # data that a back end keeps for the next render, whose scene may be nearly the same; None: nothing
     )
 
     def looked_up(self) -> list[Attribute]:
-        """Every attribute that is looked up, in the order of their places."""
+        """Every attribute that is looked up, in the order of their indices."""
         return attributes_of(self.materials, self.attributes)
 
 
@@ -318,8 +318,8 @@ def catches_shadows(scene: Scene) -> bool:
 
 
 def catchers_only(scene: Scene) -> Scene:
-    """The scene whose only objects are its shadow catchers. Indices of instances and of their triangles stay; the others have
-    none. No medium fills the world. What is warned of is not told again."""
+    """The scene whose only objects are its shadow catchers. Indices of instances and of their triangles stay; the other
+    instances have no triangles. No medium fills the world. Warnings are not repeated."""
     empty = Mesh("", np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
     kept = {instance.mesh for instance in scene.instances if instance.catcher}
     return replace(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A render from start to finish: which back end, in which steps, when to stop, what to tell the user."""
+"""A render from start to finish: the back end, its steps, when to stop, and messages to the user."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .scene import Scene
 from .settings import Device, Settings
 
 LARGEST_BATCH = 32
-# Seconds until the first picture is shown, and from one to the next.
+# Seconds until the first picture is shown, and between two pictures.
 FIRST_UPDATE, UPDATE_INTERVAL = 0.25, 1.0
 
 
@@ -42,8 +42,8 @@ class Progress:
 def batches(samples: int) -> Iterator[tuple[int, int]]:
     """(first sample, count) of each batch: 1, 1, 2, 4, … up to ``LARGEST_BATCH``.
 
-    The schedule depends on nothing but the number of samples, so that adaptive sampling, which decides between
-    batches, gives the same picture on any machine.
+    The schedule depends only on the number of samples. So adaptive sampling, which decides between batches, gives the
+    same picture on any machine.
     """
     first, count = 0, 1
     while first < samples:
@@ -54,7 +54,7 @@ def batches(samples: int) -> Iterator[tuple[int, int]]:
 
 
 def process_memory() -> int:
-    """Peak resident memory of this process in bytes, 0 where the platform does not tell."""
+    """Peak resident memory of this process in bytes, 0 if the platform does not tell."""
     try:
         import resource
     except ImportError:
@@ -64,8 +64,8 @@ def process_memory() -> int:
 
 
 def choose_back_end(scene: Scene) -> Callable[..., InteractiveBackEnd]:
-    """The renderer class for ``scene.settings.device`` among those that run on the processor; falls back to the NumPy
-    reference, with a warning, where Numba cannot be imported."""
+    """The renderer class for ``scene.settings.device`` among those for the processor. Falls back to the NumPy
+    reference, with a warning, if Numba cannot be imported."""
     if scene.settings.device is not Device.REFERENCE:
         if jit.AVAILABLE:
             from .cpu.renderer import CpuRenderer
@@ -81,7 +81,7 @@ def choose_back_end(scene: Scene) -> Callable[..., InteractiveBackEnd]:
 
 
 def wants_gpu(settings: Settings) -> bool:
-    """Whether to try the GPU: it has to be asked for, until it has been run on graphics cards (docs/gpu.md)."""
+    """Whether to try the GPU: only on request, until it has been tested on graphics cards (docs/gpu.md)."""
     return jit.AVAILABLE and settings.device is Device.GPU
 
 
@@ -92,10 +92,10 @@ def render(
     on_progress: Callable[[Progress], None] = lambda progress: None,
     on_update: Callable[[Film], None] = lambda film: None,
 ) -> Film:
-    """Render ``scene`` and return its film, also when cancelled (then with what was sampled until then).
+    """Render ``scene`` and return its film, even if cancelled (then with the samples so far).
 
-    ``cancelled`` is polled at least ten times a second, ``on_progress`` and ``on_update`` (a new picture, about once a
-    second) are called in this thread too. ``passes`` are names in ``passes.PASSES``; Combined is always there.
+    ``cancelled`` is polled at least ten times a second; ``on_progress`` and ``on_update`` (a new picture, about once a
+    second) are called in this thread too. ``passes`` are names in ``passes.PASSES``; Combined is always included.
     Raises RenderError with one sentence for the user.
     """
     on_progress(Progress("Preparing", memory=process_memory()))
@@ -112,28 +112,29 @@ def render(
 
 
 def check_size(scene: Scene, passes: tuple[str, ...] = ()) -> None:
-    """Raise ``RenderError`` where there is no memory for the picture, or for the scene beside it."""
+    """Raise ``RenderError`` if there is not enough memory for the picture, or for the scene in addition."""
     x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
     needed, free = (x1 - x0) * (y1 - y0) * bytes_of_a_pixel(scene, passes), memory.available()
     if free is not None and needed > free:
         raise RenderError(
-            f"A picture of {x1 - x0:,} × {y1 - y0:,} pixels with {len(passes)} passes takes {memory.in_words(needed)}, and "
-            f"{memory.in_words(free)} of memory are free: choose a lower resolution, a render region, or fewer passes."
+            f"A picture of {x1 - x0:,} × {y1 - y0:,} pixels with {len(passes)} passes takes "
+            f"{memory.in_words(needed)}, but only {memory.in_words(free)} of memory are free: choose a lower "
+            "resolution, a render region, or fewer passes."
         )
     triangles, instances = sum(len(mesh.triangles) for mesh in scene.meshes), len(scene.instances)
     geometry = triangles * memory.TRIANGLE_BYTES + instances * memory.INSTANCE_BYTES
     if free is not None and needed + geometry > free:
         raise RenderError(
-            f"The scene's {triangles:,} triangles and {instances:,} instances take {memory.in_words(geometry)} beside the "
-            f"picture's {memory.in_words(needed)}, and {memory.in_words(free)} of memory are free: subdivide less, hide "
-            "objects, or make copies instances of one mesh."
+            f"The scene's {triangles:,} triangles and {instances:,} instances take {memory.in_words(geometry)} beside "
+            f"the picture's {memory.in_words(needed)}, but only {memory.in_words(free)} of memory are free: subdivide "
+            "less, hide objects, or make copies instances of one mesh."
         )
 
 
 def _render(
     back_end: Callable[..., BackEnd], scene: Scene, passes: tuple[str, ...], cancelled, on_progress, on_update
 ) -> Film:
-    """``render`` by one back end."""
+    """``render`` with one back end."""
     settings = scene.settings
     started = time.perf_counter()
     film = Film(scene, passes)
@@ -151,7 +152,7 @@ def _render(
         return out_of_time or cancelled()
 
     def report(first: int, count: int, noise: float | None, part: float) -> None:
-        """``part``: how much of the batch of ``count`` samples after the ``first`` has been done."""
+        """``part``: the finished fraction of the batch of ``count`` samples after the ``first``."""
         nonlocal next_update
         now = time.perf_counter()
         done = (first + part * count) / settings.samples

@@ -7,12 +7,12 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass, field
 
-# Number of branches that a path divides into: at most, and until the noise of pixels is known.
+# Number of branches of a path: the maximum, and the number until the noise of pixels is known.
 MOST_BRANCHES, START_BRANCHES = 16, 4
 
 
 class Device(enum.Enum):
-    """What renders: ``AUTOMATIC`` is the CPU where Numba is there, else the NumPy reference."""
+    """The device: ``AUTOMATIC`` is the CPU if Numba is available, else the NumPy reference."""
 
     AUTOMATIC = "AUTOMATIC"
     CPU = "CPU"
@@ -21,17 +21,18 @@ class Device(enum.Enum):
 
 
 class LampSampling(enum.Enum):
-    """Sampling of light rays towards SDF lamps. All but ``CUT`` are there to compare with it; no panel shows them."""
+    """Sampling of light rays towards SDF lamps. All except ``CUT`` are for comparison; no panel shows them."""
 
     CUT = "CUT"  # in proportion to the light that parts of the lamp give the point (emitter/sampling/cut.py)
-    MIS = "MIS"  # points of the interior, joined with rays of the BSDF by the balance heuristic (Huang et al. 2026)
-    PROJECTION = "PROJECTION"  # points of the interior; rays of the BSDF count only where it is glossy
-    EXTERNAL = "EXTERNAL"  # what is registered with emitter/sampling/external.py; else as PROJECTION. On the CPU
+    MIS = "MIS"  # points of the interior, combined with BSDF rays by the balance heuristic (Huang et al. 2026)
+    PROJECTION = "PROJECTION"  # points of the interior; BSDF rays count only if the BSDF is glossy
+    # the sampler registered with emitter/sampling/external.py; else as PROJECTION. Only on the CPU
+    EXTERNAL = "EXTERNAL"
     BSDF = "BSDF"  # no light rays
 
 
 class Filter(enum.Enum):
-    """Pixel filters, as Cycles has them."""
+    """Pixel filters, as in Cycles."""
 
     BOX = "BOX"
     GAUSSIAN = "GAUSSIAN"
@@ -41,7 +42,7 @@ class Filter(enum.Enum):
 def _setting(
     default, description: str, minimum=None, maximum=None, unit: str = "", label: str = "", developer: bool = False
 ):
-    """A field of ``Settings``. One for a ``developer`` is in no panel and no document for artists."""
+    """A field of ``Settings``. A ``developer`` field is in no panel and no document for artists."""
     return field(
         default=default,
         metadata=dict(
@@ -57,7 +58,7 @@ class Settings:
     device: Device = _setting(Device.AUTOMATIC, "Device that renders. Automatic is the CPU, which samples lamps better")
     lamp_sampling: LampSampling = _setting(
         LampSampling.CUT,
-        "Sampling of light from SDF lamps. Cut is the default; the others are there to compare with it",
+        "Sampling of light from SDF lamps. Cut is the default; the others are for comparison",
         developer=True,
     )
     samples: int = _setting(
@@ -74,8 +75,8 @@ class Settings:
     animate_seed: bool = _setting(True, "Use a different seed for each frame", label="Animate Seed")
     sample_offset: int = _setting(
         0,
-        "Number of samples of the same picture to leave out before the first. Renders of several machines with the same seed "
-        "and ranges side by side have different samples, and scripts/merge joins their files",
+        "Number of samples of the same picture to leave out before the first. Several machines can render the same "
+        "seed with adjoining ranges; scripts/merge joins their files",
         0,
         1 << 24,
     )
@@ -89,8 +90,8 @@ class Settings:
     transparent_bounces: int = _setting(8, "Maximum number of transparent surfaces that a path passes", 0, 1024)
     indirect_paths: int = _setting(
         0,
-        "Number of paths that continue from the first surface of each sample, on the CPU. 0 chooses the best number for each "
-        "pixel",
+        "Number of paths that continue from the first surface of each sample, on the CPU. 0 chooses the best number "
+        "for each pixel",
         0,
         MOST_BRANCHES,
     )
@@ -120,8 +121,8 @@ class Settings:
     )
     filter_glossy: float = _setting(
         0.0,
-        "Roughness of reflection and refraction behind rough surfaces, which gives less noise where caustics are. 0 is no "
-        "blur, and no bias",
+        "Minimum roughness of reflection and refraction behind rough surfaces, which gives less noise in caustics. 0 is "
+        "no blur, and no bias",
         0.0,
         10.0,
     )

@@ -1,9 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves and spheres as Embree has them, and the numbers by which rays know what they have left.
-
-As in Cycles, a ray that starts on a curve, or on a sphere, does not meet the same one again.
-"""
+"""Curves and spheres as Embree has them."""
 
 from __future__ import annotations
 
@@ -23,24 +20,24 @@ EMBREE_TYPES = {
 }
 
 
-_SAME = 1e-6  # as far as Cycles takes scales for equal
+_SAME = 1e-6  # tolerance within which Cycles treats scales as equal
 
 
 class Buffers(NamedTuple):
-    """What Embree is given: ``vertices`` (N, 4) float32 for each time, with radii; ``indices`` (S,) uint32 of the first vertex of
-    each segment, None of spheres."""
+    """Data for Embree: ``vertices`` (N, 4) float32 for each time, with radii; ``indices`` (S,) uint32 of the first
+    vertex of each segment, None for spheres."""
 
     vertices: list[np.ndarray]
     indices: np.ndarray | None
 
 
 def has_strands(scene: Scene) -> bool:
-    """Whether there is anything but triangles."""
+    """Whether the scene has curves or spheres."""
     return any(scene.meshes[instance.mesh].primitive != Primitive.TRIANGLES for instance in scene.instances)
 
 
 def strand_of(mesh: Mesh) -> np.ndarray:
-    """(S,) int32 number of the curve that each segment is of; of spheres their own."""
+    """(S,) int32 number of the curve of each segment; for spheres their own."""
     rows = mesh.triangles
     if mesh.primitive == Primitive.SPHERES:
         return np.arange(len(rows), dtype=np.int32)
@@ -49,37 +46,38 @@ def strand_of(mesh: Mesh) -> np.ndarray:
     return (np.cumsum(begins) - 1).astype(np.int32)
 
 
-def first_numbers(scene: Scene) -> np.ndarray:
-    """(instances,) int64 number of the first curve or sphere of each instance; they count from 1 on."""
-    counts = {
-        index: int(strand_of(mesh)[-1]) + 1 if len(mesh.triangles) else 0
-        for index, mesh in enumerate(scene.meshes)
-        if mesh.primitive != Primitive.TRIANGLES
-    }
-    sizes = np.array([counts.get(instance.mesh, 0) for instance in scene.instances], np.int64)
-    return 1 + np.cumsum(sizes) - sizes
-
-
 def can_be_baked(mesh: Mesh, instance: Instance) -> bool:
-    """Whether an instance can be put into the world: curves and spheres that are stretched are no longer round there."""
+    """Whether an instance can be baked into world space: scaled curves and spheres are no longer round there."""
     if mesh.primitive == Primitive.TRIANGLES:
         return True
     squares = (np.asarray(instance.matrix, float)[:3, :3] ** 2).sum(0)
     return float(np.ptp(squares)) < _SAME * max(float(squares.max()), 1.0)
 
 
+def baked_instances(scene: Scene) -> np.ndarray:
+    """(instances,) bool: those that are put into the world, as no other has their mesh and they stand still."""
+    uses = np.bincount([instance.mesh for instance in scene.instances], minlength=len(scene.meshes))
+    return np.array(
+        [
+            uses[instance.mesh] == 1 and instance.motion is None and can_be_baked(scene.meshes[instance.mesh], instance)
+            for instance in scene.instances
+        ],
+        dtype=bool,
+    )
+
+
 def world_scale(matrix: np.ndarray) -> float:
-    """What a radius is multiplied by where curves or spheres are put into the world."""
+    """Factor on radii when curves or spheres are baked into world space."""
     return abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
 
 
 def radii_of(mesh: Mesh) -> np.ndarray:
-    """(V,), or (K V,) of a mesh that moves: the radii of one form after the other."""
+    """(V,), or (K V,) for a mesh that deforms: the radii at one time after the other."""
     return mesh.radii if mesh.motion_radii is None else mesh.motion_radii.ravel()
 
 
 def margin(mesh: Mesh) -> float:
-    """How far what is around the vertices goes beyond them; a curve may swing a little further than they are, too."""
+    """How far the geometry extends beyond its vertices; a curve may swing slightly further out."""
     if mesh.primitive == Primitive.TRIANGLES or not len(mesh.positions):
         return 0.0
     swing = 0.0
@@ -91,7 +89,7 @@ def margin(mesh: Mesh) -> float:
 
 
 def buffers(mesh: Mesh, matrix: np.ndarray | None = None) -> Buffers:
-    """Curves or spheres for Embree, in the world by ``matrix``, or as they are."""
+    """Curves or spheres for Embree, in world space by ``matrix``, or in local space."""
     forms = [mesh.positions] if mesh.motion is None else list(mesh.motion)
     sizes = [mesh.radii] * len(forms) if mesh.motion_radii is None else list(mesh.motion_radii)
     factor = 1.0
@@ -106,7 +104,7 @@ def buffers(mesh: Mesh, matrix: np.ndarray | None = None) -> Buffers:
     first = mesh.triangles[:, 0].astype(np.int64)
     if mesh.primitive == Primitive.CONES:
         return Buffers(vertices, first.astype(np.uint32))
-    # Embree's curves begin and end one vertex further: those at the ends are there twice.
+    # Embree's curves begin and end one vertex further, so the end vertices are repeated.
     strand = strand_of(mesh)
     begins = np.flatnonzero(np.diff(strand, prepend=-1))
     ends = np.append(begins[1:], len(strand)) - 1
@@ -124,13 +122,14 @@ def tessellation(mesh: Mesh) -> float:
 
 
 def without_strands(scene: Scene, name: str) -> Scene:
-    """The scene with triangles alone; it gets a warning where there is more, with the ``name`` of the back end."""
+    """The scene with only its triangles. If it has more, it gets a warning with the ``name`` of the back end."""
     known = [scene.meshes[instance.mesh].primitive == Primitive.TRIANGLES for instance in scene.instances]
     if all(known):
         return scene
     left_out = sorted({repr(instance.name) for instance, there in zip(scene.instances, known) if not there})
     scene.warnings.append(
-        f"{name} leaves hair and point clouds out, those of {', '.join(left_out)}: choose the CPU as the device to see them."
+        f"{name} leaves hair and point clouds out, those of {', '.join(left_out)}: choose the CPU as the device to "
+        "see them."
     )
     instances = [instance for instance, there in zip(scene.instances, known) if there]
     return dataclasses.replace(scene, instances=instances)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tangents of triangles along their texture coordinates, as tools that bake normal maps have them.
+"""Tangents of triangles along their texture coordinates, as in tools that bake normal maps.
 
-M. S. Mikkelsen, "Simulation of Wrinkled Surfaces Revisited" (2008), chapter 5: at a vertex, the tangents of the triangles
-around it that are joined by edges and have their texture the same way round are averaged, weighed by their angles there.
+M. S. Mikkelsen, "Simulation of Wrinkled Surfaces Revisited" (2008), chapter 5: at a vertex, the tangents of triangles
+that are joined by edges and whose texture has the same orientation are averaged, weighted by their angles there.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ _MIX = np.uint64(0x9E3779B97F4A7C15)  # 2^64 over the golden ratio
 def tangents(positions: np.ndarray, triangles: np.ndarray, normals: np.ndarray | None, uvs: np.ndarray) -> np.ndarray:
     """(T, 3, 4) float32: unit tangents of the corners, and the sign of the bitangent, which is normal × tangent × sign.
 
-    ``positions`` (V, 3), ``triangles`` (T, 3) indices of vertices, ``uvs`` (T, 3, 2), ``normals`` (T, 3, 3), or None for flat
-    triangles. Corners that no triangle with an area in the texture reaches have the tangent x.
+    ``positions`` (V, 3), ``triangles`` (T, 3) indices of vertices, ``uvs`` (T, 3, 2), ``normals`` (T, 3, 3), or None
+    for flat triangles. Corners without a triangle of nonzero texture area have the tangent x.
     """
     count = len(triangles)
     points = positions[triangles].astype(np.float32)
@@ -33,7 +33,8 @@ def tangents(positions: np.ndarray, triangles: np.ndarray, normals: np.ndarray |
     along, forward, proper = _of_triangles(points, uvs)
     groups = _groups(vertices, forward, proper)
 
-    # The tangent of each triangle in the plane of each corner's normal, by the angle that the triangle has in that plane.
+    # The tangent of each triangle in the plane of each corner's normal, weighted by the angle of the triangle in that
+    # plane.
     around = [np.roll(points, -step, axis=1) - points for step in (1, 2)]
     cosine = np.einsum("tca,tca->tc", *(_projected(normals, edge) for edge in around))
     weight = np.where(proper[:, None], np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
@@ -48,13 +49,13 @@ def tangents(positions: np.ndarray, triangles: np.ndarray, normals: np.ndarray |
 
 
 def on_sphere(positions: np.ndarray) -> np.ndarray:
-    """(V, 2) texture coordinates of meshes that have none: of the directions from the origin of the object (V, 3)."""
+    """(V, 2) texture coordinates of meshes without any: from the directions (V, 3) from the origin of the object."""
     return np.stack(evaluate_all(sphere_place(*POINT), positions), axis=-1).astype(np.float32)
 
 
 def _welded(corners: np.ndarray) -> np.ndarray:
-    """(N,) a number for each row of float32, the same for equal rows. By a hash of 64 bits: that two of a million million
-    pairs of different rows count as equal has a chance below one in ten million."""
+    """(N,) a number for each row of float32, the same for equal rows. A 64-bit hash: the probability that two of a
+    million million pairs of different rows count as equal is below one in ten million."""
     words = np.ascontiguousarray(corners + np.float32(0.0), np.float32).view(np.uint32).astype(np.uint64)  # −0 is 0
     found = np.zeros(len(words), np.uint64)
     for column in words.T:
@@ -64,7 +65,7 @@ def _welded(corners: np.ndarray) -> np.ndarray:
 
 
 def _of_triangles(points: np.ndarray, uvs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Unit directions (T, 3) in which u grows, whether the texture is not mirrored, and whether it has an area at all."""
+    """Unit directions (T, 3) in which u grows, whether the texture is not mirrored, and whether it has nonzero area."""
     first, second = points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]
     (u1, v1), (u2, v2) = (uvs[:, 1] - uvs[:, 0]).T, (uvs[:, 2] - uvs[:, 0]).T
     area = u1 * v2 - u2 * v1
@@ -80,7 +81,7 @@ def _groups(vertices: np.ndarray, forward: np.ndarray, proper: np.ndarray) -> np
     """(3 T,) one of the corners that share a tangent with each corner."""
     corners = np.arange(vertices.size).reshape(vertices.shape)
     start, end = vertices, np.roll(vertices, -1, axis=1)
-    # An edge and the same edge the other way round, of a neighbour; where there are several, in the order of triangles.
+    # An edge, and the same edge in opposite direction in a neighbour; several are used in the order of triangles.
     key = (np.minimum(start, end) * np.int64(vertices.size) + np.maximum(start, end)).ravel()
     here, there = np.flatnonzero((start < end).ravel()), np.flatnonzero((start > end).ravel())
     _, a, b = np.intersect1d(_numbered(key[here]), _numbered(key[there]), assume_unique=True, return_indices=True)
@@ -93,7 +94,7 @@ def _groups(vertices: np.ndarray, forward: np.ndarray, proper: np.ndarray) -> np
 
 
 def _numbered(keys: np.ndarray) -> np.ndarray:
-    """Keys with a number at their end, which tells equal ones apart: how many are before it."""
+    """Keys with a number appended that separates equal ones: the number of equal keys before it."""
     order = np.argsort(keys, kind="stable")
     index, ordered = np.arange(len(keys)), keys[order]
     starts = np.concatenate([[True], ordered[1:] != ordered[:-1]])[: len(keys)]
@@ -108,7 +109,7 @@ def _next(corner: np.ndarray) -> np.ndarray:
 
 
 def _orbits(following: np.ndarray, longest: int) -> np.ndarray:
-    """One member of the chain or ring that each entry is in: the end of a chain, the least of a ring."""
+    """One member of the chain or ring of each entry: the end of a chain, the least of a ring."""
     least, onward = np.minimum(np.arange(len(following)), following), following
     for _ in range(longest.bit_length()):
         least, onward = np.minimum(least, least[onward]), onward[onward]
@@ -116,7 +117,7 @@ def _orbits(following: np.ndarray, longest: int) -> np.ndarray:
 
 
 def _lend(result: np.ndarray, vertices: np.ndarray, proper: np.ndarray) -> None:
-    """Give corners of triangles without an area in the texture what another one has at the same vertex."""
+    """Give corners of triangles with zero texture area the tangent of another corner at the same vertex."""
     lacking = np.flatnonzero(~proper)
     if not len(lacking):
         return

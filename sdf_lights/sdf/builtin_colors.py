@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the expression language for colours: vectors of scene-linear red, green and blue (Rec. 709)."""
+"""The colour functions of the expression language. Colours are vectors of scene-linear red, green and blue (Rec.
+709)."""
 
 from __future__ import annotations
 
@@ -12,17 +13,18 @@ from .functions import COLOURS, FUNCTIONS, Argument, Function, word
 
 MOST_STOPS = 32
 
-COLDEST, HOTTEST = 800.0, 12000.0  # kelvin; Blender's Blackbody node holds temperatures to the same limits
+COLDEST, HOTTEST = 800.0, 12000.0  # kelvin; Blender's Blackbody node has the same limits
 
 
 @word(COLOURS, cost=40)
 def blackbody(temperature: Scalar):
-    """Colour of a body that glows at so many kelvins, from 800 to 12000, as of Blender's node Blackbody.
+    """Colour of a glowing body at a temperature in kelvins, from 800 to 12000, as in Blender's node Blackbody.
 
     Its brightness is always 1: hotter is bluer, not brighter.
     """
     # Krystek 1985, "An algorithm to calculate correlated colour temperature", Color Research & Application 10(1): the
-    # chromaticity (u, v) of Planck's spectrum. To Rec. 709 of luminance 1; what it cannot show is cut off.
+    # chromaticity (u, v) of Planck's spectrum. Converted to Rec. 709 with luminance 1; colours outside the gamut are
+    # clipped.
     t = minimum(maximum(temperature, COLDEST), HOTTEST)
     u = (0.860117757 + t * (1.54118254e-4 + t * 1.28641212e-7)) / (1.0 + t * (8.42420235e-4 + t * 7.08145163e-7))
     v = (0.317398726 + t * (4.22806245e-5 + t * 4.20481691e-8)) / (1.0 + t * (t * 1.61456053e-7 - 2.89741816e-5))
@@ -45,7 +47,7 @@ def _constant(value: Scalar, position: Scalar, above: Scalar) -> Scalar:
 
 
 def _ramp(name: str, between: Callable, description: str) -> None:
-    """Adds a colour ramp; ``between`` says how far, from 0 to 1, a value is from one stop's colour to the next."""
+    """Adds a colour ramp. ``between`` returns how far, from 0 to 1, a value is from one stop's colour to the next."""
     usage = f"{name}(value, position, colour, position, colour, …)"
 
     def call(slots: Work, *given):
@@ -80,8 +82,8 @@ def _at(between: Callable, value: Scalar, stops: tuple):
 _ramp(
     "ramp",
     _linear,
-    "A colour ramp: the colours of stops, straight from each to the next. A colour is a vector, or a "
-    "number for grey. Positions are in order.",
+    "A colour ramp: linear from each stop's colour to the next. A colour is a vector, or a number for grey. Positions "
+    "are in order.",
 )
 _ramp("ramp_ease", _ease, "A colour ramp that is smooth at its stops.")
 _ramp("ramp_constant", _constant, "A colour ramp that keeps the colour of each stop up to the next.")

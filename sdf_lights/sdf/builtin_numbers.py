@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the expression language for numbers, fields and vectors, and for folding the point.
+"""The functions of the expression language for numbers, fields and vectors, and for folding the point.
 
-Most are written once, for floats and formulas alike: see ``expression_values.compute``.
+Most are written once, for floats and formulas: see ``expression_values.compute``.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def _sign(a: Scalar) -> Scalar:
 
 
 def where(truth, then: Scalar, otherwise: Scalar) -> Scalar:
-    """``then`` where ``truth`` holds, else ``otherwise``: a number for a truth value, a formula for a comparison."""
+    """``then`` where ``truth`` holds, else ``otherwise``: a number for a boolean, a formula for a comparison."""
     if isinstance(truth, Formula):
         return formula.select(truth, then, otherwise)
     return then if truth else otherwise
@@ -136,32 +136,37 @@ spread_word(
 )
 spread_word("abs", absolute, "The value without its sign.", "value")
 spread_word("sign", _sign, "−1, 0 or 1.", "value", cost=5)
-spread_word("floor", expression_values.floor, "The next whole number below.", "value")
-spread_word("ceil", lambda a: -expression_values.floor(-a), "The next whole number above.", "value")
+spread_word("floor", expression_values.floor, "The greatest whole number that is not above the value.", "value")
+spread_word(
+    "ceil", lambda a: -expression_values.floor(-a), ("The least whole number that is not below the value."), "value"
+)
 spread_word("round", _round, "The nearest whole number.", "value")
 spread_word(
-    "fract", lambda a: a - expression_values.floor(a), "What is left above the next whole number below.", "value"
+    "fract",
+    lambda a: a - expression_values.floor(a),
+    ("The fractional part: the value minus the greatest whole number that is not above it."),
+    "value",
 )
 spread_word(
     "mod", modulo, "Remainder with the sign of the divisor, also written `value % divisor`.", "value", "divisor", cost=4
 )
 spread_word("min", _fold(minimum), "The least value.", "value", variadic=True)
 spread_word("max", _fold(maximum), "The greatest value.", "value", variadic=True)
-spread_word("clamp", _clamp, "The value held between two limits.", "value", "low", "high", cost=2)
+spread_word("clamp", _clamp, "The value limited to a range.", "value", "low", "high", cost=2)
 spread_word(
     "mix",
     lambda a, b, t: a + (b - a) * t,
-    "From a (at t = 0) to b (at t = 1) on a straight line.",
+    "Linear interpolation from a (at t = 0) to b (at t = 1).",
     "a",
     "b",
     "t",
     cost=3,
 )
-spread_word("step", lambda edge, a: where(a < edge, 0.0, 1.0), "0 below the edge, 1 from there on.", "edge", "value")
+spread_word("step", lambda edge, a: where(a < edge, 0.0, 1.0), "0 below the edge, 1 from the edge on.", "edge", "value")
 spread_word(
     "smoothstep",
     _smoothstep,
-    "From 0 below low to 1 above high, on a smooth curve between.",
+    "From 0 below low to 1 above high, with a smooth curve between.",
     "low",
     "high",
     "value",
@@ -173,7 +178,7 @@ spread_word(
 def select(slots: Work, condition: Condition, then: Any, otherwise: Any):
     """One value where the condition holds, another elsewhere; also written `then if condition else otherwise`.
 
-    A condition compares numbers or fields: `a < b`, `<=`, `>`, `>=`, and is put together with `and`, `or` and `not`.
+    A condition compares numbers or fields: `a < b`, `<=`, `>`, `>=`. `and`, `or` and `not` combine conditions.
     """
     return choose(slots, condition, then, otherwise)
 
@@ -181,7 +186,7 @@ def select(slots: Work, condition: Condition, then: Any, otherwise: Any):
 def dot_product(a: Vector, b: Vector) -> Scalar:
     """Scalar product. Raises ``Misuse`` for vectors of different length."""
     if len(a) != len(b):
-        raise Misuse("vectors of two and of three components do not go together", "use one kind, as in p.xy or p")
+        raise Misuse("vectors of two and of three components cannot be combined", "use one kind, as in p.xy or p")
     return sum((x * y for x, y in zip(a[1:], b[1:])), a[0] * b[0])
 
 
@@ -236,7 +241,7 @@ def normalize(vector: Vector):
 def noise(slots: Work, point: Vector3, seed: float = 0.0):
     """Smooth random values between −1 and 1, with features of one metre: `noise(4 * p)` has them four times finer.
 
-    Another seed, a whole number from 0 to 288, gives other noise.
+    Another seed, a whole number from 0 to 288, gives different noise.
     """
 
     def at(point: Vector, seed: Scalar) -> Scalar:
@@ -255,9 +260,10 @@ def as_formula(scalar: Scalar) -> Formula:
 
 @word(POINTS, cost=5)
 def repeat(slots: Work, point: Value, period: Value):
-    """The point as seen from the middle of its cell, where cells of the given size fill space.
+    """The point relative to the centre of its cell, if cells of the given size fill space.
 
-    A shape there appears in every cell: `sphere(0.2)(repeat(p, 1))`. A direction with a period of 0 is left alone.
+    A shape at this point appears in every cell: `sphere(0.2)(repeat(p, 1))`. A direction with a period of 0 is not
+    repeated.
     """
 
     def cell(a: Scalar, size: Scalar) -> Scalar:
@@ -268,9 +274,9 @@ def repeat(slots: Work, point: Value, period: Value):
 
 @word(POINTS, cost=8)
 def fold(point: Vector, normal: Vector, offset: Scalar = 0.0):
-    """The point mirrored to the side of a plane that its normal points to, if it is on the other.
+    """The point, mirrored to the side of a plane that its normal points to, if it is on the other side.
 
-    The plane is offset from the origin by so many metres along the normal.
+    The plane is at this distance in metres from the origin, along the normal.
     """
     normal = unit(normal)
     beyond = 2.0 * minimum(dot_product(point, normal) - offset, 0.0)
@@ -279,24 +285,25 @@ def fold(point: Vector, normal: Vector, offset: Scalar = 0.0):
 
 @word(POINTS, cost=8)
 def mirror(point: Vector3, normal: Vector3 = (1.0, 0.0, 0.0)):
-    """The point mirrored to the side of a plane through the origin that its normal points to, if it is on the other."""
+    """The point, mirrored to the side of a plane through the origin that its normal points to, if it is on the other
+    side."""
     return fold(point, normal)
 
 
 @word(POINTS, cost=10)
 def polar(point: Vector, count: Scalar):
-    """The point turned about the z axis, by whole parts of a turn, to the part around the x axis.
+    """The point rotated about the z axis, by whole sectors, into the sector around the x axis.
 
-    A shape there appears that many times around the axis: `sphere(0.2)(polar(p, 6) - (1, 0, 0))`.
+    A shape at this point appears that many times around the axis: `sphere(0.2)(polar(p, 6) - (1, 0, 0))`.
     """
     part = math.tau / count
     turn = part * _round(expression_values.atan2(point[1], point[0]) / part)
     c, s = cos(turn), sin(turn)
-    # The point is in the part as it is. That it is held to it is for the intervals, which cannot see that.
+    # The point already lies in the sector. The clamp is for interval arithmetic, which cannot see that.
     radius, side = norm(point[:2]), sin(minimum(0.5 * part, 0.5 * math.pi))
     x = maximum(point[0] * c + point[1] * s, radius * cos(0.5 * part))
     y = _clamp(point[1] * c - point[0] * s, -side * radius, side * radius)
-    # From one part to the next, the point jumps to its mirror image: y changes its sign there, and nothing else.
+    # From one sector to the next, the point jumps to its mirror image: only the sign of y changes there.
     number = as_formula(count)
     if number.kind == formula.PARAMETER or number.kind == formula.CONSTANT:
         for value, even in ((x, False), (y, True)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the expression language for shapes: every shape, profile and operator by name, and transforms."""
+"""The functions of the expression language for shapes: every shape, profile and operator by name, and transforms."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .shapes.profiles import PROFILES, Profile
 
 Vec3 = tuple[float, float, float]
 
-_PRIMITIVE = 20  # operations of the field of a primitive, about
+_PRIMITIVE = 20  # rough operations of the field of a primitive
 
 
 def _arguments(kind_of_shape: type[Parametric]) -> tuple[Argument, ...]:
@@ -84,24 +84,24 @@ for _name, _shape in {**SHAPES, **PROFILES}.items():
 
 @word("Fields", usage="field(value, bounds=none)")
 def field(slots: Work, value: Scalar, bounds: Vec3 = (math.inf,) * 3):
-    """The shape that a field is negative in.
+    """The shape inside which a field is negative.
 
-    Its limits are found by themselves. Where that fails or takes long, give half of the size of a box around the origin
-    as bounds: the shape is cut to it.
+    Its limits are found automatically. If that fails or takes long, give half of the size of a box around the origin as
+    bounds. The shape is then cut to it.
     """
     if not isinstance(value, Formula):
         raise Misuse("this field is the same at all points", "make it of the point p, as in field(length(p) - 1)")
     return as_shape(value, slots, None if math.inf in bounds else Box(bounds))
 
 
-_DISPLACEMENT_STEPS = 240  # that finding the limits of a field and of its slope counts for, besides its operations
+_DISPLACEMENT_STEPS = 240  # cost of finding the limits of a field and of its slope, in addition to its operations
 
 
 @word("Fields")
 def displace(slots: Work, shape: Shape, amount: Scalar):
-    """The shape with its surface moved outwards by a field, or inwards where it is negative.
+    """The shape with its surface moved outwards by a field, or inwards where the field is negative.
 
-    Where the field has limits, and limits of its slope, the shape keeps its bound on the distance.
+    If the field and its slope have limits, the shape keeps its bound on the distance.
     """
     amount = of_shape(as_formula(expression_values.lifted(amount, slots)), slots)
     slots.step(_DISPLACEMENT_STEPS + 3 * len(formula.order(amount)))
@@ -113,7 +113,7 @@ def displace(slots: Work, shape: Shape, amount: Scalar):
 def distance(slots: Work, shape: Any, point: Vector):
     """The field of a shape at a point, also written `shape(point)`, or the distance between two points.
 
-    That of a profile is at a point of two components: `circle(1)(p.xy)`.
+    The field of a profile takes a point of two components: `circle(1)(p.xy)`.
     """
     if kind_of(shape) == "vector":
         return compute(slots, lambda a, b: norm(difference(a, b)), shape, point)
@@ -150,12 +150,12 @@ def _turned(vector: Vector, axis: Vector, degrees: Scalar) -> Vector:
 
 
 def _rotated(slots: Work, what, turn: Callable, *angles):
-    """A vector turned by ``turn(vector, *angles)``, or a shape by its matrix."""
+    """A vector rotated by ``turn(vector, *angles)``, or a shape by its matrix."""
     if isinstance(what, Shape):
         if any(map(has_field, angles)):
             raise NeedsNumber(
-                "a shape is turned as a whole, but the angle differs from point to point",
-                "turn the point, as in shape(rotate_z(p, 90 * p.z))",
+                "a shape rotates as a whole, but the angle differs from point to point",
+                "rotate the point, as in shape(rotate_z(p, 90 * p.z))",
             )
         return _transformed(what, np.transpose([turn(tuple(unit), *angles) for unit in np.eye(3).tolist()]))
     return compute(slots, turn, what, *angles)
@@ -169,13 +169,13 @@ def translate(slots: Work, shape: Shape, offset: Vec3):
 
 @word("Transforms", cost=6)
 def rotate(slots: Work, shape: Any, degrees: Value, axis: Vector3 = (0.0, 0.0, 1.0)):
-    """The shape, or vector, turned about an axis through the origin, counter-clockwise as seen from its tip.
+    """The shape, or vector, rotated about an axis through the origin, counter-clockwise as seen from its tip.
 
-    With a vector of three angles: about x, then y, then z, as Blender's XYZ Euler rotation; axis is not used then. A
-    vector of two components is turned in its plane.
+    With a vector of three angles: about x, then y, then z, like Blender's XYZ Euler rotation; axis is then unused. A
+    vector of two components rotates in its plane.
     """
     if kind_of(shape) not in ("shape", "field", "vector"):
-        raise Misuse(f"rotate turns shapes and vectors, not a {kind_of(shape)}", "write rotate(shape, degrees)")
+        raise Misuse(f"rotate takes shapes and vectors, not a {kind_of(shape)}", "write rotate(shape, degrees)")
     if isinstance(shape, Formula):
         shape = as_shape(shape, slots)
     if isinstance(shape, tuple) and len(shape) == 2:
@@ -194,32 +194,32 @@ def _about(index: int) -> Callable:
 
 @word("Transforms", cost=4)
 def rotate_x(slots: Work, shape: Any, degrees: Scalar):
-    """The shape, or vector, turned about the x axis."""
+    """The shape, or vector, rotated about the x axis."""
     return rotate(slots, shape, degrees, (1.0, 0.0, 0.0))
 
 
 @word("Transforms", cost=4)
 def rotate_y(slots: Work, shape: Any, degrees: Scalar):
-    """The shape, or vector, turned about the y axis."""
+    """The shape, or vector, rotated about the y axis."""
     return rotate(slots, shape, degrees, (0.0, 1.0, 0.0))
 
 
 @word("Transforms", cost=4)
 def rotate_z(slots: Work, shape: Any, degrees: Scalar):
-    """The shape, or vector, turned about the z axis."""
+    """The shape, or vector, rotated about the z axis."""
     return rotate(slots, shape, degrees, (0.0, 0.0, 1.0))
 
 
 @word("Transforms")
 def scale(slots: Work, shape: Shape, factor: Vec3):
-    """The shape stretched from the origin: one factor, or one each along x, y and z. A negative factor mirrors."""
+    """The shape scaled from the origin: one factor, or one for each of x, y and z. A negative factor mirrors."""
     return _transformed(shape, np.diag(factor))
 
 
 @word("Transforms", cost=6)
 def transform(slots: Work, shape: Shape, x: Vec3, y: Vec3, z: Vec3, offset: Vec3 = (0.0, 0.0, 0.0)):
-    """The shape under an affine map, shear included: x, y and z say where the unit vectors of the axes go.
+    """The shape under an affine map, including shear: x, y and z are the images of the axes' unit vectors.
 
-    The offset says where the origin goes.
+    The offset is the image of the origin.
     """
     return _transformed(shape, np.transpose([x, y, z]), offset)

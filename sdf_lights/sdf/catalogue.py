@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How shapes are grouped where people look for them: in menus and on the reference page."""
+"""Groups of shapes for people: in menus and on the reference page."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-# By the module that they are in, which groups them too, but by what their code has in common.
+# The groups follow modules, except where these group by shared code.
 _TITLES = {
     "primitives": "Basic",
     "solids": "Rounded",
@@ -28,7 +28,7 @@ def category(shape: type) -> str:
 
 
 def grouped(shapes: Iterable[type]) -> dict[str, list[type]]:
-    """Shapes by the title of their group; groups, and shapes in a group, in the order given."""
+    """Shapes by the title of their group; groups and shapes in the given order."""
     found: dict[str, list[type]] = {}
     for shape in shapes:
         found.setdefault(category(shape), []).append(shape)

@@ -19,15 +19,15 @@ USAGE = {
     "toggle": "name = toggle(True)",
     "vector": "name = vector((x, y, z), minimum, maximum)",
 }
-"""How each kind of parameter is declared."""
+"""The syntax of each kind of parameter."""
 
 LIMITS = {"angle": (-360.0, 360.0), "vector": (-10.0, 10.0)}
-"""Limits of kinds that can be declared without them."""
+"""Limits of kinds that need no declared limits."""
 
 _TAKES = {
     "toggle": "True or False",
-    "vector": "a vector of three numbers, and its limits or none",
-    "angle": "a number of degrees, and its limits or none",
+    "vector": "a vector of three numbers, and optional limits",
+    "angle": "a number of degrees, and optional limits",
 }
 
 
@@ -45,7 +45,7 @@ class Declaration(NamedTuple):
     description: str
 
     def held(self, value) -> float | tuple[float, float, float]:
-        """A value held to the limits; whole for an integer. Raises ``ValueError`` for what is not a number."""
+        """A value clamped to the limits; whole for an integer. Raises ``ValueError`` if it is not a number."""
         if self.kind == "vector":
             x, y, z = value
             return self._held(x), self._held(y), self._held(z)
@@ -59,14 +59,14 @@ class Declaration(NamedTuple):
         return float(math.floor(value + 0.5)) if self.kind in ("integer", "toggle") else value
 
     def live(self, value):
-        """What the name stands for in the expression, for a value that is held."""
+        """The value of the name in the expression, for a clamped value."""
         if self.kind == "vector":
             return tuple(map(Live, value))
         return Condition(Live(value)) if self.kind == "toggle" else Live(value, self.maximum)
 
 
 def declare(name: str, kind: str, given: list, description: str) -> Declaration:
-    """The declaration with the given values in brackets. Raises ``Misuse`` where they are not what it takes."""
+    """The declaration with the given arguments. Raises ``Misuse`` if they are wrong."""
     cure = f"write {USAGE[kind]}"
     if len(name) > LONGEST_NAME:
         raise Misuse(f"the name {name:.20}… of the parameter is too long", f"use at most {LONGEST_NAME} letters")

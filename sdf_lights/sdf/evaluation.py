@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walk over the syntax tree of an expression, by which it becomes a shape or, see ``emission``, a brightness.
+"""The walk over the syntax tree of an expression. Its result is a shape or, see ``emission``, a brightness.
 
 Only a whitelist of the tree is walked: nothing is evaluated as Python. Every step of the walk counts, those of a loop
-as often as it runs, and there is a most; shapes have a greatest size. So an expression cannot ask for more than a
+as often as it runs, and their number is limited; so is the size of shapes. So an expression cannot demand more than a
 moment's work.
 """
 
@@ -20,6 +20,7 @@ import numpy as np
 
 from . import (  # noqa: F401 (the words of these modules are in FUNCTIONS then)
     builtin_colors,
+    builtin_data,
     builtin_shapes,
     declarations,
     expression_values,
@@ -27,6 +28,7 @@ from . import (  # noqa: F401 (the words of these modules are in FUNCTIONS then)
 from ..graph import formula
 from ..graph.formula import LONGEST_LOOP, POINT, Formula
 from .functions import CONSTANTS, FUNCTIONS, as_shape
+from .resolver import Resolver, Standing
 from .shapes import Difference, Field, Intersection, Shape, ShapeError, Union
 from .shapes.base import Parametric
 from .syntax import DEEPEST, ExpressionError
@@ -50,7 +52,7 @@ MOST_PRIMITIVES = 2_000
 DEEPEST_SHAPE = 100
 MOST_FIELDS = 16  # in a shape: finding the limits of each takes time
 
-_SHAPE_STEPS = 6  # that making a shape counts for
+_SHAPE_STEPS = 6  # cost of making a shape
 
 _ARITHMETIC: dict[type, Callable] = {
     ast.Add: lambda a, b: a + b,
@@ -82,22 +84,22 @@ _COMPARISONS: dict[type, Callable] = {
 class Evaluation:
     """One run through the statements, with the names known so far."""
 
-    def __init__(self, given: Mapping[str, object], remarks: Mapping[int, str]):
+    def __init__(self, given: Mapping[str, object], remarks: Mapping[int, str], resolver: Resolver | None = None):
         self.given = given
         self.remarks = remarks
         self.names: dict[str, object] = CONSTANTS | {"p": tuple(POINT)}
         self.declarations: dict[str, declarations.Declaration] = {}
-        self.slots = Work()
+        self.slots = Work(resolver)
         self.depth = 0  # of values inside one another
         self.nesting = 0  # of blocks
         self.loops = 0  # of the formula, that are being made
 
     def error(self, node: ast.AST, message: str, cure: str) -> ExpressionError:
-        """The error at the place of a node: what is wrong, and the cure."""
+        """The error at the position of a node: the mistake and the cure."""
         return ExpressionError(message, getattr(node, "lineno", 1), getattr(node, "col_offset", 0) + 1, cure)
 
     def run(self, tree: ast.Module) -> Shape:
-        """The shape that the last line says."""
+        """The shape of the last line."""
         last, result = self.last(
             tree, "write a shape, for instance sphere(0.5)", "what glows", "end with a line that is a shape"
         )
@@ -111,10 +113,11 @@ class Evaluation:
             return self.finished(last, self.attempt(last, lambda: as_shape(result, self.slots)))
 
     def last(self, tree: ast.Module, sample: str, wanted: str, cure: str) -> tuple[ast.Expr, object]:
-        """Runs all statements; the last one, and its value. The texts are for messages where there is no such value."""
+        """Runs all statements. Returns the last one and its value. The texts are for messages if there is no such
+        value."""
         if not tree.body:
             raise ExpressionError("the expression is empty", 1, 1, sample)
-        with np.errstate(all="ignore"):  # what is not finite is found and reported where it arises
+        with np.errstate(all="ignore"):  # values that are not finite are reported where they arise
             self.block(tree.body[:-1])
             last = tree.body[-1]
             if not isinstance(last, ast.Expr):
@@ -123,8 +126,10 @@ class Evaluation:
             return last, self.value(last.value)
 
     def finished(self, node: ast.AST, shape: Shape) -> Shape:
-        """Refuses what could not be rendered."""
+        """Refuses shapes that cannot be rendered."""
         shape = self.checked(node, shape)
+        if isinstance(self.slots.resolver, Standing) and self.slots.resolver.asked:
+            return shape  # of boxes in place of data, whose limits tell nothing
         fields = list(itertools.islice(_fields(shape), MOST_FIELDS + 1))
         if len(fields) > MOST_FIELDS:
             raise self.error(
@@ -143,14 +148,14 @@ class Evaluation:
         return shape
 
     def step(self, node: ast.AST, count: int = 1) -> None:
-        """Count work on the expression. Raises ExpressionError where it is too much."""
+        """Count work on the expression. Raises ExpressionError if it is too much."""
         try:
             self.slots.step(count)
         except Misuse as misuse:
             raise self.error(node, str(misuse), misuse.cure) from None
 
     def operate(self, node: ast.AST, count: int) -> None:
-        """Count operations of a field. Raises ExpressionError where they are too many."""
+        """Count operations of a field. Raises ExpressionError if they are too many."""
         self.attempt(node, lambda: self.slots.operate(count))
 
     # -- statements ---------------------------------------------------------------------------------------------------
@@ -183,11 +188,13 @@ class Evaluation:
     def misplaced_break(self, statement: ast.Break) -> None:
         """Refuse a break that does not belong to a loop."""
         raise self.error(
-            statement, "break does not stand here", "write if condition: break among the lines of the loop itself"
+            statement,
+            ("break is not allowed here"),
+            "write if condition: break among the lines of the loop itself",
         )
 
     def new_name(self, target: ast.expr, statement: ast.stmt) -> str:
-        """The name that a statement gives a value. Raises ExpressionError where that is none, or taken."""
+        """The name that a statement assigns to. Raises ExpressionError if it is no name, or already taken."""
         if not isinstance(target, ast.Name):
             raise self.error(statement, "only a name can be given a value", "write name = value")
         if target.id in declarations.USAGE or target.id == "range":
@@ -217,7 +224,8 @@ class Evaluation:
             raise self.error(call, f"there already is a parameter {name}", "choose another name")
         if self.nesting:
             raise self.error(call, "a parameter cannot be declared in a block", "move the line to the top")
-        for part in ast.walk(call):  # or the limits, and with them the user interface, would change as sliders move
+        # otherwise the limits, and with them the user interface, would change as sliders move
+        for part in ast.walk(call):
             if isinstance(part, ast.Name) and self.names.get(part.id) is not CONSTANTS.get(part.id):
                 raise self.error(
                     part,
@@ -241,9 +249,9 @@ class Evaluation:
             ) from None
 
     def branch(self, statement: ast.If) -> None:
-        """Both sides are computed; what they give a value is chosen by the condition, point by point if need be."""
+        """Both sides are computed. The condition chooses between their results, point by point if necessary."""
         condition = self.condition(statement.test)
-        if type(condition.truth) is float:  # the same always
+        if type(condition.truth) is float:  # a constant condition
             self.inner(statement.body if condition.truth > 0.5 else statement.orelse)
             return
         before = dict(self.names)
@@ -257,7 +265,7 @@ class Evaluation:
             self.names[name] = self.chosen(statement, condition, then[name], otherwise[name])
 
     def loop(self, statement: ast.For) -> None:
-        """``for name in range(count)``: one node of the formula if the states allow it, else round by round."""
+        """``for name in range(count)``: one node of the formula if the states allow it, else iteration by iteration."""
         index = self.new_name(statement.target, statement)
         if statement.orelse:
             raise self.error(statement.orelse[0], "a loop has no else", "leave it out")
@@ -278,12 +286,12 @@ class Evaluation:
             try:
                 self.iterated(statement, index if index in read else "", count, carried)
                 return
-            except NeedsNumber:  # a shape in it is made of the states: then the rounds are written one after another
+            except NeedsNumber:  # it makes shapes from the states: then the loop is unrolled
                 self.names, self.nesting, self.loops, self.slots.rounds = state
         self.unrolled(statement, index, count, carried)
 
     def count(self, node: ast.expr) -> float:
-        """The number of rounds of a loop: at most a thousand, and that for all values of parameters."""
+        """The number of iterations of a loop: at most a thousand for all values of parameters."""
         if not (
             isinstance(node, ast.Call)
             and isinstance(node.func, ast.Name)
@@ -310,7 +318,8 @@ class Evaluation:
         return count
 
     def round(self, statements: list[ast.stmt], carried: list[str]) -> Condition:
-        """Runs the statements of a loop once; the condition on which one of its lines ``if …: break`` has ended it."""
+        """Runs the statements of a loop once. Returns the condition under which one of its lines ``if …: break`` has
+        ended it."""
         exits = []
         self.nesting += 1
         for part in statements:
@@ -332,10 +341,10 @@ class Evaluation:
         return ended
 
     def unrolled(self, statement: ast.For, index: str, count: float, carried: list[str]) -> None:
-        """The rounds one after another: for loops of numbers, and of shapes."""
+        """Iterates one after another: for loops of numbers, and of shapes."""
         before = self.names
         carry = {name: before[name] for name in carried}
-        follows = isinstance(count, Live)  # whether the results change with parameters through the number of rounds
+        follows = isinstance(count, Live)  # whether the results change with parameters through the number of iterations
         ended = Condition(0.0)
         for i in range(int(max(count, 0.0))):
             self.step(statement)
@@ -349,7 +358,7 @@ class Evaluation:
         self.names = before | {name: live(value) if follows else value for name, value in carry.items()}
 
     def iterated(self, statement: ast.For, index: str, count: float, carried: list[str]) -> None:
-        """The loop as one of the formula: for loops of fields."""
+        """The loop as a loop of the formula: for loops of fields."""
         limit = int(count.greatest if isinstance(count, Live) else count)
         if limit < 1:
             return
@@ -422,7 +431,7 @@ class Evaluation:
             self.depth -= 1
 
     def checked(self, node: ast.expr, value):
-        """The value. Raises ExpressionError where it is not finite, or a shape that cannot be built."""
+        """The value. Raises ExpressionError if it is not finite, or is a shape that cannot be built."""
         if isinstance(value, Parametric):
             if isinstance(value, Shape) and (value.size > MOST_PRIMITIVES or value.depth > DEEPEST_SHAPE):
                 raise self.error(
@@ -441,8 +450,10 @@ class Evaluation:
                     raise self.error(node, "the value is undefined or too large", "use other numbers")
         return value
 
-    def constant(self, node: ast.Constant) -> float | Condition:
-        """A number, or True or False as a condition."""
+    def constant(self, node: ast.Constant) -> float | str | Condition:
+        """A number, a text, or True or False as a condition."""
+        if type(node.value) is str:
+            return node.value
         if type(node.value) is bool:
             return Condition(float(node.value))
         if type(node.value) not in (int, float):
@@ -458,15 +469,15 @@ class Evaluation:
         raise self.unknown(node, FUNCTIONS | self.names)
 
     def unknown(self, node: ast.Name, known) -> ExpressionError:
-        """The error for a name without a value, with the known name that is most like it."""
-        # Looking for what is alike takes time for each name, so not among thousands.
+        """The error for a name without a value, with the most similar known name."""
+        # Searching for similar names takes time for each name, so it is limited.
         close = difflib.get_close_matches(node.id[:40], itertools.islice(reversed(known), 200), 1)
         cure = f"did you mean {close[0]}?" if close else "give it a value on a line above, or choose a known name"
         return self.error(node, f"{node.id:.40} is not a known name", cure)
 
     def call(self, node: ast.Call):
-        """The result of a word of the language, or of a shape called with a point: its field there."""
-        # A name that was given a value still stands for a function where it is called, unless the value can be called.
+        """The result of a function of the language, or of a shape called with a point: its field there."""
+        # A name with a value still means the function where it is called, unless the value can be called.
         name = node.func.id if isinstance(node.func, ast.Name) else None
         if name not in FUNCTIONS and name not in declarations.USAGE or isinstance(self.names.get(name), Parametric):
             shape = self.called(node)
@@ -493,7 +504,7 @@ class Evaluation:
         return self.attempt(node, lambda: function(self.slots, positional, named))
 
     def called(self, node: ast.Call) -> Parametric:
-        """The shape or profile that stands before the brackets of a call."""
+        """The shape or profile before the brackets of a call."""
         if isinstance(node.func, ast.Name) and node.func.id not in self.names:
             raise self.unknown(node.func, FUNCTIONS)
         value = self.value(node.func)
@@ -530,7 +541,7 @@ class Evaluation:
 
     def binary(self, node: ast.BinOp):
         """The value of operators between operands: of a whole chain at once."""
-        # The tree of a long chain a + b + c + … leans to the left: walked down its spine, it needs no recursion.
+        # The tree of a long chain a + b + c + … leans to the left. Walking down its spine needs no recursion.
         spine = [node]
         while isinstance(spine[-1].left, ast.BinOp):
             spine.append(spine[-1].left)
@@ -555,7 +566,7 @@ class Evaluation:
         return result
 
     def combines(self, kind: type, left, right) -> bool:
-        """Whether an operator makes a shape: of shapes, or of fields where it could mean nothing else."""
+        """Whether an operator makes a shape: from shapes, or from fields if no other meaning is possible."""
         kinds = {kind_of(left), kind_of(right)}
         return kind in _COMBINATIONS and kinds <= {"shape", "field"} and ("shape" in kinds or kind is not ast.Sub)
 
@@ -565,7 +576,7 @@ class Evaluation:
         return self.attempt(node, lambda: _COMBINATIONS[type(node.op)](*(as_shape(o, self.slots) for o in operands)))
 
     def mismatch(self, node: ast.BinOp, left: str, right: str) -> ExpressionError:
-        """The error for an operator between kinds that it does not take."""
+        """The error for an operator between kinds that it does not accept."""
         symbol = _SYMBOLS.get(type(node.op), "this operator")
         cure = "use | & - between shapes, and + - * / % ** between numbers, fields and vectors"
         if {left, right} == {"shape", "field"}:
@@ -594,7 +605,7 @@ class Evaluation:
         return spread(lambda scalar: compute(self.slots, operator.neg, scalar), value)
 
     def condition(self, node: ast.expr) -> Condition:
-        """The value of an expression. Raises ExpressionError where it is no condition."""
+        """The value of an expression. Raises ExpressionError if it is no condition."""
         value = self.value(node)
         if not isinstance(value, Condition):
             raise self.error(node, f"a {kind_of(value)} is not a condition", "compare it, as in a < b")
@@ -637,7 +648,7 @@ class Evaluation:
         if then is otherwise:
             return then
         if has_field(condition) or has_field(then) or has_field(otherwise):
-            # Of conditions, four: they are numbers for as long as it takes to choose.
+            # Conditions also count as values here: they become numbers for the choice.
             self.operate(
                 node,
                 4

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What names stand for in an expression: numbers, fields, vectors of them, conditions and shapes.
+"""The values of an expression: numbers, fields, vectors of them, conditions and shapes.
 
 A *number* is a float, or a ``Live`` one if it follows a parameter of the expression. A *field* is a ``Formula``: a
 number at each point. Both are *scalars*; a vector is a tuple of two or three scalars.
 
-``compute`` is the one way from values to values. Numbers alone are computed at once. Where they meet a field, floats
-become constants of the formula, and ``Live`` numbers its parameters, so the formula stays the same one as they change.
+All computation goes through ``compute``. Numbers alone are computed at once. When they meet a field, floats become
+constants of the formula, and ``Live`` numbers become its parameters, so the formula stays the same when they change.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ from typing import NamedTuple
 from ..graph import formula
 from ..graph.formula import CONSTANT, Formula
 from ..graph.operations import OPERATIONS
+from .resolver import Nothing, Resolver
 from .shapes.base import Parametric, Slots
 from .shapes.profiles import Profile
 
 
 class Misuse(Exception):
-    """Something was given what it does not take; says what in half a sentence, and the cure."""
+    """A function got a value that it does not accept. Has the mistake in half a sentence, and the cure."""
 
     def __init__(self, problem: str, cure: str):
         super().__init__(problem)
@@ -31,7 +32,7 @@ class Misuse(Exception):
 
 
 class NeedsNumber(Misuse):
-    """A field was given where only a number will do."""
+    """A field was given where a number is needed."""
 
 
 MOST_STEPS = 10_000
@@ -39,18 +40,19 @@ MOST_OPERATIONS = 20_000  # that a field takes at each point
 
 
 class Work(Slots):
-    """The slots of an expression, and how much work it has been: all of it is announced here before it is done.
+    """The slots of an expression, and its work so far: all work is announced here before it is done.
 
     ``rounds`` is how often a loop of the formula that is being made runs, times that of the loop around it, and so on.
     The first ``inputs`` slots are not numbers: they stand for what is known only where the formula is read. Raises
-    ``Misuse`` where there is too much.
+    ``Misuse`` where there is too much. ``resolver`` gives the shapes that data make.
     """
 
-    def __init__(self):
+    def __init__(self, resolver: Resolver | None = None):
         super().__init__()
         self.steps = self.operations = 0
         self.rounds = 1
         self.inputs = 0
+        self.resolver: Resolver = resolver or Nothing()
 
     def input(self) -> Formula:
         """A further input, before any number has a slot."""
@@ -58,13 +60,13 @@ class Work(Slots):
         return self(0.0)
 
     def step(self, count: int = 1) -> None:
-        """Steps of about five microseconds."""
+        """Count steps of about five microseconds."""
         self.steps += count
         if self.steps > MOST_STEPS:
             raise Misuse("the expression takes too many steps", "use fewer rounds, or fewer parts")
 
     def operate(self, count: int) -> None:
-        """Operations that are added to a formula."""
+        """Count operations added to a formula."""
         self.step(6 * count)
         self.operations += count * self.rounds
         if self.operations > MOST_OPERATIONS:
@@ -74,8 +76,8 @@ class Work(Slots):
 class Live(float):
     """A number that changes with the parameters of the expression.
 
-    ``greatest`` is the most it can be, infinite where that is not declared. ``slot`` is its place in the formulas of
-    the expression, once it has one.
+    ``greatest`` is its maximum, infinite if none is declared. ``slot`` is its slot in the formulas of the expression,
+    once it has one.
     """
 
     __slots__ = ("greatest", "slot")
@@ -89,7 +91,7 @@ class Live(float):
         return made
 
     def formula(self, slots: Slots) -> Formula:
-        """The parameter that stands for the number; it has one slot."""
+        """The parameter for the number; it has one slot."""
         if self.slot is None:
             self.slot = slots(float(self))
         return self.slot
@@ -100,7 +102,7 @@ Vector = tuple[Scalar, ...]
 
 
 class Condition(NamedTuple):
-    """``truth`` is 1.0 or 0.0 where the same holds at every point, else a formula that is a comparison."""
+    """``truth`` is 1.0 or 0.0 if it is the same at every point, else a comparison as a formula."""
 
     truth: Scalar
 
@@ -117,6 +119,8 @@ def kind_of(value) -> str:
         return "condition" if isinstance(value, Condition) else "vector"
     if isinstance(value, Parametric):
         return "profile" if isinstance(value, Profile) else "shape"
+    if isinstance(value, str):
+        return "text"
     return "number" if isinstance(value, float) else "field"
 
 
@@ -142,12 +146,12 @@ def _map(function: Callable, value):
 
 
 def lifted(value, slots: Work):
-    """A value with parameters of a formula in place of numbers that change."""
+    """A value with parameters of a formula instead of numbers that change."""
     return _map(lambda scalar: scalar.formula(slots) if isinstance(scalar, Live) else scalar, value)
 
 
 def settled(value):
-    """A value with numbers in place of formulas that turned out constant."""
+    """A value with numbers instead of formulas that turned out constant."""
     if type(value) is Formula:
         return value.value if value.kind == CONSTANT else value
     return _map(settled, value) if isinstance(value, tuple) else value
@@ -159,7 +163,7 @@ def live(value):
 
 
 def compute(slots: Work, function: Callable, *values):
-    """``function`` of values; scalars in it are floats alone, or formulas and floats."""
+    """Apply ``function`` to values. Scalars in them are all floats, or formulas and floats."""
     fields = follows = False
     for value in values:
         for scalar in value if isinstance(value, tuple) else (value,):
@@ -172,15 +176,15 @@ def compute(slots: Work, function: Callable, *values):
 
 
 def spread(function: Callable, *values):
-    """``function`` of scalars applied to scalars, and to vectors component by component.
+    """Apply ``function`` to scalars, and to vectors component by component.
 
-    A scalar counts for each component. Raises ``Misuse`` for vectors of different length.
+    A scalar applies to each component. Raises ``Misuse`` for vectors of different length.
     """
     sizes = {len(value) for value in values if isinstance(value, tuple)}
     if not sizes:
         return function(*values)
     if len(sizes) > 1:
-        raise Misuse("vectors of two and of three components do not go together", "use one kind, as in p.xy or p")
+        raise Misuse("vectors of two and of three components cannot be combined", "use one kind, as in p.xy or p")
     columns = [value if isinstance(value, tuple) else (value,) * max(sizes) for value in values]
     return tuple(function(*scalars) for scalars in zip(*columns))
 
@@ -237,10 +241,10 @@ def less_equal(a: Scalar, b: Scalar) -> Condition:
 def choose(slots: Work, condition: Condition, then, otherwise):
     """``then`` where the condition holds, else ``otherwise``: values of one kind, or scalars and vectors."""
     truth = condition.truth
-    if isinstance(then, Parametric) or isinstance(otherwise, Parametric):
+    if isinstance(then, (Parametric, str)) or isinstance(otherwise, (Parametric, str)):
         if isinstance(truth, Formula):
             raise Misuse(
-                "a condition on the point cannot choose between shapes",
+                f"a condition on the point cannot choose between {kind_of(then)}s",
                 "choose between their fields, as in select(p.x > 0, a(p), b(p))",
             )
         return then if truth > 0.5 else otherwise

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a word of the expression language is: a Python function whose annotations say which values it takes.
+"""A function of the expression language: a Python function whose annotations give the kinds of its arguments.
 
-``FUNCTIONS`` and ``CONSTANTS`` are all that an expression can reach. The words are in ``builtin_shapes`` and
-``builtin_numbers``, colours in ``builtin_colors``; what the values are is said in ``expression_values``.
+An expression can reach only ``FUNCTIONS`` and ``CONSTANTS``. The functions are in ``builtin_shapes``,
+``builtin_numbers`` and ``builtin_colors``; ``expression_values`` describes the values.
 """
 
 from __future__ import annotations
@@ -21,9 +21,10 @@ from .shapes.base import Parametric
 
 REQUIRED = object()
 
-SHAPE_GROUPS = ("Shapes", "Profiles", "Solids from Profiles", "Combinations", "Operators", "Transforms")
+DATA_WORDS = "Texts, Objects and Pictures"
+SHAPE_GROUPS = ("Shapes", DATA_WORDS, "Profiles", "Solids from Profiles", "Combinations", "Operators", "Transforms")
 
-# What an argument can be, and how messages say so. Those of the first group have to be numbers, not fields.
+# The kinds of arguments, and their words in messages. Those of the first group must be numbers, not fields.
 _WANTED = {
     "number": "a number",
     "angle": "a number of degrees",
@@ -37,11 +38,12 @@ _WANTED = {
     "shape": "a shape",
     "profile": "a profile such as circle(0.5)",
     "corner": "a vector of two numbers",
+    "text": "a text in quotes",
     "any": "a value",
 }
 _ANGLES = ("angle", "angles")
 
-# Labels of user interfaces that differ from the names of arguments: an expression may have either.
+# Labels of user interfaces that differ from the names of arguments: an expression accepts both.
 SYNONYMS = {"iterations": "rounds", "exponent": "power"}
 
 
@@ -50,7 +52,7 @@ def _map(function: Callable, value):
 
 
 class Argument(NamedTuple):
-    """``default`` is what the function is given for it: of an angle, radians, though artists give degrees."""
+    """``default`` is the value that the function gets; for an angle it is in radians, although artists give degrees."""
 
     name: str
     kind: str  # a key of _WANTED
@@ -64,11 +66,11 @@ class Argument(NamedTuple):
 
 
 class Function(NamedTuple):
-    """A word of the language.
+    """A function of the language.
 
     ``call(slots, …)`` gets the slots of the expression and one value for each argument. ``variadic``: the first
-    argument may be given any number of times. ``cost`` is about how many operations it makes of a field, or of each
-    component. ``other`` is the word for what is not a shape, where the name serves for both.
+    argument may occur any number of times. ``cost`` is the rough number of operations for a field, or for each
+    component. ``other`` is the function for values that are no shapes, if one name serves for both.
     """
 
     name: str
@@ -77,7 +79,7 @@ class Function(NamedTuple):
     call: Callable
     description: str
     variadic: bool = False
-    usage: str = ""  # where the arguments do not say it well
+    usage: str = ""  # if the arguments do not show it well
     cost: int = 1
     other: "Function | None" = None
 
@@ -106,13 +108,13 @@ class Function(NamedTuple):
 
     @property
     def _single(self) -> tuple[Argument, ...]:
-        """Arguments that get one value each."""
+        """Arguments that take one value each."""
         return self.arguments[self.variadic :]
 
     def bound(self, positional: list, named: dict[str, Any]) -> tuple[list, dict[str, Any]]:
-        """The values of an argument that may be given any number of times, and those of the others by name.
+        """The values of the variadic argument, and those of the others by name.
 
-        Three numbers in a row become a vector where one is wanted. Raises ``Misuse``.
+        Three numbers in a row become a vector if one is needed. Raises ``Misuse``.
         """
         repeated: list = []
         if self.variadic:
@@ -133,7 +135,7 @@ class Function(NamedTuple):
         return [*positional[:count]], positional[count:]
 
     def _gathered(self, positional: list, arguments: tuple[Argument, ...]) -> list:
-        """``positional`` with three numbers in a row made one vector, where there are more values than arguments."""
+        """``positional`` with three numbers in a row joined to one vector, if there are more values than arguments."""
         if len(positional) <= len(arguments):
             return positional
         gathered, rest = [], list(positional)
@@ -204,6 +206,8 @@ class Function(NamedTuple):
 
 def show(value) -> str:
     """A value as one writes it in an expression."""
+    if isinstance(value, str):
+        return f'"{value}"'
     return f"{value:g}" if isinstance(value, float) else f"vec3({', '.join(f'{v:g}' for v in value)})"
 
 
@@ -213,7 +217,7 @@ FUNCTIONS: dict[str, Function] = {}
 
 MATHEMATICS, POINTS, COLOURS = "Numbers, fields and vectors", "Points", "Colours"
 GROUPS = (*SHAPE_GROUPS, "Fields", MATHEMATICS, POINTS, COLOURS)
-"""Of words, in the order in which one looks for them."""
+"""Titles of the groups of functions, in a natural order."""
 
 _KINDS = {
     "float": "number",
@@ -229,7 +233,7 @@ _KINDS = {
 
 
 def add(function: Function) -> None:
-    """Adds a word. One name can serve for shapes and for what is not a shape."""
+    """Adds a function. One name can serve for shapes and for other values."""
     there = FUNCTIONS.get(function.name)
     if there is not None:
         shape, other = (there, function) if there.makes_shape else (function, there)
@@ -240,7 +244,8 @@ def add(function: Function) -> None:
 def word(group: str, usage: str = "", cost: int = 1):
     """Decorator: adds a function to the language, under its name without a trailing underscore.
 
-    One whose first argument is ``slots`` gets those of the expression; others are computed with formulas or floats.
+    If its first argument is ``slots``, it gets those of the expression. Otherwise it is computed with formulas or
+    floats.
     """
 
     def wrap(function):
@@ -287,11 +292,11 @@ def spread_word(
 
 
 def of_shape(value: Formula, slots: Work) -> Formula:
-    """A field that becomes part of a shape. Raises ``NeedsNumber`` if it is of one round of a loop alone."""
+    """A field that becomes part of a shape. Raises ``NeedsNumber`` if it belongs to one iteration of a loop."""
     nodes = formula.order(value)
     slots.operate(len(nodes))
     if any(node.kind == formula.PARAMETER and node.value < slots.inputs for node in nodes):
-        raise Misuse("a shape cannot be made of the depth or the height", "make it of the point p")
+        raise Misuse("a shape cannot depend on the depth or the height", "make it of the point p")
     if any(node.kind == formula.STATE for node in nodes):
         raise NeedsNumber(
             "a shape cannot differ from round to round of a loop of fields", "combine the fields with min and max"
@@ -300,7 +305,7 @@ def of_shape(value: Formula, slots: Work) -> Formula:
 
 
 def as_shape(value, slots: Work, cut: Box | None = None) -> Shape:
-    """A shape, or the one that a field is negative in, cut to a box if one is given.
+    """A shape, or the one inside which a field is negative, cut to a box if one is given.
 
     Raises ``Misuse`` for anything else.
     """

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a formula is negative: a box around that region, by interval arithmetic.
+"""A box around the region in which a formula is negative, by interval arithmetic.
 
 A branch and bound search. Space is divided into cells that grow with the distance from the origin. Cells in which the
-formula is positive are left out; others are divided, where they reach beyond the box around points known to be inside.
+formula is positive are dropped. Others are split if they reach beyond the box around the points known to be inside.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from ..graph import interval_evaluation, numpy_evaluation
 from ..graph.formula import Formula
 
 NEAREST, FARTHEST = 0.01, 163_840.0  # half sizes of the innermost and outermost cube of cells, in metres
-NEAR = 10.0  # half size of the cube that is searched more closely, where the large one is too much
+NEAR = 10.0  # half size of the cube of a closer search, if the large one is too much work
 
-_TIGHT = 0.01  # of the sum of the box's sizes: a search ends that comes this close, or gains no more
-_PATIENCE = 7  # divisions of the cells after which it has to
+_TIGHT = 0.01  # of the sum of the box's sizes: a search ends when it is this close, or gains no more
+_PATIENCE = 7  # splits of the cells after which it must gain
 _LEAST_RAISED = 0.1
-_CALL = 1_000  # cells that take as long as the rest of an evaluation
+_CALL = 1_000  # cells that take as long as the fixed part of an evaluation
 _MOST_WORK = 3_000_000  # operations × cells of one search
 _MOST_FAR_WORK = 1_000_000  # of the search for the end of a region
 _SMALLEST = 1e-300
@@ -29,11 +29,11 @@ _SMALLEST = 1e-300
 
 @functools.lru_cache(maxsize=256)
 def negative_region(formula: Formula, parameters: tuple[float, ...], operations: int) -> np.ndarray | None:
-    """Corners (2, 3) of a box around the points at which the formula is not positive; without extent if there are none.
+    """Corners (2, 3) of a box around the points at which the formula is not positive; of zero size if there are none.
 
-    None if they reach to the end of the search, or cannot be shown not to. Where a search up to ``FARTHEST`` shows
-    neither, one up to ``NEAR`` has to do: limits are then those of the part of the region that is not farther away.
-    ``operations`` is what the formula takes at a point.
+    None if they reach to the end of the search, or might do so. If a search up to ``FARTHEST`` is undecided, one up to
+    ``NEAR`` is used: the limits are then those of the part of the region that is not farther away. ``operations`` is
+    the number of operations of the formula at a point.
     """
     box, reached = _search(formula, parameters, operations, FARTHEST, _MOST_FAR_WORK)
     if box is None and reached < NEAR:
@@ -44,7 +44,7 @@ def negative_region(formula: Formula, parameters: tuple[float, ...], operations:
 def _search(
     formula: Formula, parameters: tuple[float, ...], operations: int, farthest: float, far_work: int
 ) -> tuple[np.ndarray | None, float]:
-    """The box, as above, and how far away points of the region were found."""
+    """The box, as above, and the greatest distance of known points of the region."""
 
     def least(centers: np.ndarray, halves: np.ndarray) -> np.ndarray:
         shape = centers.shape[:-1]
@@ -81,7 +81,7 @@ def _search(
         settled = len(sizes) > _PATIENCE and sizes[-1] > (1.0 - _TIGHT) * sizes[-1 - _PATIENCE]
         if not endless and (settled or np.abs(around - inside).max() <= _TIGHT * sizes[-1]):
             return around, reached
-        # Each cell is divided in two, along the axis that raises the least values most, unless it is short by now.
+        # Each cell is split in two, along the axis that raises the least values most, unless it is already short.
         parts = halves[:, None] * (1.0 - 0.5 * np.eye(3))
         steps = parts * np.eye(3)
         trials = centers[:, None, None] + np.stack([-steps, steps], 1)
@@ -99,7 +99,7 @@ _SAMPLES = np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)])  # centre o
 
 @functools.cache
 def _cells(farthest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Centres and half sizes, (n, 3) each, of the cells that a search begins with.
+    """Centres and half sizes, (n, 3) each, of the first cells of a search.
 
     They fill cubes around the origin, each half as large as the one before, in cells of a quarter of the cube's size.
     """
@@ -112,7 +112,7 @@ def _cells(farthest: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _hull(low: np.ndarray, high: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """The box (2, 3) around boxes, (n, 3) and (n, 3), and another."""
+    """The box (2, 3) around boxes, (n, 3) and (n, 3), and another box."""
     return np.array(
         [np.minimum(low.min(axis=0, initial=np.inf), box[0]), np.maximum(high.max(axis=0, initial=-np.inf), box[1])]
     )

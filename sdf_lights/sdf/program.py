@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The flat program of a shape whose ray intervals have a closed form: what the emitter's kernels run.
+"""The flat program of a shape whose ray intervals have a closed form, for the emitter's kernels.
 
 A program is an array of ``INSTRUCTION`` in postfix order. A primitive pushes its set of points; an operator pops
 ``arity`` sets (always two: longer operations are left folds) and pushes their combination. One set is left.
 
-A primitive row says ``inverse`` (3 × 4: the space of the whole shape -> the primitive's own) and ``parameters``:
+A primitive row has ``inverse`` (3 × 4: the space of the whole shape -> the primitive's local space) and ``parameters``:
 
     SPHERE    radius                     centre at the origin
     BOX       half sizes x, y, z         centre at the origin
@@ -34,7 +34,7 @@ INSTRUCTION = np.dtype(
 
 
 class Op(enum.IntEnum):
-    """Operations of a program. Below ``UNION`` they push a primitive; the others combine the last two solids."""
+    """Operations of a program. Those below ``UNION`` push a primitive; the others combine the last two solids."""
 
     SPHERE = 0
     BOX = 1
@@ -52,13 +52,13 @@ class Op(enum.IntEnum):
 
 
 class NoClosedForm(Exception):
-    """The shape's ray intervals have no closed form; they have to be found numerically from its formula."""
+    """The shape's ray intervals have no closed form; they must be found numerically from its formula."""
 
 
 def primitive(op: Op, matrix: np.ndarray, parameters: tuple[float, ...]) -> np.ndarray:
-    """Program of one primitive that the 4 × 4 ``matrix`` puts in its place.
+    """Program of one primitive under the 4 × 4 ``matrix``.
 
-    Raises ``NoClosedForm`` where the matrix has no inverse: a flattened shape has no interior.
+    Raises ``NoClosedForm`` if the matrix has no inverse: a flattened shape has no interior.
     """
     row = np.zeros(1, INSTRUCTION)
     row["op"] = op

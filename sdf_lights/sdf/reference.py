@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference page of the expression language, made from the words' docstrings and the shapes' parameters.
+"""The reference page of the expression language, made from the docstrings of functions and the parameters of shapes.
 
 python -m sdf_lights.sdf.reference > docs/expressions.md
 """
@@ -12,12 +12,13 @@ import math
 import sys
 
 from ..graph.formula import LONGEST_LOOP
+from .builtin_data import DATA
 from .catalogue import grouped
 from .declarations import LIMITS
 from .emission_presets import presets
 from .evaluation import MOST_PRIMITIVES
 from .examples import Example, examples
-from .functions import COLOURS, CONSTANTS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
+from .functions import COLOURS, CONSTANTS, DATA_WORDS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
 from .shapes import SHAPES, Parameter
 from .shapes.profiles import PROFILES
 from .syntax import DEEPEST, LONGEST
@@ -44,6 +45,8 @@ numbers, vectors and shapes. `#` starts a comment.
 - Arguments have a position or a name: `torus(1, 0.2)`, `torus(minor_radius=0.2)`. A vector can also be three numbers,
   `box(1, 2, 3)`, or one number for all three, `box(1)`. Combinations take any number of shapes, then their own
   numbers: `smooth_union(a, b, c, 0.1)` or `smooth_union(a, b, radius=0.1)`.
+- Texts are in quotes, `"OPEN"` or `'OPEN'`: names of objects and pictures, paths of files, letters to write. `\\n` begins a
+  new line, `\\\\` is one `\\`, `\\"` a quote.
 - Lengths are in metres. Angles are in degrees, except in `sin` and similar functions, which take radians.
 - An expression has at most {LONGEST} characters, {DEEPEST} nested brackets and {MOST_PRIMITIVES} shapes.
 
@@ -101,18 +104,21 @@ _EMISSION = """\
 ## Emission
 
 An expression can also be the brightness at each point of a lamp. Its last line is then a number, a field or a colour, and
-it has two more names:
+it has more names:
 
 - `depth` is the depth of a point below the surface, in metres of the lamp's own space. It is the field of the shape
   without its sign, and as exact as that.
 - `height` is 0 at the bottom of the lamp and 1 at its top, along its own z axis.
+- `u` and `v` are the same along its x and y axis. So they are coordinates across its box, and in the plane of an extrusion.
+- `along` is 0 where the curve of a tube begins and 1 where it ends, by its length: of a curve object or of neon. It is that of the nearest tube of
+  a combination, and 0 in a lamp without tubes.
 
 Only ratios matter, as the power of the lamp sets its light. Without *Normalize*, the radiance per metre is multiplied. The lamp is
 dark where the last line is negative or undefined. The presets are such expressions:
 """
 
-_GROUPED = ("Shapes", "Combinations", "Operators")  # groups that are long
-_TABLES = (MATHEMATICS, POINTS, COLOURS)  # groups that are a line a word
+_GROUPED = ("Shapes", "Combinations", "Operators")  # groups with many entries
+_TABLES = (MATHEMATICS, POINTS, COLOURS)  # groups with one line per function
 _DISTANCE = {
     "exact": "The field is the exact distance to the surface.",
     "bound": "The field never exceeds the distance to the surface.",
@@ -165,12 +171,17 @@ def _entries(words: list[Function]) -> list[str]:
 def _entry(word: Function) -> str:
     lines = [f"### `{word.signature()}`\n", word.description, ""]
     shape = SHAPES.get(word.name) or PROFILES.get(word.name)
+    fields = DATA[word.name].numbers if word.group == DATA_WORDS else () if shape is None else shape.fields()
+    if fields:
+        lines += ["| parameter | default | limits | |", "|---|---|---|---|"]
+        lines += [_row(about) for about in fields]
+        lines.append("")
+    for choice in DATA[word.name].choices if word.group == DATA_WORDS else ():
+        lines += [f"{choice.description}, `{choice.name}`:\n"]
+        lines += [f'- `"{name}"`: {meaning[0].lower()}{meaning[1:]}.' for name, meaning in choice.words]
+        lines.append("")
     if shape is None:
         return "\n".join(lines)
-    if shape.fields():
-        lines += ["| parameter | default | limits | |", "|---|---|---|---|"]
-        lines += [_row(about) for about in shape.fields()]
-        lines.append("")
     if not any("part" in field.metadata for field in dataclasses.fields(shape)) and not word.variadic:
         lines += [_DISTANCE[shape().exactness], ""]
     return "\n".join(lines)

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The surface of a shape as a mesh of quadrilaterals, by naive surface nets.
 
-Gibson 1998, "Constrained elastic surface nets": one vertex in each cell of a grid that the surface passes through, at the
-mean of where it crosses the cell's edges; here moved on to the surface along the field's gradient.
+Gibson 1998, "Constrained elastic surface nets": one vertex in each cell of a grid that the surface passes through, at
+the mean of its crossings with the cell's edges. Here the vertices are also moved onto the surface along the field's
+gradient.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from ..graph import numpy_evaluation
 from ..graph.formula import Formula
 from .shapes import Shape
 
-_BLOCK = 8  # cells along each side of the blocks that are left out where the surface cannot be
+_BLOCK = 8  # cells along each side of the blocks that are skipped if they are clear of the surface
 _CHUNK = 1 << 16  # points of one evaluation
-_STEPS = 3  # of each vertex towards the surface
+_STEPS = 3  # steps of each vertex towards the surface
 _CORNERS = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij"), -1).reshape(-1, 3)
 _EDGES = np.array([(a, b) for a in range(8) for b in range(a) if np.abs(_CORNERS[a] - _CORNERS[b]).sum() == 1])
 
@@ -26,7 +27,7 @@ _EDGES = np.array([(a, b) for a in range(8) for b in range(a) if np.abs(_CORNERS
 def surface_net(shape: Shape, resolution: int) -> tuple[np.ndarray, np.ndarray]:
     """Vertices (n, 3) float64 and quadrilaterals (m, 4) int64, their normals outwards.
 
-    ``resolution`` is the number of cells along the longest side of the shape's bounding box. The shape is bounded.
+    ``resolution`` is the number of cells along the longest side of the shape's bounding box. The shape must be bounded.
     """
     low, high = shape.bounds()
     step = float(np.max(high - low)) / resolution
@@ -50,7 +51,7 @@ def _evaluated(formula: Formula, points: np.ndarray, parameters: np.ndarray) -> 
 def _sampled(
     shape: Shape, formula: Formula, parameters: np.ndarray, origin: np.ndarray, step: float, cells: np.ndarray
 ) -> np.ndarray:
-    """The field at the corners of the cells; where a block is known to be clear of the surface, any value of its sign."""
+    """The field at the corners of the cells. In a block that is clear of the surface, any value of its sign."""
     blocks = -(-(cells + 1) // _BLOCK)
     index = np.stack(np.meshgrid(*map(np.arange, blocks), indexing="ij"), -1).reshape(-1, 3)
     centers = origin + step * (index * _BLOCK + 0.5 * (_BLOCK - 1))

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the text of an expression to Python's syntax tree, without giving Python's parser anything that makes it labour.
+"""From the text of an expression to Python's syntax tree, without overloading Python's parser.
 
-The text is held to few characters, a length, and a nesting depth first. Nothing here, or of the tree, is ever run.
+First the number of characters, the length of statements and the nesting depth are limited. Neither the text nor the
+tree is ever run.
 """
 
 from __future__ import annotations
@@ -14,10 +15,10 @@ import warnings
 from typing import NamedTuple
 
 LONGEST = 10_000  # characters
-DEEPEST = 50  # brackets inside one another
-DEEPEST_BLOCK = 8  # loops and conditions inside one another
-MOST_OPERATORS = 1_000  # in one statement; a chain of n is a tree n deep, and frees itself by recursion in CPython 3.13
-MOST_POWERS = 100  # each is nested in the one before, and so takes of the parser's stack
+DEEPEST = 50  # nesting depth of brackets
+DEEPEST_BLOCK = 8  # nesting depth of loops and conditions
+MOST_OPERATORS = 1_000  # in one statement; a chain of n is a tree of depth n, which CPython 3.13 frees by recursion
+MOST_POWERS = 100  # each is nested in the one before, so it takes a part of the parser's stack
 MOST_CHOICES = 20  # of not, if and else in one statement; nested likewise
 MOST_ALTERNATIVES = 100  # of elif; nested likewise
 
@@ -25,7 +26,7 @@ KEYWORDS = frozenset({"for", "in", "if", "elif", "else", "break", "and", "or", "
 
 
 class ExpressionError(Exception):
-    """What is wrong in an expression, where, and how to put it right; ``str()`` says it in one sentence.
+    """A mistake in an expression: what, where, and the cure; ``str()`` gives one sentence.
 
     ``line`` and ``column`` count from 1.
     """
@@ -36,7 +37,8 @@ class ExpressionError(Exception):
 
 
 class Syntax(NamedTuple):
-    """``tree`` has lines and columns of the text; ``remarks`` is what follows # on a line, by its number from 1."""
+    """``tree`` has lines and columns of the text; ``remarks`` has the comment after # on a line, by line number from
+    1."""
 
     tree: ast.Module
     remarks: dict[int, str]
@@ -44,7 +46,7 @@ class Syntax(NamedTuple):
 
 _REFUSED = (
     (
-        re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|&<>: \t\n]"),
+        re.compile(r"[^A-Za-z0-9_.,()+\-*/%=|&<>: \t\n\"]"),
         "{!r} means nothing here",
         "use letters, digits, ( ) , . : and + - * / % ** | & = < >",
     ),
@@ -60,8 +62,6 @@ _CURES = {
     "]": "use ( ) instead",
     "{": "use ( ) instead",
     "}": "use ( ) instead",
-    "'": "there is no text in expressions",
-    '"': "there is no text in expressions",
     "^": "write ** for a power",
     ";": "write each statement on a line of its own",
     "!": "compare with < <= > >=, and write not before a condition",
@@ -74,9 +74,11 @@ def parse(text: str) -> Syntax:
     if len(text) > LONGEST:
         raise ExpressionError(f"the expression has {len(text)} characters", 1, 1, f"use at most {LONGEST}")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
-    lines, remarks = [], {}
+    lines: list[str] = []
+    remarks: dict[int, str] = {}
+    texts: dict[tuple[int, int], tuple[str, int]] = {}
     for number, line in enumerate(text.split("\n"), 1):
-        code, _, remark = line.partition("#")
+        code, remark = _without_texts(line, number, texts)
         lines.append(code)
         if remark.strip():
             remarks[number] = remark.strip()
@@ -85,7 +87,7 @@ def parse(text: str) -> Syntax:
     moved = [len(line) - len(new) for line, new in zip(lines, written)]
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # hints on Python, which nobody writes here
+            warnings.simplefilter("ignore")  # hints about Python, which do not apply here
             tree = ast.parse("\n".join(written))
     except SyntaxError as error:
         problem = re.sub(r"\W*(Perhaps|Maybe|Did) .*|\.$", "", error.msg or "invalid syntax")
@@ -104,11 +106,75 @@ def parse(text: str) -> Syntax:
         for node in ast.walk(tree):
             if hasattr(node, "lineno") and hasattr(node, "col_offset"):
                 node.col_offset += moved[node.lineno - 1]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            said, length = texts[node.lineno, node.col_offset]
+            if len(node.value) != length:
+                raise ExpressionError(
+                    "two texts stand one after the other",
+                    node.lineno,
+                    node.col_offset + 1,
+                    "write a comma between them",
+                )
+            node.value = said
     return Syntax(tree, remarks)
 
 
+_TEXT = re.compile(r'"(?:[^"\\]|\\.)*"|\'(?:[^\'\\]|\\.)*\'')
+_ESCAPE = re.compile(r"\\(x[0-9A-Fa-f]{2}|u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.)")
+_ESCAPED = {"n": "\n", "\\": "\\", '"': '"', "'": "'", "t": "\t"}
+
+
+def _without_texts(line: str, number: int, texts: dict[tuple[int, int], tuple[str, int]]) -> tuple[str, str]:
+    """A line with other letters in its texts, which are put into ``texts`` by line and column from 0, each with the length
+    that it has in the line; and its remark.
+
+    So Python's parser never sees what the texts say.
+    """
+    code: list[str] = []
+    at = 0
+    while at < len(line):
+        if line[at] == "#":
+            return "".join(code), line[at + 1 :]
+        if line[at] not in "\"'":
+            code.append(line[at])
+            at += 1
+            continue
+        found = _TEXT.match(line, at)
+        if found is None:
+            raise ExpressionError(
+                "the text that begins here has no end", number, at + 1, f"write {line[at]} after it, on the same line"
+            )
+        if at and (line[at - 1].isalnum() or line[at - 1] in "_\"'"):
+            raise ExpressionError(
+                "a text cannot stand right after a word or another text", number, at + 1, "write a comma before it"
+            )
+        texts[number, at] = _unescaped(found[0][1:-1], number, at), len(found[0]) - 2
+        code.append('"' + "_" * (len(found[0]) - 2) + '"')
+        at = found.end()
+    return "".join(code), ""
+
+
+def _unescaped(text: str, number: int, column: int) -> str:
+    def letter(found: re.Match) -> str:
+        if len(found[1]) > 1:
+            code = int(found[1][1:], 16)
+            if code < 0x110000 and not 0xD800 <= code < 0xE000:
+                return chr(code)
+        elif found[1] in _ESCAPED:
+            return _ESCAPED[found[1]]
+        raise ExpressionError(
+            f"\\{found[1]} means nothing in a text",
+            number,
+            column + 2 + found.start(),
+            "write \\\\ for one \\, or / in a path",
+        )
+
+    return _ESCAPE.sub(letter, text)
+
+
 def _guard(code: str) -> None:
-    """Refuses text that is not worth showing to the parser."""
+    """Refuses text that should not reach the parser."""
 
     def error(at: int, message: str, cure: str) -> ExpressionError:
         return ExpressionError(message, code.count("\n", 0, at) + 1, at - code.rfind("\n", 0, at), cure)
@@ -134,7 +200,7 @@ def _guard(code: str) -> None:
             choices += word in ("not", "if", "else")
             alternatives += word == "elif"
         elif kind == "end":
-            if brackets <= 0:  # otherwise the statement goes on
+            if brackets <= 0:  # otherwise the statement continues
                 operators = choices = 0
         elif kind == "open":
             brackets += 1
@@ -168,10 +234,10 @@ def _guard(code: str) -> None:
 
 
 def _indented(lines: list[str]) -> list[str]:
-    """The lines indented by one space for each block they stand in.
+    """The lines, indented by one space for each block that they are in.
 
-    A block is what is indented more than the line with the colon that opens it; apart from that, how far a line is
-    indented means nothing.
+    A block consists of the lines indented more than the line with its colon. Otherwise, the amount of indentation does
+    not matter.
     """
     written = []
     blocks: list[int] = []  # indentation of the lines that opened them

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps that are hard, and what is known of them without the code under test."""
+"""Difficult lamps, and facts about them that do not come from the code under test."""

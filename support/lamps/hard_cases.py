@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes and rays on which crossings are easily missed, for the tests and for the benchmark."""
+"""Shapes and rays on which crossings are easily missed, for tests and benchmarks."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from support.lamps.shapes_under_test import moved, scaled, sheared, turned
 
 @dataclass(frozen=True)
 class Steeper(Shape, abstract=True):
-    """A field that says ``factor`` times what the distance is, and is honest about its Lipschitz bound."""
+    """A field that is ``factor`` times the distance, with a correct Lipschitz bound."""
 
     child: Shape = part("Shape whose field is multiplied")
     factor: float = 1.0
@@ -57,19 +57,19 @@ def towards(origins: np.ndarray, targets: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def around(shape: Shape, rng: np.random.Generator, n: int, distances=(0.2, 0.7, 2.0)):
-    """From in and around the bounding box to points in it. ``distances`` are relative to the box's diagonal."""
+    """Rays from in and around the bounding box to points in it. ``distances`` are relative to the box's diagonal."""
     low, high = shape.bounds()
     origins = 0.5 * (low + high) + directions(rng, n) * np.linalg.norm(high - low) * rng.choice(distances, (n, 1))
     return towards(origins, low + rng.random((n, 3)) * (high - low))
 
 
 def far(shape: Shape, rng: np.random.Generator, n: int):
-    """From 10,000 diagonals away."""
+    """Rays from 10,000 diagonals away."""
     return around(shape, rng, n, (1e4,))
 
 
 def inside(shape: Shape, rng: np.random.Generator, n: int):
-    """From points in the shape."""
+    """Rays from points in the shape."""
     low, high = shape.bounds()
     points = np.zeros((0, 3))
     while len(points) < n:
@@ -79,7 +79,7 @@ def inside(shape: Shape, rng: np.random.Generator, n: int):
 
 
 def grazing(shape: Shape, rng: np.random.Generator, n: int):
-    """Almost in the tangent plane at points almost on the surface, by 1e-6 to 1e-2 of the size."""
+    """Rays almost in the tangent plane at points almost on the surface, by 1e-6 to 1e-2 of the size."""
     low, high = shape.bounds()
     size = np.linalg.norm(high - low)
     points = low + rng.random((8 * n, 3)) * (high - low)
@@ -101,7 +101,7 @@ def grazing(shape: Shape, rng: np.random.Generator, n: int):
 
 
 def published(shape: Shape, rng: np.random.Generator, n: int):
-    """Those of the published table about three slabs."""
+    """Rays of the published table about three slabs."""
     d = np.column_stack([np.ones(n), rng.choice([-0.1, 0.1], (n, 2))])
     origins = np.column_stack([rng.uniform(-1.55, -1.30, n), np.zeros((n, 2))])
     return origins, d / np.linalg.norm(d, axis=1, keepdims=True)
@@ -118,7 +118,7 @@ SLABS = Union(*(Transformed(Box((half, 2.0, 2.0)), moved(x)) for x, half in ((-1
 
 
 def scattered(n: int, seed: int = 0, smooth: bool = True, space: float = 1.0, size: float | None = None) -> Shape:
-    """n primitives, about as large as ``size``, in a cube of half size ``space``; by default that leaves them some room."""
+    """n primitives of about ``size``, in a cube of half size ``space``; by default that leaves them some room."""
     rng = np.random.default_rng(seed)
     kinds = (Sphere(0.5), Torus(0.5, 0.2), Box((0.4, 0.3, 0.2)), Capsule(0.2, 0.6), Cylinder(0.4, 0.5), Cone(0.5, 0.8))
     size = 0.9 * space * n ** (-1.0 / 3.0) if size is None else size

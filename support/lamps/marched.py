@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A dense march through a field, in double precision, as the judge of what rays find of a lamp."""
+"""A dense march through a field, in double precision, as the judge of a lamp's ray intervals."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ PRECISION = 1e-7  # relative to the diagonal of the box
 
 
 def missed(shape, traced: Traced, rays: int = RAYS, steps: int = STEPS) -> float:
-    """The greatest length, relative to the diagonal, at which a ray through a shape is inside by its intervals and outside
-    by the field, or the other way round, beyond what the ray says that it left open."""
+    """The greatest length, relative to the diagonal, at which a ray through a shape is inside by its intervals and
+    outside by the field, or the reverse, beyond the length that the ray reported as unresolved."""
     low, high = shape.bounds()
     size = np.linalg.norm(high - low)
     origins, directions = around(shape, np.random.default_rng(1), rays)
@@ -40,7 +40,7 @@ def missed(shape, traced: Traced, rays: int = RAYS, steps: int = STEPS) -> float
             values = numpy_evaluation.evaluate(shape.formula(), o + t[:, None] * d, shape.parameters())
         inside = values <= 0.0
         found = np.zeros(steps, bool)
-        near = np.abs(values) <= 1e-12 * size  # either side, to rounding
+        near = np.abs(values) <= 1e-12 * size  # either side, within rounding
         for a, b in spans:
             found |= (t >= a) & (t <= b)
             near |= (np.abs(t - a) < PRECISION * size) | (np.abs(t - b) < PRECISION * size)
@@ -50,16 +50,16 @@ def missed(shape, traced: Traced, rays: int = RAYS, steps: int = STEPS) -> float
 
 
 class Verdict(enum.Enum):
-    """What a random program of the language is found to be."""
+    """The verdict on a random program of the language."""
 
     NO_LAMP = enum.auto()
     NOT_CERTIFIED = enum.auto()
-    RIGHT = enum.auto()  # certified, and so it is
+    RIGHT = enum.auto()  # certified, and rightly so
     WRONG = enum.auto()
 
 
 def verdict(seed: int) -> Verdict:
-    """Of the program of ``random_programs`` with this seed."""
+    """The verdict on the program of ``random_programs`` with this seed."""
     found = random_programs.valid(seed)
     if found is None:
         return Verdict.NO_LAMP

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Crossings of rays by a march of its own: nothing here knows of trees, closed forms, terms or bracketing methods.
+"""Crossings of rays by an independent march: it uses no trees, closed forms, terms or bracketing methods.
 
-Steps of the distance, but never shorter than a least one, through the shape's whole formula, from before the bounding
-sphere to behind it; then bisection. Two crossings closer than the least step may be missed, and the oracle says so:
-``finest`` is the shortest distance between two crossings of a ray, and below a few steps it is no authority.
+It takes steps of the distance, but at least a minimum step, through the shape's whole formula, from before the bounding
+sphere to behind it; then bisection. Two crossings closer than the minimum step may be missed, and the oracle says so:
+``finest`` is the shortest distance between two crossings of a ray, and below a few steps the oracle is not reliable.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from sdf_lights.graph.codegen_native import LANES, compiled
 from sdf_lights.jit import call_field, kernel
 from sdf_lights.sdf.shapes import Shape
 
-LEAST = 1e-5  # least step, relative to half of the bounding box's diagonal
-FINER = 1000.0  # how many times finer rays that differ are marched again
-CAUTION = 0.5  # part of the certified step that is taken, so that the bound is tested too
+LEAST = 1e-5  # minimum step, relative to half of the bounding box's diagonal
+FINER = 1000.0  # factor by which rays that differ are marched more finely
+CAUTION = 0.5  # fraction of the certified step that is taken, so that the bound is tested too
 MOST_STEPS = 400_000  # of a ray
 HALVINGS = 48  # of a step that crosses
 CHUNK = 512  # rays that a thread marches at a time
@@ -35,7 +35,7 @@ LANE = np.dtype(
         ("t", np.float64),
         ("value", np.float64),  # of the last step; the value is NaN before the first
         ("inside", np.int64),
-        ("halvings", np.int64),  # that are left of the crossing between ``t`` and ``ahead``
+        ("halvings", np.int64),  # that remain for the crossing between ``t`` and ``ahead``
         ("low", np.float64),
         ("high", np.float64),
         ("ahead", np.float64),
@@ -47,14 +47,14 @@ LANE = np.dtype(
 
 class Crossings(NamedTuple):
     counts: np.ndarray  # (n,) intervals
-    lengths: np.ndarray  # (n,) of the intervals together
-    finest: np.ndarray  # (n,) shortest distance between neighbouring crossings; infinite where there are fewer than two
-    complete: np.ndarray  # (n,) False where the march ended early
+    lengths: np.ndarray  # (n,) total length of the intervals
+    finest: np.ndarray  # (n,) shortest distance between neighbouring crossings; infinite if there are fewer than two
+    complete: np.ndarray  # (n,) False if the march ended early
 
 
 @functools.lru_cache(maxsize=16)
 def steepness(shape: Shape) -> float:
-    """The shape's Lipschitz bound; where it has none for all of space, twice the steepest slope found in its box."""
+    """The shape's Lipschitz bound; if it has none for all of space, twice the steepest slope found in its box."""
     if np.isfinite(shape.lipschitz) and shape.certified:
         return shape.lipschitz
     rng = np.random.default_rng(3)
@@ -79,7 +79,7 @@ def _cross(lane, t, out):
 
 @kernel
 def _advance(lane, value, end, out):
-    """Take the value at the place that a lane asked for into account."""
+    """Process the value at the point that a lane asked for."""
     inside = 1 if value <= 0.0 else 0  # where it is not a number the field is outside
     if lane.halvings > 0:
         middle = 0.5 * (lane.low + lane.high)
@@ -111,8 +111,8 @@ def _advance(lane, value, end, out):
 def _march(address, parameters, origins, directions, segments, bound, least, out):
     """March rays (n, 3), (n, 3) from segments[:, 0] to segments[:, 1] through the formula compiled at ``address``.
 
-    Rows of ``out`` (n, 4) take what ``Crossings`` has. Each of the points that the formula is evaluated at together is
-    of another ray.
+    Rows of ``out`` (n, 4) get the values of ``Crossings``. The points that are evaluated together belong to different
+    rays.
     """
     lanes = np.zeros(LANES, LANE)
     points, values = np.zeros((3, LANES)), np.zeros(LANES)
@@ -136,7 +136,7 @@ def _march(address, parameters, origins, directions, segments, bound, least, out
                 asked = 0.5 * (lane.low + lane.high)
             elif lane.steps > 0:
                 step = abs(lane.value) * (CAUTION / bound)
-                step = step if step > least else least  # also where it is not a number: that certifies nothing
+                step = step if step > least else least  # also for NaN, which proves nothing
                 asked = lane.ahead = min(lane.t + step, segments[lane.ray, 1])
             for axis in range(3):
                 points[axis, index] = origins[lane.ray, axis] + asked * directions[lane.ray, axis]
@@ -179,20 +179,20 @@ def find(shape: Shape, origins: np.ndarray, directions: np.ndarray, least: float
 
 
 class Verdict(NamedTuple):
-    """What rays were judged to be, against the oracle. The first three are fractions of all rays."""
+    """The comparison of rays with the oracle. The first three are fractions of all rays."""
 
-    wrong: float  # another number of intervals
-    below: float  # another number, but the difference is too fine for the oracle
-    missed: float  # of the wrong, those with too few
-    length_error: float  # mean of the absolute error of the length inside, relative to the box's half diagonal
+    wrong: float  # a different number of intervals
+    below: float  # a different number, but the difference is too fine for the oracle
+    missed: float  # of the wrong rays, those with too few
+    length_error: float  # mean absolute error of the length inside, relative to the box's half diagonal
     wrong_rays: np.ndarray
 
 
 def judge(shape: Shape, origins, directions, counts: np.ndarray, lengths: np.ndarray, truth: Crossings) -> Verdict:
-    """Compare counts and lengths with the oracle's; rays that differ are marched again with steps 1000 times finer.
+    """Compare counts and lengths with the oracle's. Rays that differ are marched again with steps 1000 times finer.
 
-    A march steps over what is shorter than its steps without a sign of it, and closed forms find that. So rays that
-    differ still are marched once more, 1000 times finer again: it is there, or they are wrong.
+    A march misses intervals shorter than its steps without notice, and closed forms find them. So rays that still
+    differ are marched once more, 1000 times finer again: either the interval is there, or they are wrong.
     """
     low, high = shape.bounds()
     reach = 0.5 * np.linalg.norm(high - low)

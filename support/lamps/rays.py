@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Interior trees of shapes, and the walk of many rays through them, without a lamp around."""
+"""Interior trees of shapes, and the walk of many rays through them, without a lamp."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ ROWS = 256  # intervals of a ray at most
 
 @dataclass(frozen=True)
 class AsField(Shape, abstract=True):
-    """A shape whose closed forms are not to be used."""
+    """A shape whose closed forms are not used."""
 
     child: Shape = part("The shape")
 
@@ -59,7 +59,7 @@ class AsField(Shape, abstract=True):
 
 
 class Traced:
-    """The tree of a shape as tables; rays are in the shape's own space."""
+    """The tree of a shape as tables; rays are in the shape's local space."""
 
     def __init__(self, shape: Shape, rows: int = ROWS):
         self.shape = shape
@@ -83,14 +83,14 @@ class Traced:
         self.spans = np.empty((rows + scratch, 2))
 
     def segments(self, origins, directions):
-        """Rays (n, 3), (n, 3) in tree space, from their closest approach to its origin, and (n, 2) where they are in
-        the box, at t ≥ 0 of the ray as it was given."""
+        """Rays (n, 3), (n, 3) in tree space, from their closest approach to its origin, and (n, 2) their range in the
+        box, at t ≥ 0 of the given ray."""
         origins = origins - self.tree.center
         closest = -(origins * directions).sum(axis=1) / (directions * directions).sum(axis=1)
         origins = origins + closest[:, None] * directions
         with np.errstate(divide="ignore", invalid="ignore"):
             ends = np.sort([(corner - origins) / directions for corner in (-self.tree.half, self.tree.half)], axis=0)
-        ends = np.where(np.isnan(ends), [[[-np.inf]], [[np.inf]]], ends)  # along a face: within
+        ends = np.where(np.isnan(ends), [[[-np.inf]], [[np.inf]]], ends)  # along a face: inside
         return origins, directions, np.stack([np.maximum(ends[0].max(axis=1), -closest), ends[1].min(axis=1)], axis=1)
 
     def trace(self, origins, directions):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes and placements that the emitter's tests go through."""
+"""Shapes and transforms for the emitter's tests."""
 
 from dataclasses import dataclass
 
@@ -31,7 +31,7 @@ from sdf_lights.sdf.shapes.warps import Twist
 
 @dataclass(frozen=True)
 class FieldOf(Shape, abstract=True):
-    """A shape that hides its closed forms, so that its field is what is traced, sampled and measured."""
+    """A shape that hides its closed forms, so that its field is traced, sampled and measured."""
 
     child: Shape
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimators of the irradiance that a lamp gives an unoccluded point, to compare samplers of directions by.
+"""Estimators of the irradiance from a lamp at an unoccluded point, which compare samplers of directions.
 
     E = ∫ L(ω) max(0, n·ω) dω,     L(ω) = ρ Σ ∫ profile(x + r·ω) dr over the intervals inside
 
@@ -35,24 +35,24 @@ from . import bounding, surfaces
 
 BLOCK = block_dtype({**TABLES, **cuts.TABLES, **surfaces.TABLES}, SCALARS)
 
-# As in the renderer: kernels would have to count references to arrays that are passed to them.
+# As in the renderer: kernels would have to count references to arrays passed to them.
 WORKSPACE_TABLES = {"spans": np.dtype(np.float64), **cuts.WORKSPACE_TABLES}
 WORKSPACE = block_dtype(WORKSPACE_TABLES)
 _spans, _regions, _boxes, _cuts = (table(name, dtype) for name, dtype in WORKSPACE_TABLES.items())
 
-DIMENSIONS = 7  # a direction by the cosine (2), a point in the lamp (3), a place in the intervals of each ray (2)
+DIMENSIONS = 7  # a direction by the cosine (2), a point in the lamp (3), a position in the intervals of each ray (2)
 CHUNK = 1 << 17
 CANDIDATES = 8  # of resampling
 RADIAL = 1.3  # see ``radial``
 
 EVEN = (1.0, 0.0, 1.0, 0.0)
-TORUS_SHELL = (3.2, 3.0 / 0.35, 1.0, 0.35)  # the published check's emission that varies
+TORUS_SHELL = (3.2, 3.0 / 0.35, 1.0, 0.35)  # the varying emission of the published check
 SHELL_EMISSION = EmissionExpression("3.2 * exp(-3 / 0.35 * depth)").emission()  # the same, inside that torus
 
 
 @kernel
 def profile(x, shell):
-    """gain · exp(−falloff · |φ|), φ the distance to the torus of the given radii round the world's z axis.
+    """gain · exp(−falloff · |φ|), φ the distance to the torus of the given radii around the world's z axis.
 
     ``shell`` is (gain, falloff, major radius, minor radius). Numbers instead of a kernel keep the estimators cached.
     """
@@ -62,13 +62,13 @@ def profile(x, shell):
 
 @kernel
 def _radiance(block, lamp, x, d, spans, count, u, shell):
-    """Unbiased estimate of L, for a ``shell`` from one point in each interval."""
+    """Unbiased estimate of L; for a ``shell``, from one point in each interval."""
     if varies(block, lamp):
         return radiance(block, lamp, x, d, spans, count, 0.0, np.inf, u)[0]
     total = 0.0
     for index in range(count):
         c, h = spans[index, 0], spans[index, 1]
-        # A different place in each interval from one number: each is uniform, which is all an unbiased sum needs.
+        # A different position in each interval from one number: each is uniform, which is enough for an unbiased sum.
         place = (u + index * 0.6180339887498949) % 1.0
         total += 2.0 * h * profile(madd(x, c + (2.0 * place - 1.0) * h, d), shell)
     return total * lamps(block)[lamp].emission[0]
@@ -102,7 +102,7 @@ def uniform_directions(block, lamp, x, n, u, spans, shell):
 
 @kernel
 def cosine_directions(block, lamp, x, n, u, spans, shell):
-    """Directions in proportion to the cosine: what a diffuse BSDF samples."""
+    """Directions in proportion to the cosine, like the samples of a diffuse BSDF."""
     d = _cosine_direction(n, u[0], u[1])
     cosine = dot(n, d)
     return math.pi * _ray(block, lamp, x, n, d, spans, u[5], shell)[0] / cosine if cosine > 0.0 else 0.0
@@ -110,7 +110,7 @@ def cosine_directions(block, lamp, x, n, u, spans, shell):
 
 @kernel
 def point_in_volume(block, lamp, x, n, u, spans, shell):
-    """A uniform point of the lamp, treated as a point light; its variance is infinite where x is inside."""
+    """A uniform point of the lamp, treated as a point light; its variance is infinite if x is inside."""
     way = way_inside(block, lamp, x, u[2], u[3], u[4])
     square = dot(way, way)
     cosine = max(dot(n, normalize(way)), 0.0)
@@ -159,7 +159,7 @@ def combined(block, lamp, x, n, u, spans, shell, bsdf_mis_scale):
 
 @kernel
 def resampled(block, lamp, x, n, u, spans, shell):
-    """Resampled importance sampling: one of ``CANDIDATES`` uniform points, by what a lamp without variation gives.
+    """Resampled importance sampling: one of ``CANDIDATES`` uniform points, by the light of a uniform lamp.
 
     Talbot, Cline and Egbert 2005, "Importance resampling for global illumination".
     """
@@ -186,7 +186,7 @@ def resampled(block, lamp, x, n, u, spans, shell):
 def radial(block, lamp, x, n, u, spans, shell):
     """MIS of cosine and projection with weights that change along the ray, r²/(r² + c²) for projection: uniform lamps.
 
-    What is close is left to the cosine, so both weights are bounded. c is ``RADIAL`` sizes of the lamp, less far away.
+    Close parts are left to the cosine, so both weights are bounded. c is ``RADIAL`` sizes of the lamp, less far away.
     """
     row = lamps(block)[lamp]
     size = (0.75 / math.pi * row.volume) ** (1.0 / 3.0)
@@ -281,11 +281,11 @@ def _values(technique, blocks, lamp, x, n, numbers, workspaces, shell, tolerance
 
 
 class LampBlock:
-    """A lamp of ``power`` in watts in a block of its own, with the tables that all techniques need.
+    """A lamp of ``power`` in watts in a separate block, with the tables for all techniques.
 
-    Of one whose ``emission`` varies, the line integral is that of the renderer. The ``shell`` that estimators are given
-    must be ``EVEN`` then, and those that ask for the emission at a point cannot be used. With ``surface`` that is
-    measured, which takes up to a second.
+    If its ``emission`` varies, the line integral is that of the renderer. The ``shell`` of estimators must then be
+    ``EVEN``, and those that need the emission at a point cannot be used. With ``surface`` the surface is measured,
+    which takes up to a second.
     """
 
     def __init__(
@@ -373,7 +373,7 @@ def run(
 ) -> Estimate:
     """Mean and variance of ``samples`` values of an estimator; arguments as of ``values``.
 
-    Deterministic for a seed, but for the time.
+    Deterministic for a seed, except for the time.
     """
     rng = np.random.default_rng(seed)
     total = square = seconds = 0.0
@@ -384,7 +384,7 @@ def run(
         )
         seconds += spent
         if shift is None:
-            shift = found.mean()  # sums about a first guess of the mean, so that small variances do not cancel
+            shift = found.mean()  # sums relative to a first guess of the mean, so that small variances do not cancel
         total += np.sum(found - shift)
         square += np.sum((found - shift) ** 2)
         done += len(found)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Projection sampling of a lamp's bounding box in the world, to compare with: rays may miss what is in it."""
+"""Projection sampling of a lamp's bounding box in the world, for comparison: rays may miss the lamp."""
 
 from sdf_lights.emitter.lamps import lamps
 from sdf_lights.emitter.primitives.box import box_span

@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Marching along rays, by the rules that ``crossings`` is measured against. No renderer uses it.
+"""Marching along rays, by the rules with which ``crossings`` is compared. No renderer uses it.
 
-The rules say how far to go from a point where the field is φ; all go on to the end of the ray, and where the sign
-changes in a step the zero is located by the same method as in ``cover``. No step is shorter than a least one.
+The rules tell the step from a point where the field is φ. All continue to the end of the ray. If the sign changes in a
+step, the zero is located by the same method as in ``cover``. No step is shorter than a minimum step.
 
 - ``PUBLISHED`` (Huang et al. 2026): φ outside, min(−φ, clamp) inside.
 - ``SPHERES`` (Hart 1996): |φ|/L, with L the Lipschitz bound of the field.
 - ``RELAXED``: spheres whose next one only has to touch the last, as far as the slope of the last steps lets expect
   (Bálint and Valasek 2018, "Accelerating sphere tracing"). A step is taken back where the balls do not meet.
 
-Eight rays are marched at once, each in a lane of its own, so the time is that of a field evaluated for many rays.
+Eight rays are marched at once, each in its own lane, so the time is that of a field evaluated for many rays.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from sdf_lights.vec import length
 
 PUBLISHED, SPHERES, RELAXED = 0, 1, 2
 CLAMP = 0.05  # of a step inside by the published rule, relative to the lamp's size
-RELAXATION = 0.95  # of the step that would make the balls touch, if the slope stayed
+RELAXATION = 0.95  # fraction of the step at which the balls would touch at the present slope
 
 LANE = np.dtype(
     [
         ("ray", np.int64),  # −1: none
         ("asked", np.float64),  # where the field is evaluated
         ("t", np.float64),
-        ("value", np.float64),  # of the last point that counts
+        ("value", np.float64),  # of the last valid point
         ("step", np.float64),
         ("slope", np.float64),  # of |φ|, relative to the greatest
         ("safe", np.int64),  # 1 where the step needs no check
@@ -78,7 +78,7 @@ def _cross(lane, t, out):
 
 @kernel
 def _advance(lane, value, rule, lipschitz, speed, size, least, end, out):
-    """Take a value at ``lane.asked`` into account."""
+    """Process a value at ``lane.asked``."""
     out[lane.ray, 2] += 1.0
     precision = PRECISION * size
     rate = lipschitz * speed
@@ -122,7 +122,7 @@ def _advance(lane, value, rule, lipschitz, speed, size, least, end, out):
 def march(block, row, count, rule, lipschitz, least, origins, directions, segments, out):
     """March rays (n, 3), (n, 3), from segments[:, 0] to segments[:, 1], in tree space; the field has ``count`` terms.
 
-    ``least`` is the shortest step, relative to the lamp's size as ``CLAMP`` is. Rows of ``out`` (n, 3) take the number
+    ``least`` is the shortest step, relative to the lamp's size, like ``CLAMP``. Rows of ``out`` (n, 3) get the number
     of intervals, their length and the number of evaluations of each ray.
     """
     lanes = np.zeros(LANES, LANE)

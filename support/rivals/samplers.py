@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surface and bounding box sampling as external strategies of the path tracer: ``register`` one, and scenes use it."""
+"""Surface and bounding box sampling as external strategies of the path tracer: after ``register``, scenes use it."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ EXTERNALS = {
     "BOUNDING": External(bounding_direction, bounding_density, lambda built, sources: (np.zeros(0, np.uint8), None)),
 }
 
-# Every sampling that can be compared, by name, in the order in which tables show them.
+# Every sampling for comparison, by name, in the order of tables.
 SAMPLERS = ("CUT", "MIS", "PROJECTION", "BOUNDING", "SURFACE", "BSDF")
 
 
 def register(name: str, program: str = "sdf_lights") -> LampSampling:
-    """Make the sampling of ``SAMPLERS`` ready; returns the value of ``lamp_sampling`` that scenes ask for it by.
+    """Register the sampling of ``SAMPLERS``. Returns its value of ``lamp_sampling`` for scenes.
 
     ``program`` is the package that renders: a registered extension has a copy of its own.
     """
@@ -61,7 +61,7 @@ def register(name: str, program: str = "sdf_lights") -> LampSampling:
 
 @contextlib.contextmanager
 def registered(name: str) -> Iterator[LampSampling]:
-    """As ``register``, and takes it away again."""
+    """As ``register``, and undoes it at the end."""
     try:
         yield register(name)
     finally:

@@ -1,17 +1,17 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sampling of a lamp's surface by area, to compare with: directions to uniform points of it.
+"""Sampling of a lamp's surface by area, for comparison: directions to uniform points of it.
 
 Points come from lines. A uniform random line through a ball of radius R crosses a surface of area A inside it A/(2πR²)
 times on average, and the crossings of all lines together are uniform by area (Santaló 1976, "Integral geometry and
-geometric probability"). So a line is drawn, its crossings are found as those of any ray, and one of them is taken with
-the same chance for each: of a line with n crossings with probability n/N, where N is the most that a line has. A ray
-that meets the surface at distances r_i and angles θ_i to its normals has the density
+geometric probability"). So a line is drawn, and its crossings are found like those of any ray. For a line with n
+crossings, one of them is chosen uniformly with probability n/N, where N is the maximum for a line. A ray that hits the
+surface at distances r_i and angles θ_i to its normals has the density
 
     p(ω|x) = 1/A Σ r_i² / |cos θ_i|
 
-A and N are found by counting the crossings of evenly spread lines. Rarer lines that have more crossings than all of
-those count as having N.
+A and N are found by counting the crossings of evenly spread lines. Rarer lines with more crossings than that count as
+having N.
 """
 
 from __future__ import annotations
@@ -51,19 +51,19 @@ SURFACE = np.dtype(
         ("most", np.int64),  # crossings of a line
         ("address", np.int64),  # of the compiled gradient of the field
         ("parameters", np.int64),  # address of its parameters
-        ("inverse", np.float64, (3, 4)),  # the world, relative to the lamp's centre -> the shape's own space
+        ("inverse", np.float64, (3, 4)),  # the world, relative to the lamp's centre -> the shape's local space
     ],
     align=True,
 )
 
 TABLES = {"external_rows": SURFACE}  # as in the renderer, where it is what an external strategy reads
 
-LINES = 1 << 18  # that areas are measured by
+LINES = 1 << 18  # number of lines for measuring areas
 ATTEMPTS = 4096  # lines before giving up
-INWARD = 1e-6  # of half an interval: where its normals are read, as fields may have a crease at zero
+INWARD = 1e-6  # of half an interval: where its normals are read, because fields may have a crease at zero
 LEAST_COSINE = 1e-9
 
-GRADIENT = 3 * LANES  # where gradients are in a stack, after all x, all y and all z
+GRADIENT = 3 * LANES  # offset of gradients in a stack, after all x, all y and all z
 STACK = 6 * LANES
 
 BLOCK = block_dtype(lamp_tables.TABLES, lamp_tables.SCALARS)
@@ -86,7 +86,7 @@ def _crossings(block, lamp, u1, u2, u3, u4, spans):
 
 @kernel
 def _end(spans, index, inward):
-    """Distance of one of the ends of intervals, counted in pairs, or of a point so far inside it."""
+    """Distance of one end of the intervals, counted in pairs, or of a point at this depth inside it."""
     c, h = spans[index // 2, 0], spans[index // 2, 1]
     h -= inward * h
     return c + h if index % 2 else c - h
@@ -158,7 +158,7 @@ def _spread(count: int) -> np.ndarray:
 
 
 def measure(built: build.BuiltLamp) -> tuple[float, int]:
-    """Area of a lamp's surface in the world, and the most crossings that a line has with it."""
+    """Area of a lamp's surface in the world, and the maximum number of crossings of a line."""
     tables, blocks = pack_lamps([built]), np.zeros(1, BLOCK)
     for name, array in tables.items():
         fill_table(blocks, name, array)
@@ -169,10 +169,11 @@ def measure(built: build.BuiltLamp) -> tuple[float, int]:
 
 
 def pack_surfaces(built: list[build.BuiltLamp], sources: list) -> tuple[np.ndarray, tuple]:
-    """Rows of ``SURFACE``, from what was built and from what has their ``shape`` and ``matrix``, and what owns the rest."""
+    """Rows of ``SURFACE``, from the built lamps and from objects with their ``shape`` and ``matrix``, and the owner of
+    the rest."""
     rows, owner = np.zeros(len(built), SURFACE), []
     for row, lamp, source in zip(rows, built, sources):
-        # An extension has a copy of the program by another name, with formulas of its own.
+        # An extension has a copy of the program by another name, with its own formulas.
         program = type(lamp).__module__.removesuffix(".emitter.building.build")
         gradient = importlib.import_module(f"{program}.graph.gradient").gradient
         compiled = importlib.import_module(f"{program}.graph.codegen_native").compiled

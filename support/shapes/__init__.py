@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every shape, with points to try it at."""
+"""Every shape, with test points."""

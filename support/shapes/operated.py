@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes made by operators, for the tests of what every shape promises: each operator on several kinds of children."""
+"""Shapes made by operators, for the tests of every shape: each operator on several kinds of children."""
 
 import numpy as np
 

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random programs of the whole expression language, typed: every word that is registered, loops, conditions, parameters.
+"""Random programs of the whole expression language, typed: every registered function, loops, conditions, parameters.
 
-Most are valid. The generator knows what kinds of values a word takes and gives, and nothing of what a word means.
+Most are valid. The generator knows the kinds of values of a function's arguments and result, but not its meaning.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from sdf_lights.sdf.functions import COLOURS, FUNCTIONS, MATHEMATICS, POINTS, RE
 from sdf_lights.sdf.shapes import Shape
 
 DEEPEST = 4
-_VECTORS = ("cross", "normalize", "mirror")  # words of fields whose result is a vector
-_SCALARS = ("dot", "length", "distance", "noise")  # … or a number, whatever they are given
+_VECTORS = ("cross", "normalize", "mirror")  # functions of fields whose result is a vector
+_SCALARS = ("dot", "length", "distance", "noise")  # … or a number, for any arguments
 
 
 class _Writer:
@@ -210,7 +210,7 @@ def program(seed: int) -> str:
 
 
 def valid(seed: int) -> tuple[str, Shape] | None:
-    """Text and shape of a program; None if the language refuses it, or if it cannot be a lamp by its size."""
+    """Text and shape of a program; None if the language refuses it, or if its size makes it no lamp."""
     text = program(seed)
     try:
         shape = evaluate(text)
@@ -221,4 +221,4 @@ def valid(seed: int) -> tuple[str, Shape] | None:
     return (text, shape) if sized and not shape.validate() else None
 
 
-UNUSED_GROUPS = ("Fields", COLOURS, POINTS)  # whose words the generator writes by hand, or never
+UNUSED_GROUPS = ("Fields", COLOURS, POINTS)  # functions that the generator writes by hand, or never

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes and points that every reading is tried on."""
+"""Shapes and points on which every evaluator is tested."""
 
 import dataclasses
 import functools
@@ -48,7 +48,7 @@ MIRROR = np.diag([-1.0, 0.5, 2.0, 1.0])
 
 
 def rotation() -> np.ndarray:
-    """A rotation about no axis in particular, with twice the size."""
+    """A rotation about a general axis, with twice the size."""
     matrix = np.eye(4)
     matrix[:3, :3] = 2.0 * np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
     matrix[:3, 3] = 0.3, -0.1, 0.2
@@ -56,9 +56,9 @@ def rotation() -> np.ndarray:
 
 
 PRIMITIVES = {name: shape() for name, shape in SHAPES.items() if len(dataclasses.fields(shape)) == len(shape.fields())}
-"""Every shape that numbers alone make, as it is by default."""
+"""Every shape defined by numbers, with default values."""
 
-# The other shapes of the same classes: where a formula has cases, each of them, and the ends of the limits.
+# More shapes of the same classes: each case of a formula, and the ends of the limits.
 VARIATIONS = {
     "solid angle, most of the ball": SolidAngle(0.5, 4.5),
     "solid angle, half of the ball": SolidAngle(0.5, math.pi),
@@ -104,9 +104,9 @@ VARIATIONS = {
 
 
 def varied(shape: Shape, seed: int) -> Shape:
-    """A shape of the same class with other numbers: drawn within the limits, or near those it has.
+    """A shape of the same class with other numbers, drawn within the limits or near the present ones.
 
-    They are valid, and there is such a shape.
+    They are valid, and the shape exists.
     """
     rng = np.random.default_rng(seed)
 
@@ -158,12 +158,12 @@ SWEEPS = (
 SWEPT = {f"{name}, swept": SWEEPS[index % 3](profile) for index, (name, profile) in enumerate(PROFILES_TO_TRY.items())}
 
 SHAPES_TO_TRY = PRIMITIVES | VARIATIONS | COMPOSITES | OPERATED | SWEPT
-"""Every shape, operator and profile there is, each at least once."""
+"""Every shape, operator and profile, each at least once."""
 
 
 @functools.cache
 def window(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (low, high) of the shape's box, or of the part near the origin of one that has no end."""
+    """Corners (low, high) of the shape's box, or of the part near the origin of an infinite one."""
     low, high = shape.bounds()
     low, high = np.where(np.isfinite(low), low, -1.5), np.where(np.isfinite(high), high, 1.5)
     low.flags.writeable = high.flags.writeable = False
@@ -187,27 +187,27 @@ def crossings(shape: Shape, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _descended(shape: Shape, at: np.ndarray) -> np.ndarray:
-    """Those points (m, 3) of the surface to which the gradient leads from points (n, 3)."""
+    """The points (m, 3) of the surface to which the gradient leads from points (n, 3)."""
     slope = gradient(shape.formula())
     low, high = window(shape)
     for step in range(30):
         direction = np.stack([numpy_evaluation.evaluate(part, at, shape.parameters()) for part in slope], axis=-1)
         steepness = np.linalg.norm(direction, axis=1, keepdims=True)
-        # Never past the surface at first; by Newton's method once it is near.
+        # Never past the surface at first; then Newton's method near the surface.
         length = steepness if step < 15 else steepness**2
         at = at - shape.distance(at)[:, None] * direction / np.where(length > 0.0, length, 1.0)
     return at[np.abs(shape.distance(at)) < 1e-13 * np.linalg.norm(high - low)]
 
 
 class NoSurface(Exception):
-    """A shape of certain numbers has no surface, or one that cannot be found."""
+    """A shape with certain numbers has no surface, or one that cannot be found."""
 
 
 @functools.cache
 def surface(shape: Shape, count: int = 2000) -> np.ndarray:
     """About ``count`` points on the surface, or more: where segments between random points cross it.
 
-    Dust and threads are hardly ever met by such segments: there the field has to lead to it.
+    Such segments hardly ever hit dust and threads: there the field must lead to the surface.
     """
     rng = np.random.default_rng(11)
     low, high = window(shape)

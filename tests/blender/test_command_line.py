@@ -136,7 +136,7 @@ def test_frames_are_rendered_without_a_window(installed, tmp_path):
     arguments = "--background", blurred, "-E", "SDF_LIGHTS", "-o", tmp_path / "blurred_####", "-f", "1"
     done = run(*arguments, "--", "--sdf-strict")
     assert done.returncode == 1 and "Fast GI is not supported" in done.stdout, done.stdout
-    assert "1 thing is not rendered as the scene says" in done.stdout
+    assert "1 item is not rendered as the scene says" in done.stdout
     done = run(*arguments)
     assert done.returncode == 0 and "Fast GI is not supported" in done.stdout, done.stdout
     assert picture("blurred_0001.exr").mean() > 0.0

@@ -90,7 +90,7 @@ def test_a_scale_becomes_sizes(same, about):
     [
         (dict(shape="TORUS", scale=(1.0, 2.0, 1.0)), "one size for directions"),
         (dict(text="r = slider(0.4, 0.1, 0.5)\nsphere(r)", scale=(2.0, 2.0, 2.0)), "narrow limits"),
-        (dict(text="sphere(0.4)", scale=(2.0, 2.0, 2.0)), "sizes that are no parameters"),
+        (dict(text="sphere(0.4)", scale=(2.0, 2.0, 2.0)), "sizes that are not parameters"),
         (dict(shape="BOX", scale=(1.0, 2.0, 1.0), emission="CORE"), "pattern"),
     ],
 )

@@ -299,9 +299,7 @@ def test_links_in_a_circle(surface):
         assert node.kind == "diffuse" and scene.warnings == []
     else:
         assert node is None
-        assert scene.warnings == [
-            "Material 'Material': its links go round in a circle, so it is black: remove one of them."
-        ]
+        assert scene.warnings == ["Material 'Material': its links form a circle, so it is black: remove one of them."]
 
 
 def test_displacement_bumps_moves_vertices_or_both(synced, add, quad, material):

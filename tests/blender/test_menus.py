@@ -12,6 +12,7 @@ import pytest
 from sdf_lights.blender import operators, parameters
 from sdf_lights.blender.lamp import pattern_of, shape_of
 from sdf_lights.blender.presets import presets
+from sdf_lights.blender.sources import FileResolver
 from sdf_lights.sdf import emission_presets
 from sdf_lights.sdf.expression import evaluate
 from sdf_lights.sdf.functions import CONSTANTS, FUNCTIONS
@@ -29,7 +30,7 @@ def test_presets(file, name):
     assert added().name.startswith(preset.title) and light.energy == preset.power
     points = np.random.default_rng(3).uniform(-0.7, 0.7, (200, 3))
     # Angles are radians in Blender, so their last digit may differ.
-    wanted = evaluate(preset.expression)
+    wanted = evaluate(preset.expression, resolver=FileResolver(light.sdf_lamp))
     assert shape_of(light.sdf_lamp).distance(points) == pytest.approx(wanted.distance(points), abs=1e-12)
     assert light.use_temperature == (preset.temperature > 0.0)
     shape, found = shape_of(light.sdf_lamp), pattern_of(light.sdf_lamp)
@@ -47,6 +48,56 @@ def test_presets(file, name):
     assert preset.picture.is_file() and preset.picture.stat().st_size < 30_000
     low, high = shape_of(light.sdf_lamp).bounds()
     assert 0.1 < max(high - low) < 1.5
+
+
+WITH_SOURCES = [name for name, preset in presets().items() if preset.sources]
+
+
+@pytest.mark.parametrize("name", WITH_SOURCES)
+def test_presets_bring_their_own_sources_and_can_be_added_again(file, name, tmp_path):
+    """Their sources are children of the lamp, to be edited, and come along with files, copies and undo."""
+    lamps = []
+    for _ in range(2):
+        bpy.ops.sdf_lights.lamp_add(source="PRESET", preset=name.upper(), location=(1.0, 0.0, 0.0))
+        lamps.append(added())
+    first, second = (parameters.things_of(lamp.data) for lamp in lamps)
+    assert len(first) == len(second) == len(presets()[name].sources) and not first & second
+    for lamp, things in zip(lamps, (first, second)):
+        for thing in things:
+            if isinstance(thing, bpy.types.Object):
+                assert thing.parent == lamp and thing.hide_render and thing.display_type == "WIRE"
+                assert thing.users_collection == lamp.users_collection
+    points = np.random.default_rng(5).uniform(-0.7, 0.7, (200, 3))
+    before = [shape_of(lamp.data.sdf_lamp).distance(points) for lamp in lamps]
+    np.testing.assert_array_equal(before[0], before[1])
+    bpy.ops.sdf_lights.preset_load(preset="PEARL")
+    assert parameters.things_of(lamps[1].data) == set()
+    bpy.ops.sdf_lights.preset_load(preset=name.upper())
+    np.testing.assert_array_equal(shape_of(lamps[1].data.sdf_lamp).distance(points), before[1])
+    copy = lamps[0].data.copy()
+    np.testing.assert_array_equal(shape_of(copy.sdf_lamp).distance(points), before[0])
+    title = lamps[0].name
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "lamps.blend"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "lamps.blend")) as (_, wanted):
+        wanted.objects = [title]
+    light = wanted.objects[0].data
+    np.testing.assert_array_equal(shape_of(light.sdf_lamp).distance(points), before[0])
+    assert pattern_of(light.sdf_lamp) is None or pattern_of(light.sdf_lamp).placed(shape_of(light.sdf_lamp))
+
+
+def test_a_preset_of_sources_is_undone_by_one_step(file):
+    bpy.context.preferences.edit.use_global_undo = True
+    bpy.ops.ed.undo_push(message="before")
+    count = len(bpy.data.objects), len(bpy.data.curves)
+    bpy.ops.sdf_lights.lamp_add(source="PRESET", preset="NEON_ARROW")
+    bpy.ops.ed.undo_push(message="added")
+    assert len(bpy.data.objects) == count[0] + 2
+    bpy.ops.ed.undo()
+    assert (len(bpy.data.objects), len(bpy.data.curves)) == count
+    bpy.ops.ed.redo()
+    light = next(obj for obj in bpy.data.objects if obj.type == "LIGHT").data
+    assert shape_of(light.sdf_lamp).validate() == ""
 
 
 def test_there_are_at_least_twenty_presets_and_every_emission_is_in_one():

@@ -56,6 +56,23 @@ def test_a_mesh_follows_its_modifiers_frame_by_frame(file, lamp_of):
         assert _inside(shape_of(light.sdf_lamp)) == pytest.approx(size, rel=0.05)
 
 
+@pytest.mark.parametrize("hidden", [False, True])
+def test_renders_have_the_modifiers_of_a_mesh_that_is_hidden(file, synced, hidden):
+    """As *Convert > To SDF Lamp* hides it: Blender then evaluates no more than its place."""
+    bpy.ops.mesh.primitive_cube_add(size=1.0)
+    copies = bpy.context.object.modifiers.new("Row", "ARRAY")
+    copies.use_relative_offset, copies.use_constant_offset = False, True
+    copies.constant_offset_displace = 2.0, 0.0, 0.0
+    mesh = bpy.context.object
+    bpy.ops.sdf_lights.object_to_lamp()
+    assert mesh.hide_render
+    mesh.hide_viewport = hidden
+    bpy.context.scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.scene.collection.objects.link(bpy.context.scene.camera)
+    (lamp,) = synced().lamps
+    assert _inside(lamp.shape) == pytest.approx(2.0, rel=0.05)
+
+
 def test_an_armature_moves_a_lamp(file, lamp_of):
     bpy.ops.object.armature_add()
     armature = bpy.context.object
@@ -75,6 +92,22 @@ def test_a_metaball_is_a_lamp(file, lamp_of):
     bpy.ops.object.metaball_add()
     _, shape = lamp_of(bpy.context.object)
     assert _inside(shape) > 1.0
+
+
+def test_renders_have_a_metaball_as_a_lamp_and_nothing_else_of_it(file, pictures):
+    bpy.ops.object.metaball_add(location=(0.0, 0.0, -5.0))
+    bpy.ops.sdf_lights.object_to_lamp()
+    (lamp,) = [light for light in bpy.data.lights if light.sdf_lamp.use]
+    lamp.energy = 0.0
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    bpy.context.scene.world = world = bpy.data.worlds.new("World")
+    world.color = (0.5, 0.5, 0.5)
+    dark = pictures()["ViewLayer"]["Combined"][..., :3]
+    np.testing.assert_allclose(dark, dark[0, 0, 0], rtol=1e-5)  # the world alone
+    lamp.energy = 100.0
+    assert pictures()["ViewLayer"]["Combined"].max() > 2.0 * dark.max()
 
 
 def test_an_open_mesh_is_a_lamp(file, lamp_of):

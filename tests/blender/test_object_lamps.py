@@ -407,6 +407,6 @@ def test_a_lamp_of_an_object_makes_no_preset_and_says_why(text, tmp_path, monkey
     monkeypatch.setattr(bpy.utils, "user_resource", lambda kind, path="", create=False: str(tmp_path))
     text("Hi").select_set(True)
     bpy.ops.sdf_lights.object_to_lamp()
-    with pytest.raises(RuntimeError, match="makes no preset. Its shape is that of an object"):
+    with pytest.raises(RuntimeError, match="cannot be saved as a preset. Its shape is that of an object"):
         bpy.ops.sdf_lights.lamp_preset_add(name="Mine")
     assert list(tmp_path.iterdir()) == []

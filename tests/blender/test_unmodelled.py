@@ -85,7 +85,7 @@ CASES = {
     many_shadows: ("Scene", "13 collections", "share collections"),
     subdivision: ("Objects", "'Floor'", "adaptive subdivision"),
     shadow_terminator: ("Objects", "'Floor'", "shadow terminator"),
-    shadow_caustics: ("Scene", "Bulb", "by chance"),
+    shadow_caustics: ("Scene", "Bulb", "noisier"),
     world_aovs: ("World", "'Sky'", "Mask"),
     glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
@@ -218,7 +218,7 @@ def test_a_strict_render_fails(room, file, monkeypatch, by):
     assert bpy.ops.render.render() == {"FINISHED"}
     fast_gi(**room)
     shadow_terminator(**room)
-    with pytest.raises(RuntimeError, match="2 things are not rendered as the scene says"):
+    with pytest.raises(RuntimeError, match="2 items are not rendered as the scene says"):
         bpy.ops.render.render()
 
 

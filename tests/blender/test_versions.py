@@ -76,6 +76,5 @@ def test_what_a_later_version_has_saved_is_told(synced, add, lamp):
     data.sdf_lamp.version = versions.VERSION + 1
     told = [sentence for sentence in synced().warnings if "later version" in sentence]
     assert told == [
-        "Light 'Later' was saved by a later version of SDF Lights: what this version does not know is ignored; "
-        "update the extension."
+        "Light 'Later' was saved by a later version of SDF Lights: unknown settings are ignored; update the extension."
     ]

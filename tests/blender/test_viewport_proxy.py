@@ -17,6 +17,7 @@ from sdf_lights.sdf.data.outline import Outline
 from sdf_lights.sdf.data.tube import Tube
 from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.emission_presets import presets
+from sdf_lights.sdf.resolver import Arrays
 from sdf_lights.sdf.shapes import SHAPES, Box, Sphere, Torus, Union
 from sdf_lights.sdf.shapes.swept import Extrusion
 from support.shapes import samples
@@ -141,6 +142,14 @@ _RING = np.column_stack([np.cos(_TURN), np.sin(_TURN)]) * (0.4 + 0.1 * np.cos(4.
 @pytest.mark.parametrize("name", ["", "skin"])
 def test_shapes_of_tables_look_as_in_the_render(painter, shape, name):
     assert difference(painter, shape, EmissionExpression(EMISSIONS[name]).emission() if name else None) < 0.03
+
+
+@pytest.mark.parametrize("text", ["ramp(along, 0, (1, 0, 0), 1, (0, 0.2, 1))", "image_color('Stripes', u, v)"])
+def test_colours_along_a_curve_and_of_a_picture_look_as_in_the_render(painter, text):
+    stripes = np.kron([[(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]], np.ones((8, 8, 1)))
+    emission = EmissionExpression(text).emission(resolver=Arrays(images={"Stripes": stripes}))
+    path = np.column_stack([_RING, _TURN / 9.0])
+    assert difference(painter, Union(Tube.of([(path, 0.1, False)]), Sphere(0.2)), emission) < 0.03
 
 
 EMISSIONS = {

@@ -145,7 +145,7 @@ def test_blackbody():
         ("ramp(p.x)", "position and a colour"),
         ("ramp(p.x, 1, 0, 0, 1)", "not in order"),
         ("ramp(p, 0, 1)", "are numbers"),
-        ("ramp(p.x, 0, (1, 2), 1, (1, 2, 3))", "do not go together"),
+        ("ramp(p.x, 0, (1, 2), 1, (1, 2, 3))", "cannot be combined"),
         ("displace(sphere(1), height)(p)", "depth or the height"),
         ("ramp(p.x, " + ", ".join(f"{i}, {i}" for i in range(40)) + ")", "too many stops"),
     ],

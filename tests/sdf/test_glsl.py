@@ -180,7 +180,7 @@ def test_numbers_are_written_for_float32():
 
 @pytest.mark.parametrize("name", ["", "1a", "a b", "gl_a", "a__b", "a;", "ä"])
 def test_names_have_to_be_names(name):
-    with pytest.raises(ValueError, match="no name for a GLSL function"):
+    with pytest.raises(ValueError, match="not a valid name of a GLSL function"):
         codegen_glsl.function(x, name)
     with pytest.raises(ValueError, match="1 to 4 values"):
         codegen_glsl.function((x,) * 5, "read")

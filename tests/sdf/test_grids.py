@@ -17,7 +17,7 @@ from sdf_lights.sdf.data.triangles import triangles, winding
 from sdf_lights.sdf.data.voxels import GridError, mesh_grid
 from sdf_lights.sdf.shapes import Difference, Sphere
 from support import glsl, grids
-from support.lamps import oracle
+from support.lamps.crossings import wrong_crossings
 from support.lamps.rays import Traced
 
 TORUS = grids.torus(0.7, 0.25, 64, 32)
@@ -181,25 +181,15 @@ def test_glsl_of_a_grid_has_the_same_distances(ring):
     np.testing.assert_allclose(found, ring.distance(points.astype(float)), atol=2e-5)
 
 
-def _crossings_agree(shape, rays, seed=5):
-    origins, directions = grids.rays_around(shape, rays, seed)
-    traced = Traced(shape)
-    assert traced.tree.certified
-    found = traced.trace(origins, directions)
-    truth = oracle.find(shape, origins, directions)
-    assert truth.counts.sum() > rays // 20
-    return oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1], truth).wrong
-
-
 def test_rays_find_all_crossings_of_a_grid(ring):
-    assert _crossings_agree(ring, 5_000) == 0.0
+    assert wrong_crossings(ring, 5_000) == 0.0
 
 
 @pytest.mark.slow
 def test_no_ray_of_a_million_through_grids_has_a_wrong_number_of_crossings(ring):
     vertices, faces = TORUS
     for shape in (ring, mesh_grid(vertices, faces[200:], 0.04)):
-        assert _crossings_agree(shape, 500_000) == 0.0
+        assert wrong_crossings(shape, 500_000) == 0.0
 
 
 @pytest.mark.slow
@@ -208,7 +198,7 @@ def test_a_scan_of_300_thousand_triangles_is_a_lamp():
     assert len(faces) > 280_000
     grid = mesh_grid(vertices, faces)
     assert grid.bytes < 64e6 and grid.lipschitz < 2.0 and interior.tree(grid).certified
-    assert _crossings_agree(grid, 20_000) == 0.0
+    assert wrong_crossings(grid, 20_000) == 0.0
 
 
 def test_a_ray_asks_a_grid_for_few_points():

@@ -8,8 +8,9 @@ import bpy
 from scenery import textures
 from scenery.materials import Graph, image, principled
 from scenery.modelling import add, box, plane, rod, smooth_profile, turned
+from scenery.staging import aimed, camera, glowing, light, sky, world
 
-from .stage import aimed, camera, glowing, light, scene, sky, world
+from .stage import scene
 
 
 def _boards(name: str):
@@ -163,7 +164,7 @@ def kitchen(opened) -> None:
     glass.finish(glass.node("ShaderNodeBsdfGlass", Color=(0.96, 0.98, 0.97), Roughness=0.0, IOR=1.5))
     tumbler = [(0.0, 0.0), (0.035, 0.0), (0.04, 0.12), (0.037, 0.12), (0.033, 0.012), (0.0, 0.012)]
     for x, y in ((0.4, 0.75), (0.52, 0.85), (0.3, 0.9)):
-        # Not in the plane of the worktop: what a ray meets first of two surfaces in one plane is undefined.
+        # Not in the plane of the worktop: the first hit of a ray is undefined for two surfaces in one plane.
         add("Tumbler", turned("Tumbler", tumbler, 48), glass.material, location=(x, y, 0.901))
     fruit = Graph("Fruit")
     noise = fruit.node("ShaderNodeTexNoise", Vector=fruit.node("ShaderNodeTexCoord", "Object"), Scale=20.0)

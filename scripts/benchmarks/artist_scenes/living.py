@@ -10,8 +10,9 @@ import bpy
 import numpy as np
 from scenery.materials import Graph, principled
 from scenery.modelling import add, plane, smooth_profile, turned
+from scenery.staging import camera, light, panorama
 
-from .stage import camera, light, panorama, scene
+from .stage import scene
 
 STRANDS, POINTS = 4000, 6
 

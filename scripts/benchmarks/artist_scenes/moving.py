@@ -8,8 +8,9 @@ import math
 
 from scenery.materials import Graph, principled
 from scenery.modelling import add, box, plane, smooth_profile, turned
+from scenery.staging import camera, light, world
 
-from .stage import camera, light, scene, world
+from .stage import scene
 
 
 def _keyed(thing, frames: dict[int, dict[str, tuple]]) -> None:
@@ -53,7 +54,7 @@ def animation(opened) -> None:
     world((0.3, 0.38, 0.5), 0.4)
     eye = camera((0.0, -5.5, 2.0), (0.0, 0.5, 1.0), 45.0)
     _keyed(eye, {1: dict(location=(-0.6, -5.5, 1.9)), 21: dict(location=(0.6, -5.5, 2.1))})
-    # A straight course: frames are compared at any part of one.
+    # A straight motion: any of its frames can be compared.
     for thing in (hub, ball, lamp, eye):
         for curve in _curves(thing):
             for point in curve.keyframe_points:
@@ -63,7 +64,7 @@ def animation(opened) -> None:
 
 
 def _curves(thing):
-    """F-curves of an object's action, in the layers that actions have since Blender 4.4."""
+    """F-curves of an object's action, in the layers of actions since Blender 4.4."""
     action = thing.animation_data.action
     return [
         curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags for curve in bag.fcurves

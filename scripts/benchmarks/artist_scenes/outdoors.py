@@ -10,8 +10,9 @@ import bpy
 import numpy as np
 from scenery.materials import Graph, principled
 from scenery.modelling import add, box, leaf, plane, rod
+from scenery.staging import camera, glowing, light, sky, world
 
-from .stage import camera, glowing, light, scene, sky, world
+from .stage import scene
 
 TREES = 4000
 
@@ -72,7 +73,7 @@ def street(opened) -> None:
 
 
 def _tree(name: str, seed: int, triangles: int, materials) -> bpy.types.Mesh:
-    """A trunk and a crown of leaves, of about so many triangles; ``materials``: of the trunk and of the leaves."""
+    """A trunk and a crown of leaves, with about so many triangles; ``materials``: of the trunk and of the leaves."""
     random = np.random.default_rng(seed)
     around = np.linspace(0.0, 2.0 * math.pi, 12, endpoint=False)
     ring = np.stack([np.cos(around), np.sin(around), np.zeros(12)], axis=1)
@@ -86,7 +87,7 @@ def _tree(name: str, seed: int, triangles: int, materials) -> bpy.types.Mesh:
     way = random.standard_normal((count, 3))
     way *= (0.55 * random.random((count, 1)) ** 0.35) / np.linalg.norm(way, axis=1, keepdims=True)
     place = way * (1.0, 1.0, 1.3) + (0.0, 0.0, 1.6)
-    # Each leaf is turned about z, and hangs by its own angle.
+    # Each leaf is rotated about z, and hangs at its own angle.
     turn, fall = random.uniform(0.0, 2.0 * math.pi, count), random.uniform(-1.0, 1.0, count)
     x, y, z = blade.T[:, None, :]
     y, z = y * np.cos(fall)[:, None] - z * np.sin(fall)[:, None], y * np.sin(fall)[:, None] + z * np.cos(fall)[:, None]

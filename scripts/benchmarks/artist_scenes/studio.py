@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from scenery.materials import Graph, principled
 from scenery.modelling import add, box, plane, smooth_profile, turned
+from scenery.staging import camera, light, panorama
 
-from .stage import camera, light, panorama, scene
+from .stage import scene
 
 
 @scene("a bottle and a box on a shadow catcher, for a picture with alpha")

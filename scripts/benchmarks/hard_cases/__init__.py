@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cases on which a lamp's light is easily wrong or dear, each with one figure and the limit that it has to keep.
+"""Cases in which a lamp's light is easily wrong or expensive, each with one figure and its limit.
 
-A case is a function ``quick -> Figure`` whose docstring says in one line what is measured. Its limit is known before
-anything is measured: an analytic value with its rounding and the standard error of the samples, a requirement of the
+A case is a function ``quick -> Figure`` whose docstring describes the measurement in one line. Its limit is known
+before the measurement: an analytic value with its rounding and the standard error of the samples, a requirement of the
 search, or a published figure. None of these modules needs Blender, except where a case says so.
 """
 
@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Figure:
-    """What was measured: it must not be above the limit. ``more`` are further numbers of the row."""
+    """The measured value; it must not be above the limit. ``more`` are further numbers of the row."""
 
     value: float
     limit: float
@@ -45,7 +45,7 @@ class Case:
 
     @property
     def kind(self) -> str:
-        """The module that it is in."""
+        """The name of its module."""
         return self.measure.__module__.rpartition(".")[2]
 
 

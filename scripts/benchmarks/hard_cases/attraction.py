@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lamp gives a surface that nothing shades, in closed form.
+"""The light of a lamp on a surface without occlusion, in closed form.
 
-A lamp with emission ρ neither absorbs nor scatters, so a point with normal n that has all of it above its horizon
-receives E = ∫ ρ n·(y − x) / |y − x|³ dV: the attraction of a body of that density by Newton's law. Of ellipsoids, and so
-of every affine image of a ball, and of boxes it has closed forms.
+A lamp with emission ρ neither absorbs nor scatters. So a point with normal n that has all of it above its horizon
+receives E = ∫ ρ n·(y − x) / |y − x|³ dV: the attraction of a body of that density by Newton's law. It has closed forms
+for ellipsoids, and so for every affine image of a ball, and for boxes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from scipy.special import elliprd
 
 
 def of_ellipsoid(matrix: np.ndarray, points: np.ndarray, normal) -> np.ndarray:
-    """Irradiance at ``points`` (n, 3), in 1/m², by the unit ball under an affine ``matrix`` (4 × 4) of 1 W/sr in all.
+    """Irradiance at ``points`` (n, 3), in 1/m², from the unit ball under an affine ``matrix`` (4 × 4) with 1 W/sr in
+    total.
 
     O. D. Kellogg 1929, "Foundations of potential theory", chapter VII.6; the integral is Carlson's R_D.
     """

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What hard lamps cost, against easy ones in the same scene: ratios of render time at equal samples.
+"""The cost of hard lamps compared with easy ones in the same scene: ratios of render time at equal samples.
 
 Huang et al. 2026 report 60 s with a high-frequency field and 12 s with the smooth one, and 20 s with a thin box frame
-against 10 s with its box, as they reject points. The smooth field costs us a fifth of the evaluations that it costs
-their rule, so with noise the ratio of our own times is no measure of theirs: there the evaluations of both are compared,
-and the time must not grow more than what is evaluated. In a close-up every sample looks through the lamp, and lights what is
-behind it: that is a ray from just before the surface, and one from farther away.
+compared with 10 s with its box, because they reject points. For us the smooth field takes a fifth of the evaluations of
+their rule. So with noise the ratio of our own times cannot be compared with theirs. There the evaluations of both are
+compared, and the time must not grow more than the evaluations. In a close-up every sample looks through the lamp, and
+lights the surface behind it: that is a ray from just before the surface, and one from farther away.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ from .stage import settings
 NOISE, FRAME = 60.0 / 12.0, 20.0 / 10.0  # of the paper
 SIZE, QUICK_SIZE = 64, 24
 TURNS, QUICK_TURNS = 5, 3
-TURN, QUICK_TURN = 3.0, 0.2  # seconds that further samples are to take in a turn
-FEWEST, MOST = 4, 4096  # further samples of a turn
+TURN, QUICK_TURN = 3.0, 0.2  # target time in seconds of the additional samples of a turn
+FEWEST, MOST = 4, 4096  # additional samples of a turn
 RAYS = 1000
-COARSE = 1e-3  # shortest step that the paper's rule is run with, relative to the size
+COARSE = 1e-3  # shortest step of the paper's rule, relative to the size
 CLOSE = 0.02  # distance of a close-up, relative to the size
 EYE = np.array([0.36, -0.8, 0.48])  # direction of its camera from the middle of the lamp
 HALF_WIDTH = 0.4  # tangent of half its angle of view
-STEPS = 100_000  # in which its distance is measured
+STEPS = 100_000  # unit of its distance
 MATRIX = translation(0.0, 0.0, 1.8) @ rotation("z", 20.0) @ rotation("x", 35.0)
 
 SMOOTH = SmoothUnion(Transformed(Sphere(0.4), moved(-0.3)), Transformed(Sphere(0.3), moved(0.3, 0.1)), radius=0.3)
@@ -64,7 +64,7 @@ def seconds(scene: Scene, samples: int) -> float:
 
 
 def close_camera(shape: Shape) -> Camera:
-    """``CLOSE`` of its size before the surface of a lamp with ``MATRIX``, which fills the picture."""
+    """A camera ``CLOSE`` of its size in front of the surface of a lamp with ``MATRIX``, which fills the picture."""
     low, high = shape.bounds()
     center, size = 0.5 * (low + high), float(np.linalg.norm(high - low))
     line = center + np.linspace(size, 0.0, STEPS)[:, None] * EYE
@@ -81,9 +81,9 @@ def close_rays(shape: Shape, rng: np.random.Generator, count: int) -> tuple[np.n
 
 
 def sample_seconds(hard: Shape, easy: Shape, quick: bool, close: bool = False) -> tuple[float, float]:
-    """Time of a further sample with one lamp and with the other, in a room; medians of renders that take turns.
+    """Time of an additional sample with one lamp and with the other, in a room; medians of renders that take turns.
 
-    ``close``: of pictures that the lamp fills.
+    ``close``: with pictures that the lamp fills.
     """
     size, turn = (QUICK_SIZE, QUICK_TURN) if quick else (SIZE, TURN)
     few, scenes, more, spent = 2, [], [], ([], [])
@@ -109,8 +109,8 @@ def compared(hard: Shape, easy: Shape, limit: float, quick: bool, close: bool = 
 
 @functools.lru_cache(maxsize=16)
 def evaluations(shape: Shape, close: bool = False) -> dict[str, float]:
-    """Evaluations on a ray: of our search, of the paper's rule with our resolution, and as it was published; and the
-    processor time of one, with all lanes in use. ``close``: every other ray is one of a close-up."""
+    """Evaluations on a ray: of our search, of the paper's rule with our resolution, and of the published rule; and the
+    processor time of one evaluation, with all lanes in use. ``close``: every other ray is one of a close-up."""
     traced = Traced(shape)
     origins, toward = around(SMOOTH, np.random.default_rng(5), RAYS)
     if close:
@@ -125,7 +125,7 @@ def evaluations(shape: Shape, close: bool = False) -> dict[str, float]:
 
 
 def by_evaluations(hard: Shape, quick: bool, close: bool = False) -> Figure:
-    """Time against that with the smooth field; the limit is what its evaluations take, by number and time of each."""
+    """Time relative to that with the smooth field; the limit comes from the number and time of evaluations."""
     costly, cheap = evaluations(hard, close), evaluations(SMOOTH, close)
     figure = compared(hard, SMOOTH, costly["ours"] * costly["each"] / (cheap["ours"] * cheap["each"]), quick, close)
     figure.more["published_time_ratio"] = costly["published"] * costly["each"] / (cheap["published"] * cheap["each"])

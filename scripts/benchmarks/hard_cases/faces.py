@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces of a lamp that coincide with surfaces: no speckles, no light lost, none where it cannot be."""
+"""Faces of a lamp that coincide with surfaces: no speckles, no lost light, no light in wrong places."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ ORIGIN = (0.0, 0.0, 0.0)
 
 
 def standing() -> list[Lamp]:
-    """A box on the floor, whose lower face lies in it."""
+    """A box on the floor, whose lower face lies in the floor."""
     return [Lamp("lamp", Box(tuple(HALF)), translation(0.0, 0.0, HALF[2]), density=DENSITY)]
 
 
 def beside(points: np.ndarray) -> np.ndarray:
-    """Pixels (of ``places``) that see nothing of the lamp itself, nor its edges."""
+    """Pixels (of ``places``) that see neither the lamp itself nor its edges."""
     pixel = WIDTH / PIXELS
     return (np.abs(points[:, :2]) > HALF[:2] + pixel).any(axis=1)
 
 
 def lit(quick: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Pixels of the floor, and what they should be: light that is scattered there, and the lamp before it."""
+    """Pixels of the floor, and their true values: light scattered there, and the lamp in front of it."""
     camera = from_above(ORIGIN, 2.0, WIDTH)
     found = picture(floor(camera, PIXELS, ORIGIN, 3.0, standing(), settings(256 if quick else 4096)))
-    # The mean over each pixel, of 4 × 4 places.
+    # The mean over each pixel, from 4 × 4 points.
     points = places(ORIGIN, WIDTH, 4 * PIXELS)
     low, high = np.array((-HALF[0], -HALF[1], 0.0)), np.array((HALF[0], HALF[1], 2.0 * HALF[2]))
     expected = ALBEDO / math.pi * attraction.of_box(low, high, points, DENSITY)
@@ -50,7 +50,7 @@ def energy(quick):
     """relative error of the light on a floor that a face of the lamp lies in"""
     found, expected = lit(quick)
     away = beside(places(ORIGIN, WIDTH, PIXELS)).reshape(found.shape)
-    # What the mean of 4 × 4 places misses of the curvature over a pixel, relative to the lamp's height.
+    # The error of the mean of 4 × 4 points from the curvature over a pixel, relative to the lamp's height.
     return deviation(found[away], expected[away], (WIDTH / PIXELS / 4.0 / HALF[2]) ** 2 / 12.0)
 
 
@@ -61,7 +61,7 @@ def acne(quick):
     points = places(ORIGIN, WIDTH, PIXELS)
     whole = beside(points) | (np.abs(points[:, :2]) < HALF[:2] - WIDTH / PIXELS).all(axis=1)
     errors = np.abs(found / expected - 1.0).ravel()[whole]
-    # 0.1 is what no eye takes for a speckle; the scatter of a fair pixel is a hundredth.
+    # 0.1 is invisible as a speckle; the scatter of a correct pixel is a hundredth.
     return Figure(float(errors.max()), 0.1, dict(rms=float(np.sqrt(np.mean(errors**2)))))
 
 

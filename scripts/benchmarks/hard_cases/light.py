@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders of a floor under lamps of extreme size, place and form, against the attraction of the same bodies."""
+"""Renders of a floor under lamps of extreme size, position and shape, compared with the attraction of the same
+bodies."""
 
 from __future__ import annotations
 
@@ -33,20 +34,20 @@ POWER = 40.0  # W
 BALL = Sphere(1.0)
 ORIGIN = (0.0, 0.0, 0.0)
 THIN = 3e-4  # of the radius of a shell
-PATCH = 1e-2  # width of what the camera sees of the floor, relative to ``size``
-# What a pixel's light has of the curvature of the irradiance over it, relative, at most: (width/distance)²/4.
+PATCH = 1e-2  # width of the visible floor, relative to ``size``
+# Maximum relative effect on a pixel of the curvature of the irradiance over it: (width/distance)²/4.
 CURVATURE = (PATCH / PIXELS) ** 2
 
 
 def rounding(lamps: list[Lamp], expected: float, at=ORIGIN) -> float:
-    """What the mean of the pixels may be off by, relative, however many samples there are: float32, volumes of boxes."""
+    """Maximum relative error of the pixels' mean for any number of samples: float32, volumes of boxes."""
     up = np.array((0.0, 0.0, 1.0))
     unknown = math.hypot(*(volumes_unknown(lamp, np.asarray(at, float), up) for lamp in lamps))
     return CURVATURE + 16.0 * FLOAT32 + STANDARD_ERRORS * unknown * ALBEDO / math.pi / expected
 
 
 def under(matrices: list[np.ndarray], quick: bool, size: float = 1.0, at=ORIGIN, lost: float = 0.0) -> Figure:
-    """A floor at ``at`` under unit balls, each with its matrix, that are above it and about ``size`` away.
+    """A floor at ``at`` under unit balls with these matrices, which are above it and about ``size`` away.
 
     ``lost``: metres by which float32 may move the floor.
     """
@@ -57,7 +58,7 @@ def under(matrices: list[np.ndarray], quick: bool, size: float = 1.0, at=ORIGIN,
     points = places(ORIGIN, PATCH * size, PIXELS)
     expected = sum(attraction.of_ellipsoid(matrix, points, (0.0, 0.0, 1.0)) for matrix in matrices)
     expected *= ALBEDO / math.pi * attraction.intensity(POWER)
-    # The light of what is above falls off with no more than the cube of the distance.
+    # The light of bodies above falls off no faster than the cube of the distance.
     return deviation(found, expected.reshape(found.shape), rounding(lamps, expected.mean(), at) + 3.0 * lost / size)
 
 
@@ -178,7 +179,7 @@ def near_plane(quick):
     index = np.arange(PIXELS)[:, None] * parts + np.arange(parts + 1)
     along = np.sqrt(1.0 + edges[:, None] ** 2 + edges[None, :] ** 2)[index[:, None, :, None], index[None, :, None, :]]
     expected = density * (radius - near * np.einsum("ijkl,k,l->ij", along, weights, weights))
-    # Sobol points integrate what is this smooth with an error of 1/samples.
+    # Sobol points integrate such a smooth function with an error of 1/samples.
     return Figure(float(np.abs(found / expected - 1.0).max()), (1.0 / 4096 if quick else 1.0 / 65536))
 
 

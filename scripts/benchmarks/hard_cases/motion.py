@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flicker of an animation at few samples: how pixels change from frame to frame beyond what moves.
+"""Flicker of an animation with few samples: the change of pixels from frame to frame beyond the motion itself.
 
-The lamp moves a little each frame. What a converged render of the same frames changes is subtracted, so what is left is
-noise: with independent seeds twice the variance of a frame. Noise that stays where it is from frame to frame would be
-less. Limits are therefore 1: of what independent frames change, four standard errors above it, and of what another
-sampler or engine changes at as many samples.
+The lamp moves slightly in each frame. The change of a converged render of the same frames is subtracted, so the rest is
+noise: with independent seeds, twice the variance of a frame. Noise that stays in place from frame to frame would give
+less. Limits are therefore 1: relative to independent frames, plus four standard errors, and relative to another sampler
+or engine at as many samples.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def frame(index: int, samples: int, seed: int, sampling: LampSampling, bounces: 
 @functools.lru_cache(maxsize=4)
 def truth(quick: bool, bounces: int) -> np.ndarray:
     """(frames, height, width) of converged renders."""
-    # What noise these have adds to the flicker, so with more bounces, where samples are dear, fewer do: 2 % at most.
+    # Their noise adds to the flicker, at most 2 %. With more bounces, where samples are expensive, fewer are taken.
     samples = QUICK_TRUE_SAMPLES if quick or bounces > BOUNCES else TRUE_SAMPLES
     return np.array(
         [
@@ -49,13 +49,13 @@ def truth(quick: bool, bounces: int) -> np.ndarray:
 
 
 def changes(pictures: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """(frames − 1,) mean squared change of a frame beyond what the truth changes, relative to the mean light."""
+    """(frames − 1,) mean squared change of a frame beyond the change of the truth, relative to the mean light."""
     return np.mean(np.diff(pictures - known, axis=0) ** 2, axis=(1, 2)) / known.mean() ** 2
 
 
 @functools.lru_cache(maxsize=8)
 def flicker(quick: bool, sampling: LampSampling, same_seed: bool, bounces: int) -> tuple[np.ndarray, float]:
-    """``changes`` at few samples, and what they should be on average for independent frames."""
+    """``changes`` with few samples, and their expected value for independent frames."""
     known = truth(quick, bounces)
     first, second = (
         np.array(

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Rays on which entries and exits are easily missed: their number, and the length between them.
 
-Balls have closed forms to compare with. All else is judged by the tests' oracle, a march of its own that is 100 times
-finer than a coarse one, a thousand times finer where the two differ, and as much again where they still do. What the
-search guarantees is the limit: zeros that are farther apart than its resolution are all found, so of the length of a
-ray it may lose as much.
+Balls have closed forms to compare with. The tests' oracle judges everything else: an independent march, 100 times finer
+than a coarse one, a thousand times finer where the two differ, and again a thousand times finer where they still do.
+The limit is the guarantee of the search: zeros farther apart than its resolution are all found, so a ray may lose that
+much of its length.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ RAYS, QUICK_RAYS = 20_000, 1_000
 
 
 def skimming(shape, rng, n):
-    """Towards and past balls of radius 1 round the origin, 1e-12 to 1e-2 inside and outside of their tangents."""
+    """Rays towards and past balls of radius 1 around the origin, 1e-12 to 1e-2 inside and outside of their tangents."""
     toward = directions(rng, n)
     side = np.cross(toward, directions(rng, n))
     side /= np.linalg.norm(side, axis=1, keepdims=True)
@@ -69,7 +69,7 @@ def tangents(quick: bool) -> tuple[np.ndarray, np.ndarray]:
     ball = AsField(Sphere(1.0))
     origins, toward = skimming(ball, np.random.default_rng(1), 10 * (QUICK_RAYS if quick else RAYS))
     found = Traced(ball).trace(origins, toward)
-    # Exactly rounded, of the rays as they were rounded: the squared distance of a line is |o × d|² / |d|².
+    # Exact for the rounded rays, except for the last rounding: the squared distance of a line is |o × d|² / |d|².
     wide_o, wide_d = origins.astype(np.longdouble), toward.astype(np.longdouble)
     square = (wide_d * wide_d).sum(axis=1)
     left = 1.0 - (np.cross(wide_o, wide_d) ** 2).sum(axis=1) / square
@@ -81,7 +81,7 @@ def tangents(quick: bool) -> tuple[np.ndarray, np.ndarray]:
 def near_tangent_crossings(quick):
     """rays, of those 1e-12 to 1e-2 from a tangent of a ball, with a wrong number of intervals"""
     wrong, _, length = tangents(quick)
-    # The size is that of the bounding box's half diagonal. What is shorter than the resolution may be lost.
+    # The size is that of the bounding box's half diagonal. Intervals shorter than the resolution may be lost.
     sure = (length == 0.0) | (length > RESOLUTION * np.sqrt(3.0))
     return Figure(
         float(np.mean(wrong[sure] != 0.0)), 0.0, dict(rays=int(sure.sum()), of_all=float(np.mean(wrong != 0.0)))
@@ -97,7 +97,7 @@ def near_tangent_lengths(quick):
 
 @functools.lru_cache(maxsize=2)
 def judged(name: str, quick: bool) -> tuple[oracle.Verdict, int, float]:
-    """The oracle's verdict on the rays of a case, how many they are, and the part of their length left unresolved."""
+    """The oracle's verdict on the rays of a case, their number, and the unresolved fraction of their length."""
     chosen = {**HARD_CASES, **MORE}[name]
     count = QUICK_RAYS if quick else RAYS
     origins, toward = chosen.rays(chosen.shape, np.random.default_rng(zlib.crc32(name.encode())), count)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A million samples a pixel: the film does not drift, the pattern does not repeat, and the error falls as it should."""
+"""A million samples per pixel: the film does not drift, the pattern does not repeat, and the error falls as
+expected."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from .stage import ALBEDO, STANDARD_ERRORS, floor, from_above, places, settings,
 MOST = 20  # log₂ of the samples of a pixel
 FEWEST = 8
 PIXELS = 2
-WIDTH = 1e-5  # m: of the irradiance over a pixel of it, all but 1e-11 is its value in the middle
+WIDTH = 1e-5  # m: the irradiance over a pixel this large is its value in the middle, to 1e-11
 # Float32 corners of the floor and float64 sums; nothing else is rounded to more than 1e-12.
 ROUNDING = 2.0**-23
 MATRIX = translation(0.2, 0.1, 0.75) @ rotation("x", 20.0) @ scaling(0.6, 0.4, 0.5)

@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where numbers have single precision, against the same in double: shapes as GLSL reads them, whole pictures of the GPU's
-path tracer, and hits of triangles.
+"""Single precision compared with double precision: shapes in GLSL, whole pictures of the GPU's path tracer, and hits of
+triangles.
 
-Pictures are made by both with the same random numbers, so most samples are the same but for rounding. What rounding does to
-them has no preferred sign, so means have to agree within what is left of the noise, which how the differences of several
-seeds scatter tells. Only the numbers of a shape are rounded in the same way in all samples: by that its thinnest
-part may be off.
+Both pictures use the same random numbers, so most samples differ only by rounding. The effect of rounding has no
+preferred sign. So means must agree within the remaining noise, which the scatter of the differences of several seeds
+shows. Only the numbers of a shape are rounded in the same way in all samples: they may shift its thinnest part.
 """
 
 from __future__ import annotations
@@ -87,7 +86,7 @@ def pictures(shape: Shape, device: Device, quick: bool) -> np.ndarray:
         scene.settings = settings(QUICK_SAMPLES if quick else SAMPLES, seed)
         scene.settings.device, scene.settings.indirect_paths = device, 1  # as on the GPU, with the same random numbers
         film = session.render(scene, ("Combined",))
-        # What float32 leaves unresolved of the length of a ray is told, and has to be right on average nonetheless.
+        # The length that float32 leaves unresolved is reported, and the result must still be right on average.
         told = [warning for warning in scene.warnings if "could not be resolved" not in warning]
         if told:
             raise RuntimeError("; ".join(told))
@@ -96,9 +95,9 @@ def pictures(shape: Shape, device: Device, quick: bool) -> np.ndarray:
 
 
 def compared(shape: Shape, thinnest: float, quick: bool) -> Figure:
-    """Means of pictures and of their blocks by the GPU, against those in double precision.
+    """Means of pictures and of their blocks on the GPU, compared with those in double precision.
 
-    ``thinnest``: part of the shape, relative to the numbers that it is the difference of.
+    ``thinnest``: part of the shape, relative to the numbers whose difference it is.
     """
     double, single = (
         np.concatenate(means(pictures(shape, device, quick)), axis=1) for device in (Device.CPU, Device.GPU)
@@ -106,7 +105,8 @@ def compared(shape: Shape, thinnest: float, quick: bool) -> Figure:
     truth, differences = double.mean(axis=0), single - double
     seeds, count = differences.shape
     errors = differences.std(axis=0, ddof=1) / np.sqrt(seeds)
-    # All means together may be off by chance as rarely as one of them by as many standard errors of a known scatter.
+    # The probability that any of the means is off is the same as for one mean with as many standard errors of a known
+    # scatter.
     chance = 2.0 * stats.norm.sf(STANDARD_ERRORS)
     allowed = errors * stats.t.isf(0.5 * chance / count, seeds - 1) + 2.0 * FLOAT32 / thinnest * truth
     off = differences.mean(axis=0)

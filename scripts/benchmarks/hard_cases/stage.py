@@ -18,9 +18,9 @@ from support.scenes import diffuse, look_at, quad, scaling, translation
 from . import Figure
 
 ALBEDO = 0.8
-STANDARD_ERRORS = 4.0  # by which a mean may be off; by chance 1 in 16,000 is
+STANDARD_ERRORS = 4.0  # standard errors by which a mean may be off; the probability of more is 1 in 16,000
 FLOAT32 = 2.0**-24  # relative rounding
-FILL_POINTS = 32  # in each box, to tell how full boxes are
+FILL_POINTS = 32  # random points in each box, for the fraction of boxes that is inside
 
 
 def settings(samples: int, seed: int = 0, sampling: LampSampling = LampSampling.CUT, bounces: int = 0) -> Settings:
@@ -40,7 +40,8 @@ def settings(samples: int, seed: int = 0, sampling: LampSampling = LampSampling.
 
 
 def from_above(at, height: float, width: float) -> Camera:
-    """Orthographic, ``height`` over the point ``at`` or below it, that sees a square of ``width`` metres of a floor."""
+    """Orthographic camera, ``height`` above the point ``at`` or below it, that sees a square of ``width`` metres of a
+    floor."""
     half = 0.5 * width
     eye = np.asarray(at, float) + (0.0, 0.0, height)
     return Camera(
@@ -52,7 +53,7 @@ def from_above(at, height: float, width: float) -> Camera:
 
 
 def floor(camera: Camera, pixels: int, at, half: float, lamps: list[Lamp], settings: Settings) -> Scene:
-    """A horizontal diffuse square of half size ``half`` round ``at``."""
+    """A horizontal diffuse square of half size ``half`` around ``at``."""
     return Scene(
         camera,
         pixels,
@@ -73,7 +74,7 @@ def places(at, width: float, pixels: int) -> np.ndarray:
 
 
 def picture(scene: Scene) -> np.ndarray:
-    """(height, width) mean of the channels, float64, from the sums of the film; raises where the render has warned."""
+    """(height, width) mean of the channels, float64, from the sums of the film; raises if the render has warned."""
     film = session.render(scene, ("Combined",))
     if scene.warnings:
         raise RuntimeError("; ".join(scene.warnings))
@@ -81,12 +82,13 @@ def picture(scene: Scene) -> np.ndarray:
 
 
 def volumes_unknown(lamp: Lamp, point, normal) -> float:
-    """Standard deviation (W/m²) of what a uniform lamp gives a point by cuts, as they know the volumes in boxes.
+    """Standard deviation (W/m²) of the light of a uniform lamp at a point by cuts, from the error of the volumes in
+    boxes.
 
-    Boxes on the boundary are sampled, once and for all, by one point in each of side³ parts. A surface crosses at most
-    3 side² of these, each of which then has a variance of 1/6 on average, as the fraction f inside may be anything. The
-    variance of a part is f (1 − f), too, so that of a box is at most its mean f by side³: less, where what is inside is
-    thin. Which of the two bounds is less is decided for all boxes together, so the choice has no bias.
+    Boxes on the boundary are sampled once, by one point in each of side³ parts. A surface crosses at most 3 side² of
+    these, each of which then has a variance of 1/6 on average, because the fraction f inside may be anything. The
+    variance of a part is also f (1 − f), so that of a box is at most its mean f by side³: less, if the inside is thin.
+    The smaller bound is chosen for all boxes together, so the choice has no bias.
     """
     built = build_lamp(lamp.name, lamp.shape, lamp.matrix, lamp.power, lamp.density)
     shape, matrix = (lamp.shape, lamp.matrix) if built.tree is not None else similar(lamp.shape, lamp.matrix)
@@ -96,12 +98,12 @@ def volumes_unknown(lamp: Lamp, point, normal) -> float:
     sizes = (boxes[:, 3:] - boxes[:, :3]) @ np.abs(matrix[:3, :3]).T
     volumes = (boxes[:, 3:] - boxes[:, :3]).prod(axis=1) * abs(np.linalg.det(matrix[:3, :3]))
     offsets = (0.5 * (boxes[:, 3:] + boxes[:, :3]) + tree.center) @ matrix[:3, :3].T + matrix[:3, 3] - point
-    # Boxes next to the point count with what they hold, not with their volume as it is known.
+    # Boxes next to the point count by their content, not by their estimated volume.
     distances = np.maximum(np.linalg.norm(offsets, axis=1), np.linalg.norm(sizes, axis=1))
     weights = np.maximum(offsets @ normal, 0.0) / distances**3
     # All volumes are scaled so that their sum is right.
     weights -= np.average(weights, weights=volumes)
-    # The mean f by random points: what is far from it in one box averages out over all of them.
+    # The mean f from random points: errors of single boxes average out over all of them.
     rng = np.random.default_rng(1)
     filled = np.zeros(len(boxes))
     for _ in range(FILL_POINTS):
@@ -113,9 +115,9 @@ def volumes_unknown(lamp: Lamp, point, normal) -> float:
 
 
 def deviation(found: np.ndarray, expected: np.ndarray, rounding: float) -> Figure:
-    """How far pixels are from what they should be, in their mean, relative to that.
+    """Deviation of the mean of pixels from their true values, relative to these.
 
-    Pixels are independent, so how they scatter tells the standard error; ``rounding`` is what else is allowed.
+    Pixels are independent, so their scatter gives the standard error; ``rounding`` is an additional tolerance.
     """
     ratios = (found / expected).ravel()
     error = float(ratios.std(ddof=1) / np.sqrt(len(ratios)))

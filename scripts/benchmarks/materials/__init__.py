@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials as artists build them, each with a small scene that shows it.
+"""Materials as artists build them, each with a small scene.
 
-A material is a function of a ``Shader`` that gives its surface; ``MATERIALS`` has all of them by name. The modules
+A material is a function of a ``Shader`` that returns its surface; ``MATERIALS`` has all of them by name. Modules
 register them when they are imported.
 """
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ground: what lies where depends on slope, height and wetness."""
+"""Ground: slope, height and wetness determine the cover."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def terrain(s):
 
 @material("terrain")
 def lava(s):
-    """Crust with glowing cracks: blackbody by how far the crack is, and heat that displaces the bump."""
+    """Crust with glowing cracks: blackbody by the distance to the crack, and heat that displaces the bump."""
     place = s.coordinates("Object")
     bent = s.mix(0.25, place, s.noise(place, 3.0, 4.0, 0.6, "Color"), "LINEAR_LIGHT")
     edge = s.voronoi(bent, 3.2, feature="DISTANCE_TO_EDGE", Randomness=1.0)

@@ -29,7 +29,7 @@ def dirty_glass(s):
 
 @material("ball")
 def frosted_glass(s):
-    """Rough but for a clear pattern."""
+    """Rough except for a clear pattern."""
     place = s.coordinates("Object", scale=(2.2, 2.2, 2.2))
     stars = s.voronoi(place, 1.3, distance="MINKOWSKI", Exponent=0.6, Randomness=0.3)
     clear = s.map_range(stars, 0.55, 0.6, smooth=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skin, leaves, moss, wax: light goes in and comes out elsewhere."""
+"""Skin, leaves, moss, wax: light enters and leaves at other points."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def wax(s):
 
 @material("leaf")
 def leaf(s):
-    """Veins from the UVs, another colour from below, and light that comes through where there are none."""
+    """Veins from the UVs, another colour from below, and light that passes between the veins."""
     uv = s.coordinates("UV")
     u, v = s.axis(uv, "X"), s.axis(uv, "Y")
     aside = s.math("ABSOLUTE", s.math("SUBTRACT", u, 0.5))

@@ -54,7 +54,7 @@ def hammered_copper(s):
 
 @material("cube")
 def rusty_iron(s):
-    """Two shaders and a mask that edges feed: rust is rough and no metal."""
+    """Two shaders and a mask with edges: rust is rough and no metal."""
     place = s.coordinates("Object")
     flakes = s.noise(place, 4.2, 9.0, 0.68, Distortion=0.3)
     spots = s.voronoi(place, 16.0, Randomness=1.0)

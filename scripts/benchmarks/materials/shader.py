@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Words for material graphs: a line a node, named as artists name them."""
+"""A short notation for material graphs: one line per node, with the names that artists use."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from scenery.materials import Graph
 
 @dataclass(frozen=True)
 class Entry:
-    """``build(shader)`` gives the socket for the Surface, or (Surface, Volume, Displacement), each of them or None;
-    ``shape`` names the object of ``stage`` that wears it."""
+    """``build(shader)`` returns the socket for the Surface, or (Surface, Volume, Displacement), each of them or None;
+    ``shape`` names the object of ``stage`` with the material."""
 
     build: Callable
     shape: str
@@ -34,12 +34,12 @@ def material(shape: str = "ball"):
 
 
 class Shader(Graph):
-    """A material's graph. Every method gives the output of a new node; inputs are sockets or constants."""
+    """A material's graph. Every method returns the output of a new node; inputs are sockets or constants."""
 
     # -- coordinates
 
     def coordinates(self, output: str = "Object", scale=None, rotation=None, location=None):
-        """Texture coordinates, through a Mapping where they are scaled, turned or moved."""
+        """Texture coordinates, through a Mapping if they are scaled, rotated or moved."""
         vector = self.node("ShaderNodeTexCoord", output)
         return self.mapped(vector, scale, rotation, location)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene that shows a material: an object on a floor, under a sky by script and an area light from the side."""
+"""The scene of a material: an object on a floor, under a procedural sky and an area light from the side."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def build(name: str, size: int) -> bpy.types.Scene:
     thing = SHAPES[entry.shape](name)
     thing.data.materials.clear()
     thing.data.materials.append(material_of(name))
-    thing.location.z += 0.004  # off the floor, which would flicker through it
+    thing.location.z += 0.004  # above the floor, to avoid coincident faces
     bpy.context.view_layer.update()
     return scene
 
@@ -44,7 +44,7 @@ def material_of(name: str) -> bpy.types.Material:
 
 def _sky(scene) -> None:
     scene.world = bpy.data.worlds.new("Sky")
-    # Of itself, Cycles takes a map of 32 times the width of the image, for which it needs a second before each render.
+    # By default, Cycles uses a map 32 times as wide as the image, for which it needs a second before each render.
     scene.world.cycles.sampling_method, scene.world.cycles.sample_map_resolution = "MANUAL", 256
     shader = Shader(scene.world)
     picture = shader.node("ShaderNodeTexEnvironment")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stone and what is built of it."""
+"""Stone, and masonry."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .shader import material
 
 @material("ball")
 def white_marble(s):
-    """Veins are where a noise that is bent by another one crosses a half; light goes a little way in."""
+    """Veins are where a noise that is bent by another one crosses a half; light enters a little."""
     place = s.coordinates("Object", scale=0.9)
     warp = s.noise(place, 1.7, 5.0, 0.6, "Color")
     bent = s.vector_math("MULTIPLY_ADD", warp, (0.9, 0.9, 0.9), _2=place)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light and colour that no thing has: bubbles, holograms, neon, comics."""
+"""Unreal light and colour: bubbles, holograms, neon, comics."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .shader import material
 
 @material("ball")
 def iridescence(s):
-    """A soap bubble: transparent but for a film whose thickness runs down in swirls."""
+    """A soap bubble: transparent except for a film whose thickness runs down in swirls."""
     place = s.coordinates("Object")
     swirl = s.noise(place, 1.3, 5.0, 0.55, "Color", Distortion=1.5)
     down = s.map_range(s.axis(place, "Z"), -1.0, 1.0, 620.0, 180.0)
@@ -40,7 +40,7 @@ def hologram(s):
 
 @material("tube")
 def neon_sign(s):
-    """A tube that glows more in its middle, is dark at the ends, and lights the floor with more than the camera sees."""
+    """A tube that glows more in its middle, is dark at the ends, and lights the floor more than the camera sees."""
     along = s.axis(s.coordinates("UV"), "X")
     ends = s.math("MULTIPLY", s.map_range(along, 0.0, 0.04), s.map_range(along, 1.0, 0.96))
     buzz = s.noise(s.coordinates("UV", scale=(26.0, 1.0, 1.0)), 2.0, 2.0, 0.6)

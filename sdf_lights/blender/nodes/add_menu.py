@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from ...sdf.catalogue import category
-from ...sdf.functions import COLOURS, MATHEMATICS, POINTS
+from ...sdf.functions import COLOURS, DATA_WORDS, MATHEMATICS, POINTS
 from ...sdf.shapes import SHAPES
 from . import emission_nodes, scene, value_nodes
 from .function_nodes import FUNCTION_NODES
@@ -14,6 +14,7 @@ from .function_nodes import FUNCTION_NODES
 _HEADERS = {
     "Input": (0.51, 0.19, 0.29),
     "Shapes": (0.11, 0.45, 0.37),
+    DATA_WORDS: (0.11, 0.45, 0.37),
     "Solids from Profiles": (0.11, 0.45, 0.37),
     "Profiles": (0.11, 0.45, 0.37),
     "Combine": (0.17, 0.40, 0.17),

@@ -10,13 +10,14 @@ import bpy
 import numpy as np
 
 from ...render.errors import RenderError
+from ...sdf.functions import DATA_WORDS
 from ...sdf.syntax import ExpressionError
-from .. import areas, parameters
+from .. import areas, parameters, sources
 from .. import emission as lamp_emission
 from ..context import LampOperator, light_of
 from ..lamp import pattern_of, shape_of
 from ..naming import NODE_TREE
-from ..properties import PRIMITIVES
+from ..properties import OF_DATA, PRIMITIVES
 from . import reading, writing
 from .add_menu import nodes_by_menu
 from .groups import SDFLIGHTS_MT_group_add
@@ -40,6 +41,7 @@ _ORDER = (
     "Input",
     "Output",
     "Shapes",
+    DATA_WORDS,
     "Solids from Profiles",
     "Profiles",
     "Combine",
@@ -95,10 +97,12 @@ def expression_of(light: bpy.types.Light) -> str:
     if lamp.source == "EXPRESSION":
         return parameters.text_of(lamp)
     if lamp.source == "NODES":
-        return reading.text_of(lamp.nodes, parameters.values(lamp), None)
-    if lamp.source in ("OBJECT", "IMAGE"):
-        what = "an object" if lamp.source == "OBJECT" else "a picture"
-        raise RenderError(f"Its shape is that of {what}, which no text says: choose another source first.")
+        return reading.text_of(lamp.nodes, parameters.values(lamp), None, lamp)
+    if lamp.source in OF_DATA:
+        shape_of(lamp)  # says what is wrong, if something is
+        name, subject, settings = sources.words_of(lamp)
+        shown = {key: ast.Constant(v) if isinstance(v, str) else reading.number(v) for key, v in settings.items()}
+        return reading.text_of_call(reading.word(name, ast.Constant(subject), **shown))
     name = lamp.shape.lower()
     group, named = getattr(lamp, name), {}
     for about in PRIMITIVES[name].fields():
@@ -108,7 +112,7 @@ def expression_of(light: bpy.types.Light) -> str:
             for v in (value if about.size == 3 else (value,))
         ]
         named[about.name] = ast.Tuple(shown, ast.Load()) if about.size == 3 else shown[0]
-    return ast.unparse(ast.fix_missing_locations(ast.Expr(reading.word(name, **named))))
+    return reading.text_of_call(reading.word(name, **named))
 
 
 def emission_text_of(light: bpy.types.Light) -> str:
@@ -117,7 +121,7 @@ def emission_text_of(light: bpy.types.Light) -> str:
     if pattern_of(lamp) is None:
         return ""
     if parameters.emission_is_in_nodes(lamp):
-        return reading.emission_text_of(lamp.nodes, parameters.values(lamp), None)
+        return reading.emission_text_of(lamp.nodes, parameters.values(lamp), None, lamp)
     return lamp_emission.text_of(lamp.emission)
 
 
@@ -127,8 +131,8 @@ def to_nodes(light: bpy.types.Light) -> bpy.types.NodeTree:
     shape_of(lamp)  # says what is wrong, if something is
     emission_text = emission_text_of(light)
     try:
-        tree = writing.tree_of(light.name, expression_of(light))
-        renamed = writing.add_emission(tree, emission_text) if emission_text else {}
+        tree = writing.tree_of(light.name, expression_of(light), lamp)
+        renamed = writing.add_emission(tree, emission_text, lamp) if emission_text else {}
     except ExpressionError as error:
         raise RenderError(f"In its expression: {error}") from error
     values = {new: light.get(f"{parameters.PREFIX}{lamp_emission.PREFIX}{old}") for old, new in renamed.items()}

@@ -11,6 +11,7 @@ import bpy
 from ...sdf.builtin_colors import MOST_STOPS
 from ...sdf.emission import INPUTS
 from ...sdf.emission_presets import presets
+from ...sdf.resolver import COLOURS
 from ..emission import EXPRESSION
 from ..emission_properties import source_items
 from ..properties import tag
@@ -23,7 +24,7 @@ _COLOR = (("result", "Color", sockets.COLOR),)
 
 
 class SDFLIGHTS_Node_interior(ValueNode, bpy.types.Node):
-    """Where a point is in the lamp: its depth below the surface in metres, and its height from 0 at the bottom to 1"""
+    """Where a point is in the lamp: its depth below the surface in metres; and from 0 to 1, its height and place across the lamp's box (U along x, V along y), and how far along the lamp's curve it is"""
 
     bl_idname = "SDFLIGHTS_Node_interior"
     bl_label = "Interior"
@@ -31,7 +32,7 @@ class SDFLIGHTS_Node_interior(ValueNode, bpy.types.Node):
 
     def written(self, writer):
         if writer.makes != EMISSION:
-            raise Broken("A shape has no depth and height before it is made: use them for the Emission of the output")
+            raise Broken("A shape has no inside before it is made: use them for the Emission of the output")
         return {name: ast.Name(name, ast.Load()) for name in INPUTS}
 
 
@@ -160,6 +161,38 @@ class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
         return {"result": writer.assign(self.label or "ramp", word(RAMPS[self.interpolation], value, *parts))}
 
 
+class SDFLIGHTS_Node_image_color(ValueNode, bpy.types.Node):
+    """The colour of a picture. Without links, the picture is across the lamp's box, along x and y"""
+
+    bl_idname = "SDFLIGHTS_Node_image_color"
+    bl_label = "Image Color"
+    bl_width_default = 180.0
+    takes = (("u", "U", sockets.NUMBER), ("v", "V", sockets.NUMBER))
+    gives = _COLOR
+
+    image: bpy.props.PointerProperty(name="Image", description="The picture", type=bpy.types.Image, update=tag)
+
+    def draw_settings(self, layout):
+        layout.template_ID(self, "image", open="image.open")
+
+    def things(self):
+        return [self.image] if self.image is not None else []
+
+    def written(self, writer):
+        if self.image is None:
+            raise Broken("No image is chosen: choose one")
+        if writer.makes != EMISSION and not all(socket.is_linked for socket in self.inputs):
+            raise Broken(
+                "A shape has no box before it is made: connect U and V, or use it for the Emission of the output"
+            )
+        places = [
+            writer.needed(socket) if socket.is_linked else ast.Name(socket.identifier, ast.Load())
+            for socket in self.inputs
+        ]
+        name = ast.Constant(writer.thing("image", self.image))
+        return {"result": writer.assign(self.label or "image_color", word(COLOURS, name, *places))}
+
+
 # -- patterns ----------------------------------------------------------------------------------------------------------
 
 
@@ -198,4 +231,10 @@ class SDFLIGHTS_Node_pattern(ExpressionNode, bpy.types.Node):
         return self.text.as_string() if self.text is not None else self.expression
 
 
-CLASSES = (SDFLIGHTS_Node_interior, SDFLIGHTS_Node_color, SDFLIGHTS_Node_ramp, SDFLIGHTS_Node_pattern)
+CLASSES = (
+    SDFLIGHTS_Node_interior,
+    SDFLIGHTS_Node_color,
+    SDFLIGHTS_Node_ramp,
+    SDFLIGHTS_Node_image_color,
+    SDFLIGHTS_Node_pattern,
+)

@@ -15,16 +15,21 @@ import bpy
 
 from ...sdf import evaluation  # noqa: F401 (all words are in FUNCTIONS then)
 from ...sdf.builtin_colors import COLDEST, HOTTEST
-from ...sdf.functions import COLOURS, FUNCTIONS, POINTS, REQUIRED, Argument, Function
+from ...sdf.builtin_data import DATA, Data
+from ...sdf.functions import COLOURS, DATA_WORDS, FUNCTIONS, POINTS, REQUIRED, Argument, Function
+from ...sdf.resolver import COLOURS as COLOURS_OF_IMAGE
 from ...sdf.shapes import SHAPES, Family
 from ...sdf.shapes.base import LARGEST, Parameter
 from ...sdf.shapes.operators import SetOperation
 from ...sdf.shapes.profiles import PROFILES
-from ..properties import parameter_property
+from .. import sources
+from ..objects import curves
+from ..properties import parameter_property, tag
 from . import sockets
+from .reading import Broken, word
 from .tree import LampNode
 
-_ELSEWHERE = {"vec2", "vec3", "distance", "field", "ramp", "ramp_ease", "ramp_constant"}
+_ELSEWHERE = {"vec2", "vec3", "distance", "field", "ramp", "ramp_ease", "ramp_constant", COLOURS_OF_IMAGE}
 
 _SOCKETS = {
     "shape": sockets.SHAPE,
@@ -71,8 +76,12 @@ def _parameters(function: Function) -> dict[str, Parameter]:
     """Arguments that have a value without a link, as a user interface presents them."""
     shape = (SHAPES | PROFILES).get(function.name) if function.makes_shape else None
     known = {about.name: about for about in shape.fields()} if shape else {}
+    if function.group == DATA_WORDS:
+        known = {about.name: about for about in DATA[function.name].numbers}
     found = {}
     for argument in function.arguments[function.variadic :]:
+        if argument.kind == "text":
+            continue
         if argument.name in known:
             found[argument.name] = known[argument.name]
         elif _SOCKETS[argument.kind] not in (sockets.SHAPE, sockets.PROFILE, sockets.CONDITION) and not (
@@ -154,6 +163,82 @@ class _WordNode(LampNode):
         return {"result": writer.assign(self.label or function.name, call)}
 
 
+SUBJECTS = {"text": "body", "path": "path", "object": "object", "image": "image"}
+"""Property of what a node of data names, by what that is."""
+
+
+class _DataNode(_WordNode):
+    """A word of data: what it names is a property of the node, and so are its choices."""
+
+    @property
+    def data(self) -> Data:
+        """The row of the word."""
+        return DATA[self.function.name]
+
+    def subject(self) -> bpy.types.ID | str | None:
+        """What it names, if that is chosen."""
+        return getattr(self, SUBJECTS[self.data.of])
+
+    def names(self):
+        return frozenset({(self.data.name, self.subject())}) if self.data.of == "text" else frozenset()
+
+    def things(self):
+        subject = self.subject()
+        return [subject] if isinstance(subject, bpy.types.ID) else []
+
+    def draw_settings(self, layout):
+        layout.prop(self, SUBJECTS[self.data.of], text="")
+        for choice in self.data.choices:
+            layout.prop(self, choice.name, text="")
+
+    def written(self, writer):
+        data, subject = self.data, self.subject()
+        if not subject:
+            is_text = data.of == "text"
+            raise Broken("Nothing is written: write something" if is_text else f"No {data.of} is chosen: choose one")
+        name = subject if isinstance(subject, str) else writer.thing(data.name, subject)
+        named = {socket.identifier: writer.input(socket) for socket in self.inputs}
+        for choice in data.choices:
+            named[choice.name] = ast.Constant(getattr(self, choice.name).lower())
+        return {"result": writer.assign(self.label or data.name, word(data.name, ast.Constant(name), **named))}
+
+
+def _read_text(self, context):
+    if self.body:
+        curves.read_letters(self.body)
+    tag(self, context)
+
+
+def _subject(data: Data):
+    common = dict(name=data.name.title(), update=tag)
+    if data.of == "text":
+        return bpy.props.StringProperty(name="Text", description="What is written", default="OPEN", update=_read_text)
+    if data.of == "path":
+        return bpy.props.StringProperty(description="File, which may begin with //", subtype="FILE_PATH", **common)
+    if data.of == "image":
+        return bpy.props.PointerProperty(description="Picture whose outline it is", type=bpy.types.Image, **common)
+    types = sources.types_of(data.name)
+    return bpy.props.PointerProperty(
+        description="Object whose shape it is",
+        type=bpy.types.Object,
+        poll=lambda self, obj: obj.type in types,
+        **common,
+    )
+
+
+def _data_properties(data: Data) -> dict:
+    choices = {
+        choice.name: bpy.props.EnumProperty(
+            name=choice.label,
+            description=choice.description,
+            items=[(word.upper(), word.title(), meaning, index) for index, (word, meaning) in enumerate(choice.words)],
+            update=tag,
+        )
+        for choice in data.choices
+    }
+    return {SUBJECTS[data.of]: _subject(data)} | choices
+
+
 def _is_difference(function: Function) -> bool:
     shape = SHAPES.get(function.name)
     return (
@@ -167,6 +252,8 @@ def _is_difference(function: Function) -> bool:
 def _inputs(function: Function) -> list[tuple[str, str, str]]:
     found, parameters = [], _parameters(function)
     for index, argument in enumerate(function.arguments):
+        if argument.kind == "text":  # a property of the node
+            continue
         label = argument.name.replace("_", " ").title()
         if function.variadic and index == 0:
             if _is_difference(function):
@@ -198,9 +285,15 @@ def _result(function: Function) -> tuple[str, str]:
 def _node(name: str, function: Function) -> type:
     description = function.description.split("\n\n")[0].replace("\n", " ").replace("`", "").rstrip(".")
     annotations = {sockets.property_of(key): parameter_property(about) for key, about in _parameters(function).items()}
+    data = DATA[function.name] if function.group == DATA_WORDS else None
+    if data is not None:
+        annotations |= _data_properties(data)
+    name = (
+        "data_object" if name == "object" else name
+    )  # a node that takes the transform of an object has the other name
     return type(
         f"SDFLIGHTS_Node_{name}",
-        (_WordNode, bpy.types.Node),
+        (_WordNode if data is None else _DataNode, bpy.types.Node),
         {
             "__doc__": description,
             "__annotations__": annotations,

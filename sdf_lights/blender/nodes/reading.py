@@ -14,7 +14,6 @@ a slider changes no formula, and compiles nothing.
 from __future__ import annotations
 
 import ast
-import functools
 import math
 import re
 from collections.abc import Iterator, Mapping
@@ -30,11 +29,13 @@ from ...sdf.emission import INPUTS, Emission, as_emission, name_inputs
 from ...sdf.evaluation import Evaluation
 from ...sdf.expression_values import Condition, Live
 from ...sdf.functions import CONSTANTS, FUNCTIONS, as_shape
+from ...sdf.resolver import Cache, Resolver
 from ...sdf.shapes import Shape
 from ...sdf.syntax import KEYWORDS, ExpressionError, parse
 from ..naming import NODE_TREE
+from ..sources import FileResolver
 from . import sockets
-from .tree import GROUP, OUTPUT, LampNode, finds_problems, output_of
+from .tree import GROUP, OUTPUT, LampNode, finds_problems, output_of, within
 
 SHAPE, EMISSION = "shape", "emission"
 """Inputs of the Lamp Output."""
@@ -101,6 +102,7 @@ class Writer:
         self.declarations: dict[str, Declaration] = {}
         self.places: list[tuple[tuple[int, str], ...]] = []  # (tree, node) from the outermost group node to the node
         self.problems: dict[int, str] = {}
+        self.data: dict[tuple[str, str], bpy.types.ID] = {}  # that nodes point at, by kind and name
         self.result: ast.expr | None = None
         self._results: dict[tuple, dict[str, ast.expr] | None] = {}
         self._names: set[str] = set()
@@ -219,6 +221,12 @@ class Writer:
         if isinstance(value, ast.Tuple):
             return ast.Tuple([self.degrees(component) for component in value.elts], ast.Load())
         return value.args[0] if is_word(value, "radians") else word("degrees", value)
+
+    def thing(self, kind: str, thing: bpy.types.ID) -> str:
+        """The name by which lines ask for an object or image, as a word ``kind`` does."""
+        name = thing.name if self.data.setdefault((kind, thing.name), thing) == thing else thing.name_full
+        self.data[kind, name] = thing
+        return name
 
     def assign(self, hint: str, value: ast.expr) -> ast.Name:
         """A line that gives a value a name."""
@@ -357,10 +365,19 @@ class _Script:
         return self._key == other._key
 
 
-@functools.lru_cache(maxsize=64)
-def _evaluated(script: _Script, given: tuple) -> tuple[Shape | Emission | None, dict[int, str]]:
+_kept = Cache(64)
+
+
+def _evaluated(
+    writer: Writer, given: Mapping[str, object], lamp=None
+) -> tuple[Shape | Emission | None, dict[int, str]]:
     """The shape or emission, if there is one, and what is wrong by the index of the place."""
-    evaluation = Evaluation({}, {})
+    script, values = _Script(writer), tuple(given.items())
+    return _kept.get((script, values), FileResolver(lamp, writer.data), lambda found: _run(script, values, found))
+
+
+def _run(script: _Script, given: tuple, resolver: Resolver) -> tuple[Shape | Emission | None, dict[int, str]]:
+    evaluation = Evaluation({}, {}, resolver)
     if script.makes == EMISSION:
         name_inputs(evaluation)
     for index, value in enumerate(script.values):
@@ -471,7 +488,7 @@ def problems_of(tree: bpy.types.NodeTree) -> list[tuple[tuple[int, str], str]]:
     """What is wrong with nodes, by tree and node: all that can be said at once."""
     found = {}
     for writer in _writers(tree, None):
-        for place, problem in _addressed(writer, _evaluated(_Script(writer), ())[1]):
+        for place, problem in _addressed(writer, _evaluated(writer, {})[1]):
             found.setdefault(place, problem)
     return list(found.items())
 
@@ -484,10 +501,27 @@ def declarations_of(tree: bpy.types.NodeTree | None) -> tuple[Declaration, ...]:
     return tuple((shape.declarations | emission.declarations).values())
 
 
-def shape_of(tree: bpy.types.NodeTree | None, given: Mapping[str, object], owner: np.ndarray | None) -> Shape:
+def texts_in(tree: bpy.types.NodeTree | None) -> frozenset[tuple[str, str]]:
+    """Kinds and names of data in texts of nodes, see ``builtin_data.names_in``; texts of Text nodes among them."""
+    return frozenset().union(*(node.names() for node in _nodes(tree)))
+
+
+def things_in(tree: bpy.types.NodeTree | None) -> list[bpy.types.ID]:
+    """Objects and images that nodes point at, whose shapes they are made of."""
+    return [thing for node in _nodes(tree) for thing in node.things()]
+
+
+def _nodes(tree: bpy.types.NodeTree | None) -> list[LampNode]:
+    return [node for part in within(tree) for node in part.nodes if isinstance(node, LampNode)]
+
+
+def shape_of(
+    tree: bpy.types.NodeTree | None, given: Mapping[str, object], owner: np.ndarray | None, lamp=None
+) -> Shape:
     """The shape of a tree for the values of its parameters.
 
-    ``owner`` is the matrix of the lamp's object. Raises RenderError.
+    ``owner`` is the matrix of the lamp's object, ``lamp`` its ``Light.sdf_lamp``, which holds what texts of nodes name.
+    Raises RenderError.
     """
     if tree is None:
         raise RenderError("It has no node tree: make a new one, or choose one.")
@@ -496,7 +530,7 @@ def shape_of(tree: bpy.types.NodeTree | None, given: Mapping[str, object], owner
     writer = Writer(tree, owner)
     if writer.missing:
         raise RenderError(writer.missing)
-    return _read(writer, given)
+    return _read(writer, given, lamp)
 
 
 def has_emission(tree: bpy.types.NodeTree | None) -> bool:
@@ -505,14 +539,16 @@ def has_emission(tree: bpy.types.NodeTree | None) -> bool:
     return output is not None and any(socket.identifier == EMISSION and _links(socket) for socket in output.inputs)
 
 
-def emission_of(tree: bpy.types.NodeTree, given: Mapping[str, object], owner: np.ndarray | None) -> Emission | None:
+def emission_of(
+    tree: bpy.types.NodeTree, given: Mapping[str, object], owner: np.ndarray | None, lamp=None
+) -> Emission | None:
     """As ``shape_of``, the emission of a tree that has one; None where its link comes from nowhere."""
     writer = _writers(tree, owner)[1]
-    return _read(writer, given) if writer.result is not None or writer.problems else None
+    return _read(writer, given, lamp) if writer.result is not None or writer.problems else None
 
 
-def _read(writer: Writer, given: Mapping[str, object]) -> Shape | Emission:
-    read, problems = _evaluated(_Script(writer), tuple(given.items()))
+def _read(writer: Writer, given: Mapping[str, object], lamp) -> Shape | Emission:
+    read, problems = _evaluated(writer, given, lamp)
     problems = writer.problems | problems
     if problems or read is None:
         index = min(problems, default=None)
@@ -525,15 +561,17 @@ def _read(writer: Writer, given: Mapping[str, object]) -> Shape | Emission:
 # -- text --------------------------------------------------------------------------------------------------------------
 
 
-def text_of(tree: bpy.types.NodeTree, values: Mapping[str, object], owner: np.ndarray | None) -> str:
+def text_of(tree: bpy.types.NodeTree, values: Mapping[str, object], owner: np.ndarray | None, lamp=None) -> str:
     """The shape of a tree as an expression. ``values`` of parameters become their defaults. Raises RenderError."""
-    shape_of(tree, values, owner)  # what has no shape has no text
+    shape_of(tree, values, owner, lamp)  # what has no shape has no text
     return _text(Writer(tree, owner), values)
 
 
-def emission_text_of(tree: bpy.types.NodeTree, values: Mapping[str, object], owner: np.ndarray | None) -> str:
+def emission_text_of(
+    tree: bpy.types.NodeTree, values: Mapping[str, object], owner: np.ndarray | None, lamp=None
+) -> str:
     """As ``text_of``, the emission of a tree that has one; empty where its link comes from nowhere."""
-    return _text(_writers(tree, owner)[1], values) if emission_of(tree, values, owner) is not None else ""
+    return _text(_writers(tree, owner)[1], values) if emission_of(tree, values, owner, lamp) is not None else ""
 
 
 def _text(writer: Writer, values: Mapping[str, object]) -> str:
@@ -557,6 +595,11 @@ def _text(writer: Writer, values: Mapping[str, object]) -> str:
     body = _inlined(body)
     lines = [ast.unparse(ast.fix_missing_locations(statement)) for statement in body]
     return "\n".join([*head, *([""] if head else []), *lines, ""])
+
+
+def text_of_call(call: ast.Call) -> str:
+    """A call of a word as text."""
+    return ast.unparse(ast.fix_missing_locations(ast.Expr(call)))
 
 
 def number(value: float) -> ast.expr:

@@ -141,6 +141,12 @@ class ExpressionNode(ValueNode):
         """Raises ``ExpressionError``."""
         return (Expression if self.makes == SHAPE else EmissionExpression)(self.source())
 
+    def names(self):
+        try:
+            return self.parsed().data
+        except ExpressionError:
+            return frozenset()
+
     def match_interface(self):
         """Inputs are what the text declares, for as long as it can be read."""
         super().match_interface()

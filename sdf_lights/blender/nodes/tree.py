@@ -88,6 +88,14 @@ class LampNode:
     def draw_settings(self, layout):
         """Properties of the node that are not sockets."""
 
+    def names(self) -> frozenset[tuple[str, str]]:
+        """Kinds and names of data that a text of the node names."""
+        return frozenset()
+
+    def things(self) -> list[bpy.types.ID]:
+        """Objects and images that the node points at, whose shapes it is made of."""
+        return []
+
     def written(self, writer):
         """Adds the statements of the node; returns values of its outputs by identifier, for ``reading.Writer``."""
         raise NotImplementedError

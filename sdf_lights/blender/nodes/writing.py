@@ -13,12 +13,15 @@ import math
 
 import bpy
 
+from ...sdf.builtin_data import DATA
 from ...sdf.emission import INPUTS, name_inputs
 from ...sdf.evaluation import Evaluation
 from ...sdf.expression_values import kind_of
 from ...sdf.functions import CONSTANTS, FUNCTIONS
+from ...sdf.resolver import COLOURS, Standing
 from ...sdf.syntax import parse
 from ..naming import NODE_TREE
+from ..sources import FileResolver
 from . import emission_nodes, function_nodes, scene, sockets, value_nodes
 from .layout import arrange
 from .reading import EMISSION, SHAPE, is_declaration
@@ -33,7 +36,7 @@ class _Recorder(Evaluation):
     """Keeps the value of each part of the syntax tree."""
 
     def __init__(self):
-        super().__init__({}, {})
+        super().__init__({}, {}, Standing())
         self.found: dict[ast.expr, object] = {}
 
     def value(self, node):
@@ -47,15 +50,18 @@ def new_tree(name: str) -> tuple[bpy.types.NodeTree, bpy.types.Node]:
     return tree, tree.nodes.new(OUTPUT)
 
 
-def tree_of(name: str, text: str) -> bpy.types.NodeTree:
-    """A new node tree that says the same shape as an expression. Raises ``ExpressionError`` if that says none."""
+def tree_of(name: str, text: str, lamp=None) -> bpy.types.NodeTree:
+    """A new node tree that says the same shape as an expression, of ``lamp``, if any.
+
+    Raises ``ExpressionError`` if that says none.
+    """
     syntax = parse(text)
     recorder = _Recorder()
     recorder.remarks = syntax.remarks
     recorder.run(syntax.tree)
     tree, end = new_tree(name)
     try:
-        result = _Builder(tree, recorder).run(syntax.tree)
+        result = _Builder(tree, recorder, lamp).run(syntax.tree)
     except NoNode:
         tree.nodes.clear()
         end = tree.nodes.new(OUTPUT)
@@ -66,7 +72,7 @@ def tree_of(name: str, text: str) -> bpy.types.NodeTree:
     return tree
 
 
-def add_emission(tree: bpy.types.NodeTree, text: str) -> dict[str, str]:
+def add_emission(tree: bpy.types.NodeTree, text: str, lamp=None) -> dict[str, str]:
     """Adds an emission to a tree with an output.
 
     Returns the names that its parameters have in the tree, where they must differ from those that are there, by their
@@ -82,7 +88,7 @@ def add_emission(tree: bpy.types.NodeTree, text: str) -> dict[str, str]:
     renamed = {name: f"{EMISSION}_{name}" if name in taken else name for name in recorder.declarations}
     before = set(tree.nodes)
     try:
-        result = _Builder(tree, recorder, renamed).run(syntax.tree)
+        result = _Builder(tree, recorder, lamp, renamed).run(syntax.tree)
     except NoNode:
         for node in set(tree.nodes) - before:
             tree.nodes.remove(node)
@@ -113,7 +119,8 @@ def _input(node: bpy.types.Node, identifier: str) -> bpy.types.NodeSocket:
 class _Builder:
     """Makes nodes of the parts of an expression. ``renamed``: names of parameters in the tree by those in the text."""
 
-    def __init__(self, tree: bpy.types.NodeTree, recorder: _Recorder, renamed: dict[str, str] | None = None):
+    def __init__(self, tree: bpy.types.NodeTree, recorder: _Recorder, lamp=None, renamed: dict[str, str] | None = None):
+        self._resolver = FileResolver(lamp)
         self._tree, self._recorder, self._renamed = tree, recorder, renamed or {}
         self._names: dict[str, object] = {}
 
@@ -289,6 +296,10 @@ class _Builder:
             raise NoNode
         if name in emission_nodes.RAMPS.values():
             return self._ramp(name, [self.part(argument) for argument in node.args])
+        if name == COLOURS:
+            return self._image_color(node)
+        if name in DATA:
+            return self._data(name, node)
         function = FUNCTIONS[name]
         nodes = [*node.args, *(keyword.value for keyword in node.keywords)]
         found = [self._recorder.found[part] for part in nodes]
@@ -314,6 +325,42 @@ class _Builder:
         if name == "field":
             return self._shape_of_field(arguments)
         return self._call_of(function, [made(value) for value in repeated], arguments)
+
+    def _data(self, name: str, node: ast.Call):
+        function = FUNCTIONS[name]
+        settings = dict(zip((argument.name for argument in function.arguments), node.args))
+        settings |= {keyword.arg: keyword.value for keyword in node.keywords}
+        subject, prop = settings.pop(function.arguments[0].name), function_nodes.SUBJECTS[DATA[name].of]
+        if not isinstance(subject, ast.Constant):
+            raise NoNode
+        thing = subject.value if DATA[name].of in ("text", "path") else self._resolver.thing(name, subject.value)
+        if not thing:
+            raise NoNode
+        made = self._new(function_nodes.node_of(function))
+        setattr(made, prop, thing)
+        for setting, part in settings.items():
+            if any(choice.name == setting for choice in DATA[name].choices):
+                if not isinstance(part, ast.Constant):
+                    raise NoNode
+                setattr(made, setting, part.value.upper())
+            else:
+                self._put(made, setting, self.part(part))
+        return made.outputs[0]
+
+    def _image_color(self, node: ast.Call):
+        given = dict(zip(("name", "u", "v"), node.args)) | {keyword.arg: keyword.value for keyword in node.keywords}
+        name = given.pop("name")
+        image = self._resolver.thing("image", name.value) if isinstance(name, ast.Constant) else None
+        if image is None:
+            raise NoNode
+        made = self._new(emission_nodes.SDFLIGHTS_Node_image_color)
+        made.image = image
+        for key, part in given.items():
+            self._tree.links.new(self._socket(self.part(part)), _input(made, key))
+        return made.outputs[0]
+
+    def _socket(self, part) -> bpy.types.NodeSocket:
+        return part if isinstance(part, bpy.types.NodeSocket) else self._value(part)
 
     def _ramp(self, name: str, parts: list):
         node = self._new(emission_nodes.SDFLIGHTS_Node_ramp)

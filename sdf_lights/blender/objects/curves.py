@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import functools
+import threading
 from typing import TYPE_CHECKING
 
 import bpy
@@ -25,14 +26,15 @@ MOST_POINTS = 1 << 18  # some thousand letters, which take some seconds
 
 @reads(FONT="Text", CURVE="Curve")
 def _read(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, lamp) -> Shape:
-    data = obj.data
     try:
-        curve = obj.to_curve(depsgraph, apply_modifiers=True)
-        paths = [path_of(spline) for spline in curve.splines if len(spline.points) + len(spline.bezier_points)]
+        paths = _paths_of(obj, depsgraph)
     except RuntimeError as error:
         raise RenderError(f"{_named(obj)} cannot be read: {error}") from None
-    finally:
-        obj.to_curve_clear()
+    return _shape(obj, paths, lamp, depsgraph)
+
+
+def _shape(obj: bpy.types.Object, paths: list[Path], lamp, depsgraph: bpy.types.Depsgraph) -> Shape:
+    data = obj.data
     if not paths:
         cure = "write something into it" if obj.type == "FONT" else "draw a curve in it"
         raise RenderError(f"{_named(obj)} is empty, so it has no inside: {cure}.")
@@ -49,8 +51,7 @@ def _read(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, lamp) -> Shape:
     filled = text or data.dimensions == "2D" and data.fill_mode != "NONE"
     closed = [path for path in paths if path.closed and len(path.points) > 2]
     if filled and closed:
-        loops = tuple(np.ascontiguousarray(path.points[:, :2]).tobytes() for path in closed)
-        found = _solid(loops, text, data.offset, data.extrude, data.bevel_depth, lamp.thickness)
+        found = _solid(_loops(closed), text, data.offset, data.extrude, data.bevel_depth, lamp.thickness)
         if found is None:
             raise RenderError(f"{_named(obj)} has no area, so it has no inside: move its points apart.")
         return found
@@ -58,9 +59,67 @@ def _read(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, lamp) -> Shape:
         cure = (
             "give it a bevel depth, or close it" if not closed else "give it a bevel depth, or make it 2D and fill it"
         )
-        raise RenderError(f"{_named(obj)} has no inside: {cure}; or choose Neon in Shape > Form.")
+        raise RenderError(f"{_named(obj)} has no inside: {cure}; or make a neon tube of it.")
     taper = _taper(data, depsgraph)
     return _tube(_kept(paths), float(data.bevel_depth), taper)
+
+
+def _paths_of(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> list[Path]:
+    try:
+        curve = obj.to_curve(depsgraph, apply_modifiers=True)
+        return [path_of(spline) for spline in curve.splines if len(spline.points) + len(spline.bezier_points)]
+    finally:
+        obj.to_curve_clear()
+
+
+# -- texts without an object -------------------------------------------------------------------------------------------
+
+_letters: dict[str, list[Path]] = {}  # of texts that were read, at size 1
+
+
+def has_letters(text: str) -> bool:
+    """Whether ``read_letters`` knows a text."""
+    return text in _letters
+
+
+def read_letters(text: str) -> None:
+    """Read the outlines of a text in Blender's font, by a text object that lives as long as this takes.
+
+    Raises RenderError where Blender does not allow that now, as while it draws and in threads of renders.
+    """
+    if text in _letters:
+        return
+    waiting = RenderError(f"Text {text!r:.40} is not read yet: look again in a moment.")
+    if threading.current_thread() is not threading.main_thread():
+        raise waiting
+    curve = bpy.data.curves.new(".SDF Letters", "FONT")
+    obj = bpy.data.objects.new(".SDF Letters", curve)
+    try:
+        curve.body, curve.align_x, curve.align_y = text, "CENTER", "CENTER"
+        _letters[text] = _paths_of(obj, bpy.context.view_layer.depsgraph)
+    except AttributeError:
+        raise waiting from None
+    finally:
+        bpy.data.objects.remove(obj)
+        bpy.data.curves.remove(curve)
+
+
+def shape_of_text(text: str, size: float, lamp) -> Shape:
+    """The letters of a text around the origin, as a ``Light.sdf_lamp`` wants them. Raises RenderError with a sentence."""
+    read_letters(text)
+    paths = [Path(size * path.points, path.radii, path.closed) for path in _letters[text]]
+    if not paths:
+        raise RenderError(f"Text {text!r:.40} has no letters that can be seen: write some.")
+    if lamp.object_form == NEON:
+        return _neon(_kept(paths), lamp.neon_radius, lamp.neon_gap)
+    found = _solid(_loops(paths), True, 0.0, 0.0, 0.0, lamp.thickness)
+    if found is None:
+        raise RenderError(f"Text {text!r:.40} has no area, so it has no inside: write other letters.")
+    return found
+
+
+def _loops(paths: list[Path]) -> tuple[bytes, ...]:
+    return tuple(np.ascontiguousarray(path.points[:, :2]).tobytes() for path in paths)
 
 
 def _named(obj: bpy.types.Object) -> str:

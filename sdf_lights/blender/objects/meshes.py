@@ -22,7 +22,8 @@ _grids: collections.OrderedDict[tuple, Shape] = collections.OrderedDict()
 @reads(MESH="Mesh", META="Metaball")
 def _read(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, lamp) -> Shape:
     try:
-        mesh = obj.to_mesh(preserve_all_data_layers=False, depsgraph=depsgraph)
+        # With all layers Blender applies the modifiers also of an object that is hidden in renders.
+        mesh = obj.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     except RuntimeError as error:
         raise RenderError(f"{_named(obj)} cannot be read: {error}") from None
     try:

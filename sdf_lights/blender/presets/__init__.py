@@ -15,11 +15,13 @@ FOLDER = pathlib.Path(__file__).parent
 
 
 class Preset(NamedTuple):
-    """A lamp. ``temperature`` in kelvins, 0 where it has a ``color`` of its own; ``power`` in watts, unless it has a ``density``.
+    """A lamp. ``temperature`` in kelvins, 0 if it has a ``color`` instead; ``power`` in watts, unless it has a
+    ``density``.
 
     The parameters of its ``expression``, or of the primitive ``shape`` in its place, have ``values``. ``emission`` is the name
     of a preset of ``sdf.emission_presets``, whose parameters have ``emission_values``, or a text in the language of emissions.
-    Values are as Blender's properties hold them: angles in radians.
+    Values are as Blender's properties hold them: angles in radians. ``sources`` are curves and pictures that the expression names,
+    as ``preset_sources`` makes them.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Preset(NamedTuple):
     shape: str = ""
     values: Mapping[str, float | list[float]] = MappingProxyType({})
     density: float | None = None
+    sources: Mapping[str, Mapping] = MappingProxyType({})
 
     @property
     def picture(self) -> pathlib.Path:

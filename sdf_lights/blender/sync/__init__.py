@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an evaluated dependency graph to ``render.scene.Scene``: plain data, in which nothing refers to Blender."""
+"""From an evaluated dependency graph to ``render.scene.Scene``: plain data without references to Blender."""
 
 from __future__ import annotations
 
@@ -43,15 +43,15 @@ __all__ = [
     "sync_views",
 ]
 
-# Odd, and far from any ratio of small numbers: seeds of neighbouring frames have nothing in common.
+# Odd, and far from any ratio of small numbers: seeds of neighbouring frames are unrelated.
 _FRAME_STRIDE = 0x9E3779B1
 
 
 def sync(depsgraph: bpy.types.Depsgraph, engine: bpy.types.RenderEngine | None = None) -> Scene:
-    """The scene of a dependency graph, for a final render: that of ``engine``, of whose views the active one is seen.
+    """The scene of a dependency graph, for a final render in the active view of ``engine``.
 
-    What cannot be used is left out or replaced, with a sentence in ``Scene.warnings``. Raises RenderError where there
-    is nothing to render at all, such as no camera.
+    Unusable data is left out or replaced, with a sentence in ``Scene.warnings``. Raises RenderError if nothing can be
+    rendered, for instance without a camera.
     """
     return sync_views(depsgraph, engine)[0]
 
@@ -62,8 +62,8 @@ def sync_views(
     views: tuple[str, ...] = (),
     kept: Kept | None = None,
 ) -> tuple[Scene, list[Camera]]:
-    """As ``sync``, with the cameras of the ``views`` of the render (of the active one without any); the first is seen.
-    ``kept``: what the engine has from its last render of this dependency graph."""
+    """As ``sync``, with the cameras of the ``views`` of the render (by default of the active one); the first is used.
+    ``kept``: the engine's data from its last render of this dependency graph."""
     blender_scene = depsgraph.scene_eval
     warnings: list[str] = []
     warn = Warnings(warnings)
@@ -116,14 +116,14 @@ def sync_camera(
 
 
 def sync_viewport(depsgraph: bpy.types.Depsgraph, space: bpy.types.SpaceView3D) -> Scene:
-    """What a viewport shows of a dependency graph. Camera, size and settings are left to its redraws."""
+    """The scene of a viewport, from a dependency graph. Its redraws add camera, size and settings."""
     scene = Scene(Camera(None), 0, 0)
     _fill(depsgraph, scene, Warnings(scene.warnings), shows_in(space))
     return scene
 
 
 def sync_lights(depsgraph: bpy.types.Depsgraph, scene: Scene, space: bpy.types.SpaceView3D) -> Scene:
-    """``scene``, as ``sync_viewport`` gave it, with its lamps and lights read again."""
+    """``scene``, a result of ``sync_viewport``, with its lamps and lights read again."""
     result = replace(scene, lamps=[], lights=[], portals=[], images=list(scene.images), warnings=list(scene.warnings))
     warn = Warnings(result.warnings)
     images = Images(result, warn, depsgraph.scene_eval.frame_current)
@@ -170,7 +170,8 @@ def _fill(
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
     if not view_layer.use_strand:
         kinds -= {"CURVES"}
-    if not view_layer.use_volumes:  # as in Cycles, these are objects of that kind, not what fills meshes and the world
+    # as in Cycles, these are objects of that kind, not the volumes of meshes and the world
+    if not view_layer.use_volumes:
         kinds -= {"VOLUME"}
     culling = Culling(depsgraph, eyes[0] if eyes else None)
     noted = sync_objects(depsgraph, scene, materials, images, warn, kinds, shows, motion is not None, culling, kept)
@@ -185,7 +186,7 @@ def _world(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
 
 
 def shows_in(space: bpy.types.SpaceView3D) -> Callable[[bpy.types.DepsgraphObjectInstance], bool]:
-    """Whether a viewport shows an instance: local view, local collections, kinds of objects that it hides."""
+    """Whether a viewport shows an instance: local view, local collections, hidden kinds of objects."""
     known: dict[int, bool] = {}
 
     def shows(item: bpy.types.DepsgraphObjectInstance) -> bool:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Attributes of meshes and properties of objects that materials look up."""
+"""Attributes of meshes and properties of objects that materials read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...jit import kernel
 from ...render.scene import AttributeValues, Domain, Mesh
 
 _DOMAINS = {"POINT": Domain.VERTEX, "CORNER": Domain.CORNER, "FACE": Domain.TRIANGLE}
-# data_type -> name of an item's value, what it is read as, how many numbers it has
+# data_type -> name of the value property, kind of attribute, number of components
 TYPES = {
     "FLOAT": ("value", np.float32, 1),
     "INT": ("value", np.int32, 1),
@@ -46,7 +46,7 @@ def _generated(data: bpy.types.Mesh, mesh: Mesh, corners, faces, name: str) -> A
 def _geometry(
     data: bpy.types.Mesh, mesh: Mesh, corners: np.ndarray, faces: np.ndarray, name: str
 ) -> AttributeValues | None:
-    """An attribute by name; without one, the colour attribute that is active for rendering."""
+    """An attribute by name; for an empty name, the colour attribute that is active for rendering."""
     if name:
         attribute = data.attributes.get(name)
     else:
@@ -67,7 +67,7 @@ def _geometry(
 
 
 def _of_vertices(data: bpy.types.Mesh, values: np.ndarray, kind: str) -> np.ndarray:
-    """Of values of edges, those of vertices: the mean over their edges, of truth values whether one of them holds."""
+    """Values of vertices from those of edges: the mean over a vertex's edges; for booleans, whether any is true."""
     ends = read(data.edges, "vertices", np.int32, 2)
     total, count = np.zeros((len(data.vertices), values.shape[1])), np.zeros((len(data.vertices), 1))
     for end in ends.T:
@@ -82,8 +82,8 @@ def _of_vertices(data: bpy.types.Mesh, values: np.ndarray, kind: str) -> np.ndar
 
 
 def _pointiness(data: bpy.types.Mesh, mesh: Mesh, corners, faces, name: str) -> AttributeValues:
-    """How convex the mesh is at each vertex: the angle from its normal to the mean direction of its edges, over π, averaged
-    with its neighbours'. Vertices at one place count as one."""
+    """Convexity of the mesh at each vertex: the angle from its normal to the mean direction of its edges, over π,
+    averaged with its neighbours'. Vertices at one position count as one."""
     positions = read(data.vertices, "co", np.float32, 3)
     _, place = np.unique(positions, axis=0, return_inverse=True)
     place = place.ravel()
@@ -115,7 +115,7 @@ def _normalized(vectors: np.ndarray) -> np.ndarray:
 
 @kernel
 def _join_islands(edges, parents, ranks):
-    """Sets of vertices that edges connect (union by rank): parents of each."""
+    """Sets of vertices connected by edges (union by rank): the parent of each vertex."""
     for row in range(len(edges)):
         a, b = edges[row, 0], edges[row, 1]
         while parents[a] != a:
@@ -150,12 +150,12 @@ READERS: dict[str, Callable] = {
     "pointiness": _pointiness,
     "island": _island,
 }
-"""Kinds of attributes of meshes but for UV maps and tangents."""
+"""Kinds of mesh attributes, except UV maps and tangents."""
 
 
 def property_of(owner, name: str) -> np.ndarray | None:
-    """(1, 1 to 4) float32 of a property of Blender's data: a custom one, or one of its own; None where there is none."""
-    if owner is None or not name or re.search(r"\[\d+\]$", name):  # Blender's renderers take whole properties
+    """(1, 1 to 4) float32 of a property of Blender's data, custom or built in; None if there is none."""
+    if owner is None or not name or re.search(r"\[\d+\]$", name):  # Blender's renderers read whole properties
         return None
     try:
         value = owner[name] if name in owner.keys() else owner.path_resolve(name)
@@ -168,15 +168,15 @@ def property_of(owner, name: str) -> np.ndarray | None:
 
 
 class InstanceAttributes:
-    """Attributes that geometry nodes have given to their instances, for as long as the evaluated objects live."""
+    """Attributes that geometry nodes give to their instances. Valid as long as the evaluated objects live."""
 
     def __init__(self):
         self._found: dict[tuple[int, str], tuple] = {}
         self._places: dict[int, dict[int, int]] = {}
-        self._sets: dict[int, object] = {}  # their point clouds are theirs
+        self._sets: dict[int, object] = {}  # their point clouds belong to them
 
     def of(self, item: bpy.types.DepsgraphObjectInstance, name: str) -> np.ndarray | None:
-        """(1, numbers) float32 of an instance; of instances in instances the innermost that has the attribute."""
+        """(1, numbers) float32 of an instance. For nested instances, the innermost one with the attribute counts."""
         if not item.is_instance or item.parent is None or not name:
             return None
         numbers = [number for number in item.persistent_id if number != _NO_NUMBER]
@@ -189,7 +189,7 @@ class InstanceAttributes:
         if not numbers or not hasattr(geometry, "instances_pointcloud"):  # a reference may be an object or a collection
             return None
         points = geometry.instances_pointcloud()
-        number = None if points is None else self._place(points, numbers[-1])  # of the outermost instances
+        number = None if points is None else self._place(points, numbers[-1])  # index of the outermost instances
         if number is None:
             return None
         inner = None
@@ -204,7 +204,8 @@ class InstanceAttributes:
         return None if values is None else values[number : number + 1]
 
     def _place(self, points, number: int) -> int | None:
-        """Which of the instances Blender means by a number: the attribute ``id`` where they have it, else their place."""
+        """Index of the instance for Blender's number: by the attribute ``id`` if the instances have it, else by
+        position."""
         key = points.as_pointer()
         if key not in self._places:
             ids = points.attributes.get("id")
@@ -224,11 +225,11 @@ class InstanceAttributes:
         return self._found[key][1]
 
 
-_NO_NUMBER = 2**31 - 1  # where instances are not that deep
+_NO_NUMBER = 2**31 - 1  # instances are not nested that deep
 
 
 def random_number(item: bpy.types.DepsgraphObjectInstance) -> float:
-    """The number from 0 to 1 that Object Info gives: by its name of an object, Blender's own of an instance."""
+    """The random number from 0 to 1 of Object Info: from the name of an object, or Blender's own for an instance."""
     if item.is_instance:
         number = item.random_id & 0xFFFFFFFF
     else:
@@ -244,7 +245,7 @@ def _rotated(x: int, bits: int) -> int:
 
 
 def hashed(*words: int) -> int:
-    """Hash of one or two whole numbers: the last round of Bob Jenkins' lookup3 (2006)."""
+    """Hash of one or two integers: the last round of Bob Jenkins' lookup3 (2006)."""
     mask = 0xFFFFFFFF
     a = b = c = (0xDEADBEEF + (len(words) << 2) + 13) & mask
     a = (a + words[0]) & mask

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera, and which pixels are rendered."""
+"""The camera, and the pixels to render."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def camera_of(
 ) -> Camera:
     """The camera object ``obj`` (evaluated) for a frame of ``width`` × ``height`` pixels.
 
-    Of several views (stereo), it is the camera of the one that is active in ``engine``. Raises RenderError where there
-    is none, or where it has no usable place in the world.
+    With several views (stereo), it is the camera of the active view in ``engine``. Raises RenderError if there is no
+    camera, or if its transform is unusable.
     """
     if obj is None or obj.type != "CAMERA":
         raise RenderError("The scene has no camera: add one and choose it in the properties of the scene.")
@@ -78,8 +78,8 @@ def camera_of(
 
 
 def _sensor(data: bpy.types.Camera, width: float, height: float) -> tuple[bool, float]:
-    """Whether the sensor spans the width of the frame, and its size (mm) along that side: the fit chooses, the longer
-    one for AUTO."""
+    """Whether the sensor spans the width of the frame, and its size (mm) along that side. The fit chooses the side;
+    AUTO chooses the longer one."""
     if data.sensor_fit == "AUTO":
         return width >= height, data.sensor_width
     horizontal = data.sensor_fit == "HORIZONTAL"
@@ -94,7 +94,7 @@ def window(
 ) -> tuple[float, float, float, float]:
     """``Camera.window`` for a frame of these proportions: pixels times their aspect.
 
-    The shift is in units of the side that the sensor spans; ``shift`` stands for that along x.
+    The shift is in units of the side that the sensor spans; ``shift`` overrides its x component.
     """
     horizontal, sensor = _sensor(data, width, height)
     extent = data.ortho_scale if data.type == "ORTHO" else sensor / data.lens
@@ -113,7 +113,7 @@ def _panorama(camera: Camera, data: bpy.types.Camera, size: tuple[float, float],
             data.latitude_max,
         ),
         Projection.FISHEYE_EQUIDISTANT: lambda: _around(data.fisheye_fov, data.fisheye_fov),
-        # Here one unit is twice the focal length.
+        # One unit is twice the focal length.
         Projection.FISHEYE_EQUISOLID: lambda: _around(*(0.5 * side / data.fisheye_lens for side in sides)),
         Projection.FISHEYE_POLYNOMIAL: lambda: _around(*sides),
         Projection.MIRROR_BALL: lambda: _around(2.0, 2.0),
@@ -154,7 +154,7 @@ def _eye(stereo, engine: bpy.types.RenderEngine) -> Eye | None:
 
 def _focus(camera: Camera, obj: bpy.types.Object) -> None:
     data, dof = obj.data, obj.data.dof
-    # An orthographic camera has no focal length: Blender takes one metre for it. `lens` is in millimetres.
+    # An orthographic camera has no focal length: Blender uses one metre. `lens` is in millimetres.
     focal_length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
     camera.aperture = focal_length / (2.0 * max(dof.aperture_fstop, SMALLEST_F_NUMBER))
     camera.focus = dof.focus_distance
@@ -180,10 +180,10 @@ def frame_size(render: bpy.types.RenderSettings) -> tuple[int, int]:
 
 
 def border_of(render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int] | None:
-    """Pixels (x0, y0, x1, y1) of the render region in a frame of this size, None for all of it."""
+    """Pixels (x0, y0, x1, y1) of the render region in a frame of this size; None for the whole frame."""
     if not render.use_border:
         return None
-    # Blender computes in single precision and cuts off.
+    # Blender computes in single precision and truncates.
     x0, x1 = (int(np.float32(value) * np.float32(width)) for value in (render.border_min_x, render.border_max_x))
     y0, y1 = (int(np.float32(value) * np.float32(height)) for value in (render.border_min_y, render.border_max_y))
     return x0, y0, x1, y1

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colour spaces of images: which of them renderers know, and the conversion of the others to scene-linear."""
+"""Colour spaces of images: those that renderers know, and the conversion of the others to scene-linear."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from .pixels import Conversion
 
 LINEAR, SRGB, OTHER, UNKNOWN = "linear", "sRGB", "other", "unknown"
 
-# Of Blender's own configuration, whose working space has the primaries of Rec.709 unless a file says otherwise.
+# Names in Blender's own configuration, whose working space has the primaries of Rec.709 unless a file says otherwise.
 _KNOWN = {"Linear Rec.709": LINEAR, "sRGB": SRGB}
 _DEFAULT_SPACE = "Linear Rec.709"
 
-STEPS = 256  # codes at which a colour space is compared with those that renderers know
+STEPS = 256  # codes at which a colour space is compared with the known ones
 
 
 def kind_of(settings: bpy.types.ColorManagedInputColorspaceSettings) -> str:
-    """``LINEAR`` (data, too), ``SRGB`` with the primaries of the working space, ``OTHER``, or ``UNKNOWN``, for which there
-    is no conversion."""
+    """``LINEAR`` (also data), ``SRGB`` with the primaries of the working space, ``OTHER``, or ``UNKNOWN`` if there is
+    no conversion."""
     if settings.is_data:
         return LINEAR
     working = _working_space()
@@ -34,7 +34,7 @@ def kind_of(settings: bpy.types.ColorManagedInputColorspaceSettings) -> str:
 
 
 def conversion(settings: bpy.types.ColorManagedInputColorspaceSettings) -> Conversion:
-    """Function from colours (n, 3) float32 to scene-linear ones, for any thread; of a kind other than ``UNKNOWN``."""
+    """Function from colours (n, 3) float32 to scene-linear ones, usable in any thread; not for ``UNKNOWN``."""
     kind = kind_of(settings)
     if kind == LINEAR:
         return lambda colors: colors
@@ -44,18 +44,18 @@ def conversion(settings: bpy.types.ColorManagedInputColorspaceSettings) -> Conve
 
 
 def _working_space() -> str:
-    """The working space of the open file; "" before Blender 5.0, which has but one."""
+    """The working space of the open file; "" before Blender 5.0, which has only one."""
     return getattr(getattr(bpy.data, "colorspace", None), "working_space", "")
 
 
 def _target() -> tuple[str, str]:
-    """The colour space of renders, and the configuration that has it."""
+    """The colour space of renders, and its configuration."""
     own = os.path.join(bpy.utils.resource_path("LOCAL"), "datafiles", "colormanagement", "config.ocio")
     return _working_space() or "scene_linear", os.environ.get("OCIO") or own
 
 
 def _converted(space: str, target: str, config: str, colors: np.ndarray) -> np.ndarray | None:
-    """By OpenColorIO, which OpenImageIO brings with it; None where that fails."""
+    """OpenColorIO, from OpenImageIO's module; None if that fails."""
     import OpenImageIO
 
     source = OpenImageIO.ImageBuf(np.ascontiguousarray(colors, np.float32).reshape(1, -1, 3))

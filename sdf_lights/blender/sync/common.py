@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every part of sync needs: matrices, warnings, sockets."""
+"""Shared parts of sync: matrices, warnings, sockets."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _VISIBILITY = {
     "visible_volume_scatter": Ray.VOLUME.value,
 }
 
-# A scale below this part of the largest counts as zero.
+# A scale below this fraction of the largest counts as zero.
 FLAT = 1e-9
 
 
 class Warnings:
-    """Collects sentences for the user, each once, in order; empty ones are none."""
+    """Collects sentences for the user, each once, in order; ignores empty ones."""
 
     def __init__(self, sentences: list[str]):
         self._sentences = sentences
@@ -52,8 +52,8 @@ def is_flat(matrix: np.ndarray) -> bool:
 
 
 def visibility_of(item) -> Ray:
-    """Rays that an object is visible to."""
-    # Plain numbers: those of enumerations take ten times as long.
+    """The kinds of rays that see an object."""
+    # Plain integers: enumerations take ten times as long.
     return Ray(sum(bit for name, bit in _VISIBILITY.items() if getattr(item, name)))
 
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's images: which pixels a texture shows, and where they come from.
+"""Blender's images: the pixels that a texture shows, and their source.
 
-Files are read by OpenImageIO in their own type, so Blender need not load them; packed ones from a copy of their file.
-Blender's own pixels, which it hands out as floats, are asked for only where there is no file: generated and painted
-images, movies, and formats that OpenImageIO does not know.
+OpenImageIO reads files in their own type, so Blender need not load them. Packed files are read from a temporary copy.
+Blender returns its own pixels as floats. They are used only without a file: for generated and painted images, movies,
+and formats that OpenImageIO does not know.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .common import Warnings
 from .kept import Kept
 from .pixels import File, Form, exists
 
-# From 5.1 on, Cycles goes by the image's setting alone; before, by what the file says of its alpha.
+# From 5.1 on, Cycles uses only the image's setting; before, the alpha information of the file.
 _SETTING_DECIDES = bpy.app.version >= (5, 1, 0)
 
 _TILE_TOKENS = {
@@ -35,17 +35,18 @@ _TILE_TOKENS = {
     "<UVTILE>": lambda tile: f"u{(tile - 1001) % 10 + 1}_v{(tile - 1001) // 10 + 1}",
 }
 
-FILE, PACKED, BLENDER = "file", "packed", "Blender"  # where pixels come from
+FILE, PACKED, BLENDER = "file", "packed", "Blender"  # source of the pixels
 
-MOST_OF_MEMORY = 0.5  # of what is free, for pixels of images
-GENERATED_BYTES = 4 + 16  # of a pixel that Blender makes: its own, at least, and the numbers that it hands out
-CHUNK = 1 << 20  # of Blender's numbers, which are turned into bytes so many at a time
+MOST_OF_MEMORY = 0.5  # fraction of the free memory for pixels of images
+GENERATED_BYTES = 4 + 16  # bytes of a pixel made by Blender: at least its own copy, and the returned floats
+CHUNK = 1 << 20  # number of Blender's floats that are converted to bytes at a time
 
 
 class Images:
-    """Puts each image into the scene once, each frame of a sequence and each tile apart. ``frame`` is the scene's.
+    """Adds each image to the scene once; each frame of a sequence and each tile counts separately. ``frame`` is the
+    scene's.
 
-    Files are read when all are known: see ``load``.
+    Files are read together at the end: see ``load``.
     """
 
     def __init__(
@@ -66,7 +67,8 @@ class Images:
         self._pending: list[Callable[[], str | None]] = []
 
     def index(self, image: bpy.types.Image, user: bpy.types.ImageUser | None = None) -> int | None:
-        """Index of the image in the scene, at the frame of ``user``; of its first tile; None if it is missing."""
+        """Index of the image in the scene, at the frame of ``user``. For tiles, the index of the first. None if it is
+        missing."""
         texture = self.texture(image, user)
         return texture.tiles[0][1] if texture.tiles else texture.image
 
@@ -81,10 +83,10 @@ class Images:
         tiled: bool = True,
     ) -> Texture:
         """How a node looks up ``image``. ``alpha``: whether its Alpha output is used, which makes colours straight.
-        ``tiled``: not of box projections, which see the first tile alone."""
+        ``tiled``: off for box projections, which use only the first tile."""
         if image is None:
             return Texture()
-        # The original has the pixels that were painted or generated last; evaluated copies share them or have none.
+        # The original has the last painted or generated pixels; evaluated copies share them or have none.
         image = image.original or image
         straight = alpha and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not image.colorspace_settings.is_data
         tiles, index = (), None
@@ -99,7 +101,7 @@ class Images:
         return Texture(index, interpolation, extension, straight, tiles)
 
     def load(self) -> None:
-        """Read the files of all images, some at a time."""
+        """Read the files of all images, several at a time."""
         jobs, self._pending = self._pending, []
         if jobs:
             with ThreadPoolExecutor(min(len(jobs), os.cpu_count() or 1)) as pool:
@@ -121,17 +123,17 @@ class Images:
         return self._known[key]
 
     def _image(self, image: bpy.types.Image, frame: int, tile: int) -> Image | None:
-        """The image; its pixels may come later."""
+        """The image. Its pixels may be read later."""
         if image.source == "VIEWER":
             self._warn(
-                f"Image '{image.name}' is a picture of Blender's own, which cannot be a texture: it is shown in "
+                f"Image '{image.name}' is an internal picture of Blender, which cannot be a texture: it is shown in "
                 "magenta; save it, and use the file."
             )
             return None
         if kind_of(image.colorspace_settings) == UNKNOWN:
             self._warn(
                 f"Image '{image.name}' is in the colour space {image.colorspace_settings.name}, which cannot be "
-                "converted here: it is taken as sRGB."
+                "converted here: it is read as sRGB; choose another colour space."
             )
         if not _in_memory_only(image):
             packed = _packed_file(image, tile)
@@ -148,7 +150,8 @@ class Images:
         return self._from_blender(image, frame, tile)
 
     def _from_file(self, image: bpy.types.Image, path: str, packed) -> Image | None:
-        """An image whose pixels ``load`` will read; None where OpenImageIO cannot read the file, or it would give others."""
+        """An image whose pixels ``load`` will read; None if OpenImageIO cannot read the file, or would give different
+        pixels."""
         data = None
         if packed is not None:
             path, data = image.filepath, bytes(packed.data)
@@ -158,7 +161,7 @@ class Images:
         except (ImportError, OSError):
             return None
         if packed is not None and file.dtype == np.uint8 and image.alpha_mode == "PREMUL" and file.channels == 4:
-            return None  # Blender may have divided them by alpha, or may not, and Cycles shows what it has
+            return None  # Blender may or may not have divided them by alpha, and Cycles shows what Blender has
         form, encoded = _form(image, FILE if packed is None else PACKED, file)
         needed = form.channels(file.channels) * form.dtype(file.dtype).itemsize
         if not self._fits(image, file.width, file.height, needed):
@@ -183,14 +186,16 @@ class Images:
         return made
 
     def _fits(self, image: bpy.types.Image, width: int, height: int, each: int) -> bool:
-        """Whether there is memory for so many pixels of ``each`` bytes, beside the images so far; else a warning says so."""
+        """Whether there is memory for so many pixels of ``each`` bytes, in addition to the images so far; else adds a
+        warning."""
         free = memory.available()
         if free is None or self._bytes + width * height * each <= MOST_OF_MEMORY * free:
             self._bytes += width * height * each
             return True
         self._warn(
-            f"Image '{image.name}' has {width:,} × {height:,} pixels, which take {memory.in_words(width * height * each)}, and "
-            f"{memory.in_words(free)} of memory are free: it is shown in magenta; make it smaller."
+            f"Image '{image.name}' has {width:,} × {height:,} pixels, which take "
+            f"{memory.in_words(width * height * each)}, but only {memory.in_words(free)} of memory are free: it is "
+            "shown in magenta; make it smaller."
         )
         return False
 
@@ -202,7 +207,7 @@ class Images:
         if tile:
             return self._from_saved_tile(image, tile)
         with _at_frame(image, frame):
-            count, (width, height) = len(image.pixels), image.size  # asking for pixels loads them, and so sets the size
+            count, (width, height) = len(image.pixels), image.size  # reading pixels loads them, which sets the size
             if not count or not width or not height:
                 self._warn(
                     f"Image '{image.name}' has no pixels ({image.filepath or 'no file'}): it is shown in magenta; "
@@ -214,7 +219,7 @@ class Images:
         stored = count // (width * height)
         numbers = numbers.reshape(height, width, stored)
         if image.is_float:
-            # Blender has brought floats to scene-linear already.
+            # Blender has already converted floats to scene-linear.
             multiplies = _SETTING_DECIDES and image.alpha_mode == "STRAIGHT" and not image.colorspace_settings.is_data
             form, encoded = Form(drops_alpha=image.alpha_mode == "NONE", multiplies=int(multiplies)), False
         else:
@@ -222,7 +227,9 @@ class Images:
             numbers = _as_bytes(numbers)
         bad = numbers.dtype.kind == "f" and not np.isfinite(numbers).all()
         if bad:
-            self._warn(f"Image '{image.name}' has pixels that are not finite numbers: they are taken as 0.")
+            self._warn(
+                f"Image '{image.name}' has pixels that are not finite numbers: they are read as 0; correct the image."
+            )
         rows = max(CHUNK // (width * stored), 1)
         pixels = np.empty((height, width, form.channels(stored)), form.dtype(numbers.dtype))
         for first in range(0, height, rows):
@@ -230,9 +237,10 @@ class Images:
         return Image(image.name, pixels, encoded)
 
     def _from_saved_tile(self, image: bpy.types.Image, tile: int) -> Image | None:
-        """A tile that was generated or painted. Only the first can be asked for pixels, but all can be saved."""
+        """A generated or painted tile. Only the first tile's pixels can be read directly, but all tiles can be
+        saved."""
         with tempfile.TemporaryDirectory() as folder:
-            with contextlib.suppress(RuntimeError):  # one tile without pixels is enough for it
+            with contextlib.suppress(RuntimeError):  # one tile without pixels makes this fail
                 image.save(filepath=os.path.join(folder, "<UDIM>"), save_copy=True)
             found = [entry.path for entry in os.scandir(folder) if entry.name.startswith(f"{tile:04d}")]
             try:
@@ -248,10 +256,10 @@ class Images:
 
 
 def _form(image: bpy.types.Image, source: str, file: File | None) -> tuple[Form, bool]:
-    """What becomes of an image's pixels, and whether they stay encoded. ``file`` is None of Blender's own bytes.
+    """How an image's pixels are stored, and whether they stay encoded. ``file`` is None for Blender's own bytes.
 
-    Files Cycles reads itself; what is packed it has from Blender, which makes floats of all that is finer than bytes,
-    scene-linear and multiplied by alpha, and bytes that are not multiplied. From 5.1 on Cycles multiplies those floats
+    Cycles reads files itself. It gets packed images from Blender. Blender returns all that is finer than bytes as
+    floats, scene-linear and multiplied by alpha; bytes are not multiplied. From 5.1 on, Cycles multiplies those floats
     once more.
     """
     settings, mode = image.colorspace_settings, image.alpha_mode
@@ -260,7 +268,7 @@ def _form(image: bpy.types.Image, source: str, file: File | None) -> tuple[Form,
         kind = SRGB
     uses_alpha = not settings.is_data and mode in {"STRAIGHT", "PREMUL"}
     is_fine = source != FILE and file is not None and file.dtype != np.uint8
-    if source == FILE and file.stored_channels != 4:  # Cycles leaves grey with alpha as it is
+    if source == FILE and file.stored_channels != 4:  # Cycles does not multiply grey with alpha
         by_cycles = False
     elif _SETTING_DECIDES:
         by_cycles = mode == "STRAIGHT"
@@ -279,7 +287,7 @@ def _form(image: bpy.types.Image, source: str, file: File | None) -> tuple[Form,
 
 
 def _in_memory_only(image: bpy.types.Image) -> bool:
-    """Whether the pixels that count are Blender's own, and in no file."""
+    """Whether the valid pixels are Blender's own, and in no file."""
     if image.source == "FILE":
         return image.is_dirty
     if image.source == "TILED":
@@ -296,7 +304,7 @@ def _packed_file(image: bpy.types.Image, tile: int) -> bpy.types.PackedFile | No
 
 @contextlib.contextmanager
 def _file_with(path: str, data: bytes | None) -> Iterator[str]:
-    """Path of a file: the given one, or a temporary one of the same kind with ``data``."""
+    """Path of a file: the given one, or a temporary one of the same type with ``data``."""
     if data is None:
         yield path
         return
@@ -308,7 +316,7 @@ def _file_with(path: str, data: bytes | None) -> Iterator[str]:
 
 
 def _as_bytes(numbers: np.ndarray) -> np.ndarray:
-    """Blender's floats of an image of bytes, as bytes."""
+    """Blender's floats of a byte image, as bytes."""
     flat = numbers.reshape(-1)
     result = np.empty(flat.size, np.uint8)
     for first in range(0, flat.size, CHUNK):
@@ -317,7 +325,7 @@ def _as_bytes(numbers: np.ndarray) -> np.ndarray:
 
 
 def frame_of(image: bpy.types.Image, user: bpy.types.ImageUser | None, frame: int) -> int:
-    """Number of the frame of a movie or sequence that a node shows at the scene's ``frame``; 0 of other images."""
+    """Frame number of a movie or sequence that a node shows at the scene's ``frame``; 0 for other images."""
     if image.source not in {"MOVIE", "SEQUENCE"} or user is None or not user.frame_duration:
         return 0
     count, place = user.frame_duration, frame - user.frame_start + 1
@@ -327,7 +335,7 @@ def frame_of(image: bpy.types.Image, user: bpy.types.ImageUser | None, frame: in
 
 
 def path_of(image: bpy.types.Image, frame: int, tile: int) -> str:
-    """Absolute path of the file with a frame or a tile of an image."""
+    """Absolute path of the file of a frame or a tile of an image."""
     path = bpy.path.abspath(image.filepath, library=image.library)
     if tile:
         for token, text in _TILE_TOKENS.items():
@@ -345,7 +353,7 @@ def path_of(image: bpy.types.Image, frame: int, tile: int) -> str:
 
 @contextlib.contextmanager
 def _at_frame(image: bpy.types.Image, frame: int) -> Iterator[None]:
-    """While this lasts, a movie's pixels are those of a frame: of the one that was looked at last, as any texture does."""
+    """As long as this context lasts, a movie's pixels are those of one frame: the frame that any texture read last."""
     if image.source != "MOVIE":
         yield
         return

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a render engine keeps from one frame to the next, where Blender's *Persistent Data* is on.
+"""The data that a render engine keeps from one frame to the next, if Blender's *Persistent Data* is on.
 
-Blender then keeps the engine and its dependency graph, whose updates name everything that was evaluated anew since the last
-render: meshes and hair of all else are what they were, at the same address. Pixels of files are known by what is in the file.
+Blender then keeps the engine and its dependency graph. Its updates name everything that was evaluated again since the
+last render. All other meshes and hair are unchanged, at the same address. Pixels of files are identified by the content
+of the file.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from ...render.scene import Mesh
 
 
 class Entry(NamedTuple):
-    """A mesh, and what its reader knows of it. ``owners``: addresses of the objects and data that it was made of."""
+    """A mesh, and its reader's data. ``owners``: addresses of the objects and data that it was made of."""
 
     mesh: Mesh
     known: object
@@ -29,7 +30,7 @@ class Entry(NamedTuple):
 
 
 class Kept:
-    """What is kept; ``back_end`` belongs to who renders (``Scene.kept``)."""
+    """The kept data. ``back_end`` belongs to the renderer (``Scene.kept``)."""
 
     def __init__(self) -> None:
         self.back_end: dict = {}
@@ -38,7 +39,8 @@ class Kept:
         self._ages: dict[tuple[str, Hashable], int] = {}
 
     def begin(self, depsgraph: bpy.types.Depsgraph) -> None:
-        """Forget what has changed since the last render, and what no view layer has used for one frame."""
+        """Drop everything that has changed since the last render, and everything that no view layer used for one
+        frame."""
         changed = {update.id.original.as_pointer() for update in depsgraph.updates if update.is_updated_geometry}
         self._meshes = {key: entry for key, entry in self._meshes.items() if not entry.owners & changed}
         oldest = len(depsgraph.scene.view_layers)
@@ -47,8 +49,7 @@ class Kept:
         self._pixels = {key: pixels for key, pixels in self._pixels.items() if ("pixels", key) in self._ages}
 
     def mesh(self, key: Hashable, owners: frozenset[int]) -> Entry | None:
-        """A mesh that is as it was, without its motion. What is at its address may be another one by now, of other
-        ``owners``."""
+        """An unchanged mesh, without its motion. Another mesh, with other ``owners``, may be at its address by now."""
         entry = self._meshes.get(key)
         if entry is None or entry.owners != owners:
             return None
@@ -61,8 +62,7 @@ class Kept:
         self._meshes[key], self._ages["mesh", key] = entry, 0
 
     def pixels(self, path: str, data: bytes | None, form: Hashable, read: Callable[[], np.ndarray]) -> np.ndarray:
-        """Pixels of a file, or of the ``data`` that are packed in its place, in a form: those that are kept, or what ``read``
-        gives."""
+        """Pixels of a file, or of its packed ``data``, in a form: the kept ones, or the result of ``read``."""
         if data is None:
             about = os.stat(path)
             key: Hashable = (path, about.st_mtime_ns, about.st_size, form)
@@ -75,7 +75,7 @@ class Kept:
 
 
 def owners_of(item: bpy.types.DepsgraphObjectInstance) -> frozenset[int]:
-    """Addresses of all that decides what the data of an instance are."""
+    """Addresses of everything that determines the data of an instance."""
     objects = [item.object, item.parent] if item.is_instance and item.parent is not None else [item.object]
     found = {obj.original.as_pointer() for obj in objects}
     return frozenset(found | {obj.original.data.as_pointer() for obj in objects if obj.original.data is not None})

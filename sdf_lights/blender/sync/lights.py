@@ -36,11 +36,11 @@ def light_of(
 ) -> Lamp | Light | Portal:
     """The lamp, light or portal of a Light object.
 
-    ``owner`` is the matrix of the object itself, from which a lamp's nodes see other objects, where it is an instance.
-    ``random`` is the number that Object Info gives.
+    ``owner`` is the matrix of the object itself, even for an instance. A lamp's nodes use it to find other objects.
+    ``random`` is the random number of Object Info.
 
-    Without ``normalize``, Blender's power is that of one square metre of the light's surface (found by renders of
-    Cycles: a test repeats them). Raises RenderError, with a sentence that names the object, where it cannot be used.
+    Without ``normalize``, Blender's power is per square metre of the light's surface. Renders of Cycles show this, and
+    a test repeats them. Raises RenderError, with a sentence that names the object, if it is unusable.
     """
     data, name = obj.data, obj.name
     color, emission = _color(obj, data, matrix, depsgraph, images, warn, random)
@@ -60,13 +60,13 @@ def light_of(
 
 
 def control(light: Lamp | Light, obj: bpy.types.Object, linking: dict[str, int]) -> None:
-    """Give a lamp or light what its object says of what it lights and of its passes, and Cycles' settings of the light."""
+    """Set the fields of a lamp or light from its object: linking, passes, and Cycles' settings of the light."""
     for name, value in linking.items():
         setattr(light, name, value)
     data = obj.data
     light.light_group = obj.original.lightgroup
     light.own_pass = own_pass_name(obj.original) if data.sdf_lamp.use_pass else ""
-    cycles = getattr(data, "cycles", None)  # present only while the Cycles add-on is enabled
+    cycles = getattr(data, "cycles", None)  # exists only while the Cycles add-on is enabled
     light.max_bounces = getattr(cycles, "max_bounces", MANY_BOUNCES)
     if not isinstance(light, Lamp):
         light.sampled_only = not getattr(cycles, "use_multiple_importance_sampling", True)
@@ -81,7 +81,8 @@ def _color(
     warn: Warnings,
     random: float,
 ) -> tuple[RGB, Material | None]:
-    """Colour of the light, times its temperature's, times what its nodes emit, and these nodes where that varies."""
+    """Colour of the light, times the colour of its temperature, times the emission of its nodes; and these nodes if
+    their emission varies."""
     color = np.array(rgb(data.color))
     if data.use_temperature:
         color *= rgb(data.temperature_color)
@@ -96,11 +97,11 @@ def _color(
 
 
 def _settings(obj: bpy.types.Object, data: bpy.types.Light, matrix: np.ndarray, random: float) -> dict[str, object]:
-    """What its nodes ask of a light: see ``Reader``."""
+    """Data of a light that its nodes read: see ``Reader``."""
     scale = np.maximum(np.linalg.norm(matrix[:3, :3], axis=0), 1e-30)
     unscaled = matrix.copy()
     unscaled[:3, :3] /= scale
-    if abs(np.linalg.det(unscaled)) < FLAT:  # it has no space of its own to look things up in
+    if abs(np.linalg.det(unscaled)) < FLAT:  # it has no object space for look-ups
         unscaled = np.eye(4)
     info = (*matrix[:3, 3], *obj.color, obj.original.pass_index, random)
     return dict(
@@ -123,10 +124,10 @@ def _lamp(
     keeps: bool,
     warn: Warnings,
 ) -> Lamp:
-    """``keeps``: a lamp that has no shape at present, as where half a word is typed, has its last good one."""
+    """``keeps``: a lamp without a valid shape, for instance while its text is typed, keeps its last good one."""
     if is_flat(matrix):
         raise RenderError(
-            f"Lamp '{name}' is scaled to zero, so it has no volume to glow: it is left out; set its scale."
+            f"Lamp '{name}' is scaled to zero, so it has no volume that could glow: it is left out; set its scale."
         )
     lamp = data.sdf_lamp
     try:

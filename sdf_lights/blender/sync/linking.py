@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light linking: which objects a light lights, and which cast its shadows, by the collections that its object names.
+"""Light linking: the objects that a light lights, and those that cast its shadows, from the collections of the light's
+object.
 
-As in Cycles, a collection that includes any object lights no others, and one that only excludes some lights all the rest.
-What is closer to the collection itself comes after what is in its children, and wins.
+As in Cycles, a collection that includes any object lights no others. A collection with only exclusions lights all the
+rest. An entry in the collection itself overrides entries in its children.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ KINDS = RECEIVER, BLOCKER = "receiver_collection", "blocker_collection"
 
 
 def linked(depsgraph: bpy.types.Depsgraph) -> list[tuple[str, bpy.types.Object, bpy.types.Collection]]:
-    """Of each object whose light is linked the kind, the object and the collection."""
+    """For each object with linked light: the kind, the object and the collection."""
     found = []
     for obj in depsgraph.objects:
         linking = getattr(obj, "light_linking", None)
@@ -32,12 +33,12 @@ def linked(depsgraph: bpy.types.Depsgraph) -> list[tuple[str, bpy.types.Object, 
 
 
 def signature(depsgraph: bpy.types.Depsgraph) -> tuple:
-    """What changes where objects have to be read again because of light linking."""
+    """A key that changes when objects must be read again because of light linking."""
     return tuple((kind, obj.session_uid, collection.session_uid) for kind, obj, collection in linked(depsgraph))
 
 
 def _states(collection: bpy.types.Collection) -> Iterator[tuple[bpy.types.Object, bool]]:
-    """Objects of a collection, and whether each is included, else excluded; the last word on an object counts."""
+    """Objects of a collection, and whether each is included or excluded; the last entry of an object counts."""
     for child, link in zip(collection.children, collection.collection_children):
         included = link.light_linking.link_state == "INCLUDE"
         yield from ((obj, included) for obj in child.all_objects)
@@ -46,7 +47,7 @@ def _states(collection: bpy.types.Collection) -> Iterator[tuple[bpy.types.Object
 
 
 class _Sets:
-    """Sets of objects that the same collections name, of one kind of linking, numbered from ``OPEN_SET`` + 1 on."""
+    """Sets of objects named by the same collections, for one kind of linking, numbered from ``OPEN_SET`` + 1."""
 
     def __init__(self, links: list[tuple[bpy.types.Object, bpy.types.Collection]]):
         self._masks: dict[int, int] = {}  # by emitter
@@ -70,7 +71,7 @@ class _Sets:
         return self._masks.get(emitter, ALL_SETS)
 
     def number(self, obj: int) -> int:
-        """The set that an object is in."""
+        """The set of an object."""
         return self._sets.get(obj, OPEN_SET)
 
 
@@ -85,14 +86,14 @@ class Linking:
         self._any = bool(links)
 
     def of_emitter(self, obj: bpy.types.Object) -> dict[str, int]:
-        """Fields of ``render.scene.Emitter`` that are not as usual."""
+        """Fields of ``render.scene.Emitter`` that differ from the default."""
         if not self._any:
             return {}
         uid = obj.session_uid
         return dict(receivers=self._light.mask(uid), blockers=self._shadow.mask(uid))
 
     def of_instance(self, obj: bpy.types.Object, owner: bpy.types.Object) -> dict[str, int]:
-        """Fields of ``render.scene.Instance`` that are not as usual; ``owner``: its instancer, or itself."""
+        """Fields of ``render.scene.Instance`` that differ from the default; ``owner``: its instancer, or itself."""
         if not self._any:
             return {}
         uid = owner.session_uid

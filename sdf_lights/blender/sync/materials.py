@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials, and what their graphs need of a mesh."""
+"""Materials, and the mesh data that their graphs need."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from .nodes import Reader
 from .volumes import medium_of
 from .zones import DEEPEST, Frame, Stack
 
-# What Cycles shows where there is no material.
+# Cycles' surface without a material.
 DEFAULT = "principled" if bpy.app.version >= (5, 0, 0) else "diffuse"
 
-_MOST_GROUPS = 4096  # in one material, whose AOV Output nodes are looked for
+_MOST_GROUPS = 4096  # nodes of one material, among which AOV Output nodes are searched
 
 
 class Materials:
-    """Puts each material into the scene once, or the one that stands in for all of them in the view layer."""
+    """Adds each material to the scene once, or the material that overrides all of them in the view layer."""
 
     def __init__(self, scene: Scene, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings):
         self._scene, self._depsgraph, self._images, self._warn = scene, depsgraph, images, warn
@@ -50,7 +50,7 @@ class Materials:
         return found | {SHARP_FACE} if any(material.displacement is not None for material in materials) else found
 
     def _aovs(self, tree: bpy.types.NodeTree, reader: Reader) -> dict:
-        """What AOV Output nodes are given, also those in groups, where there is a pass of that name."""
+        """The inputs of AOV Output nodes, also those in groups, if there is a pass of that name."""
         found: dict = {}
         values = {item.name: len(item.channels) == 1 for item in self._scene.passes}
         waiting: list[tuple[bpy.types.NodeTree, Stack]] = [(tree, ())] if values else []
@@ -90,7 +90,7 @@ class Materials:
                 )
         medium = medium_of(reader, output, owner, self._warn)
         if surface is None and reader.resolve(output.inputs["Volume"])[0] is not None:
-            surface = Node("transparent")  # there is only what it bounds
+            surface = Node("transparent")  # the surface only bounds a volume
         return Material(
             material.name,
             surface,

@@ -21,15 +21,15 @@ from .kept import Entry, Kept
 
 @dataclass
 class _Known:
-    """A mesh that is in the scene already, with what is needed to add texture coordinates to it later."""
+    """A mesh already in the scene, with the data needed to add texture coordinates later."""
 
     index: int
     corners: np.ndarray  # (T, 3) corner of Blender's mesh for each corner of each triangle
-    faces: np.ndarray  # (T,) face of Blender's mesh that each triangle is a part of
+    faces: np.ndarray  # (T,) face of Blender's mesh that each triangle belongs to
 
 
 class Form(NamedTuple):
-    """What something looks like at a time: positions (V, 3), corner normals (T, 3, 3) and radii (V,), where it has them."""
+    """The geometry at one time: positions (V, 3), corner normals (T, 3, 3) and radii (V,), each if it exists."""
 
     positions: np.ndarray
     normals: np.ndarray | None = None
@@ -37,15 +37,15 @@ class Form(NamedTuple):
 
 
 class Readable(Protocol):
-    """Something that can be read again at another time."""
+    """Geometry that can be read again at another time."""
 
     def read(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Form | None:
-        """The form of an evaluated object, or of an instance; None where it has other vertices or corners."""
+        """The geometry of an evaluated object, or of an instance; None if its vertices or corners have changed."""
         ...
 
 
 class Forms(NamedTuple):
-    """How to read the positions and normals of a mesh again, at another time."""
+    """Reads the positions and normals of a mesh again, at another time."""
 
     vertices: int
     corners_in_all: int
@@ -64,7 +64,7 @@ class Forms(NamedTuple):
         if not self.smooth:
             return Form(positions)
         normals = normals_of(data, self.triangles, self.corners)
-        if normals is None:  # flat now
+        if normals is None:  # now flat
             a, b, c = positions[self.triangles].transpose(1, 0, 2)
             flat = np.cross(b - a, c - a)
             length = np.linalg.norm(flat, axis=1, keepdims=True)
@@ -73,7 +73,7 @@ class Forms(NamedTuple):
 
 
 def normals_of(data: bpy.types.Mesh, triangles: np.ndarray, corners: np.ndarray) -> np.ndarray | None:
-    """(T, 3, 3) corner normals of triangles with these vertices and corners; None where all are flat."""
+    """(T, 3, 3) corner normals of triangles with these vertices and corners; None if all are flat."""
     if data.normals_domain == "POINT":
         return read(data.vertex_normals, "vector", np.float32, 3)[triangles]
     if data.normals_domain == "CORNER":
@@ -82,7 +82,7 @@ def normals_of(data: bpy.types.Mesh, triangles: np.ndarray, corners: np.ndarray)
 
 
 class Meshes:
-    """Puts each evaluated mesh into the scene once, however many instances show it."""
+    """Adds each evaluated mesh to the scene once, however many instances use it."""
 
     def __init__(self, scene: Scene, warn: Warnings, kept: Kept | None = None):
         self._scene, self._warn, self._kept = scene, warn, kept
@@ -91,10 +91,11 @@ class Meshes:
         self.forms: dict[int, Readable] = {}  # of each mesh of the scene
 
     def evaluated(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
-        """The evaluated mesh of an object of a dependency graph, as arrays can be read from it.
+        """The evaluated mesh of an object of a dependency graph, in a form whose arrays can be read.
 
-        A mesh in Edit Mode has none: its geometry is in the editor's own structure, of which Blender makes a mesh that
-        lives as long as the evaluated object. Asked to preserve all layers, it would make the mesh as it was before.
+        A mesh in Edit Mode has none: its geometry is in the editor's own structure. Blender makes a mesh from it that
+        lives as long as the evaluated object. With preserve_all_data_layers, Blender would make the mesh as it was
+        before the edits.
         """
         if not obj.data.is_editmode:
             return obj.data
@@ -107,11 +108,11 @@ class Meshes:
     def index(
         self, data: bpy.types.Mesh, slots: int, attributes: Iterable[Attribute], owners: frozenset[int] = frozenset()
     ) -> int | None:
-        """Index of the mesh in the scene, with at least these attributes; None where there are no triangles. ``owners``: see
+        """Index of the mesh in the scene, with at least these attributes; None if it has no triangles. ``owners``: see
         ``kept.Entry``.
 
-        Faces whose slot is past the number of ``slots`` use the last one, as in Blender.
-        Evaluated data stays where it is as long as its dependency graph, so its address tells it apart; names do not.
+        Faces whose slot is past the number of ``slots`` use the last one, as in Blender. Evaluated data keeps its
+        address as long as its dependency graph lives, so the address identifies it. Names do not.
         """
         key = data.as_pointer()
         if key not in self._known:
@@ -159,7 +160,7 @@ class Meshes:
         if not data.loop_triangles:
             return None
         corners = read(data.loop_triangles, "loops", np.int32, 3)
-        # Reading an attribute is one copy of memory; reading `vertices` or `co` visits every item.
+        # Reading an attribute is one memory copy; reading `vertices` or `co` visits every item.
         positions = read(data.attributes["position"].data, "vector", np.float32, 3)
         triangles = read(data.attributes[".corner_vert"].data, "value", np.int32)[corners]
         faces = read(data.loop_triangle_polygons, "value", np.int32)
@@ -191,7 +192,7 @@ class Meshes:
 
 
 def uv_layer(data: bpy.types.Mesh, name: str):
-    """UV map by name, the one that is active for rendering for an empty name; None where there is none."""
+    """UV map by name; the one that is active for rendering for an empty name; None if there is none."""
     if name:
         return data.uv_layers.get(name)
     return next((layer for layer in data.uv_layers if layer.active_render), None)

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion while the shutter is open: Blender evaluates the scene at other times, and what is elsewhere there is noted.
+"""Motion while the shutter is open: Blender evaluates the scene at other times, and this module records what has moved.
 
-The times, and what moves at all, are those of Cycles; lamps and lights, which stand still there, move too.
+The times, and the objects that may move, are those of Cycles. Lamps and lights, which stand still in Cycles, move here
+too.
 """
 
 from __future__ import annotations
@@ -26,21 +27,23 @@ from .mesh import Form, Readable
 
 _CURVE_POINTS = 257
 _STILL = 1e-5  # metres
-_KEPT = ("emission", "visibility", *(item.name for item in fields(Emitter)))  # what of a light is that of the frame
-_OPENS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}  # of the time that the shutter is open, from the frame on
+# these fields of a light keep the values of the frame
+_KEPT = ("emission", "visibility", *(item.name for item in fields(Emitter)))
+# as a fraction of the time that the shutter is open, from the frame on
+_OPENS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}
 
 
 class Key(NamedTuple):
-    """What tells an instance from others at any time."""
+    """Identifies an instance at all times."""
 
     instancer: int
     obj: int
     number: tuple[int, ...]
-    hair: bool = False  # the particle hair on it
+    hair: bool = False  # its particle hair
 
 
 class Placed(NamedTuple):
-    """Where an instance is in a scene: in ``instances``, ``lamps`` or ``lights``, or −1."""
+    """Index of an instance in a scene: in ``instances``, ``lamps`` or ``lights``, or −1."""
 
     instance: int = -1
     lamp: int = -1
@@ -48,7 +51,7 @@ class Placed(NamedTuple):
 
 
 class Wish(NamedTuple):
-    """How an object moves: at so many steps of the shutter, and whether its form changes; none: it stands still."""
+    """The motion of an object: the number of steps of the shutter, and whether it deforms; 0 steps: it stands still."""
 
     steps: int
     forms: bool
@@ -62,7 +65,7 @@ def key_of(item: bpy.types.DepsgraphObjectInstance, hair: bool = False) -> Key:
 
 
 def wish_of(*owners: bpy.types.Object | None) -> Wish:
-    """What an object wants, or an instance of it: both its instancer and itself are asked, as in Cycles."""
+    """The motion settings of an object or an instance. Both its instancer and itself are asked, as in Cycles."""
     steps, forms = 0, True
     for owner in owners:
         if owner is None:
@@ -76,13 +79,13 @@ def wish_of(*owners: bpy.types.Object | None) -> Wish:
 
 
 def is_wanted(depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether the render is to blur motion."""
+    """Whether the render has motion blur."""
     layer = depsgraph.view_layer_eval
     return depsgraph.scene_eval.render.use_motion_blur and getattr(layer, "use_motion_blur", True)
 
 
 def shutter_of(scene: bpy.types.Scene) -> Shutter:
-    """The shutter of a scene: its curve, and its roll."""
+    """The shutter of a scene: its curve and its rolling shutter."""
     mapping = scene.render.motion_blur_shutter_curve
     mapping.initialize()
     curve = mapping.curves[0]
@@ -93,9 +96,9 @@ def shutter_of(scene: bpy.types.Scene) -> Shutter:
 
 
 class Motion:
-    """Notes of where everything is at even times of the shutter, and puts them into a scene.
+    """Records the state of everything at even times of the shutter, and writes it into a scene.
 
-    ``cameras`` makes the camera of each view. ``placed`` and ``forms`` are what the reader of the objects has noted.
+    ``cameras`` makes the camera of each view. ``placed`` and ``forms`` are the records of the object reader.
     """
 
     def __init__(
@@ -110,8 +113,8 @@ class Motion:
         self._cameras, self._warn = cameras, warn
 
     def read(self, placed: dict[Key, Placed], forms: dict[int, Readable], views: list[Camera]) -> None:
-        """Evaluate the scene at all times, and give it, and the cameras ``views``, their motion. The frame is as before
-        then."""
+        """Evaluate the scene at all times, and write the motion into the scene and the cameras ``views``. Restores the
+        frame at the end."""
         blender_scene = self._depsgraph.scene_eval
         camera_object = self._engine.camera_override or blender_scene.camera
         wishes, deforms = self._wishes(placed, forms)
@@ -141,18 +144,18 @@ class Motion:
         return wish_of(*owners)
 
     def _give_camera(self, view: Camera, seen: list[Camera]) -> bool:
-        """Give a camera its motion. Returns whether it moves."""
+        """Write the motion of a camera. Returns whether it moves."""
         if all(same_place(at, seen[0]) for at in seen[1:]):
             return False
         view.motion = resampled(tuple(seen))
         return True
 
     def _finish(self) -> None:
-        """Called where something moves."""
+        """Called if something moves."""
         self._scene.shutter = shutter_of(self._depsgraph.scene_eval)
 
     def _wishes(self, placed: dict[Key, Placed], forms: dict[int, Readable]) -> tuple[dict[Key, Wish], set[int]]:
-        """What each instance wants, and the meshes whose form may change."""
+        """The motion settings of each instance, and the meshes that may deform."""
         wishes, deforms = {}, set()
         known: dict[int, bool] = {}
         for item, key in self._items(placed):
@@ -167,7 +170,7 @@ class Motion:
         return wishes, deforms
 
     def _items(self, wanted: Container[Key]) -> Iterator[tuple[bpy.types.DepsgraphObjectInstance, Key]]:
-        """All that is wanted, with its keys: an object, and the hair on it."""
+        """All motion settings, with their keys: those of an object, and of its hair."""
         for item in self._depsgraph.object_instances:
             for hair in (False, True) if len(item.object.particle_systems) else (False,):
                 key = key_of(item, hair)
@@ -175,7 +178,7 @@ class Motion:
                     yield item, key
 
     def _times(self, steps: int) -> Iterator[int]:
-        """Go to each of the even times in turn; its number."""
+        """Go to each of the even times in turn; yields its number."""
         opens, length = self._span()
         frame, subframe = self._frame
         for step in range(steps + 1):
@@ -185,7 +188,7 @@ class Motion:
             yield step
 
     def _span(self) -> tuple[float, float]:
-        """When the first of the times is, from the frame on, and how long they last, in frames."""
+        """The first of the times, relative to the frame, and the length of the interval, in frames."""
         render = self._depsgraph.scene_eval.render
         length = render.motion_blur_shutter
         return _OPENS.get(render.motion_blur_position, -0.5) * length, length
@@ -194,7 +197,7 @@ class Motion:
         self._engine.frame_set(*self._frame)
 
     def _look(self, seen: Seen, wishes: dict[Key, Wish], step: int, steps: int) -> None:
-        """Note where everything is now that has to be known at this step."""
+        """Record the present state of everything needed at this step."""
         for item, key in self._items(wishes):
             wish = wishes[key]
             if wish.steps and step % (steps // wish.steps) == 0:
@@ -203,7 +206,7 @@ class Motion:
     def _give(
         self, placed: dict[Key, Placed], wishes: dict[Key, Wish], deforms: set[int], seen: list[Seen], steps: int
     ) -> bool:
-        """Give the scene its motion. Returns whether anything moves."""
+        """Write the motion into the scene. Returns whether anything moves."""
         moves = False
         for key, place in placed.items():
             wish = wishes.get(key)
@@ -211,7 +214,7 @@ class Motion:
                 continue
             those = seen[:: steps // wish.steps]
             if any(key not in each.places for each in those):
-                continue  # it comes or goes
+                continue  # it appears or disappears
             found = [each.places[key] for each in those]
             if place.instance >= 0:
                 if any(not np.array_equal(matrix, found[0]) for matrix in found[1:]):
@@ -226,7 +229,7 @@ class Motion:
 
     def _reform(self, index: int, seen: list[Seen]) -> bool:
         if any(index not in each.forms for each in seen):
-            return False  # it has other vertices at some time
+            return False  # its vertices change at some time
         forms = [each.forms[index] for each in seen]
         positions = [form.positions for form in forms]
         sizes = [form.radii for form in forms]
@@ -249,8 +252,8 @@ class Motion:
         if isinstance(light, Lamp):
             if any(other.shape != light.shape for other in found):
                 self._warn(
-                    f"Lamp '{light.name}' changes its shape while the shutter is open: it has that of the frame; "
-                    "motion blur is for its transform, power and color."
+                    f"Lamp '{light.name}' changes its shape while the shutter is open: it keeps the shape of the "
+                    "frame; animate its transform, power or color for motion blur."
                 )
             found = [replace(other, shape=light.shape) for other in found]
         kept = {name: getattr(light, name) for name in _KEPT}
@@ -262,7 +265,7 @@ class Motion:
 
 
 class Seen:
-    """What there is at one time."""
+    """The state at one time."""
 
     def __init__(self, placed: dict[Key, Placed], forms: dict[int, Readable], deforms: set[int]):
         self._placed, self._forms, self._deforms = placed, forms, deforms
@@ -300,12 +303,12 @@ class Seen:
 def _same_form(a: Form, b: Form) -> bool:
     if a.radii is None or b.radii is None:
         return np.array_equal(a.positions, b.positions)
-    # Hair of particles comes from the world, by other roundings at each time: this is what Cycles takes for still.
+    # Particle hair is computed in world space, with different rounding at each time. Cycles uses this tolerance.
     return all(np.abs(x - y).max(initial=0.0) <= _STILL for x, y in ((a.positions, b.positions), (a.radii, b.radii)))
 
 
 def same_place(a, b) -> bool:
-    """Whether all numbers of two lights or cameras are the same."""
+    """Whether all numbers of two lights or cameras are equal."""
     for name, value in vars(a).items():
         other = getattr(b, name)
         if isinstance(value, np.ndarray):

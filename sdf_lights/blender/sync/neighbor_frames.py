@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where everything is at the frame before and at the one after, for the pass Vector. As in Cycles, what objects say about their
-motion blur does not matter, and where motion is blurred the pass is empty."""
+"""Positions at the previous and the next frame, for the pass Vector. As in Cycles, the motion blur settings of objects
+have no effect, and the pass is empty if motion blur is on."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from ...render.scene import Camera
 from ..passes import is_enabled
 from .motion import Key, Motion, Placed, Seen, Wish, is_wanted, same_place
 
-# Since this version Cycles knows how the background moves, too.
+# Since this version Cycles also gives the motion of the background.
 _BACKGROUND_MOVES = (5, 1, 0)
 
 
 def has_vectors(depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether the pass Vector is to be rendered, and has something to tell."""
+    """Whether the pass Vector is rendered and not empty."""
     return is_enabled(BY_NAME["Vector"], depsgraph.view_layer) and not is_wanted(depsgraph)
 
 
 class NeighborFrames(Motion):
-    """Notes where surfaces and cameras are at both frames, and puts that into a scene."""
+    """Records surfaces and cameras at both frames, and writes them into a scene."""
 
     def _wish(self, *owners: bpy.types.Object | None) -> Wish:
         return Wish(1, True)
@@ -36,7 +36,7 @@ class NeighborFrames(Motion):
     ) -> bool:
         for key, place in placed.items():
             if place.instance < 0 or any(key not in each.places for each in seen):
-                continue  # it comes or goes
+                continue  # it appears or disappears
             instance, found = self._scene.instances[place.instance], [each.places[key] for each in seen]
             if any(not np.array_equal(matrix, instance.matrix) for matrix in found):
                 instance.around = np.stack(found)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's shader nodes as ``render.material``: closures as its nodes, values as formulas.
 
-``_TABLE`` says which closure is which, and which socket is which input. Nodes of values are defined in ``render.nodes``,
-and see themselves through ``_Inputs``. Groups, reroutes and muted nodes dissolve. What replaces a node that is not
-supported is told in README.md beside this package.
+``_TABLE`` maps closures and sockets to closures and inputs. Value nodes are defined in ``render.nodes``, which see a
+node through ``_Inputs``. Groups, reroutes and muted nodes are resolved. README.md one folder up lists the replacements
+of unsupported nodes.
 """
 
 from __future__ import annotations
@@ -37,34 +37,34 @@ from .zones import Stack, by_identifier
 
 
 def _incoming(node) -> Vector:
-    """The way to the viewer, in the space of the object or the light."""
+    """The direction to the viewer, in the space of the object or the light."""
     turn = node.setting("light_normals")
     return to_object(INCOMING, "NORMAL") if turn is None else transformed_normal(node, turn, INCOMING)
 
 
-# What an unlinked Vector socket of a texture is; of all others the Generated coordinates.
+# The value of an unlinked Vector socket of these textures; for all others, Generated coordinates.
 _IMPLICIT = {"ShaderNodeTexImage": uv, "ShaderNodeTexEnvironment": lambda node: POSITION, "ShaderNodeTexIES": _incoming}
-# Nodes of which it is zero, though they hide its value as textures do.
+# For these nodes it is zero, although they hide its value like textures.
 _NO_COORDINATES = {"ShaderNodeMapRange", "ShaderNodeVectorRotate", "ShaderNodeTexWhiteNoise"}
 
 _TEXTURES = "Brick", "Checker", "Gabor", "Gradient", "Magic", "Noise", "Voronoi", "Wave"
-_FOLDED = {f"ShaderNodeTex{name}" for name in _TEXTURES}  # what Blender computes where all its inputs are constants
+_FOLDED = {f"ShaderNodeTex{name}" for name in _TEXTURES}  # nodes that Blender computes if all inputs are constants
 
 BLACK = (0.0, 0.0, 0.0)
 
 
 class _Missing:
-    """What a node that is not supported gives: the socket it is linked to then uses its own value."""
+    """Result of an unsupported node: the socket that it is linked to uses its own value."""
 
 
 MISSING = _Missing()
 
-_ONLY_EEVEE = " (EEVEE alone has it: a path tracer knows no shade before its paths end)"
+_ONLY_EEVEE = "(only EEVEE has it: a path tracer cannot read a shader's result as a colour)"
 
 
 class _Entry(NamedTuple):
     kind: str
-    inputs: dict[str, str]  # of the node here -> identifier of Blender's socket
+    inputs: dict[str, str]  # input of our node -> identifier of Blender's socket
     settings: Callable[[bpy.types.Node], dict] = lambda node: {}
 
 
@@ -73,7 +73,7 @@ def _distribution(node) -> dict:
 
 
 def _subsurface(method: str) -> dict:
-    """Settings of scattering below a surface, which Cycles changed in 5.0 and 5.2."""
+    """Settings of subsurface scattering, which Cycles changed in 5.0 and 5.2."""
     once = method == "BURLEY" or bpy.app.version < (5, 0)
     if method == "RANDOM_WALK" and bpy.app.version < (5, 2):
         method = "RANDOM_WALK_LEGACY"
@@ -108,7 +108,7 @@ _TABLE = {
         lambda node: _subsurface(node.falloff),
     ),
     "ShaderNodeBsdfDiffuse": _Entry("diffuse", dict(color="Color", roughness="Roughness", normal="Normal")),
-    "ShaderNodeBsdfAnisotropic": _Entry(  # "Glossy BSDF", whose anisotropy is zero at first
+    "ShaderNodeBsdfAnisotropic": _Entry(  # "Glossy BSDF", whose anisotropy is zero by default
         "glossy", dict(color="Color", **_ROUGH), _distribution
     ),
     "ShaderNodeBsdfGlass": _Entry(
@@ -144,19 +144,19 @@ for _bsdf in bsdfs.ALL:
 _TABLE["ShaderNodeBsdfGlossy"] = _TABLE["ShaderNodeBsdfAnisotropic"]
 
 
-MOST_INPUTS = 20_000  # of a tree with all groups written out: a file from a stranger may double them at each level
-MOST_IES_BYTES = 16 << 20  # of a text of a lamp's light; a device, which has no end, is no such file
+MOST_INPUTS = 20_000  # of a tree with all groups written out: a malicious file may double them at each level
+MOST_IES_BYTES = 16 << 20  # of an IES text; reading a device would never end
 
 
 class Reader:
-    """Reads one node tree. ``owner`` names it in warnings: "Material 'Wood'". Time, view layer and world are those of
-    ``depsgraph``: a window may show another scene than the one that is rendered.
+    """Reads one node tree. ``owner`` names it in warnings: "Material 'Wood'". Time, view layer and world come from
+    ``depsgraph``, because a window may show a different scene than the rendered one.
 
-    ``parameters`` are the values of the slots of all formulas that it has read. ``domain`` is "SURFACE", "WORLD" (whose
-    position is the direction of the ray) or "LIGHT". ``light`` has settings that nodes of lights ask for: "light_matrix" (3, 4)
-    leads from the world to the light, without its scale; "light_normals" (3, 3) does so for normals, with it, as in Cycles;
-    "light_shape": see ``projections.light_place``; "object_info": what ``lookups.OBJECT_INFO`` gives; "owners": whose
-    properties are its attributes.
+    ``parameters`` are the values of the slots of all formulas read so far. ``domain`` is "SURFACE", "WORLD" (where the
+    position is the direction of the ray) or "LIGHT". ``light`` has data for nodes of lights: "light_matrix" (3, 4) maps
+    from the world to the light, without its scale; "light_normals" (3, 3) does so for normals, with the scale, as in
+    Cycles; "light_shape": see ``projections.light_place``; "object_info": the result of ``lookups.OBJECT_INFO``;
+    "owners": the data whose properties are its attributes.
     """
 
     def __init__(
@@ -175,7 +175,7 @@ class Reader:
         self.domain, self.material_index = domain, material_index
         self.light = light or {}
         self.parameters: list[float | Attribute | Table | Texture] = []
-        self._followed, self._reading = 0, False  # inputs that were asked for; whether one is being read
+        self._followed, self._reading = 0, False  # number of inputs read; whether one is being read
         self.links = Links()
         self._values: dict[tuple, object] = {}
         self._constants: dict[tuple, Formula | Vector] = {}
@@ -183,9 +183,10 @@ class Reader:
     # -- walking -------------------------------------------------------------------------------------------------------
 
     def output(self) -> bpy.types.Node | None:
-        """The output node that counts: Blender's choice for engines that read Cycles' nodes. Says why where there is none."""
+        """The active output node: Blender's choice for engines that read Cycles' nodes. Warns with the reason if there
+        is none."""
         if self.links.circular(self.tree):
-            self._warn(f"{self._owner}: its links go round in a circle, so it is black: remove one of them.")
+            self._warn(f"{self._owner}: its links form a circle, so it is black: remove one of them.")
             return None
         found = self.tree.get_output_node("CYCLES")
         if found is None and self.domain == "SURFACE":
@@ -195,25 +196,25 @@ class Reader:
         return found
 
     def resolve(self, socket, stack: Stack = ()):
-        """What an input socket is fed by, through groups, reroutes and muted nodes.
+        """The source of an input socket, through groups, reroutes and muted nodes.
 
-        Returns (node, output socket, stack), or (None, input socket, stack) with the socket whose own value counts, or
+        Returns (node, output socket, stack), or (None, input socket, stack) with the socket whose own value is used, or
         ``NOWHERE``.
         """
         return self._walk(socket, stack)[:3]
 
     def _walk(self, socket, stack: Stack):
-        """As ``resolve``, with the types of the sockets on the way, from the input on, and whether they convert constants alone: what
-        varies passes such sockets as it is where Blender takes trees apart."""
-        receiver, passing = socket, False  # reroutes or muted nodes have been met since the receiver
-        types: list[tuple[str, bool]] = []  # whether of constants alone
-        known = 0  # of these, up to the receiver
+        """As ``resolve``, with the types of the sockets on the way, from the input on, and whether they convert only
+        constants: if Blender resolves groups, varying values pass such sockets unchanged."""
+        receiver, passing = socket, False  # whether reroutes or muted nodes came since the receiver
+        types: list[tuple[str, bool]] = []  # whether it converts only constants
+        known = 0  # number of types up to the receiver
         self._followed += 1
         if self._followed > MOST_INPUTS:
             if self._followed == MOST_INPUTS + 1:
                 self._warn(
-                    f"{self._owner}: its groups are nested so often that it has more than {MOST_INPUTS:,} inputs, so parts of it "
-                    "are left out: use fewer groups inside one another."
+                    f"{self._owner}: its groups are nested so often that it has more than {MOST_INPUTS:,} inputs, so "
+                    "parts of it are left out: nest fewer groups."
                 )
             return None, receiver, stack, types
         while True:
@@ -253,10 +254,10 @@ class Reader:
     # -- reading -------------------------------------------------------------------------------------------------------
 
     def read(self, socket, like, stack: Stack = ()):
-        """Value of an input of a closure: a formula, a vector or a ``Node``, for an input whose default is ``like``.
+        """Value of an input of a closure: a formula, a vector or a ``Node``, for an input with the default ``like``.
 
-        None where ``like`` is None and nothing is linked: the input then has its default. A value where a shader is
-        expected is one that emits it.
+        None if ``like`` is None and nothing is linked: the input then has its default. A value at a shader input
+        becomes an emission of that value.
         """
         outermost, self._reading = not self._reading, True
         try:
@@ -287,7 +288,7 @@ class Reader:
         return None if value is None else _converted(*self._carried(value, end.type, types), like)
 
     def _carried(self, value, socket_type: str, types: list[tuple[str, bool]]):
-        """A value of a socket through sockets of these ``types``, the last one first; and the type that it has then."""
+        """Convert a value through sockets of these ``types``, the last one first. Returns it with its final type."""
         if isinstance(value, (Formula, Vector)):
             for passed, of_constants in reversed(types):
                 if passed in _LIKE and passed != socket_type:
@@ -296,13 +297,13 @@ class Reader:
         return value, socket_type
 
     def number_of(self, socket, stack: Stack) -> float | None:
-        """The number at an input; None where it varies."""
+        """The number at an input; None if it varies."""
         value, kind = self.value(socket, stack)
         return None if value is None else numbers_of(self, _converted(value, kind, 0.0))
 
     def value(self, socket, stack: Stack) -> tuple[Formula | Vector | None, str]:
-        """What an input of a value node has, and the type of the last socket that it comes through; None where that is not
-        a value."""
+        """The value of an input of a value node, and the type of the last socket on its way; None if it is not a
+        value."""
         node, end, inner, types = self._walk(socket, stack)
         if node is not None:
             value = self._value(node, end, inner)
@@ -319,19 +320,19 @@ class Reader:
         return self._constants[key]
 
     def parametric(self, value) -> Formula | Vector | None:
-        """A number, three of them, or a place, as parameters."""
+        """A number, a triple or a position, as parameters."""
         if value is None:
             return None
         if isinstance(value, tuple):
             return Vector(*map(self.parametric, value))
         if isinstance(value, float) and value != value:
-            self._warn(f"{self._owner}: a value of a node is not a finite number; 0 is used.")
+            self._warn(f"{self._owner}: a value of a node is not a finite number: 0 is used; set it again.")
             value = 0.0
         self.parameters.append(value)
         return parameter(len(self.parameters) - 1)
 
     def _value(self, node, output, stack: Stack):
-        """What a node gives at an output. All outputs of a node are computed at once, unless it is a closure."""
+        """The value of a node's output. All outputs of a node are computed at once, unless it is a closure."""
         groups = zones.key_of(stack)
         key = (node.as_pointer(), output.identifier, groups)
         if key not in self._values:
@@ -367,7 +368,7 @@ class Reader:
         return Node(entry.kind, inputs, entry.settings(node))
 
     def _varies(self, node, stack: Stack) -> bool:
-        """Whether Principled Hair varies from strand to strand, by their own random numbers."""
+        """Whether Principled Hair varies from strand to strand by its random inputs."""
         sockets = {socket.identifier: socket for socket in node.inputs}
         if self.resolve(sockets["Random"], stack)[0] is not None:
             return False
@@ -385,18 +386,19 @@ class Reader:
         return Node("diffuse", {"color": self.read(socket, BLACK, stack)})
 
     def _passed_on(self, node, output, stack: Stack):
-        """The first input of the same kind, as a muted node gives it."""
+        """The first input of the same kind, which a muted node passes on."""
         socket = next((socket for socket in node.inputs if socket.enabled and socket.type == output.type), None)
         value = None if socket is None else self.value(socket, stack)[0]
         if value is None:
             why = _ONLY_EEVEE if node.bl_idname == "ShaderNodeShaderToRGB" else ""
-            self.report(node, f"not supported{why}, so what it is linked to uses its own value")
+            self.report(node, f"not supported{why}, so the socket it is linked to uses its own value")
             return MISSING
         self.report(node, f"not supported, so its input {socket.name} is passed on, as if it was muted")
         return value
 
     def attribute_value(self, node) -> list[float] | None:
-        """Numbers of what an Attribute node names, of a light or of the view layer; None where there is nothing."""
+        """Components of the property named by an Attribute node, for a light or the view layer; None if there is
+        none."""
         owners = self.light.get("owners", ())
         if node.attribute_type == "VIEW_LAYER":
             owners = self._view_layer, self.scene, self.scene.world
@@ -409,14 +411,14 @@ class Reader:
         return None if found is None else found[0].tolist()
 
     def report(self, node, what: str) -> None:
-        """Warn about a node, by the name that the node editor shows."""
+        """Warn about a node, with the name that the node editor shows."""
         kind = node.bl_rna.name
         name = f"'{node.name}'" if node.name == kind else f"'{node.name}' ({kind})"
         self._warn(f"{self._owner}: node {name}: {what}.")
 
 
 class _Inputs:
-    """A node of values as its definition sees it: ``render.nodes.NodeInputs``."""
+    """A value node as its definition sees it: ``render.nodes.NodeInputs``."""
 
     def __init__(self, reader: Reader, node, stack: Stack, output):
         self._reader, self._node, self._stack = reader, node, stack
@@ -452,13 +454,13 @@ class _Inputs:
         return self.vector(socket) if self.is_given(socket) else NORMAL
 
     def coordinates(self) -> Vector:
-        """What an unlinked Vector input of a texture stands for."""
+        """The value of an unlinked Vector input of a texture."""
         if self._reader.domain == "WORLD":
             return POSITION
         return _IMPLICIT.get(self._node.bl_idname, generated)(self)
 
     def _mapped(self, vector: Vector) -> Vector:
-        """A vector with the texture mapping that some nodes have of their own."""
+        """A vector after the texture mapping that some nodes contain."""
         mapping = getattr(self._node, "texture_mapping", None)
         if mapping is None:
             return vector
@@ -483,8 +485,8 @@ class _Inputs:
         return node is not None or _replaces(end, found) or self._is_folded(end, found)
 
     def _is_folded(self, end, receiver) -> bool:
-        """Whether Blender computes the node itself, as it does with a texture of constants, and takes the value of a group's
-        input that shows none, too."""
+        """Whether Blender computes the node itself, like a texture of constants, and so uses even a hidden value of a
+        group's input."""
         if not INLINED or end in (receiver, NOWHERE) or self._node.bl_idname not in _FOLDED:
             return False
         others = [socket for socket in self._node.inputs if socket.enabled and socket.identifier != receiver.identifier]
@@ -529,7 +531,7 @@ class _Inputs:
 
     def image(self, straight: bool = False, tiled: bool = True) -> Formula:
         node = self._node
-        # What shows the world in all directions repeats.
+        # Textures of the world repeat.
         extension = getattr(node, "extension", "REPEAT")
         return self._reader.parametric(
             self._reader.images.texture(
@@ -547,13 +549,13 @@ class _Inputs:
 
 
 def _replaces(end, receiver) -> bool:
-    """Whether the value of the socket at the end of a walk stands in for the coordinates or the normal that an input has where
-    nothing is linked: it is that of a group's input that shows it."""
+    """Whether the socket value at the end of a walk replaces the default coordinates or normal of an unlinked input: it
+    does if it is the visible value of a group's input."""
     return INLINED and end is not receiver and not end.hide_value
 
 
 def ies_text(node) -> str:
-    """The IES file of a node, from a text of the file or from disk; nothing where there is none."""
+    """The IES file of a node, from a text or from disk; empty if there is none."""
     if node.mode == "INTERNAL":
         text = "" if node.ies is None else node.ies.as_string()
         return text if len(text) <= MOST_IES_BYTES else ""
@@ -570,7 +572,7 @@ _AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
 
 
 def texture_matrix(mapping) -> np.ndarray | None:
-    """(3, 4) matrix of a texture node's own mapping; None where it does nothing."""
+    """(3, 4) matrix of a texture node's own mapping; None if it is the identity."""
     axes = [_AXES[getattr(mapping, f"mapping_{axis}")] for axis in "xyz"]
     location, rotation, size = (tuple(getattr(mapping, name)) for name in ("translation", "rotation", "scale"))
     if axes == [0, 1, 2] and not any(location) and not any(rotation) and size == (1.0, 1.0, 1.0):
@@ -590,7 +592,7 @@ def texture_matrix(mapping) -> np.ndarray | None:
 
 
 def working_space() -> str | None:
-    """Name of the linear colour space that the file works in, which can be chosen since Blender 5.0."""
+    """Name of the linear colour space of the file, which users can choose since Blender 5.0."""
     return getattr(getattr(bpy.data, "colorspace", None), "working_space", None)
 
 
@@ -602,11 +604,11 @@ def constant_of(socket):
     return rgb(value) if hasattr(value, "__len__") else float(value)
 
 
-_LIKE = {"VALUE": 0.0, "VECTOR": BLACK, "RGBA": BLACK}  # type of a socket -> what values of it are like
+_LIKE = {"VALUE": 0.0, "VECTOR": BLACK, "RGBA": BLACK}  # type of a socket -> an example of its values
 
 
 def _converted(value, socket_type: str, like):
-    """A value as Blender converts it between sockets: colours to numbers by luminance, vectors by mean."""
+    """A value converted between sockets as in Blender: colours to numbers by luminance, vectors by mean."""
     if isinstance(value, Vector) and isinstance(like, float):
         if socket_type == "RGBA":
             return value.dot(luminance_weights(working_space()))
@@ -617,7 +619,7 @@ def _converted(value, socket_type: str, like):
 
 
 def numbers_of(reader: Reader, value):
-    """A value of formulas as a float or a 3-tuple; None where it is not the same everywhere."""
+    """A value of formulas as a float or a 3-tuple; None if it varies."""
     if value is None or isinstance(value, Node):
         return None
     if isinstance(value, (float, tuple)) and not isinstance(value, Vector):
@@ -630,7 +632,7 @@ def numbers_of(reader: Reader, value):
 
 
 def emission_of(reader: Reader, name: str) -> tuple[np.ndarray, Material | None]:
-    """What the node tree of a light or a world emits: RGB where that is the same everywhere, else white and its nodes."""
+    """The emission of the node tree of a light or a world: RGB if it is constant, else white and the nodes."""
     output = reader.output()
     surface = None if output is None else reader.read(output.inputs["Surface"], None)
     if surface is None:

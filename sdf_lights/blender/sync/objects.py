@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects and instances: what stands where in the world, and with which materials."""
+"""Objects and instances: their positions in the world, and their materials."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from .particle_hair import ParticleHairs
 from .simplify import Culling
 from .strands import Strands
 
-# Curves, text, surfaces and metaballs are not here: Blender lists their evaluated meshes as instances of their own.
+# Curves, text, surfaces and metaballs are not here: Blender lists their evaluated meshes as separate instances.
 _UNSUPPORTED = {
     "VOLUME": "a volume",
     "GREASEPENCIL": "Grease Pencil",
     "GPENCIL": "Grease Pencil",
 }
 
-# A flattened instance is given this part of its largest scale as thickness, so that its matrix has an inverse.
+# A flattened instance gets this fraction of its largest scale as thickness, so its matrix has an inverse.
 _THICKNESS = 1e-6
 
 
@@ -57,12 +57,12 @@ def sync_objects(
     """Append every mesh, instance, lamp and light of the dependency graph to ``scene``: those of the ``kinds`` that it
     ``shows`` and ``culling`` does not leave out. Lights need no ``materials``.
 
-    An object that cannot be used is left out with a warning that names it; the rest is rendered. Returns what it takes to
-    find all of them again at another time, if it ``notes`` that.
+    An unusable object is left out with a warning that names it; the rest is rendered. With ``notes``, returns the data
+    to find all of them again at another time.
     """
     reader = _Reader(depsgraph, scene, materials, images, warn, notes, culling, kept)
     for item in depsgraph.object_instances:
-        # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
+        # Nothing may refer to `item` after this iteration: Blender reuses it for the next instance.
         if item.object.type in kinds and item.show_self and shows(item):
             reader.read(item)
         if item.object.type == "MESH" and "CURVES" in kinds and item.show_particles and has_hair(item) and shows(item):
@@ -71,20 +71,20 @@ def sync_objects(
 
 
 def has_hair(item: bpy.types.DepsgraphObjectInstance) -> bool:
-    """Whether an instance shows particle hair. Objects that are being edited show none, as in Cycles."""
+    """Whether an instance shows particle hair. Objects in an edit mode show none, as in Cycles."""
     obj = item.object
     return len(obj.particle_systems) > 0 and obj.mode not in ("PARTICLE_EDIT", "EDIT")
 
 
 class Noted(NamedTuple):
-    """Where each instance is in the scene, and how to read meshes again."""
+    """The index of each instance in the scene, and readers of the meshes."""
 
     placed: dict[Key, Placed]
     forms: dict[int, Readable]
 
 
 class _Flags(NamedTuple):
-    """What an object passes on to all its instances."""
+    """The data that an object passes on to all its instances."""
 
     visibility: Ray
     holdout: bool
@@ -92,7 +92,7 @@ class _Flags(NamedTuple):
 
 
 class _Reader:
-    """Reads instances; what many instances have in common is asked of Blender once."""
+    """Reads instances. Data shared by many instances is read from Blender once."""
 
     def __init__(
         self,
@@ -117,11 +117,12 @@ class _Reader:
         self._linking = Linking(depsgraph)
         self._instances = InstanceAttributes()
         self._flags: dict[int, _Flags] = {}
-        # By object and mesh, and whether it is the hair on it: index of the mesh, those of its materials, and the attributes that they look up.
+        # By object and mesh, and whether it is hair: index of the mesh, those of its materials, and the attributes that
+        # they read.
         self._shown: dict[tuple[int, int, bool], tuple[int | None, tuple[int, ...], set[Attribute]]] = {}
 
     def read(self, item: bpy.types.DepsgraphObjectInstance, hair: bool = False) -> None:
-        """Add what an instance shows to the scene; with ``hair`` its particle hair instead."""
+        """Add the mesh of an instance to the scene; with ``hair`` its particle hair instead."""
         obj = item.object
         kind = obj.type
         if kind in _UNSUPPORTED:
@@ -133,8 +134,8 @@ class _Reader:
         matrix = matrix_of(item.matrix_world)
         if not is_finite(matrix):
             self._warn(
-                f"Object '{obj.original.name}' has a transform that is not made of finite numbers: "
-                "it is left out; clear its location, rotation and scale."
+                f"Object '{obj.original.name}' has a transform that is not finite: it is left out; clear its "
+                "location, rotation and scale."
             )
             return
         if kind != "LIGHT" and self._culling is not None and self._culling.leaves_out(obj, matrix):
@@ -198,12 +199,13 @@ class _Reader:
                 **self._linking.of_instance(original, item.parent.original if item.is_instance else original),
                 asset=_topmost(original).name,
                 catcher=flags.catcher,
+                terminator=original.shadow_terminator_geometry_offset,
                 light_group=original.lightgroup,
             )
         )
 
     def _attributes(self, item: bpy.types.DepsgraphObjectInstance, wanted: set[Attribute]) -> dict:
-        """What materials look up that is the same all over an instance."""
+        """Values that materials read and that are the same all over an instance."""
         found = {}
         for attribute in wanted:
             if attribute.kind in ("instancer_generated", "instancer_uv"):
@@ -236,7 +238,7 @@ class _Reader:
             self._scene.portals.append(light)
             return
         if isinstance(light, Lamp) and (flags.holdout or obj.original.indirect_only_get(view_layer=self._view_layer)):
-            light.visibility &= ~Ray.CAMERA  # also where the lamp itself is visible to the camera
+            light.visibility &= ~Ray.CAMERA  # also if the lamp itself is visible to the camera
         control(light, obj, self._linking.of_emitter(obj.original))
         if isinstance(light, Lamp):
             if self._depsgraph.scene.sdf_lights.is_beside:
@@ -264,9 +266,9 @@ def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:
-    """Material of each slot: that of the object where its slot says so, else that of its evaluated mesh.
+    """Material of each slot: that of the object if its slot says so, else that of its evaluated mesh.
 
-    Modifiers may add slots to the mesh that the object does not have. Without any slot there is one default material.
+    Modifiers may add slots to the mesh that the object does not have. A mesh without slots has one default material.
     """
     data, slots = obj.data.materials, obj.material_slots
     found = []
@@ -279,14 +281,14 @@ def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:
 
 
 def invertible(matrix: np.ndarray) -> np.ndarray | None:
-    """``matrix``, with a trace of thickness where it flattens (a plane scaled to zero along its normal is still to be
-    seen); None where it leaves no area at all."""
+    """``matrix``, with a small thickness if it flattens (a plane scaled to zero along its normal stays visible); None
+    if no area is left."""
     linear = matrix[:3, :3]
-    # In Python: there may be many thousands of objects, and NumPy takes ten times as long for nine numbers.
+    # In plain Python: there may be many thousands of objects, and NumPy takes ten times as long for nine numbers.
     a, b, c, d, e, f, g, h, i = entries = linear.ravel().tolist()
     determinant = a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
     greatest = max(max(entries), -min(entries))
-    if abs(determinant) > 1e-6 * greatest**3:  # the least scale is then above this part too
+    if abs(determinant) > 1e-6 * greatest**3:  # then the least scale is above this fraction too
         return matrix
     rotation, scales, axes = np.linalg.svd(linear)
     if scales[1] <= FLAT * scales[0] or scales[0] == 0.0:

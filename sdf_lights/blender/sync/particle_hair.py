@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hair of particle systems as curves, as Cycles takes it: parents, or the children in their place."""
+"""Hair of particle systems as curves, as in Cycles: parents, or the children instead of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .strands import Strands, strands
 
 
 def hair_systems(obj: bpy.types.Object, viewport: bool = False) -> Iterator[bpy.types.ParticleSystemModifier]:
-    """The modifiers of an evaluated object whose particles are hair that is rendered as paths."""
+    """The modifiers of an evaluated object whose particles are hair rendered as paths."""
     for modifier in obj.modifiers:
         if modifier.type != "PARTICLE_SYSTEM" or not (modifier.show_viewport if viewport else modifier.show_render):
             continue
@@ -30,14 +30,15 @@ def hair_systems(obj: bpy.types.Object, viewport: bool = False) -> Iterator[bpy.
 
 
 class ParticleHairs:
-    """Puts the hair of each object into the scene once; ``curves`` knows their shape, and ``forms`` get how to read it again."""
+    """Adds the hair of each object to the scene once. ``curves`` knows their shape. ``forms`` gets the readers of the
+    hair."""
 
     def __init__(self, scene: Scene, depsgraph: bpy.types.Depsgraph, curves: Strands, forms: dict[int, Readable]):
         self._scene, self._curves, self._forms = scene, curves, forms
         self._viewport = depsgraph.mode == "VIEWPORT"
 
     def index(self, obj: bpy.types.Object, slots: int, attributes: Iterable[Attribute]) -> int | None:
-        """Index of the hair of an evaluated object in the scene, with these attributes; None where there is none."""
+        """Index of the hair of an evaluated object in the scene, with these attributes; None if there is none."""
         hair = ParticleHair(obj, self._viewport)
         mesh = hair.mesh(slots)
         if mesh is None:
@@ -53,7 +54,7 @@ class ParticleHairs:
 
 
 class HairForms(NamedTuple):
-    """How to read hair of so many points again."""
+    """Reads hair of so many points again."""
 
     count: int
 
@@ -64,7 +65,7 @@ class HairForms(NamedTuple):
 
 
 class ParticleHair:
-    """The hair of an evaluated object, from all of its systems; curves are in the object's space."""
+    """The hair of an evaluated object, from all of its systems; curves are in object space."""
 
     def __init__(self, obj: bpy.types.Object, viewport: bool = False):
         self._obj, self._systems = obj, list(hair_systems(obj, viewport))
@@ -72,13 +73,13 @@ class ParticleHair:
         self._steps = [_steps(modifier.particle_system.settings, viewport) for modifier in self._systems]
 
     def points(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (V, 3), and where each curve begins and the last one ends (curves + 1,)."""
+        """Positions (V, 3), and the start of each curve and the end of the last one (curves + 1,)."""
         places = []
         for modifier, numbers, steps in zip(self._systems, self._numbers, self._steps):
             co, obj = modifier.particle_system.co_hair, self._obj
             found = np.array([co(obj, particle_no=i, step=k) for i in numbers for k in range(steps)], np.float64)
             found = found.reshape(len(numbers), steps, 3)
-            for step in range(1, steps):  # paths that were cut off have no more
+            for step in range(1, steps):  # truncated paths have no more
                 missing = (found[:, step] == 0.0).all(-1)
                 found[missing, step] = found[missing, step - 1]
             places.append(found.reshape(-1, 3))
@@ -89,7 +90,7 @@ class ParticleHair:
         return (world @ back[:3, :3].T + back[:3, 3]).astype(np.float32), first
 
     def mesh(self, slots: int) -> Mesh | None:
-        """All curves; faces of an object with so many ``slots``. None where there is no hair."""
+        """All curves; the faces of the object have so many ``slots``. None if there is no hair."""
         positions, first = self.points()
         if not len(positions):
             return None
@@ -103,7 +104,7 @@ class ParticleHair:
         return mesh
 
     def radii(self, mesh: Mesh) -> np.ndarray:
-        """(V,) radius of each point, which goes from the root to the tip."""
+        """(V,) radius of each point, interpolated from the root to the tip."""
         along = mesh.attributes[Attribute("strand", "intercept")].values[:, 0]
         parts, start = [], 0
         for modifier, numbers, steps in zip(self._systems, self._numbers, self._steps):
@@ -119,7 +120,7 @@ class ParticleHair:
         return np.concatenate(parts).astype(np.float32)
 
     def attribute(self, mesh: Mesh, attribute: Attribute) -> AttributeValues | None:
-        """What the emitter has where each curve begins: UV maps, colours of corners, generated coordinates."""
+        """The emitter's values at the root of each curve: UV maps, colours of corners, generated coordinates."""
         data = self._obj.data
         if attribute.kind == "uv":
             names = [layer.name for layer in data.uv_layers]
@@ -157,7 +158,7 @@ class ParticleHair:
 
 
 def _numbers(system: bpy.types.ParticleSystem, viewport: bool) -> Iterable[int]:
-    """Numbers of the paths: parents come first, and are not there where there are children."""
+    """Numbers of the paths: parents come first; with children they are left out."""
     parents, children = len(system.particles), len(system.child_particles)
     if viewport:
         children = int(children * system.settings.display_percentage / 100.0)

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pixels of image files as renderers want them: read by OpenImageIO in bands, each brought to its form at once, so an
-image never takes more memory than it does at last. Nothing here asks Blender, so threads can read side by side.
+"""Pixels of image files in the form that renderers use. OpenImageIO reads them in bands, and each band is converted at
+once. So an image never takes more memory than its final form. Nothing here calls Blender, so threads can read in
+parallel.
 """
 
 from __future__ import annotations
@@ -15,20 +16,20 @@ import numpy as np
 from ...render.errors import reason_of
 from ...render.images import LARGEST
 
-Conversion = Callable[[np.ndarray], np.ndarray]  # of colours (n, 3) float32
+Conversion = Callable[[np.ndarray], np.ndarray]  # converts colours (n, 3) float32
 
-BAND = 1 << 20  # bytes that are read at a time
-CONVERTED_BAND = 1 << 21  # pixels, where colours are converted: setting that up takes as long as a million of them
+BAND = 1 << 20  # bytes read at a time
+CONVERTED_BAND = 1 << 21  # pixels, if colours are converted: the set-up takes as long as a million pixels
 
 _LARGEST_HALF = 65504.0
 
 
 @dataclass(frozen=True)
 class Form:
-    """What becomes of the pixels of a file.
+    """The conversion of a file's pixels.
 
-    ``drops_alpha``; ``multiplies``: how often colours are multiplied by it. ``conversion``: to scene-linear, of colours
-    that are not multiplied by alpha; ``associated``: they come multiplied by it once.
+    ``drops_alpha``: leave alpha out. ``multiplies``: how often colours are multiplied by alpha. ``conversion``: to
+    scene-linear, for colours that are not multiplied by alpha; ``associated``: they are already multiplied by it once.
     """
 
     drops_alpha: bool = False
@@ -37,11 +38,11 @@ class Form:
     conversion: Conversion | None = None
 
     def dtype(self, source: np.dtype) -> np.dtype:
-        """Type of the pixels: converted whole numbers are halves, which hold what is brighter than 1, too."""
+        """Type of the pixels. Converted integers become halves, which also hold values above 1."""
         return np.dtype("f2") if self.conversion is not None and source.kind == "u" else source
 
     def channels(self, source: int) -> int:
-        """Channels that are kept of a file with ``source`` channels: 1, 3 or 4."""
+        """Number of channels kept of a file with ``source`` channels: 1, 3 or 4."""
         if source == 1:
             return 1
         return 3 if source == 3 or self.drops_alpha else 4
@@ -83,7 +84,7 @@ class Form:
 
 
 def _multiplied(band: np.ndarray) -> np.ndarray:
-    """Colours times alpha. Whole numbers are rounded down, as in Cycles."""
+    """Colours times alpha. Integers are rounded down, as in Cycles."""
     alpha = band[..., 3:]
     largest = LARGEST[band.dtype]
     if (alpha == largest).all():
@@ -97,7 +98,7 @@ def _multiplied(band: np.ndarray) -> np.ndarray:
 
 
 class File:
-    """An image file that OpenImageIO understands. Raises OSError, with its reason, for any other."""
+    """An image file that OpenImageIO can read. Raises OSError, with its reason, for any other."""
 
     def __init__(self, path: str):
         import OpenImageIO
@@ -112,7 +113,7 @@ class File:
         self.alpha_is_straight = _alpha_is_straight(spec, self._input.format_name())
 
     def _opened(self):
-        # Without this OpenImageIO would multiply by alpha itself, before anything is known of colours.
+        # Otherwise OpenImageIO would multiply by alpha itself, before colours are converted.
         wish = self._library.ImageSpec()
         wish.attribute("oiio:UnassociatedAlpha", 1)
         opened = self._library.ImageInput.open(self.path, wish)
@@ -122,11 +123,11 @@ class File:
 
     @property
     def channels(self) -> int:
-        """Channels of the file that are read, 4 at most."""
+        """Number of channels read from the file, at most 4."""
         return min(self.stored_channels, 4)
 
     def read(self, form: Form) -> np.ndarray:
-        """(height, width, channels) of an ``Image``, row 0 at the bottom. Raises OSError where the file is damaged."""
+        """(height, width, channels) of an ``Image``, row 0 at the bottom. Raises OSError if the file is damaged."""
         result = np.empty((self.height, self.width, form.channels(self.channels)), form.dtype(self.dtype))
         pixels = BAND // (self.channels * self.dtype.itemsize) if form.conversion is None else CONVERTED_BAND
         for first, band in self._bands(max(pixels // self.width, 1)):
@@ -163,7 +164,7 @@ class File:
 
 
 def _dtype(spec) -> np.dtype:
-    """Type in which an image is kept, by the rule of Cycles."""
+    """Type in which an image is stored, by the rule of Cycles."""
     base = str(spec.format)
     if base == "half":
         return np.dtype("f2")
@@ -178,12 +179,12 @@ def _alpha_is_straight(spec, format_name: str) -> bool:
         return True
     if spec.alpha_channel < 0:
         return False
-    # Formats for which OpenImageIO does not say so.
+    # Formats for which OpenImageIO does not report it.
     if format_name == "targa":
         return spec.get_int_attribute("targa:alpha_type", -1) != 4
     return format_name in ("dds", "psd")
 
 
 def exists(path: str) -> bool:
-    """Whether the path is that of a file."""
+    """Whether the path is a regular file."""
     return bool(path) and os.path.isfile(path)

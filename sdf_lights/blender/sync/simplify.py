@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Simplify, as far as Blender's dependency graph has not done it yet: what Cycles culls, and how large its textures are."""
+"""The parts of Simplify that Blender's dependency graph does not do: Cycles' culling, and the size of textures."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ...render.scene import Camera, Projection
 
 
 def _settings(depsgraph: bpy.types.Depsgraph):
-    """Settings of Cycles; None where nothing is simplified. They do not tag evaluated copies, so they are the original's."""
+    """Settings of Cycles; None if Simplify is off. They do not tag evaluated copies, so the original's are read."""
     scene = depsgraph.scene
     return getattr(scene, "cycles", None) if scene.render.use_simplify else None
 
 
 def texture_limit(depsgraph: bpy.types.Depsgraph) -> int:
-    """The greatest width or height of a texture; 0 where there is no limit."""
+    """The greatest width or height of a texture; 0 if there is no limit."""
     settings = _settings(depsgraph)
     name = "texture_limit" if depsgraph.mode == "VIEWPORT" else "texture_limit_render"
     limit = getattr(settings, name, "OFF")
@@ -25,7 +25,7 @@ def texture_limit(depsgraph: bpy.types.Depsgraph) -> int:
 
 
 def texture_share(depsgraph: bpy.types.Depsgraph) -> float | None:
-    """The part of their size that all textures keep, in versions that ask for it; None in those before, which halve them."""
+    """The factor on the size of all textures, in versions that have it; None in older versions, which halve them."""
     settings = _settings(depsgraph)
     name = "texture_resolution" if depsgraph.mode == "VIEWPORT" else "texture_resolution_render"
     share = getattr(settings, name, None)
@@ -33,7 +33,7 @@ def texture_share(depsgraph: bpy.types.Depsgraph) -> float | None:
 
 
 class Culling:
-    """Objects that are left out, where they ask for it: outside of what the ``camera`` sees, or far from it."""
+    """Objects that are left out, if they ask for it: outside the view of the ``camera``, or far from it."""
 
     def __init__(self, depsgraph: bpy.types.Depsgraph, camera: Camera | None):
         settings = _settings(depsgraph)
@@ -47,7 +47,7 @@ class Culling:
         self._camera = camera
 
     def leaves_out(self, obj: bpy.types.Object, matrix: np.ndarray) -> bool:
-        """Whether an object with this matrix is not to be rendered."""
+        """Whether an object with this matrix is left out."""
         if not (self._by_camera or self._by_distance):
             return False
         asks = getattr(obj.original, "cycles", None)
@@ -56,7 +56,7 @@ class Culling:
         if not (by_camera or by_distance):
             return False
         corners = np.array(obj.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
-        # With both, an object has to be outside and far.
+        # With both tests on, an object must be outside and far.
         return (not by_camera or self._is_outside(corners)) and (not by_distance or self._is_far(corners))
 
     def _is_outside(self, corners: np.ndarray) -> bool:
@@ -74,7 +74,7 @@ class Culling:
         if (depth < -margin).all():
             return True
         place = np.stack([(x - left) / (right - left), (y - bottom) / (top - bottom)])
-        place = np.where(depth < 0.0, 1.0 - place, place)  # what is behind is mirrored
+        place = np.where(depth < 0.0, 1.0 - place, place)  # points behind the camera are mirrored
         return bool((place.min(1) >= 1.0 + margin).any() or (place.max(1) <= -margin).any())
 
     def _is_far(self, corners: np.ndarray) -> bool:

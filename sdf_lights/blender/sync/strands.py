@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hair curves and point clouds as arrays, with what Cycles makes of them."""
+"""Hair curves and point clouds as arrays, in Cycles' form."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ...render.strands import strand_of
 from .attributes import TYPES, hashed, read
 from .mesh import Form, Readable
 
-_RADIUS = {"CURVES": 0.005, "POINTCLOUD": 0.01}  # where there is no attribute of that name, as in Cycles
+_RADIUS = {"CURVES": 0.005, "POINTCLOUD": 0.01}  # if there is no attribute of that name, as in Cycles
 _SHAPES = {"RIBBONS": Primitive.RIBBONS, "THICK": Primitive.STRANDS, "THICK_LINEAR": Primitive.CONES}
 _POLY = 1  # type of a curve
 NORMAL = Attribute("strand", "normal")  # the major axis of elliptical hair
@@ -24,10 +24,10 @@ _DOMAINS = {"POINT": Domain.VERTEX, "CURVE": Domain.TRIANGLE}
 
 
 class Strands:
-    """Puts all hair curves and point clouds into the scene once, however many instances show them."""
+    """Adds all hair curves and point clouds to the scene once, however many instances use them."""
 
     def __init__(self, scene: Scene, depsgraph: bpy.types.Depsgraph, forms: dict[int, Readable]):
-        """``forms`` get how to read each of them again."""
+        """``forms`` gets the readers of each of them."""
         self._scene, self._forms = scene, forms
         curves = getattr(depsgraph.scene, "cycles_curves", None)  # Cycles' settings do not tag evaluated copies
         self.shape = _SHAPES.get(getattr(curves, "shape", "RIBBONS"), Primitive.RIBBONS)
@@ -35,7 +35,7 @@ class Strands:
         self._known: dict[int, tuple[int, np.ndarray] | None] = {}
 
     def index(self, data: bpy.types.Curves | bpy.types.PointCloud, attributes: Iterable[Attribute]) -> int | None:
-        """Index of the data in the scene, with at least these attributes; None where there is nothing to see."""
+        """Index of the data in the scene, with at least these attributes; None if nothing is visible."""
         key = data.as_pointer()
         if key not in self._known:
             self._known[key] = self._add(data)
@@ -75,14 +75,14 @@ class Strands:
 
     def _shape_of(self, data: bpy.types.Curves) -> Primitive:
         types = data.attributes.get("curve_type")
-        # Cycles looks at the first curve alone, from the version on that draws straight lines.
+        # Cycles looks only at the first curve, in versions that draw straight lines.
         if types is not None and len(types.data) and types.data[0].value == _POLY and bpy.app.version >= (5, 0, 0):
             return Primitive.CONES
         return self.shape
 
 
 class PointForms(NamedTuple):
-    """How to read points again, those ``kept`` of so many."""
+    """Reads points again: those ``kept`` of so many."""
 
     count: int
     kept: np.ndarray
@@ -108,13 +108,15 @@ def points_of(data: bpy.types.Curves | bpy.types.PointCloud) -> tuple[np.ndarray
 
 
 def keys_of(first: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Indices of the points of the curves ``kept``, where curve i has those from ``first[i]`` to before ``first[i + 1]``."""
+    """Indices of the points of the curves ``kept``. Curve i has the points from ``first[i]`` to before ``first[i +
+    1]``."""
     counts = (first[1:] - first[:-1])[kept]
     return np.repeat(first[kept] - (np.cumsum(counts) - counts), counts) + np.arange(counts.sum())
 
 
 def strands(name: str, positions: np.ndarray, radii: np.ndarray, first: np.ndarray, kept: np.ndarray) -> Mesh:
-    """The curves ``kept`` of all those, with where and how long they are (see ``keys_of``), each of two points or more."""
+    """The curves ``kept`` of all curves, with their starts and lengths (see ``keys_of``), each of two points or
+    more."""
     counts = (first[1:] - first[:-1])[kept]
     keys = keys_of(first, kept)
     ends = np.cumsum(counts)
@@ -141,12 +143,12 @@ def strands(name: str, positions: np.ndarray, radii: np.ndarray, first: np.ndarr
 
 
 def random_numbers(indices: np.ndarray) -> np.ndarray:
-    """(N,) float32 from 0 to 1, of curves and points by their index."""
+    """(N,) random float32 from 0 to 1, of curves and points by their index."""
     return np.array(hashed(indices.astype(np.int64), 0) / 0xFFFFFFFF, np.float32)
 
 
 def _attribute(data, mesh: Mesh, kept: np.ndarray, attribute: Attribute) -> AttributeValues | None:
-    """Of a curve or a point cloud of which the curves or points ``kept`` are in ``mesh``."""
+    """Attribute of a curve object or a point cloud; the curves or points ``kept`` are in ``mesh``."""
     points = mesh.primitive == Primitive.SPHERES
     if attribute.kind == "point":
         return AttributeValues(Domain.TRIANGLE, random_numbers(kept)[:, None]) if points else None

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene asks for and no other part of sync looks at: a sentence for each thing that Cycles would heed.
+"""Features of a scene that no other part of sync reads: a sentence for each that Cycles would render.
 
-A check is a function in ``CHECKS``. Where something becomes modelled, its check goes.
+A check is a function in ``CHECKS``. When a feature becomes supported, remove its check.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from .common import Warnings
 
 
 class Asked(NamedTuple):
-    """What is looked at: evaluated objects, but the scene and layer themselves. Settings of Cycles do not tag them for an
-    update, so evaluated copies may be old."""
+    """The data that checks read: evaluated objects, but the original scene and layer. Cycles' settings do not tag them
+    for an update, so evaluated copies may be old."""
 
     scene: bpy.types.Scene
     view_layer: bpy.types.ViewLayer
     world: bpy.types.World | None
-    objects: list[bpy.types.Object]  # each once, however many instances show it
+    objects: list[bpy.types.Object]  # each once, however many instances use it
 
 
 def report_unmodelled(depsgraph: bpy.types.Depsgraph, world: bpy.types.World | None, warn: Warnings) -> None:
@@ -36,7 +36,7 @@ def report_unmodelled(depsgraph: bpy.types.Depsgraph, world: bpy.types.World | N
 
 
 def _cycles(block, name: str, otherwise=None):
-    """A setting of Cycles; ``otherwise`` where this Cycles has none, or its add-on is off."""
+    """A setting of Cycles; ``otherwise`` if this Cycles has none, or its add-on is off."""
     return getattr(getattr(block, "cycles", None), name, otherwise)
 
 
@@ -52,7 +52,7 @@ def settings_of_cycles(asked: Asked) -> Iterator[str]:
     scene, render = asked.scene, asked.scene.render
     owner = f"Scene '{scene.name}'"
     if _cycles(scene, "use_fast_gi", False):
-        yield f"{owner}: Fast GI is not supported: light is traced as without it; switch it off in Cycles to compare."
+        yield f"{owner}: Fast GI is not supported: light is traced in full; switch it off in Cycles to compare."
     if render.film_transparent and _cycles(scene, "film_transparent_glass", False):
         yield (
             f"{owner}: transparent glass on a transparent film is not supported: glass is opaque there; "
@@ -62,7 +62,7 @@ def settings_of_cycles(asked: Asked) -> Iterator[str]:
 
 # -- the view layer ----------------------------------------------------------------------------------------------------
 
-# Switches of Cycles' own that ask for a pass which has another switch here.
+# Cycles' switches for passes that have another switch here.
 _ELSEWHERE = {"pass_debug_sample_count": "use_pass_sample_count", "denoising_store_passes": "use_pass_denoising_data"}
 _OTHERS = {"use_pass_cryptomatte_accurate", "use_pass_grease_pencil"} | {
     f"use_pass_cryptomatte_{kind}" for kind in MATTES
@@ -70,7 +70,7 @@ _OTHERS = {"use_pass_cryptomatte_accurate", "use_pass_grease_pencil"} | {
 
 
 def passes(asked: Asked) -> Iterator[str]:
-    """Passes of the view layer that no row of ``PASSES`` is."""
+    """Passes of the view layer that are not in ``PASSES``."""
     layer = asked.view_layer
     known = {item.switch for item in PASSES if item.owner is not Owner.OWN} | {"use_pass_combined"} | _OTHERS
     lacking, elsewhere = [], []
@@ -91,7 +91,7 @@ def passes(asked: Asked) -> Iterator[str]:
         )
     if elsewhere:
         yield (
-            f"View layer '{layer.name}': these passes have a switch of their own in this engine, which is off: "
+            f"View layer '{layer.name}': these passes have a separate switch in this engine, which is off: "
             f"{_names(elsewhere)}; find it in View Layer Properties > Passes."
         )
 
@@ -100,7 +100,7 @@ def passes(asked: Asked) -> Iterator[str]:
 
 
 def light_linking(asked: Asked) -> Iterator[str]:
-    """More collections of shadow linking than there are bits."""
+    """More collections of shadow linking than bits."""
     known = {
         collection
         for obj in asked.objects
@@ -108,8 +108,9 @@ def light_linking(asked: Asked) -> Iterator[str]:
     }
     if len(known) > len(SHADOW_BITS):
         yield (
-            f"Scene '{asked.scene.name}': there are {len(known)} collections for shadow linking, and no more than "
-            f"{len(SHADOW_BITS)} can be told apart: all objects cast the shadows of lights with others; share collections."
+            f"Scene '{asked.scene.name}': it has {len(known)} collections for shadow linking, but at most "
+            f"{len(SHADOW_BITS)} are supported: lights with other collections get the shadows of all objects; share "
+            "collections."
         )
 
 
@@ -131,7 +132,7 @@ def shadow_terminators(asked: Asked) -> Iterator[str]:
         if obj.type == "MESH" and obj.shadow_terminator_shading_offset > 0.0:
             yield (
                 f"Object '{obj.name}': the shading offset of its shadow terminator is not supported; divide its faces "
-                "where they show in the shadow."
+                "where the shadow shows them."
             )
 
 
@@ -147,8 +148,8 @@ def shadow_caustics(asked: Asked) -> Iterator[str]:
         lights.append(asked.world.name)
     if lights and any(_cycles(obj, "is_caustics_caster", False) for obj in asked.objects):
         yield (
-            f"Scene '{asked.scene.name}': shadow caustics have no method of their own here: the caustics of "
-            f"{_names(lights)} are found by chance; give small lights a radius, and take more samples."
+            f"Scene '{asked.scene.name}': shadow caustics have no special method here: the caustics of "
+            f"{_names(lights)} are noisier; give small lights a radius, and take more samples."
         )
 
 
@@ -166,8 +167,9 @@ def world_aovs(asked: Asked) -> Iterator[str]:
     given = {node.aov_name for node in nodes if node.bl_idname == "ShaderNodeOutputAOV" and not node.mute}
     if given & names:
         yield (
-            f"World '{asked.world.name}': AOV Output nodes of worlds are not supported, so {_names(sorted(given & names))} "
-            "is 0 where the world is seen; give what you need to a large sphere's material."
+            f"World '{asked.world.name}': AOV Output nodes of worlds are not supported, so "
+            f"{_names(sorted(given & names))} is 0 where the world is seen; use the material of a large sphere "
+            "instead."
         )
 
 

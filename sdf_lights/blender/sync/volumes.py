@@ -24,19 +24,20 @@ STEFAN_BOLTZMANN = 5.670373e-8 * 1e-6 / math.pi  # radiance, in the units of Cyc
 
 
 def medium_of(reader: Reader, output: bpy.types.Node, owner: str, warn: Warnings) -> Medium | None:
-    """What the Volume socket of an output node makes of space; None where that is nothing."""
+    """The medium of an output node's Volume socket; None if it is empty."""
     found = _Volume(reader, owner, warn).read(output.inputs["Volume"], (), 1.0)
     endless = any(glow > 0.0 and not fading > 0.0 for glow, fading in zip(found.emission, found.extinction))
     if reader.domain == "WORLD" and endless:
         warn(
-            f"{owner}: its volume glows without end where nothing absorbs, so that light is left out: give it some density."
+            f"{owner}: its volume glows without absorption, so its light would be infinite and is left out: give it "
+            "some density."
         )
         found = replace(found, emission=BLACK)
     return None if found.does_nothing else found
 
 
 def report_groups(scene: Scene, warn: Warnings) -> None:
-    """Say which objects glow inside without being in their light group."""
+    """Warn about objects whose volume emission is missing from their light group."""
     groups = {item.name for item in scene.passes}
     for instance in scene.instances:
         media = (scene.materials[index].medium for index in instance.materials)
@@ -44,8 +45,8 @@ def report_groups(scene: Scene, warn: Warnings) -> None:
             continue
         if any(medium is not None and any(medium.emission) for medium in media):
             warn(
-                f"Object '{instance.name}': the emission of its volume is not counted to the light group "
-                f"'{instance.light_group}', which is not supported; let its surface glow, or take that light from Emission."
+                f"Object '{instance.name}': the emission of its volume is not counted in the light group "
+                f"'{instance.light_group}'; let its surface glow, or take that light from Emission."
             )
 
 
@@ -60,7 +61,7 @@ class _Volume:
         node, end, stack = self.reader.resolve(socket, outer)
         if node is None or not weight > 0.0:
             return Medium()
-        if end.type != "SHADER":  # what a shader is expected to be glows, as on surfaces
+        if end.type != "SHADER":  # a value at a shader input is emitted, as on surfaces
             like = 0.0 if end.type == "VALUE" else BLACK
             value = self._number(self.reader.value(socket, outer)[0], like, node, end.name)
             color = (value,) * 3 if isinstance(value, float) else value
@@ -72,13 +73,13 @@ class _Volume:
         return reading(_Sockets(self, node, stack), weight)
 
     def value(self, node, identifier: str, like, stack: Stack):
-        """A constant input, or the mean of one that varies from place to place."""
+        """A constant input, or the mean of a varying one."""
         return self._number(
             self.reader.read(by_identifier(node.inputs, identifier), like, stack), like, node, identifier
         )
 
     def _number(self, value, like, node, name: str):
-        """A value that a node has by this name, as a float or three."""
+        """The node's value of this name, as a float or three."""
         number = like if value is None else numbers_of(self.reader, value)
         if number is None:
             formulas = value if isinstance(value, Vector) else (value,)
@@ -86,11 +87,11 @@ class _Volume:
             number = tuple(means) if len(means) == 3 else means[0]
             if varies(formulas):
                 self._warn(
-                    f"{self._owner}: node '{node.name}': {name} varies from place to place, which is not supported "
-                    f"in volumes: its mean, {_text(number)}, is used everywhere."
+                    f"{self._owner}: node '{node.name}': {name} varies in space, which is not supported in volumes: "
+                    f"its mean, {_text(number)}, is used everywhere."
                 )
         if not np.all(np.isfinite(number)):
-            self.reader.report(node, f"{name} is not a finite number and is taken as 0")
+            self.reader.report(node, f"{name} is not a finite number and is read as 0")
             return like
         return number
 
@@ -116,7 +117,7 @@ class _Sockets:
         return max(self.number(identifier), 0.0)
 
     def color(self, identifier: str) -> RGB:
-        """Without negative parts."""
+        """With negative parts set to zero."""
         return _positive(self._volume.value(self.node, identifier, BLACK, self._stack))
 
     def shader(self, identifier: str, weight: float) -> Medium:
@@ -135,7 +136,7 @@ def _total(a: RGB, b: RGB) -> RGB:
 
 
 def _scattering(inputs: _Sockets, coefficient: RGB) -> tuple[Scattering, ...]:
-    """Scattering by the phase function of a node."""
+    """Scattering with the phase function of a node."""
     if not any(coefficient):
         return ()
     phase = getattr(inputs.node, "phase", "HENYEY_GREENSTEIN")

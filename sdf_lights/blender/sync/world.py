@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world: a colour, an equirectangular picture that may be turned, or what its nodes make of a direction."""
+"""The world: a colour, an equirectangular picture that may be rotated, or a node graph of the direction."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def world_of(world: bpy.types.World | None, depsgraph: bpy.types.Depsgraph, imag
     if world is None:
         return World()
     visibility = Ray.ALL
-    for name, ray in _RAYS.items():  # present only while the Cycles add-on is enabled
+    for name, ray in _RAYS.items():  # exists only while the Cycles add-on is enabled
         if not getattr(getattr(world, "cycles_visibility", None), name, True):
             visibility &= ~ray
     bounces = getattr(getattr(world, "cycles", None), "max_bounces", MANY_BOUNCES)
@@ -72,7 +72,8 @@ def _background(reader: Reader, output, owner: str, images: Images, visibility: 
 
 
 def _picture(reader: Reader, output, images: Images, visibility: Ray) -> World | None:
-    """A world that is an equirectangular picture, perhaps turned: sampled by its own pixels. None: it is more."""
+    """A world that is an equirectangular picture, perhaps rotated: sampled by its own pixels. None if it is more than
+    that."""
     node, _, stack = reader.resolve(output.inputs["Surface"])
     if node.bl_idname not in {"ShaderNodeBackground", "ShaderNodeEmission"}:
         return None
@@ -96,7 +97,7 @@ def _picture(reader: Reader, output, images: Images, visibility: Ray) -> World |
 
 
 def _rotation(reader: Reader, socket, stack) -> np.ndarray | None:
-    """Rotation from world directions to the picture's, (3, 3), that the nodes at a Vector socket make; None: they do
+    """Rotation from world directions to the picture's, (3, 3), made by the nodes at a Vector socket; None if they do
     something else."""
     node, output, inner = reader.resolve(socket, stack)
     if node is None:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that only pass values on: groups, and the repeat zones, closures, bundles and switches of Blender 5.
 
-A *stack* says where a walk along links is: in which groups, in which round of which zone, called from where. ``PASSES``
-says, of each such node, at which socket the walk goes on.
+A *stack* is the position of a walk along links: the groups, the iterations of zones, and the callers. ``PASSES`` gives,
+for each such node, the socket at which the walk continues.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ import bpy
 
 from .links import NOWHERE
 
-DEEPEST = 64  # groups, rounds and closures inside one another
+DEEPEST = 64  # nested groups, iterations and closures
 MOST_ROUNDS = 256
 
 
 class Frame(NamedTuple):
-    """A group node, a round of a repeat zone (its output node), or the node that evaluates a closure, whose inputs are
-    those of ``caller``."""
+    """A group node, an iteration of a repeat zone (its output node), or the node that evaluates a closure, whose inputs
+    are those of ``caller``."""
 
     node: bpy.types.Node
     round: int = 0
@@ -31,12 +31,12 @@ Stack = tuple[Frame, ...]  # outermost first
 
 
 def key_of(stack: Stack) -> tuple:
-    """What tells stacks apart."""
+    """Identifies a stack."""
     return tuple((frame.node.as_pointer(), frame.round, key_of(frame.caller)) for frame in stack)
 
 
 def by_identifier(sockets, identifier: str):
-    """The socket with this identifier; None where there is none."""
+    """The socket with this identifier; None if there is none."""
     return next((socket for socket in sockets if socket.identifier == identifier), None)
 
 
@@ -122,7 +122,7 @@ def _in_bundle(reader, socket, name: str, stack: Stack):
         found = _by_name(source.inputs, name)
         return None if found is None else (found, inner)
     if source.bl_idname == "NodeJoinBundle":
-        # Every link into the one socket is a bundle; the first that has the item counts.
+        # Every link into the socket is a bundle; the first that has the item counts.
         for link in source.id_data.links:
             if link.to_node == source and link.from_node.bl_idname == "NodeCombineBundle":
                 found = _by_name(link.from_node.inputs, name)
@@ -158,12 +158,12 @@ PASSES = {
     "GeometryNodeMenuSwitch": _menu_switch,
     CONVERSION: _conversion,
 }
-"""bl_idname → the socket where a walk that comes to an output of the node goes on, and the stack there; None: the node
-itself is the end."""
+"""bl_idname → the socket where a walk continues from an output of the node, and the stack there; None: the walk ends at
+the node."""
 
 
 def constant_of(node, output, stack: Stack):
-    """The number or the three numbers that a node gives whatever its inputs are; None of all others."""
+    """The number or the triple that a node gives for all inputs; None for other nodes."""
     kind = node.bl_idname
     if kind == "GeometryNodeRepeatInput" and output.identifier == "Iteration" and stack:
         return float(stack[-1].round)

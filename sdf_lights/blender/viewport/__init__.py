@@ -20,14 +20,14 @@ _handles: list = []
 
 
 def proxy_error(light: bpy.types.Light) -> str:
-    """Why the lamp is not shown in the viewport, or only its box: a sentence, or an empty string."""
+    """Why the lamp is not shown in the viewport, or only as a box: a sentence, or an empty string."""
     if _failures:
         return next(iter(_failures.values()))
     return drawn.overlay.errors.get(light.name_full, "") if drawn.overlay is not None else ""
 
 
 def _guarded(draw):
-    """A draw handler that says once what went wrong, and leaves the viewport as it is."""
+    """A draw handler that reports an error once, and leaves the viewport unchanged."""
 
     def handler():
         try:
@@ -36,7 +36,10 @@ def _guarded(draw):
         except Exception as error:
             if draw.__name__ not in _failures:
                 traceback.print_exc()
-            _failures[draw.__name__] = f"Lamps could not be drawn in the viewport ({type(error).__name__}: {error})."
+            _failures[draw.__name__] = (
+                f"Lamps could not be drawn in the viewport ({type(error).__name__}: {error}): start Blender with "
+                "--debug-python to see where, and report it."
+            )
 
     return handler
 
@@ -71,7 +74,7 @@ def _changed(*_):
 
 @persistent
 def _forget(*_):
-    if _stop is None:  # bpy as a module says that it exits when Python has been taken down
+    if _stop is None:  # bpy as a module reports its exit after Python has shut down
         return
     _stop()
     if drawn.overlay is not None:
@@ -80,14 +83,14 @@ def _forget(*_):
 
 @persistent
 def _stop(*_):
-    """Before Blender replaces its data, no thread is left that may still be copying from it."""
+    """Stop all threads before Blender replaces its data: they may still be copying from it."""
     rendered = sys.modules.get(f"{__name__}.rendered")
     if rendered is not None:
         rendered.stop_all()
 
 
 def render_warnings() -> list[str]:
-    """Sentences on what renders in viewports had to leave out or replace."""
+    """Sentences about parts that renders in viewports left out or replaced."""
     rendered = sys.modules.get(f"{__name__}.rendered")
     return rendered.warnings() if rendered is not None else []
 

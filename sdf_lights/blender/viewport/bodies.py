@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the bodies of lamps are, for all that Blender does by the bounds of an object: a light has none for it."""
+"""Points on the bodies of lamps, for operators that use the bounds of an object. A light has no bounds in Blender."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ...render.errors import RenderError
 from ...sdf.shapes import Shape
 from ..lamp import shape_of
 
-CELLS = 20  # along each side of a shape's bounding box
-STEPS = 4  # towards the surface
-NEAR = 0.05  # of a cell: what is no farther from the surface counts as on it
+CELLS = 20  # cells along each side of a shape's bounding box
+STEPS = 4  # steps towards the surface
+NEAR = 0.05  # of a cell: points this near count as on the surface
 
 
 @functools.lru_cache(maxsize=128)
 def points_of(shape: Shape) -> np.ndarray:
-    """Points (n, 3) on the surface of a shape, in its own space, however thin it is; none where it has no limits.
+    """Points (n, 3) on the surface of a shape, in its local space, even if it is thin; none if it is unbounded.
 
-    Points of a grid next to the surface go to it along the gradient of the field.
+    Grid points near the surface move to it along the gradient of the field.
     """
     box = np.stack(shape.bounds())
     size = box[1] - box[0]
@@ -53,7 +53,7 @@ def is_lamp(obj: bpy.types.Object) -> bool:
 
 
 def points_in_world(obj: bpy.types.Object) -> np.ndarray:
-    """Points (n, 3) on the surface of a lamp in the world; none where it has no shape at present."""
+    """Points (n, 3) on the surface of a lamp in the world; none if it has no shape at present."""
     matrix = np.array(obj.matrix_world, np.float64)
     try:
         points = points_of(shape_of(obj.data.sdf_lamp, matrix))

@@ -9,11 +9,11 @@ from gpu_extras.batch import batch_for_shader
 
 from . import shaders
 
-Place = tuple[float, float, float, float]  # x0, y0, x1, y1 as parts of the frame buffer: 0 to 1
+Place = tuple[float, float, float, float]  # x0, y0, x1, y1 as fractions of the frame buffer: 0 to 1
 
 
 def draw_rectangle(shader: gpu.types.GPUShader, place: Place, blend: str, textures: dict, **values) -> None:
-    """Fill a rectangle by a shader of ``shaders`` that takes these textures and values."""
+    """Fill a rectangle with a shader of ``shaders`` that takes these textures and values."""
     x0, y0, x1, y1 = (2.0 * edge - 1.0 for edge in place)
     batch = batch_for_shader(
         shader,
@@ -38,5 +38,5 @@ def draw_rectangle(shader: gpu.types.GPUShader, place: Place, blend: str, textur
 
 
 def draw_texture(texture: gpu.types.GPUTexture, place: Place) -> None:
-    """Draw a premultiplied picture over what is there."""
+    """Draw a premultiplied picture over the present picture."""
     draw_rectangle(shaders.picture_shader(), place, "ALPHA_PREMULT", {"picture": texture})

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The overlay that draws the lamps of all viewports, and what it shows."""
+"""The overlay that draws the lamps of all viewports."""
 
-overlay = None  # overlay.Overlay, made at the first redraw: there is no graphics context in the background
+overlay = None  # overlay.Overlay, made at the first redraw: in the background there is no graphics context
 
 
 def shown_lamps(context) -> list:

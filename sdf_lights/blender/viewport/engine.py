@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of the render engine that viewports call."""
+"""The methods of the render engine that viewports call."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..naming import LABEL
 
 
 class ViewportEngine:
-    """Methods of a ``RenderEngine``. No exception leaves them: what went wrong is written into the viewport."""
+    """Methods of a ``RenderEngine``. No exception leaves them; the viewport shows the error."""
 
     _rendered = None
 

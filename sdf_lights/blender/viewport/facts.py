@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What drawing a lamp needs to know of its shape and emission and their formulas do not say: box, slope, volume, and
-where the emission varies its mean and how finely it has to be sampled.
+"""Facts about a lamp that drawing needs beside its formulas: box, slope, volume; and, for an emission that varies, its
+mean and sampling rate.
 
-Where these have closed forms they are there at once. Otherwise a thread finds them as the path tracer does; meanwhile the
-volume is estimated from the box, and from what the lamp's shape filled of its box before, and the emission is taken to
-have the mean that it had.
+Facts with closed forms are available at once. A thread computes the others as the path tracer does. Meanwhile the
+volume is estimated from the box, and from the fraction of its box that the lamp's shape filled before. The emission
+keeps its last mean.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from ...interruption import Interrupted, Watch, watched
 from ...sdf.emission import Emission
 from ...sdf.shapes import Shape
 
-KEPT = 512  # shapes whose facts are remembered
-TYPICAL = 0.3  # part of its box that a shape fills, before it is measured
-TYPICAL_POINTS = 32.0  # of a ray through the diagonal of its box in which an emission is sampled, before it is measured
+KEPT = 512  # shapes whose facts are cached
+TYPICAL = 0.3  # fraction of its box that a shape fills, before it is measured
+TYPICAL_POINTS = 32.0  # samples of an emission along the diagonal of its box, before it is measured
 
 
 class Facts(NamedTuple):
-    """``low``, ``high``: corners of a box (3,) around the shape, in its own space. ``lipschitz``: bound on the slope of
-    its field there. ``volume`` in m³ of its own space. ``mean`` (3,) of the relative emission over the volume; ``rate``:
-    points to sample it in, in each metre of a ray in the shape's own space; 0 where it is the same everywhere.
-    ``problem``: a sentence on why it cannot be drawn, or empty."""
+    """``low``, ``high``: corners of a box (3,) around the shape, in its local space. ``lipschitz``: bound of the slope
+    of its field there. ``volume`` in m³ of its local space. ``mean`` (3,) of the relative emission over the volume.
+    ``rate``: samples per metre of a ray in the shape's local space; 0 if the emission is uniform. ``problem``: a
+    sentence with the reason why it cannot be drawn, or empty."""
 
     low: np.ndarray
     high: np.ndarray
@@ -44,7 +44,7 @@ class Facts(NamedTuple):
     problem: str = ""
 
 
-Lit = tuple[Shape, Emission | None]  # what facts are found of
+Lit = tuple[Shape, Emission | None]  # the key of the facts
 
 NO_FACTS = Facts(np.zeros(3), np.zeros(3))
 EMPTY = "its shape has no interior, so it gives no light: make its parts overlap."
@@ -52,12 +52,12 @@ DARK = "its emission is zero everywhere inside, so it gives no light: make its l
 
 
 def varies(emission: Emission | None) -> bool:
-    """Whether the brightness differs from point to point."""
+    """Whether the brightness varies in space."""
     return emission is not None and emission.varies
 
 
 def at_once(shape: Shape, emission: Emission | None = None) -> Facts | None:
-    """The facts of a shape and an emission that have closed forms for them, else None. Takes microseconds."""
+    """The facts of a shape and an emission if they have closed forms, else None. Takes microseconds."""
     volume = shape.volume()
     if volume is None or not math.isfinite(shape.lipschitz) or varies(emission):
         return None
@@ -72,7 +72,7 @@ def at_once(shape: Shape, emission: Emission | None = None) -> Facts | None:
 
 
 def measured(shape: Shape, emission: Emission | None = None) -> Facts:
-    """The facts of any shape and emission. Takes up to a second, and longer where kernels have to be compiled."""
+    """The facts of any shape and emission. Takes up to a second, and longer if kernels must be compiled."""
     low, high = shape.bounds()
     problem = _problem(low, high)
     if problem:
@@ -81,10 +81,15 @@ def measured(shape: Shape, emission: Emission | None = None) -> Facts:
     if found.problem:
         return found
     lipschitz = shape.lipschitz
-    if not math.isfinite(lipschitz):  # what may jump is drawn too, only less exactly
+    if not math.isfinite(lipschitz):  # shapes that may jump are drawn too, only less exactly
         lipschitz = global_lipschitz(shape.formula(), found.low, found.high, shape.parameters(), tears=False)
     if not math.isfinite(lipschitz):
-        return found._replace(problem="nothing bounds how fast its field changes, so it cannot be drawn.")
+        return found._replace(
+            problem=(
+                "nothing bounds how fast its field changes, so it cannot be drawn: use shapes or operators whose field "
+                "has a bound."
+            )
+        )
     return found._replace(lipschitz=lipschitz)
 
 
@@ -97,7 +102,7 @@ def _problem(low: np.ndarray, high: np.ndarray) -> str:
 
 
 def _inside(shape: Shape, emission: Emission | None, low: np.ndarray, high: np.ndarray) -> Facts:
-    """All but the slope, and perhaps a tighter box, from the lamp of these as the path tracer builds it."""
+    """All facts except the slope, and perhaps a tighter box, from the lamp as the path tracer builds it."""
     identity = np.eye(4)
     if not jit.AVAILABLE:
         from ...render.reference.sdf_lamps import SdfLamp
@@ -126,22 +131,20 @@ def _typical_rate(emission: Emission | None, low: np.ndarray, high: np.ndarray) 
 
 
 class FactFinder:
-    """Facts of lamps, of which some are found by a thread. ``on_news()`` is called by that thread."""
+    """Facts of lamps; a thread computes some of them. The thread calls ``on_news()``."""
 
     def __init__(self, on_news: Callable[[], None] = lambda: None):
         self._on_news = on_news
         self._lock = threading.Lock()
         self._known: OrderedDict[Lit, Facts] = OrderedDict()
-        self._wanted: OrderedDict[str, Lit] = (
-            OrderedDict()
-        )  # by lamp: of a slider that moves only the last place counts
+        self._wanted: OrderedDict[str, Lit] = OrderedDict()  # by lamp: of a moving slider, only the last value counts
         self._last: dict[str, Facts] = {}
         self._thread: threading.Thread | None = None
-        self._ended = False  # what the thread works on is not wanted any more
+        self._ended = False  # the thread's present work is outdated
 
     def find(self, lamp: str, shape: Shape, emission: Emission | None = None, wait: bool = False) -> Facts | None:
-        """Facts of the shape and the emission of that lamp, or for a while an estimate; None where there is nothing to
-        go by yet.
+        """Facts of the shape and the emission of that lamp, or a temporary estimate; None if there is no basis for an
+        estimate yet.
 
         ``wait``: no estimate.
         """
@@ -160,12 +163,12 @@ class FactFinder:
 
     @property
     def busy(self) -> bool:
-        """Whether its thread is at work."""
+        """Whether its thread is working."""
         with self._lock:
             return self._thread is not None
 
     def stop(self) -> None:
-        """Forgets what is still wanted, and waits for the thread."""
+        """Drop the remaining work, and wait for the thread."""
         with self._lock:
             self._wanted.clear()
             self._ended, thread = True, self._thread

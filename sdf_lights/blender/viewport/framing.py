@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Frame Selected and Frame All with the bodies of lamps.
 
-Blender frames a light as if it had the size of its scale, and refuses add-ons an operator of the name of its own. So its
-keys come here first, where lamps are among what is to be framed; else they go on to Blender.
+Blender frames a light as if it had the size of its scale, and refuses add-on operators of the same name. So its keys
+come here first. If lamps are to be framed, this operator handles them; else the keys go on to Blender.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from mathutils import Vector
 
 from . import bodies, keys
 
-MARGIN = 1.4  # Blender's own: half of the picture by half of what is framed
+MARGIN = 1.4  # as in Blender: half of the picture over half of the framed size
 _FRAMES = 1.0 / 60.0  # seconds between two steps of a smooth change
 
 _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
 def extent(obj: bpy.types.Object) -> np.ndarray:
-    """Points (n, 3) in the world around an object, as Blender has them for all but lamps."""
+    """World points (n, 3) around an object, like Blender's for all objects except lamps."""
     if bodies.is_lamp(obj):
         found = bodies.points_in_world(obj)
         if len(found):
@@ -77,14 +77,14 @@ def _move(context, location: Vector, distance: float) -> None:
 
 
 class SDFLIGHTS_OT_view_frame(bpy.types.Operator):
-    """Move the view so that what is selected fills it, with the whole bodies of lamps"""
+    """Move the view so that the selection fills it, with the whole bodies of lamps"""
 
     bl_idname = "sdf_lights.view_frame"
     bl_label = "Frame Selected SDF Lamps"
     bl_options = {"REGISTER"}
 
     everything: bpy.props.BoolProperty(
-        name="Everything", description="Frame all visible objects, not those that are selected", options={"SKIP_SAVE"}
+        name="Everything", description="Frame all visible objects instead of the selected ones", options={"SKIP_SAVE"}
     )
 
     @classmethod
@@ -110,7 +110,7 @@ class SDFLIGHTS_OT_view_frame(bpy.types.Operator):
 
 
 def draw_menu(self, context):
-    """Entry in View, where lamps are selected."""
+    """Entry in View, if lamps are selected."""
     if context.mode == "OBJECT" and any(map(bodies.is_lamp, context.selected_objects)):
         self.layout.separator()
         self.layout.operator_context = "EXEC_REGION_WIN"

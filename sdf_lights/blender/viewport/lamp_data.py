@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lamps of a dependency graph as plain data, which nothing that Blender frees or moves can upset."""
+"""The lamps of a dependency graph as plain data, which stays valid when Blender frees or moves its own."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ..sync.lights import light_of
 
 
 class Placed(NamedTuple):
-    """A lamp in its place. ``owner``: name of the object that is selected for it, which is the instancer of an instance.
-    ``light``: name of its Light. ``key`` tells it from all others, from one redraw to the next. ``problem``: why it has its
-    last good shape and not that of now; empty where it has."""
+    """A lamp and its transform. ``owner``: name of the object that is selected for it; for an instance, its instancer.
+    ``light``: name of its Light. ``key`` identifies it from one redraw to the next. ``problem``: why it has its last
+    good shape instead of the present one; empty if it has the present one."""
 
     lamp: Lamp
     owner: str
@@ -27,17 +27,17 @@ class Placed(NamedTuple):
 
 
 class Collected(NamedTuple):
-    """``errors``: sentences on lamps that cannot be used, by the name of their Light."""
+    """``errors``: sentences about unusable lamps, by the name of their Light."""
 
     lamps: list[Placed]
     errors: dict[str, str]
 
 
 def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
-    """Every lamp, also as an instance, with its transform in the world."""
+    """Every lamp, including instances, with its transform in the world."""
     found = Collected([], {})
     for item in depsgraph.object_instances:
-        # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
+        # Nothing may refer to `item` after this iteration: Blender reuses it for the next instance.
         obj = item.object
         if obj.type != "LIGHT" or not item.show_self or not obj.data.sdf_lamp.use:
             continue
@@ -45,7 +45,9 @@ def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
         matrix, problems = matrix_of(item.matrix_world), []
         try:
             if not is_finite(matrix):
-                raise RenderError(f"Lamp '{obj.name}' has a transform that is not made of finite numbers: clear it.")
+                raise RenderError(
+                    f"Lamp '{obj.name}' has a transform that is not finite: clear its location, rotation and scale."
+                )
             own = matrix_of(obj.original.evaluated_get(depsgraph).matrix_world)
             lamp = light_of(obj, matrix, Ray.ALL, depsgraph, problems.append, None, own)
         except RenderError as error:

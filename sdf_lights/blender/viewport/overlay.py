@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps in every 3D viewport: draw handlers, and what they keep from one redraw to the next.
+"""Lamps in every 3D viewport: draw handlers, and the data that they keep between redraws.
 
-Before the scene is drawn, Blender binds the frame buffer of the scene's colours, which are linear and not yet those of the
-display. It is kept until the scene is there, and the glow is added to it: so the view transform, exposure and look of
-the viewport apply to lamps as to all else. Outlines and boxes go into the frame buffer of the overlays.
+Before it draws the scene, Blender binds the frame buffer of the scene's colours, which are scene-linear. This module
+keeps it until the scene is drawn, and then adds the glow. So the view transform, exposure and look of the viewport
+apply to lamps as to everything else. Outlines and boxes go into the frame buffer of the overlays.
 """
 
 from __future__ import annotations
@@ -30,20 +30,21 @@ from .lamp_data import Collected, Placed, collect
 from .painter import EDGES, Depth, Drawn, Painter, View, code_of, radiance_per_metre
 from .surfaces import Surfaces
 
-# Seconds that compiling may take in one redraw before the rest waits for the next; one shader is always compiled.
+# Seconds of compilation in one redraw before the rest waits for the next; at least one shader is compiled.
 COMPILE_BUDGET = 0.03
 # Seconds without a change after which the view counts as still.
 STILL = 0.25
 POLL = 0.1
-# Radiance of a lamp where it is as thick as on average, in Solid shading.
+# Radiance of a lamp at its mean thickness, in Solid shading.
 SHAPE_RADIANCE = 1.5
-# In Solid shading: the least radiance of the thinnest lamps; parts of a cube around it that thick lamps fill, and a ball.
+# In Solid shading: the least radiance of the thinnest lamps; the fractions of a surrounding cube filled by thick lamps,
+# and by a ball.
 LEAST_RADIANCE, THIN, BALL = 0.25, 0.03, math.pi / 6.0
 OUTLINE_WIDTH = 1.5
 
 
 class _Targets:
-    """Textures that lamps are drawn into before they come to the screen, by size."""
+    """Textures that lamps are drawn into before they are added to the screen, by size."""
 
     def __init__(self):
         self._kept: OrderedDict[tuple[int, int], tuple] = OrderedDict()
@@ -59,7 +60,7 @@ class _Targets:
 
 
 class Overlay:
-    """All that the draw handlers keep. Nothing of it belongs to a file: ``forget`` may be called at any time."""
+    """The data that the draw handlers keep. None of it belongs to a file: ``forget`` may be called at any time."""
 
     def __init__(self):
         self.painter, self.finder = Painter(), FactFinder()
@@ -70,17 +71,17 @@ class Overlay:
         self._collected: dict[tuple, Collected] = {}
         self._announced: set = set()
         self._labels: dict[int, list[tuple[np.ndarray, str]]] = {}
-        self._views: dict[int, tuple] = {}  # what a region showed, and since when
+        self._views: dict[int, tuple] = {}  # the view of each region, and since when
 
     # -- events --------------------------------------------------------------------------------------------------
 
     def changed(self, depsgraph: bpy.types.Depsgraph | None) -> None:
-        """Something in the file may have changed: what the dependency graph says, or anything."""
+        """Something in the file may have changed: the updates of the dependency graph, or anything."""
         self._collected.clear()
         self._surfaces.changed(depsgraph is None or any(update.is_updated_geometry for update in depsgraph.updates))
 
     def forget(self) -> None:
-        """Drop all that is kept between redraws, as when another file is opened."""
+        """Drop all data kept between redraws, for instance when another file is opened."""
         self.finder.stop()
         self._surfaces.changed(True)
         self._collected.clear()
@@ -89,7 +90,7 @@ class Overlay:
         self.errors.clear()
 
     def shown(self, context) -> list[Placed]:
-        """Lamps that a viewport shows, as they were at its last redraw, by the proxy or by the path tracer."""
+        """Lamps that a viewport showed at its last redraw, by the proxy or by the path tracer."""
         traced = rendered.shows_lamps(context)
         drawn = context.scene.sdf_lights_overlay.show_lamps and _shows_lamps(context.space_data)
         return self._visible(context) if traced or drawn else []
@@ -97,7 +98,7 @@ class Overlay:
     # -- drawing -------------------------------------------------------------------------------------------------
 
     def before_scene(self) -> None:
-        """Before Blender draws the scene: note the frame buffer of its colours."""
+        """Before Blender draws the scene: record the frame buffer of its colours."""
         self._scene_buffer = gpu.state.active_framebuffer_get()
 
     def after_scene(self, context) -> None:
@@ -109,7 +110,7 @@ class Overlay:
         if not settings.show_lamps or not _shows_lamps(space):
             return
         placed, traced = self._visible(context), rendered.shows_lamps(context)
-        if traced:  # what is left to draw are outlines
+        if traced:  # only outlines are left to draw
             marks = _marks(context) if space.overlay.show_overlays else {}
             placed = [item for item in placed if item.owner in marks]
         if not placed:
@@ -135,7 +136,7 @@ class Overlay:
             ]
 
     def labels(self, context) -> None:
-        """Words beside the boxes of lamps that are not drawn otherwise."""
+        """Words beside the boxes of lamps that are drawn only as boxes."""
         region = context.region
         for place, text in self._labels.get(region.as_pointer(), ()):
             at = location_3d_to_region_2d(region, context.region_data, Vector(place))
@@ -165,7 +166,7 @@ class Overlay:
         return found
 
     def _prepare(self, placed: list[Placed], context):
-        """Lamps to raymarch, and those of which only the box is drawn, with a word on why."""
+        """Lamps to raymarch, and lamps drawn as boxes, with a word that tells why."""
         settings, shading = context.scene.sdf_lights_overlay, context.space_data.shading
         flat = shading.type in {"SOLID", "WIREFRAME"}
         exposure = context.scene.sdf_lights.exposure if context.scene.render.engine == ENGINE else 1.0
@@ -258,7 +259,7 @@ class Overlay:
 
 
 def _shows_lamps(space) -> bool:
-    """Overlays that are switched off leave what is part of the picture."""
+    """Whether lamps are shown. Without overlays, they stay in the modes whose picture contains them."""
     if not space.show_object_viewport_light:
         return False
     return space.overlay.show_overlays or space.shading.type in {"MATERIAL", "RENDERED"}
@@ -289,7 +290,7 @@ def _stretched(projection: np.ndarray, full: tuple[int, int], size: tuple[int, i
 
 
 def _scene_depth(buffer, view: View, drawn: list[Drawn], scale: int) -> Depth | None:
-    """The depth buffer where there are lamps: copied, since it cannot be read while it is drawn to."""
+    """The depth buffer around the lamps. It is copied, because it cannot be read while it is drawn to."""
     low, high = np.array(view.size), np.zeros(2, int)
     for item in drawn:
         corners = _corners(item.facts) @ (view.projection @ view.view @ item.lamp.matrix).T
@@ -309,13 +310,13 @@ def _scene_depth(buffer, view: View, drawn: list[Drawn], scale: int) -> Depth | 
 
 
 def _corners(facts: Facts) -> np.ndarray:
-    """Corners of the box (8, 4), homogeneous, the x axis the fastest."""
+    """Corners of the box (8, 4), homogeneous; x varies fastest."""
     choice = (np.arange(8)[:, None] >> np.arange(3)) & 1
     return np.hstack([np.where(choice, facts.high, facts.low), np.ones((8, 1))])
 
 
 def _marks(context) -> dict[str, tuple[float, float]]:
-    """What to add to the mask for selected objects and the active one."""
+    """The mask values of selected objects and the active one."""
     marks = {obj.name_full: (1.0, 0.0) for obj in context.selected_objects}
     active = context.view_layer.objects.active
     if active is not None and active.name_full in marks:
@@ -324,14 +325,15 @@ def _marks(context) -> dict[str, tuple[float, float]]:
 
 
 def _shape_brightness(lamp: Lamp, facts: Facts) -> tuple[float, np.ndarray]:
-    """Factor that makes the lamp's brightest colour ``SHAPE_RADIANCE`` where it is as thick as it is on average, and the
-    least light (RGB) that a lamp has which is thin everywhere."""
+    """Factor that makes the lamp's brightest colour ``SHAPE_RADIANCE`` at its mean thickness; and the least light (RGB)
+    of a lamp that is thin everywhere."""
     size = float((np.linalg.norm(lamp.matrix[:3, :3], axis=0) * (facts.high - facts.low)).mean())
     color = radiance_per_metre(lamp, facts)
     filled = facts.volume * abs(float(np.linalg.det(lamp.matrix[:3, :3]))) / max(size, 1e-100) ** 3
     if not (color.max() > 0.0 and 0.0 < filled < np.inf):
         return 0.0, np.zeros(3)
-    # A wire three times as long as the lamp is large, of its volume, is so thick; that of a ball is its diameter.
+    # A wire of the lamp's volume, three times as long as the lamp's size, has this thickness. For a ball it is the
+    # diameter.
     thickness = size * min(1.0, math.sqrt(filled / BALL))
     least = LEAST_RADIANCE * max(1.0 - filled / THIN, 0.0)
     return SHAPE_RADIANCE / (color.max() * thickness), least * color / color.max()
@@ -358,7 +360,7 @@ def _draw_boxes(boxes, view: View) -> None:
 
 
 def tag_viewports() -> None:
-    """Have every 3D viewport drawn again."""
+    """Redraw every 3D viewport."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
@@ -366,6 +368,6 @@ def tag_viewports() -> None:
 
 
 def _redraw_later(seconds: float) -> None:
-    # Blender ignores a tag from inside a redraw.
+    # Blender ignores a redraw tag during a redraw.
     if not bpy.app.timers.is_registered(tag_viewports):
         bpy.app.timers.register(tag_viewports, first_interval=seconds)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws lamps by raymarching their formulas on the GPU: the back faces of each lamp's box, one shader a formula.
+"""Draws lamps by raymarching their formulas on the GPU: the back faces of each lamp's box, one shader per formula.
 
 Needs a graphics context: call it while Blender draws, or after ``gpu.init()``.
 """
@@ -25,15 +25,15 @@ from ...sdf.shapes import Shape
 from . import shaders
 from .facts import Facts, varies
 
-# The least step along a ray: part of the box's diagonal, or of a pixel where that is more.
+# The shortest step along a ray: a fraction of the box's diagonal, or of a pixel if that is longer.
 LEAST_STEP, LEAST_STEP_OF_PIXEL = 1e-4, 0.25
-# Part of the box by which it is drawn larger.
+# Fraction of the box by which it is drawn larger.
 MARGIN = 1e-4
-# Least width in pixels of what has to be found on the screen.
+# Minimum width in pixels of details that must be found on the screen.
 WIDTH = 2.0
-# Textures with the tables of a lamp that are kept.
+# Number of cached textures with the tables of a lamp.
 KEPT_TABLES = 32
-# Shaders and buffers that are kept.
+# Number of cached shaders and buffers.
 KEPT = 256
 
 _CUBE = [(x, y, z) for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)]
@@ -55,7 +55,7 @@ EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if bin(a ^ b).count("
 
 
 class View(NamedTuple):
-    """``view`` and ``projection`` (4 × 4) as OpenGL has them, of a picture of ``size`` pixels."""
+    """``view`` and ``projection`` (4 × 4) in OpenGL's convention, of a picture of ``size`` pixels."""
 
     view: np.ndarray
     projection: np.ndarray
@@ -74,7 +74,8 @@ class View(NamedTuple):
 
 
 class Depth(NamedTuple):
-    """Depth buffer of the scene: a texture of the pixels from ``origin`` on, and how many of them a pixel spans."""
+    """Depth buffer of the scene: a texture of the pixels from ``origin`` on, and the number of pixels that each of its
+    own spans."""
 
     texture: gpu.types.GPUTexture
     origin: tuple[int, int]
@@ -82,8 +83,8 @@ class Depth(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A lamp to draw. ``mask``: what is added to the mask where it is seen (selected, active). ``least``: light (RGB) that
-    it has at least where it is seen; where that is not black, it is also at least about ``WIDTH`` pixels wide."""
+    """A lamp to draw. ``mask``: its value in the mask (selected, active). ``least``: minimum light (RGB) where it is
+    visible; if that is not black, the lamp is also at least about ``WIDTH`` pixels wide."""
 
     lamp: Lamp
     facts: Facts
@@ -93,7 +94,7 @@ class Drawn(NamedTuple):
 
 
 class Painter:
-    """Draws lamps, and keeps the shaders of their formulas."""
+    """Draws lamps, and caches the shaders of their formulas."""
 
     def __init__(self):
         self._shaders: OrderedDict[shaders.LampCode, object] = OrderedDict()
@@ -101,12 +102,12 @@ class Painter:
         self._no_depth: gpu.types.GPUTexture | None = None
 
     def problem(self, lamp: Lamp) -> str:
-        """Why the lamp has no shader, as the rest of a sentence; empty where it has one or was not drawn yet."""
+        """Why the lamp has no shader, as the rest of a sentence; empty if it has one or was not drawn yet."""
         found = self._shaders.get(code_of(lamp))
         return str(found) if isinstance(found, shaders.ShaderError) else ""
 
     def is_compiled(self, lamp: Lamp) -> bool:
-        """Whether the lamp has a shader, or was refused one."""
+        """Whether the lamp has a shader, or its shader has failed."""
         return code_of(lamp) in self._shaders
 
     def compile(self, lamp: Lamp) -> None:
@@ -122,7 +123,8 @@ class Painter:
                 self._shaders.popitem(last=False)
 
     def draw(self, lamps: Sequence[Drawn], view: View, depth: Depth | None = None) -> None:
-        """Add the light of the lamps to the bound frame buffer: colour and mask. Those without a shader are left out."""
+        """Add the light of the lamps to the bound frame buffer: colour and mask. Lamps without a shader are left
+        out."""
         if self._no_depth is None:
             self._no_depth = gpu.types.GPUTexture((1, 1), format="R32F")
         gpu.state.blend_set("ADDITIVE_PREMULT")
@@ -160,7 +162,7 @@ class Painter:
         block = uniforms(item, view, depth)
         tables = tables_of(item.lamp)[0]
         buffer = gpu.types.GPUUniformBuf(gpu.types.Buffer("FLOAT", block.size, block.ravel()))
-        # Back faces, which are there also for an eye inside the box; a mirrored box shows its other side.
+        # Back faces also exist for an eye inside the box. A mirrored box shows its other side.
         mirrored = np.linalg.det((view.view @ item.lamp.matrix)[:3, :3]) < 0.0
         gpu.state.face_culling_set("BACK" if mirrored else "FRONT")
         shader.bind()
@@ -179,12 +181,13 @@ def _placed(emission: Emission, shape: Shape) -> Placed:
 
 
 def _varying(lamp: Lamp) -> Placed | None:
-    """The emission of a lamp, where it varies."""
+    """The emission of a lamp, if it varies."""
     return _placed(lamp.emission, lamp.shape) if varies(lamp.emission) else None
 
 
 def _numbers(lamp: Lamp) -> np.ndarray:
-    """Parameters of the shape, then those of the emission. Instead of addresses of tables, where these begin in one another's row."""
+    """Parameters of the shape, then those of the emission. Addresses of tables are replaced by their start in the
+    concatenated tables."""
     placed = _varying(lamp)
     return _with_places(lamp.shape, placed)[1]
 
@@ -203,7 +206,7 @@ def _with_places(shape: Shape, placed: Placed | None) -> tuple[tuple[Table, ...]
 
 
 def code_of(lamp: Lamp) -> shaders.LampCode:
-    """What the shader of a lamp is made from: the same for all numbers."""
+    """The key of a lamp's shader: the same for all numbers."""
     placed = _varying(lamp)
     return shaders.LampCode(
         lamp.shape.formula(), len(lamp.shape.parameters()), len(_numbers(lamp)), placed and placed.colour
@@ -211,7 +214,7 @@ def code_of(lamp: Lamp) -> shaders.LampCode:
 
 
 def emission_scale(lamp: Lamp, facts: Facts) -> np.ndarray:
-    """ρ of a lamp (RGB) where its relative emission is 1: see ``render.scene.Lamp``."""
+    """ρ of a lamp (RGB) at relative emission 1: see ``render.scene.Lamp``."""
     density = lamp.density
     if density is None:
         volume = facts.volume * abs(np.linalg.det(lamp.matrix[:3, :3]))
@@ -225,7 +228,7 @@ def radiance_per_metre(lamp: Lamp, facts: Facts) -> np.ndarray:
 
 
 def pixel_size(lamp: Lamp, facts: Facts, view: View) -> float:
-    """Size of a pixel at the middle of the lamp, in the space of the shape."""
+    """Size of a pixel at the middle of the lamp, in the shape's local space."""
     center = np.append(0.5 * (facts.low + facts.high), 1.0)
     clip = view.projection @ view.view @ lamp.matrix @ center
     scale = np.abs(np.linalg.det(lamp.matrix[:3, :3])) ** (1.0 / 3.0)
@@ -233,14 +236,14 @@ def pixel_size(lamp: Lamp, facts: Facts, view: View) -> float:
 
 
 def least_step(lamp: Lamp, facts: Facts, view: View) -> float:
-    """Shortest step along a ray, in the space of the shape: what is finer cannot be seen in this view."""
+    """Shortest step along a ray, in the shape's local space: finer details are invisible in this view."""
     diagonal = np.linalg.norm(facts.high - facts.low)
     return min(max(LEAST_STEP * diagonal, LEAST_STEP_OF_PIXEL * pixel_size(lamp, facts, view)), 0.02 * diagonal)
 
 
 def widening(item: Drawn, view: View) -> float:
-    """By how much a lamp is drawn wider on each side, in the space of its shape."""
-    if not any(item.least) or not item.lamp.shape.exact_outside:  # what the field is elsewhere is no distance
+    """Width by which a lamp is enlarged on each side, in its shape's local space."""
+    if not any(item.least) or not item.lamp.shape.exact_outside:  # elsewhere the field is not a distance
         return 0.0
     return 0.5 * WIDTH * pixel_size(item.lamp, item.facts, view)
 

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A click on the body of a lamp selects it.
 
-Blender selects by what it has drawn itself, and of a lamp that is only the icon. So a click comes here first; unless it
-is on a lamp that nothing stands in front of, and not on the icon of something else, it goes on to Blender.
+Blender selects by its own drawing, in which a lamp is only an icon. So a click comes here first. If it is on a lamp in
+front of everything, and not on the icon of another object, this operator selects the lamp. Else the click goes on to
+Blender.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from ...render.errors import RenderError
 from ...render.scene import Lamp
 from .drawn import shown_lamps
 
-POINTS = 2048  # of the ray in the lamp's box, at which its field is looked at
-ICON = 12.0  # pixels around the origin of what has an icon instead of a surface, at a UI scale of 1
+POINTS = 2048  # samples of the field along the ray in the lamp's box
+ICON = 12.0  # pixels around the origin of objects with an icon instead of a surface, at a UI scale of 1
 
 _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
 def entry(lamp: Lamp, origin: np.ndarray, direction: np.ndarray) -> float | None:
-    """Distance along a ray, in lengths of ``direction``, at which it enters a lamp; None where it does not."""
+    """Distance along a ray, in lengths of ``direction``, at which it enters a lamp; None if it misses."""
     inverse = affine.inverse(lamp.matrix)
     o, d = inverse[:3, :3] @ origin + inverse[:3, 3], inverse[:3, :3] @ direction
     low, high = lamp.shape.bounds()
@@ -79,7 +80,7 @@ def _select_mouse(context) -> str:
 
 
 def _under(context, place: tuple[float, float]) -> bpy.types.Object | None:
-    """The object of the lamp whose body is first at a place of the region."""
+    """The object of the lamp whose body is nearest at a point of the region."""
     region, data = context.region, context.region_data
     origin = np.array(region_2d_to_origin_3d(region, data, place))
     direction = np.array(region_2d_to_vector_3d(region, data, place))
@@ -96,7 +97,7 @@ def _under(context, place: tuple[float, float]) -> bpy.types.Object | None:
 
 
 def _surface(context, origin: np.ndarray, direction: np.ndarray) -> float:
-    """Distance of the first surface of the scene that a viewport shows."""
+    """Distance of the first surface of the scene in a viewport."""
     if context.space_data.shading.type == "WIREFRAME":
         return np.inf
     hit, location, *_ = context.scene.ray_cast(context.evaluated_depsgraph_get(), Vector(origin), Vector(direction))
@@ -104,7 +105,7 @@ def _surface(context, origin: np.ndarray, direction: np.ndarray) -> float:
 
 
 def _on_icon(context, place: tuple[float, float], but: bpy.types.Object) -> bool:
-    """Whether the icon of another object than ``but`` is at a place of the region."""
+    """Whether the icon of another object than ``but`` is at a point of the region."""
     overlay, reach = context.space_data.overlay, ICON * context.preferences.system.ui_scale
     if not (overlay.show_overlays and overlay.show_extras):
         return False

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``Scene.sdf_lights_overlay``: how lamps are shown in the viewport, with a panel among Blender's overlays; and the pause of
-the Rendered viewport, with a button in its header."""
+"""``Scene.sdf_lights_overlay``: the display of lamps in the viewport, with a panel among Blender's overlays. Also the
+pause of the Rendered viewport, with a button in its header."""
 
 import bpy
 
@@ -9,7 +9,7 @@ from ..naming import ENGINE
 
 
 def redraw(self, context):
-    """Callback of the settings: every 3D viewport is drawn again."""
+    """Callback of the settings: redraw every 3D viewport."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
@@ -31,8 +31,8 @@ class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
         default="SHAPE",
         update=redraw,
         items=[
-            ("SHAPE", "Shape", "As bright as shows the shape best, whatever the power", 0),
-            ("LIGHT", "Light", "As bright as in the render", 1),
+            ("SHAPE", "Shape", "A brightness that shows the shape clearly at any power", 0),
+            ("LIGHT", "Light", "The brightness of the render", 1),
         ],
     )
     resolution: bpy.props.EnumProperty(
@@ -73,7 +73,7 @@ class SDFLIGHTS_PT_overlay(bpy.types.Panel):
 
 
 def draw_pause(self, context):
-    """The button in the header of a viewport where the path tracer renders."""
+    """The button in the header of a viewport with the path tracer."""
     if context.engine == ENGINE and context.space_data.shading.type == "RENDERED":
         settings = context.scene.sdf_lights_overlay
         self.layout.prop(settings, "pause", icon="PLAY" if settings.pause else "PAUSE", text="")

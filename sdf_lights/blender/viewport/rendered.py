@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rendered shading of the viewport: what each engine instance of a viewport holds.
+"""Rendered shading of the viewport: the data of each engine instance of a viewport.
 
-Blender calls ``view_update`` after changes of the data and ``view_draw`` at each redraw. The first notes what has changed,
-the second copies that, compares the view, draws the latest picture, and never waits. A thread renders; a timer asks it
-for news.
+Blender calls ``view_update`` after changes of the data and ``view_draw`` at each redraw. The first records the change.
+The second copies the change, compares the view, draws the latest picture, and never waits. A thread renders; a timer
+polls it for results.
 """
 
 from __future__ import annotations
@@ -38,26 +38,26 @@ class RenderedView:
     def __init__(self):
         self._render = InteractiveRender()
         self._scene: Scene | None = None
-        self._shown: tuple = ()  # what the scene was synced for, besides the data
+        self._shown: tuple = ()  # other conditions of the scene's last sync
         self._linking: tuple = ()
         self._stale: Change | None = Change.ALL
-        self._texture: tuple[Picture, gpu.types.GPUTexture] | None = None  # what was drawn last
+        self._texture: tuple[Picture, gpu.types.GPUTexture] | None = None  # the last drawn picture
         self._drawn_status = ""
         self._region = 0
         _running.add(self)
-        # Blender may free its part of an engine before Python's, which then cannot be asked for what to close.
+        # Blender may free its part of an engine before Python's, so the engine cannot be asked later.
         weakref.finalize(self, self._render.stop).atexit = False
 
     @property
     def news(self) -> bool:
-        """Whether there is something to redraw for."""
+        """Whether there is a reason to redraw."""
         return self._stale is None and (
             self._render.picture is not self.drawn or self._render.status != self._drawn_status
         )
 
     @property
     def busy(self) -> bool:
-        """Whether there may be news later."""
+        """Whether there may be results later."""
         return self._render.active
 
     @property
@@ -71,14 +71,14 @@ class RenderedView:
         return self._render.warnings + ([self._render.error] if self._render.error else [])
 
     def data_changed(self, depsgraph: bpy.types.Depsgraph) -> None:
-        """Note what has changed; the redraw that follows copies it."""
+        """Record a change; the next redraw copies it."""
         change = Change.ALL if self._scene is None else change_of(depsgraph)
         if change is not None:
             self._stale = change if self._stale is None else max(change, self._stale)
             self._render.hold()
 
     def draw(self, engine: bpy.types.RenderEngine, context, depsgraph: bpy.types.Depsgraph) -> None:
-        """Draw the latest picture, and restart the render where the view or the data are not the same any more."""
+        """Draw the latest picture, and restart the render if the view or the data have changed."""
         self._remember(context.region)
         try:
             self._restart(context, depsgraph)
@@ -124,7 +124,9 @@ class RenderedView:
         if change is None and self._scene is not None and _same_view(view, self._scene):
             return
         if view.border is not None and (view.border[2] <= view.border[0] or view.border[3] <= view.border[1]):
-            raise RenderError("The render region is empty or outside of the view.")
+            raise RenderError(
+                "The render region is empty or outside of the view: set it with Ctrl B, or clear it with Ctrl Alt B."
+            )
         self._scene, self._shown, self._stale = view, shown, None
         self._render.update(view, Change.VIEW if change is None else change)
 
@@ -155,7 +157,7 @@ class RenderedView:
         _by_region[self._region] = weakref.ref(self)
 
     def stop(self) -> None:
-        """End the thread and wait for it; the next redraw starts anew."""
+        """End the thread and wait for it; the next redraw starts again."""
         self._render.stop()
         self._scene, self._stale = None, Change.ALL
 
@@ -174,7 +176,7 @@ def _same_view(a: Scene, b: Scene) -> bool:
 
 
 def filters(space: bpy.types.SpaceView3D) -> tuple:
-    """What a viewport shows of the scene, that no update of data tells of."""
+    """State of a viewport that affects its scene without a data update."""
     return (
         space.local_view is not None,
         space.use_local_collections,
@@ -183,7 +185,7 @@ def filters(space: bpy.types.SpaceView3D) -> tuple:
 
 
 def change_of(depsgraph: bpy.types.Depsgraph) -> Change | None:
-    """How much of the scene the updates of a dependency graph concern; None for what no picture shows."""
+    """The part of the scene that the updates of a dependency graph affect; None if they affect no picture."""
     change = None
     for update in depsgraph.updates:
         if not (update.is_updated_geometry or update.is_updated_transform or update.is_updated_shading):
@@ -198,7 +200,7 @@ def _change_of(block: bpy.types.ID) -> Change | None:
     if isinstance(block, (bpy.types.Camera, bpy.types.Screen, bpy.types.WindowManager)):
         return Change.VIEW
     if isinstance(block, bpy.types.NodeTree) and block.is_embedded_data:
-        return None  # what it belongs to is among the updates too
+        return None  # its owner is among the updates too
     if isinstance(block, bpy.types.Light) or getattr(block, "bl_idname", "") == NODE_TREE:
         return Change.LIGHTS
     if isinstance(block, bpy.types.Object):
@@ -209,7 +211,7 @@ def _change_of(block: bpy.types.ID) -> Change | None:
 
 
 def shows_lamps(context) -> bool:
-    """Whether the lamps of this region are in the path tracer's picture."""
+    """Whether the path tracer's picture contains the lamps of this region."""
     if context.space_data.shading.type != "RENDERED":
         return False
     found = _by_region.get(context.region.as_pointer())
@@ -218,7 +220,7 @@ def shows_lamps(context) -> bool:
 
 
 def warnings() -> list[str]:
-    """Sentences on what the renders in viewports had to leave out."""
+    """Sentences about parts that renders in viewports left out."""
     found: list[str] = []
     for view in list(_running):
         found += [warning for warning in view.warnings if warning not in found]
@@ -226,7 +228,7 @@ def warnings() -> list[str]:
 
 
 def stop_all() -> None:
-    """End every render in a viewport and wait for its threads; redraws start those anew that are still there."""
+    """End every render in a viewport and wait for its threads; the next redraw restarts the remaining ones."""
     for view in list(_running):
         view.stop()
 
@@ -235,7 +237,7 @@ def stop_all() -> None:
 
 
 def watch() -> None:
-    """Redraw viewports when their renders have news, until all are finished."""
+    """Redraw viewports when their renders have results, until all are finished."""
     if not bpy.app.timers.is_registered(_poll):
         bpy.app.timers.register(_poll, first_interval=POLL)
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Box and circle select with the bodies of lamps.
 
-Blender selects what lies in a rectangle or a circle by what it has drawn itself, of a lamp the icon. Where lamps are shown,
-the gestures are therefore those of the operators here: they let Blender select as it does, and then add the lamps of which a
-part of the body is inside. Without lamps, they leave all to Blender.
+Blender selects by its own drawing in a rectangle or a circle, in which a lamp is only an icon. Where lamps are shown,
+the operators here handle the gestures: they let Blender select as usual, and then add the lamps whose body is partly
+inside. Without lamps, they leave everything to Blender.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ...render.errors import RenderError
 from . import bodies, keys, picking
 from .drawn import shown_lamps
 
-_RADIUS = 25  # pixels of the circle at first
+_RADIUS = 25  # initial radius of the circle in pixels
 _MODES = [
     ("SET", "Set", "Set a new selection", 0),
     ("ADD", "Extend", "Extend existing selection", 1),
@@ -29,14 +29,14 @@ _MODES = [
     ("XOR", "Difference", "Invert existing selection", 3),
     ("AND", "Intersect", "Intersect existing selection", 4),
 ]
-_DIRECT = (("", "SET"), ("shift", "ADD"), ("ctrl", "SUB"), ("shift ctrl", "AND"))  # of Blender's tools
+_DIRECT = (("", "SET"), ("shift", "ADD"), ("ctrl", "SUB"), ("shift ctrl", "AND"))  # keys of Blender's tools
 
 _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
 def lamps_where(context, is_inside, middle: tuple[float, float]) -> set[bpy.types.Object]:
-    """Lamps that are shown with a part of their body where ``is_inside`` is true of the pixels (n, 2) of a region; or with
-    the body behind ``middle``, where that is inside."""
+    """Visible lamps with a part of their body where ``is_inside`` is true of the pixels (n, 2) of a region; or with the
+    body behind ``middle``, if that is inside."""
     region, data = context.region, context.region_data
     projection = np.array(data.perspective_matrix)
     ray = [np.array(made(region, data, middle)) for made in (region_2d_to_origin_3d, region_2d_to_vector_3d)]
@@ -62,7 +62,7 @@ def lamps_where(context, is_inside, middle: tuple[float, float]) -> set[bpy.type
 
 
 def apply(context, mode: str, hit: set[bpy.types.Object], blender) -> None:
-    """Let ``blender()`` select, and then what it cannot see by the same ``mode``."""
+    """Let ``blender()`` select, and then select the lamps that it cannot see in the same ``mode``."""
     before = {obj: obj.select_get() for obj in hit}
     blender()
     for obj, was in before.items():
@@ -72,12 +72,12 @@ def apply(context, mode: str, hit: set[bpy.types.Object], blender) -> None:
             obj.select_set(False)
         elif mode == "AND":
             obj.select_set(was)
-        elif obj.select_get() == was:  # XOR, of a lamp whose icon is outside
+        elif obj.select_get() == was:  # XOR, for a lamp whose icon is outside
             obj.select_set(not was)
 
 
 class _Gesture:
-    """A modal operator with lines that are drawn over its region."""
+    """A modal operator that draws lines over its region."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -86,7 +86,7 @@ class _Gesture:
         return context.mode == "OBJECT" and getattr(context.space_data, "type", "") == "VIEW_3D"
 
     def is_not_ours(self, context, event, blenders: str) -> bool:
-        """Whether Blender is to do as it does: without lamps, or where the user has another key for this."""
+        """Whether Blender handles the gesture: without lamps, or if the user has another key for it."""
         by_key = self.wait_for_input and not keys.is_of(context, event, blenders)
         return by_key or not shown_lamps(context)
 
@@ -239,7 +239,7 @@ class SDFLIGHTS_OT_select_circle(_Gesture, bpy.types.Operator):
     def _paint(self, context):
         (self.x, self.y), self.mode = self._now, self._brush
         self.execute(context)
-        if self._brush == "SET":  # the rest of the stroke extends what it has begun
+        if self._brush == "SET":  # the rest of the stroke extends the selection
             self._brush = "ADD"
 
     def execute(self, context):
@@ -256,11 +256,11 @@ class SDFLIGHTS_OT_select_circle(_Gesture, bpy.types.Operator):
 
 
 def _mode_of_tool(context, operator: str) -> str:
-    """What the active tool sets to be done with the selection."""
+    """The selection mode of the active tool."""
     tool = context.workspace.tools.from_space_view3d_mode(context.mode)
     try:
         return tool.operator_properties(operator).mode
-    except (AttributeError, TypeError):  # another tool, whose drags select too
+    except (AttributeError, TypeError):  # another tool that selects by dragging
         return "SET"
 
 

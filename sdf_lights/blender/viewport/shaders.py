@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shaders of the viewport: one for each formula, however many lamps and whatever numbers they have.
+"""Shaders of the viewport: one per formula, for any number of lamps and any parameters.
 
-They are described by ``GPUShaderCreateInfo``, which Blender translates for OpenGL, Vulkan and Metal alike.
+``GPUShaderCreateInfo`` describes them; Blender translates them for OpenGL, Vulkan and Metal.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
 
 # Vectors of four before the numbers in the uniform block of a lamp; see `Lamp` below.
 HEADER = 12
-# Of 16 KiB, the size of uniform blocks that every graphics API promises.
+# Of 16 KiB, the minimum size of uniform blocks in every graphics API.
 MOST_NUMBERS = 4 * (1024 - HEADER)
-# Along a ray: README.md of shaders_glsl. Of the Mandelbox, 200 are too few; no shape looks different with more than 400.
+# Along a ray: see README.md of shaders_glsl. 200 are too few for the Mandelbox; no shape changes with more than 400.
 STEPS = 400
 
 _LAMP = """
@@ -41,7 +41,7 @@ struct Lamp {
 };
 """
 _NUMBER = "#define number(i) lamp.numbers[(i) / 4][(i) % 4]\n"
-# Tables of a lamp, one after the other: see ``graph.tables``.
+# Tables of a lamp, concatenated: see ``graph.tables``.
 TABLE_WIDTH = 2048
 _TABLES = f"#define table_number(i) texelFetch(tables, ivec2((i) % {TABLE_WIDTH}, (i) / {TABLE_WIDTH}), 0).r\n"
 _FIELD = "float field(vec3 p)\n{\n    return body(p) - lamp.least.w;\n}\n"
@@ -58,13 +58,13 @@ def source(name: str) -> str:
 
 
 def vectors_of(count: int) -> int:
-    """Vectors of four that hold ``count`` numbers; at least one, since arrays cannot be empty."""
+    """Number of vectors of four for ``count`` numbers; at least one, because arrays cannot be empty."""
     return max(-(-count // 4), 1)
 
 
 class LampCode(NamedTuple):
-    """What a shader is made from: the ``field``, whose parameters are the first ``parameters`` of ``numbers``, and the
-    relative emission, whose are the rest; None where it is the same everywhere."""
+    """Source of a shader: the ``field``, whose parameters are the first ``parameters`` of ``numbers``, and the relative
+    emission with the rest; None if it is uniform."""
 
     field: Formula
     parameters: int
@@ -88,7 +88,7 @@ def lamp_shader(code: LampCode) -> gpu.types.GPUShader:
     info.fragment_out(0, "VEC4", "glow")
     info.fragment_out(1, "VEC4", "mask")
     info.define("STEPS", str(STEPS))
-    # Only the sum over the stretches counts, which needs no room for them.
+    # Only the sum over the intervals is used, so they need no memory.
     info.define("INTERVALS", "1")
     info.define("INTERVALS_SUM", "emitted")
     info.define("CROSSING_ERROR", "(0.1 * lamp.low.w)")
@@ -119,7 +119,7 @@ def composite_shader() -> gpu.types.GPUShader:
 
 @functools.cache
 def depth_shader() -> gpu.types.GPUShader:
-    """Shader that writes the depth of triangles; ``transform`` leads from their space to that of the projection."""
+    """Shader that writes the depth of triangles; ``transform`` maps from their space to that of the projection."""
     info = gpu.types.GPUShaderCreateInfo()
     info.vertex_in(0, "VEC3", "position")
     info.push_constant("MAT4", "transform")
@@ -139,7 +139,7 @@ def picture_shader() -> gpu.types.GPUShader:
 
 @functools.cache
 def outline_shader() -> gpu.types.GPUShader:
-    """Shader that draws lines ``width`` wide, in parts of the screen, around what is marked in ``mask``."""
+    """Shader that draws lines of ``width``, in fractions of the screen, around the marked pixels of ``mask``."""
     info = _on_screen("proxy_outline.glsl")
     info.sampler(0, "FLOAT_2D", "mask")
     info.push_constant("VEC2", "width")

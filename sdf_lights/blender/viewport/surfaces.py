@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Depth of the scene's surfaces where Blender has none.
+"""Depth of the scene's surfaces if Blender has none.
 
-Without overlays it draws no depth for engines such as Cycles, and EEVEE leaves zeros until its picture is finished. So the
-meshes that a viewport shows are drawn once more. Their triangles stay on the graphics card until a geometry changes,
-and which of them are where is asked again when something has moved, not for every view.
+Without overlays, Blender draws no depth for engines such as Cycles, and EEVEE leaves zeros until its picture is
+finished. So this module draws the meshes of the viewport again. Their triangles stay on the graphics card until a
+geometry changes. Their transforms are read again when something has moved, not for every view.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ class Surfaces:
 
     def __init__(self):
         self._batches: dict[int, gpu.types.GPUBatch | None] = {}  # by the address of the evaluated mesh
-        self._shown: dict[tuple, tuple[np.ndarray, list[gpu.types.GPUBatch]]] = {}  # by what a viewport shows
+        self._shown: dict[tuple, tuple[np.ndarray, list[gpu.types.GPUBatch]]] = {}  # by the state of a viewport
         self._target: tuple[tuple[int, int], gpu.types.GPUFrameBuffer, gpu.types.GPUTexture] | None = None
         self._stale = False
-        self._drawn: tuple = ()  # the view that is in the target
+        self._drawn: tuple = ()  # the view in the target
 
     def changed(self, geometry: bool) -> None:
-        """Something has moved, or also a ``geometry`` has changed."""
+        """Something has moved; with ``geometry``, a geometry has changed too."""
         self._drawn = ()
         self._shown.clear()
         self._stale = self._stale or geometry
 
     def depth(self, context, view: View, scale: int) -> Depth:
-        """Depth of the meshes as seen in ``view``, drawn anew only where the view or the scene has changed."""
+        """Depth of the meshes seen in ``view``, drawn again only if the view or the scene has changed."""
         space = context.space_data
         shows = space.as_pointer(), rendered.filters(space)
         wanted = view.view.tobytes(), view.projection.tobytes(), view.size, shows
@@ -56,7 +56,7 @@ class Surfaces:
             self._stale = False
         matrices, batches, shows = [], [], shows_in(context.space_data)
         for item in context.evaluated_depsgraph_get().object_instances:
-            # Nothing of `item` may outlive this turn of the loop: Blender reuses it for the next instance.
+            # Nothing may refer to `item` after this iteration: Blender reuses it for the next instance.
             obj = item.object
             if obj.type != "MESH" or not item.show_self or not obj.visible_camera or not shows(item):
                 continue
@@ -99,7 +99,7 @@ class Surfaces:
 
 
 def _batch(mesh: bpy.types.Mesh) -> gpu.types.GPUBatch | None:
-    """The triangles of a mesh; None where it has none."""
+    """The triangles of a mesh; None if it has none."""
     mesh.calc_loop_triangles()
     if not mesh.loop_triangles:
         return None

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera of a 3D viewport, read from its matrices: Blender has put the zoom and offset of the camera view, sensor
-fit, shift and pixel aspect into them already."""
+"""The camera of a 3D viewport, read from its matrices. They already contain the zoom and offset of the camera view,
+sensor fit, shift and pixel aspect."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Border = tuple[int, int, int, int]
 
 
 def view_camera(context, depsgraph: bpy.types.Depsgraph, width: int, height: int) -> tuple[Camera, Border | None]:
-    """Camera of the viewport of ``context``, of that many pixels, and the pixels (x0, y0, x1, y1) to render."""
+    """Camera of the viewport of ``context``, with so many pixels, and the pixels (x0, y0, x1, y1) to render."""
     data = context.region_data
     view, projection = matrix_of(data.view_matrix), matrix_of(data.window_matrix)
     obj = _looked_through(context, depsgraph)
@@ -41,7 +41,7 @@ def view_camera(context, depsgraph: bpy.types.Depsgraph, width: int, height: int
 
 
 def camera_from_matrices(view: np.ndarray, projection: np.ndarray) -> Camera:
-    """The camera that has these matrices (4 × 4), as OpenGL has them. Raises RenderError where they say nothing."""
+    """The camera with these matrices (4 × 4), in OpenGL's convention. Raises RenderError if they are not finite."""
     if not np.isfinite([view, projection]).all() or abs(np.linalg.det(view)) < 1e-30:
         raise RenderError("The viewport's view is not finite: reset it with View > Frame All.")
     matrix = inverse(view)
@@ -54,7 +54,7 @@ def camera_from_matrices(view: np.ndarray, projection: np.ndarray) -> Camera:
         x, y = (edges + projection[0, 2]) / projection[0, 0], (edges + projection[1, 2]) / projection[1, 1]
         return Camera(matrix, window=(*x, *y), clip=(near, far))
     x, y = (edges - projection[0, 3]) / projection[0, 0], (edges - projection[1, 3]) / projection[1, 1]
-    # Orthographic views see what is behind their origin too: rays start where it begins.
+    # Orthographic views also see objects behind their origin: rays start at the near plane.
     matrix[:3, 3] -= near * matrix[:3, 2]
     return Camera(matrix, Projection.ORTHOGRAPHIC, (*x, *y), (0.0, far - near))
 
@@ -70,14 +70,14 @@ def _looked_through(context, depsgraph) -> bpy.types.Object | None:
 
 
 def _frame(obj: bpy.types.Object, depsgraph, projection: np.ndarray) -> np.ndarray:
-    """Where the camera's frame is in the viewport: (x, y) × (low, high), −1 to 1."""
+    """The rectangle of the camera's frame in the viewport: (x, y) × (low, high), −1 to 1."""
     corners = np.array([(*corner, 1.0) for corner in obj.data.view_frame(scene=depsgraph.scene)]) @ projection.T
     ndc = corners[:, :2] / corners[:, 3:]
     return np.stack([ndc.min(axis=0), ndc.max(axis=0)], axis=1)
 
 
 def _beyond(frame: np.ndarray, limits: tuple[float, float]) -> tuple[float, float]:
-    """Edges of the window at −1 and 1, for a panorama whose ``limits`` are at the edges of the frame."""
+    """Edges of the window at −1 and 1, for a panorama whose ``limits`` are the edges of the frame."""
     rate = (limits[1] - limits[0]) / (frame[1] - frame[0])
     return tuple(limits[0] + rate * (edge - frame[0]) for edge in (-1.0, 1.0))
 

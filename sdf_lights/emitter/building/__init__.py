@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps as the kernels read them, from shapes. See README.md."""
+"""Makes lamps in the form that kernels read, from shapes. See README.md."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lamp from a shape: what is checked, measured and filled into its row."""
+"""Makes a lamp from a shape: checks it, measures it, fills its row."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from ..tree import interior, moments
 from ..tree.interior import Tree
 from ..tree.volume import measure
 
-MOST_ROWS = 1 << 22  # of spans that a program may need; memory of those that no ray uses is never touched
-FIELD_ROWS = 512  # intervals of a ray in a field lamp; what is more counts as unresolved
+MOST_ROWS = 1 << 22  # rows of spans that a program may need; memory that no ray uses is never touched
+FIELD_ROWS = 512  # intervals of a ray in a field lamp; more count as unresolved
 DIRECT = 100  # instructions of a program that is traced as a whole, without its tree
-LEAST_ACCEPTANCE = 1.0 / 200.0  # part of the boxes of a lamp's tree that must be interior
+LEAST_ACCEPTANCE = 1.0 / 200.0  # minimum interior part of the boxes of a lamp's tree
 
 EMPTY = "its shape has no interior, so it gives no light: make its parts overlap."
 
 
 class LampError(ValueError):
-    """A lamp cannot give light. One sentence that names the lamp and says what to change."""
+    """A lamp cannot give light. One sentence that names the lamp and the cure."""
 
 
 class Measured(NamedTuple):
-    """An emission that varies, in a shape."""
+    """A varying emission in a shape."""
 
     compiled: CompiledEmission
     weighed: moments.Weighed
@@ -46,10 +46,10 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True)
 class BuiltLamp:
-    """A lamp ready to be packed: its name, one ``LAMP`` row, its program, and its tree unless it is a primitive.
+    """A lamp ready for packing: its name, one ``LAMP`` row, its program, and its tree unless it is a primitive.
 
-    Where the emission varies there are one row ``GLOW`` and what that is made from. Compiled code lives as long as the
-    tree and the emission: keep the lamp while kernels may run on its tables. ``remarks`` are sentences for the user.
+    If the emission varies, it also has one row ``GLOW`` and the data behind it. Compiled code lives as long as the tree
+    and the emission: keep the lamp while kernels may run on its tables. ``remarks`` are sentences for the user.
     """
 
     name: str
@@ -73,11 +73,11 @@ def build_lamp(
 ) -> BuiltLamp:
     """Prepare a lamp (see ``render.scene.Lamp``) for the kernels.
 
-    ``matrix`` (4 × 4) takes the ``shape`` (``sdf.shapes.Shape``) to the world, in metres. ``power`` is in watts;
-    a ``density`` in W/(sr·m³) takes its place where it is given. ``visibility`` holds the bits of ``render.scene.Ray``;
-    without an ``emission`` the lamp is uniform.
+    ``matrix`` (4 × 4) maps the ``shape`` (``sdf.shapes.Shape``) to the world, in metres. ``power`` is in watts; a
+    ``density`` in W/(sr·m³) replaces it. ``visibility`` holds the bits of ``render.scene.Ray``. Without an ``emission``
+    the lamp is uniform.
 
-    Raises ``LampError`` where the lamp has no interior or emits nothing: the caller leaves it out of the scene.
+    Raises ``LampError`` if the lamp has no interior or emits nothing: the caller leaves it out of the scene.
     """
     say(f"Building lamp “{name}”")
     check()
@@ -115,14 +115,15 @@ def build_lamp(
     mean = np.ones(3) if emission is None else _constant(shape, emission) if found is None else found.weighed.mean
     if not mean.max() > 0.0:
         raise LampError(
-            f"Lamp “{name}”: its emission is zero or undefined everywhere inside, so it gives no light: make "
-            "the last line of its emission positive somewhere."
+            f"Lamp “{name}”: its emission is zero or undefined everywhere inside, so it gives no light: make the last "
+            "line of its emission positive somewhere."
         )
     scale = color * (power / (4.0 * math.pi * volume * mean.mean()) if density is None else density)
     row["emission"] = scale * mean
     if not row["emission"].max() > 0.0:
         raise LampError(
-            f"Lamp “{name}”: its emission has none of the light's own color, so it gives no light: make that white."
+            f"Lamp “{name}”: its emission shares no color component with the light's color, so it gives no light: "
+            "make the light white."
         )
     row["power"] = 4.0 * math.pi * volume * row["emission"].mean()
     row["glow"] = -1 if found is None else 0
@@ -137,7 +138,7 @@ def build_lamp(
 
 
 def is_certified(shape) -> bool:
-    """Whether rays are certain to find all of a valid shape that has limits. Builds its tree, where that tells."""
+    """Whether rays certainly find all parts of a valid, bounded shape. Builds its tree, if that is needed."""
     if not shape.certified or math.isfinite(shape.lipschitz):
         return shape.certified
     try:
@@ -155,7 +156,7 @@ def _is_primitive(shape) -> bool:
 
 
 def _place_primitive(row: np.ndarray, shape, matrix: np.ndarray) -> np.ndarray:
-    """Fill in the row of a single primitive; returns its program, in the space of the row's centre."""
+    """Fill in the row of a single primitive. Returns its program, in the space around the row's centre."""
     program = shape.program(matrix)
     row["kind"], row["primitive"], row["parameters"] = PRIMITIVE, program["op"][0], program["parameters"][0]
     row["inverse"] = program["inverse"][0]
@@ -165,7 +166,7 @@ def _place_primitive(row: np.ndarray, shape, matrix: np.ndarray) -> np.ndarray:
 
 
 def _place_tree(row: np.ndarray, tree: Tree, matrix: np.ndarray) -> np.ndarray:
-    """Fill in the row of a lamp with a tree; returns its program, in tree space, which is empty for a field."""
+    """Fill in the row of a lamp with a tree. Returns its program, in tree space; it is empty for a field."""
     matrix = matrix.copy()
     matrix[:3, 3] += matrix[:3, :3] @ tree.center
     row["kind"] = CLOSED if tree.field is None else FIELD
@@ -178,19 +179,19 @@ def _place_tree(row: np.ndarray, tree: Tree, matrix: np.ndarray) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def measured(shape, emission: Emission) -> Measured:
-    """An emission that varies, in a valid shape."""
+    """The varying emission of a valid shape."""
     compiled = compile_emission(emission, shape)
     weighed = moments.weigh(interior.tree(shape), volume_of(shape)[0], compiled)
     return Measured(compiled, weighed, try_rays(shape, compiled.placed))
 
 
 def _constant(shape, emission: Emission) -> np.ndarray:
-    """Colour of an emission that does not vary."""
+    """Colour of a uniform emission."""
     return emission.placed(shape).evaluate(np.zeros(3))
 
 
 def _place_glow(found: Measured, matrix: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """The row of an emission; ``matrix`` takes the shape to the world, relative to the lamp's centre."""
+    """The row of an emission; ``matrix`` maps the shape to the world, relative to the lamp's centre."""
     glow = np.zeros(1, GLOW)
     glow["address"], glow["rate"], glow["scale"] = found.compiled.address, found.tried.rate, scale
     glow["inverse"] = inverse(matrix)[:3]
@@ -198,7 +199,7 @@ def _place_glow(found: Measured, matrix: np.ndarray, scale: np.ndarray) -> np.nd
 
 
 def _remarks(name: str, tried: Tried) -> tuple[str, ...]:
-    """Sentences about an emission that counts as zero in places."""
+    """Sentences about an emission that counts as zero in some regions."""
     return tuple(
         f"Lamp “{name}”: its emission is {what} in {max(100.0 * share, 0.01):.2g} % of its inside, which is dark there: "
         f"{cure}."
@@ -240,7 +241,7 @@ def _check_emission(name: str, power: float, density: float | None, color: np.nd
 
 @functools.lru_cache(maxsize=256)
 def volume_of(shape) -> tuple[float, float]:
-    """Volume of a shape in its own space, and a bound on its error."""
+    """Volume of a shape in its local space, and a bound of its error."""
     exact = shape.volume()
     if exact is not None:
         return exact, 0.0

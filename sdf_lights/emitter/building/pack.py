@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps one after the other, as the tables that the kernels read."""
+"""All lamps in sequence, as the tables that the kernels read."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def pack_lamps(built: list[BuiltLamp]) -> dict[str, np.ndarray]:
 
 
 def _joined(arrays: list[np.ndarray]) -> np.ndarray:
-    """The arrays one after the other, from the beginning of a line of the cache on: a node of a tree takes one."""
+    """The concatenated arrays, beginning at a cache line: a node of a tree takes one line."""
     rows, dtype = sum(map(len, arrays)), arrays[0].dtype
     memory = np.empty(rows * dtype.itemsize + 64, np.uint8)
     start = -memory.ctypes.data % 64
@@ -65,7 +65,7 @@ def _joined(arrays: list[np.ndarray]) -> np.ndarray:
 
 def pack_scalars(built: list[BuiltLamp]) -> dict[str, int]:
     """Values of ``SCALARS``."""
-    # The walk through a tree solves programs above the intervals that it has found.
+    # The walk through a tree solves programs in the rows above the intervals found so far.
     needed = [int(lamp.row["rows"][0]) * (1 if lamp.row["kind"][0] == FIELD else 2) for lamp in built]
     return {"lamp_rows": max(needed, default=1)}
 

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Emission that differs from point to point. See README.md."""
+"""Emission that varies in space. See README.md."""

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many points of a ray an emission that varies needs, and where it is negative or undefined: tried on some rays."""
+"""The number of points per ray that a varying emission needs, and where it is negative or undefined: measured on some
+rays."""
 
 from __future__ import annotations
 
@@ -16,16 +17,16 @@ from ...sdf.shapes import Shape
 from .varying import place_point, point_count
 
 RAYS, STEPS = 64, 384
-RATES = (4, 8, 16, 32, 64, 128, 256)  # points for a ray through the diagonal of the shape's box
+RATES = (4, 8, 16, 32, 64, 128, 256)  # points of a ray through the diagonal of the shape's box
 TOLERANCE = (
-    0.02  # standard deviation of a ray's integral by the shift of its points, relative to the greatest integrals
+    0.02  # standard deviation of a ray's integral under shifts of its points, relative to the greatest integrals
 )
 SHIFTS = (np.arange(8) + 0.5) / 8.0
 SEED = 1
 
 
 class Tried(NamedTuple):
-    """``rate`` is points in each metre of the shape's own space; the others are parts of the points inside."""
+    """``rate`` is points per metre of the shape's local space; the others are fractions of the points inside."""
 
     rate: float
     negative: float
@@ -33,7 +34,7 @@ class Tried(NamedTuple):
 
 
 def try_rays(shape: Shape, placed: Placed) -> Tried:
-    """Follow random rays through a shape."""
+    """Measure the emission along random rays through a shape."""
     low, high = shape.bounds()
     diagonal = float(np.linalg.norm(high - low))
     rng = np.random.default_rng(SEED)
@@ -75,7 +76,7 @@ def _runs(inside: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _sums(values: np.ndarray, length: float, rate: float) -> np.ndarray:
-    """The integral as ``emission.line_integral`` finds it with each of ``SHIFTS``, of evenly spaced values."""
+    """The integral of evenly spaced values, by the rule of ``emission.line_integral`` with each of ``SHIFTS``."""
     count = inspect.unwrap(point_count)(rate * length)
     t, weight = inspect.unwrap(place_point)((np.arange(count) + SHIFTS[:, None]) / count)
     found = np.interp(t, (np.arange(len(values)) + 0.5) / len(values), values)

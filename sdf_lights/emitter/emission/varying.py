@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Emission that differs from point to point: as compiled code, and its integral along rays.
+"""Emission that varies in space: compiled code, and its integral along rays.
 
-The integral over an interval of a ray is ∫ e(t(s)) t'(s) ds over 0 … 1, with a t whose first two derivatives vanish at
-the ends, by the rectangle rule with n points that are shifted together by a random part of their distance. A random
-shift makes the rule unbiased whatever e is (Cranley and Patterson 1976). The change of variable, of Korobov 1963, makes
-the integrand periodic, so the error falls as n⁻³ where e is smooth (Laurie 1996, "Periodizing transformations for numerical
-integration"); and the points are closest at the ends, where lamps have their bright or dark skin.
+The integral over an interval of a ray is ∫ e(t(s)) t'(s) ds over 0 … 1. The first two derivatives of t vanish at both
+ends. The rectangle rule uses n points, which are shifted together by a random fraction of their distance. A random
+shift makes the rule unbiased for any e (Cranley and Patterson 1976). Korobov's change of variable (1963) makes the
+integrand periodic, so the error falls as n⁻³ if e is smooth (Laurie 1996, "Periodizing transformations for numerical
+integration"). Points are densest at the ends, where lamps have their bright or dark skin.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ GLOW = np.dtype(
     [
         ("address", np.int64),  # of the compiled colour
         ("parameters", np.int64),  # index of its first parameter
-        ("inverse", np.float64, (3, 4)),  # the world, relative to the lamp's centre -> the shape's own space
-        ("scale", np.float64, (3,)),  # ρ in W/(sr·m³) where the colour is 1
-        ("rate", np.float64),  # points of a ray in each metre of the shape's own space
+        ("inverse", np.float64, (3, 4)),  # the world, relative to the lamp's centre -> the shape's local space
+        ("scale", np.float64, (3,)),  # ρ in W/(sr·m³) at colour 1
+        ("rate", np.float64),  # points of a ray per metre of the shape's local space
     ],
     align=True,
 )
 
 TABLES = {"lamp_glows": GLOW}
 
-COLOUR = 3 * LANES  # where the values are in a stack, after all x, all y and all z: all red, all green, all blue
+COLOUR = 3 * LANES  # offset of the values in a stack, after all x, all y and all z: all red, all green, all blue
 WEIGHTS = 6 * LANES
-DISTANCES = 7 * LANES  # from where rays begin to be attenuated
+DISTANCES = 7 * LANES  # offset of the distances over which rays are attenuated
 COLOUR_STACK = 8 * LANES  # float64: jit.stack_array(COLOUR_STACK), imported by that name
 
 FEWEST = 4  # points in an interval
@@ -51,7 +51,7 @@ lamp_glows = table("lamp_glows", GLOW)
 
 @dataclass(frozen=True)
 class CompiledEmission:
-    """An emission in a shape, ready for the kernels. ``code`` owns what ``address`` points at."""
+    """A shape's emission, ready for the kernels. ``code`` owns the memory at ``address``."""
 
     placed: Placed
     code: object
@@ -72,7 +72,7 @@ def compile_emission(emission: Emission, shape: Shape) -> CompiledEmission:
 
 @kernel
 def run_colour(address, numbers, stack):
-    """Colours at the ``LANES`` points at the head of ``stack`` (``COLOUR_STACK`` elements), to its part from ``COLOUR``.
+    """Colours at the ``LANES`` points at the head of ``stack`` (``COLOUR_STACK`` elements), written from ``COLOUR`` on.
 
     ``numbers`` is the address of the colour's parameters.
     """
@@ -82,7 +82,7 @@ def run_colour(address, numbers, stack):
 
 @kernel
 def point_count(expected):
-    """Points for an interval that has so many by its length: few, or whole evaluations."""
+    """Number of points for an interval whose length asks for so many: a few, or a multiple of the lanes."""
     if expected <= FEWEST:
         return FEWEST
     return LANES * int(math.ceil(expected / LANES))
@@ -97,7 +97,8 @@ def place_point(s):
 
 @kernel
 def _sum(glow, numbers, stack, total, extinction):
-    """Add weighted colours to ``total`` (RGB), less what is lost on the way that ``stack`` has from ``DISTANCES``."""
+    """Add weighted colours to ``total`` (RGB), minus the attenuation for the distances in ``stack`` from ``DISTANCES``
+    on."""
     run_colour(glow.address, numbers, stack)
     r, g, b = total
     attenuated = extinction[0] + extinction[1] + extinction[2] > 0.0
@@ -144,7 +145,7 @@ def attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, 
         if not size > 0.0:
             continue
         points = point_count(rate * size)
-        # Another shift in each interval from one number: each is uniform, which is all that an unbiased sum needs.
+        # A different shift in each interval, from one number: each is uniform, which is enough for an unbiased sum.
         shift = (u + span * GOLDEN) % 1.0
         for point in range(points):
             t, weight = place_point((point + shift) / points)
@@ -168,7 +169,7 @@ def attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, 
 
 @kernel
 def place_colour(block, index, offset, lane, stack):
-    """Make a point of the world, relative to the lamp's centre, one of those of ``colours``."""
+    """Make a point of the world, relative to the lamp's centre, an input of ``colours``."""
     p = transform_point(lamp_glows(block)[index].inverse, offset)
     for k in range(3):
         stack[k * LANES + lane] = p[k]

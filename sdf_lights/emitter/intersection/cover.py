@@ -1,24 +1,23 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every zero of a field along a ray, by covering the ray with balls that hold none.
+"""All zeros of a field along a ray, by covering the ray with balls that contain none.
 
-Where a field falls at most at the rate F per unit of the ray's parameter and rises at most at the rate R, a value
-v > 0 at t certifies that there is no zero from t − v/R to t + v/F; a value below zero, the same with F and R
-exchanged. Sphere tracing (Hart 1996) uses the half of that ball which lies ahead; here both halves count, and values
-anywhere along the ray can be asked for, so eight of them at a time. A *gap* is what lies between two neighbouring
-values and is certified by neither:
+Let the field fall by at most the rate F per unit of the ray's parameter, and rise by at most the rate R. Then a value v
+> 0 at t proves that there is no zero from t − v/R to t + v/F. For a value below zero, exchange F and R. Sphere tracing
+(Hart 1996) uses the half of that ball ahead of the point. Here both halves count. Values anywhere along the ray can be
+evaluated, so eight are evaluated at a time. A *gap* lies between two neighbouring values and is covered by neither:
 
-- no gap is left, or the field is monotonic there: there is one zero where the signs differ, and none where they agree;
-- the gap is shorter than the tolerance: the same is taken for granted, and the gap counts as unresolved;
-- else the field is evaluated within the gap, which makes two gaps of it, or three.
+- no gap is left, or the field is monotonic there: there is one zero if the signs differ, and none if they agree;
+- the gap is shorter than the tolerance: the same is assumed, and the gap counts as unresolved;
+- else the field is evaluated within the gap, which splits it into two gaps, or three.
 
-So every two zeros that lie farther apart than the tolerance are found, if the rates are right. A single zero between
-two values is then located by the bracketing method of Chandrupatla 1997, "A new hybrid quadratic/bisection algorithm
-for finding the zero of a nonlinear function without using derivatives".
+So every two zeros farther apart than the tolerance are found, if the rates are right. A single zero between two values
+is then located by the bracketing method of Chandrupatla 1997, "A new hybrid quadratic/bisection algorithm for finding
+the zero of a nonlinear function without using derivatives".
 
-``pending`` is a stack of entries: stretches of the ray between two values, with the rates there. Its size and the
-number of rounds are bounded. The tolerance grows when a ray takes many rounds, so that every stretch gets its share;
-what is then taken for granted is counted.
+``pending`` is a stack of entries: parts of the ray between two values, with their rates. Its size and the number of
+rounds are bounded. The tolerance grows when a ray takes many rounds, so that every part gets its share. The assumed
+parts are counted.
 """
 
 from __future__ import annotations
@@ -28,31 +27,32 @@ import math
 from ...jit import kernel
 from .fields import LANES, VALUES, evaluate
 
-# Columns of an entry. Of an old bracket FALL and RISE are a third point and its value: rates are not needed any more.
+# Columns of an entry. In a bracket with a third point, FALL and RISE hold that point and its value: rates are not
+# needed any more.
 START, AT_START, END, AT_END, FALL, RISE, STATE, POINTS, COLUMNS = range(9)
-OPEN, NEW, OLD = 0.0, 1.0, 2.0  # states: a stretch to be covered; a bracket of one zero, without and with a third point
+OPEN, NEW, OLD = 0.0, 1.0, 2.0  # states: a part to be covered; a bracket of one zero, without and with a third point
 
-PENDING = 256  # entries that ``pending`` holds; behind them are those of a round, and where that evaluates the field
+PENDING = 256  # entries in ``pending``; behind them are those of a round, and the points of evaluation
 ASKED = (PENDING + LANES) * COLUMNS
-PENDING_SIZE = ASKED + LANES  # float64 that it must have: jit.stack_array(PENDING_SIZE)
+PENDING_SIZE = ASKED + LANES  # number of float64 in ``pending``: jit.stack_array(PENDING_SIZE)
 
 SIGN = 1e-300  # magnitude of a value of which only the sign is known
-LARGEST = 1e300  # magnitude of the values that are kept
-UNKNOWN = math.nan  # a value that is still to be evaluated
+LARGEST = 1e300  # largest magnitude of a stored value
+UNKNOWN = math.nan  # a value not evaluated yet
 
 RESOLUTION = 1e-7  # zeros closer to each other, relative to the lamp's size, may stay unresolved
 PRECISION = 1e-12  # of a zero, relative to the lamp's size
-ENOUGH = 0.01  # of the precision that the last step in a bracket, which is not checked, may be expected to miss
-STEEP = 0.1  # part of its greatest rate at which a field between two values is taken for a straight line
-PAIRS = 2  # of places in a gap that are evaluated at once, where lanes are free
+ENOUGH = 0.01  # fraction of the precision that the unchecked last step in a bracket may be expected to miss
+STEEP = 0.1  # fraction of its greatest rate below which a field between two values counts as a straight line
+PAIRS = 2  # points in a gap evaluated at once, if lanes are free
 PATIENCE = 16384  # rounds, and sixteen more for each entry at the start, before the tolerance grows …
-GROWTH = 1.25  # … by this factor a round
-LAST = 200  # rounds after which what is left is counted as it is
+GROWTH = 1.25  # … by this factor per round
+LAST = 200  # rounds after which the rest is counted as it is
 
 
 @kernel(forceinline=True)
 def signed(value):
-    """A value as the cover keeps it: neither zero nor infinite, and NaN outside but certifying nothing."""
+    """A value as the cover stores it: neither zero nor infinite; NaN counts as outside but proves nothing."""
     if value > 0.0:
         return min(max(value, SIGN), LARGEST)
     if value <= 0.0:
@@ -62,9 +62,9 @@ def signed(value):
 
 @kernel(forceinline=True)
 def add(pending, used, start, at_start, end, at_end, fall, rise, state):
-    """Append a stretch of the ray to ``pending``; returns the new number of entries, at most ``PENDING``.
+    """Append a part of the ray to ``pending``. Returns the new number of entries, at most ``PENDING``.
 
-    Its ``state`` is ``OPEN`` for a start. ``at_end`` may be ``UNKNOWN``, and so may ``at_start`` where the entry before
+    At the start its ``state`` is ``OPEN``. ``at_end`` may be ``UNKNOWN``, and so may ``at_start`` if the previous entry
     ends at ``start``.
     """
     place = used * COLUMNS
@@ -76,9 +76,9 @@ def add(pending, used, start, at_start, end, at_end, fall, rise, state):
 
 @kernel
 def insert(spans, limit, count, t):
-    """Insert t into the sorted numbers in the first ``limit`` rows of ``spans``; returns how many there have been.
+    """Insert t into the sorted numbers in the first ``limit`` rows of ``spans``. Returns how many there have been.
 
-    Of more than fit the greatest are dropped.
+    If there are too many, the greatest are dropped.
     """
     place = min(count, 2 * limit)
     while place > 0 and spans[(place - 1) >> 1, (place - 1) & 1] > t:
@@ -99,7 +99,7 @@ def _ask(stack, lane, o, d, t):
 
 @kernel(forceinline=True)
 def _gap(start, at_start, end, at_end, fall, rise):
-    """Ends of the part of a stretch that the values at its ends do not certify; in reverse order if there is none."""
+    """Ends of the uncovered part between the two values of an entry; in reverse order if there is none."""
     down, up = max(fall, 0.0), max(rise, 0.0)
     low = start + (at_start / down if at_start > 0.0 else -at_start / up)
     high = end - (at_end / up if at_end > 0.0 else -at_end / down)
@@ -108,7 +108,7 @@ def _gap(start, at_start, end, at_end, fall, rise):
 
 @kernel(forceinline=True)
 def _settle(pending, used, start, at_start, end, at_end, fall, rise, tolerance, precision, spans, limit, found):
-    """Append a stretch unless it is settled. Returns (entries, zeros found so far, length left unresolved)."""
+    """Append a part unless it is settled. Returns (entries, zeros found so far, unresolved length)."""
     differ = (at_start > 0.0) != (at_end > 0.0)
     monotonic = fall <= 0.0 or rise <= 0.0
     if monotonic and not differ:
@@ -132,7 +132,7 @@ def _settle(pending, used, start, at_start, end, at_end, fall, rise, tolerance, 
 
 @kernel
 def _joints(block, row, first, count, o, d, pending, used, stack):
-    """Evaluate what is unknown at the ends of entries. Returns the number of evaluations."""
+    """Evaluate the unknown values at the ends of entries. Returns the number of evaluations."""
     evaluations, entry = 0, 0
     while entry < used:
         lanes, begin = 0, entry
@@ -158,7 +158,7 @@ def _joints(block, row, first, count, o, d, pending, used, stack):
 
 @kernel(forceinline=True)
 def _points(pending, lane, room, start, at_start, end, at_end, fall, rise):
-    """Write places in a gap that certify much of it to ``pending``, in order, from ``ASKED`` + ``lane`` on.
+    """Write points of a gap whose values cover much of it to ``pending``, in order, from ``ASKED`` + ``lane`` on.
 
     Returns their number, which is at most ``room``.
     """
@@ -168,7 +168,7 @@ def _points(pending, lane, room, start, at_start, end, at_end, fall, rise):
     ahead, behind = (fall, rise) if at_start > 0.0 else (rise, fall)
     pending[asked] = middle
     if (at_start > 0.0) == (at_end > 0.0):
-        # A value's ball reaches unequally far to both sides; here it would touch both ends of the gap at once.
+        # A value's ball reaches to different distances on both sides; here it would touch both ends of the gap at once.
         even = low + (high - low) * (ahead / (ahead + behind))
         if low < even < high:
             pending[asked] = even
@@ -178,8 +178,8 @@ def _points(pending, lane, room, start, at_start, end, at_end, fall, rise):
     steepness = slope / max(ahead, behind)
     if min(size_start, size_end) <= SIGN or steepness < STEEP:
         return 1
-    # On both sides of the zero that a straight line would have: points whose balls reach just to the ends of the gap,
-    # and then to one another.
+    # On both sides of the zero of the straight line: points whose balls just reach the ends of the gap, and then each
+    # other.
     zero = start + size_start / slope
     part = 1.0 / (1.0 + steepness)
     if room == 1:
@@ -196,22 +196,22 @@ def _points(pending, lane, room, start, at_start, end, at_end, fall, rise):
 
 @kernel(forceinline=True)
 def first_estimate(start, at_start, end, at_end, fall, rise):
-    """Where a new bracket from ``start`` to ``end`` is evaluated: where a straight line would be zero, or, from an end
-    of which only the sign is known, just behind the zero."""
+    """The first point of a new bracket from ``start`` to ``end``: the zero of the straight line. If only the sign is
+    known at an end, the point is just behind the zero."""
     known_start, known_end = abs(at_start) > SIGN, abs(at_end) > SIGN
     t = math.nan
     if known_start and known_end:
         t = start + (end - start) * (at_start / (at_start - at_end))
     elif known_start or known_end:
-        slope = max(-fall, -rise)  # the least one in a stretch where the field is monotonic
+        slope = max(-fall, -rise)  # the least one in a part where the field is monotonic
         t = start + abs(at_start) / slope if known_start else end - abs(at_end) / slope
     return t if start < t < end else 0.5 * (start + end)
 
 
 @kernel(forceinline=True)
 def estimate(start, at_start, end, at_end, third, at_third, precision):
-    """Where a bracket is evaluated next. ``start`` is its newest point, where the value has not the sign of that at
-    ``end``; ``third`` is the point before."""
+    """The next point of a bracket. ``start`` is its newest point, whose value has not the sign of that at ``end``;
+    ``third`` is the point before."""
     width = end - start
     xi = -width / (third - end)
     phi = (at_start - at_end) / (at_third - at_end)
@@ -225,12 +225,12 @@ def estimate(start, at_start, end, at_end, third, at_third, precision):
 
 @kernel(forceinline=True)
 def refine_bracket(start, at_start, end, at_end, third, t, value, precision):
-    """A bracket with a new value: (zero, NaN while it is not located; end, at_end, third, at_third).
+    """A bracket with a new value: (zero, or NaN if it is not located yet; end, at_end, third, at_third).
 
     The new ``start`` is t. ``third`` is NaN in a new bracket.
     """
-    # The error of an estimate is about the product of the distances to the points that it is made from, times the same
-    # factor from step to step: what it was in this step tells what it would be in the next.
+    # The error of an estimate is about the product of the distances to its points, times a factor that stays the same
+    # from step to step. So the error of this step predicts that of the next.
     farthest = min(abs(start - t), abs(end - t)) if math.isnan(third) else abs(third - t)
     if (value > 0.0) == (at_start > 0.0):
         third, at_third = start, at_start
@@ -238,7 +238,7 @@ def refine_bracket(start, at_start, end, at_end, third, t, value, precision):
         third, at_third = end, at_end
         end, at_end = start, at_start
     error = abs(end - t)
-    if value != SIGN:  # which is what is not a number, not what is almost zero
+    if value != SIGN:  # true for NaN, too
         error = abs(value * (end - t) / (at_end - value))
     zero = t if error <= precision or abs(end - t) <= precision else math.nan
     if error * error <= ENOUGH * precision * farthest:
@@ -250,16 +250,16 @@ def refine_bracket(start, at_start, end, at_end, third, t, value, precision):
 
 @kernel
 def cover(block, row, first, count, o, d, pending, used, tolerance, precision, spans, limit, found, stack):
-    """Insert into ``spans`` all zeros in the ``used`` entries of ``pending``, of the field of a list (``evaluate``).
+    """Insert all zeros in the ``used`` entries of ``pending`` into ``spans``, for the field of a list (``evaluate``).
 
-    ``tolerance`` and ``precision`` are in the unit of the ray's parameter. Returns (zeros found so far, the value at
-    the end of the last entry, length left unresolved, number of evaluations).
+    ``tolerance`` and ``precision`` are in units of the ray's parameter. Returns (zeros found so far, the value at the
+    end of the last entry, unresolved length, number of evaluations).
     """
     evaluations = _joints(block, row, first, count, o, d, pending, used, stack)
     last = pending[(used - 1) * COLUMNS + AT_END]
     unresolved = 0.0
     patience = PATIENCE + 16 * used
-    # First the entries as they are, in place; then those of each round with what it evaluated.
+    # First the entries as they are, in place; then those of each round with their evaluated values.
     base, batch, used, rounds = 0, used, 0, 0
     for entry in range(batch):
         pending[entry * COLUMNS + POINTS] = 0.0

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fields in kernels: a shape's terms as compiled code, evaluated at ``LANES`` points at a time.
 
-A field is made of terms in postfix order (``sdf.shapes.Term``). A *list* holds the indices of terms, also in postfix
-order: of all, or of those that matter in one box of space (see ``interior``). Where an operand is all that matters of
-a join, but with its sign changed, ``NEGATED`` follows it in the list.
+A field consists of terms in postfix order (``sdf.shapes.Term``). A *list* holds the indices of terms, also in postfix
+order: of all terms, or of those that matter in one box of space (see ``interior``). If a join reduces to one operand
+with its sign changed, ``NEGATED`` follows the operand in the list.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ NEGATED = -1  # in a list: the value on top of the stack changes its sign
 
 TABLES = {"lamp_terms": TERM, "lamp_parameters": np.dtype(np.float64), "lamp_lists": LIST}
 
-LIBRARY = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "power", "atan2"})  # a call a lane
+LIBRARY = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "power", "atan2"})  # one call per lane
 
 DEEPEST = 62  # values that an evaluation may hold at a time
-VALUES = 3 * LANES  # where the values are in ``stack``, after all x, all y and all z
-STACK = VALUES + DEEPEST * LANES  # float64 that ``stack`` must have: jit.stack_array(STACK), imported by that name
+VALUES = 3 * LANES  # offset of the values in ``stack``, after all x, all y and all z
+STACK = VALUES + DEEPEST * LANES  # number of float64 in ``stack``: jit.stack_array(STACK), imported by that name
 
 lamp_terms = table("lamp_terms", TERM)
 lamp_parameters = table("lamp_parameters", np.float64)
@@ -52,16 +52,16 @@ lamp_lists = table("lamp_lists", LIST)
 
 @dataclass(frozen=True)
 class CompiledField:
-    """A field ready for the kernels. ``code`` owns what the addresses in ``terms`` and ``parameters`` point at."""
+    """A field ready for the kernels. ``code`` owns the memory at the addresses in ``terms`` and ``parameters``."""
 
     source: tuple[Term, ...]
     terms: np.ndarray  # TERM
     parameters: np.ndarray  # float64
-    cares: np.ndarray  # how far from zero the value of each term may be before no more than its sign matters
-    gains: np.ndarray  # how much each term can multiply the Lipschitz bounds of its operands; infinite for leaves
-    operations: np.ndarray  # of each term, at a point
-    costs: np.ndarray  # rough ns that each term takes for LANES points: the same on every machine
-    depth: int  # most values that an evaluation of all terms holds at a time
+    cares: np.ndarray  # largest distance from zero of the value of each term at which more than its sign matters
+    gains: np.ndarray  # factor of each term on the Lipschitz bounds of its operands; infinite for leaves
+    operations: np.ndarray  # of each term, per point
+    costs: np.ndarray  # rough time of each term for LANES points: the same on every machine
+    depth: int  # greatest number of values that an evaluation of all terms holds at a time
     code: tuple
 
     def all_terms(self) -> np.ndarray:
@@ -70,7 +70,8 @@ class CompiledField:
 
 
 def _work(nodes: list[Formula], parameters: np.ndarray, library: float) -> float:
-    """Operations of a graph at a point, with all rounds of its loops; each call of a library counts as ``library``."""
+    """Operations of a graph at a point, including all iterations of its loops; each library call counts as
+    ``library``."""
     total = 0.0
     for node in nodes:
         if node.kind == ITERATE:
@@ -91,13 +92,13 @@ def _work(nodes: list[Formula], parameters: np.ndarray, library: float) -> float
 
 
 def _gains(terms: list[Term]) -> tuple[np.ndarray, int]:
-    """``CompiledField.gains``, and the most values that an evaluation holds at a time."""
+    """``CompiledField.gains``, and the greatest number of values that an evaluation holds at a time."""
     gains, stack, depth = np.full(len(terms), np.inf), [], 0
     for index, term in enumerate(terms):
         if term.arity > 0:
             steepest = max(stack[-term.arity :])
             del stack[-term.arity :]
-            # No operator is steeper than the steepest of its operands where a bound of that is not known.
+            # Without a known bound, no operator is steeper than its steepest operand.
             gains[index] = term.lipschitz / steepest if math.isfinite(term.lipschitz) else 1.0
         stack.append(term.lipschitz)
         depth = max(depth, len(stack))
@@ -109,15 +110,15 @@ def _cares(terms: list[Term]) -> np.ndarray:
     cares, waiting = np.zeros(len(terms)), [0.0]
     for index in range(len(terms) - 1, -1, -1):
         cares[index] = waiting.pop()
-        # An operand that is farther from zero than the blend width does not bring its value closer to zero than its
-        # own; a map may bring any value to zero.
+        # An operand farther from zero than the blend width does not bring its value closer to zero than its own. A map
+        # may bring any value to zero.
         needed = cares[index] + terms[index].blend_width if terms[index].arity == 2 else math.inf
         waiting += [needed] * terms[index].arity
     return cares
 
 
 def compile_terms(terms: list[Term]) -> CompiledField:
-    """Compile what is not compiled yet; terms of the same formula share their code."""
+    """Compile all formulas that are not compiled yet; terms of the same formula share their code."""
     rows = np.zeros(len(terms), TERM)
     code, parameters, used = [], [np.zeros(0)], 0
     for row, term in zip(rows, terms):
@@ -148,8 +149,8 @@ def compile_terms(terms: list[Term]) -> CompiledField:
 def run_terms(terms, parameters, lists, first, count, stack):
     """Values of a list, the ``count`` entries of ``lists`` from ``first``, at the points in ``stack``.
 
-    ``stack`` has ``STACK`` elements: the ``LANES`` x, then y, then z are at its head and stay there; the values come
-    after them, from ``VALUES``. A term reads its operands where they lie and leaves its own values in their place.
+    ``stack`` has ``STACK`` elements: the ``LANES`` x, then y, then z are at its head and stay there; the values follow,
+    from ``VALUES``. A term reads its operands in place and overwrites them with its own values.
     """
     points = stack.ctypes.data
     numbers = parameters.ctypes.data

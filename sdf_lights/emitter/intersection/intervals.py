@@ -3,7 +3,7 @@
 """Intervals of a ray inside a program of primitives and set operations.
 
 Roth 1982, "Ray casting for modeling solids": every primitive gives its intervals in closed form, and set operations
-merge sorted lists of them. All crossings are found, to rounding error, without marching.
+merge sorted lists of them. This finds all crossings, to rounding error, without marching.
 
 The stack of lists lies in the rows of ``spans``: the (start, end) rows of a list, then one row that holds their number.
 """
@@ -22,7 +22,8 @@ from .membership import DIFFERENCE, INTERSECTION, UNION
 
 
 def rows_needed(program: np.ndarray) -> tuple[int, int]:
-    """Rows of ``spans`` that ``solve`` can use at most for a program, and the most sets on its stack."""
+    """Maximum number of rows of ``spans`` that ``solve`` uses for a program, and the maximum number of sets on its
+    stack."""
     stack, rows, deepest = [], 0, 0
     for op, arity, parameters in zip(program["op"], program["arity"], program["parameters"]):
         if arity == 0:
@@ -30,8 +31,8 @@ def rows_needed(program: np.ndarray) -> tuple[int, int]:
         else:
             both = stack[-2] + stack[-1]
             rows = max(rows, sum(stack) + len(stack) + both)  # the merged list is written above its operands
-            # Every interval of the result lies between two of the ends of its operands', and shares none of them with
-            # another; an intersection starts at the later ones of pairs of starts.
+            # Every interval of the result lies between two ends of its operands' intervals, and shares none of them
+            # with another. An intersection starts at the later one of two starts.
             stack[-2:] = [both - 1 if op == Op.INTERSECTION else both]
         deepest = max(deepest, len(stack))
         rows = max(rows, sum(stack) + len(stack))
@@ -40,20 +41,21 @@ def rows_needed(program: np.ndarray) -> tuple[int, int]:
 
 @kernel
 def primitive_spans(row, o, d):
-    """Number of intervals inside the primitive of one instruction, 0 to 2, and their ends. Not of one that may have more."""
+    """Number of intervals inside the primitive of one instruction, 0 to 2, and their ends. Not for primitives that may
+    have more."""
     return primitives.spans(row.op, row.parameters, transform_point(row.inverse, o), transform_vector(row.inverse, d))
 
 
 @kernel
 def _write_spans(row, o, d, spans, first):
-    """Write the intervals inside the primitive of one instruction to rows from ``first``; returns their number."""
+    """Write the intervals inside the primitive of one instruction to rows from ``first``. Returns their number."""
     p, v = transform_point(row.inverse, o), transform_vector(row.inverse, d)
     return primitives.write_spans(row.op, row.parameters, p, v, spans, first)
 
 
 @kernel
 def _combine(spans, first, count_first, second, count_second, op, out):
-    """Merge two sorted lists (rows from ``first`` and from ``second``) into rows from ``out``; returns their number."""
+    """Merge two sorted lists (rows from ``first`` and from ``second``) into rows from ``out``. Returns their number."""
     i, j = 0, 0
     in_first, in_second, inside = False, False, False
     count = 0
@@ -87,7 +89,7 @@ def _combine(spans, first, count_first, second, count_second, op, out):
 
 @kernel
 def _complement(spans, first, count):
-    """Replace a sorted list by the gaps between its intervals, before and after them; returns their number."""
+    """Replace a sorted list by the gaps between its intervals, before and after them. Returns their number."""
     kept, start = 0, -np.inf
     for index in range(first, first + count):
         low, high = spans[index, 0], spans[index, 1]
@@ -104,11 +106,12 @@ def _complement(spans, first, count):
 @replaced_on_gpu
 @kernel
 def solve(program, o, d, spans, chosen=None):
-    """Sorted, disjoint intervals (start, end) of the ray o + s·d inside the program, in rows from 0; their number.
+    """Write the sorted, disjoint intervals (start, end) of the ray o + s·d inside the program to rows from 0. Returns
+    their number.
 
-    ``chosen`` are the indices of the instructions that count, and ``NEGATED``; None for all of them. o and d are in the
-    space the instructions' ``inverse`` starts from. d may have any length but zero; o should be near the shape
-    (``lamps.trace`` moves it there), since the ends are as precise as |o| allows. ``spans`` has at least
+    ``chosen`` are the indices of the active instructions, and ``NEGATED``; None for all of them. o and d are in the
+    space where the instructions' ``inverse`` starts. d may have any length but zero. o should be near the shape
+    (``lamps.trace`` moves it there), because the ends are as precise as |o| allows. ``spans`` has at least
     ``rows_needed(program)`` rows. Slivers of rounding size are left to ``regularize``.
     """
     length = len(program)
@@ -123,7 +126,7 @@ def solve(program, o, d, spans, chosen=None):
         if missed:
             missed = False
             if index != NEGATED and program[index].arity > 0 and program[index].op != INTERSECTION:
-                continue  # the set below on the stack is left as it is
+                continue  # leaves the set below it on the stack unchanged
             spans[top, 0] = 0
             top += 1
         if index == NEGATED:
@@ -164,9 +167,10 @@ def solve(program, o, d, spans, chosen=None):
 
 @kernel
 def regularize(spans, count, smallest):
-    """Close gaps shorter than ``smallest`` between the sorted (start, end) rows, then drop intervals that short.
+    """Close gaps shorter than ``smallest`` between the sorted (start, end) rows, then drop intervals shorter than that.
 
-    Where faces coincide, rounding leaves slivers of either sign; this is the regularised set operation's interior.
+    Where faces coincide, rounding leaves slivers of either sign. This computes the interior of the regularised set
+    operation.
     """
     merged = 0
     for index in range(count):

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a box, or a point as a box of no size, is inside or outside each primitive and a whole program.
+"""Whether a box, or a point as a box of zero size, is inside or outside each primitive and a whole program.
 
-A box is given by its centre and half sizes in the primitive's own space. The answer is conservative: (inside, outside)
-as 1 or 0, both 0 where the surface may pass through the box.
+A box is given by its centre and half sizes in the primitive's local space. The answer is conservative: (inside,
+outside) as 1 or 0, both 0 if the surface may pass through the box.
 """
 
 from ...jit import kernel
@@ -14,15 +14,15 @@ from .fields import NEGATED
 UNION, INTERSECTION = int(Op.UNION), int(Op.INTERSECTION)
 DIFFERENCE, EXCLUSIVE = int(Op.DIFFERENCE), int(Op.EXCLUSIVE)
 
-DEEPEST = 62  # bits of an int64 that hold one flag for each set on the stack
+DEEPEST = 62  # bits of an int64, which holds one flag for each set on the stack
 
-# What is called for every point or box with whole arrays is inlined: each array that is passed on costs an atomic
-# reference count, which took four times as long as the rest.
+# Functions called for every point or box with whole arrays are inlined: passing an array costs an atomic reference
+# count, which took four times as long as the rest.
 
 
 @kernel
 def place(row, c, h):
-    """Centre and half sizes of the axis-aligned box round the image, in the primitive's space, of a box."""
+    """Centre and half sizes of the axis-aligned box around the image of a box in the primitive's space."""
     m = row.inverse
     centre = (
         m[0, 0] * c[0] + m[0, 1] * c[1] + m[0, 2] * c[2] + m[0, 3],
@@ -39,14 +39,14 @@ def place(row, c, h):
 
 @kernel
 def classify_primitive(row, c, h):
-    """Flags (inside, outside) of one primitive's instruction for a box of the shape's space."""
+    """Flags (inside, outside) of one primitive's instruction for a box in the shape's space."""
     c, h = place(row, c, h)
     return primitives.classify(row.op, row.parameters, c, h)
 
 
 @kernel(forceinline=True)
 def combined(op, first_in, first_out, second_in, second_out):
-    """Flags (inside, outside) of the combination of two sets by their flags."""
+    """Flags (inside, outside) of the combination of two sets, from their flags."""
     if op == UNION:
         return first_in | second_in, first_out & second_out
     if op == INTERSECTION:
@@ -60,8 +60,8 @@ def combined(op, first_in, first_out, second_in, second_out):
 def classify(program, c, h, chosen=None):
     """Flags (inside, outside) of a program for the box with centre c and half sizes h.
 
-    ``chosen`` are the indices of the instructions that count, and ``NEGATED``; None for all of them. The stack of sets
-    is a stack of bits, so a program may hold at most ``DEEPEST`` sets at a time.
+    ``chosen`` are the indices of the active instructions, and ``NEGATED``; None for all of them. The stack of sets is a
+    stack of bits, so a program may hold at most ``DEEPEST`` sets at a time.
     """
     count = len(program)
     if chosen is not None:
@@ -88,5 +88,5 @@ def classify(program, c, h, chosen=None):
 
 @kernel(forceinline=True)
 def contains(program, p, chosen=None):
-    """Whether the point p of the shape's space is inside."""
+    """Whether the point p in the shape's space is inside."""
     return classify(program, p, (0.0, 0.0, 0.0), chosen)[0] == 1

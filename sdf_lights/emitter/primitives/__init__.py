@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Primitives in closed form: a module for each, under the name of its member of ``sdf.program.Op``.
+"""Primitives in closed form: one module each, named after its member of ``sdf.program.Op``.
 
-A module has the functions below. ``size`` are the parameters of its instruction, and everything is in its own space.
+A module has the functions below. ``size`` are the parameters of its instruction. Everything is in the primitive's local
+space.
 
     MOST_SPANS, or most_spans(size)          intervals of a ray at most
     spans(size, o, d)                        their number, 0 to 2, and ends (start, end, start, end), of the ray o + s·d
@@ -14,8 +15,8 @@ A module has the functions below. ``size`` are the parameters of its instruction
     face(size, axis, c, h)                   coordinate f of flat faces ±f across an axis, for a box; infinite: none
     half_size(size)                          (3,) half sizes of its box around the origin
 
-d has any length but zero. An affine map of a uniform point is uniform in the mapped shape, so one ``point`` serves every
-placement.
+d may have any length but zero. An affine map of a uniform point is uniform in the mapped shape, so one ``point`` is
+enough for every transform.
 """
 
 from __future__ import annotations
@@ -27,12 +28,12 @@ from ...jit import dispatched, kernel
 from ...sdf.program import Op
 from .spans import NO_SPANS
 
-# Imported by name, so that a primitive is known by its ``Op``; ``jit`` counts all modules of this folder as sources.
+# Imported by name, so the ``Op`` identifies a primitive. ``jit`` counts all modules of this folder as sources.
 MODULES = {op: importlib.import_module(f".{op.name.lower()}", __name__) for op in Op if op < Op.UNION}
 
 
 def most_spans(op: int, size) -> int:
-    """Intervals at most of a ray in a primitive."""
+    """Maximum number of intervals of a ray in a primitive."""
     module = MODULES[Op(op)]
     return module.MOST_SPANS if hasattr(module, "MOST_SPANS") else module.most_spans(size)
 
@@ -43,12 +44,12 @@ def has_points(op: int) -> bool:
 
 
 def has_two_spans_at_most(op: int) -> bool:
-    """Whether ``spans`` serves the primitive, whatever its parameters."""
+    """Whether ``spans`` works for the primitive with any parameters."""
     return hasattr(MODULES[Op(op)], "spans")
 
 
 def half_size(op: int, size):
-    """(3,) half sizes of a primitive's box around the origin, in its own space."""
+    """(3,) half sizes of a primitive's box around the origin, in its local space."""
     return MODULES[Op(op)].half_size(size)
 
 
@@ -59,9 +60,9 @@ def _cases(name: str) -> list[dict]:
     ]
 
 
-NUMBER, CASE, REST = -1, None, None  # given by ``dispatched``
+NUMBER, CASE, REST = -1, None, None  # set by ``dispatched``
 
-# Inlined, as a call for each number that is not meant made rays a third slower.
+# Inlined, because calls for the wrong numbers made rays a third slower.
 
 
 @kernel(forceinline=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A capsule along z: radius, and height, the length of its segment without the caps; centred."""
+"""A capsule along z: radius; height of its segment without the caps; centred."""
 
 import math
 

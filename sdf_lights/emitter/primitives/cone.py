@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A cone along z: radius of its base at −height/2, height to its apex at +height/2. A frustum that ends in a point."""
+"""A cone along z: radius of its base at −height/2, height to its apex at +height/2. It is a frustum that ends in a
+point."""
 
 import numpy as np
 

@@ -19,15 +19,16 @@ MOST_SPANS = 1
 def frustum_span(o, d, bottom, top, half_height):
     """Solid between the circles of radius ``bottom`` at z = −half_height and ``top`` at z = +half_height.
 
-    Within the slab of its height only one of the two nappes of x² + y² = r(z)² is left, r the radius at height z, which
-    is linear; there the solid is convex. Equal radii make it a cylinder, and no radius at one end a cone.
+    The side is x² + y² = r(z)², where r is the radius at height z, which is linear. Within the slab of the height only
+    one of its two nappes is left, and the solid is convex. Equal radii make it a cylinder; a radius of zero makes it a
+    cone.
     """
     side = slab(o[2], d[2], half_height)
     if side[0] > side[1]:
         return MISS
     middle = -dot(o, d) / dot(d, d)
     p = madd(o, middle, d)
-    # Weighted ends keep the digits of the radius near an apex, whichever end it is at.
+    # Weighted ends keep the digits of the radius near an apex, at either end.
     radius = (bottom * (half_height - p[2]) + top * (half_height + p[2])) / (2.0 * half_height)
     rate = (top - bottom) / (2.0 * half_height) * d[2]
     across = d[0] * d[0] + d[1] * d[1]
@@ -38,10 +39,10 @@ def frustum_span(o, d, bottom, top, half_height):
     turn = abs(p[0] * d[1] - p[1] * d[0])
     swing = math.hypot(p[0] * rate - radius * d[0], p[1] * rate - radius * d[1])
     discriminant = (swing - turn) * (swing + turn)
-    if a == 0.0 and b == 0.0:  # the side is neither nearer nor farther anywhere along the ray
+    if a == 0.0 and b == 0.0:  # the side has the same distance all along the ray
         return side if c < 0.0 else MISS
     if discriminant <= 0.0:
-        # A line steeper than the cone always meets both nappes: at best together, in the apex.
+        # A line steeper than the cone always meets both nappes; at the limit both at the apex.
         if a >= 0.0:
             return MISS
         discriminant = 0.0
@@ -68,7 +69,7 @@ def spans(size, o, d):
 @kernel
 def classify_frustum(c, h, bottom, top, half_height):
     """Flags (inside, outside) for the box with centre c and half sizes h."""
-    # The radius is linear in z: of the part of the box between the ends, it is least and greatest at two heights.
+    # The radius is linear in z: in the part of the box between the ends, it is least and greatest at two heights.
     low = min(max(0.5 + (c[2] - h[2]) / (2.0 * half_height), 0.0), 1.0)
     high = min(max(0.5 + (c[2] + h[2]) / (2.0 * half_height), 0.0), 1.0)
     at_low, at_high = (1.0 - low) * bottom + low * top, (1.0 - high) * bottom + high * top
@@ -85,8 +86,8 @@ def classify(size, c, h):
 def frustum_point(u1, u2, u3, bottom, top, height):
     """Uniform point in a frustum of the radii ``bottom`` at z = −height/2 and ``top`` at +height/2.
 
-    The volume below grows with the cube of the radius; the quotient of two differences of cubes gives the height, and
-    needs no special case where the radii are equal.
+    The volume below grows with the cube of the radius. The quotient of two differences of cubes gives the height, and
+    needs no special case for equal radii.
     """
     first, last = bottom * bottom * bottom, top * top * top
     radius = (first + u1 * (last - first)) ** (1.0 / 3.0)

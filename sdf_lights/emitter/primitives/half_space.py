@@ -15,7 +15,7 @@ MOST_SPANS = 1
 
 @kernel
 def half_space_span(o, d):
-    """Where z ≤ 0: one end, or both, is infinite."""
+    """The interval in z ≤ 0: one end, or both, is infinite."""
     if d[2] == 0.0:
         return (-math.inf, math.inf) if o[2] <= 0.0 else MISS
     crossing = -o[2] / d[2]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distances of a box to planes and to the z axis, by which primitives classify it."""
+"""Distances of a box to planes and to the z axis; primitives use them to classify the box."""
 
 import math
 
@@ -35,7 +35,7 @@ def distance_flags(low, high, radius):
 
 @kernel
 def round_bar(c, h, least_radius, greatest_radius, half_height):
-    """Flags of a box in a solid of revolution along z between |z| = ``half_height``, whose radius beside the box is from
+    """Flags of a box in a solid of revolution between |z| = ``half_height``, whose radius beside the box is from
     ``least_radius`` to ``greatest_radius``."""
     near_square, far_square = axis_squares(c, h)
     inside = far(c[2], h[2]) <= half_height and far_square <= least_radius * least_radius
@@ -45,5 +45,5 @@ def round_bar(c, h, least_radius, greatest_radius, half_height):
 
 @kernel
 def end_face(half_height, axis):
-    """``face`` of a primitive that is flat at its ends alone, at z = ±half_height."""
+    """``face`` of a primitive that is flat only at its ends, z = ±half_height."""
     return half_height if axis == 2 else math.inf

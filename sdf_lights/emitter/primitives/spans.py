@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Intervals of a ray in slabs and tubes, from which those in primitives are made.
 
-A ray is o + s·d in the primitive's own space, where d has any length but zero. Intervals are in the ray's own parameter s: an
-affine map keeps them, so they are world distances when the world direction was of unit length. Each is solved about the ray's
-closest approach, where no digits are lost to the distance of o. An interval is (start, end); start > end means that the ray
-misses.
+A ray is o + s·d in the primitive's local space, where d has any length but zero. Intervals are in the ray's parameter
+s. An affine map keeps them, so they are world distances if the world direction had unit length. Each is solved around
+the ray's closest approach, so the distance of o costs no digits. An interval is (start, end); start > end means that
+the ray misses.
 """
 
 import math
@@ -18,7 +18,7 @@ NO_SPANS = (0, 0.0, 0.0, 0.0, 0.0)
 
 @kernel
 def one(span):
-    """What ``spans`` of a primitive returns, of one interval."""
+    """The result of ``spans`` for a primitive with one interval."""
     return (1 if span[0] < span[1] else 0), span[0], span[1], 0.0, 0.0
 
 
@@ -30,7 +30,7 @@ def overlap(a, b):
 
 @kernel
 def slab(o, d, half):
-    """Where |o + s·d| ≤ half, for scalars."""
+    """The interval with |o + s·d| ≤ half, for scalars."""
     if d == 0.0:
         if abs(o) > half:
             return MISS
@@ -41,7 +41,7 @@ def slab(o, d, half):
 
 @kernel
 def tube_span(o, d, radius):
-    """Infinite cylinder round the z axis."""
+    """Infinite cylinder around the z axis."""
     square = d[0] * d[0] + d[1] * d[1]
     if square == 0.0:
         if o[0] * o[0] + o[1] * o[1] > radius * radius:

@@ -16,7 +16,7 @@ MOST_SPANS = 1
 
 @kernel
 def sphere_span(o, d, radius):
-    """Interval (start, end) of the ray o + t d in a sphere about the origin; ``MISS`` where there is none."""
+    """Interval (start, end) of the ray o + t d in a sphere about the origin; ``MISS`` if there is none."""
     square = dot(d, d)
     middle = -dot(o, d) / square
     distance = length(madd(o, middle, d))

@@ -3,15 +3,15 @@
 """A Menger sponge in a cube centred at the origin: half size, levels (a whole number).
 
 The sponge of n levels is a cube without the points that have, at one of the levels 1 … n, two coordinates in a *middle
-third*: with coordinates from 0 to 1, that of level k is where the k-th digit in base 3 is a 1.
+third*. For coordinates from 0 to 1, a coordinate is in the middle third of level k if its k-th digit in base 3 is 1.
 
-A ray passes the parts of a cell in the order of its crossings with the planes between them; parts of which two
-coordinates are in the middle third are empty, the others are divided further. A random ray meets some (20/9)ᵏ solid
-cells of level k, so that is how the cost grows, as the number of intervals does, and not as 3ᵏ. The cells of the last
-level but one are not walked through: the crossings of their middle thirds say at once where they are empty.
+A ray passes the parts of a cell in the order of its crossings with the planes between them. Parts with two coordinates
+in the middle third are empty; the others are divided further. A random ray meets about (20/9)ᵏ solid cells of level k.
+So the cost grows with the number of intervals, and not as 3ᵏ. Cells of the second to last level are not walked through:
+the crossings of their middle thirds show directly where they are empty.
 
 Planes are numbered, from 0 to 3ⁿ across the cube, and a plane's crossing is always the same function of its number. So
-cells that follow one another abut to the last bit, and what is not certain but for rounding is no longer than that.
+neighbouring cells abut to the last bit, and every uncertainty stays within rounding.
 """
 
 import math
@@ -20,44 +20,46 @@ import numpy as np
 
 from ...jit import kernel, stack_array
 
-_ROW = 10  # float64 of a cell that waits for one of its parts
-_WAITING = 12 * _ROW  # as many cells as a sponge has levels, at most
-_STILL = 1e-30  # rate of a coordinate, relative to the fastest, below which it does not change in the cube
-_NEVER = 1e300  # parameter of the ray that it does not reach
-_ROUNDING = 1e-12  # of the cube's size, by which corners of boxes may be off
+_ROW = 10  # float64 of a cell whose parts are not all visited yet
+_WAITING = 12 * _ROW  # maximum number of such cells: the number of levels
+_STILL = 1e-30  # rate of a coordinate, relative to the fastest, below which it counts as constant in the cube
+_NEVER = 1e300  # parameter beyond the end of every ray
+_ROUNDING = 1e-12  # tolerance for corners of boxes, relative to the cube's size
 
 
 def most_spans(size) -> int:
-    """Bound on the number of intervals of a ray.
+    """Bound of the number of intervals of a ray.
 
-    A gap between two of them begins at a plane where a coordinate enters a middle third. At level k each coordinate
-    has 3ᵏ⁻¹ of those planes, and a ray crosses a plane once.
+    A gap between two of them begins at a plane where a coordinate enters a middle third. At level k each coordinate has
+    3ᵏ⁻¹ such planes, and a ray crosses a plane once.
     """
     return 1 + 3 * (3 ** int(size[1]) - 1) // 2
 
 
 @kernel
 def _planes(o, d, still, half_size, count):
-    """Crossings of the planes across one coordinate, all of which the ray passes upwards: plane j at first + j·rate.
+    """Crossings of the planes across one coordinate, oriented so that the ray passes them upwards: plane j at first +
+    j·rate.
 
-    Returns (first, rate); rate is negative where the ray misses the cube.
+    Returns (first, rate); rate is negative if the ray misses the cube.
     """
     if abs(d) <= still:
         if abs(o) > half_size:
             return 0.0, -1.0
-        # As if it moved, so slowly that it is never near a plane: from the middle between two of them.
+        # Treated as moving so slowly that it never comes near a plane: from the middle between two of them.
         cell = min(math.floor((o / half_size + 1.0) * (0.5 * count)), count - 1.0)
         return -(cell + 0.5) * _NEVER, _NEVER
-    if d < 0.0:  # a mirror image of the sponge is the same
+    if d < 0.0:  # the sponge is symmetric
         o, d = -o, -d
     return (-half_size - o) / d, 2.0 * half_size / (count * d)
 
 
 @kernel(forceinline=True)
 def _third(first, rate, plane, width, t):
-    """Third of a cell that the ray is in at t, along one coordinate, and when it leaves that within the cell.
+    """Third of a cell that contains the ray at t, along one coordinate, and where the ray leaves that third within the
+    cell.
 
-    ``plane`` is the lower plane of the cell, and ``width`` how many planes there are to a third.
+    ``plane`` is the lower plane of the cell, and ``width`` the number of planes per third.
     """
     lower, upper = first + (plane + width) * rate, first + (plane + 2.0 * width) * rate
     third = (1.0 if t >= lower else 0.0) + (1.0 if t >= upper else 0.0)
@@ -66,7 +68,7 @@ def _third(first, rate, plane, width, t):
 
 @kernel(forceinline=True)
 def _next(third, leave, first, rate, plane, width, t):
-    """As ``_third``, of a ray that was in ``third`` until now, and leaves it at ``leave``."""
+    """As ``_third``, for a ray that was in ``third`` until now, and leaves it at ``leave``."""
     upper = first + (plane + 2.0 * width) * rate
     after = upper if third == 0.0 else math.inf
     return third + (1.0 if leave <= t else 0.0), after if leave <= t else leave
@@ -80,9 +82,9 @@ def _sorted(a, b, c):
 
 @kernel(forceinline=True)
 def _cut(spans, place, start, low, high):
-    """Take the gap from ``low`` to ``high``, if there is one, out of the interval that begins at ``start``.
+    """Cut the gap from ``low`` to ``high``, if there is one, out of the interval that begins at ``start``.
 
-    What is before the gap is written to row ``place``. Returns the place and the start of what is after it.
+    The part before the gap is written to row ``place``. Returns the row and the start of the part after it.
     """
     spans[place, 0], spans[place, 1] = start, low
     place += 1 if low > start and high > low else 0
@@ -100,7 +102,8 @@ def _cut_cell(spans, place, start, x0, dx, y0, dy, z0, dz, i, j, k, t, stop):
     c, w = _third(z0, dz, k, 3.0, t)
     while t < stop:
         leave = min(u, v, w, stop)
-        # Two are in a middle third from the second entry to the first exit, and from the third to the second.
+        # Two coordinates are in a middle third from the second entry to the first exit, and from the third to the
+        # second.
         x, y, z = i + 3.0 * a + 1.0, j + 3.0 * b + 1.0, k + 3.0 * c + 1.0
         _, second_entry, third_entry = _sorted(x0 + x * dx, y0 + y * dy, z0 + z * dz)
         first_exit, second_exit, _ = _sorted(x0 + (x + 1.0) * dx, y0 + (y + 1.0) * dy, z0 + (z + 1.0) * dz)
@@ -120,8 +123,8 @@ def _cut_cell(spans, place, start, x0, dx, y0, dy, z0, dz, i, j, k, t, stop):
 def sponge_spans(o, d, half_size, levels, spans, first):
     """Write the intervals (start, end) inside a sponge of 2·``half_size`` around the origin to rows from ``first``.
 
-    Returns their number, ``most_spans(levels)`` at most; one row more is scratch. The ray o + s·d is in the sponge's own
-    space; d may have any length but zero.
+    Returns their number, at most ``most_spans(levels)``; one row more is scratch. The ray o + s·d is in the sponge's
+    local space; d may have any length but zero.
     """
     count = 3.0**levels
     still = _STILL * max(abs(d[0]), abs(d[1]), abs(d[2]))
@@ -134,8 +137,8 @@ def sponge_spans(o, d, half_size, levels, spans, first):
     if levels == 0:
         spans[first, 0], spans[first, 1] = start, end
         return 1
-    # The ray is in the third (a, b, c) of a cell with the lower planes i, j and k, and leaves the thirds at u, v and w;
-    # it leaves the cell at ``stop``. A sponge of one level is a third, too: the first of a cell that goes on beyond it.
+    # The ray is in the third (a, b, c) of a cell with the lower planes i, j and k. It leaves the thirds at u, v and w,
+    # and the cell at ``stop``. A sponge of one level counts as a third of a larger cell: its first.
     waiting = stack_array(_WAITING)
     place, row, t, stop, width, entered = first, 0, start, end, max(count / 3.0, 3.0), True
     i, j, k = 0.0, 0.0, 0.0
@@ -184,8 +187,8 @@ def sponge_spans(o, d, half_size, levels, spans, first):
 def classify_sponge(c, h, half_size, levels):
     """Flags (inside, outside) of a sponge for the box with centre c and half sizes h, as in the package.
 
-    The box is inside if at no level two of its sides reach into a middle third, and outside if at some level two of
-    them lie in one. Only a box that is empty by two levels together is undecided without need.
+    The box is inside if at no level two of its sides reach into a middle third. It is outside if at some level two of
+    them lie in one. Only a box that is empty by two levels together stays undecided without need.
     """
     scale = 0.5 / half_size
     low = (0.5 + (c[0] - h[0]) * scale, 0.5 + (c[1] - h[1]) * scale, 0.5 + (c[2] - h[2]) * scale)
@@ -212,9 +215,9 @@ def classify_sponge(c, h, half_size, levels):
 
 @kernel
 def sponge_plane(c, h, longest, half_size, levels):
-    """Coordinate of a plane between cells that divides the side of a box with centre c and half size h; infinite: none.
+    """Coordinate of a plane between cells that splits the side of a box with centre c and half size h; infinite: none.
 
-    It is the one closest to the middle, of the largest cells. A box with the greatest half size ``longest`` is divided
+    It is the one closest to the middle, among the largest cells. A box whose greatest half size is ``longest`` is split
     by planes of one level in all directions before those of the next.
     """
     count = 1.0

@@ -13,8 +13,8 @@ from .regions import axis_squares, distance_flags, far, near
 from .spans import overlap, slab
 
 MOST_SPANS = 2
-QUARTIC_ROUNDING = 1e-15  # of the value of the quartic, relative to the fourth power of the outer radius
-POLISH = 1e-5  # longest step that improves a root of it, relative to the minor radius
+QUARTIC_ROUNDING = 1e-15  # rounding error of the quartic's value, relative to the fourth power of the outer radius
+POLISH = 1e-5  # longest step that refines a root, relative to the minor radius
 
 
 @kernel
@@ -64,7 +64,7 @@ def _polish(t, o, u, major, minor):
     value = across * across + z * z - minor * minor
     slope = 2.0 * (across * (x * u[0] + y * u[1]) / ring + z * u[2])
     step = value / slope
-    # Near a tangent the slope vanishes and the root from the bracket is the better one; a NaN fails the test as well.
+    # Near a tangent the slope vanishes, and the root from the bracket is the better one. A NaN fails the test as well.
     return t - step if abs(step) < POLISH * minor else t
 
 
@@ -85,10 +85,10 @@ def _stationary(p, q):
 
 @kernel
 def torus_spans(o, d, major, minor):
-    """Number of intervals (0, 1 or 2) in a torus round the z axis, and their ends (start, end, start, end).
+    """Number of intervals (0, 1 or 2) in a torus around the z axis, and their ends (start, end, start, end).
 
-    About the point of the ray closest to the centre the quartic has no cubic term; its stationary points bracket every
-    root, so none is missed and none needs complex arithmetic. Requires minor ≤ major.
+    Around the point of the ray closest to the centre, the quartic has no cubic term. Its stationary points bracket
+    every root, so none is missed, and no complex arithmetic is needed. Requires minor ≤ major.
     """
     size = length(d)
     u = (d[0] / size, d[1] / size, d[2] / size)
@@ -112,8 +112,8 @@ def torus_spans(o, d, major, minor):
     middle /= size
     count, a0, b0, a1, b1 = 0, 0.0, 0.0, 0.0, 0.0
 
-    # Between neighbours of this list the quartic is monotonic; its sign at each tells where it crosses zero.
-    # Both ends are outside the tube, whatever rounding says of a ray that touches it there.
+    # Between neighbours in this list the quartic is monotonic; its signs there tell where it crosses zero. Both ends
+    # are outside the tube, even if rounding disagrees for a ray that touches it there.
     stops = (first, second, third, high)
     previous, inside = low, False
     start = low
@@ -154,7 +154,7 @@ def classify(size, c, h):
 
 @kernel
 def torus_point(u1, u2, u3, major, minor):
-    """Uniform point in a torus: its slice at height z is a ring whose area is in proportion to the tube's width there.
+    """Uniform point in a torus: its slice at height z is a ring whose area is proportional to the tube's width there.
 
     So z is distributed as in a disk, and the square of the distance from the axis is uniform within the ring.
     """

@@ -1,28 +1,28 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cell-cut sampling: directions to a lamp in proportion to what its parts give the point that is lit.
+"""Cell-cut sampling: directions to a lamp in proportion to the light that its parts give the lit point.
 
-What a point at offset v of a uniform lamp gives a surface with normal n is t(v) = max(0, n·v)/|v|³. Projection sampling
-draws points without regard to it. Here a *cut* of the lamp's tree, the boxes that matter to the point that is lit, is
-found; in each box the points' density is the linear function that fits t there,
+A point at offset v of a uniform lamp gives a surface with normal n the light t(v) = max(0, n·v)/|v|³. Projection
+sampling ignores this. Cell-cut sampling finds a *cut* of the lamp's tree: the boxes that matter to the lit point. In
+each box the density of points is the linear function that fits t there,
 
     q(y) = Σ_k [y in box k] (α_k + b_k·y) / Z.
 
-Linear functions keep all in closed form. Points of a box that is full are drawn without rejection. The integral over
-what is inside a box follows from its volume and centroid, so Z does. The density of a direction is the integral of r² q
-along its ray, a polynomial in each piece of the ray's intervals inside a box:
+Linear functions keep everything in closed form. Points of a full box are drawn without rejection. The integral over the
+interior of a box follows from its volume and centroid, so Z does. The density of a direction is the integral of r² q
+along its ray. It is a polynomial on each piece of the ray's intervals inside a box:
 
     p(ω) = ∫ r² q dr = Σ 2h [L c² + (L + 2cB) h²/3],      L = q at the middle c of the piece, B = its slope along the ray.
 
 t is the field of a dipole, hence harmonic: its mean over a ball is its value at the centre. So the error of the linear
-function is of second order in the size of a box, and hardly shifts the balance between boxes.
+function is of second order in the size of a box, and hardly changes the balance between boxes.
 
-*Which* boxes are taken changes slowly with the point, and any choice is unbiased: ``cut_boxes`` has them by region. *How
-much* each counts is fitted to the very point and normal that are lit, for all boxes at once, which the compiler turns
-into vector instructions.
+*Which* boxes are used changes slowly with the point, and any choice is unbiased: ``cut_boxes`` stores them by region.
+*How much* each counts is fitted to the individual lit point and normal, for all boxes at once, which the compiler
+vectorises.
 
-A point of a clipped box that is not in the interior is drawn again in the leaf that it fell into, so that stratified
-numbers stay stratified in all larger boxes; the leaves are chosen by their volume inside, as it is known.
+If a point of a clipped box is not in the interior, it is drawn again in the same leaf, so stratified numbers stay
+stratified in all larger boxes. Leaves are chosen by their known interior volume.
 """
 
 from __future__ import annotations
@@ -51,20 +51,20 @@ CUT = np.dtype(
     [
         ("lamp", np.int64),
         ("strategy", np.int64),  # of ``strategies``: how directions are drawn
-        ("slot", np.int64),  # of the region's boxes, where they are drawn by those
-        ("points", np.int64),  # of ``strategies``: what stands for the lamp at the end of a light ray
+        ("slot", np.int64),  # of the region's boxes, if the strategy uses them
+        ("points", np.int64),  # of ``strategies``: what represents the lamp at the end of a light ray
         ("total", np.float64),  # Z in the world
-        ("bsdf_mis_scale", np.float64),  # what the density of the BSDF counts in the balance heuristic
-        # The point that is lit, in tree space relative to the region's centre; in the world without boxes.
+        ("bsdf_mis_scale", np.float64),  # factor of the BSDF's density in the balance heuristic
+        # The lit point, in tree space relative to the region's centre; in world space without boxes.
         ("origin", np.float64, (3,)),
         # The density α + b·(y − origin) in each box, up to Z.
         ("level", np.float32, MOST_BOXES),
         ("slope", np.float32, (3, MOST_BOXES)),
-        ("weight", np.float32, MOST_BOXES),  # integral of the density over what is accepted
+        ("weight", np.float32, MOST_BOXES),  # integral of the density over the accepted points
         ("enter", np.float32, MOST_BOXES),
         ("leave", np.float32, MOST_BOXES),
         ("crossed", np.int32, MOST_BOXES + 1),
-        ("mass", np.float64, MOST_ENTRIES),  # integral of the density over the boxes that points are drawn from
+        ("mass", np.float64, MOST_ENTRIES),  # integral of the density over the boxes from which points are drawn
     ],
     align=True,
 )
@@ -72,26 +72,26 @@ CUT = np.dtype(
 WORKSPACE_TABLES = {"lamp_regions": KEYS, "lamp_boxes": BOXES, "lamp_cuts": CUT}
 WORKSPACE_COUNTS = {"lamp_regions": REGIONS, "lamp_boxes": REGIONS, "lamp_cuts": 2}
 
-TOLERANCE = 5e-4  # relative variance of a sample at which boxes are small enough
-MOST_TOLERANCE = 0.1  # of lamps that are chosen seldom
+TOLERANCE = 5e-4  # relative variance of a sample below which boxes are small enough
+MOST_TOLERANCE = 0.1  # for lamps with a small selection probability
 LIMIT = MOST_BOXES
 WIDTH = 8  # single precision numbers in a vector register
 ATTEMPTS = 4096  # draws of a point in a box before giving up
-FLAT = 0.05  # least density in a box, of that at its centroid
-SURROUNDED_MIS_SCALE = 3.0  # where the lamp is all around
+FLAT = 0.05  # least density in a box, relative to that at its centroid
+SURROUNDED_MIS_SCALE = 3.0  # if the lamp is all around
 MIS_SCALE_RATE = 4.0  # per relative variance that the cut leaves
-# Below this scale, rays by the BSDF cost more than they gain.
+# Below this scale, BSDF rays cost more than they gain.
 ALONE = 0.05
-# Below this scale, points may replace rays: from half the radius of a ball that is as spread out as the lamp.
+# Below this scale, points may replace rays: from half the radius of a ball with the same spread as the lamp.
 POINT_MIS_SCALE = 0.3
 STEP = 0.3  # of the thickness of the lamp
-PROJECTION_RATE = 4.0  # relative variance of projection sampling, of extent over square distance, far away
+PROJECTION_RATE = 4.0  # relative variance of projection sampling, per extent over square distance, far away
 
 # Relative variance left by emission that boxes cannot follow, above which projection sampling has less error: without
 # boxes, it spreads stratified numbers more evenly.
 MOST_ROUGH = 0.25
 MOST_LEAF_ROUGH = (
-    0.5  # that of points in leaves of the tree, above which the few samples of a leaf may have missed what there is
+    0.5  # the same for points in leaves of the tree; above it, the few samples of a leaf may have missed emission
 )
 
 BELOW_ONE = 1.0 - 2.0**-53
@@ -102,18 +102,18 @@ instructions = table("lamp_instructions", INSTRUCTION)
 
 @kernel
 def _together(count):
-    """So many boxes that vector instructions are done with all of them: what lies behind the last one does not matter.
+    """Number of boxes, rounded up to whole vector registers. The values behind the last box do not matter.
 
-    Unsigned, as Numba would test signed indices for being negative.
+    Unsigned, because Numba would test signed indices for negative values.
     """
     return np.uint64((count + WIDTH - 1) // WIDTH * WIDTH)
 
 
 @kernel
 def _fit(boxes, normal, two_sided, cut):
-    """Fit the density of every box to what it gives; ``normal`` is in tree space, for sizes of the region.
+    """Fit the density of every box to its light; ``normal`` is in tree space, in units of the region's size.
 
-    ``two_sided``: light on either side counts. The loop has no branches and only single precision, so that the compiler
+    ``two_sided``: light on either side counts. The loop has no branches and uses only single precision, so the compiler
     runs it on several boxes at once.
     """
     m = boxes.metric
@@ -140,7 +140,7 @@ def _fit(boxes, normal, two_sided, cut):
         inverse = ONE / (square + SOFT_32 * extent * min(extent / square, ONE))
         side = -ONE if two_sided and middle < ZERO else ONE
         middle *= side
-        # Where the horizon crosses the box: the mean of max(0, ·), or |·|, and its slope, over evenly spread heights.
+        # If the horizon crosses the box: the mean of max(0, ·), or |·|, and its slope, over evenly spread heights.
         above = middle >= half
         upper = max(middle + half, ZERO)
         lower = half - middle if two_sided else ZERO
@@ -174,7 +174,7 @@ def _holds(cell, q):
 
 @kernel
 def _surrounded(cells, q):
-    """Whether the point q of tree space is in a box that is full, or nearly so."""
+    """Whether the point q in tree space is in a box that is full, or nearly so."""
     if not _holds(cells[0], q):
         return False
     index = 0
@@ -189,7 +189,7 @@ def _surrounded(cells, q):
 
 @kernel
 def _filled(block, lamp, place, offset):
-    """Whether the lamp fills what is around a point of the world, relative to the lamp's centre."""
+    """Whether the lamp fills the surroundings of a world point, relative to the lamp's centre."""
     row = lamps(block)[lamp]
     if row.kind == PRIMITIVE:
         return contains(
@@ -210,9 +210,10 @@ def distance_to_bounds(row, x):
 
 @kernel
 def tuned_mis_scale(block, lamp, x):
-    """MIS scale of the BSDF by the distance alone: 3 at the lamp's bounding box and within, then falling as 1/distance².
+    """MIS scale of the BSDF by the distance alone: 3 at the lamp's bounding box and inside, then falling as
+    1/distance².
 
-    The unit of distance is the size of a ball that is as spread out: a thin ring is wide, whatever its volume.
+    The unit of distance is the size of a ball with the same spread: a thin ring is wide, whatever its volume.
     """
     size = math.sqrt(5.0 / 3.0 * placements(block)[lamp].extent)
     part = size / (size + 4.0 * distance_to_bounds(lamps(block)[lamp], x))
@@ -222,11 +223,11 @@ def tuned_mis_scale(block, lamp, x):
 
 @kernel
 def project(block, lamp, x, has_glossy, cut):
-    """As ``prepare``, without boxes: projection sampling, and the MIS scale by the distance.
+    """As ``prepare``, without boxes: projection sampling, with the MIS scale by the distance.
 
-    Light that is scattered again before it reaches the camera has noise of other sources, so boxes do not pay there.
-    Intervals do not pay either where the lamp is not close: 1/r² hardly changes along a ray, and no ray of a diffuse
-    BSDF competes.
+    Light that is scattered again before it reaches the camera has noise from other sources, so boxes do not pay there.
+    Intervals do not pay either, unless the lamp is close: 1/r² hardly changes along a ray, and no BSDF ray of a diffuse
+    surface competes.
     """
     cut.lamp, cut.strategy, cut.points = lamp, PROJECTION, WHOLE_RAYS
     cut.bsdf_mis_scale = tuned_mis_scale(block, lamp, x)
@@ -237,16 +238,16 @@ def project(block, lamp, x, has_glossy, cut):
 @replaced_on_gpu
 @kernel
 def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, store, cut):
-    """Fit the cut to the point x with the normal n; ``two_sided`` (0 or 1): to light on either side.
+    """Fit the cut to the point x with the normal n; ``two_sided`` (0 or 1): light on either side counts.
 
-    ``store`` holds the boxes of regions (``BOXES``), and ``keys`` tells regions apart (``KEYS``). A region has at most
+    ``store`` holds the boxes of regions (``BOXES``), and ``keys`` identifies regions (``KEYS``). A region has at most
     ``limit`` boxes, and fewer if the expected relative variance is below ``tolerance``.
 
-    ``cut.bsdf_mis_scale`` is β of the balance heuristic p / (p + β p_bsdf). Any β is unbiased. Where the lamp fills the
-    space close to the surface, directions of the BSDF do almost all of the work, and no cut is made. Elsewhere they
-    sample what the boxes next to the point do not follow. Where nothing is close, they only cost time, and β is 0.
+    ``cut.bsdf_mis_scale`` is β of the balance heuristic p / (p + β p_bsdf). Any β is unbiased. If the lamp fills the
+    space close to the surface, BSDF directions do almost all of the work, and no cut is made. Elsewhere they cover what
+    the boxes next to the point do not follow. If nothing is close, they only cost time, and β is 0.
 
-    Where β is 0, or close to 0 and the emission varies, points replace rays. Glossy lobes of the BSDF (``has_glossy``: 0
+    If β is 0, or close to 0 and the emission varies, points replace rays. Glossy lobes of the BSDF (``has_glossy``: 0
     or 1) compete with rays, so rays stay there. Projection sampling replaces boxes in which the emission varies too
     much.
     """
@@ -259,8 +260,8 @@ def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, st
     slot = region(block, lamp, place, origin, normal, two_sided, tolerance, limit, keys, store)
     boxes = store[slot]
     bsdf_mis_scale, rough = share(boxes.variance), boxes.rough > MOST_ROUGH
-    # Surfaces that stand inside a lamp hide a part of a ray, but all of a point, or nothing. Rays through a primitive cost
-    # little more than points, and are less noisy.
+    # Surfaces inside a lamp hide a part of a ray, but all of a point, or nothing. Rays through a primitive cost little
+    # more than points, and are less noisy.
     pays = varied or tolerance > TOLERANCE or lamps(block)[lamp].kind != PRIMITIVE
     points = (
         not has_glossy
@@ -278,16 +279,17 @@ def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, st
 
 @kernel
 def resolved(place):
-    """Whether the tree of a lamp knows where its emission is, so that points may be drawn by it."""
+    """Whether the tree of a lamp stores its emission, so that points can be drawn by it."""
     return place.leaf_rough <= MOST_LEAF_ROUGH
 
 
 @kernel
 def tolerance_for(probability):
-    """Relative variance that boxes may leave of a lamp that is chosen with this probability.
+    """Relative variance that boxes may leave, for a lamp that is selected with this probability.
 
-    A lamp that gives a part of the light adds no more than that part of its variance, and which lamp is chosen varies, too: the
-    tolerance grows with the square of 1 / ``probability``. In steps, as there are boxes for each.
+    A lamp that gives a fraction of the light adds only that fraction of its variance, and the selected lamp varies,
+    too. So the tolerance grows with the square of 1 / ``probability``. It grows in steps, because each step has
+    separate boxes.
     """
     tolerance = TOLERANCE
     while probability < 0.25 and tolerance < MOST_TOLERANCE:
@@ -297,7 +299,8 @@ def tolerance_for(probability):
 
 @kernel
 def needless(block, lamp, place, x, n, has_glossy, tolerance, cut):
-    """Whether a point needs no boxes: it is far away, or the lamp fills what is close to it. Makes the cut projection."""
+    """Whether a point needs no boxes: it is far away, or the lamp fills its surroundings. If so, the cut is set to
+    projection sampling."""
     offset = sub(x, vec(lamps(block)[lamp].center))
     cut.lamp, cut.strategy, cut.points = lamp, PROJECTION, WHOLE_RAYS
     if place.rough > ROUGHEST and (has_glossy or not resolved(place)):
@@ -323,9 +326,9 @@ def local(block, lamp, place, x, n):
 
 @kernel
 def fit(block, place, boxes, slot, origin, normal, two_sided, cut):
-    """Fit the cut to a point and a normal of tree space, by these boxes, which are in ``slot``.
+    """Fit the cut to a point and a normal in tree space, by the boxes in ``slot``.
 
-    Where all of the lamp is behind the surface, projection sampling stays.
+    If all of the lamp is behind the surface, projection sampling stays.
     """
     cut.origin[0], cut.origin[1], cut.origin[2] = sub(origin, vec(boxes.center))
     _fit(boxes, scale(normal, boxes.unit), two_sided != 0, cut)
@@ -339,7 +342,7 @@ def fit(block, place, boxes, slot, origin, normal, two_sided, cut):
 
 @kernel
 def share(variance):
-    """β where a relative variance is expected to be left."""
+    """β for an expected relative variance."""
     bsdf_mis_scale = min(MIS_SCALE_RATE * variance, 1.0)
     return bsdf_mis_scale if bsdf_mis_scale > ALONE else NO_BSDF_RAYS
 
@@ -352,7 +355,7 @@ def slope_of(cut, k):
 
 @kernel
 def _place_in(low, high, level, slope, u):
-    """Where u puts a point in [low, high] by a density that is ``level`` in the middle and has a slope."""
+    """Position of u in [low, high] for a density that is ``level`` in the middle and has a slope."""
     tilt = 0.5 * slope * (high - low) / level
     part = 2.0 * u / (1.0 - tilt + math.sqrt(max((1.0 - tilt) * (1.0 - tilt) + 4.0 * tilt * u, 0.0)))
     return low + min(part, 1.0) * (high - low)
@@ -360,7 +363,7 @@ def _place_in(low, high, level, slope, u):
 
 @kernel
 def choose(part, axis, first, second):
-    """The side, of two of the masses given, that the number ``part[axis]`` chooses; it is stretched back to [0, 1)."""
+    """The side, of two given masses, that the number ``part[axis]`` chooses; the number is stretched back to [0, 1)."""
     place = part[axis] * (first + second)
     side = 1 if place >= first and second > 0.0 else 0
     part[axis] = min((place - first) / second if side else place / first, BELOW_ONE)
@@ -404,7 +407,7 @@ def chosen_box(boxes, cut, part):
 
 @kernel
 def draw(block, lamp, place, boxes, cut, cells, u):
-    """A point of the interior, or of a solid box, by the density of the cut, that density, up to Z, and the box."""
+    """A point of the interior, or of a solid box, by the density of the cut; that density, up to Z; and the box."""
     part = stack_array(3)
     part[0], part[1], part[2] = u
     k = chosen_box(boxes, cut, part)
@@ -470,10 +473,10 @@ def _inverse(v):
 
 @kernel
 def _cross(boxes, cut, way):
-    """Find the boxes that a ray crosses, ``crossed``, and where; returns how many there are.
+    """Find the boxes that a ray crosses, ``crossed``, and their intervals. Returns their number.
 
-    For all boxes at once; then without branches, whose outcome no processor can foresee. In single precision: boxes that
-    share a side share its error, and what is left has no sign.
+    First for all boxes at once, then without branches, because no processor can predict them. In single precision:
+    boxes that share a side share its error, and the remaining error has no bias.
     """
     sx, sy, sz = np.float32(_inverse(way[0])), np.float32(_inverse(way[1])), np.float32(_inverse(way[2]))
     ox, oy, oz = np.float32(cut.origin[0]), np.float32(cut.origin[1]), np.float32(cut.origin[2])

@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which boxes of a lamp's tree its cuts are made of: found once for all points of a region that face alike.
+"""The boxes of a lamp's tree that its cuts use: found once for all points of a region with similar normals.
 
-A region is a cube whose size goes with its distance from the lamp. Starting from the whole lamp, the box that contributes
-most to the variance is replaced by its parts until the rest is small. Each thread keeps the boxes of the regions that it
-has met; they depend on nothing but the region, so the picture does not depend on who met it first.
+A region is a cube whose size is proportional to its distance from the lamp. Starting from the whole lamp, the box that
+contributes most to the variance is replaced by its parts until the rest is small. Each thread stores the boxes of the
+regions that it has met. They depend only on the region, so the picture does not depend on the thread that met it first.
 
-A *clipped* box accepts points of the interior only; a *solid* box, full or one leaf on the boundary, all its points:
-what is drawn from it is exact whatever the volumes are known to be. Boxes next to the point that is lit are solid, so
-errors of volumes weigh in only where many average.
+A *clipped* box accepts only points of the interior. A *solid* box, full or one leaf on the boundary, accepts all its
+points, so its samples are exact for any known volumes. Boxes next to the lit point are solid, so errors of volumes
+matter only where many of them average out.
 
-Boxes are kept in single precision, relative to the region: coordinates are those of the tree less the region's centre,
-other lengths are in sizes of the region. A density of them is what it is; they only need to be the same everywhere.
+Boxes are stored in single precision, relative to the region: coordinates are those of the tree minus the region's
+centre, other lengths are in units of the region's size. The density uses these rounded values, so they only need to be
+the same everywhere.
 """
 
 from __future__ import annotations
@@ -28,35 +29,35 @@ from ..tree.moments import lamp_cells
 from .cut_tables import LEAST_BRIGHT, MOST_BOXES, lamp_steps
 
 MOST_ENTRIES = 2 * MOST_BOXES
-REGIONS = 4096  # whose boxes a thread keeps: a power of two
+REGIONS = 4096  # number of regions whose boxes a thread stores: a power of two
 
-# Where the boxes of a region are. Apart from them, as boxes take megabytes that nothing has to clear.
+# The index of the boxes of a region. Separate from them, because boxes take megabytes that nothing has to clear.
 KEYS = np.dtype(
     [
-        ("key", np.uint64),  # hash of lamp, region, normal and tolerance; 0: nothing is here
-        ("recent", np.int64),  # 1: of the pair of regions that share a place, this was used last
+        ("key", np.uint64),  # hash of lamp, region, normal and tolerance; 0: empty
+        ("recent", np.int64),  # 1: of the two regions that share a slot, this was used last
     ]
 )
 BOXES = np.dtype(
     [  # of a region
         ("count", np.int64),
         ("entries", np.int64),
-        ("variance", np.float64),  # relative, that is expected to be left, were the emission even
-        ("rough", np.float64),  # relative variance that is expected to be left by emission that varies
+        ("variance", np.float64),  # expected relative variance, if the emission were uniform
+        ("rough", np.float64),  # expected relative variance from varying emission
         ("center", np.float64, (3,)),  # of the region, in tree space
-        ("unit", np.float64),  # sizes of the region in a metre
+        ("unit", np.float64),  # 1 / size of the region, per metre
         ("metric", np.float64, (3, 3)),  # scalar product of the world in tree space, in square sizes of the region
         # The first axis is the coordinate.
         ("low", np.float32, (3, MOST_BOXES)),
         ("high", np.float32, (3, MOST_BOXES)),
-        ("centroid", np.float32, (3, MOST_BOXES)),  # of what is accepted
+        ("centroid", np.float32, (3, MOST_BOXES)),  # of the accepted volume
         ("extent", np.float32, MOST_BOXES),  # mean square distance from the centroid, in square sizes of the region
-        ("volume", np.float32, MOST_BOXES),  # of what is accepted, as part of the lamp
-        ("fill", np.float32, MOST_BOXES),  # light that a unit of the accepted volume gives
+        ("volume", np.float32, MOST_BOXES),  # accepted volume, as a fraction of the lamp
+        ("fill", np.float32, MOST_BOXES),  # light from a unit of the accepted volume
         ("cell", np.int32, MOST_BOXES),  # index in the lamp's cells
         ("solid", np.int32, MOST_BOXES),
         ("entry", np.int32, MOST_BOXES),
-        # The way down to the boxes.
+        # The path down to the boxes.
         ("first", np.int32, MOST_ENTRIES),  # the two entries below; −1 for a box
         ("axis", np.int32, MOST_ENTRIES),
         ("box", np.int32, MOST_ENTRIES),
@@ -64,16 +65,16 @@ BOXES = np.dtype(
     align=True,
 )
 
-ROUGHEST = 0.5  # relative variance of a lamp's emission in boxes, above which they are not made to follow it
-LEAST_FILL = 0.02  # interior that a solid box counts as having at least: sampling may have missed it
-SOFT = 0.8  # makes the mean over a ball round the point that is lit right
-REGION = 0.5  # size of a region, of its distance from the lamp
-NEAR = 1.0  # the distance that a region counts as having at least, of the thickness of the lamp
+ROUGHEST = 0.5  # relative variance of a lamp's emission in boxes, above which boxes do not follow it
+LEAST_FILL = 0.02  # minimum interior fraction of a solid box: sampling may have missed some
+SOFT = 0.8  # corrects the mean over a ball around the lit point
+REGION = 0.5  # size of a region relative to its distance from the lamp
+NEAR = 1.0  # minimum distance of a region, relative to the thickness of the lamp
 SHIFT = 0.381966  # of the grid of regions, in its cells
 BLUR = 0.25  # mean square distance of points from the region's centre, in its square sizes
-AMBIENT = 0.2  # added to cosines where boxes are chosen: the normals of a region differ
+AMBIENT = 0.2  # added to cosines when boxes are chosen: the normals of a region differ
 
-# Odd numbers of 64 random bits, to hash what regions are told apart by.
+# Odd 64-bit random numbers, which hash the key of a region.
 _PRIMES = tuple(
     np.uint64(number)
     for number in (
@@ -96,19 +97,19 @@ def corner(boxes, k):
 
 @kernel
 def far_corner(boxes, k):
-    """As ``corner``: the upper one."""
+    """Upper corner of box k, relative to the region's centre."""
     return (np.float64(boxes.high[0, k]), np.float64(boxes.high[1, k]), np.float64(boxes.high[2, k]))
 
 
 @kernel
 def spread_variance(ratio):
-    """Relative variance of what a box gives, of its extent over the square distance."""
+    """Relative variance of the light from a box, from its extent over the square distance."""
     return min(1.2 * ratio * ratio, 1.5)
 
 
 @kernel
 def _rank(boxes, k, normal):
-    """Estimate what box k gives the region's centre, and the relative variance of that, were its emission even."""
+    """Estimate the light from box k at the region's centre, and its relative variance if its emission were uniform."""
     low, high, metric = corner(boxes, k), far_corner(boxes, k), boxes.metric
     w = (np.float64(boxes.centroid[0, k]), np.float64(boxes.centroid[1, k]), np.float64(boxes.centroid[2, k]))
     square = dot(w, transform_vector(metric, w)) + BLUR
@@ -130,7 +131,7 @@ def _rank(boxes, k, normal):
 
 @kernel
 def _solid(boxes, k, whole, fill):
-    """All of box k, whose corners are known, is accepted; ``whole`` is the volume of the lamp in tree space."""
+    """Accept all of box k, whose corners are known; ``whole`` is the volume of the lamp in tree space."""
     boxes.solid[k], boxes.fill[k] = 1, fill
     volume, extent = 1.0 / whole, 0.0
     for axis in range(3):
@@ -143,7 +144,7 @@ def _solid(boxes, k, whole, fill):
 
 @kernel
 def put(boxes, k, entry, cells, index):
-    """Make a cell of the tree box k, below ``entry``. Returns whether it can be divided."""
+    """Make a cell of the tree box k, below ``entry``. Returns whether it can be split."""
     cell, whole = cells[index], cells[0].volume
     boxes.cell[k], boxes.entry[k] = index, entry
     boxes.first[entry], boxes.box[entry] = -1, k
@@ -167,7 +168,7 @@ def put(boxes, k, entry, cells, index):
 
 @kernel
 def _halve(boxes, k, other, entry, whole):
-    """Divide box k, part of a full leaf, along its longest side. Returns whether both can be divided again."""
+    """Split box k, part of a full leaf, along its longest side. Returns whether both parts can be split again."""
     axis, longest = 0, -1.0
     for m in range(3):
         size = boxes.metric[m, m] * (boxes.high[m, k] - boxes.low[m, k]) ** 2
@@ -188,7 +189,7 @@ def _halve(boxes, k, other, entry, whole):
 
 @kernel
 def part_in_two(boxes, k, cells):
-    """Put the two parts of box k in its place and behind the last box. Returns whether each can be divided again."""
+    """Replace box k by its two parts; the second goes behind the last box. Returns whether each can be split again."""
     other, entry = boxes.count, boxes.entries
     boxes.count += 1
     boxes.entries += 2
@@ -204,8 +205,8 @@ def part_in_two(boxes, k, cells):
 
 @kernel
 def _set(boxes, k, normal, steps, splits, follows, weight, even, uneven):
-    """Note what box k gives, and how much dividing it can take of the variance: by geometry, and by its emission, where
-    it ``follows`` that."""
+    """Record the light of box k, and how much variance a split can remove: by geometry, and by its emission if the box
+    ``follows`` it."""
     weight[k], variance = _rank(boxes, k, normal)
     even[k] = weight[k] * variance if splits else 0.0
     uneven[k] = weight[k] * steps[boxes.cell[k]].rough if splits and follows else 0.0
@@ -213,9 +214,9 @@ def _set(boxes, k, normal, steps, splits, follows, weight, even, uneven):
 
 @kernel
 def _divide(block, place, normal, tolerance, limit, boxes):
-    """Find the boxes for the region, of at most ``limit``; ``normal`` is in tree space, for sizes of the region.
+    """Find at most ``limit`` boxes for the region; ``normal`` is in tree space, in units of the region's size.
 
-    Boxes are divided until the relative variance that is expected is below ``tolerance``.
+    Boxes are split until the expected relative variance is below ``tolerance``.
     """
     cells, steps = lamp_cells(block)[place.first_cell :], lamp_steps(block)[place.first_cell :]
     weight, even, uneven = stack_array(MOST_BOXES), stack_array(MOST_BOXES), stack_array(MOST_BOXES)
@@ -248,9 +249,9 @@ def _whole(value):
 
 @kernel
 def region(block, lamp, place, origin, normal, two_sided, tolerance, limit, keys, store):
-    """Slot of the boxes for the region of a point of tree space; ``normal`` is that of the surface, in tree space.
+    """Slot of the boxes for the region of a point in tree space; ``normal`` is that of the surface, in tree space.
 
-    Regions are aligned with the tree, so they move with the lamp; their sizes are those of the world.
+    Regions are aligned with the tree, so they move with the lamp. Their sizes are world sizes.
     """
     root, unit = lamp_cells(block)[place.first_cell], vec(place.unit)
     low, high = vec(root.low), vec(root.high)

@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points of a lamp that stand for rays towards it.
+"""Points of a lamp that replace rays towards it.
 
-Where no ray of a BSDF is weighed against them, points need no density of directions, so no intervals of the lamp either: a
-point y drawn with the density q(y) by volume is a point light of the intensity ρ(y) / q(y). Of a uniform lamp q is the
-density of its cut. That is some percent noisier than the mean along the ray, and a fifth faster.
+If no BSDF ray competes with them, points need no density of directions, so no intervals of the lamp either. A point y
+drawn with the density q(y) by volume is a point light of intensity ρ(y) / q(y). For a uniform lamp, q is the density of
+its cut. This is some percent noisier than the mean along the ray, and a fifth faster.
 
-Where the emission varies, q can follow it all the way down to the leaves of the tree, which are thousands, as no sum over
-boxes has to be made along a ray. In a leaf the emission is asked for at as many points as one evaluation takes, and one of
-them is drawn in proportion to what it gives (resampled importance sampling: Talbot, Cline and Egbert 2005). Leaves may be
-chosen by anything, as the probability of each is known; of those on the boundary the volume of the interior is an estimate, as in all
-clipped boxes of a cut.
+If the emission varies, q can follow it down to the thousands of leaves of the tree, because no sum over boxes along a
+ray is needed. In a leaf the emission is evaluated at as many points as one evaluation takes, and one of them is drawn
+in proportion to its light (resampled importance sampling: Talbot, Cline and Egbert 2005). Leaves may be chosen by any
+probability, if it is known. For those on the boundary, the interior volume is an estimate, as in all clipped boxes of a
+cut.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from .cut_tables import lamp_steps, placements
 from .projection import way_inside
 from .strategies import NO_BSDF_RAYS, POINTS, PROJECTION, UNIFORM_POINTS
 
-EVEN = 0.5  # relative variance of the emission up to which uniform points will do, where light is scattered again
-LATTICE = (1.0 / LANES, 0.7548776662466927, 0.5698402909980532)  # from one point in a leaf to the next (Roberts 2018)
+EVEN = 0.5  # relative variance of the emission below which uniform points are enough, if light is scattered again
+LATTICE = (1.0 / LANES, 0.7548776662466927, 0.5698402909980532)  # lattice step between points in a leaf (Roberts 2018)
 NOTHING = (0.0, 0.0, 1.0), ZERO  # a point that gives no light
 
 
 @replaced_on_gpu
 @kernel
 def project_afar(block, lamp, x, has_glossy, cut):
-    """As ``cut.project``; where no glossy lobes compete, lamps whose emission varies are points from afar, too."""
+    """As ``cut.project``. If no glossy lobes compete, distant lamps whose emission varies are points, too."""
     project(block, lamp, x, has_glossy, cut)
     place = placements(block)[lamp]
     if cut.bsdf_mis_scale < POINT_MIS_SCALE and not has_glossy and varies(block, lamp) and resolved(place):
@@ -51,7 +51,8 @@ def project_afar(block, lamp, x, has_glossy, cut):
 @replaced_on_gpu
 @kernel
 def sample_point(block, lamp, x, store, cut, u1, u2, u3):
-    """From x to a point of the lamp, and the radiant intensity (RGB, W/sr) with which it stands for all of the lamp."""
+    """The offset from x to a point of the lamp, and the radiant intensity (RGB, W/sr) with which it represents the
+    whole lamp."""
     row, place = lamps(block)[lamp], placements(block)[lamp]
     if cut.strategy == PROJECTION and (row.glow < 0 or cut.points == UNIFORM_POINTS):
         way = way_inside(block, lamp, x, u1, u2, u3)
@@ -99,7 +100,7 @@ def _glowing_point(block, lamp, row, place, x, store, cut, u):
         if not clipped:
             break
         if found > 0:
-            # Those that are inside are uniform there.
+            # The points inside are uniform there.
             volume, count = cell.volume, found
             break
     for lane in range(LANES):
@@ -124,10 +125,10 @@ def _glowing_point(block, lamp, row, place, x, store, cut, u):
 
 @kernel
 def _leaf(block, place, store, cut, part):
-    """The leaf of the tree, or the solid box, that the numbers ``part`` choose, which are stretched back to [0, 1).
+    """The leaf of the tree, or the solid box, that the numbers ``part`` choose; they are stretched back to [0, 1).
 
-    Returns its index, its corners in tree space and the probability of the choice; α and b, where what is at the point y of
-    tree space counts α + b·y; and whether the volume of the interior is known, so that only points of it have to count.
+    Returns its index, its corners in tree space and the probability of the choice; α and b, where the point y of tree
+    space has the weight α + b·y; and whether the interior volume is known, so that only interior points have to count.
     """
     cells, steps = lamp_cells(block)[place.first_cell :], lamp_steps(block)[place.first_cell :]
     index, level, slope, probability = 0, 1.0, ZERO, 1.0
@@ -153,7 +154,7 @@ def _leaf(block, place, store, cut, part):
 
 @kernel
 def _shifted(part, lane):
-    """Points of a lattice in the unit cube, shifted together."""
+    """Points of a lattice in the unit cube, with one common shift."""
     return (
         (part[0] + LATTICE[0] * lane) % 1.0,
         (part[1] + LATTICE[1] * lane) % 1.0,
@@ -173,7 +174,8 @@ def _emission_at(block, row, offset):
 
 @kernel
 def _keep_inside(block, lamp, row, place, cell, points, stack):
-    """Give no weight to the points of tree space, in a leaf on the boundary, that are outside; returns how many are not."""
+    """Set the weight of outside points of tree space, in a leaf on the boundary, to zero. Returns how many are
+    inside."""
     count = LANES
     values = stack_array(STACK)
     if row.kind == FIELD:

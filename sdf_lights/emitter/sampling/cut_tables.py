@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What cuts need of a lamp: where its tree lies in the world, and the tree in as little memory as choosing takes."""
+"""The data that cuts need of a lamp: the transform of its tree, and the tree in little memory."""
 
 from __future__ import annotations
 
@@ -18,40 +18,41 @@ from ..tree.moments import CELL
 from .similar import similar
 
 MOST_BOXES = 32  # in a cut
-NEIGHBOURS, NEIGHBOUR_LEVELS = 0.2, 3  # part of what a leaf counts as having that the eight around it tell
-LEAST_BRIGHT = 0.02  # emission that a box counts as having at least, of the mean: it was estimated
+NEIGHBOURS, NEIGHBOUR_LEVELS = 0.2, 3  # fraction of a leaf's emission that is taken from the eight leaves around it
+LEAST_BRIGHT = 0.02  # minimum emission of a box, relative to the mean: it was estimated
 
-# Interior of a box, and its part of the lamp, with which points are drawn from it where testing one takes nanoseconds.
+# Interior fraction of a box, and its part of the lamp, at which points are drawn from it, if testing one takes
+# nanoseconds.
 QUICK_FILL, QUICK_PART = 0.5, 1.0 / 256.0
 
 PLACEMENT = np.dtype(
     [
         ("first_cell", np.int64),
         ("matrix", np.float64, (3, 4)),  # tree space -> world, relative to the lamp's centre
-        ("inverse", np.float64, (3, 4)),  # back
+        ("inverse", np.float64, (3, 4)),  # the inverse
         ("metric", np.float64, (3, 3)),  # scalar product of the world, in tree space
-        ("factor", np.float64),  # volume in the world of a unit of tree space
-        ("unit", np.float64, (3,)),  # tree space, for a metre of the world along each of its axes
+        ("factor", np.float64),  # world volume of a unit of tree space
+        ("unit", np.float64, (3,)),  # length in tree space of a world metre along each of its axes
         ("extent", np.float64),  # m², mean square distance of the interior from its centroid, in the world
         ("centroid", np.float64, (3,)),  # in the world, relative to the lamp's centre
         ("thickness", np.float64),  # m in the world: mean of the boxes' least sides
         (
             "rough",
             np.float64,
-        ),  # relative variance that its emission leaves in the boxes of a cut, were all of it equally far away
-        ("leaf_rough", np.float64),  # as much as it leaves in the leaves of the tree, where they are chosen by it
+        ),  # relative variance that its emission leaves in the boxes of a cut, at equal distances
+        ("leaf_rough", np.float64),  # the same in the leaves of the tree, if they are chosen by their emission
         ("clear", np.int64),  # 1: no surface stands inside the lamp, as far as is known
     ],
     align=True,
 )
 
 STEP_DOWN = np.dtype(
-    [  # what it takes of a cell to choose between it and its sibling, in little memory
-        ("first", np.int32),  # as in CELL; −1 where points are drawn from the cell itself
+    [  # the data of a cell needed to choose between it and its sibling, in little memory
+        ("first", np.int32),  # as in CELL; −1 if points are drawn from the cell itself
         ("axis", np.int32),
         ("volume", np.float32),
         ("centroid", np.float32, (3,)),
-        ("light", np.float32),  # m³: emission that the cell counts as having (``expected_light``)
+        ("light", np.float32),  # m³: expected emission of the cell (``expected_light``)
         ("rough", np.float32),  # relative variance of the emission in the cell
     ],
     align=True,
@@ -71,7 +72,7 @@ def uniform_cells(shape) -> np.ndarray:
 
 @kernel
 def roughness(cells):
-    """Relative variance of the emission in each cell, as far as it differs between the leaves below."""
+    """Relative variance of the emission in each cell, from the differences between the leaves below."""
     second, out = np.zeros(len(cells)), np.zeros(len(cells))
     for index in range(len(cells) - 1, -1, -1):
         cell = cells[index]
@@ -86,8 +87,8 @@ def roughness(cells):
 
 @kernel
 def expected_light(cells):
-    """Emission that each cell counts as having where points are drawn by it: that of a leaf is known from few samples, which
-    may have missed what there is, so in part it counts as having what its neighbours have."""
+    """Expected emission of each cell, for drawing points. A leaf has only few samples, which may have missed emission, so
+    it gets a part of its neighbours' emission."""
     out, parent = np.zeros(len(cells)), np.zeros(len(cells), np.int64)
     for index in range(len(cells)):
         cell = cells[index]
@@ -107,7 +108,7 @@ def expected_light(cells):
 
 
 def _rough_in_boxes(cells: np.ndarray, rough: np.ndarray) -> float:
-    """``PLACEMENT.rough``: as ``cut_boxes`` does, divides the box that has most of it."""
+    """``PLACEMENT.rough``: splits the box with the largest variance, as ``cut_boxes`` does."""
     first, uneven = cells["first"], -cells["mass"] * rough
     boxes = [(uneven[0], 0)]
     while len(boxes) < MOST_BOXES and boxes[0][0] < 0.0:
@@ -156,14 +157,14 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
 
 
 def _drawn(cells: np.ndarray, quick: bool) -> np.ndarray:
-    """Cells from which points are drawn, until one is inside. ``quick``: to test a point costs less than to go further down;
-    but in small cells only, as a point that is drawn again is not stratified in its cell."""
+    """Cells from which points are drawn until one is inside. ``quick``: testing a point costs less than going further
+    down; but only in small cells, because a point drawn again is not stratified in its cell."""
     volume, size = cells["volume"], np.prod(cells["high"] - cells["low"], axis=1)
     small = volume <= QUICK_PART * volume[:1]
     return (cells["direct"] != 0) | (quick & small & (volume >= QUICK_FILL * size))
 
 
 def _thickness(cells: np.ndarray) -> float:
-    """Mean over the volume of the least side of the box that a point is in, in tree space."""
+    """Mean over the volume of the least side of a point's box, in tree space."""
     leaves = cells[cells["first"] < 0]
     return np.average((leaves["high"] - leaves["low"]).min(axis=1), weights=leaves["volume"] + 1e-300)

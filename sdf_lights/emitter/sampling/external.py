@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A way to draw directions towards lamps that is registered from outside, to be compared with those that are built in.
+"""A strategy for drawing directions towards lamps that is registered from outside, for comparison with the built-in
+ones.
 
-It is compiled apart, where a scene asks for it, and called by its address: the path tracer is neither larger nor slower
-because of it.
+It is compiled separately, only if a scene uses it, and called by its address. So the path tracer is neither larger nor
+slower because of it.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from ...jit import CallablePart, call_part, kernel, table
 
-SAMPLE, DENSITY = range(2)  # places of the addresses
+SAMPLE, DENSITY = range(2)  # slots of the addresses
 
 TABLES = {"external_code": np.dtype(np.int64), "external_rows": np.dtype(np.uint8)}
 
@@ -25,12 +26,12 @@ _code = table("external_code", np.int64)
 
 @dataclass(frozen=True)
 class External:
-    """Kernels in world space, whose arguments after the workspace are floats, and what they read.
+    """Kernels in world space, whose arguments after the workspace are floats, and their tables.
 
-    ``sample(block, workspace, lamp, x, y, z, u1, u2, u3)`` gives a unit direction from the point (x, y, z), and
-    ``density(block, workspace, lamp, x, y, z, dx, dy, dz, count)`` the density of a direction per solid angle, from the
-    ``count`` intervals that ``trace`` left in the workspace. ``pack(built, sources)`` makes the rows of the table
-    "external_rows", one for each lamp, and what owns all that they point at.
+    ``sample(block, workspace, lamp, x, y, z, u1, u2, u3)`` returns a unit direction from the point (x, y, z).
+    ``density(block, workspace, lamp, x, y, z, dx, dy, dz, count)`` returns the density of a direction per solid angle,
+    from the ``count`` intervals that ``trace`` left in the workspace. ``pack(built, sources)`` makes the rows of the
+    table "external_rows", one for each lamp, and the owner of the memory that they point to.
     """
 
     sample: Callable
@@ -39,7 +40,7 @@ class External:
 
 
 class Packed(NamedTuple):
-    """Tables of ``TABLES``, and what owns all that they point at."""
+    """Tables of ``TABLES``, and the owner of their memory."""
 
     tables: dict[str, np.ndarray]
     owner: object = None
@@ -51,12 +52,12 @@ _registered: list[External] = []
 
 
 def register(found: External | None) -> None:
-    """Make ``found`` what scenes are rendered with that ask for an external strategy; None takes it away."""
+    """Register ``found`` for scenes that use an external strategy; None removes it."""
     _registered[:] = [] if found is None else [found]
 
 
 def registered() -> External | None:
-    """The external sampler that renders use; None where none is registered."""
+    """The external sampler of renders; None if none is registered."""
     return _registered[0] if _registered else None
 
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Projection sampling: a uniform point of a lamp's interior gives a direction.
 
-Huang, Zheng, Xu, Kitamura and Wang 2026, "Efficient Monte Carlo rendering of implicit-shaped volumetric emitters", equations
-2, 4 and 6; as a solid angle technique already in Simon et al. 2017. The density of a direction is the integral of r² along
-its ray,
+Huang, Zheng, Xu, Kitamura and Wang 2026, "Efficient Monte Carlo rendering of implicit-shaped volumetric emitters",
+equations 2, 4 and 6; as a solid angle technique already in Simon et al. 2017. The density of a direction is the
+integral of r² along its ray,
 
     p(ω|x) = 1/(3V) Σ (r₊³ − r₋³) = 1/(3V) Σ 2h (3c² + h²)
 
@@ -20,12 +20,12 @@ from ..intersection.membership import contains
 from ..lamps import CLOSED, PRIMITIVE, instructions, lamps, lists, nodes
 from ..tree.interior import INSIDE, tree_point
 
-ATTEMPTS = 4096  # draws before giving up; the least acceptance that lamps allow makes that a chance of 1e-9
+ATTEMPTS = 4096  # draws before giving up; with the least acceptance of a lamp, its probability is 1e-9
 
 
 @kernel
 def _found_inside(block, row, q, leaf):
-    """Whether the point q, in a leaf on the boundary, is inside: by all that matters there."""
+    """Whether the point q, in a leaf on the boundary, is inside, by the list of that leaf."""
     node = nodes(block)[row.first_node + leaf]
     if row.kind == CLOSED:
         program = instructions(block)[row.first_instruction : row.first_instruction + row.instruction_count]
@@ -38,7 +38,7 @@ def _found_inside(block, row, q, leaf):
 def interior_point(block, lamp, u1, u2, u3):
     """Uniform point in a lamp, relative to its centre.
 
-    A point that the tree's boxes put outside the shape is drawn again with numbers hashed from u1, u2 and u3.
+    If a point in the tree's boxes is outside the shape, it is drawn again with numbers hashed from u1, u2 and u3.
     """
     row = lamps(block)[lamp]
     if row.kind == PRIMITIVE:
@@ -61,7 +61,7 @@ def interior_point(block, lamp, u1, u2, u3):
 
 @kernel
 def way_inside(block, lamp, x, u1, u2, u3):
-    """From x to a uniform point of the lamp."""
+    """Offset from x to a uniform point of the lamp."""
     return add(sub(vec(lamps(block)[lamp].center), x), interior_point(block, lamp, u1, u2, u3))
 
 

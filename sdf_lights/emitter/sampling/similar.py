@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Primitives of the same proportions, as one shape in several sizes: lamps of them share the boxes of their cuts.
+"""Primitives of the same proportions, as one shape in several sizes: their lamps share the boxes of their cuts.
 
-A thousand balls, each of a radius of its own, so cost one tree and not gigabytes.
+So a thousand balls with different radii cost one tree and not gigabytes.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import numpy as np
 
 from ...sdf.shapes import Shape, Transformed
 
-DIGITS = 9  # significant ones of proportions: what differs by rounding is the same
+DIGITS = 9  # significant digits of proportions; values that differ by rounding count as equal
 
 
 class Placed(NamedTuple):
-    """A shape and the 4 × 4 matrix that takes it to the world."""
+    """A shape and the 4 × 4 matrix that maps it to the world."""
 
     shape: Shape
     matrix: np.ndarray
@@ -29,9 +29,9 @@ def _rounded(value: float) -> float:
 
 
 def similar(shape: Shape, matrix: np.ndarray) -> Placed:
-    """The same primitive in the same place, as one whose first number is 1 where all its numbers are lengths.
+    """The same primitive in the same position. If all its numbers are lengths, its first number becomes 1.
 
-    Transforms in the shape become part of the matrix. What else is not a primitive stays as it is.
+    Transforms in the shape become part of the matrix. Other shapes stay as they are.
     """
     matrix = np.asarray(matrix, np.float64)
     while isinstance(shape, Transformed):

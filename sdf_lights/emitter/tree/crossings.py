@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a ray is inside a shape with an interior tree: a walk through its boxes, front to back.
+"""Intervals of a ray inside a shape with an interior tree: a walk through its boxes, front to back.
 
-Boxes that are certainly empty or full cost nothing. In the others a closed-form program is solved (``intervals``), or
-the zeros of a field are covered (``cover``), each with the list of what matters in that box. Boxes that follow one
-another with the same list are taken together, and where the list is short a box is taken as a whole, not its parts.
+Boxes that are certainly empty or full cost nothing. In the others, a closed-form program is solved (``intervals``), or
+the zeros of a field are covered (``cover``), each with the list of what matters in that box. Consecutive boxes with the
+same list are merged. If the list is short, a box is handled as a whole instead of its parts.
 
-Everything is in tree space, and lengths are in the unit of the ray's parameter, which is |d|.
+Everything is in tree space. Lengths are in units of the ray's parameter, whose unit is |d|.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ from ..intersection.fields import STACK, lamp_lists
 from ..intersection.intervals import solve
 from .interior import BOUNDARY, INSIDE, SHORT_PROGRAM, lamp_nodes
 
-WAITING = 2 * 64  # float64 for the boxes that wait on the way down a tree, which never is deeper than 64
-SHORT_FIELD = 13  # rows of a list of terms that is not worth smaller boxes where the field is monotonic along the ray
-TOGETHER = PENDING // 4  # boxes of a field that are taken together at most
+WAITING = 2 * 64  # float64 for the boxes that wait on the way down a tree, which is never deeper than 64
+SHORT_FIELD = 13  # rows of a list of terms that needs no smaller boxes, if the field is monotonic along the ray
+TOGETHER = PENDING // 4  # maximum number of merged boxes of a field
 
 instructions = table("lamp_instructions", INSTRUCTION)
 
 
 @kernel
 def _clip(spans, first, count, start, end, inside, limit, found):
-    """Insert where the intervals in rows from ``first`` begin and end between ``start``, with the state ``inside``, and
-    ``end``.
+    """Insert the changes of state of the intervals in rows from ``first``, between ``start``, with the state
+    ``inside``, and ``end``.
 
     Returns (changes found so far, the state at ``end``).
     """
@@ -72,8 +72,8 @@ def _clip(spans, first, count, start, end, inside, limit, found):
 
 @kernel(forceinline=True)
 def down(first, axis, split, ray, low, high, waiting, depth):
-    """Go from a box, cut in two, to the part that a ray is in first between ``low`` and ``high``. The other part waits,
-    if the ray comes to it. Returns (index of the part, where the ray leaves it, how many boxes wait)."""
+    """Go from a box, split in two, to the part that a ray enters first between ``low`` and ``high``. The other part
+    waits, if the ray enters it. Returns (index of the part, where the ray leaves it, number of waiting boxes)."""
     position, rate = ray[axis], ray[3 + axis]
     if rate == 0.0:
         return first + (0 if position < split else 1), high, depth
@@ -89,8 +89,8 @@ def down(first, axis, split, ray, low, high, waiting, depth):
 
 @kernel(forceinline=True)
 def rates(low, high, d):
-    """How much the field can fall and rise at most along a ray, per unit of its parameter, where its gradient is between
-    two vectors."""
+    """Largest rates at which the field can fall and rise along a ray, per unit of its parameter, if its gradient is
+    between two vectors."""
     ax, ay, az = low[0] * d[0], low[1] * d[1], low[2] * d[2]
     bx, by, bz = high[0] * d[0], high[1] * d[1], high[2] * d[2]
     least = min(ax, bx) + min(ay, by) + min(az, bz)
@@ -111,7 +111,7 @@ def _rates(node, ray):
 
 @kernel
 def walk(block, row, o, d, start, end, spans):
-    """``crossings``, and the number of evaluations of the field that it took: (count, unresolved, evaluations)."""
+    """``crossings``, with the number of evaluations of the field: (count, unresolved, evaluations)."""
     nodes, lists = lamp_nodes(block)[row.first_node :], lamp_lists(block)[row.first_list :]
     closed, limit = row.instruction_count > 0, row.rows
     speed = length(d)
@@ -121,7 +121,7 @@ def walk(block, row, o, d, start, end, spans):
     for axis in range(3):
         ray[axis], ray[3 + axis], ray[6 + axis] = o[axis], d[axis], 1.0 / d[axis]
 
-    # ``value`` is that of the field at the end of the last box, or its sign; unknown until ``pending`` is covered.
+    # ``value`` is the field at the end of the last box, or its sign; it is unknown until ``pending`` is covered.
     value, found, unresolved, evaluations = SIGN, 0, 0.0, 0
     used, list_first, list_count, since = 0, -1, 0, start
     solved_first, solved_count, solved = -1, 0, 0
@@ -189,7 +189,7 @@ def walk(block, row, o, d, start, end, spans):
             fall, rise = min(fall, node.lipschitz * speed), min(rise, node.lipschitz * speed)
             if used == 0:
                 list_first, list_count = node.row_first, node.row_count
-                if first:  # nothing tells the sign at the start: a stretch without length asks for it
+                if first:  # the sign at the start is unknown: a part of zero length evaluates it
                     used = add(pending, used, low, SIGN, low, UNKNOWN, fall, rise, OPEN)
                     value = UNKNOWN
             place = (used - 1) * COLUMNS
@@ -218,9 +218,9 @@ def walk(block, row, o, d, start, end, spans):
 def crossings(block, row, o, d, start, end, spans):
     """All intervals of the ray o + s·d, start ≤ s ≤ end, in the lamp ``row``: (start, end) in the rows of ``spans``.
 
-    o, d and the stretch of the ray, which lies in the tree's box, are in tree space; d may have any length but zero.
-    Returns (count, unresolved): the number of intervals, at most ``row.rows`` and sorted, and the length that was left
-    uncertain or had no room. ``spans`` has ``intervals.rows_needed`` rows more than that where the lamp is a program.
+    o, d and the part of the ray, which lies in the tree's box, are in tree space; d may have any length but zero.
+    Returns (count, unresolved): the number of intervals, at most ``row.rows`` and sorted, and the length that was
+    uncertain or had no row. If the lamp is a program, ``spans`` has ``intervals.rows_needed`` additional rows.
     """
     count, unresolved, _ = walk(block, row, o, d, start, end, spans)
     return count, unresolved

@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bounds of formulas and of their gradients in boxes, by an interpreter: eight boxes at a time, nothing to compile.
+"""Bounds of formulas and of their gradients in boxes, by an interpreter: eight boxes at a time, without compilation.
 
-``sdf.lipschitz`` does the same for arrays of boxes, with more care for norms and rounding, and is the reference. That
-pays from some thousand boxes of one formula on; a tree of a combination has as many lists of terms as boxes. Here the
-graph of a formula is a *tape* of instructions on registers, which hold bounds of a value and of its gradient in eight
-boxes: interval forward differentiation (Griewank and Walther, "Evaluating Derivatives"; Moore, Kearfott and Cloud,
-"Introduction to Interval Analysis"). Roots of sums of squares are taken as lengths, whose gradients have no pole.
+``graph.lipschitz`` does the same for arrays of boxes, with more care for norms and rounding, and is the reference. It
+pays from some thousand boxes of one formula on, but a tree of a combination has as many lists of terms as boxes. Here
+the graph of a formula is a *tape* of instructions on registers, which hold bounds of a value and of its gradient in
+eight boxes: interval forward differentiation (Griewank and Walther, "Evaluating Derivatives"; Moore, Kearfott and
+Cloud, "Introduction to Interval Analysis"). Roots of sums of squares are treated as lengths, whose gradients have no
+pole.
 
-Bounds are exact but for rounding, which is left to whoever uses them (``ROUNDING``); they hold where the formula is
-continuous. Where they are unknown they are infinite.
+Bounds are exact except for rounding, which the caller must add (``ROUNDING``). They hold where the formula is
+continuous. Unknown bounds are infinite.
 """
 
 from __future__ import annotations
@@ -36,8 +37,8 @@ from ...graph.functions import TableFunction, compiled_part
 from ...graph.operations import CONDITIONS, OPERATIONS
 from ...jit import call_numbers, kernel
 
-CALL_NUMBERS = 32  # that a function of tables takes, or gives
-BOXES = 8  # that are bounded together
+CALL_NUMBERS = 32  # operands or results of a function of tables
+BOXES = 8  # bounded together
 SIZE = 8  # rows of a register: bounds of the value, and of each component of the gradient
 ROUNDING = 1e-9  # relative; covers some thousand operations
 
@@ -64,7 +65,7 @@ INSTRUCTION = np.dtype(
         ("b", np.int64),
         ("c", np.int64),
         ("d", np.int64),  # registers of the operands; see ``_Writer``
-        ("number", np.float64),  # of a constant, or the slot of a parameter
+        ("number", np.float64),  # value of a constant, or the slot of a parameter
     ],
     align=True,
 )
@@ -79,12 +80,13 @@ class Tape(NamedTuple):
 
 
 class _Writer:
-    """Writes the tape of a formula, operands before what uses them.
+    """Writes the tape of a formula, operands before their users.
 
-    A loop is ``begin`` (a: register of the number of rounds; b: how many states; c: the first of their registers; d: the
-    first of those with their values before the loop; number: most rounds; out: place of its end), the body, and
-    ``end`` (a and b: registers that are compared; c: 0 for not at all, 1 for "less", 2 for "less equal"; d: the first
-    register of the next states; out: place of the beginning). Registers of states lie side by side.
+    A loop is ``begin``, the body, and ``end``. In ``begin``, a: register of the number of iterations; b: number of
+    states; c: the first of their registers; d: the first register of their values before the loop; number: maximum of
+    iterations; out: position of its end. In ``end``, a and b: registers that are compared; c: 0 for no comparison, 1
+    for "less", 2 for "less equal"; d: the first register of the next states; out: position of the beginning. Registers
+    of states are contiguous.
     """
 
     def __init__(self):
@@ -101,7 +103,7 @@ class _Writer:
         return out
 
     def write(self, roots, known: dict[Formula, int]) -> list[int]:
-        """Registers of the roots. ``known`` maps formulas to registers, and takes those that are written."""
+        """Registers of the roots. ``known`` maps formulas to registers, and gets the new ones."""
         pending = [(root, False) for root in reversed(roots)]
         while pending:
             node, ready = pending.pop()
@@ -138,10 +140,11 @@ class _Writer:
         return self.emit(node.kind, *operands)
 
     def _call(self, node: Formula, operands: list[int]) -> int:
-        """a: the first of the operands, side by side; b: how many; c: how many of them are addresses; number: the code."""
+        """a: the first of the contiguous operands; b: their number; c: how many of them are addresses; number: the
+        code."""
         function = node.value
         if not isinstance(function, TableFunction) or function.bounds is None:
-            raise ValueError(f"nothing bounds the function {function.name!r}")
+            raise ValueError(f"the function {function.name!r} has no known bounds")
         count = len(operands)
         if 2 * count + 2 > CALL_NUMBERS:
             raise ValueError(f"{function.name!r} has too many operands")
@@ -174,7 +177,7 @@ class _Writer:
 
 
 def _inputs(node: Formula) -> tuple[Formula, ...]:
-    """What has to be known before a node: its operands, those of a condition, or the parts of a length."""
+    """The nodes needed before a node: its operands, those of a condition, or the parts of a length."""
     if node.kind == "select":
         return (*node.operands[0].operands, *node.operands[1:])
     if node.kind == ITERATE:
@@ -184,7 +187,7 @@ def _inputs(node: Formula) -> tuple[Formula, ...]:
 
 
 def _parts(node: Formula) -> tuple[Formula, ...]:
-    """Two or three formulas of which the node is the root of the sum of their squares; none if it is no such thing."""
+    """Two or three formulas whose sum of squares the node is the root of; none if it has another form."""
     if node.kind != "sqrt":
         return ()
     pending, parts = [node.operands[0]], []
@@ -291,7 +294,7 @@ _HALF_TURN, _TURN = math.pi, 2.0 * math.pi
 
 @kernel(forceinline=True)
 def _times(a, b):
-    """Product of bounds, where 0 · ∞ is 0: of what is bounded by 0 no multiple is more."""
+    """Product of bounds, where 0 · ∞ is 0: a multiple of something bounded by 0 is 0."""
     product = a * b
     return product if product == product else 0.0
 
@@ -319,10 +322,10 @@ def _square(low, high):
 
 @kernel(forceinline=True)
 def _unit(low, high, rest_low, rest_high):
-    """Bounds of u/√(u² + r) for u and r ≥ 0 within bounds: it grows with u, and is nearer to 0 for greater r."""
+    """Bounds of u/√(u² + r) for u and r ≥ 0 within bounds: it grows with u, and moves towards 0 as r grows."""
     a = low / math.sqrt(low * low + (rest_low if low < 0.0 else rest_high))
     b = high / math.sqrt(high * high + (rest_low if high > 0.0 else rest_high))
-    # At the origin a unit vector can be any: what is not a number fails both tests.
+    # At the origin, any unit vector is possible: NaN fails both tests.
     return (a if a >= -1.0 else -1.0), (b if b <= 1.0 else 1.0)
 
 
@@ -334,7 +337,7 @@ def _passes(low, high, first, period):
 
 @kernel
 def _wave(low, high, crest):
-    """Bounds of the function with period 2π that is 1 at ``crest`` and falls like a cosine to both sides."""
+    """Bounds of the function with period 2π that is 1 at ``crest`` and falls like a cosine on both sides."""
     if not high - low < _TURN:
         return -1.0, 1.0
     a, b = math.cos(low - crest), math.cos(high - crest)
@@ -344,7 +347,7 @@ def _wave(low, high, crest):
 
 @kernel
 def _power(low, high, exponent):
-    """Bounds of a power, of what has no sign change unless the exponent is whole and not negative."""
+    """Bounds of a power of a base without sign change, unless the exponent is whole and not negative."""
     whole = exponent == math.floor(exponent)
     if low < 0.0 and not whole or low <= 0.0 <= high and exponent < 0.0:
         return -math.inf, math.inf
@@ -391,8 +394,7 @@ def _function(op, low, high):
     return value[0], value[1], slope[0], slope[1]
 
 
-# What takes the registers, and is called for every box, is inlined: an array that is passed on costs an atomic reference
-# count.
+# Functions that take the registers for every box are inlined: passing an array costs an atomic reference count.
 
 
 @kernel(forceinline=True)
@@ -407,7 +409,7 @@ def _chain(registers, out, box, a, low, high, factor_low, factor_high):
 
 @kernel(forceinline=True)
 def _choose(registers, out, box, a, b, first, second):
-    """A result that may be a where ``first``, and b where ``second``; its value is not touched."""
+    """A result that may be a if ``first``, and b if ``second``; its value is left unchanged."""
     for row in range(2, SIZE, 2):
         low, high = math.inf, -math.inf
         if first:
@@ -510,7 +512,7 @@ def _join(registers, op, out, box, a, b):
             registers[out, row, box], registers[out, row + 1, box] = _quotient(
                 registers[a, row, box] - p[1], registers[a, row + 1, box] - p[0], b_low, b_high
             )
-    elif _is_number(registers, b, box):  # a power of a known exponent
+    elif _is_number(registers, b, box):  # a power with a known exponent
         low, high = _power(a_low, a_high, b_low)
         slope = _power(a_low, a_high, b_low - 1.0)
         slope = product_bounds(slope[0], slope[1], b_low, b_low)
@@ -533,7 +535,7 @@ def _join(registers, op, out, box, a, b):
 
 @kernel(forceinline=True)
 def _less(registers, a, b, box, equal):
-    """Whether a < b, or a ≤ b, holds (everywhere, anywhere) in a box; where bounds are unknown it may."""
+    """Whether a < b, or a ≤ b, holds (everywhere, anywhere) in a box; with unknown bounds it may."""
     a_low, a_high, b_low, b_high = (
         registers[a, 0, box],
         registers[a, 1, box],
@@ -578,8 +580,8 @@ def _call(registers, row, numbers):
 def enclose(instructions, first, count, parameters, slot, registers, rounds):
     """Run the tape of ``count`` instructions from ``first``, of a formula whose parameters begin at ``slot``.
 
-    ``registers`` (registers, SIZE, BOXES) holds the coordinates and their gradients in the first three and takes
-    everything else. ``rounds`` (DEEPEST_LOOP, 2) is scratch.
+    ``registers`` (registers, SIZE, BOXES) holds the coordinates and their gradients in the first three and gets all
+    results. ``rounds`` (DEEPEST_LOOP, 2) is scratch.
     """
     at, depth = first, 0
     numbers = np.empty((2, CALL_NUMBERS))
@@ -643,7 +645,7 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
                 _choose(registers, out, box, c, row.d, possible, not certain)
                 registers[out, 0, box], registers[out, 1, box] = low, high
         elif op == _BEGIN:
-            # ``rounds`` has those that are left, and the place to go back to.
+            # ``rounds`` has the remaining iterations, and the position to jump back to.
             count_of_rounds = registers[a, 0, 0]
             left = int(min(max(count_of_rounds, 0.0), row.number)) if count_of_rounds == count_of_rounds else 0
             registers[c : c + b] = registers[row.d : row.d + b]
@@ -684,7 +686,7 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
                 _chain(registers, out, box, a, low, high, slope_low, slope_high)
         if op != _BEGIN and op != _END:
             for line in range(0, SIZE, 2):
-                for box in range(BOXES):  # what is not a number is unknown
+                for box in range(BOXES):  # NaN is unknown
                     low, high = registers[out, line, box], registers[out, line + 1, box]
                     if not low <= high:
                         registers[out, line, box], registers[out, line + 1, box] = -math.inf, math.inf

@@ -1,19 +1,19 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The interior tree: boxes around a shape that are certainly empty or certainly full, and what matters in the others.
+"""The interior tree: boxes that are certainly empty or certainly full, and the list of what matters in the others.
 
-A k-d tree over the shape's bounding box. A field φ with Lipschitz bound L that exceeds L·R at the centre of a box of
-half diagonal R has one sign in all of it; for closed-form programs ``membership`` decides. What is left is divided, and
-each box has a list of the terms or instructions that matter in it, pruned from the list of the box that it is part of
-(see ``pruning``): its cost does not depend on how many parts the whole shape has.
+A k-d tree over the shape's bounding box. If a field φ with Lipschitz bound L exceeds L·R at the centre of a box of half
+diagonal R, it has one sign in all of it. For closed-form programs ``membership`` decides. The remaining boxes are
+split. Each box has a list of the terms or instructions that matter in it, pruned from the list of its parent (see
+``pruning``). So its cost does not depend on the number of parts of the whole shape.
 
-*Tree space* is the shape's own space, shifted so that the centre of its bounding box is the origin. The tree is built
-once a shape, and kept: moving a lamp or changing its power costs nothing.
+*Tree space* is the shape's local space, shifted so that the centre of its bounding box is the origin. The tree is built
+once per shape, and cached: moving a lamp or changing its power costs nothing.
 
-A uniform point of the boxes that are not empty is found by warping one point of the unit cube down the tree: at each
-node the coordinate of the node's axis chooses the side and is stretched back to [0, 1), which keeps stratified numbers
-stratified. Points that are then found to be outside the shape are drawn again, so what is left is *exactly* uniform in
-the interior, whatever the boxes are.
+A uniform point of the non-empty boxes is found by warping one point of the unit cube down the tree. At each node, the
+coordinate of the node's axis chooses the side and is stretched back to [0, 1), which keeps stratified numbers
+stratified. Points outside the shape are then drawn again, so the result is *exactly* uniform in the interior, whatever
+the boxes are.
 """
 
 from __future__ import annotations
@@ -41,41 +41,42 @@ from .pruning import prune_field, prune_program
 from .slopes import fill_gradients
 
 NODE = np.dtype(
-    [  # 64 bytes: a line of the cache
+    [  # 64 bytes: a cache line
         ("split", np.float64),  # where the two children meet, in tree space
         ("first", np.int32),  # index of the children, below the split and above it; −1 for a leaf
-        ("row_first", np.int32),  # the list of what matters in this box; no rows where the state is certain
+        ("row_first", np.int32),  # the list of what matters in this box; empty if the state is certain
         ("row_count", np.int32),
-        ("axis", np.int8),  # that the children divide
+        ("axis", np.int8),  # of the split
         ("state", np.int8),
-        ("lipschitz", np.float64),  # bound of the field of the list in this box; of no meaning for programs
+        ("lipschitz", np.float64),  # bound of the field of the list in this box; unused for programs
         ("gradient", np.float32, (2, 3)),  # bounds of the field's gradient in this box, see ``slopes``; as lipschitz
         ("mass", np.float64),  # m³ of the boxes below that are not certainly outside
     ],
     align=True,
 )
 
-OUTSIDE, INSIDE, BOUNDARY = 0, 1, 2  # state of a node: of all points of its box, or not certain
+OUTSIDE, INSIDE, BOUNDARY = 0, 1, 2  # state of a node: of all points of its box, or uncertain
 
 TABLES = {"lamp_nodes": NODE}
 
 MOST_NODES = 1 << 15  # of a tree …
-NODES_A_PART = 128  # … or so many for each term or instruction, where that is more
-FIELD_WORK = 1 << 30  # operations times nodes of a field without parts, about a second for each core, but at least …
+NODES_A_PART = 128  # … or so many for each term or instruction, if that is more
+FIELD_WORK = 1 << 30  # operations times nodes of a field without parts, about a second per core, but at least …
 FEWEST_NODES = 1 << 12
 MOST_ROWS = 1 << 21  # of all lists together
-RESOLUTION = 1.0 / 32.0  # of the longest side of the whole box: boxes on the boundary are not divided below it …
-ENOUGH = 0.85  # … once this part of the volume of the boxes is interior
-MOST_LEVELS = 60  # of nodes below one another
-SLOPES = 32  # measured in a box of whose field no Lipschitz bound is found
-STEPS = 64.0  # across a box in which the field has no value somewhere, for the greatest of its values to come to zero
-SHORT_PROGRAM = 4  # rows of a list of instructions that rays have no smaller boxes for
-PLANES = 7  # along each axis that a box with more than that may be cut along
-FACE = 0.7  # of what a cut along a flat face leaves to do counts, as the face is then done with
-CASES = 4  # that a box may be taken apart into for it
-ROWS = 1 << 14  # of the lists of boxes that are divided between two looks whether to go on: some hundredths of a second
-BOUNDS_WORK = 150_000  # operations of formulas times boxes, to find Lipschitz bounds of boxes
-KEPT = 64  # trees of shapes, the most recently used ones; each is some megabytes at most
+RESOLUTION = 1.0 / 32.0  # of the longest side of the root box: boxes on the boundary are not split below it …
+ENOUGH = 0.85  # … once this fraction of the volume of the boxes is interior
+MOST_LEVELS = 60  # maximum depth of nodes
+SLOPES = 32  # samples in a box without a Lipschitz bound
+# width of a box in which the field is partly undefined, over which the greatest of its values may fall to zero
+STEPS = 64.0
+SHORT_PROGRAM = 4  # rows of a list of instructions for which rays need no smaller boxes
+PLANES = 7  # candidates along each axis for the cut of a box with more than that
+FACE = 0.7  # factor on the remaining work of a cut along a flat face, because the face is then settled
+CASES = 4  # parts that a box may be divided into for this
+ROWS = 1 << 14  # lists of boxes split between two checks for a cancel: some hundredths of a second
+BOUNDS_WORK = 150_000  # operations of formulas times boxes, for Lipschitz bounds of boxes
+KEPT = 64  # trees of shapes, the most recently used ones; each takes some megabytes at most
 
 lamp_nodes = table("lamp_nodes", NODE)
 
@@ -87,7 +88,7 @@ def _volume(box):
 
 @kernel
 def _area(box):
-    """Half of the surface of a box."""
+    """Half of the surface area of a box."""
     x, y, z = box[3] - box[0], box[4] - box[1], box[5] - box[2]
     return x * y + y * z + z * x
 
@@ -114,7 +115,7 @@ def _halve(boxes, index, axis, position, place):
 
 @kernel
 def _divide(nodes, boxes, levels, used, index, axis, position):
-    """Give a node two children, which are yet to be filled in; returns the place of the first."""
+    """Give a node two children, still empty. Returns the index of the first."""
     place = used[0]
     used[0] += 2
     _halve(boxes, index, axis, position, place)
@@ -131,9 +132,9 @@ def _divide(nodes, boxes, levels, used, index, axis, position):
 
 @kernel
 def _store(nodes, index, lists, known, used, parts, count):
-    """Give a node the list ``parts`` of ``count`` rows. The same list is stored once, and so known by where it is.
+    """Give a node the list ``parts`` of ``count`` rows. Equal lists are stored once, so the position identifies a list.
 
-    ``known`` is a hash table with open addressing: a power of two of places, each −1 or a node that has a list.
+    ``known`` is a hash table with open addressing: its size is a power of two, each slot −1 or a node that has a list.
     """
     node = nodes[index]
     node.row_count = count
@@ -171,7 +172,7 @@ def _settle(nodes, boxes, index, state, mass):
 
 @kernel
 def _small_enough(box, level, smallest, mass):
-    """Whether a box on the boundary stays as it is."""
+    """Whether a box on the boundary stays unsplit."""
     if level > MOST_LEVELS - 3:
         return True
     return _longest(box)[0] <= smallest and mass[0] + 0.5 * mass[1] >= ENOUGH * (mass[0] + mass[1])
@@ -179,7 +180,7 @@ def _small_enough(box, level, smallest, mass):
 
 @kernel
 def _certainty(states, first, count):
-    """The state that ``count`` leaves from ``first`` have in common, or ``BOUNDARY``."""
+    """The common state of ``count`` leaves from ``first``, or ``BOUNDARY``."""
     for index in range(first + 1, first + count):
         if states[index] != states[first]:
             return BOUNDARY
@@ -228,7 +229,7 @@ def grow_field(
     last,
     smallest,
 ):
-    """Divide the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
+    """Split the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
 
     ``levels`` holds the depth of each node, ``known`` the lists (see ``_store``), ``used`` the numbers of nodes and of
     rows of lists in use, ``mass`` the volumes of all leaves that are full and of those on the boundary. ``cares``,
@@ -315,10 +316,11 @@ def _center_and_half(box):
 
 @kernel
 def _flat_face(program, lists, node, box):
-    """Axis and position of a flat face, square to an axis, of a primitive whose surface crosses the box; axis −1: none.
+    """Axis and position of a flat face, perpendicular to an axis, of a primitive whose surface crosses the box; axis
+    −1: none.
 
-    Boxes cut along such faces become certain at once, where halving would close in on the face for ever. Of several
-    faces the one closest to the middle of the box is taken.
+    Boxes cut along such faces become certain at once, while halving would approach the face for ever. Among several
+    faces, the one closest to the middle of the box is used.
     """
     best, best_axis, best_position = 0.5 - 1e-6, -1, 0.0
     for entry in range(node.row_first, node.row_first + node.row_count):
@@ -353,7 +355,7 @@ def _pruned(program, lists, node, box, out, starts):
 
 @kernel
 def _work(program, lists, nodes, boxes, index, axis, position, place, out, starts):
-    """What a cut leaves to do for a ray that meets the box: the sum of the areas of both parts times what matters
+    """Remaining work of a ray that meets the box, after a cut: the sum over both parts of area times what matters
     there. Rows of ``boxes`` from ``place`` are scratch."""
     _halve(boxes, index, axis, position, place)
     work = 0.0
@@ -365,10 +367,10 @@ def _work(program, lists, nodes, boxes, index, axis, position, place, out, start
 
 @kernel
 def _best_plane(program, lists, nodes, boxes, index, place, shortest, axis, position, out, starts):
-    """Axis and position of the plane that a box is cut along where much matters in it. Sides below ``shortest`` are not
-    cut, and −1 is the axis if all are; ``axis`` and ``position`` are those of a flat face, if there is one.
+    """Axis and position of the plane that cuts a box in which much matters. Sides below ``shortest`` are not cut; if
+    all are, the axis is −1. ``axis`` and ``position`` are those of a flat face, if there is one.
 
-    A ray that meets a box meets a part of it with a chance in proportion to its area, and there has to do with what
+    A ray that meets a box meets a part of it with a probability proportional to its area, and then works on what
     matters in it (J. D. MacDonald and K. S. Booth, "Heuristics for ray tracing using space subdivision", 1990).
     """
     best, best_axis, best_position = math.inf, axis, position
@@ -404,10 +406,10 @@ def _best_axis(program, lists, nodes, boxes, index, place, out, starts):
 
 @kernel
 def grow_program(program, nodes, boxes, levels, lists, known, used, mass, index, rows, smallest):
-    """Divide the boxes of a program's tree in two, in turn from ``index`` on: where that leaves rays little to do if much
-    matters in a box, else along a flat face where there is one, else in the middle of the axis that makes the most volume
-    certain. Returns the index to go on from once the lists of what was divided have so many ``rows``, −1 at the end.
-    Other arguments as of ``grow_field``."""
+    """Split the boxes of a program's tree in two, in turn from ``index`` on. If much matters in a box, the cut leaves
+    the least work for rays. Otherwise it follows a flat face, if there is one, or the middle of the axis that makes the
+    most volume certain. Returns the index to continue from once the lists of the split boxes have so many ``rows``, −1
+    at the end. Other arguments are those of ``grow_field``."""
     out, starts = np.empty(len(program), LIST), np.empty(DEEPEST, np.int64)
     while index < used[0] and used[0] + 2 <= len(nodes):
         if rows <= 0:
@@ -441,8 +443,8 @@ def grow_program(program, nodes, boxes, levels, lists, known, used, mass, index,
 
 @kernel
 def finish(nodes, boxes, count, kept_nodes, kept_boxes):
-    """Join children that are both empty or both full, sum the masses, and copy what the root leads to, depth first:
-    the nodes that a ray passes after one another lie close together. Returns the number of nodes."""
+    """Join children that are both empty or both full, sum the masses, and copy the reachable nodes depth first: so the
+    nodes that a ray visits in sequence are close in memory. Returns the number of nodes."""
     for index in range(count - 1, -1, -1):
         node = nodes[index]
         if node.first < 0:
@@ -481,7 +483,7 @@ def _warp(u, share):
 
 @kernel
 def tree_point(nodes, low, high, u1, u2, u3):
-    """Uniform point in the boxes that are not empty, and the leaf it is in; low and high are the root's corners."""
+    """Uniform point in the boxes that are not empty, and its leaf; low and high are the root's corners."""
     x0, y0, z0 = low[0], low[1], low[2]
     x1, y1, z1 = high[0], high[1], high[2]
     index = 0
@@ -507,9 +509,9 @@ class TreeError(ValueError):
 
 @dataclass(frozen=True)
 class Tree:
-    """The interior tree of a shape, and what its lists refer to: a closed-form program or a field."""
+    """The interior tree of a shape, and the data of its lists: a closed-form program or a field."""
 
-    center: np.ndarray  # (3,) the origin of tree space, in the shape's own space
+    center: np.ndarray  # (3,) the origin of tree space, in the shape's local space
     half: np.ndarray  # (3,) half sizes of the root's box
     nodes: np.ndarray  # NODE
     lists: np.ndarray  # LIST
@@ -536,7 +538,7 @@ class Tree:
         return self.field.terms, self.field.parameters
 
     def bounds(self, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Corners of a box, in the world, around all that is not empty; ``matrix`` takes the shape to the world."""
+        """Corners of a world box around all non-empty boxes; ``matrix`` maps the shape to the world."""
         if self.nodes["mass"][0] == 0.0:
             return self.center, self.center
         occupied = self.boxes[(self.nodes["first"] < 0) & (self.nodes["state"] != OUTSIDE)]
@@ -550,8 +552,8 @@ class Tree:
 def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used, mass, smallest: float) -> None:
     """Grow the tree of a field, from its root.
 
-    Lipschitz bounds that are not known for all of space are found for boxes, the largest first; parts of a box inherit
-    its bound once the work is spent.
+    If no Lipschitz bound is known for all of space, bounds are found for boxes, the largest first. When the budget is
+    spent, parts inherit the bound of their box.
     """
     terms = field.terms
     nodes["lipschitz"][0] = terms["lipschitz"][-1]
@@ -560,7 +562,7 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used,
     columns[unknown] = np.arange(len(unknown))
     bounds = np.full((len(nodes), len(unknown)), np.inf)
     first, last, work = 0, 1, BOUNDS_WORK
-    together = max(int(SLICE / field.costs.sum()), 1)  # boxes, if all that matters in the first matters in each
+    together = max(int(SLICE / field.costs.sum()), 1)  # boxes, if the list of the first matters in each
     while first < last:
         if len(unknown) and work > 0:
             work -= _find_bounds(field, unknown, nodes, boxes, lists, np.arange(first, last), mass, bounds, work)
@@ -588,9 +590,9 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used,
 
 
 def _find_bounds(field: CompiledField, unknown, nodes, boxes, lists, places, mass, bounds, work: float) -> float:
-    """Write bounds of the terms ``unknown`` to ``bounds`` (nodes, unknown), for boxes that are yet to be divided among
-    ``places``. Boxes where a single term matters, and has one sign, are settled. Returns the work done, about ``work``
-    at most: operations times boxes."""
+    """Write bounds of the terms ``unknown`` to ``bounds`` (nodes, unknown), for the unsplit boxes among ``places``.
+    Boxes in which a single term matters, with one sign, are settled. Returns the work done, at most about ``work``:
+    operations times boxes."""
     places = places[(nodes["state"][places] == BOUNDARY) & (nodes["first"][places] < 0)]
     done = 0
     for column, number in enumerate(unknown):
@@ -602,7 +604,7 @@ def _find_bounds(field: CompiledField, unknown, nodes, boxes, lists, places, mas
         slopes = lipschitz(term.formula, corners[:, :3], corners[:, 3:], term.parameters, CASES)
         with np.errstate(all="ignore"):
             values = run((term.formula,), Boxes(Arithmetic(), corners[:, :3], corners[:, 3:], term.parameters))[0]
-        # A field without a value is outside, which no bound of the slope elsewhere tells.
+        # An undefined field counts as outside, and no bound of the slope elsewhere shows that.
         undefined = np.zeros(len(chosen), bool) if values.undefined is None else values.undefined
         slopes = np.where(undefined, np.inf, slopes)
         bounds[chosen, column] = np.where(undefined, np.inf, np.minimum(bounds[chosen, column], slopes))
@@ -619,7 +621,7 @@ def _find_bounds(field: CompiledField, unknown, nodes, boxes, lists, places, mas
 
 
 def _guess(shape: Shape, center: np.ndarray, nodes, boxes) -> bool:
-    """Give the leaves on the boundary that have no bound a guess: twice the steepest slope of some that are measured.
+    """Guess the bound of the leaves on the boundary that have none: twice the steepest of some measured slopes.
 
     Returns whether there are such leaves.
     """
@@ -633,9 +635,9 @@ def _guess(shape: Shape, center: np.ndarray, nodes, boxes) -> bool:
     ahead, behind = (evaluate(shape.formula(), points + sign * step + center, shape.parameters()) for sign in (1, -1))
     with np.errstate(invalid="ignore"):
         slopes = np.abs(ahead - behind) / (2.0 * np.linalg.norm(step, axis=2))
-    # A direction at random sees the steepest slope's projection: rarely less than half of it in one of many.
+    # A random direction sees the projection of the steepest slope: in many samples, rarely less than half of it.
     slopes = 2.0 * np.where(np.isfinite(slopes), slopes, 0.0).max(axis=1) + 1e-9
-    # Nothing tells where a field ends to have a value, so no value may say much about its surroundings.
+    # The border of an undefined region is unknown, so no value may say much about its surroundings.
     torn = ~np.isfinite(ahead).all(axis=1)
     values = np.where(np.isfinite(ahead), np.abs(ahead), 0.0).max(axis=1)
     nodes["lipschitz"][places] = np.where(torn, np.maximum(slopes, STEPS * values / size.max(axis=(1, 2))), slopes)
@@ -656,7 +658,7 @@ def tree(shape: Shape) -> Tree:
         field = compile_terms(shape.terms(matrix, 1.0))
     check()
     if (rows_needed(program)[1] if field is None else field.depth) > DEEPEST:
-        raise TreeError("its shape has too many parts inside one another: simplify it.")
+        raise TreeError("its shape has too many nested parts: nest fewer.")
     size = len(program) or len(field.terms)
     limit = 1 << max(MOST_NODES, NODES_A_PART * size).bit_length() - 1
     if size == 1 and field is not None:

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is inside each box of an interior tree, for sampling: volume and emission, their centroids, how far they spread.
+"""The contents of each box of an interior tree, for sampling: volume and emission, their centroids and variances.
 
-The tree is copied without its empty boxes. A box that has one part left is that part, so boxes also close in on what
-they hold, and the way down the tree is short.
+The tree is copied without its empty boxes. A box with only one part left becomes that part. So boxes fit closely around
+their contents, and the tree is shallow.
 
-Boxes that are full have closed forms. Those on the boundary are sampled, one random point in each of its parts;
-then all of them are scaled by the one factor that makes the whole the volume of the shape, which is known better.
+Boxes that are full have closed forms. Those on the boundary are sampled, with one random point in each of their parts.
+Then one common factor scales all of them to the volume of the shape, which is known better.
 
-Where the emission varies full boxes are sampled too, and leaves are divided further until the emission differs little in
+If the emission varies, full boxes are sampled too. Leaves are split further until the emission is nearly uniform in
 each, as far as that matters to the whole.
 """
 
@@ -33,15 +33,15 @@ CELL = np.dtype(
         ("first", np.int32),  # index of the two children, below the split and above it; −1 for a leaf
         ("axis", np.int32),  # that the children divide
         ("state", np.int32),  # INSIDE or BOUNDARY
-        ("direct", np.int32),  # 1: points are drawn from the box itself, not from what is below
-        ("row_first", np.int32),  # the list of what matters in a leaf on the boundary, as of ``interior.NODE``
+        ("direct", np.int32),  # 1: points are drawn from the box itself, not from its children
+        ("row_first", np.int32),  # the list of what matters in a leaf on the boundary, as in ``interior.NODE``
         ("row_count", np.int32),
         ("low", np.float64, (3,)),  # corners of the box, in tree space
         ("high", np.float64, (3,)),
         ("volume", np.float64),  # m³ of the interior
         ("centroid", np.float64, (3,)),  # of the interior
-        ("spread", np.float64, (3,)),  # m², variance of each coordinate, of the leaves below as a whole
-        # The same, weighted by the emission: equal to those above where it is the same everywhere.
+        ("spread", np.float64, (3,)),  # m², variance of each coordinate, of the leaves below together
+        # The same, weighted by the emission; equal to the values above if it is uniform.
         ("mass", np.float64),  # m³: the integral of the emission, divided by its mean over the shape
         ("mass_centroid", np.float64, (3,)),
         ("mass_spread", np.float64, (3,)),
@@ -51,20 +51,20 @@ CELL = np.dtype(
 
 TABLES = {"lamp_cells": CELL}
 
-FILL = 0.95  # interior of a box from which points are drawn without going down to its leaves
+FILL = 0.95  # interior fraction of a box from which points are drawn directly
 # Parts, along each axis, of boxes on the boundary and of full ones, with a sample in each; even.
 SIDES = 6, 0
-COARSE_SIDES = 4, 0  # where the leaves are not …
+COARSE_SIDES = 4, 0  # greatest leaf if the emission is uniform …
 FEW = 2000
-GLOW_SIDES = 4, 4  # where the emission varies: there are more boxes then, and samples cost more …
-TRIAL_SIDES = 2, 4  # … and to find out where it does
-COARSEST = 1.0 / 8.0  # greatest leaf, of the longest side of the whole box, where the emission varies
-ROUGH = 2e-4  # greatest integral of the emission's deviation in a leaf, of that of the emission in all
-MOST_PARTS = 1 << 14  # leaves that are divided for it
-SAFETY = 4.0  # standard errors that a bound is made of
+GLOW_SIDES = 4, 4  # if the emission varies: there are more boxes then, and samples cost more …
+TRIAL_SIDES = 2, 4  # … and for finding where it varies
+COARSEST = 1.0 / 8.0  # greatest leaf, relative to the longest side of the root box, if the emission varies
+ROUGH = 2e-4  # greatest integral of the emission's deviation in a leaf, relative to the integral of all emission
+MOST_PARTS = 1 << 14  # leaves that are split because of it
+SAFETY = 4.0  # standard errors in a bound
 
-# Sums over what is inside a box: volume and its first moments; red, green and blue; then the mean of these: its first and
-# second moments, its square, and the variance of its sum.
+# Sums over the contents of a box: volume and its first moments; red, green and blue; then, of the mean of these: its
+# first and second moments, its square, and the variance of its sum.
 VOLUME, RGB, FIRST, SECOND, SQUARE, VARIANCE, SUMS = 0, 4, 7, 10, 13, 14, 15
 
 lamp_cells = table("lamp_cells", CELL)
@@ -72,9 +72,10 @@ lamp_cells = table("lamp_cells", CELL)
 
 @kernel
 def _sample_colours(glow, offset, points, inside, part, total, colours):
-    """Add the emission of ``LANES`` points to the sums ``total``: those that are ``inside``, each for a volume ``part``.
+    """Add the emission of ``LANES`` points to the sums ``total``: those that are ``inside``, each for a volume
+    ``part``.
 
-    ``points`` are in tree space; ``offset`` takes them to the shape's own space. ``colours`` is scratch.
+    ``points`` are in tree space; ``offset`` shifts them to the shape's local space. ``colours`` is scratch.
     """
     for k in range(3):
         for lane in range(LANES):
@@ -92,16 +93,17 @@ def _sample_colours(glow, offset, points, inside, part, total, colours):
             total[FIRST + k] += moment
             total[SECOND + k] += moment * points[k * LANES + lane]
         total[SQUARE] += part * mean * mean
-        if lane % 2 == 1:  # neighbours: of two strata the variance is at most the square of the difference, on average
+        if lane % 2 == 1:  # neighbours: the variance of two strata is at most the square of the difference, on average
             total[VARIANCE] += (part * (mean - previous)) ** 2
         previous = mean
 
 
 @kernel
 def sample_leaf(program, terms, parameters, lists, glow, offset, side, node, box, state, stack, total):
-    """Sums (see ``VOLUME`` …) over the interior of a leaf, to ``total``; returns the state of the random numbers.
+    """Add the sums (see ``VOLUME`` …) over the interior of a leaf to ``total``. Returns the state of the random
+    numbers.
 
-    ``glow`` is the address of the emission's code and that of its parameters; 0: the emission does not vary. There are
+    ``glow`` holds the addresses of the emission's code and of its parameters; 0: the emission is uniform. There are
     ``side``³ samples.
     """
     size = ((box[3] - box[0]) / side, (box[4] - box[1]) / side, (box[5] - box[2]) / side)
@@ -150,7 +152,7 @@ def _fill(box, total):
 
 @kernel
 def sample_leaves(program, terms, parameters, lists, glow, offset, sides, nodes, boxes, totals, first, last, state):
-    """``sample_leaf`` for the leaves from ``first`` to ``last``; the closed form for those that are full and uniform.
+    """``sample_leaf`` for the leaves from ``first`` to ``last``; the closed form for full and uniform ones.
 
     ``sides`` are those of boxes on the boundary and of full ones, ``totals`` is (nodes, ``SUMS``). Returns the state of
     the random numbers.
@@ -188,11 +190,11 @@ def _halve(nodes, boxes, index, used):
 
 @kernel
 def divide(program, terms, parameters, lists, glow, offset, sides, nodes, boxes, totals, used, state):
-    """Divide leaves that are too large, or in which the emission differs too much; returns the number of nodes then, and
+    """Split leaves that are too large, or in which the emission differs too much. Returns the new number of nodes, and
     the state of the random numbers.
 
-    What was found is of no further use: boxes that are kept because samples missed what is in them would make less of
-    the whole than there is.
+    The sums found so far are then discarded. Reusing them would keep boxes whose contents samples missed, and bias the
+    whole downwards.
     """
     longest = 0.0
     for k in range(3):
@@ -234,7 +236,7 @@ def _mean(total):
 
 @kernel
 def _find(nodes, index):
-    """The node itself, or what is left of it where all else is empty."""
+    """The node itself, or its only non-empty descendant."""
     while nodes[index].first >= 0:
         first = nodes[index].first
         if nodes[first].mass == 0.0:
@@ -248,16 +250,16 @@ def _find(nodes, index):
 
 @kernel
 def _joined(a, a_spread, b, b_spread, share):
-    """Mean and variance of two together, of which the second has a ``share``."""
+    """Mean and variance of two distributions together; the second has a ``share``."""
     apart = b - a
     return a + share * apart, a_spread + share * (b_spread - a_spread) + share * (1.0 - share) * apart * apart
 
 
 @kernel
 def gather(nodes, boxes, totals, brightness, least_fill, cells):
-    """Fill in ``cells`` from what is in the leaves; returns how many there are.
+    """Fill in ``cells`` from the sums of the leaves. Returns their number.
 
-    ``brightness`` is the mean of the emission over the shape; 0: it does not vary.
+    ``brightness`` is the mean of the emission over the shape; 0: it is uniform.
     """
     source = np.empty(len(nodes), np.int64)
     source[0], used, index = _find(nodes, 0), 1, 0
@@ -308,18 +310,18 @@ def gather(nodes, boxes, totals, brightness, least_fill, cells):
 
 
 class Weighed(NamedTuple):
-    """``cells`` are ``CELL``, for each box of a tree that is not empty."""
+    """``cells`` are ``CELL``, for each non-empty box of a tree."""
 
     cells: np.ndarray
     mean: np.ndarray  # (3,) mean of the emission over the shape
-    error: float  # bound on the relative error of its integral, apart from that of the volume
-    rough: float  # relative variance of the emission at a point of a leaf, where leaves are chosen by their emission
+    error: float  # bound of the relative error of its integral, apart from that of the volume
+    rough: float  # relative variance of the emission at a point of a leaf, if leaves are chosen by their emission
 
 
 def cells(tree: Tree, volume: float) -> np.ndarray:
-    """``CELL`` for each box of the tree that is not empty; ``volume`` is that of the shape, in its own space.
+    """``CELL`` for each non-empty box of the tree; ``volume`` is that of the shape, in its local space.
 
-    A shape of which nothing is inside any box has none.
+    A shape without interior in any box has none.
     """
     return weigh(tree, volume, None).cells
 
@@ -338,7 +340,8 @@ def _sample_all(tree: Tree, arrays, glow, offset, sides, nodes, boxes, totals, u
 
 
 def weigh(tree: Tree, volume: float, emission: CompiledEmission | None) -> Weighed:
-    """As ``cells``, for an emission that varies. Where that is dark everywhere its ``mean`` is zero, and of no use."""
+    """As ``cells``, for a varying emission. If it is dark everywhere, its ``mean`` is zero, and the cells are
+    useless."""
     if tree.nodes["mass"][0] == 0.0:
         return Weighed(np.zeros(0, CELL), np.ones(3), 0.0, 0.0)
     arrays = (tree.program, *tree.arrays, tree.lists)

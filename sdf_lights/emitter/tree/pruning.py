@@ -3,13 +3,13 @@
 """Which operands matter in a box: lists of terms or instructions without those that certainly change nothing there.
 
 For fields this is the Lipschitz pruning of Barbier, Sanchez, Paris, Michel, Lambert, Boubekeur, Paulin and Thonat 2025
-("Lipschitz pruning: hierarchical simplification of primitive-based SDFs"): where two operands differ by more than
-their operator reaches, at the centre and by so much that no point of the box can make up for it, one of them is the
-result. More can be left out where no more than the sign of the result matters, as it does in the end: a part of a
-union that does not enter the box, even if it is close. So the field of a pruned list has the sign of the whole field
-in its box, but not its value.
+("Lipschitz pruning: hierarchical simplification of primitive-based SDFs"). If two operands differ at the centre by more
+than their operator's blend width, and by so much that no point of the box can make up for it, one of them is the
+result. Where only the sign of the result matters, as in the end it does, more can be left out: for example a part of a
+union that does not enter the box, even if it is close. So the field of a pruned list has the sign of the whole field in
+its box, but not its value.
 
-For closed-form programs the flags of ``membership`` tell which sets are all or nothing of the box.
+For closed-form programs, the flags of ``membership`` tell which sets contain all or nothing of the box.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LESSER, GREATER, WITHOUT = int(Family.UNION), int(Family.INTERSECTION), int(Fami
 
 @kernel
 def _negated(out, used):
-    """The list that ends at ``used``, with its sign changed; returns its new end."""
+    """The list that ends at ``used``, with its sign changed. Returns its new end."""
     if out[used - 1] == NEGATED:
         return used - 1
     out[used] = NEGATED
@@ -33,11 +33,11 @@ def _negated(out, used):
 
 @kernel
 def _winner(family, a, b, change_a, change_b, blend_width, care):
-    """Operand that a join comes down to in a box: 1 or 2, −1 or −2 with its sign changed, 0 if both may matter.
+    """Operand that a join reduces to in a box: 1 or 2, −1 or −2 with its sign changed, 0 if both may matter.
 
-    a and b are the operands' values at the centre, which change by no more than ``change_a`` and ``change_b`` in the
-    box. Values of the join that are farther than ``care`` from zero count by their sign alone: a union, for one, is
-    known by b where a is greater than ``care`` and the blend width.
+    a and b are the operands' values at the centre, which change by at most ``change_a`` and ``change_b`` in the box.
+    For values of the join farther than ``care`` from zero, only the sign counts. For example, a union is known from b
+    if a is greater than ``care`` and the blend width.
     """
     margin, far = blend_width + change_a + change_b, blend_width + care
     above_a, below_a = a - change_a > far, -a - change_a > far
@@ -63,7 +63,7 @@ def _winner(family, a, b, change_a, change_b, blend_width, care):
 
 @kernel
 def _without(out, used, start, middle, winner):
-    """Leave the operand ``winner`` of two lists that lie one after the other in ``out``; returns the new end."""
+    """Keep the operand ``winner`` of two consecutive lists in ``out``. Returns the new end."""
     if abs(winner) == 1:
         used = middle
     else:
@@ -94,7 +94,7 @@ def prune_field(
 ):
     """Evaluate a list at the centres of ``LANES`` boxes of half diagonal ``radius``, and prune it for each of them.
 
-    ``stack`` holds the centres and takes the values, as in ``fields.run_terms``. Row i of ``out`` (LANES, count) takes
+    ``stack`` holds the centres and gets the values, as in ``fields.run_terms``. Row i of ``out`` (LANES, count) gets
     the list of box i, ``used[i]`` its length, and ``slopes[i]`` a Lipschitz bound of the field of that list there. That
     field is as far from zero as the whole one, or farther. ``cares`` and ``gains`` are those of
     ``fields.CompiledField``. A term without a Lipschitz bound for all of space has one for these boxes in the column
@@ -154,7 +154,7 @@ def prune_program(program, lists, first, count, c, h, out, starts):
     """Prune a list for the box with centre c and half sizes h into ``out``, which is as long as the list.
 
     Returns the length of the new list and the flags (inside, outside) of the whole box, as ``membership.classify``; the
-    list is empty where one of them is set. ``starts`` is scratch, (DEEPEST,).
+    list is empty if one of them is set. ``starts`` is scratch, (DEEPEST,).
     """
     inside, outside = 0, 0
     used, depth = 0, 0
@@ -186,6 +186,6 @@ def prune_program(program, lists, first, count, c, h, out, starts):
             out[used] = number
             used += 1
         elif first_in | second_in and row.op != UNION and row.op != INTERSECTION:
-            used = _negated(out, used)  # one set is all of the box, and the other is taken from it
+            used = _negated(out, used)  # the set that contains all of the box, from which the other is subtracted
         inside, outside = inside >> 1 << 1 | now_in, outside >> 1 << 1 | now_out
     return used, inside, outside

@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bounds of a field's gradient in the boxes of its interior tree.
 
-They tell how fast the field can fall and rise along a ray through a box, which is less than its Lipschitz bound
-wherever the ray is not square to the surface; and in most boxes on the surface they tell that the field is monotonic
-along a ray, so that the values at both ends are all that has to be known of it (see ``cover``).
+They tell how fast the field can fall and rise along a ray through a box, which is less than its Lipschitz bound unless
+the ray is perpendicular to the surface. In most boxes on the surface they prove that the field is monotonic along a
+ray, so that only the values at both ends are needed (see ``cover``).
 
 The terms of a box's list are bounded in turn (see ``enclosures``), with a stack of operands. A join f(a, b) has the
-gradient f_a ∇a + f_b ∇b. Where the signs of f_a and f_b are certain, that is |f_a| + |f_b| times an average of ±∇a and
-±∇b; and where f is read at (a + z, b ± z) its derivative along z is that sum, without what cancels in it. So both
-operands may have any share in a smooth union, and still the bounds are no wider than those of the two.
+gradient f_a ∇a + f_b ∇b. If the signs of f_a and f_b are certain, that is |f_a| + |f_b| times an average of ±∇a and
+±∇b. The derivative of f(a + z, b ± z) along z is that sum, without the cancelling parts. So both operands may have any
+share in a smooth union, and the bounds are still no wider than those of the two.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from ..intersection.fields import DEEPEST, NEGATED, CompiledField
 from .enclosures import BOXES, DEEPEST_LOOP, ROUNDING, SIZE, Tape, enclose, product_bounds, tape
 from .parallel import TASKS, in_parallel
 
-WORK = 2_500_000  # operations on boxes, about 40 ms: of boxes below that there are no bounds of their own
-OVERHEAD = 10.0  # operations that a box costs without any
-TAPES = 1024  # of formulas that are kept
-CASES = 4  # that a box may be taken apart into, to find where it jumps
+WORK = 2_500_000  # operations on boxes, about 40 ms; below that, boxes have no bounds of their own
+OVERHEAD = 10.0  # fixed cost of a box, in operations
+TAPES = 1024  # formulas in the cache
+CASES = 4  # parts that a box may be divided into, to find where it jumps
 
 _WITHOUT, _EXCLUSIVE = int(Family.DIFFERENCE), int(Family.EXCLUSIVE)
 
@@ -37,8 +37,8 @@ _tape = functools.lru_cache(maxsize=TAPES)(tape)
 
 
 def _tapes(field: CompiledField) -> tuple[np.ndarray, np.ndarray, int]:
-    """Instructions of all terms, where those of each begin with their number and result (terms, 3), and the registers
-    that the longest needs."""
+    """Instructions of all terms, with the number and result of those of each (terms, 3), and the registers that the
+    longest needs."""
     tapes: list[Tape] = [_tape(term.formula) for term in field.source]
     first, total, parts = {}, 0, []
     for found in tapes:
@@ -64,7 +64,7 @@ def _seed(registers, axis, low, high, x, y, z):
 def _joined(slopes, box, sign, a, b, row, out):
     """Write the bounds of f_a ∇a + f_b ∇b along one axis, whose bounds begin at ``row``, to ``out``.
 
-    ``slopes`` has the bounds of f_a, f_b and f_a ± f_b; ``sign`` is that sign, 0 where it is not known.
+    ``slopes`` has the bounds of f_a, f_b and f_a ± f_b; ``sign`` is that sign, 0 if it is unknown.
     """
     low, high = 0.0, 0.0
     for operand in range(2):
@@ -149,7 +149,7 @@ def bound(instructions, places, terms, parameters, lists, first, count, boxes, c
 @kernel
 def bound_all(instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out):
     """As ``bound``, for any number of boxes i with the lists from first[i] to first[i] + count[i], in the order of
-    ``chosen``: there those of the same list follow one another."""
+    ``chosen``, in which equal lists are neighbours."""
     start = 0
     while start < len(chosen):
         head, stop = chosen[start], start + 1
@@ -211,8 +211,8 @@ def _selected(nodes: np.ndarray, boundary: np.ndarray, work: np.ndarray) -> np.n
 
 @kernel
 def _spread(nodes, boundary, known):
-    """Give the parts of boxes the bounds of the whole, if they have the same list, and wholes those of all their parts
-    on the boundary."""
+    """Give the parts of boxes the bounds of the whole, if they have the same list; give wholes the bounds of all their
+    parts on the boundary."""
     for index in range(len(nodes)):
         node = nodes[index]
         if node.first >= 0 and known[index]:
@@ -236,7 +236,7 @@ def _spread(nodes, boundary, known):
 def _torn(
     field: CompiledField, boxes: np.ndarray, lists: np.ndarray, first: np.ndarray, count: np.ndarray
 ) -> np.ndarray:
-    """In which boxes (n, 6) a term of their lists may jump, which the bounds of gradients do not tell."""
+    """The boxes (n, 6) in which a term of their lists may jump, which the bounds of gradients do not show."""
     found = np.zeros(len(boxes), bool)
     for number, term in enumerate(field.source):
         if term.arity == 0 and not math.isfinite(term.lipschitz) and may_tear(term.formula):
@@ -252,10 +252,10 @@ def fill_gradients(
 ) -> None:
     """Write bounds of the gradient, as ``nodes["gradient"]``, to the nodes of a tree that are on its boundary.
 
-    They are of the field of the node's own list. Only of large boxes, which are not bounded as a whole, they are those
-    of their parts on the boundary together: a field of another list with the same sign, not everywhere in the box. So
-    those tell how the sign can change, no more. Children come after their parents in ``nodes``; ``boundary`` (nodes,)
-    tells which are on it.
+    They bound the field of the node's own list. Large boxes are not bounded as a whole: they get the bounds of all
+    their parts on the boundary together. These belong to other lists, with the same sign but not the same field. So
+    they show only how the sign can change. Children come after their parents in ``nodes``; ``boundary`` (nodes,) marks
+    the nodes on it.
     """
     nodes["gradient"] = [[-np.inf], [np.inf]]
     total = np.append(0.0, np.cumsum(np.append(field.operations, 0.0)[lists]))  # NEGATED is the last

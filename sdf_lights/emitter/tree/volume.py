@@ -1,15 +1,15 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume of a shape from its interior tree: full boxes exactly, jittered points where the surface is.
+"""Volume of a shape from its interior tree: full boxes exactly, jittered points on the surface.
 
-The leaves on the boundary are divided further, without being kept. Parts that turn out to be empty or full count
-exactly; what is left is sampled, in parts of about the same size. Where a field is close to linear across eight parts,
-only its difference from a linear field is sampled: the volume on one side of a plane is known. The error falls in
-proportion to the number of evaluations or faster, where that of jittered points in the whole bounding box falls with
-its 2/3rd power, since nothing is spent where the surface is not.
+The leaves on the boundary are split further, without storing the parts. Parts that turn out to be empty or full count
+exactly; the rest is sampled, in parts of about the same size. If a field is close to linear across eight parts, only
+its difference from a linear field is sampled, because the volume on one side of a plane is known. The error falls in
+proportion to the number of evaluations or faster. The error of jittered points in the whole bounding box falls with the
+power 2/3, because they spend most evaluations away from the surface.
 
-The estimate is unbiased. Its variance is made of the differences of neighbouring points, which also hold what their
-surroundings differ by, so it errs on the large side.
+The estimate is unbiased. Its variance comes from the differences of neighbouring points. These also contain the
+differences of their surroundings, so the estimated variance is rather too large.
 """
 
 from __future__ import annotations
@@ -27,22 +27,23 @@ from ..intersection.membership import classify, contains
 from .interior import Tree
 from .parallel import TASKS, in_parallel
 
-SAFETY = 4.0  # standard errors that the stated bound is made of
-BUDGET = 2.8e7  # rough ns that the estimate takes …
-POOR, LARGER = 3e-3, 4.0  # … or so many times more, where the relative bound would be worse than this
-OVERHEAD = 150.0  # rough ns of an evaluation, besides the field
+SAFETY = 4.0  # standard errors in the stated bound
+BUDGET = 2.8e7  # rough ns of the estimate …
+POOR, LARGER = 3e-3, 4.0  # … or so many times more, if the relative bound would be worse than this
+OVERHEAD = 150.0  # rough ns of an evaluation, in addition to the field
 PROGRAM_COST = 250.0  # rough ns for each instruction of a list, for LANES boxes
 MOST_DIVISIONS = 16  # of each leaf
-LINEAR = 1.0  # how far a field may be from linear, of what it changes by from the centre of a cell to a corner
-LEAST_SLOPE = 1e-3  # along an axis, of the greatest
-GOLDEN = 0.6180339887498949  # (√5 − 1) / 2: parts of its multiples fill the unit interval evenly
-BINS = 16  # of sizes of leaves, for each division
+LINEAR = 1.0  # largest nonlinearity of a field, relative to its change from the centre of a cell to a corner
+LEAST_SLOPE = 1e-3  # along an axis, relative to the greatest
+GOLDEN = 0.6180339887498949  # (√5 − 1) / 2: the fractional parts of its multiples fill the unit interval evenly
+BINS = 16  # of sizes of leaves, for each split
 SEED = 1
 
 
 @dataclass(frozen=True)
 class Volume:
-    """``value`` in m³ is off by ``error`` or more with a chance of one in 10,000; ``low`` and ``high`` are certain."""
+    """``value`` in m³ is off by ``error`` or more with a probability of one in 10,000; ``low`` and ``high`` are
+    certain."""
 
     value: float
     error: float
@@ -79,10 +80,10 @@ def _classify_parts(program, terms, parameters, lists, node, cell, half, stack, 
 
 @kernel(forceinline=True)
 def _slopes(stack):
-    """What a linear field with the values in ``stack`` at the centres of a cell's eight parts changes by over half of a
-    part along each axis: the least squares. Zeros where the values are far from linear.
+    """Least-squares change, over half of a part along each axis, of a linear field with the values in ``stack`` at the
+    centres of a cell's eight parts. Zeros if the values are far from linear.
 
-    None is less than ``LEAST_SLOPE`` of the greatest, for the sake of ``_below``.
+    None is less than ``LEAST_SLOPE`` of the greatest, as ``_below`` requires.
     """
     mean, x, y, z = 0.0, 0.0, 0.0, 0.0
     for lane in range(LANES):
@@ -107,7 +108,7 @@ def _slopes(stack):
 
 @kernel(forceinline=True)
 def _below(value, x, y, z):
-    """Part of the cube |r|, |s|, |t| ≤ 1 where value + r x + s y + t z ≤ 0; the three are positive.
+    """Fraction of the cube |r|, |s|, |t| ≤ 1 where value + r x + s y + t z ≤ 0; the three are positive.
 
     From the distribution of a sum of uniform numbers.
     """
@@ -146,8 +147,8 @@ def _sample_field(
     """Sample the ``count`` parts of a cell that are unsure by their ``states``.
 
     Unless ``slopes`` are zeros, the values at the centres of the parts are in ``stack``. Each unsure part gets an equal
-    number of random points. Returns the generator's state, an estimate of how many of the parts are inside, and the
-    variance of that. The rest is scratch.
+    number of random points. Returns the generator's state, an estimate of how many of the parts are inside, and its
+    variance. The rest is scratch.
     """
     reach = abs(slopes[0]) + abs(slopes[1]) + abs(slopes[2])
     part = 0
@@ -189,11 +190,12 @@ def _sample_field(
 
 @kernel
 def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, randoms, sums):
-    """Divide the ``leaves`` into parts of the volumes ``coarsest`` (leaves,) at most, and sample what is still unsure.
+    """Split the ``leaves`` into parts of at most the volumes ``coarsest`` (leaves,), and sample the parts that are
+    still unsure.
 
-    To ``sums`` (4,) are added the volume that is certainly inside, the volume of what was sampled, the estimate of its
-    part inside, and the variance of that. ``randoms`` (1,) is the seed, and then that of the leaves that follow. Returns how
-    many times the list of each leaf was evaluated.
+    Adds to ``sums`` (4,) the volume that is certainly inside, the sampled volume, the estimate of its part inside, and
+    the variance of that. ``randoms`` (1,) is the seed, and then that of the next leaves. Returns how many times the
+    list of each leaf was evaluated.
     """
     stack = stack_array(STACK)
     # Centre and half sizes of cells, and whether the field is close to linear around them, as far as is known.
@@ -269,7 +271,7 @@ def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, ra
 
 
 def measure(tree: Tree) -> Volume:
-    """Volume of the interior of a tree, in the shape's own space."""
+    """Volume of the interior of a tree, in the shape's local space."""
     leaves = tree.boundary
     sizes = np.prod(tree.boxes[:, 3:] - tree.boxes[:, :3], axis=1)
     certain = float(sizes[tree.inside].sum())
@@ -279,14 +281,14 @@ def measure(tree: Tree) -> Volume:
 
     def sampled(coarsest: np.ndarray, share: slice, seed: int, parts: int = 1) -> np.ndarray:
         random, sums = np.array([seed], np.uint64), np.zeros(4)
-        # The parts follow one another, so their number changes no bit.
+        # The parts are handled in sequence, so their number changes no bit.
         for part in zip(np.array_split(leaves[share], parts), np.array_split(coarsest[share], parts)):
             check()
             sample(tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, *part, random, sums)
         return sums
 
     def estimate(work: float) -> Volume:
-        """The volume, for about so much work; but no leaf is left out."""
+        """The volume, for about so much work; no leaf is left out."""
         coarsest = _coarsest(sizes[leaves], costs, work)
         parts = math.ceil(max(work, costs.sum()) / TASKS / SLICE)
         found = in_parallel(lambda share: sampled(coarsest, slice(share, None, TASKS), SEED + share, parts))
@@ -300,10 +302,10 @@ def measure(tree: Tree) -> Volume:
 
 
 def _coarsest(sizes: np.ndarray, costs: np.ndarray, work: float) -> np.ndarray:
-    """Greatest volume of the parts of each of the leaves of ``sizes``, with which about ``work`` is done.
+    """Greatest volume of the parts of each of the leaves of ``sizes``, for about ``work`` in total.
 
-    It is the same for all but for a factor of 8^u, where u goes evenly through [0, 1) from leaf to leaf: else leaves of
-    one size would all be divided once more, or none. Of the eight parts that a division makes, the surface enters about
+    It is the same for all, except for a factor of 8^u, where u runs evenly through [0, 1) from leaf to leaf. Otherwise
+    leaves of one size would all be split once more, or none. Of the eight parts of a split, the surface enters about
     four.
     """
     levels = np.log(sizes) / math.log(LANES)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""BSDFs that few scenes have: a module each, found by its place, with a ``BSDF`` that says what others have to know of it.
+"""BSDFs that few scenes have: one module each, found automatically. Its ``BSDF`` describes it to the other modules.
 
-Their kernels are the modules of the same names in ``kernels/shading/special/``, and what tests compare them with is in
+Their kernels are the modules of the same names in ``kernels/shading/special/``. The reference versions for tests are in
 ``reference/bsdfs/``.
 """
 
@@ -31,6 +31,6 @@ def closures(group: Group) -> tuple[str, ...]:
 
 
 def option(kind: str, setting: str, value: str) -> int:
-    """The number of an option of a BSDF, from 0. Raises ValueError where its description has no such option."""
+    """The number of an option of a BSDF, from 0. Raises ValueError if its description has no such option."""
     same = [item[1:] for item in _OPTIONS if item[0] == kind]
     return same.index((setting, value))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the rest of the program has to know of a BSDF that is compiled apart."""
+"""The description of a BSDF that is compiled separately, for the rest of the program."""
 
 from __future__ import annotations
 
@@ -10,16 +10,17 @@ from dataclasses import dataclass, field
 
 
 class Group(enum.Enum):
-    """How Cycles counts what a closure scatters."""
+    """How Cycles classifies the scattering of a closure."""
 
     DIFFUSE = "diffuse"
-    GLOSSY = "glossy"  # dark where caustics are off
-    OTHER = "other"  # reflection or transmission, by the side that light leaves to
+    GLOSSY = "glossy"  # dark if caustics are off
+    OTHER = "other"  # reflection or transmission, by the side on which light leaves
 
 
 @dataclass(frozen=True)
 class Lobe:
-    """What a node adds to a surface: ``closures``, by name. ``when`` (setting, value) asks for this lobe; None: no other is."""
+    """A lobe of a node: its ``closures``, by name. ``when`` (setting, value) selects this lobe; None: no other lobe is
+    selected."""
 
     name: str
     closures: Mapping[str, Group]
@@ -30,9 +31,10 @@ class Lobe:
 class Bsdf:
     """A node of ``material.NODES`` whose closures are in a module of ``kernels/shading/special/``.
 
-    ``inputs`` are as in ``material.NODES``, and the arguments of the lobes, in this order. ``settings`` are names of what is no value,
-    in Blender too, in capitals. ``options`` are pairs of a setting and a value for which kernels ask by ``bsdfs.option``.
-    ``blender`` is Blender's node. ``sockets`` are identifiers of its sockets, where they are not the inputs' names in title case.
+    ``inputs`` are as in ``material.NODES``, and the arguments of the lobes, in this order. ``settings`` are names of
+    properties that are not values, in capitals, as in Blender. ``options`` are pairs of a setting and a value that
+    kernels test with ``bsdfs.option``. ``blender`` is Blender's node. ``sockets`` are identifiers of its sockets that
+    differ from the inputs' names in title case.
     """
 
     kind: str

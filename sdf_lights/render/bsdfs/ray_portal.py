@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ray Portal: the ray goes on elsewhere."""
+"""Ray Portal: the ray continues at another position."""
 
 from .description import Bsdf, Group, Lobe
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Toon: even inside a cone about the normal or the mirror direction."""
+"""Toon: uniform inside a cone about the normal or the mirror direction."""
 
 from .description import Bsdf, Group, Lobe
 

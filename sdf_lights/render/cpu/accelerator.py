@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own Embree 4, built through its C API; kernels call it by address (``kernels.rays``).
+"""Blender's own Embree 4, used through its C API; kernels call it by address (``kernels.rays``).
 
-A mesh used once is put into the top-level scene in world space, which spares its rays the second traversal; a mesh used
-more often, or that moves as a whole, becomes an Embree scene of its own that its instances share. Either way the
+A mesh that is used once is added to the top-level scene in world space, which saves a second traversal. A mesh that is
+used more often, or that moves as a whole, becomes a separate Embree scene that its instances share. In both cases the
 Embree geometry id at the top level is the index of the instance in ``Scene.instances``.
 """
 
@@ -14,13 +14,12 @@ import ctypes
 import numpy as np
 
 from ..errors import RenderError
+from ..kernels.departure import SHAPE, filter_address
 from ..kernels.lights import shadow_bits
 from ..kernels.rays import NONE, masks_of, world_positions
-from ..kernels.strands.departure import SHAPE
-from ..kernels.strands.parts import filter_address
 from ..libraries import load_embree
 from ..scene import Mesh, Primitive, Scene
-from ..strands import EMBREE_TYPES, Buffers, buffers, can_be_baked, first_numbers, has_strands, strand_of, tessellation
+from ..strands import EMBREE_TYPES, Buffers, baked_instances, buffers, strand_of, tessellation
 
 
 class _Api:
@@ -78,7 +77,7 @@ _ROBUST = 4
 
 
 class _Device:
-    """A device of Embree, as long as something of it is in use."""
+    """A device of Embree, alive as long as any of its objects is in use."""
 
     def __init__(self, api: _Api):
         self._api, self.handle = api, api.rtcNewDevice(b"threads=0")
@@ -91,7 +90,7 @@ class _Device:
 
 
 class _Inner:
-    """An Embree scene of one mesh in its own space, which instances share, and the arrays that it reads."""
+    """An Embree scene of one mesh in local space, which instances share, and the arrays that it reads."""
 
     def __init__(self, api: _Api, device: _Device, handle: int):
         self._api, self._device, self.handle = api, device, handle
@@ -102,7 +101,7 @@ class _Inner:
 
 
 def accelerator_of(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None = None) -> Accelerator:
-    """An ``Accelerator``: the one that the scene has kept where nothing has moved since, which gives the same hits."""
+    """An ``Accelerator``. If nothing has moved, it is the one that the scene has kept, which gives the same hits."""
     before = scene.kept.get(_KEPT) if scene.kept is not None else None
     if before is not None and before.serves(scene, transparent, deep):
         return before
@@ -116,7 +115,7 @@ _KEPT = "accelerator"
 
 
 class Accelerator:
-    """Embree's structures over all instances of a scene. Hold on to it while kernels use its block scalars."""
+    """Embree's structures over all instances of a scene. Keep it while kernels use its block scalars."""
 
     def __init__(
         self,
@@ -125,31 +124,21 @@ class Accelerator:
         deep: np.ndarray | None = None,
         before: Accelerator | None = None,
     ):
-        """``transparent``, ``deep``: (materials,) bool, True where a material lets some light straight through, and where
-        light may scatter below it. ``inner_scenes`` (instances,) has an Embree scene of nothing else for these, in the
-        world if the instance is baked; 0 for others. Shared meshes of the one ``before`` that are the same are not sorted
+        """``transparent``, ``deep``: (materials,) bool, True if a material lets some light straight through, and if
+        light may scatter below it. ``inner_scenes`` (instances,) has a separate Embree scene for each of the latter, in
+        world space if the instance is baked; 0 for others. Unchanged shared meshes of ``before`` are not built
         again."""
         self._api = api = _Api() if before is None else before._api
         self._device = _Device(api) if before is None else before._device
         self._keep, self._scenes = [], []
         self._signature = _signature(scene, transparent, deep)
         self._inner: dict[tuple, _Inner] = {}
-        uses = np.bincount([instance.mesh for instance in scene.instances], minlength=len(scene.meshes))
-        self.baked = np.array(
-            [
-                uses[instance.mesh] == 1
-                and instance.motion is None
-                and can_be_baked(scene.meshes[instance.mesh], instance)
-                for instance in scene.instances
-            ],
-            dtype=bool,
-        )
+        self.baked = baked_instances(scene)
         shared: dict[int, int] = {}
         old = {} if before is None else before._inner
         self.inner_scenes = np.zeros(len(scene.instances), np.int64)
         self.scene = self._new_scene()
         masks = masks_of(scene.instances, transparent, shadow_bits(scene))
-        self._first_strands = first_numbers(scene) if has_strands(scene) else np.zeros(0, np.int64)
         for index, instance in enumerate(scene.instances):
             mesh = scene.meshes[instance.mesh]
             if not len(mesh.triangles):
@@ -158,7 +147,7 @@ class Accelerator:
                 geometry = self._geometry(mesh, instance.matrix)
             else:
                 if instance.mesh not in shared:
-                    form = _form_of(mesh, scene)
+                    form = _form_of(mesh)
                     found = old.get(form)
                     if found is None:
                         found = _Inner(api, self._device, self._new_scene(own=False))
@@ -180,7 +169,7 @@ class Accelerator:
                 apart = self.baked[index] or mesh.primitive != Primitive.TRIANGLES
                 alone = [self._new_scene()] if apart else []
                 self.inner_scenes[index] = alone[0] if alone else shared[instance.mesh]
-            # As in Cycles, there is nothing below curves and spheres for light to leave again.
+            # As in Cycles, light cannot leave again below curves and spheres.
             inside = alone if mesh.primitive == Primitive.TRIANGLES else []
             self._attach([self.scene, *inside], geometry, index, masks[index])
             for inner in alone:
@@ -201,7 +190,7 @@ class Accelerator:
         block["rtc_occluded"] = self._api.address("rtcOccluded1")
 
     def serves(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> bool:
-        """Whether these are the structures of a scene, too."""
+        """Whether these structures are valid for this scene, too."""
         return self._signature == _signature(scene, transparent, deep)
 
     def _new_scene(self, own: bool = True) -> int:
@@ -213,11 +202,15 @@ class Accelerator:
         return scene
 
     def _geometry(self, mesh: Mesh, matrix: np.ndarray | None = None) -> int:
-        """The geometry of a mesh, in the world by ``matrix``, or in its own space."""
+        """The geometry of a mesh, in world space by ``matrix``, or in local space."""
         if mesh.primitive != Primitive.TRIANGLES:
-            return self._strands(mesh, buffers(mesh, matrix))
-        forms = [form if matrix is None else world_positions(form, matrix) for form in _forms(mesh)]
-        return self._triangles(forms, mesh.triangles)
+            geometry = self._strands(mesh, buffers(mesh, matrix))
+        else:
+            forms = [form if matrix is None else world_positions(form, matrix) for form in _forms(mesh)]
+            geometry = self._triangles(forms, mesh.triangles)
+        self._api.rtcSetGeometryIntersectFilterFunction(geometry, filter_address())
+        self._api.rtcSetGeometryOccludedFilterFunction(geometry, filter_address())
+        return geometry
 
     def _strands(self, mesh: Mesh, given: Buffers) -> int:
         """A geometry of curves or spheres."""
@@ -232,16 +225,12 @@ class Accelerator:
             api.rtcSetGeometryTessellationRate(geometry, tessellation(mesh))
         strands, record = strand_of(mesh), np.zeros(1, SHAPE)
         record["strand_of_address"], record["strand_of_count"] = strands.ctypes.data, len(strands)
-        record["first_strands_address"] = self._first_strands.ctypes.data
-        record["first_strands_count"] = len(self._first_strands)
         self._keep += [given, strands, record]
         api.rtcSetGeometryUserData(geometry, record.ctypes.data)
-        api.rtcSetGeometryIntersectFilterFunction(geometry, filter_address())
-        api.rtcSetGeometryOccludedFilterFunction(geometry, filter_address())
         return geometry
 
     def _triangles(self, forms: list[np.ndarray], triangles: np.ndarray) -> int:
-        """A geometry whose vertices are at ``forms``, each (V, 3), at even times."""
+        """A geometry with the vertices ``forms``, each (V, 3), at even times."""
         indices = np.ascontiguousarray(triangles, np.uint32)
         self._keep.append(indices)
         geometry = self._api.rtcNewGeometry(self._device.handle, _TRIANGLES)
@@ -277,7 +266,7 @@ def _forms(mesh: Mesh) -> list[np.ndarray]:
 
 
 class _Same:
-    """An array that equals itself alone, and is kept from being another one at its address."""
+    """An array that is equal only to itself, and stays alive so that no other gets its address."""
 
     def __init__(self, array: np.ndarray | None):
         self._array = array
@@ -289,19 +278,18 @@ class _Same:
         return id(self._array)
 
 
-def _form_of(mesh: Mesh, scene: Scene) -> tuple:
-    """What decides an Embree scene of a mesh in its own space. Of curves and spheres that is their number in the scene, too."""
+def _form_of(mesh: Mesh) -> tuple:
+    """What decides an Embree scene of a mesh in its own space."""
     arrays = (mesh.positions, mesh.triangles, mesh.radii, mesh.motion, mesh.motion_radii)
-    own = () if mesh.primitive == Primitive.TRIANGLES else (object(),)
-    return (*map(_Same, arrays), mesh.primitive, mesh.subdivisions, *own)
+    return (*map(_Same, arrays), mesh.primitive, mesh.subdivisions)
 
 
 def _signature(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> tuple | None:
-    """What decides the structures of a scene; None where that is not asked for."""
+    """Key of the structures of a scene; None if it is not needed."""
     if scene.kept is None:
         return None
     masks = masks_of(scene.instances, transparent, shadow_bits(scene))
-    forms = [_form_of(mesh, scene) for mesh in scene.meshes]
+    forms = [_form_of(mesh) for mesh in scene.meshes]
     return tuple(
         (
             forms[instance.mesh],

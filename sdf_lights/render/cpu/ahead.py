@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kernels compiled before a scene asks for them: when a zip is built, and in processes beside a session.
+"""Compiles kernels in advance: when a zip is built, and in processes beside a session.
 
     python -m sdf_lights.render.cpu.ahead [--beside] [--low] [lamps|paths|parts …]
 
-compiles into the cache folder, and prints how far it is, a line «312 of 527» each time, and «finished lamps». Without a name: all.
-``--beside``: ends when its standard input does. ``--low``: only while nothing else wants the processor.
+compiles into the cache folder and prints its progress, each time a line such as «312 of 527», and «finished lamps».
+Without a name: all groups. ``--beside``: ends when its standard input closes. ``--low``: runs only while nothing else
+needs the processor.
 """
 
 from __future__ import annotations
@@ -44,11 +45,11 @@ from .light_paths import LightPaths
 from .path_splitting import render_tile
 from .renderer import CpuRenderer
 
-INTERVAL = 0.2  # seconds from one line to the next
+INTERVAL = 0.2  # seconds between two lines
 
 
 def _lamps() -> tuple[list, Callable[[], None]]:
-    """What lamps are built by: programs and fields, with emission that is the same everywhere and that varies."""
+    """The kernels that build lamps: programs and fields, with uniform and with varying emission."""
     from ...emitter import build_lamp
 
     entries = [
@@ -95,7 +96,8 @@ def _paths() -> tuple[list, Callable[[], None]]:
 
 
 def _parts() -> tuple[list, Callable[[], None]]:
-    """What some scenes have: lamps of data, textures, media, scattering below surfaces, hair, special closures, passes."""
+    """Kernels of special scenes: lamps of data, textures, media, subsurface scattering, hair, special closures,
+    passes."""
     from ...emitter import build_lamp
 
     records = BLOCK, WORKSPACE
@@ -136,7 +138,7 @@ GROUPS: dict[str, Callable[[], tuple[list, Callable[[], None]]]] = {
 
 def _step_back() -> None:
     """Take the lowest priority."""
-    if hasattr(os, "SCHED_IDLE"):  # Linux: who wakes up goes first at once
+    if hasattr(os, "SCHED_IDLE"):  # Linux: a waking process preempts this one at once
         with contextlib.suppress(OSError):  # a container may forbid it
             os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
             return
@@ -155,7 +157,7 @@ def _end_with_input() -> None:
 
 
 def main(words: list[str]) -> None:
-    """Compile groups, and tell on standard output how far that is."""
+    """Compile groups, and print the progress to standard output."""
     if "--beside" in words:
         threading.Thread(target=_end_with_input, daemon=True).start()
     if "--low" in words:

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kernels that compile in processes beside a session, at a low priority, so that its window never waits for them.
+"""Compiles kernels in processes beside a session, at low priority, so its window never waits for them.
 
-A process each for the path tracer and for lamps; what few scenes have follows the latter. They write into the cache that the
-session reads. Imports no Numba.
+There is one process for the path tracer and one for lamps; kernels of special scenes follow the latter. They write into
+the cache that the session reads. This module does not import Numba.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from collections.abc import Callable
 from ... import kernel_cache
 
 PACKAGE = pathlib.Path(__file__).resolve().parents[2]
-# Groups of ``ahead``, by process. The first of each are needed before any picture.
+# Groups of ``ahead``, by process. The first of each are needed for any picture.
 PROCESSES = (("paths",), ("lamps", "parts"))
 NEEDED = tuple(groups[:1] for groups in PROCESSES)
 POLL_SECONDS = 0.05
@@ -31,7 +31,7 @@ _READY = "ready-"
 
 
 class _Process:
-    """One that compiles, and how far it is."""
+    """A compiling process, and its progress."""
 
     def __init__(self, groups: tuple[str, ...], low: bool):
         paths = [path for path in sys.path if path]
@@ -43,7 +43,7 @@ class _Process:
             [sys.executable, "-m", f"{PACKAGE.name}.render.cpu.ahead", "--beside", *(["--low"] * low), *groups],
             cwd=PACKAGE.parent,
             env=environment,
-            stdin=subprocess.PIPE,  # whose end tells that the session is gone
+            stdin=subprocess.PIPE,  # closing it tells the process that the session has ended
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,
@@ -75,7 +75,7 @@ _processes: list[_Process] = []
 
 
 def _sources() -> str:
-    """Tells these sources from others without reading them."""
+    """Identifies these sources without reading them."""
     digest = hashlib.sha256(sys.version.encode())
     for path in sorted(PACKAGE.rglob("*.py")):
         status = path.stat()
@@ -84,12 +84,12 @@ def _sources() -> str:
 
 
 def _mark(group: str) -> pathlib.Path:
-    """A file that is there when all kernels of a group are, and goes with them."""
+    """A file that exists when all kernels of a group exist, and is deleted with them."""
     return kernel_cache.writable_folder() / f"{_READY}{group}-{_sources()}{kernel_cache.SUFFIX}"
 
 
 def _remember(group: str) -> None:
-    """Note that all kernels of a group are there."""
+    """Record that all kernels of a group exist."""
     with contextlib.suppress(OSError):
         for old in kernel_cache.writable_folder().glob(f"{_READY}{group}-*"):
             old.unlink()
@@ -97,12 +97,12 @@ def _remember(group: str) -> None:
 
 
 def needed(processes: tuple[tuple[str, ...], ...] = PROCESSES) -> bool:
-    """Whether kernels have still to be compiled, as far as is known."""
+    """Whether kernels still need to be compiled, as far as is known."""
     return not all(_mark(group).is_file() for groups in processes for group in groups)
 
 
 def start(low: bool = True, processes: tuple[tuple[str, ...], ...] = PROCESSES) -> None:
-    """Compile kernels, unless that has been done or is being done. ``low``: only while nothing else wants the processor."""
+    """Compile kernels, unless this is done or in progress. ``low``: only while nothing else needs the processor."""
     able = pathlib.Path(sys.executable or "").name.lower().startswith("python")
     if not able or not importlib.util.find_spec("numba") or running() or not needed(processes):
         return
@@ -114,7 +114,7 @@ def start(low: bool = True, processes: tuple[tuple[str, ...], ...] = PROCESSES) 
 
 
 def stop() -> None:
-    """End what is running."""
+    """End the running processes."""
     for process in _processes:
         process.stop()
     _processes.clear()
@@ -126,12 +126,12 @@ def running() -> bool:
 
 
 def progress() -> tuple[int, int]:
-    """(kernels that are ready, all)."""
+    """(number of ready kernels, number of all)."""
     return sum(each.done for each in _processes), sum(each.total for each in _processes)
 
 
 def text() -> str:
-    """How far it is, in words; "" where nothing runs or its extent is not known yet."""
+    """The progress in words; "" if nothing runs or its extent is not known yet."""
     done, total = progress()
     if not running() or not all(each.total for each in _processes):
         return ""
@@ -139,12 +139,13 @@ def text() -> str:
 
 
 def sentence(done: int, total: int) -> str:
-    """What users are told meanwhile."""
+    """The message for users during compilation."""
     return f"Compiling kernels, once for this installation: {done} of {total}"
 
 
 def wait(check: Callable[[], None]) -> None:
-    """Return when all that a picture needs is there, or when nobody compiles it. ``check`` may raise, to end the wait."""
+    """Return when everything for a picture is ready, or when nothing compiles it. ``check`` may raise, to end the
+    wait."""
     while any(process.running and process.groups[0] not in process.finished for process in list(_processes)):
         check()
         time.sleep(POLL_SECONDS)

@@ -44,14 +44,15 @@ from .accelerator import accelerator_of
 
 
 class PackedScene:
-    """A scene as the kernels read it: ``block`` (one record) and everything that it points at.
+    """A scene in the form that kernels read: ``block`` (one record) and everything that it points to.
 
-    Appends to ``scene.warnings`` what had to be left out.
+    Appends a warning to ``scene.warnings`` for everything left out.
     """
 
     def __init__(self, scene: Scene, film: Film, block: np.ndarray | None = None):
-        """``block``: memory for it. Without that, a scene with shadow catchers has another one of them alone beside it."""
-        self._images = scene.images  # whose pixels the tables point at
+        """``block``: memory for it. Without it, a scene with shadow catchers has a second block with only the
+        catchers."""
+        self._images = scene.images  # the tables point to its pixels
         self._tables: dict[str, np.ndarray] = {}
         catches = block is None and catches_shadows(scene)
         self._blocks = np.zeros(2 if catches else 1, BLOCK) if block is None else block
@@ -83,14 +84,14 @@ class PackedScene:
         self.update_lights(scene)
         self.update_camera(scene, film)
         self._pack_motion(scene)
-        # A name that no module declares, or one without its table, is a mistake of this file.
+        # A name that no module declares, or one without its table, is a bug in this file.
         assert self._tables.keys() == TABLES.keys(), self._tables.keys() ^ TABLES.keys()
         if catches:
             self._bare = PackedScene(catchers_only(scene), film, self._blocks[1:])
             self._bare.block["outputs"] = 0
 
     def _pack_shading(self, scene: Scene) -> dict[str, np.ndarray]:
-        """Tables of materials, of the nodes of lights and of the world."""
+        """Tables of materials, and of the nodes of lights and of the world."""
         tables, self._graphs = shading.pack_materials(scene)
         tables["graph_addresses"] = self._graphs.addresses((BLOCK, WORKSPACE))
         tables["special_code"] = special.addresses(tables["lobes"], (BLOCK, WORKSPACE))
@@ -121,9 +122,9 @@ class PackedScene:
         self._fill(empty | (tables or {}) | code, {"light_paths": tables is not None})
 
     def update_lights(self, scene: Scene) -> None:
-        """Take the lamps and lights of ``scene``, whose meshes, materials and world are the same as before.
+        """Take the lamps and lights of ``scene``. Its meshes, materials and world must be unchanged.
 
-        Workspaces made before do not fit any more.
+        Earlier workspaces become invalid.
         """
         if self._bare is not None:
             self._bare.update_lights(catchers_only(scene))
@@ -137,7 +138,7 @@ class PackedScene:
         self.light_hits = lights.hit_capacity(tables)
         chosen = set(map(id, sources))
         self._built = [index for index, lamp in enumerate(scene.lamps) if id(lamp) in chosen]
-        self.lamps = built  # whose compiled fields the tables point at
+        self.lamps = built  # the tables point to their compiled fields
         packed = cuts.pack_cuts(built, sources)
         everywhere = [tables, *(self._elsewhere.tables if self._elsewhere else ())]
         packed["lamp_placements"]["clear"] = np.all(
@@ -148,9 +149,9 @@ class PackedScene:
         self.span_rows = int(self.block["lamp_rows"][0])
 
     def update_camera(self, scene: Scene, film: Film) -> None:
-        """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film.
+        """Take the camera, the settings and the ray visibility of lamps of ``scene``, and another film.
 
-        All else is the same as before.
+        Everything else must be unchanged.
         """
         if self._bare is not None:
             self._bare.update_camera(catchers_only(scene), film)
@@ -173,7 +174,7 @@ class PackedScene:
         self._fill(self._external.tables, {})
 
     def _pack_motion(self, scene: Scene) -> None:
-        """The shutter, and what of the tables moves while it is open."""
+        """The shutter, and the tables that move while it is open."""
         tables, scalars = motion.pack_shutter(scene)
         keys = self._elsewhere.tables if self._elsewhere else []
         if self._elsewhere:
@@ -186,7 +187,8 @@ class PackedScene:
         self.moves = scene.shutter is not None
 
     def own_block(self) -> tuple[np.ndarray, list[np.ndarray]]:
-        """A block for a thread, and what it has to keep alive: of a scene that moves, each thread has it at another time."""
+        """A block for a thread, and the objects that it keeps alive. In a moving scene, each thread has a separate
+        block, at its own time."""
         if not self.moves:
             return self._blocks, []
         blocks, kept = self._blocks.copy(), []
@@ -202,12 +204,12 @@ class PackedScene:
         found = external.registered()
         if found is None:
             raise RenderError(
-                "The scene asks for an external sampling of lamps, and none is registered: choose another one."
+                "The scene uses an external sampling of lamps, but none is registered: choose another sampling."
             )
         return external.pack_external(found, self.lamps, sources, (BLOCK, WORKSPACE))
 
     def _show(self, visibility: np.ndarray) -> None:
-        """Make the lamps visible to these rays (lamps,), if they are not yet."""
+        """Make the lamps visible to these rays (lamps,), unless they already are."""
         rows = self._tables["lamps"]
         if np.array_equal(rows["visibility"], visibility):
             return
@@ -217,7 +219,7 @@ class PackedScene:
         self._fill(lamp_tree.pack_lamp_tree(low, high, visibility), {})
 
     def release(self) -> None:
-        """Free Embree's structures and the copies of the scene; kernels must not run on this block again."""
+        """Free Embree's structures and the copies of the scene. Kernels must not run on this block again."""
         self._accelerator = None
         self._tables, self._images, self.lamps, self._external = {}, [], [], external.NONE
         self._elsewhere = self._moving = self._bare = None
@@ -225,7 +227,8 @@ class PackedScene:
 
 
 class Workspace:
-    """Scratch memory of one thread: ``block`` is one record of tables. ``scene`` is the block of the scene for it."""
+    """Scratch memory of one thread: ``block`` is one record of tables. ``scene`` is the block of the scene for the
+    thread."""
 
     def __init__(self, packed: PackedScene, secondary: bool = True):
         if secondary:
@@ -252,5 +255,5 @@ class Workspace:
             fill_table(self.block, "secondary", self._secondary.block)
 
     def lamp_lengths(self) -> np.ndarray:
-        """(lamps, 2) lengths that rays of this thread could not resolve in each lamp, and had inside it."""
+        """(lamps, 2) lengths along rays of this thread: unresolved in each lamp, and inside it."""
         return self._tables["spans"].reshape(-1, 2)[self._span_rows :]

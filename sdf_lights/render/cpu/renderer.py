@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The CPU back end as ``session`` sees it: a packed scene, compiled kernels, and threads that take tiles."""
+"""The CPU back end for ``session``: a packed scene, compiled kernels, and threads that take tiles."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from .path_splitting import render_tile
 
 TILE = 32
 POLL_SECONDS = 0.05
-GRACE_SECONDS = 0.2  # that a cancelled build may take to end
+GRACE_SECONDS = 0.2  # seconds for a cancelled build to end
 
 
 class CpuRenderer:
-    """Renders ``scene`` into ``film``. ``cancelled`` and ``say`` serve the set-up, which may compile for a while."""
+    """Renders ``scene`` into ``film``. ``cancelled`` and ``say`` are for the set-up, which may compile for a while."""
 
     name = "CPU"
 
@@ -41,7 +41,7 @@ class CpuRenderer:
         self.ready = self._prepare(scene, cancelled, say)
 
     def _prepare(self, scene: Scene, cancelled, say) -> bool:
-        """Pack the scene, and compile the kernels or load them, in a thread of its own. False if cancelled meanwhile."""
+        """Pack the scene, and compile or load the kernels, in a separate thread. Returns False if cancelled."""
         say("Building the scene")
         failures: list[Exception] = []
         ended = threading.Event()
@@ -69,7 +69,7 @@ class CpuRenderer:
         while thread.is_alive():
             if cancelled():
                 ended.set()
-                thread.join(GRACE_SECONDS)  # compiling cannot be stopped: then it ends by itself
+                thread.join(GRACE_SECONDS)  # compiling cannot be stopped: it ends by itself
                 return False
             say(_compiling(compiled) or watch.doing or "Building the scene")
             thread.join(2 * POLL_SECONDS)
@@ -79,14 +79,14 @@ class CpuRenderer:
         return True
 
     def update_lights(self, scene: Scene) -> None:
-        """Take the lamps and lights of ``scene``, which is otherwise the same as before."""
+        """Take the lamps and lights of ``scene``, which is otherwise unchanged."""
         self._packed.update_lights(scene)
         self._warnings = scene.warnings
         self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
         self._light_paths = LightPaths.of(scene, self._packed)
 
     def update_camera(self, scene: Scene, film: Film) -> None:
-        """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
+        """Take the camera, the settings and the ray visibility of lamps of ``scene``, and another film."""
         self._film, self._settings, self._tiles = film, scene.settings, _tiles(film)
         before = self._packed.output_counts
         self._packed.update_camera(scene, film)
@@ -95,7 +95,7 @@ class CpuRenderer:
         self._light_paths = LightPaths.of(scene, self._packed)
 
     def interrupt(self) -> None:
-        """Stop sampling within milliseconds, if ``stop`` then says so too. May be called by another thread."""
+        """Stop sampling within milliseconds, if ``stop`` also returns True then. Other threads may call this."""
         packed = self._packed
         if packed is not None:
             packed.control[0] = 1
@@ -104,10 +104,10 @@ class CpuRenderer:
         render_tile(workspace.scene, workspace.block, *tile, samples)
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
-        """Add samples ``first`` to ``first + count − 1`` to every active pixel whose rate is 1. False if stopped before the
-        end.
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel whose rate is 1. Returns False if
+        stopped before the end.
 
-        A tile is always finished or not begun, unless it is stopped, so every pixel says how many samples it has.
+        A tile is always complete or not begun, unless it is stopped, so every pixel knows its number of samples.
         """
         if not self.ready:
             return False
@@ -129,10 +129,11 @@ class CpuRenderer:
         return True
 
     def _take(self, samples: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
-        """Add samples to the active pixels, until those whose rate is 1 have ``samples``. False if stopped before the end."""
+        """Add samples to the active pixels until those whose rate is 1 have ``samples``. Returns False if stopped
+        before the end."""
         control = self._packed.control
         control[:] = 0
-        if stop():  # whoever interrupted before that line had it say so first
+        if stop():  # an interrupt before that line has already set this
             return False
         order, failures, finished = itertools.count(), [], itertools.count()
         done = 0
@@ -165,7 +166,7 @@ class CpuRenderer:
         return not control[0] and not stop()
 
     def finish(self) -> None:
-        """Warn of lamps that rays could not resolve, and drop what the render no longer needs; the film stays."""
+        """Warn about lamps with unresolved rays, and free data that the render no longer needs; the film stays."""
         if self.ready:
             lengths = sum(workspace.lamp_lengths() for workspace in self._workspaces)
             self._warnings += lamps.unresolved(self._packed.lamps, lengths)
@@ -173,7 +174,8 @@ class CpuRenderer:
 
 
 def _compiling(before: int) -> str:
-    """How far the kernels are, in words; "" where none are compiled. ``before``: ``jit.compiled_kernels()`` at first."""
+    """The progress of the kernels, in words; "" if none are compiling. ``before``: ``jit.compiled_kernels()`` at the
+    start."""
     if jit.compiled_kernels() - before <= 1:
         return background.text()
     return background.sentence(*jit.progress([render_tile, *jit.begun()]))
@@ -185,16 +187,17 @@ def _tiles(film: Film) -> list[tuple[int, int, int, int]]:
 
 
 def _workspaces(packed: PackedScene, scene: Scene, tiles: int) -> list[Workspace]:
-    """One for each thread: not more than there are tiles, and as many as there is memory for."""
+    """One workspace for each thread: at most as many as tiles, and as many as memory allows."""
     wanted = min(scene.settings.threads or os.cpu_count() or 1, max(tiles, 1))
     found = [Workspace(packed)]
     try:
         while len(found) < wanted:
             found.append(Workspace(packed))
     except MemoryError:
-        del found[max(len(found) // 2, 1) :]  # the rest of the render needs some, too
+        del found[max(len(found) // 2, 1) :]  # the rest of the render needs memory, too
         scene.warnings.append(
-            f"There is no memory for {wanted} threads, so {len(found)} render: choose fewer in the performance settings."
+            f"There is no memory for {wanted} threads, so only {len(found)} render: choose fewer threads in the "
+            "performance settings."
         )
     return found
 
@@ -203,4 +206,7 @@ def _raise_first(failures: list[Exception]) -> None:
     if failures and isinstance(failures[0], RenderError):
         raise failures[0]
     if failures:
-        raise RenderError(f"The CPU back end failed ({type(failures[0]).__name__}: {failures[0]}).") from failures[0]
+        raise RenderError(
+            f"The CPU back end failed ({type(failures[0]).__name__}: {failures[0]}): start Blender with "
+            "--debug-python to see where, and report it."
+        ) from failures[0]

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bounding volume hierarchy over all triangles of a scene, for shaders that traverse it (``shaders_glsl/rays.glsl``).
 
-A binary tree, divided where the surface area heuristic is least over ``BINS`` bins of each axis (Wald 2007, "On fast
-construction of SAH-based bounding volume hierarchies"). A mesh that is used once is in the tree of the world as its
-triangles, in world space; one that is used more often has a tree of its own, of which the tree of the world has an item
-for each instance. The trees lie one after the other in the same arrays.
+A binary tree, split where the surface area heuristic is least over ``BINS`` bins of each axis (Wald 2007, "On fast
+construction of SAH-based bounding volume hierarchies"). A mesh that is used once is in the tree of the world, as
+triangles in world space. A mesh that is used more often has a separate tree, and the tree of the world has an item for
+each of its instances. All trees are concatenated in the same arrays.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from ..kernels.rays import world_positions
 from ..scene import Instance, Scene
 
 BINS = 16
-LEAF = 4  # items in a leaf at most
-STEP_COST = 1.0  # of passing a node, in tests of an item
-DEEPEST = 60  # levels of one tree; what is below becomes leaves, whatever they hold
-MOST_IN_LEAF = 16  # items that a reference to a leaf can count
+LEAF = 4  # maximum number of items in a leaf
+STEP_COST = 1.0  # cost of a node, in tests of an item
+DEEPEST = 60  # levels of one tree; below, nodes become leaves of any size
+MOST_IN_LEAF = 16  # maximum number of items in a reference to a leaf
 CATCHER = -(1 << 31)  # the sign of a mask: of shadow catchers
 
-# Boxes of the two children of a node, and their references: index of a node, or the complement of
-# MOST_IN_LEAF × first item + (number of items − 1).
+# Boxes of the two children of a node, and their references: index of a node, or the complement of MOST_IN_LEAF × first
+# item + (number of items − 1).
 NODE = np.dtype(
     [
         ("left_low", np.float32, 3),
@@ -39,9 +39,9 @@ NODE = np.dtype(
     ]
 )
 
-# A triangle, or an instance of a mesh with a tree of its own: its primitive is −1, and the first two numbers of ``b`` are, bit
-# by bit, its tree's first node and the index of its place. That is an item, too, in no tree: the three rows of the matrix
-# from the world to the mesh.
+# A triangle, or an instance of a mesh with its own tree. For an instance, the primitive is −1, and the first two
+# numbers of ``b`` are, bit by bit, its tree's first node and the index of its transform. A transform is an item, too,
+# outside of all trees: the three rows of the matrix from the world to the mesh.
 ITEM = np.dtype(
     [
         ("a", np.float32, 3),
@@ -53,7 +53,7 @@ ITEM = np.dtype(
     ]
 )
 
-_ROUNDING = np.float32(2.0**-22)  # by which the box of an instance grows, relative to its distance from the origin
+_ROUNDING = np.float32(2.0**-22)  # relative growth of an instance's box, by its distance from the origin
 
 
 @kernel
@@ -77,8 +77,8 @@ def _clear(box):
 
 @kernel
 def _split(boxes, order, first, last, bins, counts, sweep, box):
-    """Where to divide the items first … last − 1: (axis, bin, cost); axis −1 if their centres coincide. ``box`` takes
-    the box of the centres' doubled coordinates."""
+    """Where to split the items first … last − 1: (axis, bin, cost); axis −1 if their centres coincide. ``box`` gets the
+    box of the centres' doubled coordinates."""
     _clear(box)
     for i in range(first, last):
         item = boxes[order[i]]
@@ -118,7 +118,7 @@ def _split(boxes, order, first, last, bins, counts, sweep, box):
 
 @kernel
 def _partition(boxes, order, first, last, axis, where, box):
-    """Move the items whose centre is in a bin below ``where`` to the front; the first index of the others."""
+    """Move the items whose centre is in a bin below ``where`` to the front. Returns the first index of the others."""
     scale = BINS * (1.0 - 1e-6) / (box[3 + axis] - box[axis])
     i, j = first, last - 1
     while i <= j:
@@ -135,14 +135,14 @@ def _partition(boxes, order, first, last, axis, where, box):
 def grow(boxes, order, nodes, offset, base):
     """Build a tree over ``boxes`` (n, 6: low and high corner), n ≥ 1, into ``nodes``.
 
-    Returns how many there are, and the most of them that lie below one another.
+    Returns the number of nodes, and the maximum depth.
 
-    ``order`` (n,), at first 0 … n − 1, becomes the order of the items. ``offset`` is the index of the first node,
+    ``order`` (n,), initially 0 … n − 1, becomes the order of the items. ``offset`` is the index of the first node,
     ``base`` that of the first item, among those of all trees.
     """
     bins, counts, sweep = np.empty((BINS, 6)), np.empty(BINS, np.int64), np.empty((BINS, 7))
     box, whole = np.empty(6), np.empty(6)
-    # Ranges that wait: first item, last, node and side that lead to them, level.
+    # Waiting ranges: first item, last, parent node and side, level.
     waiting = np.empty((2 * DEEPEST + 4, 5), np.int64)
     waiting[0, 0], waiting[0, 1], waiting[0, 2], waiting[0, 3], waiting[0, 4] = 0, len(order), 0, 0, 0
     used, depth, deepest = 1, 1, 1
@@ -184,8 +184,7 @@ def grow(boxes, order, nodes, offset, base):
 
 class Hierarchy:
     """The trees of a scene: ``nodes`` (``NODE``), of which the world's begin at ``root``, ``items`` (``ITEM``) and
-    ``baked`` (instances,), True for those whose triangles are in the world's tree. ``depth`` bounds the references that
-    wait on the way of a ray."""
+    ``baked`` (instances,), True if their triangles are in the world's tree. ``depth`` bounds the stack of a ray."""
 
     def __init__(self, scene: Scene, masks: list[int]):
         """``masks``: kinds of rays (``rays.Ray`` bits) that see each instance."""
@@ -212,7 +211,7 @@ class Hierarchy:
             root, own = roots[instance.mesh]
             items.append(_instance(index, root, masks[index]))
             boxes.append(_placed(own, instance))
-        if not items:  # a node that holds nothing
+        if not items:  # an empty node
             self._nodes.append(np.zeros(1, NODE))
             self._nodes[0]["left_low"] = self._nodes[0]["right_low"] = np.inf
             self._nodes[0]["left_high"] = self._nodes[0]["right_high"] = -np.inf
@@ -222,14 +221,14 @@ class Hierarchy:
         else:
             own, self._deepest = self._deepest, 0
             self.root = self._add(np.concatenate(items), np.concatenate(boxes))
-        self.depth = own + self._deepest + 4  # and what is left of a leaf, the end of an instance and that of all
+        self.depth = own + self._deepest + 4  # and the rest of a leaf, the end of an instance and that of all
         self.nodes, self.items = np.concatenate(self._nodes), np.concatenate(self._items)
         self.instanced = bool(roots)
         if self.instanced:
             self._add_places(scene)
 
     def _add(self, items: np.ndarray, boxes: np.ndarray) -> int:
-        """Build a tree; the index of its first node."""
+        """Build a tree. Returns the index of its first node."""
         order, nodes = np.arange(len(items)), np.zeros(max(len(items), 1), NODE)
         count, deepest = grow(boxes, order, nodes, self._node_count, self._item_count)
         root, self._deepest = self._node_count, max(self._deepest, deepest)
@@ -240,7 +239,7 @@ class Hierarchy:
         return root
 
     def _add_places(self, scene: Scene) -> None:
-        """Let the items of instances know their places, which come after all others."""
+        """Write the indices of transforms, which come after all other items, into the items of instances."""
         rows = np.flatnonzero(self.items["primitive"] < 0)
         inverses = np.array([inverse(scene.instances[index].matrix) for index in self.items["instance"][rows]])
         self.items["b"][rows, 1] = (

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shadow catchers. The CPU follows a path that has met one once more in a second scene, which has nothing else. Here it goes on
-in the same scene: rays pass what catches nothing, and such things give no light. ``shaders_glsl/film.glsl`` says when.
+"""Shadow catchers. On the CPU, a path that has hit one continues once more in a second scene with only the catchers. On
+the GPU it continues in the same scene: rays pass through all other objects, which give no light.
+``shaders_glsl/film.glsl`` has the conditions.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from ..scene import Scene
 from .bvh import CATCHER
 from .translate import INT, Value
 
-# Numbers of the block that are others while a path is among catchers alone: no medium fills the world there.
+# Numbers of the block that change while a path is among catchers alone: no medium fills the world there.
 CHANGING = {
     "outputs": Value(INT, f"(bare ? 0 : {LIGHT | CATCHERS})", possible=frozenset([0, LIGHT | CATCHERS])),
     "world_medium": Value(INT, "(bare ? -1 : scene.world_medium)"),
@@ -37,7 +38,7 @@ def is_bare(block):
 
 @kernel
 def reaches(block, emitter, bounces):
-    """In the place of ``lights.reaches``."""
+    """Replaces ``lights.reaches``."""
     row = emitter_table(block)[emitter]
     if is_bare(block) and row.kind == TRIANGLE:
         if not instance_table(block)[triangle.rows(block)[row.index].instance].catcher:
@@ -46,17 +47,17 @@ def reaches(block, emitter, bounces):
 
 
 def pack(scene: Scene, film: Film, emitters: list, instances: np.ndarray) -> tuple[dict, dict]:
-    """Tables and scalars, as ``outputs.parts.pack``, of what catchers alone need."""
+    """Tables and scalars needed only by catchers, as in ``outputs.parts.pack``."""
     tables, scalars = parts.pack(scene, film, emitters, instances)
     named = ("light_places", "data_places", "emitter_groups", "instance_groups", "emitter_passes")
     return {name: tables[name] for name in named}, {**scalars, "outputs": LIGHT | CATCHERS}
 
 
 def mask(scene: Scene, index: int, rays: int) -> int:
-    """Kinds of rays that see an instance, marked if that is a catcher."""
+    """Kinds of rays that see an instance, marked if it is a catcher."""
     return rays | CATCHER if scene.instances[index].catcher else rays
 
 
 def columns(film: Film) -> int:
-    """Sums of a sample beside ``film.CHANNELS``; 0 without catchers."""
+    """Number of sums of a sample beside ``film.CHANNELS``; 0 without catchers."""
     return film.light_sums.shape[1] + film.data_sums.shape[1] if film.catches else 0

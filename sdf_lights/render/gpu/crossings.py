@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a ray is inside a lamp that is a field, on the GPU: a walk through its interior tree, as on the CPU.
+"""Intervals of a ray inside a field lamp, on the GPU: a walk through its interior tree, as on the CPU.
 
-Threads that go together take as many turns of a loop as the longest of them, and whatever is in a turn takes its time
-for all. So there are three loops one after the other, each with one thing to do: down the tree, to the stretches of the
-ray in boxes on the boundary; along those, with one evaluation of the field a turn; and to the zeros between two values.
+Threads of one group take as many iterations of a loop as the slowest of them, and every operation in an iteration costs
+time for all. So there are three loops in sequence, each with one task. The first goes down the tree, to the parts of
+the ray in boxes on the boundary. The second goes along these, with one evaluation of the field per iteration. The third
+finds the zeros between two values.
 
-The field is evaluated as a whole. That has the signs of a box's list (``intersection.fields``), and is nowhere farther from
-zero, so the bounds of the list's slopes say as much of its zeros. A box in which the field is monotonic along the ray
-is taken as a whole. Everything is in tree space, and lengths are in the unit of the ray's parameter, which is |d|.
+The field is evaluated as a whole. It has the signs of a box's list (``intersection.fields``), and is nowhere farther
+from zero, so the bounds of the list's slopes are valid for its zeros. A box in which the field is monotonic along the
+ray is handled as a whole. Everything is in tree space. Lengths are in units of the ray's parameter, whose unit is |d|.
 """
 
 from __future__ import annotations
@@ -24,27 +25,27 @@ from ...jit import kernel, stack_array, table
 from ...vec import length, madd
 
 INTERVALS = 64  # of a ray
-STRETCHES = 32  # of a ray in boxes on the boundary, found before they are marched along
+STRETCHES = 32  # of a ray in boxes on the boundary, found before the march along them
 LEAST_STEP = 2e-4  # along a ray, relative to the size of the lamp
-PRECISION = 1e-7  # of a zero, likewise: what float32 can tell apart
-PATIENCE = 1500  # evaluations before the least step grows …
+PRECISION = 1e-7  # of a zero, likewise: the resolution of float32
+PATIENCE = 1500  # evaluations before the shortest step grows …
 GROWTH = 1.1  # … by this factor each time
 MOST_ROUNDS = 24  # of narrowing a bracket
-RELAXATION = 0.95  # of the step that would make the balls around two points touch, if the slope stayed
-LARGEST_HALF = 6e4  # bounds of the gradient beyond that are not kept
+RELAXATION = 0.95  # fraction of the step at which the balls around two points would touch at the present slope
+LARGEST_HALF = 6e4  # larger bounds of the gradient are not stored
 
-# Of a stretch. BEFORE: the state of the boxes between it and the one before; −1 where there are none.
+# Of a part of a ray. BEFORE: the state of the boxes between it and the previous part; −1 if there are none.
 START, END, FALL, RISE, BEFORE, COLUMNS = range(6)
 FROM, AT_FROM, TO, AT_TO, BRACKET = range(5)  # of a bracket of one zero
-NOTHING, SIDE, VALUE = 0, 1, 2  # what is known of the field where a ray has come to
+NOTHING, SIDE, VALUE = 0, 1, 2  # known facts about the field at the end of the ray so far
 
-# A node of an interior tree in few words, which GPUs wait for. ``what``: state, axis, whether the gradient is bounded,
-# and the place of the children plus one. ``slopes``: of each axis two float16, bounds of the gradient.
+# A node of an interior tree in few words, because GPUs wait for memory. ``what``: state, axis, whether the gradient is
+# bounded, and the index of the children plus one. ``slopes``: for each axis two float16, bounds of the gradient.
 FLAT_NODE = np.dtype(
     [("what", np.int64), ("split", np.float64), ("lipschitz", np.float64), ("slopes", np.uint32, (3,))]
 )
 BOUNDED, SHIFT = 16, 5
-PLACE = 1 << SHIFT  # from which on there are children
+PLACE = 1 << SHIFT  # from this bit on: the index of the children
 
 lamp_walk = table("lamp_walk", FLAT_NODE)
 
@@ -66,7 +67,7 @@ def field_at(p):
 
 @kernel
 def _locate(o, d, brackets, found, precision, spans):
-    """Write the zeros in brackets to ``spans``, one after the other."""
+    """Write the zeros in brackets to ``spans``, in order."""
     index, fresh, rounds = 0, True, 0
     start, at_start, end, at_end, third, at_third = 0.0, 0.0, 0.0, 0.0, math.nan, 0.0
     while index < found:
@@ -96,7 +97,7 @@ def _locate(o, d, brackets, found, precision, spans):
 
 @kernel
 def crossings(block, row, o, d, start, end, spans):
-    """In the place of ``tree.crossings.crossings``."""
+    """Replaces ``tree.crossings.crossings``."""
     nodes = lamp_walk(block)[row.first_node :]
     speed = length(d)
     size = length((row.high[0], row.high[1], row.high[2])) / speed
@@ -104,7 +105,7 @@ def crossings(block, row, o, d, start, end, spans):
     ray, waiting = stack_array(9), stack_array(WAITING)
     stretches, brackets = stack_array(STRETCHES * COLUMNS), stack_array(2 * INTERVALS * BRACKET)
     for axis in range(3):
-        # What is so slow that its inverse could overflow does not move through a box.
+        # A component so slow that its inverse could overflow does not move through a box.
         moving = abs(d[axis]) > 1e-20 * speed
         ray[axis], ray[3 + axis], ray[6 + axis] = o[axis], d[axis] if moving else 0.0, 1.0 / d[axis] if moving else 0.0
     choose(block, row)
@@ -167,7 +168,7 @@ def crossings(block, row, o, d, start, end, spans):
                     known, value = SIDE, -SIGN if side else SIGN
                 if side == inside:
                     t = first
-            turning = side != inside  # where the boxes before this stretch begin
+            turning = side != inside  # start of the boxes before this part
             monotonic = fall <= 0.0 or rise <= 0.0
             ahead, behind = (fall, rise) if value > 0.0 else (rise, fall)
             distance = abs(value)
@@ -178,7 +179,7 @@ def crossings(block, row, o, d, start, end, spans):
             elif not monotonic:
                 step = safe
                 if not careful:
-                    # The ball around the next point touches the one around this, if |field| goes on as it did.
+                    # The ball around the next point touches the one around this, if |field| continues linearly.
                     falling = max(min(slope, 0.9 * behind), -ahead)
                     step = max(safe, RELAXATION * distance * (1.0 + behind / ahead) / (behind - falling))
                 longer, asked = step > safe, min(t + step, stop)
@@ -246,7 +247,8 @@ def flat_nodes(nodes: np.ndarray) -> np.ndarray:
 
 
 def _half(numbers: np.ndarray) -> np.ndarray:
-    """The least numbers of float16 that are not below some, and not so small that a GPU may take them for zero."""
+    """The least float16 numbers that are not below the given ones, and not so small that a GPU may treat them as
+    zero."""
     with np.errstate(over="ignore"):
         rounded = numbers.astype(np.float16)
     rounded = np.where(rounded < numbers, np.nextafter(rounded, np.float16(np.inf)), rounded)

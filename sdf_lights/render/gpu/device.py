@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An OpenGL context of this process's own, in a thread of its own.
+"""An OpenGL context of this process, in its own thread.
 
-No other thread ever has it current, so Blender's contexts stay as they are, whichever thread a render runs in.
+It is never current in another thread, so Blender's contexts are unaffected, whichever thread a render runs in.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
-KEPT = 8  # programs that are kept, the most recently used ones
+KEPT = 8  # cached programs, the most recently used ones
 VERSION = 430
 SOFTWARE = ("llvmpipe", "softpipe", "swr")
 
 
 class DeviceError(Exception):
-    """The GPU cannot be used: the rest of a sentence that begins with what takes over."""
+    """The GPU cannot be used: the rest of a sentence that begins with the replacement."""
 
 
 class Device:
-    """A context. ``submit`` runs functions in its thread, one after the other; they get the moderngl context."""
+    """A context. ``submit`` runs functions in its thread, in sequence; they get the moderngl context."""
 
     def __init__(self):
         self._pool = ThreadPoolExecutor(1, "GPU of SDF Lights")
@@ -33,17 +33,17 @@ class Device:
             self._pool.shutdown()
             raise
         self.name = str(facts["GL_RENDERER"])
-        # Software renderers read textures through the same code as images, less what textures have levels for.
+        # Software renderers read textures through the same code as images, without levels of detail.
         self.images = any(name in self.name.lower() for name in SOFTWARE)
         self.largest_buffer = int(facts["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])  # bytes
-        self.largest_texture = int(facts["GL_MAX_TEXTURE_SIZE"])  # texels of a side
+        self.largest_texture = int(facts["GL_MAX_TEXTURE_SIZE"])  # texels per side
 
     def submit(self, function, *arguments) -> Future:
         """Run ``function(context, *arguments)`` in the thread of the context."""
         return self._pool.submit(function, self.context, *arguments)
 
     def program(self, context, source: str):
-        """A compute shader, compiled unless it is known. To be called in the context's thread."""
+        """A compute shader, compiled unless it is cached. Call this in the context's thread."""
         if source in self._programs:
             self._programs.move_to_end(source)
             return self._programs[source]
@@ -59,7 +59,7 @@ class Device:
 
     @staticmethod
     def allocate(context, size: int, make: Callable, *arguments, **options):
-        """What ``make`` makes of ``size`` bytes: a buffer, a texture. To be called in the context's thread."""
+        """The result of ``make`` for ``size`` bytes: a buffer or a texture. Call this in the context's thread."""
         try:
             made, error = make(*arguments, **options), context.error
         except Exception as reason:  # each driver has errors of its own
@@ -81,7 +81,7 @@ def _first_error(text: str) -> str:
 
 
 def _create() -> tuple:
-    """A context and what it says of itself: questions have to be asked in its own thread."""
+    """A context and its properties, which must be read in its own thread."""
     try:
         import moderngl
     except Exception as error:
@@ -109,5 +109,5 @@ def device() -> Device:
             except DeviceError as error:
                 _found.append(error.with_traceback(None))
         if isinstance(_found[0], DeviceError):
-            raise DeviceError(*_found[0].args)  # the one that is kept would keep all that has called
+            raise DeviceError(*_found[0].args)  # a cached error would keep its call stack alive
         return _found[0]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Graphs of materials as GLSL: in the place of ``kernels.shading.operands.run``, which calls machine code."""
+"""Graphs of materials as GLSL; replaces ``kernels.shading.operands.run``, which calls machine code."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .translate.values import CONSTANT, safe_name
 
 
 class GraphSource:
-    """Writes the graphs that a program runs. ``native`` stands for the kernel that runs them."""
+    """Writes the graphs that a program runs. ``native`` represents the kernel that runs them."""
 
     def __init__(self, structures: Sequence[tuple[Formula, ...]]):
         self._structures = structures
@@ -23,7 +23,7 @@ class GraphSource:
 
     @property
     def native(self) -> Native:
-        """What the translator writes for a call of the kernel that runs a graph."""
+        """The GLSL for a call of the kernel that runs a graph."""
 
         def call(function, arguments):
             _, workspace, graph, slots = arguments
@@ -36,7 +36,7 @@ class GraphSource:
 
     def registers(self) -> int:
         """Length of the array of registers."""
-        # Four at least: the translator reads an array of three floats as a vector.
+        # At least four: the translator reads an array of three floats as a vector.
         return max(4, *map(len, self._structures), 0)
 
     def declarations(self) -> str:
@@ -44,7 +44,7 @@ class GraphSource:
         return "\n".join(f"void {prefix}run_graph(int graph, int slots);" for prefix in self._scopes)
 
     def source(self, translator: Translator) -> str:
-        """The functions that were declared; kernels that they call are added to the translator's."""
+        """The declared functions; the kernels that they call are added to the translator's."""
         parts, helpers = [], set()
         for prefix, scope in list(self._scopes.items()):
             cases = []

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Texels on the GPU: as the images have them, packed in the words of a table.
+"""Texels on the GPU, in the format of the images, packed in the words of a table.
 
-They are no textures of OpenGL: cards interpolate those with weights of eight bits.
+They are not OpenGL textures: cards interpolate those with weights of eight bits.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ _floats = table("texels", np.float32)
 
 
 def placed(images: list[Image], records: np.ndarray) -> dict[str, np.ndarray]:
-    """Tables of the pixels, and of the ``records`` of ``kernels.textures.pack_textures``, which hold where in them an image
-    begins."""
+    """Tables of the pixels, and of the ``records`` of ``kernels.textures.pack_textures``, with the start of each image
+    in them."""
     records, parts, used = records.copy(), [np.zeros(0, np.uint32)], 0
     for record, image in zip(records, images):
         if record["width"] > 0:
@@ -63,7 +63,7 @@ def texel(image, column, row):
 
 @kernel
 def decoded(block, code):
-    """As ``kernels.textures.decoded``, without a table: reading one takes longer here than a power."""
+    """As ``kernels.textures.decoded``, without a table: on a GPU, reading one takes longer than a power."""
     if code < LINEAR_BELOW:
         return max(code, 0.0) / 12.92
     return ((code + 0.055) / 1.055) ** 2.4

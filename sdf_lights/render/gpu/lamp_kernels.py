@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the GPU does otherwise than the CPU with SDF lamps, as kernels in the place of others.
+"""Kernels for SDF lamps that replace those of the CPU.
 
-Fields are read as GLSL, whole, not term by term; ``crossings`` follows rays through them. The boxes of a cut are the
-same for all points: a thread has no room for those of regions, and no time to find them.
+Fields are translated to GLSL as a whole, not term by term; ``crossings`` traces rays through them. The boxes of a cut
+are the same for all points: a thread has no memory for those of regions, and no time to find them.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from ..kernels.workspace import cut_of
 
 LIMIT = 16  # boxes of a lamp
 
-# A ``LIGHT_CUT`` of one node, in the place of the CPU's table of the workspace, and a cut where none is asked for.
+# A ``LIGHT_CUT`` of one node, which replaces the CPU's table of the workspace, and a cut for programs without cuts.
 ROWS = {
     "light_cut": np.dtype(
         [
@@ -60,14 +60,14 @@ def _fewer(dtype: np.dtype) -> np.dtype:
 
 FLAT_BOXES, FLAT_CUT = _fewer(BOXES), _fewer(cuts.CUT)
 
-FEW = 8  # lamps that a ray tries in turn
-ROUNDING = 1.0 + 2.0**-21  # of the distances to the sides of a box in float32, twice over
-MOST_NODES = 20_000  # of all formulas together that compilers are given
+FEW = 8  # lamps that a ray tests in turn
+ROUNDING = 1.0 + 2.0**-21  # of the distances to the sides of a box in float32, doubled
+MOST_NODES = 20_000  # of all formulas together, for the sake of compilers
 
 
 @kernel
 def divide(place, cells, steps, limit, boxes):
-    """Divide a lamp into at most ``limit`` boxes for all points: those that hold much and extend far are divided."""
+    """Split a lamp into at most ``limit`` boxes for all points: large boxes with much content are split."""
     size = math.sqrt(place.extent)
     boxes.unit = 1.0 / size
     for axis in range(3):
@@ -107,7 +107,7 @@ def flat_boxes(tables: dict[str, np.ndarray]) -> np.ndarray:
 
 @kernel
 def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, store, cut):
-    """In the place of ``cut.prepare``: the boxes of the lamp, whatever the point."""
+    """Replaces ``cut.prepare``: the boxes of the lamp are the same for every point."""
     place = placements(block)[lamp]
     if cuts.needless(block, lamp, place, x, n, 1, tolerance, cut):
         return
@@ -128,60 +128,60 @@ def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, st
 
 @kernel
 def prepare_lamp(block, workspace, lamp, pmf, x, n):
-    """In the place of ``next_event.prepare_lamp``, where cuts are asked for and do not pay."""
+    """Replaces ``next_event.prepare_lamp`` if cuts are used but do not pay."""
     cuts.project(block, lamp, x, path_table(workspace)[0].has_glossy, cut_of(workspace))
 
 
 @kernel
 def sample_point(block, lamp, x, store, cut, u1, u2, u3):
-    """In the place of ``cut_points.sample_point``: points are those of uniform lamps alone."""
+    """Replaces ``cut_points.sample_point``: only uniform lamps use points."""
     return way_inside(block, lamp, x, u1, u2, u3), intensity(block, lamp)
 
 
 @kernel
 def keep_lamp(block, workspace, lamp):
-    """In the place of ``next_event.renew_lamp``, where one emitter gives all the light and no ray passes a surface that
-    scatters: the cut is that of the last light ray."""
+    """Replaces ``next_event.renew_lamp`` if one emitter gives all the light and no ray passes a scattering surface: the
+    cut is that of the last light ray."""
 
 
 @kernel
 def sample(block, lamp, x, store, cut, u1, u2, u3):
-    """In the place of ``cut.sample``."""
+    """Replaces ``cut.sample``."""
     return sample_direction(block, lamp, x, ZERO, u1, u2, u3)
 
 
 @kernel
 def density(block, lamp, d, store, cut, spans, count):
-    """In the place of ``cut.density``."""
+    """Replaces ``cut.density``."""
     return direction_pdf(block, lamp, ZERO, ZERO, d, spans, count)
 
 
 @kernel
 def no_light(block, workspace, lamp, pmf, u, u1, u2, u3):
-    """In the place of ``next_event.light_lamp``, where there is no lamp."""
+    """Replaces ``next_event.light_lamp`` if there is no lamp."""
 
 
 @kernel
 def no_lamp_exit(block, workspace, path):
-    """In the place of ``gather.last_lamp_exit``, where there is no lamp."""
+    """Replaces ``gather.last_lamp_exit`` if there is no lamp."""
     return 0.0
 
 
 @kernel
 def select_only(block, number, x, n, u, cut):
-    """In the place of ``tree.select``, where one emitter gives all the light: programs are half as large then."""
+    """Replaces ``tree.select`` if one emitter gives all the light: programs are then half as large."""
     return block.only_emitter, 1.0, u
 
 
 @kernel
 def only_probability(block, number, x, n, emitter, cut):
-    """In the place of ``tree.selection_probability``, likewise."""
+    """Replaces ``tree.selection_probability``, likewise."""
     return 1.0 if emitter == block.only_emitter else 0.0
 
 
 @kernel
 def fit_light_cut(nodes, root, x, n, cut):
-    """In the place of ``tree.fit_cut``: the root alone, from which ``select`` goes down."""
+    """Replaces ``tree.fit_cut``: only the root, from which ``select`` goes down."""
     value, _ = estimate(nodes[root], x, n)
     if not 0.0 < value < math.inf:
         value = 1.0
@@ -190,8 +190,8 @@ def fit_light_cut(nodes, root, x, n, cut):
 
 @kernel
 def lamps_along(block, workspace, o, d, t_max, kind):
-    """In the place of ``lamp_tree.lamps_along``: a few lamps are tried in turn, and the boxes of a node, too. Compilers
-    would unroll a loop over eight boxes that is written with their number, which takes them seconds."""
+    """Replaces ``lamp_tree.lamps_along``: a few lamps are tested in turn, and so are the boxes of a node. Compilers
+    would unroll a loop over a constant eight boxes, which takes them seconds."""
     found = found_table(workspace)
     count = 0
     if block.few_lamps:
@@ -226,7 +226,7 @@ def _crosses(row, o, d, t_max):
 
 @kernel
 def _slab(low, high, o, d):
-    """Where o + t·d is between low and high, for scalars."""
+    """The interval of o + t·d between low and high, for scalars."""
     inverse = 1.0 / d if abs(d) > 1e-30 else 1e30
     a, b = (low - o) * inverse, (high - o) * inverse
     return min(a, b), max(a, b)
@@ -243,18 +243,18 @@ def _meets(node, k, o, d, t_max):
 
 @kernel
 def colour(block, formula, first, p):
-    """Colour of an emission at a point of the shape's own space; written as GLSL for each scene."""
+    """Colour of an emission at a point in the shape's local space; written as GLSL for each scene."""
 
 
 @kernel
 def line_integral(block, index, center, x, d, spans, count, t_min, t_max, u):
-    """In the place of ``emission.line_integral``."""
+    """Replaces ``emission.line_integral``."""
     return attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, u, None)
 
 
 @kernel
 def attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, u, extinction):
-    """In the place of ``emission.attenuated_integral``: one point at a time. ``extinction`` may be None."""
+    """Replaces ``emission.attenuated_integral``: one point at a time. ``extinction`` may be None."""
     glow = lamp_glows(block)[index]
     p, way = transform_point(glow.inverse, sub(x, center)), transform_vector(glow.inverse, d)
     rate = glow.rate * length(way)
@@ -278,7 +278,7 @@ def attenuated_integral(block, index, center, x, d, spans, count, t_min, t_max, 
 
 @kernel
 def colours(block, index, stack):
-    """In the place of ``emission.colours``: likewise."""
+    """Replaces ``emission.colours``: likewise."""
     glow = lamp_glows(block)[index]
     for lane in range(block.lanes):
         p = (stack[lane], stack[LANES + lane], stack[2 * LANES + lane])
@@ -287,7 +287,7 @@ def colours(block, index, stack):
 
 
 class Formulas:
-    """The different formulas of a scene's lamps, each written once: ``fields`` give a value, ``colours`` three."""
+    """The distinct formulas of a scene's lamps, each written once: ``fields`` return a value, ``colours`` three."""
 
     def __init__(self):
         self.fields: list[tuple[Formula, ...]] = []
@@ -301,5 +301,5 @@ class Formulas:
 
     @property
     def nodes(self) -> int:
-        """How many nodes all formulas have together."""
+        """Number of nodes of all formulas together."""
         return sum(len(order(*formula)) for formula in self.fields + self.colours)

@@ -12,11 +12,11 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Array:
-    """Elements one after the other; ``inner`` is the type of each: a scalar's name, a ``Record``, an ``Array``."""
+    """Elements in sequence; ``inner`` is the type of each: a scalar's name, a ``Record``, an ``Array``."""
 
     inner: object
-    count: int = 0  # 0: not known
-    packed: bool = False  # a GLSL array or vector of its own, not in the buffer
+    count: int = 0  # 0: unknown
+    packed: bool = False  # a separate GLSL array or vector, not in the buffer
 
     @property
     def stride(self) -> int:
@@ -100,5 +100,5 @@ def words_of(array: np.ndarray) -> np.ndarray:
             return flat.astype(np.float32).view(np.uint32)
     if array.dtype == np.uint32:
         return flat
-    # Addresses of the CPU's memory are integers, too; nothing reads them here.
+    # Addresses in the CPU's memory are integers, too; nothing reads them here.
     return flat.astype(np.int64).astype(np.int32).view(np.uint32)

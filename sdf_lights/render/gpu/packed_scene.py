@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene as a GPU reads it: the words of its tables, its triangles, and the source of its path tracer."""
+"""A scene in the form that a GPU reads: the words of its tables, its triangles, and the source of its path tracer."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ from .translate.values import SECONDARY
 
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "shaders_glsl"
 
-MOST_ROWS = 1024  # of intervals that a thread has room for: 8 kB
+MOST_ROWS = 1024  # intervals for which a thread has memory: 8 kB
 PRINCIPLED_CLOSURES = 8
-# Bounces up to which lamps are sampled by cuts: with more, most noise is not theirs, and threads wait for them at
-# every bounce.
+# Maximum number of bounces at which lamps are sampled by cuts: with more, most noise has other sources, and threads
+# wait for cuts at every bounce.
 CUT_BOUNCES = 0
-TEXTURE_BITS = 14  # a row of a texture is so wide: what OpenGL 4.3 allows everywhere
+TEXTURE_BITS = 14  # width of a texture row: the minimum that OpenGL 4.3 guarantees
 
-# Scalars of the block that a program is made for.
+# Scalars of the block that are constants of a program.
 SETTLED = frozenset(
     {
         "caustics",
@@ -72,9 +72,9 @@ SETTLED = frozenset(
 )
 
 
-MOST_NUMBERS = 1 << 24  # of lamps and their tables, whose places are float32
+MOST_NUMBERS = 1 << 24  # of lamps and their tables, whose indices are float32
 
-# Kernels that the CPU compiles apart, by the tables that hold their addresses there.
+# Kernels that the CPU compiles separately, by the tables that hold their addresses there.
 CODE = {
     "media_code": {place: kernel for place, (kernel, _) in media_parts.KERNELS.items()},
     "subsurface_code": subsurface_parts.KERNELS,
@@ -83,7 +83,7 @@ CODE = {
 
 
 def _with_tables(numbers: np.ndarray, addresses: list[int]) -> np.ndarray:
-    """Numbers of lamps, and after them the tables that they have the addresses of; these become places there."""
+    """Numbers of lamps, followed by the tables whose addresses they contain; the addresses become indices."""
     numbers, tables = with_places(numbers, addresses, len(numbers))
     found = np.concatenate([numbers, *(as_float32(table) for table in tables)])
     if len(found) > MOST_NUMBERS:
@@ -94,8 +94,8 @@ def _with_tables(numbers: np.ndarray, addresses: list[int]) -> np.ndarray:
 
 
 class GpuScene:
-    """Tables and source for one scene and one film. ``images``: whether textures are read faster as images;
-    ``room``: bytes of a buffer."""
+    """Tables and source for one scene and one film. ``images``: whether textures are read faster as images; ``room``:
+    bytes of a buffer."""
 
     def __init__(self, scene: Scene, film: Film, images: bool = False, room: float = np.inf):
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
@@ -105,7 +105,7 @@ class GpuScene:
         self.formulas = lamp_kernels.Formulas()
         materials, graphs = shading.pack_materials(scene)
         self.graphs, self.lobes = GraphSource(graphs.structures), materials["lobes"]
-        materials["graph_addresses"] = np.zeros(1, np.int64)  # of machine code, which is not for here
+        materials["graph_addresses"] = np.zeros(1, np.int64)  # addresses of machine code, which is not used here
         flags = materials["materials"]["flags"]
         self.deep, transparent = bool((flags & HAS_SUBSURFACE).any()), flags & HAS_TRANSPARENCY != 0
         bits = lights.shadow_bits(scene)
@@ -123,7 +123,7 @@ class GpuScene:
         if self.cuts:
             emitters |= cut.pack_cuts(built, sources)
             emitters["lamp_boxes"] = lamp_kernels.flat_boxes(emitters)
-        elif self.asked_for_cuts:  # by projection, whose weight follows from how spread out a lamp is
+        elif self.asked_for_cuts:  # by projection, whose weight follows from the spread of a lamp
             emitters["lamp_placements"] = cut.pack_cuts(built, sources)["lamp_placements"]
         self.images = materials.pop("images")
         del materials["decoding"]
@@ -177,11 +177,12 @@ class GpuScene:
         self.scalars = scalars
 
     def _place_fields(self, tables, sources) -> None:
-        """A table of how lamps' fields are read; the rows of lamps point at it where the CPU has compiled terms."""
+        """A table that tells how to evaluate lamps' fields; it replaces the CPU's compiled terms in the rows of
+        lamps."""
         rows = tables["lamps"]
         found = np.zeros(len(rows), parts.FIELD)
         numbers, used, addresses = [np.zeros(0)], 0, list[int]()
-        self._numbers: dict[int, set[int]] = {}  # of each formula where its parameters may begin
+        self._numbers: dict[int, set[int]] = {}  # possible starts of the parameters of each formula
         self.written_out = parts.WrittenOut.of(self.lamps)
         pieces, first_part = [np.zeros(0, parts.PART)], 0
         for index, (row, field, source) in enumerate(zip(rows, found, sources)):
@@ -222,7 +223,7 @@ class GpuScene:
         lobes = tables["lobes"]
         deep = lobes["features"] & (WITH_SUBSURFACE | WITH_THIN_SCATTERING) != 0
         each = np.where(lobes["kind"] == LOBE_PRINCIPLED, PRINCIPLED_CLOSURES + 2 * deep, 1)
-        each[lobes["kind"] == LOBE_SUBSURFACE] = 2  # and what does not go deep
+        each[lobes["kind"] == LOBE_SUBSURFACE] = 2  # and nodes that are not deep
         materials = tables["materials"]["lobes"]
         closures = max((int(each[first:last].sum()) for first, last in materials), default=1)
         rows = [field_crossings.INTERVALS + 1]
@@ -243,7 +244,7 @@ class GpuScene:
             **path.COUNTS,
             "path": 1,
             "sample": 1,
-            "ray": 3 if self.film.catches else 2 if self.media or self.deep else 1,  # those that are kept
+            "ray": 3 if self.film.catches else 2 if self.media or self.deep else 1,  # the kept ones
             "surface": 1,
             "closures": max(min(closures, 64), 2),
             "registers": self.graphs.registers(),
@@ -281,7 +282,7 @@ class GpuScene:
         return self.assembled(translator, "\n".join(calls) + "\n" + glsl("film.glsl"))
 
     def translator(self) -> Translator:
-        """What reads kernels as GLSL for this scene."""
+        """The translator of kernels to GLSL for this scene."""
         groups = [replacements.ALWAYS, replacements.WITH_BOXES if self.cuts else replacements.WITHOUT_BOXES]
         if self.asked_for_cuts and not self.cuts:
             groups.append(replacements.BY_PROJECTION)
@@ -300,7 +301,7 @@ class GpuScene:
         return Translator(self.tables, chosen, replacements.ROUNDING | replacements.ROWS)
 
     def assembled(self, translator: Translator, main: str) -> str:
-        """A whole shader: what the translator has read, and its ``main``."""
+        """A whole shader: the translated functions, and its ``main``."""
         graphs = self.graphs.source(translator)
         kernels = "\n\n".join(translator.functions)
         self.tables.used_scalars |= dict.fromkeys(
@@ -367,7 +368,8 @@ class GpuScene:
             f"#define table_number(i) {reader}float_at(scene.lamp_parameters_start + (i))",
         ]
         functions: set[str] = set()
-        near = self.tables.near_place("lamp_parameters")  # where one shape alone has a formula, its numbers have places
+        # if only one shape has a formula, its numbers have fixed indices
+        near = self.tables.near_place("lamp_parameters")
         kinds = (self.formulas.fields, "field", "float"), (self.formulas.colours, "colour", "vec3")
         for formulas, name, kind in kinds:
             if not formulas:
@@ -418,10 +420,10 @@ class GpuScene:
 
 
 def film_places(film: Film) -> tuple[dict[str, int], int]:
-    """Place of each sum among the floats of a pixel, and how many there are."""
+    """Index of each sum among the floats of a pixel, and their number."""
     places, used = {}, 0
     for name, count in CHANNELS.items():
-        if len(film.sums[name]) and name not in SCATTERED.values():  # paths do not divide here
+        if len(film.sums[name]) and name not in SCATTERED.values():  # paths do not split here
             places[name] = used
             used += count
     for name in ("count", "surfaces", "nan", "infinite"):

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How rays are traced through a closed lamp of several parts.
 
-On the CPU they walk through the interior tree. Here threads that go together take as many steps as the longest of their
-walks, and a step is all that any of them may do. So of a union with many parts a thread tests all their boxes, which is
-little, and follows the ray through the parts whose boxes it meets; a short program is written out.
+On the CPU, rays walk through the interior tree. On the GPU, threads of one group take as many steps as the longest walk
+among them, and every step costs all possible operations. So for a union with many parts, a thread tests all their
+boxes, which is cheap, and traces the ray through the parts whose boxes it hits. A short program is unrolled.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from ...vec import sub, vec
 from .layout import layout_of
 from .translate import INT, Native, Value, known
 
-# A part of a closed lamp: its instructions, which follow one another, and its box in tree space.
+# A part of a closed lamp: its consecutive instructions, and its box in tree space.
 PART = np.dtype([("first", np.int64), ("count", np.int64), ("center", np.float64, (3,)), ("half", np.float64, (3,))])
 
-MANY = 4  # parts from which on boxes pay
-ROOM = 1e-5  # by which boxes are larger, of their own size and of that of all: for float32
+MANY = 4  # number of parts from which on boxes pay
+ROOM = 1e-5  # growth of boxes, relative to their own size and to that of all: for float32
 
-# How to read a lamp's field: a formula, its first parameter, and the origin of tree space in the formula's; and the
-# parts of a closed lamp.
+# How to evaluate a lamp's field: a formula, its first parameter, and the origin of tree space in the formula's space;
+# and the parts of a closed lamp.
 FIELD = np.dtype(
     [
         ("formula", np.int64),
@@ -56,7 +56,7 @@ def _box(row) -> np.ndarray:
 
 
 def _together(op: Op, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Corners of a box around the combination of what two boxes hold."""
+    """Corners of a box around the combination of the contents of two boxes."""
     if op == Op.DIFFERENCE:
         return a
     if op == Op.INTERSECTION:
@@ -65,7 +65,7 @@ def _together(op: Op, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def parts_of(program: np.ndarray) -> np.ndarray:
-    """``PART`` of each operand of the unions that are last in a program; none where they are few."""
+    """``PART`` of each operand of the last unions in a program; none if there are few."""
     stack: list[list[tuple]] = []  # of each set the parts: first instruction, number, box
     for index, row in enumerate(program):
         if row["arity"] == 0:
@@ -98,7 +98,7 @@ def parts_of(program: np.ndarray) -> np.ndarray:
 
 @kernel
 def solve_all(block, row, p, d, spans):
-    """In the place of ``emitter.lamps.solve_all``: what the ray does not come near is left out."""
+    """Replaces ``emitter.lamps.solve_all``: parts that the ray does not approach are left out."""
     program = instructions(block)[row.first_instruction : row.first_instruction + row.instruction_count]
     field = field_table(block)[row.first_term]
     if field.part_count == 0:
@@ -146,7 +146,8 @@ def combine_two(spans, first, count_first, second, count_second, op, out):
 
 
 def rows_written_out(program: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
-    """Rows of ``spans`` for a program that is written out, and of each instruction its first row and most intervals."""
+    """Rows of ``spans`` for an unrolled program, and for each instruction its first row and maximum number of
+    intervals."""
     places, stack, used = [], [], 0
     for index, row in enumerate(program):
         if row["arity"] == 0:
@@ -157,16 +158,16 @@ def rows_written_out(program: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
         stack.append(most)
         places.append((used, most))
         used += most
-    # What is left at the end is where ``solve`` has it.
+    # The result is in the same rows as that of ``solve``.
     first, most = places[-1]
     places = [(place + most, count) for place, count in places[:-1]] + [(0, most)]
     return used, places
 
 
 class WrittenOut:
-    """A short program without the loop of ``intervals.solve``: each step does no more than what its instruction says."""
+    """A short program without the loop of ``intervals.solve``: each step does only what its instruction says."""
 
-    MOST = 8  # instructions: compilers put the function wherever a ray is traced
+    MOST = 8  # instructions: compilers inline the function wherever a ray is traced
 
     def __init__(self, program: np.ndarray):
         self.program = program
@@ -174,7 +175,7 @@ class WrittenOut:
 
     @classmethod
     def of(cls, built: list) -> WrittenOut | None:
-        """For a scene with one program of several instructions, that is short."""
+        """For a scene with only one program of several instructions, which is short."""
         programs = [lamp.program for lamp in built if len(lamp.program) and lamp.tree is not None]
         if len(programs) != 1:
             return None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The GPU back end as ``session`` sees it: a packed scene, one program, and dispatches of pixels."""
+"""The GPU back end for ``session``: a packed scene, one program, and dispatches of pixels."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ POLL_SECONDS = 0.05
 GROUP = 64  # threads of a work group, as film.glsl has it
 SLAB = 1 << 18  # pixels whose sums are on the GPU at a time
 TARGET_SECONDS = 0.06  # of a dispatch
-FIRST_WORK = 512  # samples of the first dispatch, of which nothing is known yet
+FIRST_WORK = 512  # samples of the first dispatch, whose speed is unknown
 MOST_SAMPLES = 1 << 10  # of a thread in a dispatch
 
 
 class GpuRenderer:
-    """Renders ``scene`` into ``film``. ``cancelled`` and ``say`` serve the set-up, which compiles for some seconds.
+    """Renders ``scene`` into ``film``. ``cancelled`` and ``say`` are for the set-up, which compiles for some seconds.
 
-    Raises ``DeviceError`` where the CPU has to take over, ``sample`` too.
+    Raises ``DeviceError`` if the CPU must take over; so does ``sample``.
     """
 
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
@@ -45,7 +45,7 @@ class GpuRenderer:
         self._seed, self._offset = scene.settings.seed, scene.settings.sample_offset
         if scene.shutter is not None:
             scene.warnings.append(
-                "Motion blur is not supported on the GPU: everything stands still in a frame; choose the CPU as device."
+                "Motion blur is not supported on the GPU: the frame is rendered without it; choose the CPU as device."
             )
         say("Building the scene")
         self.ready = self._set_up(scene, cancelled, say)
@@ -56,8 +56,8 @@ class GpuRenderer:
         return f"GPU ({self._device.name})"
 
     def _set_up(self, scene: Scene, cancelled: Callable[[], bool], say: Callable[[str], None]) -> bool:
-        """Wait for ``_prepare``, and tell what it is at. False if cancelled meanwhile: then it ends by itself, a compiler of
-        the driver's, which cannot be stopped, when it is through."""
+        """Wait for ``_prepare``, and report its step. Returns False if cancelled. Then a driver's compiler, which
+        cannot be stopped, ends by itself."""
         ended = threading.Event()
         watch = Watch(ended.is_set)
         future = self._device.submit(self._prepare, scene, watch)
@@ -78,7 +78,7 @@ class GpuRenderer:
 
     @staticmethod
     def _result(future: Future):
-        """The result of a function of the device's thread. Whatever fails there lets the CPU take over."""
+        """The result of a function in the device's thread. After any failure there, the CPU takes over."""
         try:
             return future.result()
         except (DeviceError, RenderError):
@@ -134,7 +134,7 @@ class GpuRenderer:
         )
 
     def _kept(self, made):
-        """Something on the GPU, which is to be released at the end."""
+        """An object on the GPU that is released at the end."""
         self._made.append(made)
         return made
 
@@ -157,8 +157,8 @@ class GpuRenderer:
         self._sums.clear()
 
     def _run(self, context, place: int, count: int, first: int, end: int) -> tuple[float, bool]:
-        """One dispatch, of the samples before ``end`` that are missing of a batch from ``first`` on: its seconds, and
-        whether all threads have come to their end. Those that have not have left nothing."""
+        """One dispatch, for the missing samples before ``end`` of a batch from ``first`` on. Returns its seconds, and
+        whether all threads have finished. Unfinished threads leave no results."""
         started = time.perf_counter()
         self._program["work"] = place, count, first, end
         self._program.run(-(-count // GROUP))
@@ -169,7 +169,7 @@ class GpuRenderer:
         return time.perf_counter() - started, finished
 
     def _collect(self, context, pixels: np.ndarray) -> None:
-        """Add what is on the GPU to the film."""
+        """Add the GPU's sums to the film."""
         film = self._film
         sums = np.frombuffer(self._sums.read(len(pixels) * self._size * 4), np.float32).reshape(len(pixels), self._size)
         sums = sums.astype(np.float64)
@@ -179,7 +179,7 @@ class GpuRenderer:
             if name in self._places:
                 rows = array.reshape(len(film.active), -1)
                 part = sums[:, self._places[name] : self._places[name] + rows.shape[1]]
-                if name in ("position", "depth"):  # of the first sample that met a surface
+                if name in ("position", "depth"):  # of the first sample that hit a surface
                     rows[pixels[fresh]] = part[fresh]
                 else:
                     rows[pixels] += part
@@ -194,7 +194,8 @@ class GpuRenderer:
         film.surfaces[pixels] += seen
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
-        """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if stopped before the end."""
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel. Returns False if stopped before the
+        end."""
         if not self.ready:
             return False
         active = np.flatnonzero(self._film.active)
@@ -226,18 +227,18 @@ class GpuRenderer:
         return True
 
     def _adapt(self, samples: int, seconds: float) -> None:
-        """Choose the size of dispatches by what the last one took."""
+        """Choose the size of dispatches by the time of the last one."""
         aim = samples * TARGET_SECONDS / max(seconds, 1e-4)
         self._work = int(min(max(aim, GROUP), 4 * self._work, 1 << 26))
 
     def _shorten(self, samples: int) -> None:
-        """Make dispatches shorter: the driver has ended loops of one with so many samples."""
+        """Make dispatches shorter: the driver has ended the loops of one with so many samples."""
         if samples == 1:
             raise DeviceError("its driver ends loops that take as many turns as rays through these lamps")
         self._longest = max(samples // 4, 1)
 
     def finish(self) -> None:
-        """Warn of lamps that rays could not resolve, and free what the render needed; the film stays."""
+        """Warn about lamps with unresolved rays, and free the memory of the render; the film stays."""
 
         def release(context) -> np.ndarray:
             lengths = np.frombuffer(self._lengths.read(), np.float32).reshape(-1, 2) if self.ready else np.zeros((0, 2))
@@ -247,5 +248,5 @@ class GpuRenderer:
             return lengths
 
         released = self._device.submit(release)
-        if self.ready:  # else a compiler may be at work, for which a cancelled render does not wait
+        if self.ready:  # otherwise a compiler may be running, and a cancelled render does not wait for it
             self._warnings += unresolved(self._packed.lamps, self._result(released).astype(np.float64))

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the GPU has in the place of kernels, and of their constants.
+"""The GPU's replacements of kernels and of their constants.
 
-All other kernels are translated as they stand. A kernel that is replaced is marked where it is defined
-(``replaced.replaced_on_gpu``); what takes its place is another kernel, with the same parameters, or a ``Native`` that writes GLSL.
-Groups say for which scenes it does.
+All other kernels are translated unchanged. A replaced kernel is marked at its definition
+(``replaced.replaced_on_gpu``). Its replacement is another kernel with the same parameters, or a ``Native`` that writes
+GLSL. Groups tell for which scenes it is used.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ...emitter.primitives import sponge, torus
 from ...emitter.sampling import cut, cut_points
 from ...emitter.tree import crossings
 from ...jit import call_part, float_bits, stack_array
-from ..kernels import gather, geometry, lamp_tree, next_event, rays, textures
+from ..kernels import departure, gather, geometry, lamp_tree, next_event, rays, textures
 from ..kernels.lights import emitters, rectangle, tree, triangle
 from ..kernels.media import light_rays, stack, travel
 from ..kernels.outputs import catchers as output_catchers
@@ -47,7 +47,7 @@ ROUNDING = {
     (triangle, "SMALL"): 3e-2,
 }
 
-# Rows of tables of the workspace: paths do not divide here, so there are fewer. (module that uses it, name) -> row.
+# Rows of tables of the workspace: paths do not split here, so there are fewer. (module that uses it, name) -> row.
 ROWS = {
     (stack, "LIGHT_RAY"): 1,
     (light_rays, "LIGHT_RAY"): 1,
@@ -92,7 +92,7 @@ def _instance_ray(function, arguments):
 
 
 def _part(function, arguments):
-    """A call of what the CPU compiles apart: here it is a kernel like others."""
+    """A call of a function that the CPU compiles separately: here it is an ordinary kernel."""
     kernel, block, workspace, given, _ = arguments
     name, result = function.translator.function(kernel.constant, [block, workspace, *given.items])
     if result.type == CONSTANT:
@@ -101,6 +101,9 @@ def _part(function, arguments):
     if isinstance(result.type, Tuple):
         return Value(result.type, text)
     return Value(Tuple((result.type,)), text, items=(Value(result.type, text),))
+
+
+_nothing = Native(lambda function, arguments: Value(None, ""))
 
 
 def _field_value(function, arguments):
@@ -117,7 +120,7 @@ def _note(function, arguments):
 
 
 def _only_row(name: str) -> Native:
-    """The one row of a table of the workspace, of which a thread needs no more: its path does not divide."""
+    """The only row of a table of the workspace: a thread needs no more, because its path does not split."""
 
     def call(function, arguments):
         table = function.translator.tables.table(name, None, arguments[0])
@@ -126,7 +129,7 @@ def _only_row(name: str) -> Native:
     return Native(call)
 
 
-# Kernels of this package whose GLSL is written by hand.
+# Kernels of this package with hand-written GLSL.
 IN_GLSL = {
     field_crossings.choose: Native("choose_field"),
     field_crossings.field_at: Native("field", FLOAT),
@@ -146,6 +149,10 @@ ALWAYS = {
     hashing.uniform_point: Native("counted_point", VECTOR),
     rays.intersect: _ray("false"),
     rays.occluded: _ray("true"),
+    departure.number_of: Native(lambda function, arguments: known(0)),
+    departure.start_apart: _nothing,
+    departure.starts_on: Native(lambda function, arguments: known(0)),
+    departure.leave: still.leave,
     geometry.instance_at: still.instance_at,
     geometry.form_of: still.form_of,
     textures.texel: images.texel,
@@ -171,7 +178,7 @@ ALWAYS = {
 }
 WITH_BOXES = {cut.prepare: lamp_kernels.prepare}
 WITHOUT_BOXES = {cut.sample: lamp_kernels.sample, cut.density: lamp_kernels.density}
-BY_PROJECTION = {next_event.prepare_lamp: lamp_kernels.prepare_lamp}  # where boxes are asked for, and do not pay
+BY_PROJECTION = {next_event.prepare_lamp: lamp_kernels.prepare_lamp}  # if boxes are used but do not pay
 ONE_EMITTER = {tree.select: lamp_kernels.select_only, tree.selection_probability: lamp_kernels.only_probability}
 ONE_LIGHT_RAY = {next_event.renew_lamp: lamp_kernels.keep_lamp}  # of one emitter, without transparent shadows
 NO_LAMPS = {next_event.light_lamp: lamp_kernels.no_light, gather.last_lamp_exit: lamp_kernels.no_lamp_exit}
@@ -181,10 +188,10 @@ CATCHERS = {emitters.reaches: catchers.reaches}
 GROUPS = ALWAYS, WITH_BOXES, WITHOUT_BOXES, BY_PROJECTION, ONE_EMITTER, ONE_LIGHT_RAY, NO_LAMPS, CATCHERS
 
 
-# Kernels that are written as GLSL for each scene: the graphs of materials, and lamps of many parts.
+# Kernels that are written as GLSL for each scene: the graphs of materials, and lamps with many parts.
 WRITTEN = operands.run, intervals.solve
 
 
 def together(*groups: dict) -> dict[Callable, object]:
-    """What takes the place of kernels, by their Python functions, as the translator looks them up."""
+    """The replacements of kernels, by Python function, for the translator."""
     return {inspect.unwrap(kernel): value for group in groups for kernel, value in group.items()}

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closures of ``kernels/shading/special/``: where the CPU calls one by its address, the GPU chooses between those that a scene has."""
+"""Closures of ``kernels/shading/special/``: the CPU calls one by its address; the GPU chooses among those of a
+scene."""
 
 from __future__ import annotations
 
@@ -22,13 +23,13 @@ _SAMPLE = Tuple((FLOAT,) * 7 + (INT,)), ("closure", INT), ("u1", FLOAT), ("u2", 
 
 @kernel
 def _unrefined(block, workspace, lobe, closure, roughness):
-    """In the place of ``apart.refine`` where no material asks for it."""
+    """Replaces ``apart.refine`` if no material needs it."""
     return roughness, -1.0, -1.0, -1.0
 
 
 @kernel
 def _opaque(block, workspace):
-    """Likewise of ``apart.transparency``."""
+    """Replaces ``apart.transparency``, likewise."""
     return 0.0, 0.0, 0.0
 
 
@@ -39,24 +40,24 @@ def _shaded_transparency(block, workspace):
 
 @kernel
 def _no_wall(block, workspace, lobe, r, g, b):
-    """Likewise of ``apart.thin_wall``."""
+    """Replaces ``apart.thin_wall``, likewise."""
     return 0.0
 
 
 @kernel
 def _no_scattering(block, workspace, lobe, r, g, b, ior):
-    """Likewise of ``apart.subsurface``."""
+    """Replaces ``apart.subsurface``, likewise."""
     return 0.0
 
 
 @kernel
 def _nowhere(block, workspace, closure):
-    """In the place of a way below surfaces that no material takes."""
+    """Replaces a method of subsurface scattering that no material uses."""
     return 0.0
 
 
 def natives(lobes: np.ndarray) -> dict:
-    """What stands in the place of the kernels of ``apart``, and of those below surfaces, for a scene with these lobes."""
+    """The replacements of the kernels of ``apart``, and of subsurface scattering, for a scene with these lobes."""
     found, closures, refined, thin, deep = special.kinds(lobes)
     methods = special.methods(lobes)
     return {
@@ -75,7 +76,7 @@ def natives(lobes: np.ndarray) -> dict:
 
 
 def _choice(name: str, signature: tuple, kernels: dict[int, Callable]) -> Native:
-    """One of ``kernels``, by the kind that a call gives after the block and the workspace."""
+    """One of ``kernels``, selected by the kind in a call, after the block and the workspace."""
     return Native(partial(_call, name, signature, kernels))
 
 

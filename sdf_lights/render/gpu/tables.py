@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of a block as 32-bit words of a buffer, and what the translator has to know of them.
+"""Tables of a block as 32-bit words of a buffer, and their description for the translator.
 
-A record lies in the buffer field by field, each number in a word: floats as float32, integers as int32. A shader finds
-a table by where it starts and how many rows it has, which are in the uniform block ``scene``. Small tables (the camera,
-lamps, materials) are in the uniform block themselves, those of one record at places that are part of the program: what
-threads read together is fastest there.
+A record is stored in the buffer field by field, one number per word: floats as float32, integers as int32. The uniform
+block ``scene`` has the start and the number of rows of each table. Small tables (the camera, lamps, materials) are in
+the uniform block themselves; those with one record are at constant positions. Values that all threads read together are
+fastest there.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ import numpy as np
 from .layout import Array, Record, layout_of, size_of, words_of
 from .translate.values import BLOCK, CONSTANT, SECONDARY, Ref, Value, known, safe_name
 
-MOST_VALUES = 32  # different values of a field that are worth knowing
-NEAR = "near_"  # begins the names of functions that read tables in the uniform block
-SECOND = "second_"  # likewise, of those for which the buffer has no room
-NEAR_WORDS = 3072  # of all of them: OpenGL has room for 4096 everywhere
+MOST_VALUES = 32  # maximum number of distinct values of a field that are recorded
+NEAR = "near_"  # prefix of the functions that read tables in the uniform block
+SECOND = "second_"  # the same for tables that do not fit into the buffer
+NEAR_WORDS = 3072  # of all of them: OpenGL guarantees 4096
 SECOND_BINDING = 4
-SMALL = 256  # words of a table that may be there
+SMALL = 256  # maximum words of such a table
 LARGE = frozenset({"lamp_boxes", "lamp_parts"})  # tables that all threads read from end to end: there if they fit
-PLACED = "lamp_parameters"  # likewise, of which programs hold the place
-CLEARED = frozenset({"path", "sample"})  # tables of which the first row is cleared, where there are several
-BUFFERED = frozenset({"lamp_fields"})  # tables that shaders written by hand look for in the buffer
+PLACED = "lamp_parameters"  # the same, with their position as a constant of the program
+CLEARED = frozenset({"path", "sample"})  # tables with several rows of which only the first is cleared
+BUFFERED = frozenset({"lamp_fields"})  # tables that hand-written shaders expect in the buffer
 
 
 class Tables:
     """The tables of a scene, for the translator and for the GPU.
 
-    ``tables`` are those of the block, ``scalars`` its numbers; ``settled`` names scalars that programs are made for.
-    ``workspace`` maps names to (dtype, count) of what each thread has. ``room``: words of a buffer; tables for which the
-    first has none are in a second one. ``code`` has the kernels by place of tables that hold addresses on the CPU. ``changing``:
-    scalars that are not the same for all of a path.
+    ``tables`` are those of the block, ``scalars`` its numbers; ``settled`` names scalars that are constants of
+    programs. ``workspace`` maps names to (dtype, count) of each thread's tables. ``room``: words of a buffer; tables
+    that do not fit into the first are in a second one. ``code`` has the kernels by index in tables that hold addresses
+    on the CPU. ``changing``: scalars that change along a path.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Tables:
         used = 0
         sizes = {name: size_of(array) for name, array in tables.items() if name not in BUFFERED}
         self._single = {name for name in sizes if len(tables[name]) == 1 and tables[name].dtype.names}
-        # Places in programs come first, what is large last.
+        # Tables at constant positions come first, large ones last.
         for name in sorted(sizes, key=lambda name: (name not in self._single, name != PLACED, name in LARGE)):
             wanted = (
                 name in self._single or 0 < sizes[name] and (sizes[name] <= SMALL or name in LARGE or name == PLACED)
@@ -73,7 +73,7 @@ class Tables:
                 else:
                     used += sizes[name]
         self._values: dict[tuple[str, str], frozenset | None] = {}
-        self._rows: dict[str, np.ndarray] = {}  # rows of which more is known
+        self._rows: dict[str, np.ndarray] = {}  # rows with additional known facts
 
     # For the translator
 
@@ -90,7 +90,7 @@ class Tables:
         return Value(kind, f"scene.{name}")
 
     def table(self, name: str, dtype, base):
-        """The table of a block, of a workspace, or of a record that points at one."""
+        """The table of a block, of a workspace, or of a record that refers to one."""
         if base.type != CONSTANT:  # the record holds the first word
             offset, _ = base.type.layout.fields[name + "_address"]
             self.used_scalars[name + "_start"] = "int"
@@ -119,21 +119,21 @@ class Tables:
         return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), f"scene.{name}_start", count=rows)
 
     def constant(self, array: np.ndarray) -> Value | None:
-        """The table that is this array, of a module of kernels; None if there is none."""
+        """The table that is this array, in a module of kernels; None if there is none."""
         for name, own in self._tables.items():
             if own is array:
                 return self.table(name, array.dtype, known(BLOCK))
         return None
 
     def row(self, name: str, index: int, text: str) -> Value:
-        """A row of a table that is known to be that with this index, of which more is known than of all of them."""
+        """A row of a table that is known to have this index, with additional known facts."""
         array = self._tables[name][index : index + 1]
         own = f"{name}_{index}"
         self._rows[own] = array
         return Value(Ref(layout_of(array.dtype, own), reader=self.reader(name)), text)
 
     def values(self, layout: Record, name: str) -> frozenset | None:
-        """Values that an integer field of a table has in this scene, if they are few."""
+        """Values of an integer field of a table in this scene, if they are few."""
         table = self._rows.get(layout.name, self._tables.get(layout.name))
         if layout.packed or table is None:
             return None
@@ -151,7 +151,7 @@ class Tables:
     # For the GPU
 
     def workspace_source(self, secondary: bool) -> str:
-        """Structures and global variables of the workspace, and a function that clears what is not an array."""
+        """Structures and global variables of the workspace, and a function that clears everything except arrays."""
 
         lines, cleared = [], []
         for name, (dtype, count) in self._workspace.items():
@@ -173,11 +173,11 @@ class Tables:
         return "\n".join(lines) + "\n"
 
     def reader(self, name: str) -> str:
-        """How the names of the functions begin that read this table."""
+        """The prefix of the functions that read this table."""
         return NEAR if name in self._near else SECOND if name in self._second else ""
 
     def near_place(self, name: str) -> int | None:
-        """First word of a table in the uniform block; None where it is not there."""
+        """First word of a table in the uniform block; None if it is not there."""
         return self._near.get(name)
 
     def uniform_source(self) -> str:
@@ -197,7 +197,7 @@ class Tables:
         )
 
     def second_source(self) -> str:
-        """The second buffer, where there is one, and functions that read tables there."""
+        """The second buffer, if there is one, and functions that read tables there."""
         if not self._second:
             return ""
         vector = ", ".join(f"{SECOND}float_at(place + {axis})" for axis in range(3))
@@ -212,8 +212,8 @@ class Tables:
         )
 
     def pack(self, more: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """All tables in two arrays of words, and the words of the uniform block, where ``more`` are scalars that are no
-        places of tables."""
+        """All tables in two arrays of words, and the words of the uniform block; ``more`` are scalars other than
+        positions of tables."""
         parts, second, numbers, used, used_second = [np.zeros(0, np.uint32)], [np.zeros(1, np.uint32)], dict(more), 0, 1
         near = np.zeros(NEAR_WORDS, np.uint32)
         for name, array in self._tables.items():

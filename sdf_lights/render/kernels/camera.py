@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From the film to rays: projections, the lens, clipping, and the pixel filter.
 
-Conventions and filters are those of Cycles, so that a scene keeps its framing, its bokeh and its sharpness when
-the engine is changed.
+Conventions and filters follow Cycles, so a scene keeps its framing, its bokeh and its sharpness when the engine
+changes.
 """
 
 import math
@@ -59,7 +59,7 @@ filter_table = table("filter_offsets", np.float64)
 ) = (int(kind) for kind in Projection)
 FIRST_PANORAMA = EQUIRECTANGULAR
 
-# Larger than any angle and any distance: what stands for "none" where infinity would not pass through GLSL.
+# Larger than any angle and any distance: means "none", because infinity would not survive GLSL.
 NONE = 1e30
 
 FILTER_CELLS = 1024
@@ -67,7 +67,7 @@ TWO_PI = 2.0 * math.pi
 
 
 def filter_radius(settings: Settings) -> float:
-    """Pixels from its centre to where the pixel filter ends. The box is always one pixel wide, as in Cycles."""
+    """Radius of the pixel filter in pixels. The box is always one pixel wide, as in Cycles."""
     return {
         Filter.BOX: 0.5,
         Filter.GAUSSIAN: 1.5 * settings.filter_width,
@@ -78,8 +78,8 @@ def filter_radius(settings: Settings) -> float:
 def filter_weight(settings: Settings, x: np.ndarray) -> np.ndarray:
     """Pixel filter at the distance ``x`` (pixels) along one axis, not normalised.
 
-    The gaussian has a standard deviation of a quarter of the width. The other is the four-term window of Harris 1978,
-    "On the use of windows for harmonic analysis with the discrete Fourier transform", over twice the width.
+    The gaussian has a standard deviation of a quarter of the width. The other filter is the four-term window of Harris
+    1978, "On the use of windows for harmonic analysis with the discrete Fourier transform", over twice the width.
     """
     radius = filter_radius(settings)
     if settings.filter is Filter.BOX:
@@ -130,10 +130,10 @@ def camera_record(camera: Camera, scene: Scene) -> np.ndarray:
 
 def camera_scalars(scene: Scene) -> dict[str, float]:
     """Scalars of the block. ``camera_pixel_angle`` is the angle in radians that a pixel spans in the middle of the
-    frame; 0 where rays are parallel, whose pixels are ``camera_pixel_width`` metres wide."""
+    frame. It is 0 if rays are parallel; their pixels are ``camera_pixel_width`` metres wide."""
     camera = scene.camera
     left, right, _, _ = camera.window
-    # Angle for one unit of the window there.
+    # Angle of one unit of the window there.
     angle = {
         Projection.ORTHOGRAPHIC: 0.0,
         Projection.FISHEYE_EQUISOLID: 2.0,
@@ -158,8 +158,8 @@ def filter_offset_1d(offsets, u):
 
 @kernel
 def filter_offset(block, u1, u2):
-    """Offset (pixels) from a pixel's centre, distributed as the pixel filter, so every sample weighs the same and none
-    belongs to two pixels (Ernst, Stamminger and Greiner 2006, "Filter importance sampling")."""
+    """Offset (pixels) from a pixel's centre, distributed as the pixel filter. So every sample has the same weight and
+    none belongs to two pixels (Ernst, Stamminger and Greiner 2006, "Filter importance sampling")."""
     offsets = filter_table(block)
     return filter_offset_1d(offsets, u1), filter_offset_1d(offsets, u2)
 
@@ -190,7 +190,7 @@ def sample_lens(camera, u1, u2):
 
 @kernel
 def _lens_axes(direction):
-    """Local axes of the lens: those of the camera, except that the lens of a panorama faces each ray."""
+    """Local axes of the lens: those of the camera; but the lens of a panorama faces each ray."""
     x = normalize((-direction[2], 0.0, direction[0]))
     if x[0] == 0.0 and x[2] == 0.0:
         x = (1.0, 0.0, 0.0)
@@ -214,7 +214,7 @@ def _off_axis(x, y, angle):
 
 @kernel
 def panorama_direction(camera, x, y):
-    """Unit direction of a panorama at the point (x, y) of its window; (0, 0, 0) where there is no picture."""
+    """Unit direction of a panorama at the point (x, y) of its window; (0, 0, 0) outside the picture."""
     kind = camera.projection
     if kind == EQUIRECTANGULAR:
         return (math.cos(y) * math.sin(x), math.sin(y), -math.cos(y) * math.cos(x))
@@ -240,7 +240,7 @@ def panorama_direction(camera, x, y):
 
 @kernel
 def panorama_place(camera, x, y, z):
-    """Point of the window at which a panorama shows a point of camera space, whose z grows into the picture."""
+    """Point of the window at which a panorama shows a point of camera space, whose z points into the picture."""
     kind = camera.projection
     across = math.sqrt(x * x + z * z)
     if kind == EQUIRECTANGULAR:
@@ -264,7 +264,7 @@ def panorama_place(camera, x, y, z):
 
 @kernel
 def _radius_of(k, value):
-    """Where the polynomial of a lens has a value, by Newton's method."""
+    """Argument at which the polynomial of a lens has a value, by Newton's method."""
     radius = (value - k[0]) / k[1] if k[1] != 0.0 else 0.0
     for _ in range(20):
         slope = k[1] + radius * (2.0 * k[2] + radius * (3.0 * k[3] + radius * 4.0 * k[4]))
@@ -279,8 +279,7 @@ def _radius_of(k, value):
 
 @kernel
 def _from_an_eye(camera, origin, direction):
-    """The ray (origin, unit direction) of a panorama as the eye sees it that stands beside the camera, whichever way it
-    looks."""
+    """The ray (origin, unit direction) of a panorama for an eye beside the camera, for any viewing direction."""
     offset = camera.eye
     above = abs(math.asin(min(max(direction[1], -1.0), 1.0)))
     if above > camera.merge[1]:
@@ -293,13 +292,13 @@ def _from_an_eye(camera, origin, direction):
     return madd(origin, 1.0, side), direction
 
 
-@kernel(forceinline=True)  # what comes back through memory is slow to read
+@kernel(forceinline=True)  # results returned through memory are slow to read
 def camera_ray(block, px, py, u1, u2):
     """Ray through the point (px, py) of the frame, in pixels from the lower left corner of the whole frame.
 
     (u1, u2) choose the point of the lens. Returns (origin, unit direction, t_min, t_max) in world space. Clipping is
-    along the viewing axis, by radius for panoramas; a plane at ``focus`` along the axis is sharp, a sphere for
-    panoramas. t_max is negative where a panorama shows nothing.
+    along the viewing axis; for panoramas by radius. A plane at ``focus`` along the axis is in focus; for panoramas a
+    sphere. t_max is negative if a panorama shows nothing.
     """
     camera = camera_table(block)[0]
     sx = camera.corner[0] + camera.step[0] * px
@@ -324,7 +323,7 @@ def camera_ray(block, px, py, u1, u2):
         if camera.eye != 0.0:
             origin, direction = _from_an_eye(camera, origin, normalize(direction))
     else:
-        # Here direction has z = −1, so its length is the distance along the ray for one metre along the axis.
+        # Here direction has z = −1, so its length is the distance along the ray per metre along the axis.
         along = math.sqrt(direction[0] ** 2 + direction[1] ** 2 + direction[2] ** 2)
     return (
         transform_point(camera.matrix, origin),
@@ -336,8 +335,8 @@ def camera_ray(block, px, py, u1, u2):
 
 @kernel
 def view_depth(block, position):
-    """Depth (metres) of a world position as Blender's Depth pass has it: along the viewing axis, from the camera for
-    panoramas. ``Camera.matrix`` is rigid, so its transpose inverts its rotation."""
+    """Depth (metres) of a world position as in Blender's Depth pass: along the viewing axis; for panoramas the distance
+    from the camera. ``Camera.matrix`` is rigid, so its transpose inverts its rotation."""
     camera = camera_table(block)[0]
     m = camera.matrix
     offset = (position[0] - m[0, 3], position[1] - m[1, 3], position[2] - m[2, 3])
@@ -348,8 +347,8 @@ def view_depth(block, position):
 
 @kernel
 def pixel_of(camera, position, distant):
-    """Pixel (x, y) from the lower left corner of the whole frame at which a camera shows a position; of what is infinitely
-    ``distant``, towards this direction."""
+    """Pixel (x, y) from the lower left corner of the whole frame at which a camera shows a position; for an infinitely
+    ``distant`` object, the position is its direction."""
     m, away = camera.matrix, 0.0 if distant else 1.0
     offset = (position[0] - away * m[0, 3], position[1] - away * m[1, 3], position[2] - away * m[2, 3])
     x = m[0, 0] * offset[0] + m[1, 0] * offset[1] + m[2, 0] * offset[2]

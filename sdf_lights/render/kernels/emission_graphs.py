@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the nodes of lights and of the world make of their radiance."""
+"""The nodes of lights and of the world, which multiply their radiance."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from .shading.records import REGISTERS, SURFACE, surface_table
 from .workspace import WORKSPACE, secondary_table
 from .world_sun import WorldMap, find_disc
 
-MAP_ROWS = 512  # of the map of a world's nodes; as many more as its images have
+MAP_ROWS = 512  # of the map of a world's nodes; more if its images have more
 MOST_MAP_ROWS = 2048
 
-SCALARS = [("emission_graphs", np.int64)]  # 1: lights or the world have nodes that vary
+SCALARS = [("emission_graphs", np.int64)]  # 1: lights or the world have varying nodes
 
 emission_table = table("emissions", EMISSION)
 _registers = table("registers", np.float64)
@@ -37,8 +37,8 @@ def emission_of(block, emitter):
 
 @kernel
 def modulated(block, workspace, emitter, radiance, x, wi, distance, kind):
-    """``radiance`` of the light or world that the ray from x along wi meets, times what its nodes give there. The nodes of a
-    triangle are those of its material, which is shaded elsewhere."""
+    """``radiance`` of the light or world that the ray from x along wi hits, times the value of its nodes there. A
+    triangle has the nodes of its material, which is shaded elsewhere."""
     if lights.is_triangle(block, emitter):
         return radiance
     record = emission_table(block)[emission_of(block, emitter)]
@@ -65,7 +65,7 @@ def modulated(block, workspace, emitter, radiance, x, wi, distance, kind):
 
 @kernel
 def _brightness(block, workspace, graph, slots, d):
-    """Mean of RGB that the graph of a world gives along d."""
+    """Mean of RGB of the world's graph along d."""
     surface = surface_table(workspace)[0]
     put(surface.position, d)
     put(surface.wo, negate(d))
@@ -101,7 +101,7 @@ def _fill_map(block, workspace, graph, slots, directions, values, map):
 
 
 def world_map(tables: dict[str, np.ndarray], graphs: Graphs, block: np.dtype, rows: int) -> WorldMap | None:
-    """What light sampling sees of the world by its nodes; None without nodes. ``rows`` are those of its images.
+    """The map of the world's nodes for light sampling; None without nodes. ``rows`` are those of its images.
 
     ``tables`` are those of ``shading`` and of the camera, for blocks of the type ``block``.
     """

@@ -67,7 +67,7 @@ def pack_film(film: Film) -> dict[str, np.ndarray]:
 
 
 def film_scalars(film: Film) -> dict[str, int]:
-    """Scalars of the block: where the film is in the frame."""
+    """Scalars of the block: the position of the film in the frame."""
     return {"film_x": film.window[0], "film_y": film.window[1], "film_width": film.width}
 
 
@@ -103,7 +103,8 @@ def _put(sums, pixel, value):
 
 @kernel
 def add_sample(block, workspace, pixel, index):
-    """Add the workspace's ``sample``, number ``index`` of its pixel. One that is not finite counts as black, and is told."""
+    """Add the workspace's ``sample``, number ``index`` of its pixel. A sample that is not finite counts as black, and
+    is counted."""
     sample = sample_table(workspace)[0]
     _count(block)[pixel] += 1
     combined = sample.combined
@@ -159,18 +160,18 @@ def add_sample(block, workspace, pixel, index):
 
 @kernel
 def samples_due(block, pixel, samples):
-    """Indices (first, end) of the samples that a pixel is to take, where others are to have ``samples`` then."""
+    """Indices (first, end) of the next samples of a pixel, so that pixels of rate 1 have ``samples`` then."""
     first = np.int64(_count(block)[pixel])
     return first, max(np.int64(samples * _rate(block)[pixel] + 0.5), 1, first)
 
 
 @kernel
 def branches_of(block, pixel):
-    """Into how many branches the paths of a pixel divide."""
+    """Number of branches of a pixel's paths."""
     return np.int64(_branches(block)[pixel])
 
 
 @kernel
 def branches_before(block, pixel):
-    """How many branches the paths of a pixel had."""
+    """Number of branches that the paths of a pixel had."""
     return np.int64(_divided(block)[DIVIDED * pixel])

@@ -1,34 +1,48 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes and instances as tables, and the surface that a ray has hit.
+"""Meshes and instances as tables, and the surface at a hit.
 
-Positions of a baked instance (one whose mesh is used once, see rays.py) are in world space already; all other corner
-data stay in the mesh's local space and are brought to world space at the hit.
+Positions of a baked instance (whose mesh is used once, see rays.py) are already in world space. All other corner data
+stay in the mesh's local space and are transformed at the hit.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ...affine import inverse
+from ...affine import inverse, stretch
 from ...jit import kernel, table
 from ...replaced import replaced_on_gpu
-from ...vec import cross, dot, madd, negate, normalize, sub, transform_normal, transform_point, transform_vector, vec
+from ...vec import (
+    cross,
+    dot,
+    madd,
+    negate,
+    normalize,
+    scale,
+    sub,
+    transform_normal,
+    transform_point,
+    transform_vector,
+    vec,
+)
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
-from ..strands import first_numbers, radii_of, strand_of, world_scale
+from ..strands import radii_of, strand_of, world_scale
+from .departure import number_of, starts_on
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.material_compiler import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
 from .strands import apart as strands
 
-# All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows as
-# materials look up attributes.
+# All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows
+# as materials look up attributes.
 INSTANCE = np.dtype(
     [
         ("matrix", np.float64, (3, 4)),
         ("inverse", np.float64, (3, 4)),
         ("baked", np.int64),
+        ("uneven", np.int64),  # baked, and scaled differently along its axes
         ("holdout", np.int64),
         ("catcher", np.int64),
         ("positions", np.int64),
@@ -43,21 +57,20 @@ INSTANCE = np.dtype(
         ("index", np.int64),
         ("random", np.float64),
         ("color", np.float64, (4,)),
+        ("terminator", np.float64),
         ("box_center", np.float64, (3,)),
         ("box_size", np.float64, (3,)),  # of the mesh, in its own space
-        # Of what moves while the shutter is open: the first of its poses, one for each of some even times; how many positions
-        # and normals there are of each vertex and corner; and the time for which ``matrix`` and ``inverse`` are right.
+        # For instances that move while the shutter is open: the first of their poses at even times; the number of
+        # positions and normals of each vertex and corner; and the time for which ``matrix`` and ``inverse`` are valid.
         ("poses", np.int64),
         ("pose_count", np.int64),
         ("forms", np.int64),
         ("vertex_count", np.int64),
         ("time", np.float64),
-        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their curves, and
-        # that of the first curve of the instance (see ``strands.py``).
+        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their curves.
         ("primitive", np.int64),
         ("radii", np.int64),
         ("strands", np.int64),
-        ("first_strand", np.int64),
     ],
     align=True,
 )
@@ -89,8 +102,8 @@ TRIANGLES, SPHERES = int(Primitive.TRIANGLES), int(Primitive.SPHERES)
 NO_TIME = -1.0
 SHADOW = int(Ray.SHADOW)
 CORNER, VERTEX, TRIANGLE_DOMAIN, WHOLE = (int(domain) for domain in Domain)
-# Bump mapping takes differences over this part of a pixel (Blender's filter width), or over this distance in metres
-# where the pixel's width is not known. Bilinear texels make the result all but independent of it.
+# Bump mapping takes differences over this fraction of a pixel (Blender's filter width), or over this distance in metres
+# if the pixel's width is unknown. Bilinear texels make the result nearly independent of it.
 BUMP_FILTER = 0.1
 BUMP_DISTANCE = 1e-4
 
@@ -109,13 +122,13 @@ shading_material_table = table("materials", MATERIAL)
 
 
 class _Rows:
-    """Arrays to be laid end to end in one table."""
+    """Arrays to be concatenated in one table."""
 
     def __init__(self, dtype: np.dtype):
         self.dtype, self.parts, self.count = dtype, [], 0
 
     def add(self, array: np.ndarray) -> int:
-        """Append (rows, …) values; the row at which they start."""
+        """Append (rows, …) values. Returns the row at which they start."""
         base = self.dtype if self.dtype.fields is None else self.dtype.fields[self.dtype.names[0]][0].base
         flat = np.ascontiguousarray(array, base).reshape(len(array), int(np.prod(np.shape(array)[1:])))
         self.parts.append(flat)
@@ -128,7 +141,7 @@ class _Rows:
         return np.concatenate(self.parts).reshape(-1).view(self.dtype)
 
 
-# What all instances of a mesh have in common.
+# Shared by all instances of a mesh.
 _OF_MESH = np.dtype(
     [
         (name, INSTANCE[name])
@@ -169,8 +182,8 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     instances["matrix"], instances["inverse"] = matrices[:, :3], inverse(matrices)[:, :3]
     instances["mirrored"] = np.linalg.det(matrices[:, :3, :3]) < 0.0
     instances["baked"] = baked
-    instances["first_strand"] = first_numbers(scene)
-    for name in ("holdout", "catcher", "index", "random"):
+    instances["uneven"] = baked & stretch(matrices)
+    for name in ("holdout", "catcher", "index", "random", "terminator"):
         instances[name] = [getattr(instance, name) for instance in scene.instances]
     instances["color"] = np.array([instance.color for instance in scene.instances]).reshape(-1, 4)
     slots = {}
@@ -190,7 +203,8 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _place(mesh: Mesh, matrix: np.ndarray | None, rows: dict[str, _Rows]) -> np.ndarray:
-    """Lay the data of a mesh into ``rows``; its record of ``_OF_MESH``. ``matrix``: that of a baked instance."""
+    """Append the data of a mesh to ``rows``. Returns its record of ``_OF_MESH``. ``matrix``: that of a baked
+    instance."""
     record = np.zeros((), _OF_MESH)
     positions = positions_of(mesh)
     record["triangles"], record["triangle_count"] = rows["triangles"].add(mesh.triangles), len(mesh.triangles)
@@ -209,7 +223,7 @@ def _place(mesh: Mesh, matrix: np.ndarray | None, rows: dict[str, _Rows]) -> np.
 
 
 def positions_of(mesh: Mesh) -> np.ndarray:
-    """(V, 3), or (K V, 3) of a mesh that moves: one form after the other."""
+    """(V, 3), or (K V, 3) for a mesh that deforms: the positions at one time after the other."""
     return mesh.positions if mesh.motion is None else mesh.motion.reshape(-1, 3)
 
 
@@ -253,7 +267,7 @@ class _Attributes:
 
 
 def attribute_values(mesh: Mesh, attribute: Attribute) -> AttributeValues | None:
-    """An attribute of a mesh; None where it has none."""
+    """An attribute of a mesh; None if it has none."""
     if attribute.kind in ("uv", "tangent"):
         maps = mesh.uvs if attribute.kind == "uv" else mesh.tangents
         found = maps.get(attribute.name)
@@ -263,7 +277,7 @@ def attribute_values(mesh: Mesh, attribute: Attribute) -> AttributeValues | None
 
 
 def box_around(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Center and size (3,) of the box that generated coordinates refer to; a side of no length counts as 1."""
+    """Center and size (3,) of the box of generated coordinates; a side of zero length counts as 1."""
     if not len(positions):
         return np.zeros(3), np.ones(3)
     low, high = positions.min(axis=0).astype(np.float64), positions.max(axis=0).astype(np.float64)
@@ -273,7 +287,7 @@ def box_around(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @replaced_on_gpu
 @kernel
 def instance_at(block, index):
-    """Row of an instance that a ray has met, with its transform at the time of the path."""
+    """Row of an instance that a ray has hit, with its transform at the time of the path."""
     instance = instance_table(block)[index]
     if instance.pose_count > 0 and instance.time != block.time:
         _move(block, instance)
@@ -305,7 +319,8 @@ def _move(block, instance):
 @replaced_on_gpu
 @kernel
 def form_of(block, instance):
-    """Of a mesh that changes its form: the number of the form before the time of the path, and how far that is behind."""
+    """For a mesh that deforms: the index of the known shape before the time of the path, and the fraction of the step
+    since then."""
     if instance.forms == 0:
         return 0, 0.0
     place = block.time * (instance.forms - 1)
@@ -314,7 +329,7 @@ def form_of(block, instance):
 
 
 @kernel(forceinline=True)  # see ``camera_ray``
-def _corner(block, instance, triangle, corner):
+def corner_position(block, instance, triangle, corner):
     """World position of a vertex, in float64."""
     index = instance.positions + triangle_table(block)[instance.triangles + triangle].v[corner]
     p = vec(position_table(block)[index].p) if instance.forms == 0 else moving_vertex(block, instance, index)
@@ -323,7 +338,7 @@ def _corner(block, instance, triangle, corner):
 
 @kernel
 def moving_vertex(block, instance, index):
-    """Place of a vertex in its object, of a mesh that changes its form; ``index`` is that of its first form."""
+    """Position of a vertex in its object, for a mesh that deforms; ``index`` is that of its first shape."""
     form, part = form_of(block, instance)
     p = vec(position_table(block)[index + form * instance.vertex_count].p)
     if part > 0.0:
@@ -333,13 +348,34 @@ def moving_vertex(block, instance, index):
 
 @kernel
 def _object_normal(block, instance, triangle, u, v):
-    """Normal of the mesh's corners, as they are stored, where a triangle was hit."""
+    """Normal of the mesh's corners, as stored, at a hit of a triangle."""
     form, part = form_of(block, instance)
     row = instance.normals + triangle + form * instance.triangle_count
     n = _mean_normal(normal_table(block)[row].n, u, v)
     if part > 0.0:
         n = madd(n, part, sub(_mean_normal(normal_table(block)[row + instance.triangle_count].n, u, v), n))
     return n
+
+
+@kernel
+def corner_normal(block, instance, triangle, corner):
+    """Normal of a corner of a triangle, as it is stored."""
+    return _object_normal(block, instance, triangle, 1.0 if corner == 1 else 0.0, 1.0 if corner == 2 else 0.0)
+
+
+@kernel
+def world_corner_normal(block, instance, triangle, corner):
+    """Unit normal of a corner of a triangle in the world."""
+    return normalize(transform_normal(instance.inverse, corner_normal(block, instance, triangle, corner)))
+
+
+@kernel
+def _even_normal(block, instance, triangle, u, v):
+    """Shading normal of an instance that is put into the world, as Cycles has it: the mean of the corners' normals there, which
+    scales that differ do not weigh."""
+    n = scale(world_corner_normal(block, instance, triangle, 0), 1.0 - u - v)
+    n = madd(n, u, world_corner_normal(block, instance, triangle, 1))
+    return normalize(madd(n, v, world_corner_normal(block, instance, triangle, 2)))
 
 
 @kernel
@@ -365,12 +401,12 @@ def hit_material(instance, block, triangle):
 def find_surface(block, workspace, wo, ray_kind, footprint):
     """Fill ``SURFACE`` from the hit that ``rays.intersect`` left in the workspace, as far as the material needs it."""
     ray = ray_table(workspace)[0]
-    if block.has_strands:
-        ray.id = 0
-        if instance_table(block)[hit_instance(ray)].primitive != TRIANGLES:
-            strands.fill(block, workspace, 0, wo, ray_kind, footprint)
-            return
-    _fill_surface(block, ray, surface_table(workspace)[0], wo, ray_kind, footprint)
+    if block.has_strands and instance_table(block)[hit_instance(ray)].primitive != TRIANGLES:
+        strands.fill(block, workspace, 0, wo, ray_kind, footprint)
+        return
+    surface = surface_table(workspace)[0]
+    _fill_surface(block, ray, surface, wo, ray_kind, footprint)
+    ray.id = surface.number  # a ray that passes through the triangle does not meet it again
 
 
 @kernel
@@ -391,16 +427,16 @@ def _fill_surface(block, ray, surface, wo, ray_kind, footprint):
 
 @kernel
 def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
-    """Fill ``SURFACE`` of a point of a triangle of the instance ``index``; ``u`` and ``v`` are the weights of its second and
-    third corner.
+    """Fill ``SURFACE`` at a point of a triangle of the instance ``index``; ``u`` and ``v`` are the weights of its
+    second and third corner.
 
-    The position comes from these in float64, not from the distance along a ray: its error does not grow with the
+    The position comes from these in float64, not from the distance along a ray. So its error does not grow with the
     distance, and it lies in the plane of the triangle.
     """
     instance = instance_at(block, index)
-    p0 = _corner(block, instance, triangle, 0)
-    edge1 = sub(_corner(block, instance, triangle, 1), p0)
-    edge2 = sub(_corner(block, instance, triangle, 2), p0)
+    p0 = corner_position(block, instance, triangle, 0)
+    edge1 = sub(corner_position(block, instance, triangle, 1), p0)
+    edge2 = sub(corner_position(block, instance, triangle, 2), p0)
     position = madd(madd(p0, u, edge1), v, edge2)
     ng = normalize(cross(edge1, edge2))
     if instance.mirrored:
@@ -410,9 +446,14 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
     if instance.normals >= 0:
         object_normal = _object_normal(block, instance, triangle, u, v)
         smooth = normalize(transform_normal(instance.inverse, object_normal))
+        if instance.uneven:
+            smooth = _even_normal(block, instance, triangle, u, v)
         if dot(smooth, smooth) > 0.5:
             n = smooth
     surface.strand = 0
+    surface.number = number_of(index, triangle)
+    surface.starts_on = starts_on(position, edge1, edge2, u, v)
+    surface.terminator = instance.terminator if instance.normals >= 0 else 0.0
     surface.backfacing = 0
     if dot(ng, wo) < 0.0:
         surface.backfacing = 1
@@ -436,7 +477,8 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
             surface.dpdv[axis] = edge2[axis]
     if flags & NEEDS_OBJECT_NORMAL:
         if instance.normals < 0:
-            object_normal = transform_normal(instance.matrix, ng if surface.backfacing == 0 else negate(ng))
+            flat = ng if surface.backfacing == 0 else negate(ng)
+            object_normal = normalize(transform_normal(instance.matrix, flat))
         for axis in range(3):
             surface.object_normal[axis] = object_normal[axis]
     if flags & NEEDS_RADIAL:
@@ -445,7 +487,7 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
 
 @kernel
 def _find_radial(surface, instance):
-    """The direction around z in generated coordinates, which is carried to the world as a normal is."""
+    """The direction around z in generated coordinates, transformed to the world like a normal."""
     p, center, size = transform_point(instance.inverse, vec(surface.position)), instance.box_center, instance.box_size
     around = (-(p[1] - center[1]) / size[1], (p[0] - center[0]) / size[0], 0.0)
     radial = transform_normal(instance.inverse, around)
@@ -455,8 +497,8 @@ def _find_radial(surface, instance):
 
 @kernel
 def find_shadow_surface(block, workspace, secondary, wo):
-    """Fill what ``shading.transparency`` reads in the workspace ``secondary``, from the hit in ``workspace``; the material's
-    index."""
+    """Fill the inputs of ``shading.transparency`` in the workspace ``secondary``, from the hit in ``workspace``.
+    Returns the material's index."""
     ray = ray_table(workspace)[0]
     surface = surface_table(secondary)[0]
     instance = instance_at(block, hit_instance(ray))
@@ -465,7 +507,8 @@ def find_shadow_surface(block, workspace, secondary, wo):
         strands.fill(block, workspace, 1, wo, SHADOW, 0.0)
         return surface.material
     surface.material = hit_material(instance, block, triangle)
-    # Embree gives the normal of the triangle as it was built: in world space if baked, in the mesh's own space if not.
+    # Embree returns the normal of the triangle as it was built: in world space if baked, else in the mesh's local
+    # space.
     facing = dot(hit_normal(ray), wo if instance.baked else transform_vector(instance.inverse, wo))
     if instance.baked and instance.mirrored:
         facing = -facing

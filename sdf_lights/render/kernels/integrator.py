@@ -16,6 +16,7 @@ from ...jit import kernel
 from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
+from .departure import beside, leave, start_apart
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
 from .light_paths import apart as light_paths
@@ -54,7 +55,7 @@ from .shading.records import (
     TRANSPARENT,
 )
 from .subsurface import apart as subsurface
-from .visibility import BLACK, leave
+from .visibility import BLACK
 from .workspace import cut_of
 
 SCALARS = [
@@ -118,14 +119,18 @@ def _count_bounce(block, path, kind):
 
 
 @kernel
-def _leave_portal(path, surface, kind, wi):
+def _leave_portal(workspace, path, surface, kind, wi):
     """Go on from a surface that has a portal, straight or through it. As in Cycles, what is found then counts in full."""
     path.pdf = 0.0
     if kind & THROUGH_PORTAL:
         position = vec(surface.exit)
         way = sub(position, vec(surface.position))
         put(path.origin, position)
-        put(path.start, position if dot(way, way) > SAME_PLACE else leave(position, vec(surface.ng), wi))
+        if dot(way, way) > SAME_PLACE:
+            start_apart(ray_table(workspace)[0])
+            put(path.start, position)
+        else:
+            put(path.start, beside(position, vec(surface.ng), wi))
         put(path.direction, wi)
         path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
 
@@ -156,14 +161,14 @@ def scatter(block, workspace):
         path.t_min = beyond(path.length)
         put(path.throughput, throughput)
         if surface.portal:
-            _leave_portal(path, surface, kind, wi)
+            _leave_portal(workspace, path, surface, kind, wi)
         return True
     _count_bounce(block, path, kind)
     position = vec(surface.position)
     put(path.throughput, throughput)
     put(path.origin, position)
     put(path.normal, vec(surface.n))
-    put(path.start, leave(position, vec(surface.ng), wi))
+    put(path.start, leave(workspace, surface, wi))
     put(path.direction, wi)
     path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
     path.pdf = 0.0 if kind & SINGULAR else pdf
@@ -221,8 +226,7 @@ def start_path(block, workspace, x, y):
     path.dimension = CAMERA_SETS
     path.share, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1
-    if block.has_strands:
-        ray_table(workspace)[0].id = 0
+    start_apart(ray_table(workspace)[0])
     if block.has_media:
         media.bounds(block, workspace, media.BEGIN)
 
@@ -320,8 +324,7 @@ def shade_and_scatter(block, workspace, whole):
     if block.has_media and not exits:
         if path.event == IN_MEDIUM:
             path.dimension += VERTEX_SETS
-            if block.has_strands:
-                ray_table(workspace)[0].id = 0
+            start_apart(ray_table(workspace)[0])
             return GOES_ON if media.scatter(block, workspace) else ENDS
         if media.bounds(block, workspace, media.PASS):
             path.dimension += VERTEX_SETS

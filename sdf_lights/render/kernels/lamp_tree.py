@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which lamps a ray may meet: a bounding volume hierarchy over the boxes of all SDF lamps in the world.
+"""The lamps that a ray may hit: a bounding volume hierarchy over the boxes of all SDF lamps in the world.
 
-A node holds the boxes of up to eight children, which a ray tests together by vector instructions (Dammertz, Hanika and
-Keller 2008, "Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays"). They are in single
-precision, rounded outwards, and the test allows for its own rounding (Ize 2013, "Robust BVH ray traversal"): a lamp that
-the ray meets is never missed. One that it does not may be found; ``emitter.trace`` tells.
+A node holds the boxes of up to eight children, which a ray tests together with vector instructions (Dammertz, Hanika
+and Keller 2008, "Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays"). They are in single
+precision, rounded outwards, and the test allows for its own rounding (Ize 2013, "Robust BVH ray traversal"). So a lamp
+that the ray hits is never missed. A lamp that it misses may be found; ``emitter.trace`` decides.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ...replaced import replaced_on_gpu
 from .lights.tree_build import Bounds, build_tree
 
 WIDTH = 8
-HALVINGS = 3  # of a cluster, to WIDTH of them
+HALVINGS = 3  # binary levels of a cluster, with WIDTH children
 NOTHING = -1  # in ``slots``: no child
 
 NODE = np.dtype(
@@ -28,7 +28,7 @@ NODE = np.dtype(
             "visibility",
             np.int32,
             WIDTH,
-        ),  # bits of scene.Ray: kinds of ray that see any lamp below; 0: there is no child
+        ),  # bits of scene.Ray: kinds of rays that see any lamp below; 0: no child
         ("child", np.int32, WIDTH),  # the node below, or ~lamp
     ],
     align=True,
@@ -37,14 +37,14 @@ NODE = np.dtype(
 TABLES = {"lamp_tree": NODE}
 WORKSPACE_TABLES = {"lamps_found": np.dtype(np.int64)}
 
-ROUNDING = 1.0 + 2.0**-50  # of the distances to the sides of a box, twice over
+ROUNDING = 1.0 + 2.0**-50  # of the distances to the sides of a box, doubled
 
 tree_table = table("lamp_tree", NODE)
 found_table = table("lamps_found", np.int64)
 
 
 def workspace_counts(lamps: int) -> dict[str, int]:
-    """Rows of the tables of ``WORKSPACE_TABLES``: the lamps that a ray may meet, and nodes that wait to be visited."""
+    """Rows of the tables of ``WORKSPACE_TABLES``: the lamps that a ray may hit, and nodes that wait to be visited."""
     return {"lamps_found": 2 * max(lamps, 1)}
 
 
@@ -91,7 +91,8 @@ def pack_lamp_tree(low: np.ndarray, high: np.ndarray, visibility: np.ndarray) ->
 
 
 def _descendants(child: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """(nodes, WIDTH) what is ``HALVINGS`` levels below nodes of a binary tree, leaves on the way, or ``NOTHING``."""
+    """(nodes, WIDTH) descendants ``HALVINGS`` levels below nodes of a binary tree, leaves above that level, or
+    ``NOTHING``."""
     slots = nodes[:, None]
     for _ in range(HALVINGS):
         inner = (slots != NOTHING) & (child[slots] >= 0)
@@ -109,7 +110,7 @@ def _inverse(v):
 @replaced_on_gpu
 @kernel
 def lamps_along(block, workspace, o, d, t_max, kind):
-    """Write the lamps that the ray o + t·d may meet in 0 < t < t_max to ``lamps_found``; returns their number.
+    """Write the lamps that the ray o + t·d may hit in 0 < t < t_max to ``lamps_found``. Returns their number.
 
     ``kind`` holds bits of ``scene.Ray``: lamps visible to none of them are left out. The order is that of the tree.
     """
@@ -119,7 +120,7 @@ def lamps_along(block, workspace, o, d, t_max, kind):
     enter, leave = stack_array(WIDTH), stack_array(WIDTH)
     ox, oy, oz = o
     sx, sy, sz = _inverse(d[0]), _inverse(d[1]), _inverse(d[2])
-    # Nodes that wait are at the end. They and the lamps found are no more than all nodes and lamps.
+    # Waiting nodes are at the end. They and the found lamps are at most as many as all nodes and lamps.
     waiting, count = len(found) - 1, 0
     found[waiting] = 0
     while waiting < len(found):

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The time of a sample, and what of the scene is elsewhere then.
+"""The time of a sample, and the moving parts of the scene at that time.
 
-In a scene that moves each thread has a block of its own. Lamps, lights and the camera are few, and their tables are brought to
-the time before a path begins: all numbers of them that move, on straight lines between those at even times. So no kernel
-below has to know of it. Instances are many, and brought to the time where a ray has met them.
+In a moving scene, each thread has a separate block. Lamps, lights and the camera are few: their tables are interpolated
+to the time before a path begins, linearly between even times. So no other kernel needs to handle their motion.
+Instances are many, and are interpolated when a ray has hit them.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ TIME_SET = 1 << 44  # of random numbers
 
 TABLES = {
     "shutter_times": np.dtype(np.float64),
-    "moving": np.dtype(np.float64),  # the tables that move, as numbers, one after the other
+    "moving": np.dtype(np.float64),  # the moving tables, as concatenated numbers
     "moving_places": np.dtype(np.int64),  # in ``moving``, of those that move
-    "moving_keys": np.dtype(np.float64),  # what they are, at each of the even times
+    "moving_keys": np.dtype(np.float64),  # their values at each of the even times
 }
 SCALARS = [("moves", np.int64), ("time", np.float64), ("moving_steps", np.int64), ("rolling_shutter", np.float64)]
 
@@ -37,7 +37,7 @@ key_table = table("moving_keys", np.float64)
 
 
 def pack_shutter(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, float]]:
-    """The table and the scalars of the shutter; nothing else of ``TABLES``."""
+    """The table and the scalars of the shutter, and no other of ``TABLES``."""
     shutter = scene.shutter or Shutter()
     rolling = NOT_ROLLING if shutter.rolling is None else shutter.rolling
     return {"shutter_times": np.asarray(shutter.times, np.float64)}, {
@@ -49,9 +49,9 @@ def pack_shutter(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, float]]
 
 
 class Moving:
-    """Tables that move, of which each thread has its own: from what they are at even times, ``keys``.
+    """Moving tables, of which each thread has copies: from their values at even times, ``keys``.
 
-    Only float64 numbers do; the rest is as in ``base``. A table that has another length at some time stays as it is.
+    Only float64 numbers move; the rest is as in ``base``. A table whose length changes stays as it is.
     """
 
     def __init__(self, base: dict[str, np.ndarray], keys: list[dict[str, np.ndarray]]):
@@ -113,8 +113,8 @@ def _time_at(times, u):
 
 @kernel
 def set_time(block, workspace, secondary, y):
-    """Draw the time of the workspace's path, which begins in the line ``y``, and bring what moves to it. ``secondary``: the
-    workspace whose rays have the same time."""
+    """Draw the time of the workspace's path, which begins in the line ``y``, and interpolate moving data to it.
+    ``secondary``: the workspace whose rays have the same time."""
     path = path_table(workspace)[0]
     time = _time_at(time_table(block), get_1d(path.index, path.seed, TIME_SET))
     if block.rolling_shutter != NOT_ROLLING:

@@ -27,7 +27,8 @@ from .path import LIGHT_SET, contribute, path_table, sample_table
 from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
-from .visibility import BLACK, leave, shadow_ray, transmittance, visible_lamp
+from .terminator import light_start
+from .visibility import BLACK, shadow_ray, transmittance, visible_lamp
 from .workspace import box_table, cut_of, light_cut_of, region_table, secondary_table, spans_of
 
 SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
@@ -164,7 +165,7 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         weight, _, _ = evaluate(block, workspace, wi, lights.visibility(block, lamp))
         if largest(weight) <= 0.0:
             return
-        start = leave(x, vec(surface.ng), wi)
+        start = light_start(block, workspace, wi)
         if block.has_media:
             look(block, workspace, vec(surface.ng), wi)
         to_point, t_max = shadow_ray(x, start, wi, distance)
@@ -186,7 +187,7 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
     pdf_sum = pmf * lamp_density(block, workspace, lamp, x, wi, count) + rival
     if block.has_media:
         look(block, workspace, vec(surface.ng), wi)
-    radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, leave(x, vec(surface.ng), wi), u)
+    radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, light_start(block, workspace, wi), u)
     if largest(radiance) > 0.0:
         divide_light(block, workspace, wi, lamp)
         contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
@@ -215,7 +216,7 @@ def light_vertex(block, workspace):
     weight, scatter_pdf, _ = evaluate(block, workspace, wi, lights.visibility(block, emitter))
     if largest(weight) <= 0.0:
         return
-    start = leave(x, ng, wi)
+    start = light_start(block, workspace, wi)
     if lights.casts_shadow(block, emitter):
         if block.has_media:
             look(block, workspace, ng, wi)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The record by which kernels reach a whole scene, and how its lamps, lights and settings get there.
+"""The record through which kernels reach a whole scene, and the packing of its lamps, lights and settings.
 
-Every module of kernels declares its tables and scalars; here they are one record type.
+Every module of kernels declares its tables and scalars. Here they become one record type.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from .subsurface import records as subsurface_records
 
 
 def _together(*parts: dict[str, np.dtype]) -> dict[str, np.dtype]:
-    """One dictionary of tables whose names no two modules share, however they came to declare them: a later one would take
-    the place of an earlier one, and kernels would read what is not theirs."""
+    """One dictionary of tables. Two modules may not share a name: the later table would replace the earlier one, and
+    kernels would read wrong data."""
     found: dict[str, np.dtype] = {}
     for part in parts:
         for name, dtype in part.items():
@@ -76,7 +76,7 @@ SCALARS = [
 ]
 BLOCK = block_dtype(TABLES, SCALARS)
 
-# The strategy of light rays, and what the density of a BSDF counts with those that do not find that out.
+# The strategy of light rays, and the factor on the BSDF's density with strategies that do not compute it.
 LAMP_STRATEGIES = {
     LampSampling.CUT: (strategies.BOXES, strategies.NO_BSDF_RAYS),
     LampSampling.MIS: (strategies.PROJECTION, 1.0),
@@ -87,7 +87,7 @@ LAMP_STRATEGIES = {
 
 
 def build_lamps(scene: Scene) -> tuple[list[lamps.BuiltLamp], list[Lamp]]:
-    """The lamps of ``scene`` that can give light, built, and what they were built from; of others it gets warnings."""
+    """The lamps of ``scene`` that can give light, built, and their sources; the others get warnings."""
     built, sources = [], []
     for lamp in scene.lamps:
         try:
@@ -121,8 +121,8 @@ def emitter_tables(
     graphs: shading.Graphs,
     elsewhere: Elsewhere | None = None,
 ) -> dict[str, np.ndarray]:
-    """Tables of the lamps ``built`` from ``sources``, of the tree that rays find them by, and of all other lights; of trees that
-    hold at all times, if it is known what is ``elsewhere``."""
+    """Tables of the lamps ``built`` from ``sources``, of the tree by which rays find them, and of all other lights.
+    With ``elsewhere``, the trees hold at all times."""
     rows = max((image.pixels.shape[0] for image in scene.images), default=0) if scene.world.emission is not None else 0
     world_map = emission_graphs.world_map(materials | camera.pack_camera(scene), graphs, BLOCK, rows)
     lamp_tables = lamps.pack_lamps(built)
@@ -157,7 +157,7 @@ class Elsewhere(NamedTuple):
     suns: list[dict[int, np.ndarray]]  # direction to each
 
     def follow_suns(self, rows: np.ndarray) -> None:
-        """Add the table ``light_infinite`` to the tables, from what it is at the frame."""
+        """Add the table ``light_infinite`` to the tables, from its state at the frame."""
         for table, suns in zip(self.tables, self.suns):
             table["light_infinite"] = rows.copy()
             for row in table["light_infinite"]:
@@ -165,7 +165,7 @@ class Elsewhere(NamedTuple):
 
 
 def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> Elsewhere | None:
-    """What is seen and lights at even times, of the lamps ``sources`` that give light; None where none of it moves."""
+    """Camera and lights at even times, for the lamps ``sources`` that give light; None if none of it moves."""
     if scene.shutter is None:
         return None
     emits = (materials["flags"] & HAS_EMISSION != 0) & (materials["sample_emission"] != 0)
@@ -205,7 +205,7 @@ def _lamp_there(lamp: Lamp, time: float) -> Lamp:
 
 
 def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """(instances, 3) centers and half sizes of boxes around what is in the scene, in the world, and of all its ways there."""
+    """(instances, 3) centers and half sizes of world boxes around the instances, over all their motion."""
     used = [instance for instance in scene.instances if len(scene.meshes[instance.mesh].positions)]
     bounds = {}
     for mesh in {instance.mesh for instance in used}:
@@ -229,12 +229,12 @@ def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
 
 
 def clear_lamps(rows: np.ndarray, center: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """(lamps,) whether the box around each lamp, of ``LAMP`` rows, meets none of those of ``instance_boxes``."""
+    """(lamps,) whether the box around each lamp, of ``LAMP`` rows, intersects none of ``instance_boxes``."""
     return np.array([(np.abs(row["center"] - center) > row["half"] + half).any(axis=1).all() for row in rows], bool)
 
 
 def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.ndarray]) -> dict[str, float]:
-    """Scalars of the block: settings of the integrator, and what the scene has."""
+    """Scalars of the block: settings of the integrator, and features of the scene."""
     settings = scene.settings
     names = (
         "seed",
@@ -266,9 +266,9 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
 
 
 def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:
-    """Every triangle of every instance whose material emits and is to be sampled, in world space."""
+    """Every triangle of every instance whose material emits and is sampled, in world space."""
     emits = (materials["flags"] & HAS_EMISSION != 0) & (materials["sample_emission"] != 0)
-    # Only a plain Emission of constant colour is the same everywhere and in all directions.
+    # Only a plain Emission of constant colour is uniform in space and direction.
     varies = (materials["graph"] != shading.NO_GRAPH) | np.array(
         [
             material.surface is None or isinstance(material.surface, Node) and material.surface.kind != "emission"
@@ -281,7 +281,7 @@ def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:
         if not emits[list(instance.materials)].any():
             continue
         mesh = scene.meshes[instance.mesh]
-        if mesh.primitive != Primitive.TRIANGLES:  # found by chance alone, as in Cycles
+        if mesh.primitive != Primitive.TRIANGLES:  # only found by chance, as in Cycles
             continue
         material = _triangle_materials(mesh, instance)
         chosen = np.flatnonzero(emits[material])

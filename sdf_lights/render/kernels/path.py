@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""State of one path and of the sample it makes, as records of the workspace."""
+"""State of one path and of its sample, as records of the workspace."""
 
 import numpy as np
 
@@ -17,23 +17,23 @@ CAMERA = int(Ray.CAMERA)  # the kind of a path until it scatters
 # Sets of random numbers: two for the camera, then so many for each vertex of a path.
 CAMERA_SETS, VERTEX_SETS = 2, 4
 LIGHT_SET, SCATTER_SET, ROULETTE_SET, EMISSION_SET = range(4)
-# As many again for what happens in media on the way to a vertex.
+# The same number again for events in media on the way to a vertex.
 MEDIA_SETS = 1 << 24
 TRAVEL_SET, PHASE_SET, PLACE_SET = range(1, 4)
 
-# And for the way below a surface, which has 256 steps. As all sets that the GPU draws, they are numbers of 31 bits.
+# And for the subsurface walk, which has 256 steps. Like all sets that the GPU draws, they are numbers of 31 bits.
 SUBSURFACE_SETS = 1 << 28
 # And for the pass Ambient Occlusion.
 OCCLUSION_SETS = 1 << 50
 
-# Where a ray of a path ends; AT_EXIT: the way below a surface has ended, and the hit is in the workspace's ray.
+# Where a ray of a path ends; AT_EXIT: subsurface scattering has ended, and the hit is in the workspace's ray.
 AT_SURFACE, IN_MEDIUM, AT_EXIT = range(3)
 
-# What one sample gives to the film. ``lamps`` is the part of ``combined`` that SDF lamps sent out. Where the path has
-# ``divided``, ``before`` and ``lamps_before`` are what there was of both till then. It was to divide into so many
-# ``branches``, which ``met`` so many surfaces; a ray that leaves the scene counts as a part of one. ``spread`` is the sum of
-# the squared deviations of what these branches have brought, and ``cuts`` counts the lamps that were looked at box by box before
-# the path divided: that takes longer than all else there.
+# The contribution of one sample to the film. ``lamps`` is the part of ``combined`` from SDF lamps. If the path has
+# ``divided``, ``before`` and ``lamps_before`` are both sums before the split. It was to split into so many
+# ``branches``, which ``met`` so many surfaces; a ray that leaves the scene counts as a fraction of one. ``spread`` is
+# the sum of the squared deviations of these branches' contributions. ``cuts`` counts the lamps that were examined box
+# by box before the path split: that takes longer than everything else there.
 SAMPLE = np.dtype(
     [
         ("combined", "f8", 3),
@@ -58,21 +58,19 @@ SAMPLE = np.dtype(
     align=True,
 )
 
-# ``origin`` is where the path last scattered (the camera at first), with shading normal ``normal``: light sampling
-# there competes with the ray, so MIS asks for its pdf there. ``start`` is ``origin`` moved off the surface. ``glossy_pdf``
-# is the part of ``pdf`` that microfacets have, and ``least_pdf`` the least of any direction drawn so far that is not singular; ``two_sided`` is 1 where light on either side of that surface counted,
-# ``has_glossy`` where it has microfacets, and ``scattered`` is how often the light was scattered after it.
-# ``found`` lamps along the ray are in ``lamps_found``; −1: nothing has looked for them yet.
-# ``light_tree`` is that of what scattered it last, 0 for the camera: its emitters are those that the ray can meet.
-# ``share`` is the part of the sample that the path is, 1 until it divides, and ``index`` its place in the sampling pattern.
-# ``expected``: of a branch, an estimate of the light that it will bring, from the irradiance where it has met a surface, and what it
-# ``brought`` to the sample, as a sum of RGB.
-# ``event`` says where the ray ends, ``in_medium`` is 1 where a medium has scattered the path last, and it has ``crossed`` so
-# many surfaces that only bound media.
-# ``connects`` is 1 along the ray that leaves the surface where the path has divided, if connections to light paths look for
-# what that meets, too. They look for the part ``connected`` (RGB) of its light. ``left`` is the part that they are expected to leave,
-# if the path's roulette has counted on that; else 1.
-# ``catches`` is 1 from where the camera's path has met a shadow catcher.
+# ``origin`` is the point of the last scattering (the camera at first), with shading normal ``normal``. Light sampling
+# there competes with the ray, so MIS needs its pdf there. ``start`` is ``origin`` moved off the surface. ``glossy_pdf``
+# is the microfacet part of ``pdf``, and ``least_pdf`` the least pdf of all directions so far that are not singular.
+# ``two_sided`` is 1 if light on either side of that surface counted, ``has_glossy`` if it has microfacets, and
+# ``scattered`` is the number of scatterings after it. ``found`` lamps along the ray are in ``lamps_found``; −1: not
+# searched yet. ``light_tree`` is that of the last scattering object, 0 for the camera: the ray can hit its emitters.
+# ``share`` is the fraction of the sample that the path represents, 1 until it splits, and ``index`` its index in the
+# sampling pattern. ``expected``: for a branch, an estimate of its light, from the irradiance at its hit; ``brought``:
+# its contribution to the sample, as a sum of RGB. ``event`` says where the ray ends, ``in_medium`` is 1 if a medium was
+# the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``connects`` is 1 along a
+# ray from the surface where the path split, if connections to light paths estimate the light of its next hit, too. They
+# estimate the part ``connected`` (RGB) of it. ``left`` is the part that they are expected to leave to the ray, if
+# Russian roulette has counted on that; else 1. ``catches`` is 1 once the camera's path has hit a shadow catcher.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
     [
@@ -123,12 +121,12 @@ PATH = np.dtype(
 )
 
 TABLES = {"path": PATH, "sample": SAMPLE}
-# The path itself, its state where it divides, and the branches.
+# The path itself, its state at a split, and the branches.
 WAITING, FIRST_BRANCH = 1, 2
-# The ray itself, those of the branches, and the path's while light rays leave it on its way.
+# The ray itself, those of the branches, and the path's ray while light rays leave it.
 FIRST_BRANCH_RAY = 1
 KEPT_RAY = FIRST_BRANCH_RAY + MOST_BRANCHES
-# The path that has met a shadow catcher, with its ray, and the sample while it is traced among catchers alone.
+# The path that has hit a shadow catcher, with its ray, and the sample while the path continues among catchers alone.
 CAUGHT, CAUGHT_RAY, KEPT_SAMPLE = FIRST_BRANCH + MOST_BRANCHES, KEPT_RAY + 1, 1
 COUNTS = {"path": CAUGHT + 1, "sample": KEPT_SAMPLE + 1, "ray": CAUGHT_RAY + 1}
 
@@ -141,7 +139,7 @@ NO_EMITTER = -1
 
 @kernel
 def of_instance(instance):
-    """What ``contribute`` calls the emission of the surfaces of an instance; and the instance, of that."""
+    """The argument of ``contribute`` for emission of an instance's surfaces; and the instance, from that."""
     return -2 - instance
 
 
@@ -149,8 +147,8 @@ def of_instance(instance):
 def contribute(block, workspace, radiance, factor, source, scatters):
     """Add ``throughput × radiance × factor`` to the sample.
 
-    ``source`` is the emitter that sent it, ``of_instance(…)`` for an emissive surface, or ``NO_EMITTER``. ``scatters`` is how
-    often the light was scattered on its way to the camera.
+    ``source`` is the emitter, ``of_instance(…)`` for an emissive surface, or ``NO_EMITTER``. ``scatters`` is the number
+    of scatterings of the light on its way to the camera.
     """
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
@@ -175,7 +173,7 @@ def contribute(block, workspace, radiance, factor, source, scatters):
 
 @kernel
 def show_environment(workspace, radiance):
-    """Add light of the world to its own pass alone, which has what a transparent film hides."""
+    """Add light of the world only to its own pass, which shows the background hidden by a transparent film."""
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
     if not path.catches:
@@ -184,7 +182,7 @@ def show_environment(workspace, radiance):
 
 @kernel
 def uncover(workspace, part):
-    """Take from the sample's alpha what the camera sees through to nothing."""
+    """Subtract from the sample's alpha where the camera sees nothing behind."""
     sample = sample_table(workspace)[0]
     alpha = sample.alpha - part * average(vec(path_table(workspace)[0].throughput))
     sample.alpha = alpha if alpha > 1e-12 else 0.0  # three thirds may round to less than one

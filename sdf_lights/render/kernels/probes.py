@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays that the nodes of a material send out: how open a surface is, what a bevel would look like, what lies in a direction.
+"""Rays that the nodes of a material trace: ambient occlusion, bevel, and hits in a given direction.
 
-The models are those of Cycles. Formulas call these kernels, each of which is compiled alone, where a scene has its node. Rays are
-sent where a path has met a surface, not where a light ray asks what passes or what a light is like.
+The models are those of Cycles. Formulas call these kernels; each is compiled separately, if a scene has its node. Rays
+are traced where a path has hit a surface, not for transparency or light sampling.
 """
 
 import math
@@ -13,23 +13,23 @@ import numpy as np
 from ...jit import kernel
 from ...vec import ZERO, add, dot, frame, length, madd, negate, normalize, scale, sub, vec
 from ..scene import Ray
+from .departure import leave, start_apart
 from .geometry import _fill_surface, surface_table
 from .path import path_table
 from .rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, hit_instance, intersect, occluded, ray_table
 from .samplers import get_2d
-from .visibility import leave
 from .workspace import secondary_table
 
-# Sets of random numbers, beside those of ``path.VERTEX_SETS``. All nodes of a kind have the same, as in Cycles.
+# Sets of random numbers, in addition to those of ``path.VERTEX_SETS``. All nodes of a kind share them, as in Cycles.
 OCCLUSION_SET = 1 << 25
 BEVEL_SET = OCCLUSION_SET + 1
 
 SHADOW = int(Ray.SHADOW)
-NO_RAY = 0  # light sampling looks at emission
+NO_RAY = 0  # light sampling evaluates emission
 ANY = int(Ray.ALL) | SHADOW_TRANSPARENT
 
-SHARP = 8.0  # density from which on a bevel is seen in what a ray has been scattered to
-PAST_SHIFT = 1.1  # a ray of a bump's shifted point begins so many times as far away as that has moved
+SHARP = 8.0  # density from which on a scattered ray sees a bevel
+PAST_SHIFT = 1.1  # a ray from a bump's shifted point begins this many times the shift away
 _ITERATIONS, _PRECISION = 10, 1e-6
 
 
@@ -55,8 +55,8 @@ def _disk(u, v):
 
 @kernel
 def _next_own(block, workspace, o, d, t_from, t_to):
-    """Distance along a ray to the next triangle of the surface's own object, whose hit is left in the workspace; infinite:
-    there is none."""
+    """Distance along a ray to the next triangle of the surface's own object, whose hit is left in the workspace;
+    infinite: there is none."""
     own = surface_table(workspace)[0].instance
     start = t_from
     while intersect(block, workspace, o, d, start, t_to, ANY):
@@ -70,14 +70,14 @@ def _next_own(block, workspace, o, d, t_from, t_to):
 
 @kernel
 def occlusion(block, workspace, local, distance, samples, x, y, z):
-    """Part of so many rays, around the direction (x, y, z) by its cosine, that meet nothing up to ``distance``; of the
-    surface's own object where it is ``local``."""
+    """Fraction of so many rays, cosine-distributed around the direction (x, y, z), that hit nothing up to ``distance``;
+    with ``local`` only the surface's own object counts."""
     surface = surface_table(workspace)[0]
     count = int(samples)
     if not _is_met(surface) or distance <= 0.0 or count < 1:
         return 1.0
     path = path_table(workspace)[0]
-    n, p, ng = normalize((x, y, z)), vec(surface.position), vec(surface.ng)
+    n = normalize((x, y, z))
     t, b = frame(n)
     free = 0
     for index in range(count):
@@ -85,7 +85,7 @@ def occlusion(block, workspace, local, distance, samples, x, y, z):
         side = _disk(u[0], u[1])
         up = math.sqrt(max(1.0 - side[0] * side[0] - side[1] * side[1], 0.0))
         d = add(add(scale(t, side[0]), scale(b, side[1])), scale(n, up))
-        start = leave(p, ng, d)
+        start = leave(workspace, surface, d)
         if local:
             met = _next_own(block, workspace, start, d, 0.0, distance) < np.inf
         else:
@@ -104,8 +104,8 @@ def _falloff(radius, r):
 
 @kernel
 def _falloff_radius(u):
-    """Distance on the unit disk within which the part u of ``_falloff`` lies: 10 x² − 20 x³ + 15 x⁴ − 4 x⁵ = u, by Newton's
-    method."""
+    """Distance on the unit disk within which the fraction u of ``_falloff`` lies: 10 x² − 20 x³ + 15 x⁴ − 4 x⁵ = u, by
+    Newton's method."""
     x = 0.25
     for _ in range(_ITERATIONS):
         square, rest = x * x, 1.0 - x
@@ -119,16 +119,16 @@ def _falloff_radius(u):
 
 @kernel
 def _is_blurred(path):
-    """Whether the path comes from a surface that has scattered it so widely that no bevel can be told."""
+    """Whether the path comes from a surface that scattered it too widely for a bevel."""
     return path.diffuse > 0 or path.volume > 0 or 0.0 < path.pdf < SHARP
 
 
 @kernel
 def bevel(block, workspace, radius, samples, x, y, z):
-    """Mean normal of the object around the surface, up to ``radius``; (x, y, z), its own, where that is not looked for.
+    """Mean normal of the object around the surface, up to ``radius``; its own normal (x, y, z) if no search is made.
 
-    Probe rays along three axes find points of the surface (King et al. 2013, "BSSRDF importance sampling"), joined by the
-    power heuristic.
+    Probe rays along three axes find points of the surface (King et al. 2013, "BSSRDF importance sampling"), combined by
+    the power heuristic.
     """
     surface, path, own = surface_table(workspace)[0], path_table(workspace)[0], (x, y, z)
     count = int(samples)
@@ -137,6 +137,9 @@ def bevel(block, workspace, radius, samples, x, y, z):
     other = surface_table(secondary_table(workspace)[0])[0]
     p, ng = vec(surface.position), vec(surface.ng)
     tangent, bitangent = frame(ng)
+    ray = ray_table(workspace)[0]
+    left = ray.id
+    start_apart(ray)  # a probe may meet the triangle that it is for
     total = ZERO
     for index in range(count):
         u = get_2d(path.index * count + index, path.seed, path.dimension + BEVEL_SET)
@@ -166,6 +169,7 @@ def bevel(block, workspace, radius, samples, x, y, z):
                 weight = probability / squares * _falloff(radius, length(sub(vec(other.position), p))) / drawn
                 total = madd(total, -weight if other.backfacing else weight, vec(other.n))
             t = _next_own(block, workspace, start, way, beyond(t), 2.0 * height)
+    ray.id = left
     square = dot(total, total)
     if not square > 0.0:
         return own
@@ -174,8 +178,9 @@ def bevel(block, workspace, radius, samples, x, y, z):
 
 @kernel
 def raycast(block, workspace, local, x, y, z, dx, dy, dz, distance, at_x, at_y, at_z):
-    """What the ray from (x, y, z) along (dx, dy, dz) meets: 1 if anything, 1 if it is the surface's own object, distance,
-    normal (x, y, z) on the ray's side, instance, triangle, and barycentric coordinates of its second and third vertex.
+    """The hit of the ray from (x, y, z) along (dx, dy, dz): 1 if anything, 1 if it is the surface's own object,
+    distance, normal (x, y, z) on the ray's side, instance, triangle, and barycentric coordinates of its second and
+    third vertex.
 
     (at_x, at_y, at_z) is the surface's point, which bumps shift.
     """
@@ -184,15 +189,19 @@ def raycast(block, workspace, local, x, y, z, dx, dy, dz, distance, at_x, at_y, 
         return 0.0, 0.0, distance, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     start, d, p = (x, y, z), (dx, dy, dz), vec(surface.position)
     near = PAST_SHIFT * length(sub((at_x, at_y, at_z), p))
+    ray = ray_table(workspace)[0]
+    left = ray.id
     if near == 0.0 and x == p[0] and y == p[1] and z == p[2]:
-        start = leave(p, vec(surface.ng), d)
+        start = leave(workspace, surface, d)
+    else:
+        start_apart(ray)  # from elsewhere it may meet the triangle that it is for
     if local:
         found = _next_own(block, workspace, start, d, near, distance) < np.inf
     else:
         found = intersect(block, workspace, start, d, near, distance, ANY)
+    ray.id = left
     if not found:
         return 0.0, 0.0, distance, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ray = ray_table(workspace)[0]
     other = surface_table(secondary_table(workspace)[0])[0]
     _fill_surface(block, ray, other, negate(d), NO_RAY, 0.0)
     same = 1.0 if other.instance == surface.instance else 0.0

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays against triangles: the record of a ray, the kinds of rays that a surface takes part in, and the two queries.
+"""Rays against triangles: the record of a ray, the kinds of rays that a surface is visible to, and the two queries.
 
-On the CPU the queries call Embree by address (``cpu.accelerator``); the GPU walks a hierarchy of its own.
+On the CPU the queries call Embree by address (``cpu.accelerator``). The GPU traverses its own hierarchy.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ RAY = np.dtype(
         ("time", np.float32),
         ("t_far", np.float32),
         ("mask", np.uint32),
-        ("id", np.uint32),  # number of the curve or sphere that it has left, and does not meet again
+        ("id", np.uint32),  # what it starts on, and does not meet: ``departure.number_of``
         ("flags", np.uint32),  # of the one that it has gone through last; none of Embree's uses this field
         ("normal", np.float32, (3,)),
         ("u", np.float32),
@@ -37,13 +37,13 @@ RAY = np.dtype(
     ]
 )
 
-# A geometry takes part in shadow rays through one of two bits, so that a scene's opaque part is asked first, with the
+# A geometry is visible to shadow rays through one of two bits, so the opaque part of a scene is tested first, with the
 # cheaper any-hit query.
 SHADOW_OPAQUE = int(Ray.SHADOW)
 SHADOW_TRANSPARENT = 64
 
-# What of them casts the shadows of all emitters but those with shadow linking. Such an emitter has a bit of its own for what
-# is opaque, and two places higher, as here, one for what is transparent.
+# The part that casts the shadows of all emitters except those with shadow linking. Such an emitter has a separate bit
+# for opaque geometry, and, two bits higher, as here, one for transparent geometry.
 TRANSPARENT_PLACES = 2
 SHADOW_BITS = tuple(1 << place for place in (7, 8, 11, 12, 15, 16, 19, 20, 23, 24, 27, 28))
 
@@ -62,8 +62,9 @@ def world_positions(positions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 def masks_of(
     instances: list[Instance], transparent: np.ndarray, shadow_bits: dict[int, int] | None = None
 ) -> list[int]:
-    """Kinds of rays that each instance takes part in; ``transparent``: (materials,) bool, True where a material lets some
-    light straight through; ``shadow_bits``: bits of ``SHADOW_BITS`` by the sets of instances that cast these shadows."""
+    """Kinds of rays that each instance is visible to; ``transparent``: (materials,) bool, True if a material lets some
+    light straight through; ``shadow_bits``: bits of ``SHADOW_BITS`` by the sets of instances that cast these
+    shadows."""
     known: dict[tuple, int] = {}
     found = []
     for instance in instances:
@@ -87,7 +88,7 @@ def _mask(visibility: int, shadow_set: int, materials: tuple[int, ...], transpar
 
 @kernel
 def _set_ray(ray, o, d, t_min, t_max, mask):
-    # Its time stays as ``motion.set_time`` has left it, and its ID and flags as strands have.
+    # Its time stays as set by ``motion.set_time``, and its ID and flags as set by strands.
     ray.origin[0] = o[0]
     ray.origin[1] = o[1]
     ray.origin[2] = o[2]
@@ -108,7 +109,7 @@ def intersect(block, workspace, o, d, t_min, t_max, mask):
 
 @kernel
 def intersect_scene(block, workspace, scene, o, d, t_min, t_max, mask):
-    """As ``intersect``, with what is in an Embree scene."""
+    """As ``intersect``, with an Embree scene."""
     ray = ray_table(workspace)[0]
     _set_ray(ray, o, d, t_min, t_max, mask)
     ray.geometry = NONE
@@ -129,20 +130,20 @@ def occluded(block, workspace, o, d, t_min, t_max, mask):
 
 @kernel
 def start_anew(block, workspace):
-    """The rays to come have gone through no curve or sphere yet."""
+    """The next rays have not passed through a curve or sphere yet."""
     if block.has_strands:
         ray_table(workspace)[0].flags = 0
 
 
 @kernel
 def hit_instance(ray):
-    """Index of the instance that was hit, whether it was put into the top level itself or by reference."""
+    """Index of the instance that was hit, whether it is in the top level itself or by reference."""
     return np.int64(ray.geometry) if ray.instance == NONE else np.int64(ray.instance)
 
 
 @kernel
 def hit_normal(ray):
-    """Geometric normal of the hit as Embree gives it: in the space of the mesh, not of length 1."""
+    """Geometric normal of the hit from Embree: in the space of the mesh, not of unit length."""
     return vec(ray.normal)
 
 

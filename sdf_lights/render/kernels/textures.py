@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image textures and their look-up, in the steps of Cycles: texels as they are stored are interpolated, the result is
-divided by alpha where that is wanted, and decoded.
+"""Image textures and their look-up, in the steps of Cycles: stored texels are interpolated, the result is divided by
+alpha if needed, and decoded.
 
-Texture coordinates have (0, 0) at the lower left corner of the image and (1, 1) at the upper right; the centre of a
+Texture coordinates are (0, 0) at the lower left corner of the image and (1, 1) at the upper right; the centre of a
 texel lies half a texel inside, as in Blender.
 """
 
@@ -59,14 +59,14 @@ _shorts = table("texels", np.uint16)
 _floats = table("texels", np.float32)
 
 _NOTHING = (0.0, 0.0, 0.0, 0.0)
-_FAR = 4.0  # of an image that does not repeat nothing changes farther out than this, even if it is a single texel
+_FAR = 4.0  # beyond this, an image that does not repeat is constant, even with a single texel
 _TILES_ACROSS, _FIRST_TILE, _FAR_UP = 10, 1001, 1000.0  # of UDIM
 _HALF_SCALE = 2.0**1008  # between the exponents of halves and of doubles
 
 
 def pack_textures(scene, textures: Iterable[Texture]) -> dict[str, np.ndarray]:
-    """Tables of ``scene.images``, whose pixels they point at (the caller keeps these alive), and of ``textures``, in
-    their order."""
+    """Tables of ``scene.images``, to whose pixels they point (the caller keeps these alive), and of ``textures``, in
+    order."""
     records = np.zeros(max(len(scene.images), 1), IMAGE)
     for index, image in enumerate(scene.images):
         image.pixels = pixels = as_pixels(image.pixels)
@@ -100,7 +100,7 @@ def pack_textures(scene, textures: Iterable[Texture]) -> dict[str, np.ndarray]:
 
 @kernel
 def _wrap(i, size, extension):
-    """Texel index of an index outside the image; −1 for what CLIP leaves out."""
+    """Texel index for an index outside the image; −1 outside a clipped image."""
     if 0 <= i < size:
         return i
     if extension == REPEAT:
@@ -115,13 +115,13 @@ def _wrap(i, size, extension):
 
 @kernel
 def component(image, i):
-    """Number i of an image's texels as it is stored."""
+    """Number i of an image's texels, as stored."""
     if image.format == BYTE:
         return float(_bytes(image)[i])
     if image.format == SHORT:
         return float(_shorts(image)[i])
     if image.format == HALF:
-        # Its exponent and mantissa at the places of a double's, which also serves for numbers without leading one.
+        # Its exponent and mantissa at the positions of a double's, which also works for subnormal numbers.
         bits = int(_shorts(image)[i])
         size = float_of_bits((bits & 0x7FFF) << 42) * _HALF_SCALE
         return -size if bits & 0x8000 else size
@@ -131,11 +131,11 @@ def component(image, i):
 @replaced_on_gpu
 @kernel
 def texel(image, column, row):
-    """RGBA as it is stored; zeros where there is none (a column or row of −1)."""
+    """RGBA as stored; zeros if there is no texel (a column or row of −1)."""
     if column < 0 or row < 0:
         return _NOTHING
     i = image.channels * (row * image.width + column)
-    if image.format == BYTE:  # most are
+    if image.format == BYTE:  # the most common case
         values = _bytes(image)
         r = float(values[i])
         if image.channels == 1:
@@ -168,7 +168,7 @@ def _mixed(a, b, t):
 
 @kernel
 def _cubic_sum(image, column, row, s, t, extension):
-    """RGBA of the sixteen texels about the four from (column, row) on."""
+    """RGBA of the sixteen texels around the four from (column, row) on."""
     r, g, b, a = 0.0, 0.0, 0.0, 0.0
     for j in range(4):
         other_row, weight_v = _wrap(row + j - 1, image.height, extension), _cubic(t, j)
@@ -181,7 +181,7 @@ def _cubic_sum(image, column, row, s, t, extension):
 
 @kernel
 def _interpolated(image, u, v, interpolation, extension):
-    """RGBA of texels as they are stored. Those outside a clipped image are transparent black."""
+    """RGBA of texels as stored. Those outside a clipped image are transparent black."""
     # Far out, coordinates keep their precision and texel indices their range.
     if extension == REPEAT:
         u, v = u - np.floor(u), v - np.floor(v)
@@ -211,7 +211,7 @@ def decoded(block, code):
     """The linear value of an sRGB code, as ``images.decoded``."""
     if code > 1.0:
         return ((code + 0.055) / 1.055) ** 2.4
-    # No branch for what is dark: which texels are, cannot be foreseen.
+    # No branch for dark values: which texels are dark cannot be predicted.
     values, place = _decoding(block), max(code, 0.0) * STEPS
     i = int(place)
     return values[i] + (place - i) * (values[i + 1] - values[i])
@@ -250,7 +250,7 @@ def texture_lookup(block, workspace, place, u, v):
     if texture.tiles > 0:
         index = -1
         if -1.0 < u < _TILES_ACROSS and -1.0 < v < _FAR_UP:
-            # Cycles rounds towards zero, too: a tile's width below the first is the first.
+            # Cycles rounds towards zero, too: within a tile's width below the first tile, the first tile is used.
             column, row = int(u), int(v)
             number = _FIRST_TILE + _TILES_ACROSS * row + column
             tiles = _tiles(block)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What reaches a surface along a light ray: past transparent surfaces, and of a lamp that surfaces stand inside."""
+"""Light that reaches a surface along a light ray: through transparent surfaces, and from a lamp with surfaces inside
+it."""
 
 from __future__ import annotations
 
@@ -8,8 +9,9 @@ import numpy as np
 
 from ... import emitter as lamps
 from ...jit import kernel
-from ...vec import add, dot, largest, length, madd, mul, negate, scale, sub
+from ...vec import add, largest, length, madd, mul, negate, scale, sub
 from . import lights
+from .departure import step_size
 from .geometry import find_shadow_surface, shading_material_table
 from .media import apart
 from .path import path_table
@@ -22,24 +24,11 @@ BLACK = (0.0, 0.0, 0.0)
 
 
 @kernel
-def step_size(position):
-    """Length of a step off a surface at this position, for float32 of Embree."""
-    return max(abs(position[0]), abs(position[1]), abs(position[2]), 1e-3) * OFFSET
-
-
-@kernel
-def leave(position, ng, direction):
-    """``position`` moved off its surface to the side of ``direction``."""
-    size = step_size(position)
-    return madd(position, size if dot(ng, direction) > 0.0 else -size, ng)
-
-
-@kernel
 def shadow_ray(x, start, wi, distance):
     """Direction and length of a shadow ray from ``start`` to just before the point at ``distance`` from x along wi.
 
-    From x itself it would end before that point; from a start beside x, along the same direction, it could end behind
-    the surface of an emissive triangle and be shadowed by the light.
+    From x itself it would end before that point. From a start beside x, along the same direction, it could end behind
+    the surface of an emissive triangle, and the light would be in its own shadow.
     """
     if distance == np.inf:
         return wi, np.inf
@@ -53,13 +42,14 @@ def shadow_ray(x, start, wi, distance):
 
 @kernel
 def surfaces_left(block, workspace):
-    """Transparent surfaces that light to the workspace's path may pass: those before count, too."""
+    """Number of transparent surfaces that light to the workspace's path may pass: those before count, too."""
     return max(block.transparent_bounces - path_table(workspace)[0].transparent, 0)
 
 
 @kernel
 def transmittance(block, workspace, start, direction, t_max, blockers):
-    """Part of the light (RGB) that comes to ``start`` from ``t_max`` along ``direction``, past transparent surfaces.
+    """Fraction of the light (RGB) from ``t_max`` along ``direction`` that reaches ``start`` through transparent
+    surfaces.
 
     ``blockers``: the kind of ray, see ``lights.blockers``.
     """
@@ -94,7 +84,7 @@ def pass_through(block, workspace, direction):
 
 @kernel
 def visible_lamp(block, workspace, lamp, x, direction, spans, count, start, u):
-    """Radiance (RGB) of a lamp along a ray from x, as far as no surface hides it: surfaces may stand inside a lamp.
+    """Radiance (RGB) of a lamp along a ray from x, up to the first surface: surfaces may stand inside a lamp.
 
     ``start`` is x moved off its surface; u is for ``lamps.radiance``.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scratch memory of a thread of the path tracer, as kernels see it."""
+"""Scratch memory of a thread of the path tracer, for kernels."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ WORKSPACE_TABLES = {
     **MEDIA_TABLES,
     **OUTPUT_TABLES,
 }
-# ``secondary`` is a second workspace, to shade what a light ray has hit while the path's own surface waits.
+# ``secondary`` is a second workspace for shading the hit of a light ray while the path's own surface waits.
 WORKSPACE = block_dtype({**WORKSPACE_TABLES, "secondary": None})
 
 span_table = table("spans", np.float64)
@@ -53,7 +53,7 @@ def spans_of(workspace):
 @replaced_on_gpu
 @kernel
 def cut_of(workspace):
-    """The cut of the surface where the path scattered last; that of the first one is kept, for all branches."""
+    """The cut of the surface of the last scattering; that of the first one is kept, for all branches."""
     return cut_table(workspace)[1 if path_table(workspace)[0].scattered > 0 else 0]
 
 

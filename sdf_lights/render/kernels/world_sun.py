@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sun's disc of a sky among the nodes of a world: smaller than a cell of the world's map, so sampled by itself."""
+"""The disc of a sky's sun in the nodes of a world: smaller than a cell of the world's map, so it is sampled
+separately."""
 
 from __future__ import annotations
 
@@ -19,8 +20,8 @@ LEAST_SHARE, MOST_SHARE = 0.1, 0.9  # of samples, to the sun
 
 @dataclass(frozen=True)
 class WorldMap:
-    """What light sampling sees of a world: ``values`` (rows, columns), and a disc in which the share ``sun_share`` of
-    samples falls. ``sun_radiance`` is the disc's mean brightness."""
+    """The map of a world for light sampling: ``values`` (rows, columns), and a disc that gets the share ``sun_share``
+    of samples. ``sun_radiance`` is the disc's mean brightness."""
 
     values: np.ndarray
     sun: np.ndarray | None = None
@@ -30,7 +31,7 @@ class WorldMap:
 
     @property
     def mean(self) -> float:
-        """Of the brightness over the sphere, the disc included."""
+        """Mean brightness over the sphere, including the disc."""
         return _mean(self.values) + 0.5 * (1.0 - math.cos(self.half_angle)) * self.sun_radiance
 
 
@@ -56,7 +57,7 @@ class Disc:
     def apart(self, values: np.ndarray, radiance: float) -> WorldMap:
         """The map without the disc, whose mean brightness is ``radiance``.
 
-        Cells whose middle lies in the disc get what is around it.
+        Cells whose middle lies in the disc get the values around it.
         """
         rows, columns = values.shape
         latitude = np.pi * ((np.arange(rows) + 0.5) / rows - 0.5)
@@ -80,14 +81,14 @@ class Disc:
 
 
 def _mean(values: np.ndarray) -> float:
-    """Over the sphere, of an equirectangular map."""
+    """Mean over the sphere of an equirectangular map."""
     weight = np.diff(np.sin(np.pi * (np.arange(len(values) + 1) / len(values) - 0.5)))
     return float(0.5 * weight @ values.mean(axis=1, dtype=np.float64))
 
 
 def find_disc(roots: Sequence[Formula], numbers: np.ndarray, constants: np.ndarray) -> Disc | None:
-    """The disc of the one sky with a sun among the formulas of a world, whose parameters are ``numbers``; None where
-    there is none, or several, or one that is turned. ``constants`` holds the skies' numbers."""
+    """The disc of the only sky with a sun among the formulas of a world, whose parameters are ``numbers``; None if
+    there is none, several, or a rotated one. ``constants`` holds the skies' numbers."""
     discs = []
     for node in order(*roots):
         if node.kind != CALL or node.value.name != "sky" or not node.value.static[1]:

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's lights: a module for each kind, found by its place.
+"""Blender's lights: one module per kind, found automatically.
 
-A module has ``LIGHTS``: for a type of Blender's lights, its class and how that is read from Blender. Their kernels are the modules of the
-same names in ``kernels/lights/kinds/``, and what tests compare them with is in ``reference/lights/``.
+A module has ``LIGHTS``: for each type of Blender's lights, its class and the function that reads it from Blender. Their
+kernels are the modules of the same names in ``kernels/lights/kinds/``. The reference versions for tests are in
+``reference/lights/``.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from .reading import Kind
 
 @dataclass
 class AreaLight(Light):
-    """A rectangle or ellipse that shines to one side."""
+    """A rectangle or ellipse that emits to one side."""
 
     power: float
     color: RGB = (1.0, 1.0, 1.0)
@@ -42,7 +42,7 @@ def sides(data) -> np.ndarray:
 
 def _read(data, name, matrix, power, common) -> AreaLight:
     ellipse, size = is_round(data), tuple(sides(data).tolist())
-    # Stretched by the object as Blender does it: each axis by its own length.
+    # Scaled by the object as in Blender: each axis by its own length.
     stretch = float(np.prod(np.linalg.norm(matrix[:3, :2], axis=0)))
     area = size[0] * size[1] * stretch * (math.pi / 4 if ellipse else 1.0)
     if area <= 0.0:

@@ -35,7 +35,7 @@ class SpotLight(PointLight):
 
 
 def _shared(data, power, common) -> tuple[float, dict]:
-    """Power and keyword arguments of both. Without ``normalize``, Blender's power is that of a square metre."""
+    """Power and keyword arguments of both. Without ``normalize``, Blender's power is per square metre."""
     radius = data.shadow_soft_size
     if not data.normalize:
         power *= 4.0 * math.pi * radius**2 if radius > 0.0 else 4.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's value nodes as formulas: one small function a node. See README.md."""
+"""Blender's value nodes as formulas: one small function per node. See README.md."""
 
 from . import (
     colors,

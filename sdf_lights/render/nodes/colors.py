@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that calculate with colours, and those that make them of a temperature or a wavelength.
+"""Nodes that compute with colours, or make them from a temperature or a wavelength.
 
-Colours are linear, in the working space of the file. Nothing is held to 0 and 1 but where a node does that in Cycles.
+Colours are linear, in the working space of the file. Values are clamped to 0 and 1 only where Cycles' node does that.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from . import lookups
 from .definition import NodeInputs, defines
 from .maths import each, fraction, saturate, where_equal, where_zero
 
-# From CIE XYZ with the white of D65 to linear Rec. 709, as Blender had it before 5.0. Later matrices are rounded
-# otherwise.
+# From CIE XYZ with the white of D65 to linear Rec. 709, as in Blender before 5.0. Later matrices are rounded
+# differently.
 _REC709 = np.array(
     [[3.2404542, -1.5371385, -0.4985314], [-0.9692660, 1.8760108, 0.0415560], [0.0556434, -0.2040259, 1.0572252]]
 )
 
-# To the linear colour spaces that a file can work in since: ITU-R BT.709 and BT.2020, and ACEScg (S-2014-004, adapted
-# to D65 by Bradford's method).
+# To the linear working spaces of files since then: ITU-R BT.709 and BT.2020, and ACEScg (S-2014-004, adapted to D65 by
+# Bradford's method).
 WORKING_SPACES = {
     "Linear Rec.709": np.array(
         [[3.2409699, -1.5373832, -0.4986108], [-0.9692436, 1.8759675, 0.0415551], [0.0556301, -0.2039770, 1.0569715]]
@@ -38,12 +38,12 @@ WORKING_SPACES = {
 
 
 def xyz_to_rgb(working_space: str | None) -> np.ndarray:
-    """(3, 3) matrix from XYZ to the working space by that name; to Rec. 709 where there is none."""
+    """(3, 3) matrix from XYZ to the working space of that name; to Rec. 709 if there is none."""
     return WORKING_SPACES.get(working_space, _REC709)
 
 
 def luminance_weights(working_space: str | None) -> tuple[float, ...]:
-    """What red, green and blue of the working space add to the luminance."""
+    """Weights of red, green and blue of the working space in the luminance."""
     return tuple(np.linalg.inv(xyz_to_rgb(working_space))[1].tolist())
 
 
@@ -56,7 +56,7 @@ def luminance(node: NodeInputs, color: Vector) -> Formula:
 
 
 def _hue(color: Vector, most: Formula, range_: Formula) -> Formula:
-    """0 to 1, of a colour that is not grey."""
+    """Hue, 0 to 1, of a colour that is not grey."""
     r, g, b = color
     red, green, blue = (g - b) / range_, 2.0 + (b - r) / range_, 4.0 + (r - g) / range_
     h = select(most <= r, select(red < 0.0, red + 6.0, red), select(most <= g, green, blue))
@@ -92,7 +92,7 @@ def hsv_to_rgb(color: Vector) -> Vector:
 
 
 def rgb_to_hsl(color: Vector) -> Vector:
-    """Hue, saturation, lightness, of which that is 1 at most."""
+    """Hue, saturation, lightness; the saturation is at most 1."""
     most, least = color.greatest(), color.least()
     range_, total = most - least, most + least
     lightness = minimum(1.0, total * 0.5)
@@ -113,7 +113,7 @@ def hsl_to_rgb(color: Vector) -> Vector:
 
 
 def lerp(t: Formula, a: Formula, b: Formula) -> Formula:
-    """From a (t = 0) to b (t = 1), linearly."""
+    """Linear interpolation from a (t = 0) to b (t = 1)."""
     return a + t * (b - a)
 
 
@@ -153,7 +153,7 @@ BLENDS: dict[str, Callable[[Formula, Formula, Formula], Formula]] = {
 
 
 def _with_hue(t: Formula, a: Vector, b: Vector, saturated: bool) -> Vector:
-    """a with the hue of b, and its saturation too; as it is where b is grey."""
+    """a with the hue of b, and its saturation too; unchanged if b is grey."""
     of_a, of_b = rgb_to_hsv(a), rgb_to_hsv(b)
     other = hsv_to_rgb(Vector(of_b.x, of_b.y if saturated else of_a.y, of_a.z))
     return Vector(*(where_zero(of_b.y, x, lerp(t, x, y)) for x, y in zip(a, other)))
@@ -179,8 +179,7 @@ HUE_BLENDS: dict[str, Callable[[Formula, Vector, Vector], Vector]] = {
 
 BLEND_TYPES = (*BLENDS, *HUE_BLENDS)
 
-# Blends that hold their result to a range even with a factor of 0. Of all others Cycles leaves out a node whose factor
-# is 0.
+# Blends that clamp their result even with a factor of 0. Cycles leaves out all other nodes whose factor is 0.
 _NEVER_LEFT_OUT = {"LIGHTEN", "DODGE", "BURN"}
 
 
@@ -203,8 +202,8 @@ def blended(node: NodeInputs, sockets: tuple[str, str, str], clamps_factor: bool
 
 @defines("ShaderNodeMix", modes=("FLOAT", "VECTOR", *BLEND_TYPES))
 def mix(node: NodeInputs):
-    """Numbers, vectors with one factor or three, and colours in all blending modes. Rotations give A, as nothing in a
-    material takes them."""
+    """Numbers, vectors with one factor or three, and colours in all blending modes. Rotations give A, because no
+    material uses them."""
     kind, clamps = node.setting("data_type"), node.setting("clamp_factor")
     if kind == "RGBA":
         color = blended(node, ("Factor_Float", "A_Color", "B_Color"), clamps, node.setting("clamp_result"))
@@ -253,7 +252,7 @@ def bright_contrast(node: NodeInputs):
 
 @defines("ShaderNodeGamma")
 def gamma(node: NodeInputs):
-    """The colour to a power, component by component; those that are not positive stay as they are."""
+    """The colour to a power, component by component; components that are not positive stay unchanged."""
     exponent = node.number("Gamma")
     return {
         "Color": each(lambda a: where_zero(exponent, 1.0, select(0.0 < a, power(a, exponent), a)), node.color("Color"))
@@ -262,7 +261,7 @@ def gamma(node: NodeInputs):
 
 @defines("ShaderNodeInvert")
 def invert(node: NodeInputs):
-    """1 less the colour, with a factor."""
+    """One minus the colour, with a factor."""
     factor = node.number("Fac")
     return {"Color": each(lambda a: factor * (1.0 - a) + (1.0 - factor) * a, node.color("Color"))}
 
@@ -287,7 +286,7 @@ def separate_color(node: NodeInputs):
 
 @defines("ShaderNodeCombineColor", modes=COMBINATIONS)
 def combine_color(node: NodeInputs):
-    """A colour of its components, or of hue, saturation, and value or lightness."""
+    """A colour from its components, or from hue, saturation, and value or lightness."""
     parts = Vector(*(node.number(name) for name in ("Red", "Green", "Blue")))
     return {"Color": COMBINATIONS[node.setting("mode")](parts)}
 
@@ -324,14 +323,14 @@ def separate_xyz(node: NodeInputs):
 
 @defines("ShaderNodeCombineXYZ")
 def combine_xyz(node: NodeInputs):
-    """A vector of its components."""
+    """A vector from its components."""
     return {"Vector": Vector(*map(node.number, "XYZ"))}
 
 
 # --- light ------------------------------------------------------------------------------------------------------------
 
-# Cycles' fit to the colour of a black body of luminance 1 in Rec. 709, up to each temperature: red and green are
-# a / t + b·t + c, blue is ((a·t + b)·t + c)·t + d.
+# Cycles' fit to the colour of a black body of luminance 1 in Rec. 709, up to each temperature: red and green are a / t
+# + b·t + c, blue is ((a·t + b)·t + c)·t + d.
 _COLDEST, _HOTTEST = 800.0, 12000.0
 _BELOW = (5.413294490189271, -0.20319390035873933, -0.0822535242887164)
 _ABOVE = (0.8262954810464208, 0.9945080501520986, 1.566307710274283)
@@ -382,7 +381,7 @@ _BLACKBODY = (
 
 
 def blackbody_rec709(t: Formula) -> Vector:
-    """Colour of a body that glows at t kelvins, of luminance 1, held to 800 and 12000 K; negative out of gamut."""
+    """Colour of a black body at t kelvins, of luminance 1, clamped to 800 and 12000 K; negative out of gamut."""
 
     def coefficient(channel: int, index: int) -> Formula:
         *others, (_, *last) = _BLACKBODY
@@ -643,7 +642,7 @@ _MATCHING = (
     ).T
     * 1e-4
 )
-_BRIGHTEST = 2.52  # Cycles divides by it, so that no colour exceeds 1 by much
+_BRIGHTEST = 2.52  # Cycles divides by it, so no colour exceeds 1 by much
 
 
 @defines("ShaderNodeWavelength")
@@ -653,6 +652,6 @@ def wavelength(node: NodeInputs):
     colors = _MATCHING @ xyz_to_rgb(node.setting("working_space")).T / _BRIGHTEST
     row = (node.number("Wavelength") - _FIRST) * (1.0 / _STEP)
     found = call(lookups.table_of(3, extrapolates=True), node.table(colors), rows, row * (1.0 / (rows - 1)))[:3]
-    # Cycles rounds towards zero, so it goes one step below the first wavelength.
+    # Cycles rounds towards zero, so the table starts one step below the first wavelength.
     visible = maximum(-1.0 - row, row - (rows - 1.0))
     return {"Color": Vector(*(select(visible < 0.0, maximum(a, 0.0), 0.0) for a in found))}

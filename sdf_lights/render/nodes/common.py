@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The functions that nodes of many materials call, so that they can be compiled before a scene asks for them."""
+"""The functions that nodes of many materials call, for compiling them in advance."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .definition import node_outputs
 
 _VORONOI = dict(voronoi_dimensions="3D", distance="EUCLIDEAN", normalize=False)
 
-# Of each node: its settings, and the outputs that are asked for together.
+# For each node: its settings, and the outputs that are used together.
 _NODES = (
     *(
         ("ShaderNodeTexNoise", dict(noise_dimensions=size, noise_type="FBM", normalize=normalize), (output,))
@@ -31,7 +31,7 @@ _NODES = (
 
 
 def calls() -> list[tuple[Function, int]]:
-    """Each function and the number of its operands."""
+    """Each function with its number of operands."""
     found = {(lookups.ATTRIBUTE, 3): None, (lookups.IMAGE, 3): None, (lookups.table_of(4), 3): None}
     for name, settings, wanted in _NODES:
         outputs = node_outputs(name, [], {}, settings, set(wanted))

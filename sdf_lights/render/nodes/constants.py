@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes without inputs whose values are the same everywhere."""
+"""Nodes without inputs whose values are constant."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes with a curve or a colour ramp, which is sampled into a table of as many rows as Cycles takes."""
+"""Nodes with a curve or a colour ramp, which is sampled into a table with as many rows as in Cycles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ROWS = 257
 def color_ramp(node: NodeInputs):
     """All interpolations and colour modes."""
     ramp, position = node.setting("color_ramp"), node.number("Fac")
-    # Blender's ramps by HSL are not numbers where a colour is brighter than white.
+    # Blender's HSL ramps are NaN if a colour is brighter than white.
     values = np.nan_to_num([tuple(ramp.evaluate(row / (ROWS - 1))) for row in range(ROWS)], posinf=0.0, neginf=0.0)
     if ramp.interpolation == "CONSTANT":
         position = floor(saturate(position) * (ROWS - 1.0)) * (1.0 / (ROWS - 1))
@@ -27,9 +27,9 @@ def color_ramp(node: NodeInputs):
 
 
 def _sampled(node: NodeInputs, columns: int):
-    """Look-up of a curve mapping: a function from a number to its value by each of the first curves.
+    """Look-up of a curve mapping: a function from a number to its value in each of the first curves.
 
-    Where there is one curve more than ``columns``, it comes before each of them.
+    With one curve more than ``columns``, that curve is applied before each of them.
     """
     mapping = node.setting("mapping")
     mapping.initialize()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a value node is: a function from the node's inputs to formulas of its outputs."""
+"""The definition of a value node: a function from the node's inputs to formulas of its outputs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .variables import NORMAL
 
 
 def mean(vector: Vector) -> Formula:
-    """Of the components; that of three that are equal is exactly what they are."""
+    """Mean of the components; for three equal components it is exactly their value."""
     x, y, z = vector
     return x + ((y - x) + (z - x)) * (1.0 / 3.0)
 
@@ -24,13 +24,13 @@ def mean(vector: Vector) -> Formula:
 class NodeInputs(Protocol):
     """A node as its definition sees it. Sockets are named by identifier.
 
-    Constants are parameters: a definition never branches on values, only on settings and links.
+    Constants are parameters: a definition branches only on settings and links, never on values.
     """
 
-    wanted: set[str]  # identifiers of the outputs in use
+    wanted: set[str]  # identifiers of the used outputs
 
     def number(self, socket: str) -> Formula:
-        """A scalar input; a parameter with its value where nothing is linked."""
+        """A scalar input; a parameter with its value if nothing is linked."""
 
     def vector(self, socket: str) -> Vector:
         """A vector input."""
@@ -39,44 +39,44 @@ class NodeInputs(Protocol):
         """A colour input, linear RGB."""
 
     def normal(self, socket: str) -> Vector:
-        """A vector input; the shading normal where nothing is linked."""
+        """A vector input; the shading normal if nothing is linked."""
 
     def is_linked(self, socket: str) -> bool:
         """Whether a link leads to the input."""
 
     def is_given(self, socket: str) -> bool:
-        """Whether an input that has coordinates or a normal where nothing is linked has something else: by a link, or by the
-        value of a group's input."""
+        """Whether an input with default coordinates or a default normal has another source: a link, or the value of a
+        group's input."""
 
     def has(self, socket: str) -> bool:
         """Whether the node has such an input in this version of Blender."""
 
     def own(self, output: str) -> Formula | Vector:
-        """The value that an output has of itself, as of the nodes Value and RGB."""
+        """The value stored in an output, as in the nodes Value and RGB."""
 
     def setting(self, name: str):
-        """A property of Blender's node, or of what it is part of: "working_space" is the name of the linear colour
-        space, "scene_time" seconds and frame."""
+        """A property of Blender's node, or of its context: "working_space" is the name of the linear colour space,
+        "scene_time" seconds and frame."""
 
     def parameter(self, value: float | Attribute | Table | Texture) -> Formula:
-        """A number of the node that is no socket, or the place of an attribute."""
+        """A number of the node that is no socket, or the index of an attribute."""
 
     def image(self, straight: bool = False, tiled: bool = True) -> Formula:
-        """Place of the node's texture, for ``lookups.IMAGE``: what it shows, and how, as its settings say.
+        """Index of the node's texture, for ``lookups.IMAGE``: the image and its look-up settings.
 
-        ``straight``: colours are divided by alpha, as Blender has it where the node's alpha is used, too. ``tiled``:
-        all UDIM tiles, else the first alone.
+        ``straight``: colours are divided by alpha, as in Blender if the node's alpha is used, too. ``tiled``: all UDIM
+        tiles, else only the first.
         """
 
     def table(self, values: np.ndarray) -> Formula:
-        """Where the table (rows, columns) begins, for ``lookups.table_of``."""
+        """Start of the table (rows, columns), for ``lookups.table_of``."""
 
     def report(self, sentence: str) -> None:
-        """Say what is not modelled."""
+        """Report an unsupported feature."""
 
 
 class GivenNode(NodeInputs):
-    """A node with formulas or constants for its inputs and with these settings, for materials that a script makes.
+    """A node with formulas or constants as inputs and with these settings, for materials made by scripts.
 
     Constants become parameters: their values are appended to ``parameters``, which are those of the material.
     """
@@ -144,11 +144,11 @@ DEFINITIONS: dict[str, Definition] = {}
 
 
 MODES: dict[str, tuple[str, ...]] = {}
-"""bl_idname of a node -> what it can be switched to, for the reference."""
+"""bl_idname of a node -> its modes, for the reference."""
 
 
 def defines(*names: str, modes: Iterable[str] = ()) -> Callable[[Definition], Definition]:
-    """Register a definition under the bl_idname of one node, or of several that are the same."""
+    """Register a definition under the bl_idname of one node, or of several equal ones."""
 
     def register(definition: Definition) -> Definition:
         for name in names:
@@ -165,5 +165,5 @@ def node_outputs(
     settings: dict | None = None,
     wanted: set[str] = frozenset(),
 ) -> dict[str, Formula | Vector]:
-    """Outputs of the node with this bl_idname, as ``GivenNode`` makes it."""
+    """Outputs of the node with this bl_idname, from ``GivenNode``."""
     return DEFINITIONS[name](GivenNode(parameters, inputs, settings, wanted))

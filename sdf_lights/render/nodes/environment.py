@@ -12,9 +12,10 @@ from .images import sampled
 
 
 def equirectangular(direction: Vector) -> tuple[Formula, Formula]:
-    """Image coordinates of a unit vector: −X at both sides, +X in the middle, +Y a quarter left of it, +Z at the top.
+    """Image coordinates of a unit vector: −X at both sides, +X in the middle, +Y a quarter to the left of it, +Z at the
+    top.
 
-    The zero vector has the lower left corner.
+    The zero vector gets the lower left corner.
     """
     u = 0.5 - atan2(direction.y, direction.x) * (0.5 / math.pi)
     v = 1.0 - acos(clamp(direction.z, -1.0, 1.0)) * (1.0 / math.pi)
@@ -23,7 +24,7 @@ def equirectangular(direction: Vector) -> tuple[Formula, Formula]:
 
 
 def mirror_ball(direction: Vector) -> tuple[Formula, Formula]:
-    """Image coordinates, in a picture of a mirroring ball that is seen along +Y, of a unit vector."""
+    """Image coordinates of a unit vector, in a picture of a mirror ball seen along +Y."""
     towards = 1.0 - direction.y
     width = sqrt(maximum(2.0 * towards, 0.0))
     share = select(width <= 0.0, 1.0, 1.0 / width)

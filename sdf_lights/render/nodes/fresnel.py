@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that tell how a surface is seen: Fresnel and layer weights."""
+"""Fresnel and layer weight nodes: how reflective a surface is for the view."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ...graph.formula import Formula, clamp, maximum, power, select, sqrt
 from .definition import NodeInputs, defines
 from .variables import BACKFACING, INCOMING, where
 
-_LEAST = 1e-5  # what Cycles holds indices and the like above
+_LEAST = 1e-5  # Cycles' minimum of indices and similar values
 
 
 def dielectric(cosine: Formula, eta: Formula) -> Formula:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that say where on what object a point is: coordinates, attributes, the geometry itself."""
+"""Nodes for the position on an object: coordinates, attributes, the geometry itself."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .variables import (
     where,
 )
 
-FIRST_PARTICLE = 0xDC3D74F9 / 0xFFFFFFFF  # random number of the particle 0
+FIRST_PARTICLE = 0xDC3D74F9 / 0xFFFFFFFF  # random number of particle 0
 ZERO = Vector(*[constant(0.0)] * 3)
 
 
@@ -42,7 +42,8 @@ def generated(node: NodeInputs) -> Vector:
 
 
 def uv(node: NodeInputs, name: str = "") -> Vector:
-    """UV coordinates of the layer ``name``, of the active one where it is empty; z is 0. Of a light: see ``light_place``."""
+    """UV coordinates of the layer ``name``, or of the active one if it is empty; z is 0. For a light: see
+    ``light_place``."""
     if node.setting("domain") == "LIGHT" and not name:
         return Vector(*light_place(node), constant(0.0))
     u, v, _, _ = attribute(node, Attribute("uv", name))
@@ -50,12 +51,12 @@ def uv(node: NodeInputs, name: str = "") -> Vector:
 
 
 def to_object(vector: Vector, kind: str = "POINT") -> Vector:
-    """From world to object space, as the ``kind`` transforms: POINT, VECTOR or NORMAL."""
+    """From world to object space, for the ``kind`` POINT, VECTOR or NORMAL."""
     return as_vector(call(lookups.TO_OBJECT[kind], *vector))
 
 
 def from_object(vector: Vector, kind: str = "POINT") -> Vector:
-    """From object to world space, as the ``kind`` transforms: POINT, VECTOR or NORMAL."""
+    """From object to world space, for the ``kind`` POINT, VECTOR or NORMAL."""
     return as_vector(call(lookups.FROM_OBJECT[kind], *vector))
 
 
@@ -66,7 +67,7 @@ def transformed(node: NodeInputs, matrix, vector: Vector) -> Vector:
 
 
 def transformed_normal(node: NodeInputs, matrix, normal: Vector) -> Vector:
-    """A normal of the world in the space of a light; ``matrix`` (3, 3) is the transpose of the light's own."""
+    """A world normal in the space of a light; ``matrix`` (3, 3) is the transpose of the light's own."""
     rows = [[node.parameter(float(entry)) for entry in row] for row in matrix]
     return Vector(*(row[0] * normal.x + row[1] * normal.y + row[2] * normal.z for row in rows)).normalized()
 
@@ -101,7 +102,7 @@ def texture_coordinate(node: NodeInputs):
 
 
 def _world_coordinates():
-    """Of a direction: where nothing is, it stands for the position."""
+    """Coordinates of a direction: without a surface, it replaces the position."""
     eye = as_vector(call(lookups.FROM_CAMERA["POINT"], 0.0, 0.0, 0.0))
     return {
         "Generated": POSITION,
@@ -116,15 +117,15 @@ def _world_coordinates():
 
 @defines("ShaderNodeUVMap")
 def uv_map(node: NodeInputs):
-    """The UV map by name, the active one where it has none; or where on its instancer an object is."""
+    """The UV map by name, or the active one; or the position of an instance on its instancer."""
     if node.setting("from_instancer"):
         return {"UV": as_vector(attribute(node, Attribute("instancer_uv")))}
     return {"UV": uv(node, node.setting("uv_map") or "")}
 
 
 def radial_tangent(node: NodeInputs, axis: str = "Z") -> Vector:
-    """Unit tangent around an axis of the object through the middle of its generated coordinates; worlds and lights have
-    positions in their place."""
+    """Unit tangent around an axis of the object through the middle of its generated coordinates; worlds and lights use
+    positions instead."""
     p = POSITION if node.setting("domain") in ("WORLD", "LIGHT") else generated(node)
     centred = {
         "X": Vector(constant(0.0), -(p.z - 0.5), p.y - 0.5),
@@ -138,7 +139,7 @@ def radial_tangent(node: NodeInputs, axis: str = "Z") -> Vector:
 
 
 def _across(along: Vector) -> Vector:
-    """Unit vector in the surface that is nearest to ``along``."""
+    """Unit vector in the surface nearest to ``along``."""
     return NORMAL.cross(along.cross(NORMAL).normalized()).normalized()
 
 
@@ -217,7 +218,7 @@ def attribute_node(node: NodeInputs):
 
 @defines("ShaderNodeVertexColor")
 def color_attribute(node: NodeInputs):
-    """The colour attribute by name, the active one where it has none."""
+    """The colour attribute by name, or the active one."""
     x, y, z, alpha = attribute(node, Attribute("geometry", node.setting("layer_name") or ""), lookups.COLOR_ATTRIBUTE)
     return {"Color": Vector(x, y, z), "Alpha": alpha}
 
@@ -244,7 +245,7 @@ def wireframe(node: NodeInputs):
 
 @defines("ShaderNodeParticleInfo")
 def particle_info(node: NodeInputs):
-    """Zero, as Cycles gives for what no particle system has made."""
+    """Zero, as in Cycles for objects without a particle system."""
     return {
         "Index": constant(0.0),
         "Random": constant(FIRST_PARTICLE),
@@ -259,7 +260,7 @@ def particle_info(node: NodeInputs):
 
 @defines("ShaderNodeHairInfo")
 def hair_info(node: NodeInputs):
-    """All outputs, of hair curves and particle hair; zero where there is none."""
+    """All outputs, of hair curves and particle hair; zero elsewhere."""
     results = {"Intercept": constant(0.0), "Length": constant(0.0), "Random": constant(0.0)}
     for name in results:
         if name in node.wanted:
@@ -272,7 +273,7 @@ def hair_info(node: NodeInputs):
 
 
 def strand_random(place: Formula, otherwise: Formula) -> Formula:
-    """The random number of a strand, for a parameter that is its ``Attribute``; ``otherwise`` where there is none."""
+    """The random number of a strand, for a parameter that is its ``Attribute``; ``otherwise`` if there is none."""
     number, _, _, known = call(lookups.COLOR_ATTRIBUTE, place, *BARYCENTRIC)[:4]
     return select(known < 0.5, otherwise, number)
 

@@ -26,7 +26,7 @@ IES = Function("ies", _ies, (), 1, scene=True)
 
 @defines("ShaderNodeTexIES")
 def ies_texture(node: NodeInputs):
-    """Intensity by direction, from a text of the file or on disk. ``ies_text`` is a setting that sync makes."""
+    """Intensity by direction, from a text of the file or from disk. ``ies_text`` is a setting that sync makes."""
     strength = node.number("Strength")
     try:
         numbers = ies.numbers_of(node.setting("ies_text") or "", node.setting("blender_version") >= (5, 0))

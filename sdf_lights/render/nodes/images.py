@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image textures: where in an image a point is, and what it has there."""
+"""Image textures: image coordinates of a point, and the look-up."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from .variables import NORMAL
 
 
 def faces(vector: Vector, normal: Vector) -> list[tuple[Formula, Formula]]:
-    """Image coordinates of a point on the faces of a cube across x, y and z, of those that a surface with this normal
-    looks towards: none of them is mirrored."""
+    """Image coordinates of a point on the faces of a cube across x, y and z, on the sides that face the normal: none of
+    them is mirrored."""
     x, y, z = vector
     return [
         (select(normal.x < 0.0, 1.0 - y, y), z),
@@ -24,26 +24,26 @@ def faces(vector: Vector, normal: Vector) -> list[tuple[Formula, Formula]]:
 
 
 def face_weights(normal: Vector, blend: Formula) -> list[Formula]:
-    """How much the faces of a cube across x, y and z have of a surface with this normal; their sum is 1.
+    """Weights of a cube's faces across x, y and z for a surface with this normal; their sum is 1.
 
-    The absolute components of the normal, of which two are compared at a time, are a point of a triangle whose corners
-    are the faces. A face is alone where it has more than (1 + ``blend``) / 2 of its sum with either of the others; two
-    mix where the third has less than (1 - ``blend``) / 2 of its sum with them; and in the middle all three do.
+    The absolute components of the normal, compared in pairs, are a point of a triangle whose corners are the faces. A
+    face is alone if it has more than (1 + ``blend``) / 2 of its sum with either of the others. Two mix if the third has
+    less than (1 - ``blend``) / 2 of its sum with them. In the middle all three mix.
     """
     n = Vector(*map(abs, normal))
     n = n * (1.0 / (n.x + n.y + n.z))
     limit = 0.5 * (1.0 + blend)
 
     def alone(axis: int) -> Formula:
-        """Positive where the face is alone."""
+        """Positive if the face is alone."""
         return minimum(*(n[axis] - limit * (n[axis] + n[other]) for other in range(3) if other != axis))
 
     def without(axis: int) -> Formula:
-        """Positive where the other two mix."""
+        """Positive if the other two mix."""
         return (1.0 - limit) * (n[axis - 2] + n[axis - 1]) - n[axis]
 
     def share(axis: int, other: int) -> Formula:
-        """Of the face across ``axis`` where it mixes with one other."""
+        """Weight of the face across ``axis`` if it mixes with one other."""
         return clamp((n[axis] / (n[axis] + n[other]) - 0.5 * (1.0 - blend)) / blend, 0.0, 1.0)
 
     weights = []
@@ -61,13 +61,13 @@ def face_weights(normal: Vector, blend: Formula) -> list[Formula]:
 
 
 def _share_of_pair(share, axis: int, third: int) -> Formula:
-    """Weight of the face across ``axis`` where all but the ``third`` mix."""
+    """Weight of the face across ``axis`` if all but the ``third`` mix."""
     first, second = {2: (0, 1), 0: (1, 2), 1: (0, 2)}[third]
     return share(first, second) if axis == first else 1.0 - share(first, second)
 
 
 def sampled(node: NodeInputs, u: Formula, v: Formula) -> tuple[Formula, ...]:
-    """RGBA of the node's image at image coordinates. The colour is divided by alpha where the node's alpha is used."""
+    """RGBA of the node's image at image coordinates. The colour is divided by alpha if the node's alpha is used."""
     return call(lookups.IMAGE, node.image("Alpha" in node.wanted), u, v)
 
 
@@ -84,7 +84,7 @@ def _box(node: NodeInputs) -> list[Formula]:
     normal = _object_normal(node)
     sides = faces(vector, normal)
     if not node.setting("projection_blend"):
-        # One face alone: that of the largest component, x where there are several.
+        # One face alone: that of the largest component; x if there are several.
         x, y, z = map(abs, normal)
         is_y, is_z = minimum(y - x, y - z), minimum(z - x, z - y)
         u, v = (select(is_z <= 0.0, select(is_y <= 0.0, a, b), c) for a, b, c in zip(*sides))

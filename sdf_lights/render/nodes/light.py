@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that tell how light has come: the light path, and how light falls off."""
+"""Nodes about the light path and the falloff of light."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from ..scene import Ray
 from .definition import NodeInputs, defines
 from .variables import DEPTH, RAY_KIND, RAY_LENGTH, RAY_SINGULAR
 
-_FARTHEST = 3.4028234663852886e38  # Cycles' distance of what is infinitely far: the greatest float32
+_FARTHEST = 3.4028234663852886e38  # Cycles' distance of infinitely far objects: the greatest float32
 
 
 def _is(kind: Ray) -> Formula:
-    """1 where the ray that arrives is of that kind, else 0."""
+    """1 if the incoming ray is of that kind, else 0."""
     rest = floor(RAY_KIND * (1.0 / kind))
     return rest - 2.0 * floor(rest * 0.5)
 
 
 def _distance() -> Formula:
-    """A ray from a light that is infinitely far, or from the world, has length 0."""
+    """A ray from an infinitely distant light, or from the world, has length 0."""
     return select(RAY_LENGTH <= 0.0, _FARTHEST, RAY_LENGTH)
 
 
 @defines("ShaderNodeLightPath")
 def light_path(node: NodeInputs):
-    """All outputs. Rays through translucent surfaces count as glossy, as those through glass do."""
+    """All outputs. Rays through translucent surfaces count as glossy, like those through glass."""
     camera, shadow, diffuse, transmission = map(_is, (Ray.CAMERA, Ray.SHADOW, Ray.DIFFUSE, Ray.TRANSMISSION))
     glossy = maximum(_is(Ray.GLOSSY), transmission)
     reflection = minimum(maximum(diffuse, _is(Ray.GLOSSY)), 1.0 - transmission)
-    # Cycles counts light that is sampled, shadow rays, and rays to the world and to lights as one bounce further.
+    # Cycles counts one more bounce for sampled light, shadow rays, and rays to the world and to lights.
     further = constant(1.0)
     if node.setting("domain") not in ("WORLD", "LIGHT"):
         further = select(RAY_KIND <= 0.0, 1.0, shadow)
@@ -55,7 +55,7 @@ def light_path(node: NodeInputs):
 
 @defines("ShaderNodeLightFalloff")
 def light_falloff(node: NodeInputs):
-    """All outputs. A light that is infinitely far keeps its strength."""
+    """All outputs. An infinitely distant light keeps its strength."""
     strength, smooth = node.number("Strength"), maximum(node.number("Smooth"), 0.0)
     squared = RAY_LENGTH * RAY_LENGTH
     smoothed = select(smooth <= 0.0, strength, strength * squared / (smooth + squared))

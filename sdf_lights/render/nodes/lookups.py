@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Functions of formulas that look things up in the scene: attributes, transforms, tables, images.
+"""Functions of formulas that look up data of the scene: attributes, transforms, tables, images.
 
-Each is a kernel of the CPU, which the GPU's translator reads too; the NumPy reference has its own (``reference/nodes.py``).
+Each is a kernel of the CPU, which the GPU's translator also reads. The NumPy reference has its own versions
+(``reference/nodes.py``).
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ from ..kernels.geometry import (
     TRIANGLE_DOMAIN,
     TRIANGLES,
     VERTEX,
-    _corner,
     attribute_table,
     attribute_value_table,
+    corner_position,
     form_of,
     instance_table,
     radius_table,
@@ -37,7 +38,7 @@ _constants = table("constants", np.float64)
 
 @kernel
 def _attribute_value(block, start, width, row):
-    """A row of an attribute as four numbers: a single one is grey, and what is missing of alpha is 1."""
+    """A row of an attribute as four numbers: a single number is grey, and a missing alpha is 1."""
     values = attribute_value_table(block)
     first = start + row * width
     x = float(values[first])
@@ -78,7 +79,8 @@ def _attribute(block, workspace, missing_alpha, place, u, v):
 
 @kernel
 def attribute_here(block, workspace, place):
-    """Attribute number ``place`` at the workspace's surface: (x, y, z, alpha, grey), all 0 but for alpha where there is none."""
+    """Attribute number ``place`` at the workspace's surface: (x, y, z, alpha, grey). If there is none, alpha is 1 and
+    the rest 0."""
     barycentric = surface_table(workspace)[0].barycentric
     return _attribute(block, workspace, 1, place, barycentric[0], barycentric[1])
 
@@ -127,7 +129,7 @@ def _object_info(block, workspace):
 
 @kernel
 def _seen(camera, x, y, z):
-    """A vector as the camera sees it: x to the right, y up, z into the picture."""
+    """A vector in the view of the camera: x to the right, y up, z into the picture."""
     m = camera.matrix
     return (
         m[0, 0] * x + m[1, 0] * y + m[2, 0] * z,
@@ -138,8 +140,8 @@ def _seen(camera, x, y, z):
 
 @kernel
 def _to_camera_vector(block, workspace, x, y, z):
-    """Camera space of Blender's nodes: x to the right, y up, z into the picture; of panoramas that of Cycles, x into the
-    picture, y to the left, z up, or, of mirror balls, x to the right, y out of the picture, z up."""
+    """Camera space of Blender's nodes: x to the right, y up, z into the picture. For panoramas it is that of Cycles: x
+    into the picture, y to the left, z up; for mirror balls x to the right, y out of the picture, z up."""
     camera = camera_table(block)[0]
     x, y, z = _seen(camera, x, y, z)
     if camera.projection == MIRROR_BALL:
@@ -174,7 +176,7 @@ def _from_camera_point(block, workspace, x, y, z):
 
 @kernel
 def _to_window(block, workspace, x, y, z):
-    """Place in the frame, 0 to 1 from its lower left corner, of a point of the world."""
+    """Position in the frame, 0 to 1 from its lower left corner, of a world point."""
     camera = camera_table(block)[0]
     m = camera.matrix
     x, y, z = _seen(camera, x - m[0, 3], y - m[1, 3], z - m[2, 3])
@@ -190,7 +192,8 @@ def _to_window(block, workspace, x, y, z):
 
 @kernel
 def _table(block, workspace, columns, extrapolates, start, rows, position):
-    """The row at a position from 0 to 1, interpolated; beyond the ends the last one, or further along the last slope."""
+    """The row at a position from 0 to 1, interpolated; beyond the ends the last row, or an extrapolation of the last
+    slope."""
     values, first, count = _constants(block), int(start), int(rows)
     x = position * (count - 1)
     inside = min(max(x, 0.0), count - 1.0)
@@ -232,9 +235,9 @@ def _wireframe(block, workspace, x, y, z):
         return np.inf
     triangle = np.int64(surface.primitive)
     a, b, c = (
-        _corner(block, instance, triangle, 0),
-        _corner(block, instance, triangle, 1),
-        _corner(block, instance, triangle, 2),
+        corner_position(block, instance, triangle, 0),
+        corner_position(block, instance, triangle, 1),
+        corner_position(block, instance, triangle, 2),
     )
     p = (x, y, z)
     return min(_edge_distance(p, a, b), _edge_distance(p, b, c), _edge_distance(p, c, a))
@@ -255,7 +258,7 @@ def _vertex_radius(block, instance, vertex):
 
 @kernel
 def _in_world(instance, size):
-    """A radius or a thickness as it is in the world: what becomes of it along the diagonal."""
+    """A radius or a thickness in world space: scaled like the diagonal."""
     if instance.baked:
         return size
     return length(transform_vector(instance.matrix, (size * _THIRD, size * _THIRD, size * _THIRD)))
@@ -282,7 +285,7 @@ def _point_info(block, workspace):
     instance = instance_table(block)[surface.instance]
     if instance.primitive != SPHERES:
         return 0.0, 0.0, 0.0, 0.0
-    x, y, z = _corner(block, instance, np.int64(surface.primitive), 0)
+    x, y, z = corner_position(block, instance, np.int64(surface.primitive), 0)
     vertex = np.int64(triangle_table(block)[instance.triangles + surface.primitive].v[0])
     return x, y, z, _in_world(instance, _vertex_radius(block, instance, vertex))
 
@@ -296,11 +299,11 @@ def _of_object(name: str, kernel, results: int, *static: int) -> Function:
 
 
 ATTRIBUTE = _of_object("attribute", _attribute, 5, 1)
-"""(place, u, v) → four numbers, and what Blender makes one of them; ``place`` is a parameter that is an ``Attribute``.
-Where there is no such attribute alpha is 1 and all else 0."""
+"""(place, u, v) → four numbers, and their conversion to one by Blender; ``place`` is a parameter that is an
+``Attribute``. If there is no such attribute, alpha is 1 and the rest 0."""
 
 COLOR_ATTRIBUTE = _of_object("attribute", _attribute, 5, 0)
-"""The same, but all is 0 where there is none."""
+"""The same, but everything is 0 if there is none."""
 ATTRIBUTE_HERE = _of_object("attribute_here", attribute_here, 5)
 """(place) → as ``ATTRIBUTE``, at the point itself, which bumps do not shift."""
 
@@ -329,9 +332,9 @@ OBJECT_INFO = _of_object("object_info", _object_info, 9)
 """→ location, colour, alpha, index, random number of the object."""
 
 STRAND_INFO = _of_object("strand_info", _strand_info, 5, 1)
-"""→ 1 on a curve of hair, its thickness, and its normal that is nearest to the view."""
+"""→ 1 on a curve of hair, its thickness, and its normal nearest to the view."""
 UNSCALED_STRAND_INFO = _of_object("strand_info", _strand_info, 5, 0)
-"""The same, but the thickness is that in the object, as before Blender 5.0."""
+"""The same, but the thickness is in object space, as before Blender 5.0."""
 POINT_INFO = _of_object("point_info", _point_info, 4)
 """→ center and radius of the sphere of a point cloud."""
 WIREFRAME = _of_object("wireframe", _wireframe, 1)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that calculate with numbers and vectors.
+"""Nodes that compute with numbers and vectors.
 
-What Cycles gives where an operation is not defined is given here too: 0 for a division by 0, for a root or a power
-that is not real, for a logarithm of what is not positive.
+Undefined operations have the values of Cycles: 0 for a division by 0, for a root or a power that is not real, for a
+logarithm of a number that is not positive.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from .definition import NodeInputs, defines
 
 ZERO = Vector(*[constant(0.0)] * 3)
 
-FLOAT_EPSILON = 2.0**-23  # of float32, by which Cycles compares
+FLOAT_EPSILON = 2.0**-23  # of float32, with which Cycles compares
 
 
 def where_zero(a: Formula, then: Formula | float, otherwise: Formula | float) -> Formula:
@@ -46,12 +46,12 @@ def where_zero(a: Formula, then: Formula | float, otherwise: Formula | float) ->
 
 
 def where_equal(a: Formula, b: Formula, then: Formula | float, otherwise: Formula | float) -> Formula:
-    """By comparison: a difference of products need not vanish, as one of them may be added without being rounded."""
+    """By comparison: a difference of products may not vanish, because one of them may be added without rounding."""
     return select(a < b, otherwise, select(b < a, otherwise, then))
 
 
 def each(operation: Callable[..., Formula], *vectors: Vector) -> Vector:
-    """The operation on the components of vectors; a number among them counts for each component."""
+    """The operation on the components of vectors; a number applies to each component."""
     spread = [v if isinstance(v, tuple) else (v, v, v) for v in vectors]
     return Vector(*(operation(*components) for components in zip(*spread)))
 
@@ -62,7 +62,7 @@ def saturate(a: Formula) -> Formula:
 
 
 def ceil(a: Formula) -> Formula:
-    """The least whole number that is not below a."""
+    """The least integer that is not below a."""
     return -floor(-a)
 
 
@@ -72,7 +72,7 @@ def fraction(a: Formula) -> Formula:
 
 
 def truncate(a: Formula) -> Formula:
-    """a without its fraction: towards 0."""
+    """a without its fraction: rounded towards 0."""
     return select(a < 0.0, ceil(a), floor(a))
 
 
@@ -82,7 +82,7 @@ def sign(a: Formula) -> Formula:
 
 
 def divide(a: Formula, b: Formula) -> Formula:
-    """a / b; 0 where b is 0, as in Cycles."""
+    """a / b; 0 if b is 0, as in Cycles."""
     return where_zero(b, 0.0, a / b)
 
 
@@ -97,29 +97,29 @@ def floored_modulo(a: Formula, b: Formula) -> Formula:
 
 
 def wrap(a: Formula, high: Formula, low: Formula) -> Formula:
-    """a moved into [low, high) by whole ranges; ``low`` where the range is empty."""
+    """a moved into [low, high) by whole ranges; ``low`` if the range is empty."""
     range_, above = high - low, a - low
     return low + where_equal(high, low, 0.0, above - floor(above / range_) * range_)
 
 
 def snap(a: Formula, step: Formula) -> Formula:
-    """The greatest multiple of ``step`` that is not above a; 0 where the step is 0."""
+    """The greatest multiple of ``step`` that is not above a; 0 if the step is 0."""
     return floor(divide(a, step)) * step
 
 
 def ping_pong(a: Formula, scale: Formula) -> Formula:
-    """Distance of a to the nearest even multiple of ``scale``; 0 where the scale is 0."""
+    """Distance of a to the nearest even multiple of ``scale``; 0 if the scale is 0."""
     return where_zero(scale, 0.0, abs(fraction((a - scale) / (scale * 2.0)) * scale * 2.0 - scale))
 
 
 def real_power(a: Formula, b: Formula) -> Formula:
-    """a to the b; 0 where a is 0, whatever b is but 0, and where a is negative and b not whole."""
+    """a to the power b; 0 if a is 0 and b is not, and if a is negative and b is not whole."""
     raised = where_zero(a, 0.0, power(a, b))
     return where_zero(b, 1.0, select(a < 0.0, select(b <= floor(b), raised, 0.0), raised))
 
 
 def logarithm(a: Formula, base: Formula) -> Formula:
-    """Logarithm of a to a base; 0 where one of both is not positive."""
+    """Logarithm of a to a base; 0 if either is not positive."""
     return select(minimum(a, base) <= 0.0, 0.0, divide(log(a), log(base)))
 
 
@@ -130,12 +130,12 @@ def smooth_minimum(a: Formula, b: Formula, distance: Formula) -> Formula:
 
 
 def compare(a: Formula, b: Formula, epsilon: Formula) -> Formula:
-    """1 where a and b differ by ``epsilon`` at most, else 0."""
+    """1 if a and b differ by at most ``epsilon``, else 0."""
     return select(abs(a - b) <= maximum(epsilon, FLOAT_EPSILON), 1.0, 0.0)
 
 
 def angle(y: Formula, x: Formula) -> Formula:
-    """Of (x, y) to the x axis; 0 for (0, 0), whatever the signs of these zeros are."""
+    """Angle of (x, y) to the x axis; 0 for (0, 0), for any signs of these zeros."""
     return where_zero(maximum(abs(x), abs(y)), 0.0, atan2(y, x))
 
 
@@ -207,12 +207,12 @@ def math_node(node: NodeInputs):
 
 
 def project(a: Vector, b: Vector) -> Vector:
-    """Projection of a onto the line of b; zero where b is."""
+    """Projection of a onto the line of b; zero if b is zero."""
     return b * divide(a.dot(b), b.dot(b))
 
 
 def refract(incident: Vector, normal: Vector, eta: Formula) -> Vector:
-    """Direction of refraction by Snell's law; 0 where all is reflected. ``eta``: the index before over that behind."""
+    """Direction of refraction by Snell's law; 0 for total reflection. ``eta``: the index in front over that behind."""
     unit = normal.normalized()
     cosine = unit.dot(incident)
     squared = 1.0 - eta * eta * (1.0 - cosine * cosine)
@@ -221,7 +221,7 @@ def refract(incident: Vector, normal: Vector, eta: Formula) -> Vector:
 
 
 def face_forward(vector: Vector, incident: Vector, reference: Vector) -> Vector:
-    """The vector, turned round where ``reference`` and ``incident`` are on the same side."""
+    """The vector, reversed if ``reference`` and ``incident`` are on the same side."""
     against = reference.dot(incident)
     return each(lambda axis: select(against < 0.0, axis, -axis), vector)
 
@@ -296,13 +296,13 @@ def vector_math(node: NodeInputs):
 
 
 def clamp_between(value: Formula, a: Formula, b: Formula) -> Formula:
-    """Held between a and b, whichever of them is less."""
+    """Clamped between a and b, whichever is less."""
     return clamp(value, minimum(a, b), maximum(a, b))
 
 
 @defines("ShaderNodeClamp", modes=("MINMAX", "RANGE"))
 def clamp_node(node: NodeInputs):
-    """Both types: of *Min Max* the maximum wins where it is the lesser."""
+    """Both types: with *Min Max*, the maximum wins if it is less than the minimum."""
     value, low, high = (node.number(name) for name in ("Value", "Min", "Max"))
     return {
         "Result": clamp_between(value, low, high) if node.setting("clamp_type") == "RANGE" else clamp(value, low, high)
@@ -314,7 +314,7 @@ def _stepped(share: Formula, steps: Formula) -> Formula:
 
 
 def smoothstep(share: Formula) -> Formula:
-    """3t² − 2t³ of the share limited to [0, 1]."""
+    """3t² − 2t³ of the fraction limited to [0, 1]."""
     t = saturate(share)
     return (3.0 - 2.0 * t) * (t * t)
 
@@ -335,7 +335,7 @@ INTERPOLATIONS: dict[str, Callable[..., Formula]] = {
 
 @defines("ShaderNodeMapRange", modes=INTERPOLATIONS)
 def map_range(node: NodeInputs):
-    """Numbers and vectors, with *Clamp*. From a range of no length: 0 for numbers, *To Min* for vectors."""
+    """Numbers and vectors, with *Clamp*. An empty range gives 0 for numbers, *To Min* for vectors."""
     interpolation = INTERPOLATIONS.get(node.setting("interpolation_type"))
     if interpolation is None:
         node.report(f"the interpolation {node.setting('interpolation_type')} is not known, so it is linear")
@@ -362,6 +362,6 @@ def map_range(node: NodeInputs):
 
 @defines("ShaderNodeSqueeze")
 def squeeze(node: NodeInputs):
-    """Not known to Cycles: what it is linked to uses its own value, as there."""
-    node.report("Cycles does not know it, so what it is linked to uses its own value, as there")
+    """Not known to Cycles: the socket it is linked to uses its own value, as in Cycles."""
+    node.report("Cycles does not know it, so the socket it is linked to uses its own value, as in Cycles")
     return {}

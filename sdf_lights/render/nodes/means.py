@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Means of formulas over space, for what can only be the same everywhere."""
+"""Means of formulas over space, where only uniform values are supported."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def mean_inside(formulas: Sequence[Formula], parameters: Sequence["float | Attri
 
 
 def varies(formulas: Sequence[Formula]) -> bool:
-    """Whether formulas may differ from place to place or ray to ray: they ask for more than curves and ramps."""
+    """Whether formulas may vary in space or from ray to ray: they use more than curves and ramps."""
     return any(
         node.kind == VARIABLE or isinstance(node.value, Function) and node.value.scene and node.value.name != "table"
         for node in order(*formulas)
@@ -33,7 +33,7 @@ def varies(formulas: Sequence[Formula]) -> bool:
 
 
 class _Cube(Inputs):
-    """Points inside of a mesh, where its attributes are zero."""
+    """Points inside a mesh, where its attributes are zero."""
 
     def __init__(self, parameters: Sequence["float | Attribute | Table"]):
         self._parameters = parameters

@@ -26,7 +26,7 @@ from .variables import (
 
 
 def unit_or(vector: Vector, otherwise: Vector) -> Vector:
-    """The vector with length 1, or another one where it vanishes."""
+    """The vector with length 1, or another one if it vanishes."""
     square = vector.dot(vector)
     unit = vector.normalized()
     return Vector(*(select(square < 1e-24, b, a) for a, b in zip(unit, otherwise)))
@@ -41,7 +41,7 @@ def normal_map(node: NodeInputs):
     strength = node.number("Strength")
     space = node.setting("space")
     if space == "TANGENT":
-        # MikkTSpace: interpolated vectors enter as they are, not normalised, where the map was baked.
+        # MikkTSpace: interpolated vectors are used without normalisation, as when the map was baked.
         tx, ty, tz, sign = attribute(node, Attribute("tangent", node.setting("uv_map") or ""))
         tangent = Vector(tx, ty, tz)
         bitangent = OBJECT_NORMAL.cross(tangent) * sign
@@ -94,9 +94,10 @@ def bump(node: NodeInputs):
 
 
 def _bumped_before(height: Formula, place: Formula) -> Vector:
-    """``bumped`` by a height on the surface as it was before displacement; ``place`` is that of the attribute of where it was.
+    """``bumped`` by a height on the surface before displacement; ``place`` is the index of the attribute with the
+    original position.
 
-    As in Cycles, normals and lengths are those of the object, and heights those of the world.
+    As in Cycles, normals and lengths are in object space, and heights in world space.
     """
 
     def at(u: Formula, v: Formula) -> Vector:
@@ -129,7 +130,7 @@ def displacement(node: NodeInputs):
 
 @defines("ShaderNodeVectorDisplacement")
 def vector_displacement(node: NodeInputs):
-    """In tangent, object and world space: of the mesh, as bump by what is along the normal, or both."""
+    """In tangent, object and world space: of the mesh, as bump by the component along the normal, or both."""
     moved = (node.color("Vector") - node.number("Midlevel")) * node.number("Scale")
     space = node.setting("space")
     if space == "WORLD":
@@ -143,10 +144,11 @@ def vector_displacement(node: NodeInputs):
 
 
 def displaced_as_bump(surface: Node, moved: Vector, undisplaced: Formula | None = None) -> tuple[Node, Vector]:
-    """The normal that the surface would have if ``moved`` displaced its points, as Cycles bumps a surface by its displacement;
-    and the closures with it in the place of the shading normal.
+    """The normal that the surface would have if ``moved`` displaced its points, as in Cycles' bump from displacement;
+    and the closures with it as their shading normal.
 
-    ``undisplaced``: place of the attribute of where points were, if they have been moved already, while normals have not.
+    ``undisplaced``: index of the attribute with the original positions, if the points have already moved but the
+    normals have not.
     """
     height, one = moved.dot(NORMAL), constant(1.0)
     normal = bumped(NORMAL, height, one, one) if undisplaced is None else _bumped_before(height, undisplaced)

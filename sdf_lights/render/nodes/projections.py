@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where in a picture a direction or a point is: on spheres and tubes, and in the light of lamps."""
+"""Image coordinates of directions and points: on spheres and tubes, and in the light of lights."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _around(x: Formula, y: Formula) -> Formula:
 
 
 def projected(vector: Vector, projection: str) -> tuple[Formula, Formula]:
-    """Image coordinates of a point of the unit cube, about whose middle a sphere or a tube stands."""
+    """Image coordinates of a point of the unit cube, on a sphere or a tube around its middle."""
     if projection not in ("SPHERE", "TUBE"):
         return vector.x, vector.y
     x, y, z = vector * 2.0 - 1.0
@@ -30,8 +30,8 @@ def projected(vector: Vector, projection: str) -> tuple[Formula, Formula]:
 
 
 def light_place(node: NodeInputs) -> tuple[Formula, Formula]:
-    """Image coordinates of what a light sends out, as Cycles has them: of the direction on a sphere around point lights, of
-    the direction in the cone of spot lights and suns, which the picture fills, of the point on area lights.
+    """Image coordinates of the light of a light, as in Cycles: of the direction on a sphere for point lights, of the
+    direction in the cone of spot lights and suns, which the picture fills, of the point on area lights.
 
     The setting "light_shape" is "POINT"; "SPOT" and "SUN" with their angle; or "AREA" with the lengths of its sides.
     """

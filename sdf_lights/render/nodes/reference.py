@@ -10,7 +10,7 @@ import re
 from . import DEFINITIONS
 from .definition import MODES
 
-# Names in Blender's menus that are not made of the identifier.
+# Names in Blender's menus that do not follow from the identifier.
 _NAMES = {
     "BrightContrast": "Brightness/Contrast",
     "CombineHSV": "Combine HSV (Legacy)",

@@ -25,13 +25,13 @@ def _sky(block, workspace, kind, with_sun, place, x, y, z):
 def sky_function(kind: int, with_sun: bool) -> Function:
     """(place, x, y, z) → RGB; ``place`` is a parameter that is a ``Table`` of ``sky.numbers``.
 
-    ``with_sun`` is compiled in: an importance map of the world is made of the same graph with it off.
+    ``with_sun`` is compiled in: an importance map of the world is made from the same graph with it off.
     """
     return Function("sky", _sky, (kind, int(with_sun)), 3, scene=True)
 
 
 def sky_of(setting: Callable[[str], object]) -> Sky:
-    """The sky of a node whose properties ``setting`` gives by Blender's names."""
+    """The sky of a node; ``setting`` returns its properties by Blender's names."""
     model = setting("sky_type")
     if model in ("PREETHAM", "HOSEK_WILKIE"):
         return Sky(

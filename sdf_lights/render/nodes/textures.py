@@ -13,7 +13,7 @@ from ..textures import gabor, noise, voronoi, white_noise
 from ..textures.brick import brick
 from .definition import NodeInputs, defines
 
-# Cycles keeps coordinates off the borders of cells, where rounding would decide.
+# Cycles keeps coordinates away from the borders of cells, where rounding would decide.
 _BESIDE, _WITHIN = 0.000001, 0.999999
 _FULL_TURN = 2.0 * math.pi
 _FULL_TURN_SINGLE = 6.2831854820251465  # in single precision
@@ -29,7 +29,7 @@ def _since(node: NodeInputs, *version: int) -> bool:
 
 
 def _coordinates(node: NodeInputs, dimensions: int, scale: Formula | float = 1.0) -> list[Formula]:
-    """x, y, z and w, as far as there are so many; zeros for others."""
+    """x, y, z and w, as far as they exist; zeros for the rest."""
     zero = constant(0.0)
     if dimensions == 1:
         return [node.number("W") * scale, zero, zero, zero]
@@ -74,7 +74,7 @@ def voronoi_texture(node: NodeInputs):
         function = Function("voronoi", voronoi.edge(dimensions, hashing), (normalize,))
         (distance,) = call(function, *place, *octaves, randomness)
         return outputs | {"Distance": distance}
-    # On a line all metrics are the same.
+    # In one dimension all metrics are the same.
     metric = voronoi.METRICS[node.setting("distance")] if dimensions > 1 else voronoi.EUCLIDEAN
     kind, static = voronoi.FEATURES[feature], (metric, normalize)
     given = (*place, *octaves, node.number("Smoothness"), node.number("Exponent"), randomness)
@@ -129,13 +129,13 @@ def wave_texture(node: NodeInputs):
 
 
 def _remainder(a: Formula, period: float) -> Formula:
-    """What is left of a, with its sign, when whole periods are taken off."""
+    """The rest of a, with its sign, after removing whole periods."""
     size = abs(a)
     rest = size - period * floor(size * (1.0 / period))
     return select(a < 0.0, -rest, rest)
 
 
-# Of each step: which of x, y and z it changes, into what of their sum with these signs, and with which sign.
+# For each step: which of x, y and z it changes, the signs of their sum, and the sign of the result.
 _TURBULENCE = (
     (1, cos, (1, -1, 1), -1),
     (0, cos, (1, -1, -1), 1),
@@ -157,7 +157,7 @@ def _signed_sum(values: Sequence[Formula], signs: Sequence[int]) -> Formula:
 
 @defines("ShaderNodeTexMagic")
 def magic_texture(node: NodeInputs):
-    """Sines of sums of sines, as many deep as the node's depth."""
+    """Sums of nested sines, with as many levels as the node's depth."""
     scale, strength = node.number("Scale"), node.number("Distortion")
     vector = node.vector("Vector")
     before, after = (scale, 5.0) if _since(node, 5, 2) else (1.0, 5.0 * scale)
@@ -186,7 +186,7 @@ def checker_texture(node: NodeInputs):
 
 @defines("ShaderNodeTexBrick")
 def brick_texture(node: NodeInputs):
-    """Rows of bricks in the plane of x and y."""
+    """Rows of bricks in the xy plane."""
     x, y, _ = node.vector("Vector") * node.number("Scale")
     sizes = (node.number(name) for name in ("Mortar Size", "Mortar Smooth", "Bias", "Brick Width", "Row Height"))
     rows = (
@@ -252,7 +252,7 @@ def gabor_texture(node: NodeInputs):
 
 @defines("ShaderNodeTexPointDensity")
 def point_density(node: NodeInputs):
-    """Zero, as of no points (until Blender 4.5). Those of an object are not modelled."""
+    """Zero, as without points (until Blender 4.5). Points of an object are not supported."""
     if node.setting("object") is not None:
-        node.report("the points of its object are not modelled, so its density is zero")
+        node.report("the points of its object are not supported, so its density is zero")
     return {"Color": _grey(constant(0.0)), "Density": constant(0.0)}

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Radial tiling: the plane divided into the segments of a polygon with round corners.
 
-A segment is what lies between two rays from the middle to corners. Its side is at distance 1, and a corner is a circle
-that is tangent to both sides; roundness says where on half a side it begins, 0 at the corner and 1 in the middle. Where
-the number of sides is not whole, the last segment is narrower, and its two corners lie between sides of different
-lengths. Its side is nearer then, so that its corners are as far as all others.
+A segment lies between two rays from the middle to corners. Its side is at distance 1. A corner is a circle tangent to
+both sides; roundness tells where on half a side it begins, 0 at the corner and 1 in the middle. If the number of sides
+is not whole, the last segment is narrower, and its two corners lie between sides of different lengths. Its side is then
+nearer, so that its corners are as far away as all others.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ class _Half(NamedTuple):
     straight: Formula  # from the middle of the side to the round part
     tangent: Formula  # the length of that part
     bevel: Formula  # from the round part to the corner
-    soft: Formula  # the part of that over which the coordinate along the side goes from lengths to angles
+    soft: Formula  # the part of that over which the coordinate along the side changes from lengths to angles
 
     def width(self, distance: Formula) -> Formula:
-        """Length that stands for all of the half where the side is at ``distance``."""
+        """Length of the whole half if the side is at ``distance``."""
         return distance * self.tangent + self.soft * (0.5 * distance + 0.5) + self.roundness * self.bevel
 
 
@@ -55,7 +55,7 @@ def _half(angle: Formula, roundness: Formula) -> _Half:
 
 
 def _corner_distance(away: Formula, own: Formula, other: Formula, roundness: Formula) -> Formula:
-    """Distance of a round corner in a direction, where the side of ``other`` (half an angle) is at distance 1.
+    """Distance of a round corner in a direction, if the side of ``other`` (half an angle) is at distance 1.
 
     ``away`` is the angle from the corner, positive on the side of ``own``.
     """
@@ -73,7 +73,7 @@ def tiling(x: Formula, y: Formula, sides: Formula, roundness: Formula, normalize
     around = where_zero(distance, 0.0, atan2(y, x))
     around = select(y < 0.0, around + turn, around)
     full, whole = math.pi / sides, floor(sides)
-    # Half the angle of the last segment, or that of all of them where it is one like the others.
+    # Half the angle of the last segment, or that of all segments if they are equal.
     rest = select(sides <= whole, full, math.pi - whole * full)
     index = floor(around / (2.0 * full))
     last = select(sides <= whole, 0.0, select(whole <= index, 1.0, 0.0))
@@ -84,11 +84,11 @@ def tiling(x: Formula, y: Formula, sides: Formula, roundness: Formula, normalize
     angle = in_last(rest, full)
     signed = around - index * 2.0 * full - angle  # from the middle of the side
     away = angle - abs(signed)  # from the nearest corner
-    # The corners of the last segment: its own two are the first of the first segment and the last of the one before it.
+    # The corners of the last segment are the first of the first segment and the last of the one before it.
     nearest = index + select(signed < 0.0, 0.0, 1.0)
     uneven = maximum(last, select(nearest <= 0.0, 1.0, select(whole <= nearest, 1.0, 0.0)))
     beside = select(uneven < 0.5, full, rest)
-    scale = cos(full) / cos(beside)  # of lengths for which the side beside the corner is at distance 1
+    scale = cos(full) / cos(beside)  # scale of lengths that puts the side beside the corner at distance 1
     own_scale = in_last(scale, constant(1.0))
     half = _half(angle, in_last(roundness, roundness * sin(beside) / sin(full)))
 
@@ -110,7 +110,7 @@ def tiling(x: Formula, y: Formula, sides: Formula, roundness: Formula, normalize
         at_point = distance * sin(half.straight) + half.soft * 0.5 * (adjacent + 1.0) + half.roundness * half.bevel
         blend = where_zero(half.bevel, 0.0, beyond / half.bevel)
         divisor = in_corner(straight + blend * (at_point - straight), straight)
-        two = select(maximum(sides - 2.0, roundness) <= 0.0, 1.0, 0.0)  # its sides are parallel, and have no end
+        two = select(maximum(sides - 2.0, roundness) <= 0.0, 1.0, 0.0)  # its sides are parallel and infinite
         along = select(two < 0.5, along / divisor, along)
     else:
         along = along * own_scale

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that send rays out from the surface. The rays are those of ``kernels/probes.py``."""
+"""Nodes that trace rays from the surface. The rays are those of ``kernels/probes.py``."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .normals import unit_or
 from .variables import NORMAL, POSITION, as_vector
 
 OCCLUSION = [Function("occlusion", probes.occlusion, (local,), 1, scene=True, of_object=True) for local in (0, 1)]
-"""(distance, samples, direction) → how much is open; by whether only the object itself counts."""
+"""(distance, samples, direction) → the open fraction; selected by whether only the object itself counts."""
 BEVEL = Function("bevel", probes.bevel, (), 3, scene=True, of_object=True)
 """(radius, samples, normal) → mean normal."""
 RAYCAST = [Function("raycast", probes.raycast, (local,), 10, scene=True, of_object=True) for local in (0, 1)]
-"""(origin, direction, length, point of the surface) → what ``probes.raycast`` tells."""
+"""(origin, direction, length, point of the surface) → the results of ``probes.raycast``."""
 
 
 def _has_rays(node: NodeInputs) -> bool:
@@ -27,7 +27,7 @@ def _has_rays(node: NodeInputs) -> bool:
 
 @defines("ShaderNodeAmbientOcclusion")
 def ambient_occlusion(node: NodeInputs):
-    """Both outputs, with *Inside* and *Only Local*. A distance of zero is the one that the world's settings have."""
+    """Both outputs, with *Inside* and *Only Local*. A distance of zero means the distance in the world's settings."""
     free: Formula = constant(1.0)
     if _has_rays(node):
         distance = node.number("Distance")
@@ -41,7 +41,7 @@ def ambient_occlusion(node: NodeInputs):
 
 @defines("ShaderNodeBevel")
 def bevel(node: NodeInputs):
-    """Mean normals around the point, of the same object. Rays that were scattered widely see none, as in Cycles."""
+    """Mean normals around the point, of the same object. Widely scattered rays see no bevel, as in Cycles."""
     if not _has_rays(node):
         return {"Normal": NORMAL}
     found = as_vector(call(BEVEL, node.number("Radius"), node.parameter(float(node.setting("samples"))), *NORMAL))
@@ -52,10 +52,10 @@ def bevel(node: NodeInputs):
 
 @defines("ShaderNodeRaycast")
 def raycast(node: NodeInputs):
-    """All outputs but attributes, with *Only Local* (since Blender 5.1)."""
+    """All outputs except attributes, with *Only Local* (since Blender 5.1)."""
     attributes = {name: constant(0.0) for name in node.wanted if name.startswith("Attribute_")}
     if attributes:
-        node.report("attributes of what its rays meet are not modelled, so they are zero")
+        node.report("attributes that its rays read are not supported, so they are zero")
     origin = node.vector("Position") if node.is_given("Position") else POSITION
     direction, distance = node.normal("Direction"), node.number("Length")
     if not _has_rays(node):

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The variables of a surface that formulas of materials have, and the surface a small step further.
+"""The variables of a surface in formulas of materials, and the surface one small step further.
 
-World space, metres. ``kernels/shading/records.py`` says where each lies in memory.
+World space, metres. ``kernels/shading/records.py`` has their positions in memory.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ NORMAL = _vector("normal")
 TRUE_NORMAL = _vector("true_normal")
 """Unit geometric normal, on the side of the viewer."""
 OBJECT_NORMAL = _vector("object_normal")
-"""Shading normal in object space as it was interpolated: not normalised, never flipped."""
+"""Interpolated shading normal in object space: not normalised, never flipped."""
 BACKFACING = variable("backfacing")
-"""1 where the viewer is behind the surface, else 0."""
+"""1 if the viewer is behind the surface, else 0."""
 BARYCENTRIC = variable("barycentric", 0), variable("barycentric", 1)
-"""Coordinates of the second and third vertex of the triangle."""
+"""Barycentric coordinates of the second and third vertex of the triangle."""
 RAY_KIND = variable("ray_kind")
-"""``scene.Ray`` of the ray that has arrived; 0 where light sampling looks at emission."""
+"""``scene.Ray`` of the incoming ray; 0 when light sampling evaluates emission."""
 RAY_SINGULAR = variable("ray_singular")
 RAY_LENGTH = variable("ray_length")
 DEPTH = tuple(variable("depth", index) for index in range(5))
@@ -44,21 +44,21 @@ BUMP_STEP = variable("bump_step")
 
 
 def where(value: Formula, then: Formula | float, otherwise: Formula | float) -> Formula:
-    """``then`` where a number that is 0 or 1 is 1."""
+    """``then`` if a number, which is 0 or 1, is 1."""
     return select(value < 0.5, otherwise, then)
 
 
 def footprint_axes() -> tuple[Vector, Vector]:
-    """Unit vectors across each other in the plane of the triangle, along which Cycles has the sides of a pixel lie."""
+    """Perpendicular unit vectors in the plane of the triangle, which Cycles uses as the sides of a pixel."""
     x, y, z = TRUE_NORMAL
     diagonal = maximum(abs(x - y), abs(x - z)) <= 0.0
-    # Across (1, 1, 1), or across (−1, 1, 1) where the normal is along that.
+    # Perpendicular to (1, 1, 1), or to (−1, 1, 1) if the normal is along that.
     first = Vector(z - y, select(diagonal, x + z, x - z), select(diagonal, -x - y, y - x)).normalized()
     return first, TRUE_NORMAL.cross(first)
 
 
 def shifted(formula: Formula, along: Vector, step: Formula = BUMP_STEP) -> Formula:
-    """The formula ``step`` metres along a unit vector in the plane of the triangle."""
+    """The formula at ``step`` metres along a unit vector in the plane of the triangle."""
     moved = {POSITION[axis]: POSITION[axis] + along[axis] * step for axis in range(3)}
     # The vector as a sum of both edges: Cramer's rule, in the direction of the normal.
     normal = EDGES[0].cross(EDGES[1])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that move and turn vectors."""
+"""Nodes that move and rotate vectors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .variables import as_vector
 
 
 def turned(vector: Vector, angles: Vector, back: bool = False) -> Vector:
-    """Turned about x, then y, then z; ``back``: the inverse."""
+    """Rotated about x, then y, then z; ``back``: the inverse."""
     axes = range(3)
     for axis in reversed(axes) if back else axes:
         i, j = (axis + 1) % 3, (axis + 2) % 3

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera rays, with the lens and the pixel filter sampled; conventions are those of Cycles."""
+"""Camera rays with sampled lens and pixel filter; conventions are those of Cycles."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .vectors import disk, dot, normalize
 
 
 class Camera:
-    """``pixel_angle``: angle (radians) of a pixel in the middle of the frame, 0 where rays are parallel."""
+    """``pixel_angle``: angle (radians) of a pixel in the middle of the frame, 0 if rays are parallel."""
 
     def __init__(self, scene: Scene):
         self.scene, self.camera, self.settings = scene, scene.camera, scene.settings
@@ -65,7 +65,7 @@ class Camera:
         return camera.aperture * points / [camera.blade_ratio, 1.0]
 
     def _directions(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Directions (N, 3) of a panorama at points of its window, zero where there is no picture."""
+        """Directions (N, 3) of a panorama at points of its window, zero outside the picture."""
         camera, kind = self.camera, self.camera.projection
         if kind is Projection.EQUIRECTANGULAR:
             return np.stack([np.cos(y) * np.sin(x), np.sin(y), -np.cos(y) * np.cos(x)], -1)
@@ -140,8 +140,8 @@ class Camera:
         )
 
     def window_place(self, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Place in the frame, 0 to 1 from its lower left corner, of points (N, 3) in camera space; 0 of those behind a
-        perspective camera."""
+        """Position in the frame, 0 to 1 from its lower left corner, of points (N, 3) in camera space; 0 for those
+        behind a perspective camera."""
         x, y, depth = seen[:, 0], seen[:, 1], -seen[:, 2]
         if self.panorama:
             x, y = self._panorama_place(x, y, depth)
@@ -155,7 +155,7 @@ class Camera:
         return x, y
 
     def _panorama_place(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Points of the window of a panorama; z grows into the picture."""
+        """Points of the window of a panorama; z points into the picture."""
         kind = self.camera.projection
         if kind in {Projection.EQUIRECTANGULAR, Projection.CYLINDER, Projection.CUBEMAP_FACE}:
             height = {
@@ -177,7 +177,7 @@ class Camera:
         return radius * np.cos(phi), radius * np.sin(phi)
 
     def depth(self, positions: np.ndarray) -> np.ndarray:
-        """Depth as in Blender: along the viewing axis, from the camera for panoramas."""
+        """Depth as in Blender: along the viewing axis; for panoramas the distance from the camera."""
         matrix = np.asarray(self.camera.matrix, float)
         offset = positions - matrix[:3, 3]
         if self.panorama:

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scattering lobes over arrays of points: evaluate, sample and pdf.
 
-A lobe holds its ``weight`` (N, 3), ``normal`` (N, 3) and parameters of N points. ``evaluate(wo, wi)`` gives
-(f · |cos| (N, 3) without the weight, pdf (N,)), zero where the lobe is a Dirac delta; ``sample(rng, wo)`` gives
-(wi, weight of the path (N, 3) where singular, probability (N,) of that, singular (N,) bool).
+A lobe holds its ``weight`` (N, 3), ``normal`` (N, 3) and parameters of N points. ``evaluate(wo, wi)`` returns (f ·
+|cos| (N, 3) without the weight, pdf (N,)), zero where the lobe is a Dirac delta. ``sample(rng, wo)`` returns (wi,
+weight of the path (N, 3) where singular, probability (N,) of that, singular (N,) bool).
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ def grey(values: np.ndarray) -> np.ndarray:
 
 
 class Lobe:
-    """``albedo`` (N, 3) is an estimate of what the lobe scatters in all, with its weight."""
+    """``albedo`` (N, 3) is an estimate of the lobe's total scattering, with its weight."""
 
-    diffuse = False  # darkens gradually where its normal is not the surface's
+    diffuse = False  # darkens gradually if its normal is not the surface's
     widths: tuple[str, ...] = ()  # parameters that Filter Glossy raises
     counts_as_diffuse: bool | None = None  # in passes; None: as ``diffuse``
 
@@ -42,7 +42,7 @@ class Lobe:
         )
 
     def kind(self, wi: np.ndarray) -> np.ndarray:
-        """Kind of ray that goes on along wi; 0: the same ray goes straight through."""
+        """Kind of the continuing ray along wi; 0: the same ray goes straight through."""
         return np.full(len(wi), int(Ray.DIFFUSE))
 
     def evaluate(self, wo: np.ndarray, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -86,9 +86,9 @@ class Translucent(Lobe):
 
 
 class OrenNayar(Lobe):
-    """Fujii's improved Oren-Nayar with multiple scattering as in OpenPBR 1.1; ``color``, ``roughness``.
+    """Fujii's improved Oren–Nayar with multiple scattering as in OpenPBR 1.1; ``color``, ``roughness``.
 
-    The weight holds the colour once; multiple scattering brings its higher powers.
+    The weight contains the colour once; multiple scattering adds its higher powers.
     """
 
     diffuse = True
@@ -137,7 +137,7 @@ class Sheen(Lobe):
     def direction(self, rng, wo):
         t, b = self._frame(wo)
         cosine = cosine_hemisphere(rng, np.broadcast_to([0.0, 0.0, 1.0], wo.shape))
-        # cosine_hemisphere may turn its frame about z: any rotation of a cosine lobe is the same lobe.
+        # cosine_hemisphere may rotate its frame about z: any rotation of a cosine lobe is the same lobe.
         local = normalize(np.stack([cosine[:, 0] - cosine[:, 2] * self.b, cosine[:, 1], cosine[:, 2] * self.a], -1))
         return local[:, :1] * t + local[:, 1:2] * b + local[:, 2:] * self.normal
 
@@ -157,7 +157,7 @@ class Straight(Lobe):
 
 
 def dielectric(cosine: np.ndarray, ior: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unpolarised reflectance, and cosine of the refracted ray (0 where there is none); ior of far over near side."""
+    """Unpolarised reflectance, and cosine of the refracted ray (0 if there is none); ior of far over near side."""
     c = np.clip(np.abs(cosine), 0.0, 1.0)
     ct2 = 1.0 - (1.0 - c * c) / ior**2
     ct = np.sqrt(np.maximum(ct2, 0.0))
@@ -195,9 +195,9 @@ def masking(alpha2: np.ndarray, cosine: np.ndarray) -> np.ndarray:
 class Microfacet(Lobe):
     """GGX of roughness ``alpha`` (N,), with the height-correlated masking of Heitz 2014.
 
-    ``ior`` (N,) is that of the far side over that of the side of wo. ``term`` is the Fresnel term: DIELECTRIC goes from
-    ``f0`` (N, 3) to 1 as the real curve does and tints what it reflects and transmits; F82 has ``f0`` and ``tint``;
-    NONE reflects all, or refracts all where it ``transmits``. Visible normals are drawn as Dupuy and Benyoub 2023 do.
+    ``ior`` (N,) is that of the far side over that of the side of wo. ``term`` is the Fresnel term. DIELECTRIC goes from
+    ``f0`` (N, 3) to 1 like the real curve, and tints reflection and transmission. F82 has ``f0`` and ``tint``. NONE
+    reflects all, or refracts all where it ``transmits``. Visible normals are drawn as in Dupuy and Benyoub 2023.
     """
 
     widths = ("alpha",)
@@ -211,7 +211,7 @@ class Microfacet(Lobe):
         return self.alpha**2 <= SINGULAR_ALPHA2
 
     def fresnel(self, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What a microfacet reflects and what it transmits, both (N, 3)."""
+        """Reflectance and transmittance of a microfacet, both (N, 3)."""
         nothing, all_ = np.zeros((len(cosine), 3)), np.ones((len(cosine), 3))
         if self.term == F82:
             return f82(cosine, self.f0, self.tint), nothing
@@ -257,7 +257,7 @@ class Microfacet(Lobe):
         return masking(self.alpha**2, dot(w, self.normal))
 
     def visible(self, co, hn, lo):
-        """By how much the density of ``_normals`` exceeds D · |wo · h| / (wo · n)."""
+        """Factor by which the density of ``_normals`` exceeds D · |wo · h| / (wo · n)."""
         return 1.0 / (1.0 + lo)
 
     def _normals(self, rng, wo):
@@ -283,7 +283,7 @@ class Microfacet(Lobe):
         cosine_t = dielectric(ho, self.ior)[1]
         refracted = ((ho / self.ior - cosine_t)[:, None] * h) - wo / self.ior[:, None]
         wi = np.where(through[:, None], refracted, reflect(wo, h))
-        # Equal indices bend nothing: a delta, however rough.
+        # Equal indices do not bend light: a delta for any roughness.
         singular = singular | (through & (self.ior == 1.0))
         valid = (dot(self.normal, wo) > 0.0) & ((dot(self.normal, wi) < 0.0) == through) & (total > 0.0)
         probability = np.where(valid, np.where(through, 1.0 - share, share), 0.0)

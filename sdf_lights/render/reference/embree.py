@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own Embree 4 through ctypes, 16 rays a call, for scenes too large for NumPy to trace rays in.
+"""Blender's own Embree 4 through ctypes, 16 rays a call, for scenes that are too large for NumPy.
 
 Every instance refers to an Embree scene of its mesh. Names and numbers are those of Embree's C API (rtcore.h).
 """
@@ -63,12 +63,12 @@ _SIGNATURES = {
 
 
 class EmbreeRays:
-    """Nearest hits with all instances of ``scene``. Raises RenderError where there is no Embree."""
+    """Nearest hits with all instances of ``scene``. Raises RenderError if there is no Embree."""
 
     def __init__(self, scene: Scene):
         library = load_embree()
         for name, (result, *arguments) in _SIGNATURES.items():
-            # A prototype of its own: others who share the library keep theirs.
+            # A separate prototype: other users of the library keep theirs.
             prototype = ctypes.CFUNCTYPE(result, *arguments)
             setattr(self, name, prototype((name, library)))
         self._device = self.rtcNewDevice(None)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the nodes of a world or a light emit, over arrays of directions and points."""
+"""Emission of the nodes of a world or a light, over arrays of directions and points."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .nodes import Graph, Points
 
 
 class _Directions(Points):
-    """Where there is no object, as ``substitution.without_objects`` has it."""
+    """Formulas without an object, as in ``substitution.without_objects``."""
 
     def call(self, function: Function, operands: list) -> tuple:
         if not function.of_object:
@@ -37,7 +37,8 @@ class Emission:
         return self.at(directions, -directions, -directions, kind, np.zeros(len(directions)))
 
     def at(self, place, wo, normal, kind, length) -> np.ndarray:
-        """(N, 3) where rays of this ``length`` (N,) meet a light or the world at ``place``, with this ``normal``, all (N, 3)."""
+        """(N, 3) where rays of this ``length`` (N,) hit a light or the world at ``place``, with this ``normal``, all
+        (N, 3)."""
         count = len(place)
         nowhere = np.zeros(count, int)
         surface = Surface(

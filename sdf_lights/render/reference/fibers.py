@@ -16,14 +16,14 @@ FIT = 0.245, 5.574, -10.73, 2.532, -0.215, 5.969
 
 
 def absorption_of(color: np.ndarray, roughness: np.ndarray) -> np.ndarray:
-    """Of a fiber with the albedo ``color`` (N, 3): Chiang et al. 2016, equation 9."""
+    """Absorption of a fiber with the albedo ``color`` (N, 3): Chiang et al. 2016, equation 9."""
     return (np.log(np.maximum(color, 1e-30)) / np.polyval(FIT, roughness)[:, None]) ** 2
 
 
 class Fiber(Lobe):
-    """What all models of hair share: ``tangent`` (N, 3), and the geometric normal ``facing`` (N, 3) of the surface.
+    """Base of all models of hair: ``tangent`` (N, 3), and the geometric normal ``facing`` (N, 3) of the surface.
 
-    What they draw goes on wherever it leads; light rays do not see all of it.
+    Their samples continue in any direction; light rays do not see all of it.
     """
 
     glossy = True
@@ -32,7 +32,7 @@ class Fiber(Lobe):
         return np.where(dot(self.facing, wi) < 0.0, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
 
     def cut(self, wo, wi):
-        """Whether light rays from wi count for nothing, as in Cycles on a mesh."""
+        """Whether light rays from wi have no effect, as in Cycles on a mesh."""
         raise NotImplementedError
 
     def whole(self, wo, wi):
@@ -45,8 +45,8 @@ class Fiber(Lobe):
 
 
 class Hair(Fiber):
-    """Marschner's lobe of reflection, or of transmission where it ``transmits``: Cauchy distributions of widths ``along`` and
-    ``around`` (N,), tilted by ``tilt`` (N,)."""
+    """Marschner's lobe of reflection, or of transmission where it ``transmits``: Cauchy distributions of widths
+    ``along`` and ``around`` (N,), tilted by ``tilt`` (N,)."""
 
     def _seen(self, w):
         sine = np.clip(dot(self.tangent, w), -1.0, 1.0)
@@ -96,7 +96,7 @@ class Hair(Fiber):
 
 
 class Round(Fiber):
-    """What both models of Principled Hair share: ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3)
+    """Base of both models of Principled Hair: ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3)
     of the surface."""
 
     def axes(self, wo):
@@ -151,7 +151,7 @@ def draw_along(rng, sine_o, v):
 
 
 def logistic(x, s):
-    """Of width s, cut off at ±π."""
+    """Logistic distribution of width s, truncated at ±π."""
     x = (x + np.pi) % TWO_PI - np.pi
     return 1.0 / (4.0 * s * np.cosh(0.5 * x / s) ** 2) / np.tanh(0.5 * np.pi / s)
 
@@ -170,7 +170,8 @@ class Chiang(Round):
     widths = ("v", "v0", "s")
 
     def orders(self, wo):
-        """What R, TT, TRT and all beyond keep, (4, N, 3); the turns of the first three (3, N); the sine of wo."""
+        """Fractions that R, TT, TRT and all later orders keep, (4, N, 3); the turns of the first three (3, N); the sine
+        of wo."""
         sine = np.clip(dot(self.tangent, wo), -1.0, 1.0)
         c = cosine_of(sine)
         inside = np.arcsin(np.clip(self.offset * c / np.sqrt(self.ior**2 - sine**2), -1.0, 1.0))
@@ -210,9 +211,9 @@ class Chiang(Round):
 
 
 class Huang(Round):
-    """Huang, Hullin and Hanika 2022, by following a ray through the fiber: roughness ``alpha``, ``aspect`` (N,), ``factors`` (N, 3)
-    of R, TT and TRT. Light rays do not see it: what is drawn counts as singular. ``glass(name, roughness, cosine, ior)`` is the
-    albedo of rough glass from "glass" outside or "glass_inside"."""
+    """Huang, Hullin and Hanika 2022, by following a ray through the fiber: roughness ``alpha``, ``aspect`` (N,),
+    ``factors`` (N, 3) of R, TT and TRT. Light rays do not see it: samples count as singular. ``glass(name, roughness,
+    cosine, ior)`` is the albedo of rough glass from "glass" outside or "glass_inside"."""
 
     widths = ("alpha",)
 
@@ -260,7 +261,8 @@ class Huang(Round):
         return r, (cosine / ior - cosine_t)[:, None] * h - w / ior[:, None]
 
     def trace(self, rng, wo):
-        """wi and what goes there (N, 3), in the frame (across the view, along the fiber, towards the viewer)."""
+        """wi and the light scattered there (N, 3), in the frame (across the view, along the fiber, towards the
+        viewer)."""
         count, tilt, ior = len(wo), self.tilt, self.ior
         roughness, back_ior = np.sqrt(self.alpha), 1.0 / self.ior
         seen = lambda w, m, h: (dot(w, h) > 0.0) & (dot(w, m) > 0.0)

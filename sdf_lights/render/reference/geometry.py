@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Triangles in float64: nearest hits of many rays at once, and the surface at a hit.
 
-The hierarchy is a complete binary tree, split at medians, so it needs no pointers and is built and walked level by
+The hierarchy is a complete binary tree, split at medians. So it needs no pointers, and is built and traversed level by
 level over whole arrays.
 """
 
@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...affine import stretch
 from ..scene import Scene
+from ..strands import baked_instances
 from .embree import EmbreeRays
 from .hits import Hits
 from .vectors import dot, normalize
@@ -25,8 +27,8 @@ EMBREE_TRIANGLES = 200  # NumPy is 10 times slower than Embree from about here o
 
 @dataclass
 class Surface:
-    """The surface at hits, in world space. ``ng`` and ``ns``, the geometric and the shading normal, are on the side
-    that ``wo`` is on; ``backfacing`` says that this is the inside of the mesh."""
+    """The surface at hits, in world space. ``ng`` and ``ns``, the geometric and the shading normal, are on the side of
+    ``wo``; ``backfacing``: this is the inside of the mesh."""
 
     position: np.ndarray
     ng: np.ndarray
@@ -38,11 +40,11 @@ class Surface:
     barycentric: np.ndarray  # (N, 3)
     smooth: np.ndarray  # (N,) bool: ns is interpolated
     distance: np.ndarray
-    # Of the ray that arrived: scene.Ray, whether it left a mirror, bounces (N, 5) as in the variables of formulas.
+    # Of the incoming ray: scene.Ray, whether it left a mirror, bounces (N, 5) as in the variables of formulas.
     ray_kind: np.ndarray
     ray_singular: np.ndarray
     depth: np.ndarray
-    ray_pdf: np.ndarray  # density with which it was scattered; 0: singular, or the camera
+    ray_pdf: np.ndarray  # density of its scattering; 0: singular, or the camera
 
     def select(self, rows: np.ndarray) -> "Surface":
         """The hits of some rows, given as indices or as a mask."""
@@ -68,7 +70,7 @@ class Triangles:
                 there[..., None], centre[order], np.inf
             ).min(1)
             key = np.take_along_axis(centre[order], spread.argmax(1)[:, None, None], 2)[..., 0]
-            # Half of the triangles go to each side, and half of the empty places with them.
+            # Half of the triangles go to each side, and half of the empty slots with them.
             rank = np.argsort(key, 1, kind="stable")
             filled = there.sum(1, keepdims=True)
             place = np.arange(order.shape[1])[None]
@@ -88,7 +90,7 @@ class Triangles:
             self.levels.insert(0, np.ascontiguousarray(solid.transpose(1, 2, 0)))
 
     def nearest(self, origins, directions, far, masks):
-        """(distance, triangle, u, v) of the nearest hit closer than ``far``; triangle −1 where there is none."""
+        """(distance, triangle, u, v) of the nearest hit closer than ``far``; triangle −1 if there is none."""
         parts = [
             self._nearest(*(array[i : i + CHUNK] for array in (origins, directions, far, masks)))
             for i in range(0, len(origins), CHUNK)
@@ -132,7 +134,7 @@ class Triangles:
 
 
 def moller_trumbore(o: np.ndarray, d: np.ndarray, corners: np.ndarray):
-    """(t, u, v) of rays with triangles (N, 3, 3), t = inf where they miss. Möller and Trumbore 1997."""
+    """(t, u, v) of rays with triangles (N, 3, 3), t = inf if they miss. Möller and Trumbore 1997."""
     e1, e2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     p = np.cross(d, e2)
     determinant = dot(e1, p)
@@ -146,7 +148,7 @@ def moller_trumbore(o: np.ndarray, d: np.ndarray, corners: np.ndarray):
 
 
 class Placed:
-    """All instances of a scene: what a hit looks like."""
+    """All instances of a scene: the surface at a hit."""
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -155,6 +157,7 @@ class Placed:
         regular = np.abs(np.linalg.det(linear)) > 0.0
         self.normal_matrices = np.zeros_like(linear)
         self.normal_matrices[regular] = np.linalg.inv(linear[regular]).transpose(0, 2, 1)
+        self.uneven = baked_instances(scene) & stretch(self.matrices)
         self.mesh_of = np.array([i.mesh for i in scene.instances], int)
         counts = np.array([len(m.triangles) for m in scene.meshes] + [0])
         self.first = np.concatenate([[0], np.cumsum(counts)[:-1]])  # of each mesh in the arrays that follow
@@ -176,7 +179,7 @@ class Placed:
             [np.zeros(0, int)] + [np.zeros(len(m.triangles), int) if m.slots is None else m.slots for m in scene.meshes]
         )
         width = max([len(i.materials) for i in scene.instances], default=1)
-        # A slot that does not exist shows the last material, as in Blender.
+        # A missing slot shows the last material, as in Blender.
         self.materials = np.array(
             [[i.materials[min(slot, len(i.materials) - 1)] for slot in range(width)] for i in scene.instances]
         ).reshape(-1, width)
@@ -188,20 +191,23 @@ class Placed:
         return self.materials[instance, slot.clip(0, self.materials.shape[1] - 1)]
 
     def surface(self, hits: Hits, directions: np.ndarray) -> Surface:
-        """The surface at ``hits``, all of which exist, as rays along ``directions`` meet it."""
+        """The surface at ``hits``, all of which exist, of rays along ``directions``."""
         row = self.first[self.mesh_of[hits.instance]] + hits.triangle
         matrix = self.matrices[hits.instance]
         barycentric = np.stack([1.0 - hits.u - hits.v, hits.u, hits.v], -1)
         corners = self.corners[row]
         local = np.einsum("nk,nkj->nj", barycentric, corners)
         position = np.einsum("nij,nj->ni", matrix[:, :3, :3], local) + matrix[:, :3, 3]
-        # Normals take the inverse transpose, which keeps the outside outside under mirroring.
+        # Normals use the inverse transpose, which keeps the outside outside under mirroring.
         to_world = self.normal_matrices[hits.instance]
         ng = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         ng = normalize(np.einsum("nij,nj->ni", to_world, ng))
         smooth = self.smooth[row]
-        ns = np.einsum("nk,nkj->nj", barycentric, self.normals[row])
-        ns = np.where(smooth[:, None], normalize(np.einsum("nij,nj->ni", to_world, ns)), ng)
+        ns = np.einsum("nij,nj->ni", to_world, np.einsum("nk,nkj->nj", barycentric, self.normals[row]))
+        even = self.uneven[hits.instance]
+        in_world = normalize(np.einsum("nij,nkj->nki", to_world[even], self.normals[row[even]]))
+        ns[even] = np.einsum("nk,nkj->nj", barycentric[even], in_world)
+        ns = np.where(smooth[:, None], normalize(ns), ng)
         wo = -directions
         backfacing = dot(ng, wo) < 0.0
         side = np.where(backfacing, -1.0, 1.0)[:, None]
@@ -224,10 +230,10 @@ class Placed:
 
 
 class Geometry(Placed):
-    """All instances of a scene: rays against them, and what a hit looks like."""
+    """All instances of a scene: intersection, and the surface at a hit."""
 
     def __init__(self, scene: Scene, use_embree: bool | None = None):
-        """``use_embree``: None takes Embree for more than ``EMBREE_TRIANGLES`` triangles, where it is found."""
+        """``use_embree``: None uses Embree for more than ``EMBREE_TRIANGLES`` triangles, if it is found."""
         super().__init__(scene)
         if use_embree is None:
             use_embree = self.triangle_count > EMBREE_TRIANGLES
@@ -235,7 +241,7 @@ class Geometry(Placed):
         if self.rays is None:
             self._expand()
         self.size = self._size()
-        # Origins are moved off their surface by this share of the scene's size: a few roundings of the ray caster.
+        # Origins are moved off their surface by this fraction of the scene's size: a few roundings of the ray caster.
         self.epsilon = (1e-6 if self.rays else 1e-11) * self.size
 
     def _embree(self):
@@ -246,7 +252,7 @@ class Geometry(Placed):
             return None
 
     def _expand(self) -> None:
-        """Every instance's triangles in world space, with where they came from."""
+        """Every instance's triangles in world space, with their origin."""
         rows = [np.arange(len(self.scene.meshes[m].triangles)) for m in self.mesh_of]
         self._instance = np.repeat(np.arange(len(rows)), [len(r) for r in rows]) if rows else np.zeros(0, int)
         self._triangle = np.concatenate([np.zeros(0, int)] + rows)
@@ -278,5 +284,41 @@ class Geometry(Placed):
         return Hits(distance, instance, triangle, u, v)
 
     def offset(self, position: np.ndarray, ng: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """Origins for rays that leave a surface, moved to the side they leave on."""
+        """Origins for rays that leave a surface, moved to the side on which they leave."""
         return position + self.epsilon * np.where(dot(ng, direction) < 0.0, -1.0, 1.0)[:, None] * ng
+
+    def light_start(self, surface: Surface, wi: np.ndarray) -> np.ndarray:
+        """Origins (N, 3) of light rays along ``wi``, as ``kernels/terminator.py`` has them."""
+        start = self.offset(surface.position, surface.ng, wi)
+        cutoffs = np.array([instance.terminator for instance in self.scene.instances])
+        cutoff = np.where(surface.smooth, cutoffs[surface.instance], 0.0) if len(cutoffs) else np.zeros(len(wi))
+        cosine, flat = dot(surface.ns, wi), dot(surface.ng, wi)
+        side = np.where(cosine < 0.0, -1.0, 1.0)
+        cosine, flat, width = side * cosine, side * flat, np.where(cutoff > 0.0, cutoff, 1.0)
+        amount = np.where(cosine < cutoff, 2.0 - (flat + cosine) / width, 1.0 - flat / width)
+        amount = np.clip(np.where(cutoff > 0.0, amount, 0.0), 0.0, 1.0)
+        near = amount > 0.0
+        start[near] += amount[near, None] * self._lift(surface.select(near), side[near])
+        return start
+
+    def _lift(self, surface: Surface, side: np.ndarray) -> np.ndarray:
+        """The way (N, 3) from points of triangles to the curved surfaces that their normals stand for."""
+        row = self.first[self.mesh_of[surface.instance]] + surface.triangle
+        matrix = self.matrices[surface.instance]
+        p = np.einsum("nij,nkj->nki", matrix[:, :3, :3], self.corners[row]) + matrix[:, None, :3, 3]
+        n = normalize(np.einsum("nij,nkj->nki", self.normal_matrices[surface.instance], self.normals[row]))
+        u, v, _ = weights = surface.barycentric.T
+        a, b, c = (
+            ((n[:, i] - n[:, j]) * (p[:, k] - p[:, m])).sum(-1)
+            for i, j, k, m in ((2, 0, 0, 2), (2, 1, 1, 2), (1, 0, 1, 0))
+        )
+        height = a * u * (u - 1.0) + (a + b + c) * u * v + b * v * (v - 1.0)
+        mean = np.einsum("kn,nkj->nj", weights, n)
+        above = np.where(side * dot(mean, surface.ng) > 0.0, 1.0, -1.0)
+        bound = np.full(len(above), np.inf)
+        for corner in range(3):
+            own, normal = p[:, corner], n[:, corner]
+            others = [above * dot(p[:, (corner + step) % 3] - own, normal) for step in (1, 2)]
+            reach = np.maximum(np.maximum(*others), 0.0)
+            bound = np.minimum(bound, np.maximum(above * dot(own - surface.position, normal) + reach, 0.0))
+        return (above * np.maximum(bound, above * 0.5 * height))[:, None] * mean

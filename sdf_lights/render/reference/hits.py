@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a ray caster finds: the nearest hits of many rays."""
+"""Results of a ray caster: the nearest hits of many rays."""
 
 from __future__ import annotations
 

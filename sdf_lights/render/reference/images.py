@@ -10,7 +10,7 @@ from ..images import LARGEST, MISSING, Image, Texture, as_pixels, decoded
 
 
 def _wrap(index: np.ndarray, size: int, extension: str) -> tuple[np.ndarray, np.ndarray]:
-    """Texel index, and whether there is a texel at all: CLIP has none outside."""
+    """Texel index, and whether there is a texel: CLIP has none outside."""
     inside = (index >= 0) & (index < size)
     if extension == "REPEAT":
         return index % size, np.ones_like(inside)
@@ -21,7 +21,7 @@ def _wrap(index: np.ndarray, size: int, extension: str) -> tuple[np.ndarray, np.
 
 
 def _weights(interpolation: str, t: np.ndarray) -> tuple[int, list[np.ndarray]]:
-    """First texel relative to the one at the left, and the weights of it and its followers, at the fraction t."""
+    """First texel relative to the left one, and the weights of it and its successors, at the fraction t."""
     if interpolation == "Linear":
         return 0, [1.0 - t, t]
     cubes = (1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3  # uniform cubic B-spline
@@ -29,7 +29,7 @@ def _weights(interpolation: str, t: np.ndarray) -> tuple[int, list[np.ndarray]]:
 
 
 def interpolated(pixels: np.ndarray, u: np.ndarray, v: np.ndarray, interpolation: str, extension: str) -> np.ndarray:
-    """(N, channels) of ``pixels`` (height, width, channels) as they are. Outside of a clipped image all is 0."""
+    """(N, channels) of ``pixels`` (height, width, channels) as stored. Outside of a clipped image everything is 0."""
     height, width, channels = pixels.shape
     result = np.zeros((len(u), channels))
     finite = np.isfinite(u) & np.isfinite(v)
@@ -71,7 +71,7 @@ def _image(image: Image, u: np.ndarray, v: np.ndarray, texture: Texture) -> np.n
 
 
 def lookup(images: list[Image], texture: Texture, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Scene-linear RGBA (N, 4) of a texture; magenta where it has no image."""
+    """Scene-linear RGBA (N, 4) of a texture; magenta without an image."""
     choice = [(texture.image, np.ones(len(u), bool), 0.0, 0.0)]
     if texture.tiles:
         u, v = (np.where(np.isfinite(x), x, -1.0) for x in (u, v))

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Path tracing of a wave of rays: every step is one NumPy expression over all paths that are still alive.
+"""Path tracing of a wave of rays: every step is one NumPy expression over all live paths.
 
-Light sampling and BSDF sampling are joined by the balance heuristic, each emitter for itself. At a vertex up to
-``SPLIT`` emitters are sampled, each of them once where there are no more than that: choosing one at random would
-only add noise.
+The balance heuristic combines light sampling and BSDF sampling, for each emitter separately. At a vertex up to
+``SPLIT`` emitters are sampled, each of them once if there are no more than that: choosing one at random would only add
+noise.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ FIRST_ROULETTE = 3
 
 @dataclass
 class Paths:
-    """Paths that are alive, as rows of arrays. ``sample`` is the row of ``Samples`` that a path adds to.
+    """Live paths, as rows of arrays. ``sample`` is the row of ``Samples`` to which a path adds.
 
-    ``origin`` is where it last scattered, with the density ``pdf`` (0: singular, or the camera) and as the kind of ray
-    ``kind``. ``near`` is how far along the ray it has come through transparent surfaces, ``start`` the point there.
+    ``origin`` is the point of the last scattering, with the density ``pdf`` (0: singular, or the camera), and ``kind``
+    the kind of ray. ``near`` is the distance along the ray through transparent surfaces so far, ``start`` the point
+    there.
     """
 
     sample: np.ndarray
@@ -51,9 +52,9 @@ class Paths:
     kind: np.ndarray
     bounces: np.ndarray  # (N, 5): all, diffuse, glossy, transmission, transparent
     last: np.ndarray  # only gathers emission
-    catches: np.ndarray  # has met a shadow catcher
-    least_pdf: np.ndarray  # of the directions drawn so far that are not singular
-    light_set: np.ndarray  # of the instance where it last scattered; EVERY_SET for the camera
+    catches: np.ndarray  # has hit a shadow catcher
+    least_pdf: np.ndarray  # of all directions so far that are not singular
+    light_set: np.ndarray  # of the instance of the last scattering; EVERY_SET for the camera
 
     def select(self, rows: np.ndarray) -> "Paths":
         """Some of the paths, given as indices or as a mask."""
@@ -68,10 +69,10 @@ EVERY_SET = -1
 
 
 def competes(visibility: Ray, control: Control = NO_CONTROL) -> bool:
-    """Whether every scattered ray can meet an emitter, so that light sampling and BSDF sampling share its light.
+    """Whether every scattered ray can hit an emitter, so that light sampling and BSDF sampling share its light.
 
-    One that is hidden from some of them is left to light sampling, and to singular scattering; so is one whose shadows not
-    all cast.
+    An emitter hidden from some rays is left to light sampling, and to singular scattering; so is one with shadow
+    linking.
     """
     scattered = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION
     return visibility & scattered == scattered and control.blockers == ALL_SETS and not control.sampled_only
@@ -85,20 +86,20 @@ def is_lit(receivers: int, light_set: np.ndarray) -> np.ndarray:
 
 
 class Samples:
-    """What one sample of each of ``count`` pixels adds to the passes."""
+    """The contribution of one sample of each of ``count`` pixels to the passes."""
 
     def __init__(self, count: int):
         self.combined, self.lamps, self.emission, self.environment = np.zeros((4, count, 3))
         self.position, self.normal, self.albedo, self.diffuse_albedo = np.zeros((4, count, 3))
         self.alpha, self.depth, self.found = np.ones(count), np.zeros(count), np.zeros(count, bool)
-        # Of shadow catchers: see ``passes.CATCHER_SUMS``, and the light of paths that have met one.
+        # Of shadow catchers: see ``passes.CATCHER_SUMS``, and the light of paths that have hit one.
         self.bare, self.backdrop, self.light = np.zeros((3, count, 3))
         self.caught, self.uncaught = np.zeros(count, bool), np.zeros(count)
 
 
 class Integrator:
-    """Everything of a scene that paths meet. ``use_embree`` as in ``Geometry``; ``bare``: the scene has only the shadow catchers
-    of another one."""
+    """The scene in the form that paths need. ``use_embree`` as in ``Geometry``; ``bare``: the scene has only the shadow
+    catchers of another one."""
 
     def __init__(self, scene: Scene, use_embree: bool | None = None, bare: bool = False):
         scene = without_strands(scene, "The NumPy reference")
@@ -123,7 +124,7 @@ class Integrator:
         self.light_sets = np.array([instance.light_set for instance in instances] or [0], int)
         self.shadow_linking = any(instance.blockers != ALL_SETS for instance in instances)
         self.triangles = self._emissive_triangles()
-        # What light sampling chooses from.
+        # The emitters for light sampling.
         self.emitters = [*self.lamps, *self.lights]
         if not self.sky.black:
             self.emitters.append(self.sky)
@@ -137,7 +138,7 @@ class Integrator:
         self._caught: list[tuple[Paths, Hits]] = []
 
     def _emissive_triangles(self) -> Triangles | None:
-        """The emissive triangles that light sampling knows of; others are found by chance only."""
+        """The emissive triangles for light sampling; others are found only by chance."""
         geometry, instances, triangles, corners = self.geometry, [], [], []
         for index, instance in enumerate(self.scene.instances):
             rows = np.arange(len(self.scene.meshes[instance.mesh].triangles))
@@ -182,7 +183,7 @@ class Integrator:
         return samples if self.bare is None else self._trace_catchers(samples, rng, stop)
 
     def _trace_catchers(self, samples: Samples, rng: np.random.Generator, stop) -> Samples | None:
-        """Follow the paths that have met catchers where there are only these."""
+        """Follow the paths that have hit catchers through the scene with only catchers."""
         alone = Samples(len(samples.alpha))
         for paths, hits in self._caught:
             paths = self.bare._meet(paths, hits, paths.near + hits.distance, alone, rng)
@@ -196,7 +197,7 @@ class Integrator:
         return samples
 
     def _catch(self, paths: Paths, hits: Hits, samples: Samples) -> None:
-        """Keep those of the paths that meet their first shadow catcher."""
+        """Keep the paths that hit their first shadow catcher."""
         met = (paths.kind == Ray.CAMERA) & self.catchers[hits.instance] & ~self.holdout[hits.instance] & ~paths.catches
         if self.bare is None or not met.any():
             return
@@ -210,7 +211,7 @@ class Integrator:
         paths.catches = paths.catches | met
 
     def _step(self, paths: Paths, samples: Samples, rng: np.random.Generator) -> Paths:
-        """Carry all paths to their next surface, gather light, scatter; the paths that go on."""
+        """Trace all paths to their next surface, add emission, scatter; returns the continuing paths."""
         hits = self.geometry.intersect(paths.start, paths.direction, paths.far - paths.near, paths.kind)
         end = np.minimum(paths.near + hits.distance, paths.far)
         self._gather_emitters(paths, end, samples)
@@ -222,7 +223,7 @@ class Integrator:
         return self._meet(paths, hits, end, samples, rng)
 
     def _meet(self, paths: Paths, hits: Hits, end: np.ndarray, samples: Samples, rng: np.random.Generator) -> Paths:
-        """Scatter paths where they have hit surfaces, at the distances ``end``; those that go on."""
+        """Scatter paths at the surfaces that they have hit, at the distances ``end``; returns the continuing ones."""
         surface = self.geometry.surface(hits, paths.direction)
         surface.ray_kind, surface.depth, surface.ray_pdf = paths.kind, paths.bounces, paths.pdf
         surface.ray_singular = (paths.pdf <= 0.0) & (paths.kind != Ray.CAMERA)
@@ -250,7 +251,7 @@ class Integrator:
     def _weight(
         self, paths: Paths, light_pdf: np.ndarray, visibility: Ray = Ray.ALL, control: Control = NO_CONTROL
     ) -> np.ndarray:
-        """Balance heuristic for emission that rays have met, of the density ``paths.pdf``; 1 where that is 0."""
+        """Balance heuristic for emission that rays have hit, with the density ``paths.pdf``; 1 if that is 0."""
         pdf = paths.pdf
         if not competes(visibility, control):
             return np.where(pdf > 0.0, 0.0, 1.0)
@@ -259,13 +260,13 @@ class Integrator:
         return np.where((pdf > 0.0) & (paths.bounces[:, 0] - 1 > control.max_bounces), 0.0, weight)
 
     def _sees(self, paths: Paths, emitter, control: Control) -> np.ndarray:
-        """(N,) whether the rays can meet an emitter."""
+        """(N,) whether the rays can hit an emitter."""
         kinds = emitter.visibility & (Ray.CAMERA if control.sampled_only else Ray.ALL)
         return ((paths.kind & kinds) != 0) & is_lit(control.receivers, paths.light_set)
 
     @property
     def _share(self) -> float:
-        """How often light sampling samples an emitter at a vertex, on average."""
+        """Mean number of light samples of an emitter at a vertex."""
         return min(len(self.emitters), SPLIT) / max(len(self.emitters), 1)
 
     def _contribute(
@@ -334,7 +335,8 @@ class Integrator:
         self._contribute(paths, shading.emission * weight[:, None], paths.bounces[:, 0], samples)
 
     def _surface_weight(self, paths: Paths, surface: Surface, density: np.ndarray) -> np.ndarray:
-        """As ``_weight``, of the emissive triangles that were met: each instance has its own visibility and linking."""
+        """As ``_weight``, for the emissive triangles that were hit: each instance has its own visibility and
+        linking."""
         weight = np.ones(len(density))
         for index in np.unique(surface.instance) if len(density) else ():
             instance, rows = self.scene.instances[index], np.flatnonzero(surface.instance == index)
@@ -420,7 +422,8 @@ class Integrator:
         self._contribute(paths, light, paths.bounces[:, 0] + 1, samples, lamp=spans is not None)
 
     def _scattered(self, shading: Shading, wi: np.ndarray, emitter, owner: np.ndarray | None):
-        """``shading.evaluate`` of the light of an emitter; of emissive triangles, ``owner`` (N,) is their instance."""
+        """``shading.evaluate`` for the light of an emitter; for emissive triangles, ``owner`` (N,) is their
+        instance."""
         if owner is None:
             return shading.evaluate(wi, emitter.visibility)
         scattered, pdf = np.zeros(wi.shape), np.zeros(len(wi))
@@ -431,7 +434,8 @@ class Integrator:
         return scattered, pdf
 
     def _casters(self, control: Control, owner: np.ndarray | None, count: int) -> np.ndarray | None:
-        """(N, instances) which of them cast the shadows of an emitter, or of the triangles of an ``owner``; None: all do."""
+        """(N, instances) which of them cast the shadows of an emitter, or of the triangles of an ``owner``; None: all
+        do."""
         if owner is None and control.blockers == ALL_SETS or owner is not None and not self.shadow_linking:
             return None
         sets = [instance.shadow_set for instance in self.scene.instances]
@@ -442,13 +446,13 @@ class Integrator:
     def _march(
         self, paths: Paths, surface: Surface, wi: np.ndarray, end: np.ndarray, casts: np.ndarray | None, radiance=None
     ) -> np.ndarray:
-        """Transmittance (N, 3) of transparent surfaces, as many as the ``paths`` have left, from ``surface`` to the distance ``end`` along ``wi``; with
-        ``radiance(start, end)``, that along the way instead, each part of it times the transmittance up to there.
-        ``casts`` as of ``_casters``."""
+        """Transmittance (N, 3) of transparent surfaces, as many as the ``paths`` may still pass, from ``surface`` to
+        the distance ``end`` along ``wi``. With ``radiance(start, end)``, instead the radiance along the way, each part
+        times the transmittance up to there. ``casts`` as in ``_casters``."""
         count = len(end)
         transmittance, light = np.ones((count, 3)), np.zeros((count, 3))
         near, alive = np.zeros(count), np.arange(count)
-        start = self.geometry.offset(surface.position, surface.ng, wi)
+        start = self.geometry.light_start(surface, wi)
         left = np.maximum(self.settings.transparent_bounces - paths.bounces[:, 4], 0)
         while len(alive):
             mask = np.full(len(alive), int(Ray.SHADOW))
@@ -475,7 +479,8 @@ class Integrator:
     # --- scattering ---------------------------------------------------------------------------------------------------
 
     def _emerge(self, paths: Paths, surface: Surface, entered: list, wi, weight, samples: Samples, rng) -> Paths:
-        """The paths that go on from where light leaves that has ``entered`` surfaces along wi, and is lit there."""
+        """The paths that continue from the exits of light that has ``entered`` surfaces along wi; lights are sampled
+        there."""
         emerged = [paths.select(np.zeros(0, int))]
         for rows, lobe in entered:
             alive = ~paths.last[rows] & (weight[rows].max(1) > 0.0)
@@ -497,7 +502,7 @@ class Integrator:
     def _scatter(
         self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples, rng
     ) -> Paths:
-        """The paths that go on from their surfaces. Those that only gather emission go straight on or not at all."""
+        """The paths that continue from their surfaces. Those that only gather emission go straight on or end."""
         wi, weight, pdf, kind = shading.sample(rng)
         below = ~paths.last & ((kind & INSIDE) != 0)
         if below.any():
@@ -508,7 +513,7 @@ class Integrator:
 
     def _go_on(self, paths: Paths, surface: Surface, shading: Shading, end, wi, weight, pdf, kind, rng) -> Paths:
         """The paths that are scattered along wi, or go straight on."""
-        # Paths that only gather emission go straight on, or by chance where there is a portal.
+        # Paths that only gather emission go straight on; with a portal, by chance.
         gathers = paths.last & ~shading.portal
         straight, through = gathers | (kind == 0), ~gathers & (kind == THROUGH_PORTAL)
         passes = straight | through

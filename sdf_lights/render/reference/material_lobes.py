@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the graph of a material to lobes, with the layers of Principled stacked from the top as Cycles does."""
+"""From the graph of a material to lobes, with the layers of Principled stacked from the top as in Cycles."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from .special_materials import (
 from .subsurface import scattering
 from .vectors import dot, normalize
 
-CUTOFF = 1e-5  # lobes of less weight are left out
+CUTOFF = 1e-5  # lobes with less weight are left out
 LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
 
 
@@ -82,7 +82,7 @@ def cosine_axis(cosine: np.ndarray) -> np.ndarray:
 
 
 def leaves(node, points: Points, weight: np.ndarray) -> Iterator[tuple[Node, np.ndarray]]:
-    """Closure nodes below ``node`` other than Mix and Add, with their weights (N,)."""
+    """Closure nodes below ``node``, without Mix and Add, with their weights (N,)."""
     if not isinstance(node, Node) or not np.any(weight):
         return
     if node.kind == "mix_closure":
@@ -105,14 +105,14 @@ class Builder:
         self.lobes: list[Lobe] = []
 
     def build(self, surface) -> None:
-        """Add all closures of the node that a material ends in."""
+        """Add all closures of the material's last node."""
         if surface is not None and not isinstance(surface, Node):
             surface = Node("emission", {"color": surface})
         for node, weight in leaves(surface, self.points, np.ones(self.points.count)):
             method = getattr(self, "_" + node.kind, None)
             if node.kind in bsdfs.NODES:
                 bsdfs.NODES[node.kind](self, node, weight[:, None])
-            elif method is None:  # a value where a closure is wanted is light, as in Blender
+            elif method is None:  # a value at a closure input is light, as in Blender
                 self.emission += weight[:, None] * self.points.value(node, 3)
             else:
                 method(node, weight[:, None])
@@ -122,7 +122,7 @@ class Builder:
         return np.maximum(self.points.input(node, name), 0.0)
 
     def fraction(self, node: Node, name: str) -> np.ndarray:
-        """An input held to 0 … 1."""
+        """An input clamped to 0 … 1."""
         return np.clip(self.points.input(node, name), 0.0, 1.0)
 
     # --- closures of one lobe -----------------------------------------------------------------------------------------
@@ -137,7 +137,7 @@ class Builder:
         self.lobes.append(Straight(weight * self.color(node), self.surface.ns))
 
     def _translucent(self, node, weight):
-        # As in Cycles, though nothing mirrors here.
+        # As in Cycles, although nothing is mirrored here.
         normal = specular_normal(self.surface, self.points.normal(node))
         self.lobes.append(Translucent(weight * self.color(node), normal))
 
@@ -302,7 +302,7 @@ class Builder:
         return self.table("reflection", cosine_axis(dot(normal, self.surface.wo)), roughness)[:, None]
 
     def _gain(self, normal, roughness, single, ior=None):
-        """Factor that gives back what single scattering loses: Turquin 2019, coloured as in Kulla and Conty 2017.
+        """Factor that compensates the loss of single scattering: Turquin 2019, coloured as in Kulla and Conty 2017.
 
         ``single`` (N, 3) is the average reflectance of one bounce; with ``ior`` that of glass.
         """
@@ -365,7 +365,7 @@ class Builder:
         self._add_diffuse(weight, base, self.fraction(node, "diffuse_roughness"), normal)
 
     def _add_pane(self, node, weight, normal, roughness, ior, tint, color):
-        """A thin wall as OpenPBR 1.1 has it: any number of bounces between its sides."""
+        """A thin wall as in OpenPBR 1.1: any number of bounces between its sides."""
         white, cosine = np.ones_like(color), dot(normal, self.surface.wo)
         film = self.points.input(node, "thin_film_thickness")
         side = as_facets(
@@ -425,7 +425,7 @@ class Builder:
             )
 
     def _principled_below(self, node, weight, color, roughness, ior):
-        """Scattering below the surface, or within a thin wall; the weight of what is diffuse."""
+        """Subsurface scattering, or scattering in a thin wall. Returns the weight of the diffuse part."""
         points, amount = self.points, self.fraction(node, "subsurface_weight")[:, None]
         if not np.any(amount > CUTOFF):
             return weight
@@ -449,12 +449,13 @@ class Builder:
         return weight * (1.0 - amount)
 
     def _below(self, weight, reflected):
-        """What a layer that reflects ``reflected`` leaves of ``weight``: the same share of all colours."""
+        """The rest of ``weight`` below a layer that reflects ``reflected``: the same fraction for all colours."""
         share = np.where(weight > 0.0, reflected / np.where(weight > 0.0, weight, 1.0), 0.0)
         return weight * np.clip(1.0 - share.max(1, keepdims=True), 0.0, 1.0)
 
     def _layer(self, weight, normal, roughness, ior, f0, compensated, node=None):
-        """A clear reflecting layer; the weight of what lies below it. ``node`` may make it anisotropic, and add a film."""
+        """A clear reflecting layer. Returns the weight of the layers below. ``node`` may make it anisotropic, and add a
+        film."""
         f0 = np.clip(f0, 0.0, 1.0)
         lobe = Microfacet(
             weight,
@@ -491,7 +492,7 @@ class Builder:
             reflected = np.where(film, smooth * e, reflected)
         lobe.weight, lobe.albedo = weight * gain, weight * gain * reflected
         self.lobes.append(lobe)
-        # As in Cycles, a layer that loses energy takes as much from what is below as one that does not.
+        # As in Cycles, a layer that loses energy takes as much from the layers below as one that does not.
         return self._below(weight, lobe.albedo if compensated else lobe.albedo / e)
 
     def _metal(self, node, weight, normal, roughness, color, tint):
@@ -529,7 +530,7 @@ class Builder:
         return self._below(weight, own)
 
     def _add_sheen(self, weight, normal, roughness):
-        """Add sheen of a weight; what it reflects of it."""
+        """Add sheen of a weight. Returns its reflection."""
         y = np.clip(roughness, LOWEST_SHEEN, 1.0)
         x = np.clip(dot(normal, self.surface.wo), 0.0, 1.0)
         # Fits of MaterialX 1.39 to the tables of Zeltner et al. 2022: albedo and the inverse transform.

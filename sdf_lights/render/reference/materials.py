@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All materials of a scene: what surfaces emit, let through and scatter, by the lobes of ``material_lobes``."""
+"""All materials of a scene: emission, transmission and scattering of surfaces, by the lobes of ``material_lobes``."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from .vectors import dot, normalize
 
 
 class Shading:
-    """What surfaces emit, let through and scatter: lobes for each group of rows that share a material."""
+    """Emission, transmission and scattering of surfaces: lobes for each group of rows that share a material."""
 
     def __init__(self, surface: Surface):
         self.surface = surface
         count = len(surface.distance)
         self.emission, self.transparency, self.albedo, self.diffuse_albedo = np.zeros((4, count, 3))
         self.holdout, self.scatters, self.portal = np.zeros(count), np.zeros(count, bool), np.zeros(count, bool)
-        self.exit = surface.position.copy()  # from where a ray goes on that ``sample`` has sent through a portal
+        self.exit = surface.position.copy()  # origins of rays that ``sample`` has sent through a portal
         self.groups: list[tuple[np.ndarray, list[Lobe]]] = []
         self.entered: list[tuple[np.ndarray, Subsurface]] = []  # rows that ``sample`` has sent below the surface
 
@@ -55,7 +55,7 @@ class Shading:
         return result
 
     def darken_microfacets(self, after_diffuse: np.ndarray, reflective: bool, refractive: bool) -> None:
-        """Take reflection or refraction from microfacets where ``after_diffuse`` (N,): caustics that are switched off."""
+        """Remove reflection or refraction from microfacets where ``after_diffuse`` (N,): caustics switched off."""
         if reflective and refractive:
             return
         for rows, lobes in self.groups:
@@ -92,8 +92,8 @@ class Shading:
         return value, pdf
 
     def sample(self, rng: np.random.Generator):
-        """(wi, f · |cos| / pdf, pdf, kind); weight 0: nothing was drawn. pdf is 0 for singular directions, kind 0 for
-        what goes straight through, THROUGH_PORTAL for what goes on from ``exit``."""
+        """(wi, f · |cos| / pdf, pdf, kind); weight 0: nothing was drawn. pdf is 0 for singular directions. kind is 0
+        for straight transmission, THROUGH_PORTAL for rays that continue from ``exit``."""
         count = len(self.holdout)
         wi, weight, pdf, kind = -self.surface.wo, np.zeros((count, 3)), np.zeros(count), np.zeros(count, int)
         self.entered = []
@@ -151,7 +151,7 @@ def _sample(surface: Surface, lobes: list[Lobe], rng: np.random.Generator):
         wi[rows], kind[rows] = direction, lobe.kind(direction)
         if isinstance(lobe, Portal):
             exit_[rows] = lobe.position
-        # A direction must leave on the side that its kind says, whatever the shading normal is.
+        # A direction must leave on the side of its kind, for any shading normal.
         through = (kind[rows] & Ray.TRANSMISSION) != 0
         free = (kind[rows] == 0) | (kind[rows] == THROUGH_PORTAL)
         valid = (probability > 0.0) & (free | ((dot(part.ng, direction) < 0.0) == through))
@@ -160,7 +160,7 @@ def _sample(surface: Surface, lobes: list[Lobe], rng: np.random.Generator):
         seen, _ = lobe.evaluate(part.wo, direction)
         own = lobe.whole(part.wo, direction)[0] if isinstance(lobe, (Hair, Chiang)) else seen
         shadowing = _bump_shadowing(part, lobe, direction)[:, None]
-        darkened = lobe.diffuse and not isinstance(lobe, Translucent)  # as Cycles has it
+        darkened = lobe.diffuse and not isinstance(lobe, Translucent)  # as in Cycles
         total = total + lobe.weight * (own * (shadowing if darkened else 1.0) - seen * shadowing)
         alone = lobe.weight * value / np.where(valid, pick[rows] * probability, 1.0)[:, None]
         mixed = total / np.where(density > 0.0, density, 1.0)[:, None]
@@ -170,7 +170,7 @@ def _sample(surface: Surface, lobes: list[Lobe], rng: np.random.Generator):
 
 
 class Materials:
-    """All materials of a scene. ``emissive`` (materials,) says whose triangles light sampling looks for."""
+    """All materials of a scene. ``emissive`` (materials,) marks those whose triangles light sampling uses."""
 
     def __init__(self, scene: Scene, geometry: Geometry):
         self.scene, self.geometry, self.table = scene, geometry, Table()
@@ -185,7 +185,8 @@ class Materials:
             yield index, np.flatnonzero(material == index)
 
     def shade(self, surface: Surface, footprint: np.ndarray, rng: np.random.Generator | None = None) -> Shading:
-        """``footprint`` (N,) is the width of a pixel's ray at each point in metres. Without ``rng`` nodes send no rays."""
+        """``footprint`` (N,) is the width of a pixel's ray at each point in metres. Without ``rng`` nodes trace no
+        rays."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
             part = surface.select(rows)
@@ -212,7 +213,7 @@ class Materials:
         return shading
 
     def exits(self, surface: Surface, footprint: np.ndarray) -> Shading:
-        """White diffuse surfaces where light leaves from below; bumped as what it has scattered in would be there."""
+        """White diffuse surfaces where light leaves from below, with the bump of the subsurface closures there."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
             part, normal = surface.select(rows), surface.ns[rows]
@@ -238,7 +239,7 @@ class Materials:
         return shading
 
     def transparency(self, surface: Surface) -> np.ndarray:
-        """What passes straight through (N, 3)."""
+        """Straight transmission (N, 3)."""
         result = np.zeros((len(surface.distance), 3))
         for index, rows in self._groups(surface):
             if self.clear[index]:
@@ -250,7 +251,7 @@ class Materials:
         return result
 
     def _clear(self, points: Points, graph: Graph) -> np.ndarray:
-        """What passes straight through, and portals where anything does (N, 3)."""
+        """Straight transmission, and portals where anything is transmitted (N, 3)."""
         portals, clear = np.zeros((2, points.count, 3))
         for node, weight in leaves(graph.surface, points, np.ones(points.count)):
             if node.kind == "transparent":

@@ -24,13 +24,13 @@ from .geometry import Placed, Surface
 from .images import lookup
 from .vectors import normalize
 
-# Bump mapping takes differences over this part of a pixel, as Blender does, or over this many metres where a pixel's
+# Bump mapping takes differences over this fraction of a pixel, as in Blender, or over this many metres if a pixel's
 # width is unknown.
 BUMP_FILTER, BUMP_DISTANCE = 0.1, 1e-4
 
 
 class Graph:
-    """The closures of a material with numbers for its parameters; of attributes, tables and textures these are places in
+    """The closures of a material with numbers for its parameters; attributes, tables and textures become indices in
     lists."""
 
     def __init__(self, material: Material):
@@ -47,7 +47,7 @@ class Graph:
         self.formulas = list(dict.fromkeys(self._formulas()))
 
     def _folded(self, value):
-        """A value of an input with constants for what is constant."""
+        """A value of an input in which constant parts are constants."""
         if isinstance(value, Node):
             if id(value) not in self._nodes:
                 inputs = {name: self._folded(entry) for name, entry in value.inputs.items()}
@@ -63,7 +63,7 @@ class Graph:
         return value
 
     def nodes(self) -> Iterator[Node]:
-        """Every closure that can be reached."""
+        """Every reachable closure."""
         pending, seen = [self.surface], set()
         while pending:
             node = pending.pop()
@@ -81,7 +81,8 @@ class Graph:
 
 
 class Points(Inputs):
-    """Points on surfaces that share a material, and the values of its formulas there. Without ``rng`` nodes send no rays."""
+    """Points on surfaces that share a material, and the values of its formulas there. Without ``rng`` nodes trace no
+    rays."""
 
     def __init__(
         self,
@@ -101,7 +102,7 @@ class Points(Inputs):
     # --- inputs of closures -------------------------------------------------------------------------------------------
 
     def input(self, node: Node, name: str) -> np.ndarray:
-        """Values of an input, (N,) or (N, 3) as its default is."""
+        """Values of an input, (N,) or (N, 3) like its default."""
         return self.value(node[name], 1 if isinstance(NODES[node.kind][name], float) else 3)
 
     def value(self, value, width: int) -> np.ndarray:
@@ -112,19 +113,19 @@ class Points(Inputs):
         if isinstance(value, Formula):
             array = np.broadcast_to(self._values[value], self.count)
             return array if width == 1 else np.repeat(array[:, None], 3, 1)
-        if isinstance(value, Node):  # a closure where a value is wanted has none: black
+        if isinstance(value, Node):  # a closure at a value input has no value: black
             value = 0.0
         array = np.asarray(value, float)
         return np.full(self.count, float(array.mean())) if width == 1 else np.broadcast_to(array, (self.count, 3))
 
     def normal(self, node: Node, name: str = "normal") -> np.ndarray:
-        """Unit normals of an input; the shading normal where it has none."""
+        """Unit normals of an input; the shading normal if it has none."""
         if node[name] is None:
             return self.surface.ns
         return self.unit_or_own(self.value(node[name], 3))
 
     def unit_or_own(self, vectors: np.ndarray) -> np.ndarray:
-        """Vectors (N, 3) as unit normals; the shading normal where they vanish."""
+        """Vectors (N, 3) as unit normals; the shading normal if they vanish."""
         given = normalize(vectors)
         square = (given * given).sum(-1)
         return np.where((square > 0.5)[:, None], given, self.surface.ns)
@@ -231,7 +232,7 @@ class Points(Inputs):
         return np.array(rows, float).reshape(-1, 9)[place.ravel()].T
 
     def _seen(self, *vector):
-        """As the camera sees it: x to the right, y up, z into the picture."""
+        """In the view of the camera: x to the right, y up, z into the picture."""
         matrix = np.asarray(self.geometry.scene.camera.matrix, float)[:3, :3]
         return (np.stack(vector, -1) @ matrix * (1.0, 1.0, -1.0)).T
 
@@ -239,7 +240,7 @@ class Points(Inputs):
         return self._camera_axes() @ self._seen(*vector)
 
     def _camera_axes(self) -> np.ndarray:
-        """(3, 3) from what ``_seen`` gives to the camera space of nodes."""
+        """(3, 3) from the result of ``_seen`` to the camera space of nodes."""
         projection = self.geometry.scene.camera.projection
         if projection is Projection.MIRROR_BALL:
             return np.array([(1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)])
@@ -340,7 +341,7 @@ class Points(Inputs):
 
 
 def _four(values: np.ndarray) -> np.ndarray:
-    """(N, 4) of (N, 1 to 4): a single number is grey, and what is missing of alpha is 1."""
+    """(N, 4) from (N, 1 to 4): a single number is grey, and a missing alpha is 1."""
     count, width = values.shape
     if width == 4:
         return values

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays that nodes of materials send out, over arrays of points: occlusion, bevels, what lies in a direction.
+"""Rays that nodes of materials trace, over arrays of points: occlusion, bevels, hits in a direction.
 
-Directions are unit vectors, (N, 3), distances (N,) metres. ``local``: only the point's own object is met.
+Directions are unit vectors, (N, 3), distances (N,) metres. ``local``: only the point's own object is hit.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from ..scene import Ray
 from .geometry import Geometry, Hits, Surface
 from .vectors import cosine_hemisphere, dot, frame, normalize
 
-SHARP = 8.0  # density from which on a bevel is seen in what a ray has been scattered to
-PAST_SHIFT = 1.1  # a ray of a bump's shifted point begins so many times as far away as that has moved
+SHARP = 8.0  # density from which on a scattered ray sees a bevel
+PAST_SHIFT = 1.1  # a ray from a bump's shifted point begins this many times the shift away
 
 
 def _next(geometry: Geometry, local: bool, instance: np.ndarray, origins, directions, near, far, kind: Ray) -> Hits:
-    """Nearest hits beyond the distance ``near``, which count from the origins."""
+    """Nearest hits beyond the distance ``near``, measured from the origins."""
     near, far = np.array(near, float), np.broadcast_to(far, len(origins))
     result, going = Hits.none(len(origins)), np.flatnonzero(near < far)
     result = Hits(*(np.array(array) for array in vars(result).values()))
@@ -36,7 +36,7 @@ def _next(geometry: Geometry, local: bool, instance: np.ndarray, origins, direct
 
 
 def occlusion(geometry: Geometry, surface: Surface, rng, local: bool, distance, samples, direction) -> np.ndarray:
-    """Part (N,) of ``samples`` rays around ``direction``, by its cosine, that meet nothing up to ``distance``."""
+    """Fraction (N,) of ``samples`` cosine-distributed rays around ``direction`` that hit nothing up to ``distance``."""
     result = np.ones(len(distance))
     for count in np.unique(samples.astype(int)):
         rows = np.flatnonzero((samples.astype(int) == count) & (distance > 0.0))
@@ -66,7 +66,7 @@ def _falloff(radius: np.ndarray, r: np.ndarray) -> np.ndarray:
 
 
 def _falloff_radius(u: np.ndarray) -> np.ndarray:
-    """Distance on the unit disk within which the part u of ``_falloff`` lies, by bisection."""
+    """Distance on the unit disk within which the fraction u of ``_falloff`` lies, by bisection."""
     low, high = np.zeros(len(u)), np.ones(len(u))
     for _ in range(50):
         x = 0.5 * (low + high)
@@ -76,7 +76,7 @@ def _falloff_radius(u: np.ndarray) -> np.ndarray:
 
 
 def bevel(geometry: Geometry, surface: Surface, rng, radius, samples, own: np.ndarray) -> np.ndarray:
-    """Mean normals (N, 3) of the object around points, up to ``radius``; ``own`` where there is nothing to see."""
+    """Mean normals (N, 3) of the object around points, up to ``radius``; ``own`` if nothing is found."""
     result = own.copy()
     blurred = (surface.depth[:, 1] > 0) | (surface.ray_pdf > 0.0) & (surface.ray_pdf < SHARP)
     for count in np.unique(samples.astype(int)):
@@ -94,7 +94,7 @@ def bevel(geometry: Geometry, surface: Surface, rng, radius, samples, own: np.nd
 def _probe(geometry: Geometry, surface: Surface, radius: np.ndarray, rng) -> np.ndarray:
     """Sum (N, 3) of the weighted normals that one ray through the sphere around each point finds.
 
-    King et al. 2013, "BSSRDF importance sampling": of three axes, joined by the power heuristic.
+    King et al. 2013, "BSSRDF importance sampling": three axes, combined by the power heuristic.
     """
     count = len(radius)
     axes = np.stack([surface.ng, *frame(surface.ng)], 1)

@@ -84,7 +84,7 @@ class Velvet(Lobe):
 
 
 class Pane(Microfacet):
-    """What a thin pane transmits: what it would reflect, on the other side. Its normal is that of the surface."""
+    """Transmission of a thin pane: its reflection, on the other side. Its normal is that of the surface."""
 
     def _mirrored(self, w):
         return w - 2.0 * dot(self.normal, w)[:, None] * self.normal

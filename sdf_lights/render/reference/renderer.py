@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference as ``session`` sees it: waves of samples, traced and added to the film."""
+"""The reference for ``session``: waves of samples, traced and added to the film."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WAVE = 8192
 class ReferenceRenderer:
     """Renders ``scene`` into ``film``; an ``interfaces.InteractiveBackEnd``.
 
-    ``use_embree`` as in ``Geometry``: None takes Embree for all but small scenes.
+    ``use_embree`` as in ``Geometry``: None uses Embree for all but small scenes.
     """
 
     name = "NumPy reference"
@@ -42,22 +42,23 @@ class ReferenceRenderer:
         self.ready = True
 
     def update_lights(self, scene: Scene) -> None:
-        """Take the lamps and lights of ``scene``, which is otherwise the same as before."""
+        """Take the lamps and lights of ``scene``, which is otherwise unchanged."""
         self._scene = scene
         self._integrator = Integrator(scene, self._use_embree)
 
     def update_camera(self, scene: Scene, film: Film) -> None:
-        """Take the camera and the settings of ``scene``, the rays that its lamps are visible to, and another film."""
+        """Take the camera, the settings and the ray visibility of lamps of ``scene``, and another film."""
         self._film, self._seed, self._scene = film, scene.settings.seed, scene
         self._integrator = Integrator(scene, self._use_embree)
 
     def interrupt(self) -> None:
-        """Nothing to do: ``stop`` is asked often enough."""
+        """Nothing to do: ``stop`` is polled often enough."""
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
-        """Add samples ``first`` to ``first + count − 1`` to every active pixel. False if stopped before the end.
+        """Add samples ``first`` to ``first + count − 1`` to every active pixel. Returns False if stopped before the
+        end.
 
-        The picture depends on the seed and on ``first`` and ``count`` of the calls, and on nothing else.
+        The picture depends only on the seed and on ``first`` and ``count`` of the calls.
         """
         film, shutter = self._film, self._scene.shutter
         active = np.flatnonzero(film.active)
@@ -66,7 +67,7 @@ class ReferenceRenderer:
                 return False
         else:
             rows = active // film.width
-            # All pixels of a sample have one time, or those of a line where the shutter rolls.
+            # All pixels of a sample share one time; with a rolling shutter, those of a line.
             groups = [active] if shutter.rolling is None else [active[rows == row] for row in np.unique(rows)]
             for index in range(first, first + count):
                 for pixels in groups:
@@ -79,14 +80,15 @@ class ReferenceRenderer:
         return True
 
     def _part(self, index: int) -> float:
-        """Part of the exposure at which sample ``index`` is taken: van der Corput's sequence, moved by chance."""
+        """Fraction of the exposure at which sample ``index`` is taken: van der Corput's sequence with a random
+        shift."""
         rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([self._seed, 1])))
         return (int(f"{index:032b}"[::-1], 2) / 2**32 + rng.random()) % 1.0
 
     def _sample(
         self, active: np.ndarray, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]
     ) -> bool:
-        """As ``sample``, of the pixels ``active``."""
+        """As ``sample``, for the pixels ``active``."""
         film = self._film
         total, taken = len(active) * count, self._scene.settings.sample_offset + first
         for start in range(0, total, WAVE):
@@ -102,7 +104,8 @@ class ReferenceRenderer:
         return True
 
     def _add(self, pixel: np.ndarray, index: np.ndarray, samples: Samples) -> None:
-        """Add one sample of each of the pixels, which may repeat; ``index`` says which sample of its pixel it is."""
+        """Add one sample of each of the pixels, which may repeat; ``index`` is the number of the sample in its
+        pixel."""
         film = self._film
         total = samples.combined.sum(axis=1) + samples.alpha
         finite = np.isfinite(total)
@@ -120,7 +123,7 @@ class ReferenceRenderer:
             self._add_catchers(pixel[rows], rows, samples)
         for name in ("normal", "albedo"):
             self._sum(name, pixel[surface], getattr(samples, name)[surface])
-        # Distances are those of the first sample that met a surface.
+        # Distances are those of the first sample that hit a surface.
         new, where = np.unique(pixel[surface], return_index=True)
         where = surface[where[film.surfaces[new] == 0]]
         new = pixel[where]
@@ -143,5 +146,5 @@ class ReferenceRenderer:
             np.add.at(sums.reshape(-1, values.shape[1]), pixel, values)
 
     def finish(self) -> None:
-        """Drop what the render no longer needs; the film keeps its own arrays."""
+        """Free data that the render no longer needs; the film keeps its own arrays."""
         self._integrator = None

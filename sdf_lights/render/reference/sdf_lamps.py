@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""SDF lamps from nothing but the NumPy reading of their formula: where rays run inside, volume, light sampling.
+"""SDF lamps from their formula in NumPy alone: intervals of rays, volume, light sampling.
 
-Closed-form intervals are not used even where a shape has them, so that they can be tested against this.
+Closed-form intervals are not used even if a shape has them, so they can be tested against this.
 """
 
 from __future__ import annotations
@@ -15,24 +15,25 @@ import numpy as np
 from ...graph.lipschitz import global_lipschitz
 from ..scene import Lamp, Ray
 
-# As a share of the diagonal of the shape's box: parts of a ray shorter than this can be missed.
+# Relative to the diagonal of the shape's box: parts of a ray shorter than this can be missed.
 RESOLUTION = 2e-4
 ROOT_ITERATIONS = 60
-# Gauss–Legendre nodes in [0, 1] for the emission along a span, where it varies; they are closest at its ends.
+# Gauss–Legendre nodes in [0, 1] for a varying emission along a span; they are densest at its ends.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(48)
 NODES, WEIGHTS = 0.5 * (1.0 + NODES), 0.5 * WEIGHTS
 CHUNK = 4096  # spans whose nodes are in memory at a time
 
 
 class Spans(NamedTuple):
-    """Parts of rays inside a lamp: ray index, start and end distance, one row a part, in order of ray and distance."""
+    """Parts of rays inside a lamp: ray index, start and end distance, one row per part, in order of ray and
+    distance."""
 
     ray: np.ndarray
     near: np.ndarray
     far: np.ndarray
 
     def total(self, values: np.ndarray, count: int) -> np.ndarray:
-        """Sum of ``values``, one a span, for each of ``count`` rays."""
+        """Sum of ``values``, one per span, for each of ``count`` rays."""
         return np.bincount(self.ray, values, count)
 
     def length(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -42,7 +43,7 @@ class Spans(NamedTuple):
 
 
 class SdfLamp:
-    """A lamp of the scene as an emitter. Raises ValueError where it cannot emit: flattened, or not finite."""
+    """A lamp of the scene as an emitter. Raises ValueError if it cannot emit: flattened, or not finite."""
 
     def __init__(self, lamp: Lamp):
         self.lamp = lamp
@@ -56,7 +57,7 @@ class SdfLamp:
         low, high = (np.asarray(corner, float) for corner in lamp.shape.bounds())
         self._low, self._high = low - 1e-9 * (high - low), high + 1e-9 * (high - low)
         self._diagonal = float(np.linalg.norm(high - low))
-        # Where no bound exists at all, nothing is certified, and rays are followed in steps of RESOLUTION.
+        # If no bound exists at all, nothing is certified, and rays are followed in steps of RESOLUTION.
         self._lipschitz = (
             lamp.shape.lipschitz
             if np.isfinite(lamp.shape.lipschitz)
@@ -88,7 +89,7 @@ class SdfLamp:
         return float(np.sum(spans.far - spans.near) / side**2 * extent[0] * extent[1])
 
     def _columns(self, side: int) -> tuple[Spans, np.ndarray, np.ndarray]:
-        """Spans, origins and directions, in the shape's own space, of side² rays along z on a jittered grid."""
+        """Spans, origins and directions, in the shape's local space, of side² rays along z on a jittered grid."""
         rng = np.random.Generator(np.random.Philox(0))
         u = (np.mgrid[0:side, 0:side].reshape(2, -1).T + rng.random((side * side, 2))) / side
         origins = self._low + np.concatenate([u, np.full((len(u), 1), -0.5)], 1) * (self._high - self._low)
@@ -124,7 +125,7 @@ class SdfLamp:
         )
 
     def _integrals(self, origins, directions, ray, near, far) -> np.ndarray:
-        """Integral (spans, 3) of the relative emission over each span, of rays in the shape's own space."""
+        """Integral (spans, 3) of the relative emission over each span, of rays in the shape's local space."""
         found = np.zeros((len(ray), 3))
         for first in range(0, len(ray), CHUNK):
             part = slice(first, first + CHUNK)
@@ -144,11 +145,11 @@ class SdfLamp:
         return self.lamp.shape.distance(origins[ray] + t[:, None] * directions[ray])
 
     def _local_spans(self, origins: np.ndarray, directions: np.ndarray) -> Spans:
-        """Cover each ray's way through the shape's box with balls.
+        """Cover each ray's segment in the shape's box with balls.
 
-        A point where the field is φ certifies that there is no boundary within |φ| / L of it. What is left on both
-        sides of the middle of an interval is looked at in the same way, until it is shorter than ``RESOLUTION``; then
-        there is a boundary in it if its ends differ in sign.
+        A point where the field is φ proves that there is no boundary within |φ| / L of it. The rest on both sides of
+        the middle of an interval is handled in the same way, until it is shorter than ``RESOLUTION``. Then there is a
+        boundary in it if its ends differ in sign.
         """
         inverse = 1.0 / np.where(directions == 0.0, 1e-300, directions)
         a, b = (self._low - origins) * inverse, (self._high - origins) * inverse
@@ -162,7 +163,7 @@ class SdfLamp:
         while len(ray):
             middle = 0.5 * (low + high)
             value = self._field(origins, directions, ray, middle)
-            # Where the field is undefined nothing is certified, and outside.
+            # An undefined field proves nothing, and counts as outside.
             radius = np.nan_to_num(np.abs(value)) / (self._lipschitz * speed[ray])
             inside = value <= 0.0
             low, high = (
@@ -197,7 +198,7 @@ class SdfLamp:
             c = np.clip((a * fb - b * fa) / (fb - fa), a, b)
             fc = self._field(origins, directions, ray[open_], c)
             with_low = (fc <= 0.0) == (fa <= 0.0)
-            # The end that stays twice has its value halved, so that both ends close in.
+            # The value of an end that stays twice is halved, so that both ends converge.
             step = np.abs(c - root[open_])
             root[open_] = c
             low[open_], high[open_] = np.where(with_low, c, a), np.where(with_low, b, c)
@@ -212,7 +213,7 @@ class SdfLamp:
         """Directions from the points x to points uniform in the lamp: projection sampling."""
         points = np.empty(x.shape)
         missing = np.arange(len(x))
-        # The share of the box that is filled bounds the wait; a shape too thin to be hit at all gives up in the end.
+        # The filled fraction of the box bounds the wait; a shape too thin to be hit gives up in the end.
         for _ in itertools.repeat(None, 10_000):
             if not len(missing):
                 break

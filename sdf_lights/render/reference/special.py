@@ -15,7 +15,8 @@ THINNEST_FILM = 0.1  # nanometres
 
 
 def frame_about(n: np.ndarray, tangent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors t, b that complete n to a right-handed frame, t as near to ``tangent`` as can be; all (N, 3)."""
+    """Unit vectors t, b that complete n to a right-handed frame, with t as near to ``tangent`` as possible; all (N,
+    3)."""
     b = np.cross(n, tangent)
     size = np.linalg.norm(b, axis=1, keepdims=True)
     b = np.where(size > 0.0, b / np.where(size > 0.0, size, 1.0), frame(n)[1])
@@ -23,8 +24,9 @@ def frame_about(n: np.ndarray, tangent: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 class Facets(Microfacet):
-    """Microfacets of roughness ``alpha`` along ``tangent`` (N, 3) and ``across`` it, of the GGX distribution or of Beckmann's
-    (``beckmann``), under a film where its ``thickness`` (N,) in nanometres is not 0, with index ``film`` (N,).
+    """Microfacets of roughness ``alpha`` along ``tangent`` (N, 3) and ``across`` it, of the GGX distribution or of
+    Beckmann's (``beckmann``), under a film where its ``thickness`` (N,) in nanometres is not 0, with index ``film``
+    (N,).
 
     The Fresnel term may be CONDUCTOR, too, of indices ``n`` and ``k`` (N, 3).
     """
@@ -60,7 +62,7 @@ class Facets(Microfacet):
     def visible(self, co, hn, lo):
         if not self.beckmann:
             return super().visible(co, hn, lo)
-        # Normals are drawn as they are, not as they are seen: their density is D · |h · n|.
+        # All normals are drawn, not only visible ones: their density is D · |h · n|.
         return hn * co / np.maximum(np.abs(self._seen), 1e-12)
 
     def evaluate(self, wo, wi):
@@ -126,7 +128,7 @@ def _smooth(thickness):
 
 
 def conductor(cosine, outside, index):
-    """Amplitudes reflected (s, p) by a medium of complex ``index`` below one of index ``outside``."""
+    """Reflected amplitudes (s, p) of a medium of complex ``index`` below one of index ``outside``."""
     bent = np.sqrt(index**2 - outside**2 * (1.0 - cosine**2) + 0j)  # index · cosine of the refracted ray
     return (
         (outside * cosine - bent) / (outside * cosine + bent),
@@ -135,7 +137,7 @@ def conductor(cosine, outside, index):
 
 
 def conductor_reflectance(cosine, n, k):
-    """Unpolarised, of a conductor of index n + ik in the air."""
+    """Unpolarised reflectance of a conductor of index n + ik in air."""
     s, p = conductor(cosine, 1.0, n + 1j * k)
     return 0.5 * (np.abs(s) ** 2 + np.abs(p) ** 2)
 

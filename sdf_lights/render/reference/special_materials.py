@@ -14,7 +14,8 @@ from .vectors import dot, normalize
 
 
 def radial(points) -> np.ndarray:
-    """Directions (N, 3) around the z axis of the generated coordinates at points, as normals are carried to the world."""
+    """Directions (N, 3) around the z axis of the generated coordinates at points, transformed to the world like
+    normals."""
     surface, geometry = points.surface, points.geometry
     result = np.zeros((points.count, 3))
     for index in np.unique(surface.instance):
@@ -31,20 +32,20 @@ def radial(points) -> np.ndarray:
 
 
 def turned(v: np.ndarray, axis: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """v (N, 3) turned about unit vectors by so many turns (N,)."""
+    """v (N, 3) rotated about unit vectors by so many turns (N,)."""
     along = dot(v, axis)[:, None] * axis
     c, s = np.cos(2.0 * np.pi * turns)[:, None], np.sin(2.0 * np.pi * turns)[:, None]
     return along + c * (v - along) + s * np.cross(axis, v)
 
 
 def tangent(points, node: Node, axis: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """Tangents (N, 3) of a node, turned about ``axis``."""
+    """Tangents (N, 3) of a node, rotated about ``axis``."""
     given = radial(points) if node["tangent"] is None else points.value(node["tangent"], 3)
     return turned(given, axis, turns)
 
 
 def as_facets(lobe: Microfacet, **changes) -> Facets:
-    """A lobe of plain microfacets as one of ``Facets``, round and bare where ``changes`` do not say otherwise."""
+    """A lobe of plain microfacets as one of ``Facets``, isotropic and without film unless ``changes`` say otherwise."""
     count = len(lobe.alpha)
     values = {
         **vars(lobe),
@@ -80,7 +81,7 @@ def principled_facets(points, node: Node, lobe: Microfacet, backfacing: np.ndarr
 
 
 def mean_roughness(lobe: Microfacet) -> np.ndarray:
-    """Roughness (N,) by which the albedo of a lobe is found."""
+    """Roughness (N,) for the look-up of a lobe's albedo."""
     return np.sqrt(np.sqrt(lobe.alpha * lobe.across)) if isinstance(lobe, Facets) else np.sqrt(lobe.alpha)
 
 

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scattering below surfaces: the lobe that light enters by, and the way from there to where it leaves the same instance.
+"""Subsurface scattering: the lobe of the entry, and the path from there to the exit from the same instance.
 
-The random walk draws directions as the medium scatters, and distances as the extinction of one colour does; the colours share
-the samples by the balance heuristic. Nothing leads it out.
+The random walk draws directions by the medium's scattering, and distances by the extinction of one colour; the balance
+heuristic combines the colours. There is no guiding.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .vectors import cosine_hemisphere, dot, normalize, to_world
 
 INSIDE = 1 << 12  # kind of scattering: below the surface
 STEPS, LEAST_WEIGHT, SKEWED_STEPS = 256, 1e-6, 10
-TRUNCATED = 16.0  # of the radius: where the profile of Christensen and Burley 2015 ends
+TRUNCATED = 16.0  # in radii: the end of the profile of Christensen and Burley 2015
 SMALLEST_RADIUS, CUTOFF = 1e-8, 1e-5
 
 # Of Wrenninge, Villemin and Hery 2017, from the highest power of g to the lowest: A, B, C, D, E and F.
@@ -88,8 +88,8 @@ class Subsurface(Lobe):
         return wi, ones, dot(wi, wi), np.ones(count, bool)
 
     def _refracted(self, rng, wo):
-        """Directions through a rough boundary, zero where wo is below it: a normal of GGX by its visible area (Heitz 2018),
-        and Snell's law."""
+        """Directions through a rough boundary, zero where wo is below it: a visible GGX normal (Heitz 2018), and
+        Snell's law."""
         above = dot(self.normal, wo) > 0.0
         n = np.where(above[:, None], self.normal, wo)
         local = np.stack([dot(axis, wo) for axis in (to_world(np.eye(3)[[k] * len(n)], n) for k in range(3))], -1)
@@ -114,7 +114,7 @@ class Subsurface(Lobe):
 
 
 def scattering(node, surface: Surface, color, weight, radius, anisotropy, ior, alpha, normal) -> list[tuple]:
-    """What a surface scatters below it with ``weight`` (N, 3): the weight (N, 3) that is diffuse instead, and the lobe."""
+    """Subsurface scattering with ``weight`` (N, 3). Returns the weight (N, 3) of the diffuse part, and the lobe."""
     method = node.settings.get("subsurface_method", "RANDOM_WALK")
     deep = radius >= SMALLEST_RADIUS
     if node.settings.get("subsurface_once", False):
@@ -172,12 +172,12 @@ def medium(lobe: Subsurface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _no_hits(count: int) -> Hits:
-    """To be filled in."""
+    """Empty hits, to be filled in."""
     return Hits(np.full(count, np.inf), *np.full((2, count), -1), *np.zeros((2, count)))
 
 
 def _fill(found: Hits, rows: np.ndarray, hits: Hits, which: np.ndarray) -> None:
-    """Take the hits ``which`` (N,) bool into the ``rows`` of ``found``."""
+    """Write the hits ``which`` (N,) bool into the ``rows`` of ``found``."""
     for name, values in vars(hits).items():
         getattr(found, name)[rows] = values[which]
 
@@ -210,12 +210,12 @@ def _scattered(rng, direction, g):
 
 
 def _drawn(rng, share):
-    """Column by its share (N, 3)."""
+    """Column chosen by its probability (N, 3)."""
     return np.minimum((np.cumsum(share, 1) <= rng.random((len(share), 1))).sum(1), 2)
 
 
 def pass_below(geometry: Geometry, lobe: Subsurface, surface: Surface, wi, throughput, rng):
-    """Where light that enters ``surface`` along wi leaves it: (hits, directions (N, 3), throughput (N, 3))."""
+    """Exit of light that enters ``surface`` along wi: (hits, directions (N, 3), throughput (N, 3))."""
     if lobe.method == "BURLEY":
         return _pass_by_profile(geometry, lobe, surface, throughput, rng)
     count = len(wi)
@@ -259,17 +259,17 @@ def _profile(radius, r):
 
 
 def _pass_by_profile(geometry: Geometry, lobe: Subsurface, surface: Surface, throughput, rng):
-    """As ``pass_below``: one of the points where a line through a disk around the entry meets the instance."""
+    """As ``pass_below``: one of the hits of a line through a disk around the entry with the instance."""
     count, n = len(throughput), surface.ng
     radius = lobe.radius * 0.25 / np.pi
     deep = radius > 0.0
     drawn = radius[np.arange(count), _drawn(rng, deep / deep.sum(1, keepdims=True))]
-    # Distances by a table of the inverse of their distribution.
+    # Distances from a table of the inverse distribution function.
     r = np.linspace(0.0, TRUNCATED, 200_001)
     part = 1.0 - 0.25 * np.exp(-r) - 0.75 * np.exp(-r / 3.0)
     r = np.interp(rng.random(count) * part[-1], part, r) * drawn
     half = np.sqrt(np.maximum((TRUNCATED * drawn) ** 2 - r**2, 0.0))
-    # Axes as in Cycles: what is found in corners depends on them.
+    # Axes as in Cycles: results in corners depend on them.
     t = np.stack([n[:, 2] - n[:, 1], n[:, 0] - n[:, 2], n[:, 1] - n[:, 0]], -1)
     same = (n == n[:, :1]).all(1)
     t = normalize(np.where(same[:, None], np.stack([n[:, 2] - n[:, 1], n[:, 0] + n[:, 2], -n[:, 1] - n[:, 0]], -1), t))

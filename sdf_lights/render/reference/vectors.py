@@ -37,7 +37,7 @@ def to_world(local: np.ndarray, n: np.ndarray) -> np.ndarray:
 
 
 def luminance(rgb: np.ndarray) -> np.ndarray:
-    """Rec. 709."""
+    """Luminance of RGB colours (Rec. 709)."""
     return rgb @ np.array([0.2126, 0.7152, 0.0722])
 
 

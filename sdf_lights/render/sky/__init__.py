@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skies: the models of Blender's Sky Texture, as Cycles shows them.
+"""Skies: the models of Blender's Sky Texture, as in Cycles.
 
-A ``Sky`` holds the node's settings. ``numbers`` makes of them what the kernels of ``kernels.py`` read.
+A ``Sky`` holds the node's settings. ``numbers`` converts them to the numbers that the kernels of ``kernels.py`` read.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ["MODELS", "Sky", "Sun", "numbers", "radiance", "sky_map", "sun_of"]
 @dataclass(frozen=True)
 class Sun:
     """The disc of a sky's sun: unit vector to its middle, angle from there to its edge (radians), and the mean of its
-    radiance over its solid angle, RGB, what the horizon hides left out."""
+    radiance over its solid angle, RGB, without the part hidden by the horizon."""
 
     direction: np.ndarray
     half_angle: float
@@ -47,7 +47,7 @@ def sky_map(sky: Sky, width: int, height: int) -> np.ndarray:
 
 
 def sun_of(sky: Sky) -> Sun | None:
-    """The disc of the sun; None where there is none to be seen."""
+    """The disc of the sun; None if it is invisible."""
     values = numbers(sky)
     if not sky.has_disc or values[kernels.HALF_ANGLE] <= 0.0:
         return None

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What both scattering models share: rays in a spherical atmosphere, and how a sky is tabulated.
+"""Shared by both scattering models: rays in a spherical atmosphere, and the table of a sky.
 
-A table is (ROWS, COLUMNS, 3): RGB without the sun's disc, components below zero where a colour is outside the gamut.
-Row r is for the elevation ±(π/2) l², with l = 2 (r + ½) / ROWS − 1; so rows are dense at the horizon. Column c is for
-the azimuth π (1 − (c + ½) / COLUMNS) from the sun, to either side. What lies between is interpolated. This is Cycles'
-table, less its mirrored half.
+A table is (ROWS, COLUMNS, 3): RGB without the sun's disc; components are below zero for colours outside the gamut. Row
+r is for the elevation ±(π/2) l², with l = 2 (r + ½) / ROWS − 1; so rows are dense at the horizon. Column c is for the
+azimuth π (1 − (c + ½) / COLUMNS) from the sun, to either side. Values in between are interpolated. This is Cycles'
+table, without its mirrored half.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ ROWS, COLUMNS = 256, 256
 
 
 def distance_to_shell(radius, sine, shell: float):
-    """Distance from a point at ``radius`` from the planet's centre, inside a shell, to that shell along a ray that
-    rises with this sine."""
+    """Distance from a point at ``radius`` from the planet's centre, inside a shell, to that shell along a ray whose
+    elevation has this sine."""
     rise = radius * sine
     return np.sqrt(rise * rise + (shell - radius) * (shell + radius)) - rise
 

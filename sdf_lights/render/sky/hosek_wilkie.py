@@ -25,8 +25,8 @@ def _published() -> tuple[np.ndarray, np.ndarray]:
 
 
 def coefficients(sun_direction, turbidity: float, albedo: float) -> np.ndarray:
-    """For each of X, Y and Z: the nine coefficients A to I, the factor on the distribution, and what it adds to red, green
-    and blue, (3, 13).
+    """For each of X, Y and Z: the nine coefficients A to I, the factor on the distribution, and its contribution to
+    red, green and blue, (3, 13).
 
     The direction is a unit vector that does not point below the horizon.
     """

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Radiance of a sky along a direction, from the numbers that ``model.numbers`` makes of it.
+"""Radiance of a sky along a direction, from the result of ``model.numbers``.
 
-``values`` is an array in which the sky's numbers begin at ``first``. Directions are taken as Cycles takes them, also
-those that are not unit vectors: z is the sine of the elevation.
+``values`` is an array in which the sky's numbers begin at ``first``. Directions are used as in Cycles, even if they are
+not unit vectors: z is the sine of the elevation.
 """
 
 import math
@@ -27,8 +27,8 @@ from .model import (
     TOP,
 )
 
-_NEAR_HORIZON = math.cos(0.5 * math.pi - 0.001)  # both analytic models are like this from here down
-_LIMB = 0.6  # part of its radiance that the sun's disc lacks at its edge
+_NEAR_HORIZON = math.cos(0.5 * math.pi - 0.001)  # both analytic models are constant below this elevation
+_LIMB = 0.6  # fraction of its radiance that the sun's disc lacks at its edge
 _R, _G, _B = (tuple(row) for row in REC709_FROM_XYZ.tolist())
 
 
@@ -79,7 +79,7 @@ def preetham(values, first, d):
 
 @kernel
 def _hosek_wilkie(values, place, cosine, gamma, cosine_gamma):
-    """What one channel adds to RGB."""
+    """Contribution of one channel to RGB."""
     a, b, c, d, e = values[place], values[place + 1], values[place + 2], values[place + 3], values[place + 4]
     f, g, h, i = values[place + 5], values[place + 6], values[place + 7], values[place + 8]
     square = cosine_gamma * cosine_gamma
@@ -122,7 +122,7 @@ def tabulated(values, first, d):
 
 @kernel
 def sees_sun(values, first, d):
-    """Angle from the middle of the sun's disc, as a part of its radius; 2 outside it, or where the ground hides it."""
+    """Angle from the middle of the sun's disc, relative to its radius; 2 outside it, or if the ground hides it."""
     half = values[first + HALF_ANGLE]
     if half <= 0.0 or math.asin(_sine(d)) <= values[first + HORIZON]:
         return 2.0
@@ -133,7 +133,7 @@ def sees_sun(values, first, d):
 
 @kernel
 def sun_radiance(values, first, d, away):
-    """RGB of the sun's disc along a direction of which ``sees_sun`` gives ``away`` < 1."""
+    """RGB of the sun's disc along a direction for which ``sees_sun`` returns ``away`` < 1."""
     place = first + BOTTOM
     height = (math.asin(_sine(d)) - values[first + LOWEST]) / values[first + SPAN]
     darkening = 1.0 - _LIMB * (1.0 - math.sqrt(max(1.0 - away * away, 0.0)))

@@ -13,18 +13,18 @@ import numpy as np
 from . import hosek_wilkie, multiple_scattering, preetham, single_scattering
 
 MODELS = ("PREETHAM", "HOSEK_WILKIE", "NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING")
-"""Blender's names of sky types; "NISHITA" is what Blender before 5.0 has in place of the two last."""
+"""Blender's names of sky types; "NISHITA" is the name before 5.0 for the two last."""
 
-# Where the numbers of a sky lie: the sun's direction, then what its kind needs.
+# Positions of a sky's numbers: the sun's direction, then those of its kind.
 SUN = 0
 SHAPES = 3  # analytic: coefficients of three channels, each with a factor at its end
 HALF_ANGLE, LOWEST, SPAN, HORIZON, BESIDE, BOTTOM, TOP, TABLE = 3, 4, 5, 6, 7, 8, 11, 14
 
-ANALYTIC_PREETHAM, ANALYTIC_HOSEK, TABULATED = range(3)  # kinds: each has a kernel of its own
+ANALYTIC_PREETHAM, ANALYTIC_HOSEK, TABULATED = range(3)  # kinds: each has its own kernel
 
 _SMALLEST_SUN = 0.0005  # radians
-_EARTH = 6_371_000.0  # radius that says where the horizon hides the sun, metres
-_KEPT = 4  # tables of earlier settings
+_EARTH = 6_371_000.0  # radius for the horizon that hides the sun, metres
+_KEPT = 4  # cached tables of earlier settings
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Sky:
         )
 
     def elevation(self) -> float:
-        """Of the sun, −π/2 to π/2."""
+        """Elevation of the sun, −π/2 to π/2."""
         return math.asin(min(max(self.sun()[2], -1.0), 1.0))
 
 
@@ -82,7 +82,7 @@ def _unit(vector: np.ndarray, otherwise: tuple[float, float, float]) -> np.ndarr
 
 
 def numbers(sky: Sky) -> np.ndarray:
-    """What the kernels of ``sky.kind`` read, one row of float64."""
+    """The numbers for the kernels of ``sky.kind``, one row of float64."""
     sun = sky.sun()
     if sky.kind == ANALYTIC_PREETHAM:
         return np.concatenate((sun, preetham.coefficients(sun, sky.turbidity).ravel()))
@@ -101,14 +101,14 @@ def _table(model: str, elevation: float, altitude: float, densities) -> np.ndarr
 
 
 def _disc(sky: Sky) -> np.ndarray:
-    """Numbers of the sun's disc, from ``HALF_ANGLE`` to before ``TABLE``; the half angle is 0 where there is none.
+    """Numbers of the sun's disc, from ``HALF_ANGLE`` to before ``TABLE``; the half angle is 0 if there is none.
 
-    The radiance at the lower and at the upper edge is computed, that between is interpolated by elevation.
+    The radiance at the lower and at the upper edge is computed; values in between are interpolated by elevation.
     """
     early = sky.model == "NISHITA"
     size = max(sky.sun_size, _SMALLEST_SUN)
     half, elevation = 0.5 * size, sky.elevation()
-    # Cycles has this difference in single precision, which changes the brightness of small suns by percents.
+    # Cycles computes this difference in single precision, which changes the brightness of small suns by percents.
     solid_angle = 2.0 * math.pi * float(np.float32(1.0) - np.float32(math.cos(np.float32(half))))
     low, high = elevation - half, elevation + half
     densities = (sky.air_density, sky.aerosol_density, sky.ozone_density)
@@ -119,7 +119,7 @@ def _disc(sky: Sky) -> np.ndarray:
     else:
         radiance = np.zeros((2, 3))
     if early:
-        # There the disc replaces the sky, and what is interpolated is the part of it above the horizon.
+        # There the disc replaces the sky, and only the part of it above the horizon is interpolated.
         low, horizon, beside = max(low, 0.0), 0.0, 0.0
     else:
         horizon, beside = -math.acos(_EARTH / (_EARTH + sky.altitude)), 1.0

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sunlight scattered any number of times, at four wavelengths that stand for the spectrum: García Liñán 2024, "Fast
-spectral sky rendering", as Blender's sky of this name has it. What is scattered more than once is a fit.
+"""Sunlight scattered any number of times, at four wavelengths that represent the spectrum: García Liñán 2024, "Fast
+spectral sky rendering", as in Blender's sky of this name. Scattering after the first is a fit.
 
 Lengths are kilometres.
 """
@@ -30,7 +30,7 @@ _AEROSOL_ABSORPTION = 1.3681e20 * np.array([2.8722e-24, 4.6168e-24, 7.9706e-24, 
 _OZONE = 334.5 * 3.78547397e20 * np.array([3.472e-25, 3.914e-25, 1.349e-25, 11.03e-27])
 _EXTINCTION = np.array([_AIR, _AEROSOL + _AEROSOL_ABSORPTION, _OZONE])  # (kind of matter, wavelength), 1/km
 _AEROSOL_HEIGHT, _AEROSOL_EVERYWHERE = 0.73, 2e6 / 1.3681e20
-_MANIFOLD = 0.02 * np.array([0.217, 0.347, 0.594, 1.0])  # light from all around that air has scattered before
+_MANIFOLD = 0.02 * np.array([0.217, 0.347, 0.594, 1.0])  # light from all directions that air has scattered before
 _TO_RGB = (
     np.array(
         [
@@ -45,7 +45,7 @@ _TO_RGB = (
 
 
 def _matter(height, densities) -> np.ndarray:
-    """Density of air, aerosols and ozone at heights (…): (3, …), in units of what the coefficients are for."""
+    """Density of air, aerosols and ozone at heights (…): (3, …), in the units of the coefficients."""
     logarithm = np.log(np.maximum(height, 1e-4))
     return np.stack(
         [
@@ -57,7 +57,8 @@ def _matter(height, densities) -> np.ndarray:
 
 
 def _transmittance(height, sine, densities) -> np.ndarray:
-    """From points at heights (n,) out of the atmosphere along rays that rise with sines (m,): (wavelength, n, m).
+    """Transmittance from points at heights (n,) out of the atmosphere along rays whose elevations have the sines (m,):
+    (wavelength, n, m).
 
     The ground is no obstacle; the air below it is that at its surface.
     """
@@ -72,13 +73,13 @@ def _transmittance(height, sine, densities) -> np.ndarray:
 
 
 def sun_radiance(sine, altitude: float, densities, solid_angle: float) -> np.ndarray:
-    """RGB (n, 3) of the sun's disc, without limb darkening, where directions rise with these sines (n,)."""
+    """RGB (n, 3) of the sun's disc, without limb darkening, for directions whose elevations have these sines (n,)."""
     height = np.clip(altitude / 1000.0, LOWEST, HIGHEST)
     return (_SUN[:, None] * _transmittance([height], sine, densities)[:, 0]).T @ _TO_RGB / solid_angle
 
 
 def table(elevation: float, altitude: float, densities) -> np.ndarray:
-    """The sky as ``atmosphere`` says, for densities of air, aerosols and ozone."""
+    """The sky in the form of ``atmosphere``, for densities of air, aerosols and ozone."""
     known = _transmittance(np.linspace(0.0, THICKNESS, _HEIGHTS), np.linspace(-1.0, 1.0, _SINES), densities).astype(
         np.float32
     )
@@ -95,10 +96,10 @@ def table(elevation: float, altitude: float, densities) -> np.ndarray:
 
 
 def _distance_to_ground(radius: float, sine: float) -> float:
-    """Along a ray from above the ground; 0 if it does not meet the ground.
+    """Distance to the ground along a ray from above it; 0 if it misses.
 
-    Cycles rounds every operation to single precision. That loses up to 6 % of the distance from a height of a metre, and
-    the haze in front of the ground is as bright as this is long.
+    Cycles rounds every operation to single precision. That loses up to 6 % of the distance from a height of a metre,
+    and the haze in front of the ground is proportional to this distance.
     """
     radius, ground = np.float32(radius), np.float32(GROUND)
     fall = radius * np.float32(sine)
@@ -119,7 +120,7 @@ def _row(latitude, azimuth, elevation, radius, height, known, steps, densities) 
     weight = _SUN[:, None] * passed / np.maximum(extinction, 1e-7)
     air, aerosol = weight * np.outer(_AIR, matter[0]), weight * np.outer(_AEROSOL, matter[1])
 
-    # To the sun, from every step of every azimuth: only the angle to the zenith counts.
+    # To the sun, from every step of every azimuth: only the angle to the zenith matters.
     to_sun = cosine * np.cos(azimuth) * np.cos(elevation) + sine * np.sin(elevation)
     rise = ((radius * np.sin(elevation) + along[:, None] * to_sun) / radii[:, None]).astype(np.float32)
     level = np.minimum(heights / THICKNESS, 1.0) * (_HEIGHTS - 1)

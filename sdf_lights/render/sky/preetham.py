@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Preetham, Shirley and Smits 1999, "A practical analytic model for daylight": Perez's distribution for Y, x and y,
-with coefficients that are linear in the turbidity. Its luminance is scaled as Blender scales it."""
+with coefficients that are linear in the turbidity. Its luminance is scaled as in Blender."""
 
 from __future__ import annotations
 

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sunlight scattered once: Nishita et al. 1993, "Display of the Earth taking into account atmospheric scattering", at
-21 wavelengths, as Blender's sky of this name has it.
+21 wavelengths, as in Blender's sky of this name.
 
-Lengths are metres. Blender's tables hold values half a row and half a column beside the places that ``atmosphere``
-gives; so do those made here. In Blender 4.5, whose name for this sky is Nishita, rows differ a little (``early``).
+Lengths are metres. In Blender's tables, values are half a row and half a column away from the positions in
+``atmosphere``; the tables made here do the same. In Blender 4.5, where this sky is called Nishita, rows differ slightly
+(``early``).
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ GROUND, SHELL = 6_360_000.0, 6_420_000.0  # radii
 LOWEST, HIGHEST = 1.0, 59_999.0  # heights of a viewer
 STEPS = 32  # along a viewing ray
 
-_AIR_HEIGHT, _AEROSOL_HEIGHT = 8000.0, 1200.0  # at which they have thinned to 1/e
-_OZONE_HEIGHT, _OZONE_REACH = 25_000.0, 15_000.0  # of the middle of its layer, and from there to where it ends
+_AIR_HEIGHT, _AEROSOL_HEIGHT = 8000.0, 1200.0  # at which their density has fallen to 1/e
+_OZONE_HEIGHT, _OZONE_REACH = 25_000.0, 15_000.0  # of the middle of its layer, and from there to its end
 _ASYMMETRY = 0.76  # of scattering by aerosols
 
 # Rayleigh: refractive index and molecules per m³ of air. The Sun: a black body's radiance times its solid angle.
@@ -52,7 +53,8 @@ _OZONE = 1e-6 * np.array(
 )
 _SUN = 6.790163e-5 * planck(5778.0, WAVELENGTHS)
 
-# For a density that falls about exponentially along a ray; where it leaves the atmosphere the rule's variable is 25.
+# For a density that falls about exponentially along a ray; where the ray leaves the atmosphere the rule's variable is
+# 25.
 _NODES, _WEIGHTS = np.polynomial.laguerre.laggauss(8)
 _RULE = [(node / 25.0, weight * np.exp(node) / 25.0) for node, weight in zip(_NODES.tolist(), _WEIGHTS.tolist())]
 
@@ -67,9 +69,9 @@ def _densities(height) -> list[np.ndarray]:
 
 
 def _columns(radius, height, sine) -> np.ndarray:
-    """Matter of each kind on the way from points out of the atmosphere along rays that rise with this sine: (3, …).
+    """Amount of matter of each kind from points out of the atmosphere along rays whose elevation has this sine: (3, …).
 
-    Finite, but of no meaning, where the ground is in the way.
+    Finite but meaningless if the ground is in the way.
     """
     way = distance_to_shell(radius, sine, SHELL)
     total = np.zeros((3, *np.shape(way)), way.dtype)
@@ -81,7 +83,7 @@ def _columns(radius, height, sine) -> np.ndarray:
 
 
 def sun_radiance(sine, altitude: float, densities, solid_angle: float) -> np.ndarray:
-    """RGB (n, 3) of the sun's disc, without limb darkening, where directions rise with these sines (n,).
+    """RGB (n, 3) of the sun's disc, without limb darkening, for directions whose elevations have these sines (n,).
 
     ``densities`` of air and aerosols; ozone does not dim the disc of this model.
     """
@@ -92,7 +94,7 @@ def sun_radiance(sine, altitude: float, densities, solid_angle: float) -> np.nda
 
 
 def table(elevation: float, altitude: float, densities, early: bool) -> np.ndarray:
-    """The sky as ``atmosphere`` says, for densities of air, aerosols and ozone."""
+    """The sky in the form of ``atmosphere``, for densities of air, aerosols and ozone."""
     height = np.clip(altitude, LOWEST, HIGHEST)
     radius = GROUND + height
     half = ROWS // 2
@@ -108,7 +110,7 @@ def table(elevation: float, altitude: float, densities, early: bool) -> np.ndarr
         radii, heights = heights_along(radius, height, sine, along)
         matter = densities * _densities(heights)
         passed = np.cumsum(matter, axis=1) * segment
-        # To the sun, from every step of every azimuth: only the angle to the zenith counts.
+        # To the sun, from every step of every azimuth: only the angle to the zenith matters.
         to_sun = cosine * np.cos(azimuth) * np.cos(elevation) + sine * np.sin(elevation)
         rise = ((radius * np.sin(elevation) + along[:, None] * to_sun) / radii[:, None]).astype(np.float32)
         nearest = radii[:, None] * np.sqrt(np.maximum(1.0 - rise * rise, 0.0))

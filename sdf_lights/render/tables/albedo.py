@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Directional albedos of GGX closures, tabulated: what they lose to multiple scattering, what a layer on top reflects.
+"""Directional albedos of GGX closures, tabulated: the loss to multiple scattering, and the reflection of a layer on
+top.
 
-``albedo.npz`` beside this file is made by ``python -m sdf_lights.render.tables.generate`` and holds them as 16-bit
-fractions. Axes, each equidistant from 0 to 1 with both ends: roughness (√α); the square root of the cosine of wo, as
-grazing views change fastest; and for dielectrics z = |(ior − 1) / (ior + 1)|^½, which spreads out the indices of
-everyday materials.
+``python -m sdf_lights.render.tables.generate`` makes ``albedo.npz`` beside this file, which stores them as 16-bit
+fractions. The axes are equidistant from 0 to 1 with both ends: roughness (√α); the square root of the cosine of wo,
+because grazing views change fastest; and for dielectrics z = |(ior − 1) / (ior + 1)|^½, which spreads out the indices
+of everyday materials.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ SIZE = 24  # of every axis
 
 SCALE = 65535.0  # of the 16-bit fractions
 
-# name -> shape, in the order in which they are laid out in one flat array. The last axis is roughness.
+# name -> shape, in the order of one flat array. The last axis is roughness.
 SHAPES = {
     "reflection": (SIZE, SIZE),  # GGX reflecting everything: [cosine, roughness]
     "reflection_average": (SIZE,),  # ∫ 2 μ E dμ

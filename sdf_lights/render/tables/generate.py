@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compute ``albedo.npz`` from the closures of the CPU back end: ``python -m sdf_lights.render.tables.generate``.
 
-Each entry is an integral over visible normals by a two-dimensional lattice; reflection and refraction of every normal
+Each entry is an integral over visible normals by a two-dimensional lattice. Reflection and refraction of every normal
 are both summed, so the only error is that of the lattice.
 """
 
@@ -19,14 +19,14 @@ from .albedo import SCALE, SHAPES
 
 _LOWEST = 1e-4  # of roughness and cosine, which are singular at 0
 _HIGHEST_Z = 0.99  # of the axis of ior, infinite at 1
-_COLUMNS = ("reflection", "glass", "dielectric", "schlick")  # what _albedos returns
+_COLUMNS = ("reflection", "glass", "dielectric", "schlick")  # results of _albedos
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @kernel
 def _albedos(roughness, cosine, ior, count):
-    """Albedos of GGX whose microfacets reflect all; reflect and refract; reflect as ``SHAPES`` says of "dielectric" and
-    "schlick"; summed over ``count`` visible normals."""
+    """Albedos of GGX with microfacets that reflect everything; reflect and refract; reflect as "dielectric" and
+    "schlick" in ``SHAPES``; summed over ``count`` visible normals."""
     alpha = roughness * roughness
     alpha2 = alpha * alpha
     wo = (math.sqrt(1.0 - cosine * cosine), 0.0, cosine)
@@ -56,12 +56,12 @@ def axis(size: int) -> np.ndarray:
 
 
 def cosine_of_axis(t: float) -> float:
-    """Cosine at a place in [0, 1] of its axis."""
+    """Cosine at a position in [0, 1] on its axis."""
     return max(t * t, _LOWEST)
 
 
 def ior_of_axis(z: float) -> float:
-    """Index of refraction at a place in [0, 1] of its axis."""
+    """Index of refraction at a position in [0, 1] on its axis."""
     return float(fresnel.ior_of_f0(min(max(z, _LOWEST), _HIGHEST_Z) ** 4))
 
 
@@ -85,7 +85,7 @@ def entry(name: str, index: tuple[int, ...], count: int = 1 << 13) -> float:
 
 
 def generate() -> dict[str, np.ndarray]:
-    """All tables, by name, as uint16 of which ``SCALE`` is 1."""
+    """All tables, by name, as uint16; ``SCALE`` represents 1."""
     tables = {}
     for name, shape in SHAPES.items():
         values = [entry(name, index) for index in np.ndindex(shape)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How light that interferes with itself looks: the Fourier transform of the eye's sensitivity to wave numbers.
+"""The colour of interfering light: the Fourier transform of the eye's sensitivity to wave numbers.
 
 Belcour and Barla 2017, "A practical extension to microfacet theory for the modeling of varying iridescence".
 """
@@ -14,12 +14,12 @@ import numpy as np
 from . import cie
 
 SIZE = 512
-LONGEST = 60000.0 / (2.0 * np.pi)  # nanometres that one path is longer than the other, of the last column
+LONGEST = 60000.0 / (2.0 * np.pi)  # nanometres of path difference of the last column
 
 
 @functools.cache
 def load() -> np.ndarray:
-    """(6 · SIZE,) means of cos 2πΔ/λ, then of sin 2πΔ/λ, over the wavelengths that red, green and blue stand for.
+    """(6 · SIZE,) means of cos 2πΔ/λ, then of sin 2πΔ/λ, over the wavelengths of red, green and blue.
 
     Δ goes from 0 to ``LONGEST`` in equal steps.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's Brick Texture, but for its colours."""
+"""Blender's Brick Texture, without its colours."""
 
 import math
 
@@ -10,7 +10,7 @@ from .hashing import uint32
 
 @kernel
 def _tint(row, brick):
-    """A number in [0, 1) for a brick: an integer noise that is older than Blender's hashes."""
+    """A number in [0, 1) for a brick: an integer noise older than Blender's hashes."""
     n = uint32(uint32(uint32(row << 16) + uint32(brick & 0xFFFF)) + 1013) & 0x7FFFFFFF
     n = uint32(n ^ (n >> 13))
     square = uint32(uint32(uint32(n * n) * 60493) + 19990303)
@@ -19,10 +19,10 @@ def _tint(row, brick):
 
 @kernel
 def brick(x, y, mortar_size, mortar_smooth, bias, width, height, offset, offset_rows, squash, squash_rows):
-    """Share of the second colour in the brick at a point, and share of mortar there.
+    """Fraction of the second colour in the brick at a point, and fraction of mortar there.
 
-    One of ``offset_rows`` rows is shifted by the part ``offset`` of a brick, and in one of ``squash_rows`` bricks are
-    ``squash`` times as wide: numbers of rows are whole.
+    One of ``offset_rows`` rows is shifted by the fraction ``offset`` of a brick. In one of ``squash_rows``, bricks are
+    ``squash`` times as wide. Numbers of rows are whole.
     """
     row = int(math.floor(y / height)) if height != 0.0 else 0
     shift = 0.0

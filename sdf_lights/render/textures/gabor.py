@@ -7,8 +7,8 @@ the weights of Tavernier et al. 2019, "Making Gabor noise fast and normalized", 
 ``KERNELS[dimensions](coordinates …, frequency, anisotropy, direction …) -> (value, phase, intensity)``; the direction
 is an angle from the x axis in two dimensions, a vector in three.
 
-The impulses of a cell are a loop without branches or calls, which compilers turn into vector instructions: polynomials
-stand for the exponential and the trigonometric functions.
+The impulses of a cell are a loop without branches or calls, which compilers vectorise: polynomials replace the
+exponential and the trigonometric functions.
 """
 
 import math
@@ -21,22 +21,23 @@ from .hashing import bits, hash_3, hash_4, unit
 
 _IMPULSES = 8  # of a cell
 
-# Six standard deviations: of a sum of as many impulses whose weights are ±1, each with the mean square of a kernel.
+# Six standard deviations of a sum of as many impulses with weights ±1, each with the mean square of a kernel.
 _SPREAD_2D = 6.0 * math.sqrt(0.5 * _IMPULSES * 0.25)
 _SPREAD_3D = 6.0 * math.sqrt(0.5 * _IMPULSES * 0.25 / math.sqrt(2.0))
 
 
 def _polynomial(function, degree: int, end: float) -> tuple[float, ...]:
-    """Coefficients, the highest first, of what is close to a function from 0 to ``end``: to 1e-8 with those below."""
+    """Coefficients, the highest first, of a polynomial that approximates a function from 0 to ``end``: to 1e-8 with
+    those below."""
     fitted = np.polynomial.Chebyshev.interpolate(function, degree, (0.0, end)).convert(kind=np.polynomial.Polynomial)
     return tuple(map(float, fitted.coef[::-1]))
 
 
-# A Gaussian times a Hann window, of the square of the distance. Beyond 1 it is 0.
+# A Gaussian times a Hann window, as a function of the squared distance. Beyond 1 it is 0.
 _E10, _E9, _E8, _E7, _E6, _E5, _E4, _E3, _E2, _E1, _E0 = _polynomial(
     lambda square: np.exp(-np.pi * square) * (0.5 + 0.5 * np.cos(np.pi * square)), 10, 1.0
 )
-# Of the square of a number of turns up to a half.
+# As a function of the square of a number of turns up to a half.
 _C7, _C6, _C5, _C4, _C3, _C2, _C1, _C0 = _polynomial(lambda q: np.cos(2.0 * np.pi * np.sqrt(q)), 7, 0.25)
 _S7, _S6, _S5, _S4, _S3, _S2, _S1, _S0 = _polynomial(
     lambda q: 2.0 * np.pi * np.sinc(2.0 * np.sqrt(np.maximum(q, 0.0))), 7, 0.25
@@ -72,7 +73,7 @@ def _outputs(cosine, sine, spread):
 
 @kernel
 def _cell_2d(i, j, x, y, frequency, isotropy, turn):
-    """Sum over the impulses of the cell (i, j) at a point that is given from the cell's corner: cosine and sine part.
+    """Sum over the impulses of the cell (i, j) at a point relative to the cell's corner: cosine and sine part.
 
     ``turn``: the direction, in turns.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hashes of cells and of coordinates: the same as in Cycles, bit for bit, so that patterns are the same.
+"""Hashes of cells and of coordinates: the same as in Cycles, bit for bit, so patterns are the same.
 
 Whole numbers: Jenkins 2006, "lookup3", and PCG of Jarzynski and Olano 2020, "Hash functions for GPU rendering", JCGT
 9(3). Cycles computes the latter with signed numbers, whose shifts keep the sign. Coordinates: the bits of single
@@ -13,7 +13,7 @@ from ...jit import AVAILABLE, float_bits, kernel
 
 if AVAILABLE:
     int32, uint32 = np.int32, np.uint32
-else:  # whole numbers of Python do not wrap around
+else:  # integers of Python do not wrap around
 
     def uint32(x):
         return x & 0xFFFFFFFF
@@ -130,7 +130,7 @@ def color_2(x, y):
 
 @kernel
 def color_3(x, y, z):
-    """A point, too."""
+    """A colour for the bits of a point."""
     return unit(hash_3(x, y, z)), unit(hash_4(x, y, z, _ONE)), unit(hash_4(x, y, z, _TWO))
 
 

@@ -25,13 +25,13 @@ KINDS = {
 
 MOST_DETAIL = 15.0
 
-# Of the dimensions that a copy of the kernels is for: see the end of the file.
+# The dimensions of a copy of the kernels: see the end of the file.
 DIMENSIONS, signed_noise = 3, SIGNED_NOISE[3]
 
 
 @kernel
 def _fractal(kind, normalize, p, detail, roughness, lacunarity, offset, gain):
-    """The last octave counts by what ``detail`` has behind the point; ridges have none such."""
+    """The last octave is weighted by the fractional part of ``detail``; ridges have no such octave."""
     detail = min(max(0.0, detail), MOST_DETAIL)
     whole = int(detail)
     rest = detail - whole
@@ -70,7 +70,7 @@ def _fractal(kind, normalize, p, detail, roughness, lacunarity, offset, gain):
 
 @kernel
 def _offset(seed, axis):
-    """How far along an axis the noise for another colour, or for a direction of the distortion, is taken."""
+    """Offset along an axis of the noise for another colour, or for a direction of the distortion."""
     if DIMENSIONS == 1:
         return 100.0 + 100.0 * point_1(bits(seed))
     return 100.0 + 100.0 * unit_2(bits(seed), bits(axis))
@@ -130,10 +130,10 @@ def _copies(dimensions: int) -> dict:
 
 
 def value(dimensions: int):
-    """Kernel of the noise texture's value, of a point of so many dimensions."""
+    """Kernel of the noise texture's value, for a point of so many dimensions."""
     return _copies(dimensions)["_value"]
 
 
 def color(dimensions: int):
-    """Kernel of the noise texture's colour, of a point of so many dimensions."""
+    """Kernel of the noise texture's colour, for a point of so many dimensions."""
     return _copies(dimensions)["_color"]

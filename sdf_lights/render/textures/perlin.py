@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Perlin noise of one to four dimensions: Perlin 2002, "Improving noise", with the hash and the gradients of Cycles.
 
-Corners of a cell are a loop, which compilers turn into vector instructions.
+The corners of a cell are a loop, which compilers vectorise.
 """
 
 import math
@@ -20,11 +20,11 @@ def _fade(t):
 
 @kernel
 def _repeated(x):
-    """The coordinate in a pattern that repeats, as single precision has too few digits for large ones."""
+    """The coordinate in a repeating pattern, because single precision has too few digits for large ones."""
     size = abs(x)
     if size < _PERIOD:
         return x
-    if not size < 1e20:  # not a number, or none of which whole parts can be told
+    if not size < 1e20:  # NaN, or too large to have a fractional part
         return 0.0
     x -= _PERIOD * int(x / _PERIOD)
     return x if size < _FAR else x + 0.5

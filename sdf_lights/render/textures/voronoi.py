@@ -10,8 +10,8 @@
 where … is ``detail, roughness, lacunarity, smoothness, exponent, randomness``; coordinates beyond the dimensions are
 not read. ``feature`` is one of ``FEATURES``. ``hashing``: ``FLOATS`` in Blender before 5.0, ``WHOLE`` since.
 
-A cell is four whole numbers, its point a number from 0 to 1 on each axis. Cells are looked at in the order of Cycles,
-as smooth minima depend on it.
+A cell is four integers, its point a number from 0 to 1 on each axis. Cells are visited in the order of Cycles, because
+smooth minima depend on it.
 """
 
 import functools
@@ -28,14 +28,14 @@ WHOLE, FLOATS = range(2)
 
 MOST_DETAIL = 15.0
 
-# What a copy of the kernels is for: see the end of the file. REACH_…: cells to look at on both sides.
+# Constants of a copy of the kernels: see the end of the file. REACH_…: number of cells to visit on both sides.
 DIMENSIONS, HASHING, FEATURE, COLORED = 3, WHOLE, F1, 1
 REACH_Y, REACH_Z, REACH_W = 1, 1, 0
 
 
 @kernel(forceinline=True)
 def _point(i, j, k, l):
-    """The point of a cell, from the cell's corner."""
+    """The point of a cell, relative to the cell's corner."""
     if DIMENSIONS == 1:
         return point_1(bits(i)), 0.0, 0.0, 0.0
     if DIMENSIONS == 2:
@@ -64,7 +64,7 @@ def _color(i, j, k, l):
 
 @kernel(forceinline=True)
 def _place(cell, step, randomness):
-    """The point of the cell that is ``step`` cells from ``cell``, from the corner of ``cell``."""
+    """The point of the cell that is ``step`` cells from ``cell``, relative to the corner of ``cell``."""
     x, y, z, w = _point(cell[0] + step[0], cell[1] + step[1], cell[2] + step[2], cell[3] + step[3])
     x = step[0] + x * randomness
     if DIMENSIONS > 1:
@@ -88,7 +88,7 @@ def _dot(p, q):
 
 @kernel(forceinline=True)
 def _size(metric, exponent, p):
-    """What grows with the length of a vector and costs less."""
+    """A value that grows with the length of a vector and is cheaper."""
     if metric == EUCLIDEAN:
         return _dot(p, p)
     x, y, z, w = abs(p[0]), abs(p[1]), abs(p[2]), abs(p[3])
@@ -117,7 +117,7 @@ def _length(metric, exponent, size):
 
 @kernel(forceinline=True)
 def _cell_of(x, y, z, w):
-    """The cell of a point, and the point from the cell's corner."""
+    """The cell of a point, and the point relative to the cell's corner."""
     i = int(math.floor(x))
     x -= i
     j, k, l = 0, 0, 0
@@ -135,7 +135,7 @@ def _cell_of(x, y, z, w):
 
 @kernel(forceinline=True)
 def _given(cell, step, randomness, distance):
-    """Distance, colour and place of the point of the cell that is ``step`` cells from ``cell``."""
+    """Distance, colour and position of the point of the cell that is ``step`` cells from ``cell``."""
     if COLORED:
         r, g, b = _color(cell[0] + step[0], cell[1] + step[1], cell[2] + step[2], cell[3] + step[3])
         x, y, z, w = _place(cell, step, randomness)
@@ -145,7 +145,7 @@ def _given(cell, step, randomness, distance):
 
 @kernel(forceinline=True)
 def _nearest(metric, cell, p, exponent, randomness):
-    """How many cells away the cell of the nearest point is, and what its distance comes to by ``_size``."""
+    """Offset in cells to the cell of the nearest point, and its distance as ``_size``."""
     least, nearest = math.inf, (0, 0, 0, 0)
     for l in range(-REACH_W, REACH_W + 1):
         for k in range(-REACH_Z, REACH_Z + 1):
@@ -182,7 +182,7 @@ def _f2(metric, cell, p, smoothness, exponent, randomness):
 
 @kernel
 def _smooth(metric, cell, p, smoothness, exponent, randomness):
-    """Distances that are less than ``smoothness`` apart have a blend for their minimum, as have colours and places."""
+    """Distances that differ by less than ``smoothness`` have a smooth minimum; so have colours and positions."""
     reach = 2 if smoothness > 0.0 else 1
     reach_y, reach_z, reach_w = reach * REACH_Y, reach * REACH_Z, reach * REACH_W
     least, r, g, b, x, y, z, w = math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -224,7 +224,7 @@ def _smooth(metric, cell, p, smoothness, exponent, randomness):
 
 @kernel
 def _octaves(detail, roughness):
-    """How many there are, and the share of the last one: what ``detail`` has behind the point."""
+    """Number of octaves, and the weight of the last one: the fractional part of ``detail``."""
     detail = min(max(0.0, detail), MOST_DETAIL)
     whole = int(detail)
     if roughness == 0.0:

@@ -72,3 +72,35 @@ def contour(values: np.ndarray, threshold: float) -> np.ndarray:
             for first, last in pairs:
                 found.append(np.concatenate([points[chosen, first], points[chosen, last]], axis=1))
     return np.concatenate(found)
+
+
+MOST_PIXELS = 1 << 26
+MOST_SEGMENTS = 1 << 20
+
+
+class PictureError(ValueError):
+    """A picture has no outline; says what it lacks, and the cure, as the rest of a sentence after the picture's name."""
+
+
+def outline_of(pixels: np.ndarray, part: str, threshold: float) -> np.ndarray:
+    """Segments (n, 4) in widths of the picture, around its middle, of pixels (height, width, channels), the lowest row first.
+
+    ``part``: "opaque", "bright" or "dark". Raises ``PictureError``.
+    """
+    height, width, channels = pixels.shape
+    if width * height > MOST_PIXELS:
+        raise PictureError(
+            f"has {width} × {height} pixels, and an outline is made of {MOST_PIXELS / 1e6:.0f} million at most: scale it down"
+        )
+    if part == "opaque":
+        values = pixels[..., 3] if channels == 4 else np.ones((height, width), np.float32)
+    else:
+        values = pixels[..., : min(channels, 3)].mean(axis=2)
+        if part == "dark":
+            values, threshold = 1.0 - values, 1.0 - threshold
+    segments = contour(np.nan_to_num(values), threshold)
+    if not len(segments):
+        raise PictureError("has nothing above the threshold: choose another threshold, or another part")
+    if len(segments) > MOST_SEGMENTS:
+        raise PictureError(f"has an outline of too many corners, {len(segments):,}: blur it, or scale it down")
+    return (segments - 0.5 * np.array([width, height] * 2)) / width

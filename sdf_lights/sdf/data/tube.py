@@ -61,10 +61,10 @@ def _to_segment(numbers, at, x, y, z):
 
 @kernel
 def _nearest(numbers, x, y, z):
-    """Distance to the nearest ball, and the vector from its centre."""
+    """Distance to the nearest ball, the vector from its centre, and where its segment is in the table."""
     stack = stack_array(64)
     leaves, segments = int(numbers[0]), int(numbers[1])
-    best, best_x, best_y, best_z = math.inf, 0.0, 0.0, 0.0
+    best, best_x, best_y, best_z, best_at = math.inf, 0.0, 0.0, 0.0, segments
     depth, node = 0, 1
     distance = _to_box(numbers, 1, x, y, z)
     while True:
@@ -81,11 +81,11 @@ def _nearest(numbers, x, y, z):
             at = segments + (node - leaves) * 36
             for _ in range(4):
                 found, dx, dy, dz = _to_segment(numbers, at, x, y, z)
-                at += 9
                 if found < best:
-                    best, best_x, best_y, best_z = found, dx, dy, dz
+                    best, best_x, best_y, best_z, best_at = found, dx, dy, dz, at
+                at += 9
         if depth == 0:
-            return best, best_x, best_y, best_z
+            return best, best_x, best_y, best_z, best_at
         depth -= 2
         node, distance = int(stack[depth]), stack[depth + 1]
 
@@ -93,18 +93,42 @@ def _nearest(numbers, x, y, z):
 @kernel
 def tube_distance(address, x, y, z):
     """The distance of a point, of the kind ``TableFunction``."""
-    best, _, _, _ = _nearest(doubles_at(address), x, y, z)
+    best, _, _, _, _ = _nearest(doubles_at(address), x, y, z)
     return best if x == x and y == y and z == z else math.nan
 
 
 @kernel
 def tube_slope(address, x, y, z):
     """Its derivatives."""
-    _, dx, dy, dz = _nearest(doubles_at(address), x, y, z)
+    _, dx, dy, dz, _ = _nearest(doubles_at(address), x, y, z)
     length = math.sqrt(dx * dx + dy * dy + dz * dz)
     if not 0.0 < length < math.inf:
         return 0.0, 0.0, 0.0
     return dx / length, dy / length, dz / length
+
+
+@kernel
+def tube_along(address, x, y, z):
+    """How far along its path the centre of the nearest ball is, from 0 at its start to 1 at its end."""
+    numbers = doubles_at(address)
+    best, dx, dy, dz, at = _nearest(numbers, x, y, z)
+    if not abs(best) < math.inf:
+        return 0.0
+    s = (
+        (x - dx - numbers[at]) * numbers[at + 4]
+        + (y - dy - numbers[at + 1]) * numbers[at + 5]
+        + (z - dz - numbers[at + 2]) * numbers[at + 6]
+    )
+    part = min(max(s / numbers[at + 7], 0.0), 1.0) if numbers[at + 7] > 0.0 else 0.0
+    leaves, segments = int(numbers[0]), int(numbers[1])
+    place = segments + 36 * leaves + 2 * ((at - segments) // 9)
+    return numbers[place] + part * (numbers[place + 1] - numbers[place])
+
+
+@kernel
+def tube_along_bounds(address, x_low, x_high, y_low, y_high, z_low, z_high):
+    """Bounds of that: it jumps where two parts of a curve are equally near."""
+    return 0.0, 1.0, -math.inf, math.inf, -math.inf, math.inf, -math.inf, math.inf
 
 
 @kernel
@@ -129,7 +153,7 @@ def tube_bounds(address, x_low, x_high, y_low, y_high, z_low, z_high):
     radius = math.sqrt(hx * hx + hy * hy + hz * hz)
     if not radius < math.inf:
         return -math.inf, math.inf, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0
-    distance, _, _, _ = _nearest(numbers, x, y, z)
+    distance, _, _, _, _ = _nearest(numbers, x, y, z)
     if not distance < math.inf:
         return -math.inf, math.inf, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0
     margin = 1e-9 * (abs(distance) + radius)
@@ -190,21 +214,20 @@ float tube_box(int at, vec3 p)
     return length(max(d, 0.0)) + min(max(max(d.x, d.y), d.z), 0.0);
 }
 
-float tube(int table, float x, float y, float z)
+vec3 tube_nearest(int table, vec3 point)
 {
-    vec3 point = vec3(x, y, z);
     int stack[40];
     float distances[40];
     int leaves = int(table_number(table));
     int segments = table + int(table_number(table + 1));
-    float best = 1e30;
+    vec3 best = vec3(1e30, 0.0, 0.0);
     int depth = 1;
     stack[0] = 1;
     distances[0] = -1e30;
     while (depth > 0) {
         depth--;
         int node = stack[depth];
-        if (distances[depth] >= best) {
+        if (distances[depth] >= best.x) {
             continue;
         }
         if (node < leaves) {
@@ -229,11 +252,31 @@ float tube(int table, float x, float y, float z)
             float s = along - taper * length(p - along * u) / sqrt(max(1.0 - taper * taper, 1e-12));
             s = abs(taper) >= 1.0 ? (taper < 0.0 ? 1e30 : -1e30) : s;
             s = min(max(s, 0.0), table_number(at + 7));
-            best = min(best, length(p - s * u) - (table_number(at + 3) - taper * s));
+            float found = length(p - s * u) - (table_number(at + 3) - taper * s);
+            if (found < best.x) {
+                best = vec3(found, float((at - segments) / 9), s);
+            }
             at += 9;
         }
     }
     return best;
+}
+
+float tube(int table, float x, float y, float z)
+{
+    return tube_nearest(table, vec3(x, y, z)).x;
+}
+"""
+
+_ALONG_GLSL = """\
+float tube_along(int table, float x, float y, float z)
+{
+    vec3 nearest = tube_nearest(table, vec3(x, y, z));
+    int row = int(nearest.y);
+    int segments = table + int(table_number(table + 1));
+    float size = table_number(segments + 9 * row + 7);
+    int place = segments + 36 * int(table_number(table)) + 2 * row;
+    return mix(table_number(place), table_number(place + 1), size > 0.0 ? clamp(nearest.z / size, 0.0, 1.0) : 0.0);
 }
 """
 
@@ -248,8 +291,21 @@ TUBE = TableFunction(
 )
 
 
-def tube_table(segments: np.ndarray) -> Table:
-    """Table of segments (n, 8): x, y, z and radius of both ends. A segment may be a point, a ball."""
+TUBE_ALONG = TableFunction(
+    "tube_along",
+    tube_along,
+    bounds=Function("tube_along_bounds", tube_along_bounds, results=8),
+    glsl=_ALONG_GLSL,
+    needs=(TUBE,),
+    operations=200.0,
+)
+
+
+def tube_table(segments: np.ndarray, along: np.ndarray | None = None) -> Table:
+    """Table of segments (n, 8): x, y, z and radius of both ends. A segment may be a point, a ball.
+
+    ``along`` (n, 2) says how far along its path each end is; without it, the segments are one path.
+    """
     segments = np.asarray(segments, np.float64).reshape(-1, 8)
     if not len(segments):
         raise ValueError("a tube needs a segment")
@@ -262,10 +318,19 @@ def tube_table(segments: np.ndarray) -> Table:
         k = np.where(whole, (radius - last) / lengths, 0.0)
     low = np.minimum(start - radius[:, None], end - last[:, None])
     high = np.maximum(start + radius[:, None], end + last[:, None])
+    if along is None:
+        along = _along(lengths)
     order, nodes = boxes.tree(low, high)
     rows = np.column_stack([start, radius, direction, lengths, k])[order]
     head = [len(nodes) // 2, _HEAD + nodes.size]
-    return table(np.concatenate([head, nodes.ravel(), rows.ravel()]))
+    return table(np.concatenate([head, nodes.ravel(), rows.ravel(), along[order].ravel()]))
+
+
+def _along(lengths: np.ndarray) -> np.ndarray:
+    """Parts (n, 2) of the length of a path at both ends of its segments of these lengths (n,)."""
+    ends = np.concatenate([[0.0], np.cumsum(lengths)])
+    ends = ends / ends[-1] if ends[-1] > 0.0 else np.zeros_like(ends)
+    return np.column_stack([ends[:-1], ends[1:]])
 
 
 @dataclass(frozen=True)
@@ -279,13 +344,16 @@ class Tube(Shape, abstract=True):
     @classmethod
     def of(cls, paths: Sequence[tuple[np.ndarray, np.ndarray | float, bool]]) -> "Tube":
         """The tube along paths: points (n, 3), their radii (n,) or one radius, and whether the path is closed."""
-        parts = []
+        parts, along = [], []
         for points, radii, closed in paths:
             ends = np.column_stack([points, np.broadcast_to(radii, len(points))])
             if closed and len(ends) > 2:
                 ends = np.concatenate([ends, ends[:1]])
             parts.append(np.column_stack([ends[:-1], ends[1:]] if len(ends) > 1 else [ends, ends]))
-        return cls(tube_table(np.concatenate(parts) if parts else np.zeros((0, 8))))
+            along.append(_along(np.linalg.norm(parts[-1][:, 4:7] - parts[-1][:, :3], axis=1)))
+        if not parts:
+            return cls(tube_table(np.zeros((0, 8))))
+        return cls(tube_table(np.concatenate(parts), np.concatenate(along)))
 
     @property
     def exact_outside(self) -> bool:
@@ -295,7 +363,7 @@ class Tube(Shape, abstract=True):
     def balls(self) -> np.ndarray:
         """Centres and radii (n, 4) of the balls at the ends of all segments."""
         numbers = self.data.array
-        rows = numbers[int(numbers[1]) :].reshape(-1, _ROW)
+        rows = numbers[int(numbers[1]) :][: 4 * _ROW * int(numbers[0])].reshape(-1, _ROW)
         ends = rows[:, :3] + rows[:, 7:8] * rows[:, 4:7]
         return np.unique(
             np.concatenate([rows[:, :4], np.column_stack([ends, rows[:, 3] - rows[:, 8] * rows[:, 7]])]), axis=0
@@ -304,6 +372,10 @@ class Tube(Shape, abstract=True):
     def build(self, p: Vector, slot: Slots) -> Formula:
         (distance,) = call(TUBE, slot(self.data.address), *p)
         return distance
+
+    def along(self, p: Vector, slot: Slots) -> Formula:
+        (along,) = call(TUBE_ALONG, slot(self.data.address), *p)
+        return along
 
     def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         matrix = np.eye(4) if matrix is None else matrix

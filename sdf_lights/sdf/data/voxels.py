@@ -25,12 +25,25 @@ FINENESS, PREVIEW = 128, 64  # voxels along the longest side, if nobody chooses 
 MOST_BLOCKS = 1 << 14  # with voxels: 8 million voxels
 MOST_CORNERS = 1 << 22  # of blocks
 INSIDE = 0.52  # winding number of the surface where there are no faces: above the half that flat sheets come near
+NEAR_WHOLE = 0.3  # from a whole number, up to which a winding number is taken for the same as that of a point nearby
 ON_A_FACE = 1e-6  # voxels
 _TASK = 24  # blocks between two looks whether to go on: some hundredths of a second
 
 
 class GridError(ValueError):
     """A mesh has no grid: the rest of a sentence that names it."""
+
+
+@kernel(forceinline=True)
+def _reach(turns, distance):
+    """How far from a point, whose nearest face is at a ``distance``, the winding number is as near to the same whole number.
+
+    It is harmonic where no face is. What lacks it to a whole number m is at most m (1 + s) / (1 − s)² at s distances from the
+    point (Harnack's inequality), as long as it has one sign there, which neighbours of faces that hardly leak have.
+    """
+    lacks = max(abs(turns - math.floor(turns + 0.5)), 1e-3)
+    c = NEAR_WHOLE / lacks
+    return distance * (2.0 * c + 1.0 - math.sqrt(8.0 * c + 1.0)) / (2.0 * c) if c > 1.0 else 0.0
 
 
 @kernel
@@ -40,6 +53,7 @@ def _measure(corners, nodes, dipoles, closed, corner, size, starts, step, band, 
     Distances above ``band`` need not be exact: they are above it.
     """
     m, guess, clear = distances.shape[1], 0, size * step * (1.0 + 1e-9)
+    left = np.empty((m, m, m))  # how much farther the winding number of a point holds, of open meshes
     for block in range(len(starts)):
         for k in range(m):
             z = corner[2] + size * (starts[block, 2] + step * k)
@@ -57,7 +71,19 @@ def _measure(corners, nodes, dipoles, closed, corner, size, starts, step, band, 
                     elif closed and k > 0 and max(found, distances[block, k - 1, j, i]) > clear:
                         windings[block, k, j, i] = windings[block, k - 1, j, i]
                     else:
-                        windings[block, k, j, i] = winding(corners, nodes, dipoles, x, y, z)
+                        farthest, turns = 0.0, 0.0
+                        if not closed:
+                            if i > 0 and left[k, j, i - 1] > farthest:
+                                farthest, turns = left[k, j, i - 1], windings[block, k, j, i - 1]
+                            if j > 0 and left[k, j - 1, i] > farthest:
+                                farthest, turns = left[k, j - 1, i], windings[block, k, j - 1, i]
+                            if k > 0 and left[k - 1, j, i] > farthest:
+                                farthest, turns = left[k - 1, j, i], windings[block, k - 1, j, i]
+                        farthest -= clear
+                        if not farthest > 0.0:
+                            turns = winding(corners, nodes, dipoles, x, y, z)
+                            farthest = _reach(turns, found)
+                        windings[block, k, j, i], left[k, j, i] = turns, farthest
 
 
 def _in_tasks(work, count: int, each: int) -> None:
@@ -165,8 +191,7 @@ class _Builder:
 
     def signed(self, blocks: np.ndarray) -> np.ndarray:
         """Distances (n, CORNERS, CORNERS, CORNERS) with signs, to the width of the band."""
-        most = self.band * (1.0 + 1e-9) if self.mesh.closed else 4.0 * self.band
-        distances, windings = self.measured(SIDE * blocks, CORNERS, 1.0, most)
+        distances, windings = self.measured(SIDE * blocks, CORNERS, 1.0, self.band * (1.0 + 1e-9))
         return np.clip(_with_signs(distances, windings, ON_A_FACE * self.size), -self.band, self.band)
 
     def missing(self, coarse, blocks, values, kept) -> np.ndarray:

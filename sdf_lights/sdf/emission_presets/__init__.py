@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Emissions to start from: text files of this folder, in the language of ``sdf.emission``, as the examples of shapes."""
+"""Preset emissions: text files of this folder, in the language of ``sdf.emission``, like the examples of shapes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pathlib
 from ..examples import Example, read
 
 ORDER = ("uniform", "shell", "core", "flame", "neon")
-"""Names of the presets, as menus list them."""
+"""Names of the presets, in the order of menus."""
 
 
 @functools.cache

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pieces of balls, and what balls cut out of balls. The ball is centred at the origin; the axis is z.
+"""Pieces of balls, and balls cut by balls. The ball is centred at the origin; the axis is z.
 
-All distances are exact. In the plane through the axis the surface is made of two curves that meet in a point, the rim.
-Where neither curve has a nearest point of its own the rim is nearest; elsewhere both distances are lower bounds of the
-true one and one of them attains it, so it is the greater.
+All distances are exact. In the plane through the axis, the surface consists of two curves that meet in a point, the
+rim. Where neither curve has a nearest point of its own, the rim is nearest. Elsewhere both distances are lower bounds
+of the true one and one of them attains it, so the greater one is the distance.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from .primitives import Primitive
 
 
 def _cap_volume(radius: float, height: float) -> float:
-    """Volume of the piece of a ball, ``height`` thick, that a plane cuts off."""
+    """Volume of the cap of thickness ``height`` that a plane cuts off a ball."""
     return math.pi / 3.0 * height**2 * (3.0 * radius - height)
 
 
 def _chord(radius: float, height: float) -> float:
-    """Radius of the circle that a plane at distance ``height`` from the centre cuts out of a sphere."""
+    """Radius of the circle in which a plane at distance ``height`` from the centre cuts a sphere."""
     return math.sqrt(max((radius - height) * (radius + height), 0.0))
 
 
 def circular_sector(across: Formula, along: Formula, radius: Formula, sine: Formula, cosine: Formula) -> Formula:
     """Signed distance in the plane, where across ≥ 0, to the part of a disk near the positive ``along`` axis.
 
-    ``sine`` and ``cosine`` are of the angle between that axis and the straight sides.
+    ``sine`` and ``cosine`` are those of the angle between that axis and the straight sides.
     """
     beyond_arc = length(across, along) - radius
     side = clamp(across * sine + along * cosine, 0.0, radius)
@@ -54,7 +54,7 @@ class SolidAngle(Primitive):
     radius: float = number(0.75, "Radius of the ball")
     angle: float = number(
         math.radians(80.0),
-        "Angle across the opening of the cone; above 180° the ball lacks a cone",
+        "Opening angle of the cone; above 180° the ball lacks a cone",
         unit="ANGLE",
         minimum=0.001,
         maximum=2.0 * math.pi - 0.001,
@@ -82,7 +82,7 @@ class CutSphere(Primitive):
 
     radius: float = number(0.5, "Radius of the ball")
     cut: float = number(
-        -0.25, "Height of the plane above the centre of the ball; what is below is cut off", minimum=-LARGEST
+        -0.25, "Height of the plane above the centre of the ball; the part below is cut off", minimum=-LARGEST
     )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
@@ -139,7 +139,7 @@ class CutHollowSphere(Primitive):
 
     radius: float = number(0.5, "Radius of the ball, to the middle of the wall")
     cut: float = number(
-        0.1, "Height of the rim above the centre of the ball; what is above is cut off", minimum=-LARGEST
+        0.1, "Height of the rim above the centre of the ball; the part above is cut off", minimum=-LARGEST
     )
     thickness: float = number(0.1, "Thickness of the wall", soft_maximum=1.0)
 
@@ -188,7 +188,7 @@ class CutHollowSphere(Primitive):
 
 @dataclass(frozen=True)
 class DeathStar(Primitive):
-    """A ball with a round dent that another ball, above it, has left."""
+    """A ball with a round dent made by another ball above it."""
 
     radius: float = number(0.5, "Radius of the ball")
     dent_radius: float = number(0.35, "Radius of the ball that made the dent")
@@ -240,7 +240,7 @@ class DeathStar(Primitive):
 
 @dataclass(frozen=True)
 class Lens(Primitive):
-    """A lens with two round faces and a sharp rim: what two equal balls have in common."""
+    """A lens with two round faces and a sharp rim: the intersection of two equal balls."""
 
     radius: float = number(0.6, "Radius of the rim")
     thickness: float = number(0.5, "Thickness along z, on the axis")

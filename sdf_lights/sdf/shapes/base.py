@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a shape is: a frozen dataclass of documented parameters, and one method that builds its formula.
+"""The base of all shapes: a frozen dataclass of documented parameters, and one method that builds its formula.
 
-Everything that has a name for a shape (the expression language, Blender's properties, the reference page) is made from
-``SHAPES`` and the fields' metadata.
+Everything else (the expression language, Blender's properties, the reference page) is made from ``SHAPES`` and the
+fields' metadata.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from .. import program
 
 EXACT, BOUND, NONE = "exact", "bound", "none"
 
-SMALLEST = 1e-6  # least size of anything that must not vanish, in metres: below it float32 displays show nothing
-LARGEST = 1e9  # greatest size and distance: far from where squares overflow, also in float32
+SMALLEST = 1e-6  # minimum size in metres of anything that must not vanish: below it float32 displays show nothing
+LARGEST = 1e9  # maximum size and distance: squares are far from overflow, also in float32
 
 SHAPES: dict[str, type["Shape"]] = {}
-"""Every shape by the name it has in expressions, ``box_frame`` for ``BoxFrame``, in order of definition."""
+"""Every shape by its name in expressions, such as ``box_frame`` for ``BoxFrame``, in order of definition."""
 
 
 class ShapeError(ValueError):
-    """A shape was given something that is not a number or not a shape; says which in one sentence."""
+    """A shape got a value that is not a number or not a shape; names it in one sentence."""
 
 
 class Parameter(NamedTuple):
@@ -46,11 +46,11 @@ class Parameter(NamedTuple):
     description: str
     unit: str  # "LENGTH" (metres), "ANGLE" (radians) or "NONE", as Blender names them
     default: float | tuple[float, float, float]
-    minimum: float  # −inf where there is none; validate() holds a shape to it
+    minimum: float  # −inf if there is none; validate() enforces it
     maximum: float
-    soft_maximum: float  # where a slider ends, though more may be typed
+    soft_maximum: float  # end of a slider; larger values may be typed
     size: int
-    whole: bool  # a count: whole numbers only
+    whole: bool  # a count: only integers
 
 
 def number(
@@ -64,7 +64,7 @@ def number(
     label: str = "",
     whole: bool = False,
 ):
-    """Dataclass field of a shape's parameter: a float, or a vector where ``default`` is a 3-tuple."""
+    """Dataclass field of a shape's parameter: a float, or a vector if ``default`` is a 3-tuple."""
     return dataclasses.field(
         default=default,
         metadata=dict(
@@ -80,12 +80,12 @@ def number(
 
 
 def part(description: str, kind: str = "shape"):
-    """Dataclass field of a shape ("shape") or profile ("profile") that a shape is made of; before the numbers."""
+    """Dataclass field of a child shape ("shape") or profile ("profile"); before the numbers."""
     return dataclasses.field(metadata=dict(part=kind, description=description))
 
 
 class Family(enum.IntEnum):
-    """How a field is joined from others, as far as leaving some of them out is concerned."""
+    """How a field is joined from others; pruning uses this."""
 
     LEAF = 0  # not joined from others
     MAP = 1  # of one field: an offset, a shell
@@ -96,12 +96,12 @@ class Family(enum.IntEnum):
 
 
 class Term(NamedTuple):
-    """One of the formulas, in postfix order, that a shape's field is evaluated by.
+    """One of the formulas, in postfix order, by which a shape's field is evaluated.
 
-    A term takes ``arity`` values from a stack and puts its own in their place. Its ``formula`` reads the point where
-    arity is 0, else its operands in place of the coordinates x (the first) and y. Where operands a and b (−b in a
-    difference) differ by more than ``blend_width``, the value is exactly that of one of them, as ``family`` says. Nowhere does
-    it change faster than the fastest of its operands.
+    A term takes ``arity`` values from a stack and pushes its own. If ``arity`` is 0, its ``formula`` reads the point.
+    Otherwise it reads its operands instead of the coordinates x (the first) and y. If operands a and b (−b in a
+    difference) differ by more than ``blend_width``, the value is exactly one of them, as ``family`` says. It never
+    changes faster than its fastest operand.
     """
 
     formula: Formula
@@ -113,7 +113,7 @@ class Term(NamedTuple):
 
 
 class Slots:
-    """Hands out parameter slots to a formula that is being built, and keeps the values that belong in them."""
+    """Assigns parameter slots to a formula while it is built, and stores their values."""
 
     def __init__(self):
         self.values: list[float] = []
@@ -127,7 +127,7 @@ class Slots:
 
 
 def _declaring(build):
-    """``build`` of shapes and profiles that also declares the field continuous, where that is known for all numbers."""
+    """``build`` of shapes and profiles that also declares the field continuous, if that is known for all numbers."""
 
     @functools.wraps(build)
     def declaring(self, p: Vector, slot: Slots) -> Formula:
@@ -142,10 +142,10 @@ def _declaring(build):
 class Parametric:
     """A field φ with a name and documented parameters: a frozen dataclass of ``number`` fields.
 
-    What shapes, and the profiles they are swept from, have in common.
+    The common base of shapes, and of the profiles that they are swept from.
     """
 
-    always_continuous = True  # where ``lipschitz`` is finite: not only for some numbers in the slots of the formula
+    always_continuous = True  # if ``lipschitz`` is finite: for all numbers in the slots of the formula
 
     def __init_subclass__(cls, **options):
         super().__init_subclass__(**options)
@@ -185,18 +185,18 @@ class Parametric:
         return tuple(found)
 
     def __getstate__(self) -> dict:
-        """What makes the shape alone: addresses of tables mean nothing to another process."""
+        """Everything that defines the shape: addresses of tables are meaningless in another process."""
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        """The field φ at the point p. Numbers that may change are put into ``slot(…)``, which gives their formulas.
+        """The field φ at the point p. Pass numbers that may change to ``slot(…)``, which returns their formulas.
 
-        The graph must not depend on the numbers, or changing one compiles anew.
+        The graph must not depend on the numbers, or each change compiles again.
         """
         raise NotImplementedError
 
     def relation(self) -> str:
-        """What is wrong between parameters that are each within their limits: one sentence, or an empty string."""
+        """Contradictions between parameters that are each within their limits: one sentence, or an empty string."""
         return ""
 
     @cached_property
@@ -208,7 +208,7 @@ class Parametric:
         return formula, values
 
     def formula(self) -> Formula:
-        """The field φ. What differs only in numbers has the very same formula, the key of compiled code."""
+        """The field φ. Shapes that differ only in numbers share one formula, the key of compiled code."""
         return self._built[0]
 
     def parameters(self) -> np.ndarray:
@@ -216,11 +216,11 @@ class Parametric:
         return self._built[1]
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        """φ at points (…, 3), by the NumPy reading."""
+        """φ at points (…, 3), with NumPy."""
         return numpy_evaluation.evaluate(self.formula(), points, self.parameters())
 
     def check(self) -> str:
-        """What is wrong, and how to put it right: one sentence, or an empty string. Parts are not looked at."""
+        """The mistake and its cure: one sentence, or an empty string. Child shapes are not checked."""
         return self._checked
 
     @cached_property
@@ -241,7 +241,7 @@ class Parametric:
 
 
 def undone(matrix: np.ndarray, p: Vector, slot: Slots) -> Vector:
-    """matrix⁻¹ p: where the point was before the affine ``matrix`` (4 × 4) moved it."""
+    """matrix⁻¹ p: the position of the point before the affine ``matrix`` (4 × 4) moved it."""
     rows = [(slot(tuple(row[:3])), slot(row[3])) for row in inverse(matrix)[:3].tolist()]
     return Vector(*(row.dot(p) + offset for row, offset in rows))
 
@@ -249,27 +249,27 @@ def undone(matrix: np.ndarray, p: Vector, slot: Slots) -> Vector:
 class Shape(Parametric):
     """A region of space Ω = {x : φ(x) ≤ 0}, given by a field φ that is negative inside.
 
-    Immutable and compared by value. Space is the shape's own; lengths are in metres.
+    Immutable and compared by value. Coordinates are in the shape's local space; lengths are in metres.
 
-    ``exactness`` says what |φ| is: ``"exact"``, the distance to the surface everywhere; ``"bound"``, never more than
-    that distance; ``"none"``, neither. The sign is right in all three. ``lipschitz`` is an L with
-    |φ(x) − φ(y)| ≤ L |x − y| for all x, y; it is 1 for the first two, and infinite where none is known for all of
-    space: then bounds are found box by box, from the formula. Where no bound exists at all, ``certified`` is False and
-    ``lipschitz`` is a measured one, which rays that miss a crossing may yet disprove.
+    ``exactness`` describes |φ|: ``"exact"``, the distance to the surface everywhere; ``"bound"``, never more than that
+    distance; ``"none"``, neither. The sign is right in all three. ``lipschitz`` is an L with |φ(x) − φ(y)| ≤ L |x − y|
+    for all x, y. It is 1 for the first two, and infinite if none is known for all of space: then bounds are found box
+    by box, from the formula. If no bound exists at all, ``certified`` is False and ``lipschitz`` is a measured value;
+    rays may then miss a crossing.
 
-    A shape that is not ``bounded`` reaches to infinity: it is of use inside an intersection alone.
+    A shape that is not ``bounded`` reaches to infinity: it is useful only inside an intersection.
     """
 
     exactness = EXACT
     lipschitz = 1.0
     certified = True
     bounded = True
-    children = ()  # the shapes that this one is made of
+    children = ()  # the child shapes
     size = 1  # number of primitives in the shape
-    depth = 1  # number of shapes inside one another
+    depth = 1  # nesting depth of shapes
 
     def __init_subclass__(cls, abstract: bool = False, **options):
-        """Register the class in ``SHAPES``, unless it is abstract: not to be named by artists."""
+        """Register the class in ``SHAPES``, unless it is abstract and so hidden from artists."""
         super().__init_subclass__(**options)
         if not abstract:
             SHAPES[cls.name()] = cls
@@ -279,8 +279,8 @@ class Shape(Parametric):
     def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Corners (low, high) of an axis-aligned box around ``matrix`` (4 × 4, default identity) applied to the shape.
 
-        Tight for primitives under every affine matrix. An empty intersection may give a box without extent; a shape
-        that is not ``bounded`` gives infinite corners.
+        Tight for primitives under every affine matrix. An empty intersection may give a box of zero size; a shape that
+        is not ``bounded`` gives infinite corners.
         """
         raise NotImplementedError
 
@@ -290,46 +290,50 @@ class Shape(Parametric):
         return self.exactness == EXACT
 
     def growth(self, matrix: np.ndarray | None = None) -> np.ndarray:
-        """By how much ``bounds`` have to grow on each side to enclose {x : φ(x) ≤ c}, for each metre of c > 0: (3,).
+        """By how much ``bounds`` must grow on each side to enclose {x : φ(x) ≤ c}, for each metre of c > 0: (3,).
 
-        Infinite where nothing is known of φ outside the shape; ``operators.guarded`` helps there.
+        Infinite if φ is unknown outside the shape; then use ``operators.guarded``.
         """
         if not self.exact_outside:
             return np.full(3, math.inf)
         return np.ones(3) if matrix is None else np.linalg.norm(matrix[:3, :3], axis=1)
 
     def volume(self) -> float | None:
-        """Volume in cubic metres, or None where no closed form is known: then the emitter integrates it."""
+        """Volume in cubic metres, or None if no closed form is known: then the emitter integrates it."""
         return None
 
     def program(self, matrix: np.ndarray | None = None) -> np.ndarray:
         """Closed-form program (see ``sdf.program``) of ``matrix`` (4 × 4, default identity) applied to the shape.
 
-        Raises ``program.NoClosedForm`` where ray intervals have to be found numerically.
+        Raises ``program.NoClosedForm`` if ray intervals must be found numerically.
         """
         raise program.NoClosedForm(f"{self.label()} has no closed form for its ray intervals.")
 
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         """The field factor · φ(matrix⁻¹ x) in parts that can be left out where they do not matter: see ``Term``.
 
-        This one is of a shape without such parts. ``factor`` is at most the least singular value of ``matrix``.
+        The default is for a shape without such parts. ``factor`` is at most the least singular value of ``matrix``.
         """
         slots = Slots()
         formula = self.build(undone(matrix, POINT, slots), slots) * slots(factor)
         return [Term(formula, np.array(slots.values), 0, Family.LEAF, 0.0, self.lipschitz)]
 
+    def along(self, p: Vector, slot: Slots) -> Formula | None:
+        """How far along its curve, from 0 to 1, the part of the shape is that is nearest to p; None where it has no curve."""
+        return None
+
     # -- what follows from it -------------------------------------------------------------------------------------
 
     def validate(self) -> str:
-        """As ``check``, but of the shape and all its parts.
+        """As ``check``, but for the shape and all its children.
 
-        The other methods promise nothing for a shape that is not valid.
+        The other methods guarantee nothing for an invalid shape.
         """
         return self._validated
 
     @cached_property
     def _validated(self) -> str:
-        # Kept, as shapes never change: what is made of a shape may ask again at each level.
+        # Cached, because shapes never change and operators ask again at each level.
         return self.check() or next(filter(None, (child.validate() for child in self.children)), "")
 
 

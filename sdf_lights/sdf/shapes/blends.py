@@ -2,19 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Union, intersection and difference with a blended seam; the mixture of two shapes.
 
-Every blend here is min(a, b) − drop(r − |a − b|) of two fields a and b, with a drop that falls from its greatest value,
-where a = b, to zero, where the fields differ by the radius r. That is the general form of a smooth minimum that keeps
-adding the same to both fields as adding it to the result. It has three consequences:
+Every blend here is min(a, b) − drop(r − |a − b|) of two fields a and b. The drop has its greatest value where a = b,
+and falls to zero where the fields differ by the radius r. This is the general form of a smooth minimum for which adding
+a number to both fields adds it to the result. It has three consequences:
 
 * Beyond the radius the result *is* one of the fields.
 * All drops below have 0 ≤ drop′ ≤ 1, so the gradient is a convex combination of both gradients, and no Lipschitz bound
   grows, however many shapes are blended.
 * With drop′ ≤ 1 the added region, where min(a, b) > 0 ≥ min(a, b) − drop, has min(a, b) ≤ drop(r) and max(a, b) ≤ r.
 
-Intersection and difference are De Morgan's: −union(−a, −b) and −union(−a, b).
+Intersection and difference follow by De Morgan: −union(−a, −b) and −union(−a, b).
 
-Quilez, "Smooth minimum" has the polynomial, circular and exponential profiles; the seams of hg_sdf (Mercury, 2015) the
-circular one, chamfers and stairs. Theirs are computed here in the form above: their surfaces are the same, their
+Quilez, "Smooth minimum" has the polynomial, circular and exponential profiles; hg_sdf (Mercury, 2015) has the circular
+one, chamfers and stairs. Here they are computed in the form above: the surfaces are the same, but the original
 Lipschitz bounds were √2 or did not exist.
 """
 
@@ -33,7 +33,7 @@ from ...interruption import check
 from .base import Family, Shape, Slots, Term, number, part
 from .operators import Composite, Difference, Intersection, SetOperation, checked, common, enclosing, guarded
 
-_CUTOFF = 8.0  # radius of an exponential blend as multiples of its decay length: e⁻⁸ of the drop is left there
+_CUTOFF = 8.0  # radius of an exponential blend as a multiple of its decay length: e⁻⁸ of the drop is left there
 
 
 class Profile(NamedTuple):
@@ -55,13 +55,13 @@ def _cubic(overlap, radius):
 
 
 def _circular(overlap, radius):
-    # Where a and b are distances to perpendicular planes, an arc of the radius that touches both.
+    # If a and b are distances to perpendicular planes, an arc of this radius touches both.
     share = overlap / radius
     return 0.5 * radius * (1.0 + share - sqrt(1.0 + share * (2.0 - share)))
 
 
 def _exponential(overlap, radius):
-    # −k log(e^(−a/k) + e^(−b/k)), less what is left of it at the radius, so that the blend ends there.
+    # −k log(e^(−a/k) + e^(−b/k)), minus its value at the radius, so that the blend ends there.
     ratio = apply("exp", _CUTOFF * (overlap / radius - 1.0))
     return radius / _CUTOFF * apply("log", (1.0 + ratio) / (1.0 + math.exp(-_CUTOFF)))
 
@@ -79,7 +79,7 @@ def _stairs(overlap, radius, steps):
 
 
 class Blend(SetOperation, abstract=True):
-    """A set operation with the given profile for its seams. Shapes are blended from left to right."""
+    """A set operation with the given profile of its seams. Shapes are blended from left to right."""
 
     profile: Profile
 
@@ -92,7 +92,7 @@ class Blend(SetOperation, abstract=True):
 
 
 class BlendedUnion(Blend, abstract=True):
-    """The parts are guarded: how far the seam bulges must be known."""
+    """The parts are guarded, because the bulge of the seam must be known."""
 
     family = Family.UNION
 
@@ -128,7 +128,7 @@ class BlendedUnion(Blend, abstract=True):
             return (lows[which] - margin).min(axis=0), (highs[which] + margin).max(axis=0)
 
         # Added points have a field up to the radius on one side of the seam, and up to the greatest drop on the other.
-        # On the left are k shapes already blended: at most k − 1 drops below the least of them.
+        # The left operand has k shapes already blended: at most k − 1 drops below the least of them.
         for index in range(1, len(lows)):
             check()
             left, right = slice(0, index), slice(index, index + 1)
@@ -143,7 +143,7 @@ class BlendedUnion(Blend, abstract=True):
 
 
 class BlendedIntersection(Blend, abstract=True):
-    """Within the sharp one."""
+    """Inside the sharp one."""
 
     family = Family.INTERSECTION
     bounded = Intersection.bounded
@@ -154,7 +154,7 @@ class BlendedIntersection(Blend, abstract=True):
 
 
 class BlendedDifference(Blend, abstract=True):
-    """Within the sharp one."""
+    """Inside the sharp one."""
 
     family = Family.DIFFERENCE
     bounded = Difference.bounded
@@ -166,7 +166,7 @@ class BlendedDifference(Blend, abstract=True):
 
 
 def _radius():
-    return number(0.1, "Width of the seam: parts whose fields differ by more are not changed", soft_maximum=1.0)
+    return number(0.1, "Width of the seam: parts whose fields differ by more stay unchanged", soft_maximum=1.0)
 
 
 def _steps():
@@ -245,15 +245,15 @@ StairsUnion, StairsIntersection, StairsDifference = _family(
 
 @dataclass(frozen=True)
 class Morph(Composite):
-    """A shape between two others: their fields mixed.
+    """A shape between two others: a mixture of their fields.
 
-    At amount 0 it is the first, at 1 the second. Shapes that are apart vanish on the way.
+    At amount 0 it is the first, at 1 the second. Shapes that do not overlap vanish in between.
     """
 
     first: Shape = part("Shape at amount 0")
     second: Shape = part("Shape at amount 1")
     amount: float = number(
-        0.5, "How far from the first shape to the second", unit="NONE", minimum=0.0, maximum=1.0, soft_maximum=1.0
+        0.5, "Position between the first shape and the second", unit="NONE", minimum=0.0, maximum=1.0, soft_maximum=1.0
     )
 
     def __post_init__(self):

@@ -3,12 +3,12 @@
 """Wires and bands that wind around the z axis: coils, knots, twisted rings.
 
 The nearest point of such a curve has no closed form. But the half plane through the axis and a given point cuts the
-curve in a few points that are known, and in that half plane the field is made. It is a bound of the distance: its
-slope is that within the half plane and, at right angles to it, what the cut points move by as the half plane turns,
-over the distance ρ from the axis. Each class says how steep that gets, and divides by it.
+curve in a few known points, and the field is defined in that half plane. It is a bound of the distance. Its slope has
+two parts: that within the half plane, and, perpendicular to it, the motion of the cut points as the half plane turns,
+divided by the distance ρ from the axis. Each class derives the greatest slope, and divides by it.
 
-A wire that leaves the half plane at a slant is cut in an ellipse. So that it is round across, offsets from the cut
-point (d, in the half plane) are measured without their part along the wire, of direction τ: |d|² − (d · τ)².
+A wire that crosses the half plane at a slant is cut in an ellipse. To make it round, offsets from the cut point (d, in
+the half plane) are measured without their part along the wire, of direction τ: |d|² − (d · τ)².
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from ...graph.formula import Formula, Vector, atan2, clamp, cos, floor, length, 
 from .base import BOUND, Slots, number
 from .primitives import Primitive, corner
 
-_SAMPLES = 400  # points of a curve to each turn, for its box
+_SAMPLES = 400  # points of a curve per turn, for its box
 _RIM = 48  # points around a wire, for its box
 _STEEPEST = 0.99  # sine of the slope of a wire
 
 
 def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axes: tuple) -> np.ndarray:
-    """Support of all sections of a solid by half planes through the z axis, when some of them are given.
+    """Support of all sections of a solid by half planes through the z axis, from some of them.
 
-    The sections at the ``angles`` (m,) are ellipses with this center and these two semi-axes, or points without axes;
-    of each the part away from the axis and that along z are given, (…, m) or numbers, for any number of ellipses in
-    each section.
+    The sections at the ``angles`` (m,) are ellipses with this center and these two semi-axes, or points without axes.
+    For each, the part away from the axis and the part along z are given, (…, m) or numbers, for any number of ellipses
+    per section.
     """
 
     def turned(vector):
@@ -43,26 +43,25 @@ def _of_sections(directions: np.ndarray, angles: np.ndarray, center: tuple, *axe
     reached = np.tensordot(directions, center, 1)
     if axes:
         reached += np.sqrt(sum(np.tensordot(directions, axis, 1) ** 2 for axis in axes))
-    # Every other section is moved from one of these by half of the way to the next at most, along an arc that is not
-    # quite straight.
+    # Every other section is at most half of a step away from one of these, along an arc that is not quite straight.
     between = 0.501 * sum(np.sqrt((np.diff(vector) ** 2).sum(axis=0).max(axis=-1)) for vector in (center, *axes))
     reached = reached.max(axis=-1) + np.multiply.outer(np.linalg.norm(directions, axis=1), between)
     return reached.reshape(len(directions), -1).max(axis=1)
 
 
 class _Coil(Primitive, abstract=True):
-    """A wire along a curve whose distance from the axis and height grow steadily with the angle.
+    """A wire along a curve whose distance from the axis and height grow linearly with the angle.
 
-    With s, what both together grow by in a radian, and the mean distance from the axis R, the wire's direction has
-    the part ν = s/N along this growth and μ = R/N around the axis, N = √(R² + s²). Offsets along the growth are
-    measured √(1 − ν²) = μ times as long as those across: see the module. In the half plane that gives the slope 1,
-    and with its turning √(x² + μ² y² (1 + s²/ρ²)) for a unit vector (x, y), at most max(1, μ √(1 + s²/ρ²)). Nearer to
-    the axis than half of the way to the wire the field is held constant, so this ρ decides.
+    Let s be the growth of both together per radian, and R the mean distance from the axis. The wire's direction has the
+    part ν = s/N along this growth and μ = R/N around the axis, N = √(R² + s²). Offsets along the growth are scaled by
+    √(1 − ν²) = μ relative to those across: see the module. In the half plane that gives the slope 1. With its turning,
+    the slope is √(x² + μ² y² (1 + s²/ρ²)) for a unit vector (x, y), at most max(1, μ √(1 + s²/ρ²)). Nearer to the axis
+    than half of the way to the wire the field is held constant, so this ρ decides.
 
     Beyond an end, offsets d from it are measured as √(|d|² − (d·τ)² + (d·e)²), with τ the wire's direction and e that
-    around the axis. In the end's half plane, where d·e = 0, that is the same as for the wire, so the field is
-    continuous; and the end, an ellipsoid, does not bulge. The eigenvalues under the root are 1 − ν, 1 and 1 + ν, so
-    its slope is at most √(1 + ν).
+    around the axis. In the end's half plane, where d·e = 0, this equals the value for the wire, so the field is
+    continuous. The end, an ellipsoid, does not bulge. The eigenvalues under the root are 1 − ν, 1 and 1 + ν, so its
+    slope is at most √(1 + ν).
     """
 
     exactness = BOUND
@@ -79,7 +78,7 @@ class _Coil(Primitive, abstract=True):
         return 0.5 * (first + last)
 
     def _growth(self) -> tuple[float, float, float]:
-        """Growth of the distance from the axis and of the height in a radian, and s."""
+        """Growth of the distance from the axis and of the height per radian, and s."""
         first, last, height = self._ends()
         away, up = (last - first) / (math.tau * self.turns), height / (math.tau * self.turns)
         return away, up, math.hypot(away, up)
@@ -91,7 +90,7 @@ class _Coil(Primitive, abstract=True):
         return self._mean() / whole, size / whole
 
     def _section(self, stretch: float) -> np.ndarray:
-        """Two vectors (away from the axis, up): across the growth as long as the wire is thick, and along it."""
+        """Two vectors (away from the axis, up): across the growth, as long as the wire is thick, and along it."""
         away, up, size = self._growth()
         return self.minor_radius / size * np.array([(-up, away), (away * stretch, up * stretch)])
 
@@ -100,7 +99,7 @@ class _Coil(Primitive, abstract=True):
         return self._section(1.0 / self._direction()[0])
 
     def _end_reach(self) -> np.ndarray:
-        """By how much an end reaches beyond its centre: away from the axis, and up."""
+        """How far an end reaches beyond its centre: away from the axis, and up."""
         mu, nu = self._direction()
         return np.hypot(*self._section(math.sqrt(1.0 + nu * nu) / mu))
 
@@ -114,7 +113,7 @@ class _Coil(Primitive, abstract=True):
         mu_, nu_, half_turns = slot(mu), slot(nu), slot(math.pi * self.turns)
 
         rho, angle = length(p.x, p.y), atan2(p.y, p.x)
-        # In the half plane, from the wire where it is at this angle: along its growth, and across.
+        # In the half plane, from the wire at this angle: along its growth, and across.
         out, above = rho - (slot(self._mean()) + angle * slot(away)), p.z - angle * slot(up)
         along, aside = out * unit_away + above * unit_up, above * unit_away - out * unit_up
         lowest = -floor((half_turns + angle) * (1.0 / math.tau))
@@ -132,7 +131,7 @@ class _Coil(Primitive, abstract=True):
 
         ends = minimum(to_end(-1.0, first), to_end(1.0, last))
         steep = 0.5 * (inner - cut)
-        # Least of to_wire where the distance from the axis is ``steep``.
+        # The least to_wire at which the distance from the axis is ``steep``.
         most = radius / cut * (inner - steep)
         wire = minimum(select(lowest <= highest, to_wire, ends), ends, slot(most)) - slot(radius)
         slope = max(math.sqrt(1.0 + nu), mu * math.sqrt(1.0 + (size / steep) ** 2))
@@ -157,7 +156,7 @@ class _Coil(Primitive, abstract=True):
     def volume(self) -> float | None:
         first, last, _ = self._ends()
         mu, _ = self._direction()
-        # Not if it runs into its neighbour, which comes nearer by what it grows in the angle that the end is long.
+        # Not if it runs into the neighbouring turn, which comes nearer by its growth over the angle of the end.
         end = self._end_reach().max() / mu / min(first, last)
         if mu * self._growth()[2] * (math.tau - end) < 2.0 * self.minor_radius:
             return None
@@ -189,12 +188,12 @@ _TURNS = dict(unit="NONE", minimum=0.05, maximum=100.0, soft_maximum=10.0)
 class Helix(_Coil):
     """A wire wound around the z axis, centred: a coil spring. Its ends are round.
 
-    The wire is round to first order: as seen in a half plane through the axis it is an ellipse.
+    The wire is round to first order: in a half plane through the axis it is an ellipse.
     """
 
     radius: float = number(0.35, "Distance from the axis to the middle of the wire")
     pitch: float = number(0.25, "Distance along z from one turn to the next")
-    turns: float = number(3.0, "Number of turns; not only whole ones", **_TURNS)
+    turns: float = number(3.0, "Number of turns; fractions are allowed", **_TURNS)
     minor_radius: float = number(0.06, "Radius of the wire")
 
     def _ends(self):
@@ -203,7 +202,7 @@ class Helix(_Coil):
 
 @dataclass(frozen=True)
 class Spiral(_Coil):
-    """A wire wound around the z axis that gets away from it on its way up, or nearer. It is flat for a height of 0.
+    """A wire wound around the z axis whose distance from the axis changes on its way up. It is flat for a height of 0.
 
     The wire is round to first order. Its ends are round.
     """
@@ -211,7 +210,7 @@ class Spiral(_Coil):
     bottom_radius: float = number(0.12, "Distance from the axis to the middle of the wire at its lower end")
     top_radius: float = number(0.5, "Distance from the axis to the middle of the wire at its upper end")
     height: float = number(0.4, "Distance along z between the ends", minimum=0.0)
-    turns: float = number(3.0, "Number of turns; not only whole ones", **_TURNS)
+    turns: float = number(3.0, "Number of turns; fractions are allowed", **_TURNS)
     minor_radius: float = number(0.045, "Radius of the wire")
 
     def _ends(self):
@@ -225,20 +224,20 @@ class Spiral(_Coil):
 
 @dataclass(frozen=True)
 class TorusKnot(Primitive):
-    """A closed wire on a torus around the z axis: a knot, or a chain where the two numbers of turns have a divisor.
+    """A closed wire on a torus around the z axis: a knot, or a chain if the two numbers of turns have a common divisor.
 
-    The wire is round to first order. With R, r and w the radii, in the half plane a point has the distance s from the
-    middle of the torus and the angle δ around it from the nearest cut of the wire. With k = q r / p for p turns
-    around the axis and q around the tube, the wire's slant is k/ρ, so along the circle offsets count √λ, λ = 1 / (1 +
-    k²/ρ²), where ρ is taken as at least R − r:
+    The wire is round to first order. With R, r and w the radii, a point in the half plane has the distance s from the
+    middle of the torus and the angle δ around it from the nearest cut of the wire. For p turns around the axis and q
+    around the tube, let k = q r / p. The wire's slant is k/ρ, so along the circle offsets are scaled by √λ, λ = 1 / (1
+    + k²/ρ²), where ρ is at least R − r:
 
         g = √((s − r)² + λ m²),  m = min(s, r) δ
 
-    For the unit vector (x, y) of the two parts, |∇g|² ≤ x² + y² where s ≥ r, for the change of m is at most 1 in the
-    half plane and k/ρ at right angles to it. Elsewhere it is at most (x + √λ δ y)² + y². Where g is less than a
-    constant G < r, √λ δ ≤ η = G / √(r² − G²), which makes that at most ((η + √(η² + 4)) / 2)². The change of λ adds
-    no more than g k² / (ρ (ρ² + k²)). Nearer to the axis than R − r the field is multiplied by ρ / (R − r), which
-    makes up for the 1/ρ and adds the field's size over R − r. Nowhere is g let grow beyond G.
+    For the unit vector (x, y) of the two parts, |∇g|² ≤ x² + y² where s ≥ r, because the change of m is at most 1 in
+    the half plane and k/ρ perpendicular to it. Elsewhere it is at most (x + √λ δ y)² + y². Where g is less than a
+    constant G < r, √λ δ ≤ η = G / √(r² − G²), so this is at most ((η + √(η² + 4)) / 2)². The change of λ adds at most g
+    k² / (ρ (ρ² + k²)). Nearer to the axis than R − r the field is multiplied by ρ / (R − r). This compensates the 1/ρ
+    and adds the field's size over R − r. g never exceeds G.
     """
 
     exactness = BOUND
@@ -300,7 +299,7 @@ class TorusKnot(Primitive):
         longest = min(w / (self._slant()[1] * r), math.pi / p)
         turn = np.linspace(0.0, math.tau, 1 + int(_SAMPLES * max(1.0, q / p)))
         strand = math.tau * np.arange(p)[:, None, None]
-        # Points around the cut of the wire, and how far it is from one to half of the way to the next at most.
+        # Points around the cut of the wire, and the greatest distance from one to half of the way to the next.
         rim = math.tau * np.arange(_RIM)[:, None] / _RIM
         between = math.pi / _RIM * math.hypot(w, (r + w) * longest)
         angle = (q * turn + strand) / p
@@ -311,12 +310,12 @@ class TorusKnot(Primitive):
 
 @dataclass(frozen=True)
 class MobiusBand(Primitive):
-    """A band around the z axis that is twisted on its way: for one half turn, or any odd number, it has a single side.
+    """A band around the z axis that is twisted on its way. With one half turn, or any odd number, it has a single side.
 
-    In the half plane through the axis it is a rectangle, and the field is the distance to that, up to a constant.
-    Where that is less than the constant, the distance s from the middle of the rectangle is at most half of its
-    diagonal and the constant. When the half plane turns, the rectangle turns t/2 times as fast, for t half turns, and
-    the distance to it changes by at most s times the angle; so its slope is at most √(1 + (t s / 2ρ)²).
+    In the half plane through the axis it is a rectangle, and the field is the distance to the rectangle, up to a
+    constant. Where the distance is less than the constant, the distance s from the middle of the rectangle is at most
+    half of its diagonal plus the constant. When the half plane turns, the rectangle turns t/2 times as fast, for t half
+    turns. The distance to it changes by at most s times the angle, so its slope is at most √(1 + (t s / 2ρ)²).
     """
 
     exactness = BOUND
@@ -326,7 +325,7 @@ class MobiusBand(Primitive):
     thickness: float = number(0.05, "Thickness of the band")
     half_turns: float = number(
         1.0,
-        "Half turns of the twist; negative ones are to the other side",
+        "Half turns of the twist; negative numbers twist the other way",
         unit="NONE",
         minimum=-12.0,
         maximum=12.0,

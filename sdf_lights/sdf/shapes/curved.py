@@ -19,13 +19,13 @@ from .profiles import Almond
 from .solids import RoundCone
 from .swept import Revolution
 
-_TINY = 1e-150  # far below any length that matters; its square is not 0
-_SHARPEST = 20.0  # exponent: at an edge of a superellipsoid that is next to a box
+_TINY = 1e-150  # far below any relevant length; its square is not 0
+_SHARPEST = 20.0  # exponent: at an edge of a superellipsoid that is nearly a box
 
 
 @dataclass(frozen=True)
 class Vesica(Primitive):
-    """A pod along z, pointed at both ends: what turning an arc about its chord gives.
+    """A pod along z, pointed at both ends: an arc revolved about its chord.
 
     Also known as a lemon, or vesica piscis in the plane.
     """
@@ -56,7 +56,7 @@ class Vesica(Primitive):
 
 @dataclass(frozen=True)
 class Egg(Primitive):
-    """An egg along z: two balls and between them the side of an arc that touches both, without a crease.
+    """An egg along z: two balls and between them an arc that touches both, without a crease.
 
     The larger ball is below.
     """
@@ -66,9 +66,9 @@ class Egg(Primitive):
     height: float = number(0.4, "Distance between the centres of the balls")
 
     def _arc(self) -> float:
-        """How far beyond the axis the centre of the side's arc is, at the height of the lower centre.
+        """Distance beyond the axis of the centre of the side's arc, at the height of the lower centre.
 
-        The arc's radius, less that of the upper ball, is the distance between their centres.
+        The arc's radius, minus that of the upper ball, is the distance between their centres.
         """
         difference = self.bottom_radius - self.top_radius
         return 0.5 * (self.height - difference) * (self.height + difference) / difference
@@ -104,7 +104,7 @@ class Egg(Primitive):
     def volume(self) -> float:
         bottom, top, away = self.bottom_radius, self.top_radius, self._arc()
         radius = away + bottom
-        # Where the arc touches the upper ball, from the lower centre up.
+        # Where the arc touches the upper ball, above the lower centre.
         seam = radius * self.height / (radius - top)
         cap = self.height + top - seam
         angle = math.asin(seam / radius)
@@ -170,10 +170,10 @@ class Droplet(Primitive):
 
 @dataclass(frozen=True)
 class Heart(Primitive):
-    """A heart of two drops that lean apart from one point, at the bottom of z.
+    """A heart of two drops that lean apart from one point at the bottom.
 
-    The distance is exact outside. Inside it never exceeds that to the surface: the field of one drop does not know that
-    its surface ends in the other.
+    The distance is exact outside. Inside it never exceeds the distance to the surface: the field of one drop does not
+    know that its surface ends in the other.
     """
 
     exactness = BOUND
@@ -194,7 +194,7 @@ class Heart(Primitive):
         return RoundCone(0.0, self.radius, self.height)
 
     def _axis(self) -> tuple[float, float]:
-        """x and z of the direction in which the drop on the side of positive x leans."""
+        """x and z of the direction of the drop that leans to positive x."""
         return math.sin(0.5 * self.spread), math.cos(0.5 * self.spread)
 
     def _point(self) -> float:
@@ -202,8 +202,8 @@ class Heart(Primitive):
         return -0.5 * (self.height * self._axis()[1] + self.radius)
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        # A drop is made of balls with their centres on this side of the plane x = 0. What is beyond it, mirrored, is in
-        # the same balls; so for a point on this side the drop on this side is the nearer one.
+        # A drop consists of balls with their centres on this side of the plane x = 0. Its part beyond the plane,
+        # mirrored, is in the same balls. So for a point on this side, the drop on this side is the nearer one.
         sine, cosine = (slot(value) for value in self._axis())
         x, z = abs(p.x), p.z - slot(self._point())
         along = x * sine + z * cosine - slot(0.5 * self.height)
@@ -237,12 +237,12 @@ class Heart(Primitive):
 
 @dataclass(frozen=True)
 class Superellipsoid(Primitive):
-    """A form between a double pyramid, an ellipsoid and a box, by two exponents.
+    """A form between a double pyramid, an ellipsoid and a box, set by two exponents.
 
-    An exponent of 1 gives straight lines with an edge, 2 an ellipse, more a box with round edges. The solid is the
-    unit ball of the norm N = ((|x/a|ʳ + |y/b|ʳ)^(t/r) + |z/c|ᵗ)^(1/t). A norm that is at most L |p| has the Lipschitz
-    bound L, for N(p) − N(q) ≤ N(p − q); the field is (N − 1) / L. As |p| is itself the norm for r = t = 2, and the
-    r-norm of two numbers at most max(1, 2^(1/r − 1/2)) times their 2-norm, L follows factor by factor.
+    An exponent of 1 gives straight lines with an edge, 2 an ellipse, larger ones a box with round edges. The solid is
+    the unit ball of the norm N = ((|x/a|ʳ + |y/b|ʳ)^(t/r) + |z/c|ᵗ)^(1/t). A norm that is at most L |p| has the
+    Lipschitz bound L, because N(p) − N(q) ≤ N(p − q). The field is (N − 1) / L. |p| is itself the norm for r = t = 2,
+    and the r-norm of two numbers is at most max(1, 2^(1/r − 1/2)) times their 2-norm. So L follows factor by factor.
     """
 
     exactness = BOUND
@@ -293,7 +293,7 @@ class Superellipsoid(Primitive):
 
     def support(self, directions):
         def dual(exponent, u, v):
-            """The norm that the greatest product with a vector of norm 1 is."""
+            """The dual norm: the greatest product with a vector of norm 1."""
             return np.maximum(u, v) if exponent == 1.0 else _norm(exponent / (exponent - 1.0), u, v)
 
         x, y, z = (np.abs(directions) * self.half_size).T

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed-form programs of what solids are cut with: half spaces, sectors and cones.
+"""Closed-form programs of the solids that cut others: half spaces, sectors and cones.
 
-``matrix`` (4 × 4, None for the identity) puts the whole in its place, as in ``Shape.program``.
+``matrix`` (4 × 4, None for the identity) transforms the whole, as in ``Shape.program``.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes whose surface is moved by a pattern in space: waves, noise.
+"""Shapes whose surface is displaced by a pattern in space: waves, noise.
 
-The field is (φ + d) / (1 + S) for a pattern d of slope at most S: with L the child's Lipschitz bound, its own is
-(L + S) / (1 + S).
+The field is (φ + d) / (1 + S) for a pattern d of slope at most S. If L is the child's Lipschitz bound, its own is (L +
+S) / (1 + S).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _MOST_OCTAVES = 12
 
 
 class Displaced(Operator, abstract=True):
-    """The child's field, guarded, and a pattern added to it."""
+    """The child's field, guarded, plus a pattern."""
 
     amplitude: float
 
@@ -53,7 +53,8 @@ class Displaced(Operator, abstract=True):
         return (self._guarded.build(p, slot) + pattern) * slot(1.0 / (1.0 + self._slope))
 
     def terms(self, matrix, factor):
-        # As a mixture of two fields, the second the pattern with a slope of 1: no mixture is steeper than its parts.
+        # As a mixture of two fields, the second being the pattern with a slope of 1: no mixture is steeper than its
+        # parts.
         child = self._guarded.terms(matrix, factor)
         slots = Slots()
         pattern = self._pattern(undone(matrix, POINT, slots), slots) * slots(factor / self._steepest())
@@ -78,13 +79,13 @@ class WaveDisplacement(Displaced):
     """The surface moved in and out by standing waves: the product of a cosine along each axis."""
 
     child: Shape = part("Shape whose surface moves")
-    amplitude: float = number(0.05, "How far the surface moves at most", minimum=0.0, soft_maximum=1.0)
+    amplitude: float = number(0.05, "Greatest displacement of the surface", minimum=0.0, soft_maximum=1.0)
     wavelength: tuple[float, float, float] = number(
-        (0.5, 0.5, 0.5), "Length of a wave along x, y and z; a very large one leaves the axis out"
+        (0.5, 0.5, 0.5), "Length of a wave along x, y and z; a very large one has no effect along that axis"
     )
     phase: tuple[float, float, float] = number(
         (0.0, 0.0, 0.0),
-        "Where in its wave each cosine begins, in waves",
+        "Phase of each cosine, in waves",
         unit="NONE",
         minimum=-LARGEST,
         soft_maximum=1.0,
@@ -103,17 +104,17 @@ class WaveDisplacement(Displaced):
 
 @dataclass(frozen=True)
 class NoiseDisplacement(Displaced):
-    """The surface moved in and out by noise: octaves of it, each half as large and twice as fine as the one before."""
+    """The surface displaced by noise: octaves of it, each half as large and twice as fine as the one before."""
 
     child: Shape = part("Shape whose surface moves")
-    amplitude: float = number(0.1, "How far the surface moves at most", minimum=0.0, soft_maximum=1.0)
+    amplitude: float = number(0.1, "Greatest displacement of the surface", minimum=0.0, soft_maximum=1.0)
     feature_size: float = number(0.3, "Size of the coarsest features")
     octaves: float = number(
-        3.0, "How many times finer noise is added", unit="NONE", minimum=1.0, maximum=_MOST_OCTAVES, whole=True
+        3.0, "Number of octaves, each twice as fine", unit="NONE", minimum=1.0, maximum=_MOST_OCTAVES, whole=True
     )
     seed: float = number(
         0.0,
-        "Another number gives other noise",
+        "Another number gives different noise",
         unit="NONE",
         minimum=0.0,
         maximum=PERIOD - 1.0,

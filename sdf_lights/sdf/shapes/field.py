@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes that formulas of the point make, of which nothing else is known."""
+"""Shapes from formulas of the point, without further knowledge."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import numpy as np
 from ...graph import interval_evaluation, lipschitz
 from ...graph.formula import ITERATE, PARAMETER, POINT, Formula, Vector, maximum, order, parameter
 from ...graph.substitution import substitute
-from ...graph.tables import Address
+from ...graph.tables import kept
 from ..limits import negative_region
 from .base import NONE, SMALLEST, Shape, Slots, part
 from .displacement import Displaced
@@ -27,7 +27,7 @@ _EVERYWHERE = np.full((1, 3), -np.inf), np.full((1, 3), np.inf)
 
 
 def _operations(formulas: tuple[Formula, ...], known: frozenset[Formula]) -> int:
-    """Operations at each point, with all the rounds that loops can have."""
+    """Operations at each point, including the maximum iterations of loops."""
     return sum(
         node.value.limit * _operations(node.value.roots(), frozenset(node.operands)) if node.kind == ITERATE else 1
         for node in order(*formulas, known=known)
@@ -35,23 +35,18 @@ def _operations(formulas: tuple[Formula, ...], known: frozenset[Formula]) -> int
     )
 
 
-def _kept(value: float) -> float:
-    """A number. The address of a table stays one, which keeps the table."""
-    return value if isinstance(value, Address) else float(value)
-
-
 def _compact(formula: Formula, values: Sequence[float]) -> tuple[Formula, tuple[float, ...]]:
-    """The formula with the slots that it uses, numbered from 0, and their values."""
+    """The formula with its used slots numbered from 0, and their values."""
     used = [node.value for node in order(formula) if node.kind == PARAMETER]
     slots = {slot: parameter(index) for index, slot in enumerate(used)}
-    return substitute(formula, POINT, slots), tuple(_kept(values[slot]) for slot in used)
+    return substitute(formula, POINT, slots), tuple(kept(values[slot]) for slot in used)
 
 
 @dataclass(frozen=True)
 class Field(Shape, abstract=True):
     """The region in which a formula is negative. Not in ``SHAPES``: artists write the formula.
 
-    Whether it has limits, and which, is found by interval arithmetic, unless it is cut to a box around the origin.
+    Interval arithmetic finds its limits, if it has any, unless it is cut to a box around the origin.
     """
 
     exactness = NONE
@@ -63,7 +58,7 @@ class Field(Shape, abstract=True):
 
     @classmethod
     def of(cls, formula: Formula, values: Sequence[float], cut: Box | None = None) -> "Field":
-        """The field of a formula with parameters in slots of ``values``, of which it need not use all."""
+        """The field of a formula with parameters in slots of ``values``; it need not use all of them."""
         return cls(*_compact(formula, values), cut)
 
     @cached_property
@@ -72,7 +67,7 @@ class Field(Shape, abstract=True):
 
     @property
     def size(self) -> int:
-        """How many primitives the formula is worth, by what it takes at each point."""
+        """The cost of the formula at each point, in primitives."""
         return 1 + self._operations // _OPERATIONS_OF_A_PRIMITIVE
 
     @cached_property
@@ -104,9 +99,9 @@ class Field(Shape, abstract=True):
 
 @dataclass(frozen=True)
 class FieldDisplacement(Displaced, abstract=True):
-    """A shape whose surface is moved in and out by a formula of the point: outwards where it is positive.
+    """A shape whose surface is displaced by a formula of the point: outwards where it is positive.
 
-    The formula has limits, and its slope too. Not in ``SHAPES``: artists write the formula.
+    The formula and its slope have limits. Not in ``SHAPES``: artists write the formula.
     """
 
     child: Shape = part("Shape whose surface moves")
@@ -115,7 +110,7 @@ class FieldDisplacement(Displaced, abstract=True):
 
     @classmethod
     def of(cls, child: Shape, formula: Formula, values: Sequence[float]) -> "FieldDisplacement | None":
-        """As ``Field.of``. None where no limits, or none of the slope, are known for all of space."""
+        """As ``Field.of``. None if no limits, or none of the slope, are known for all of space."""
         made = cls(child, *_compact(formula, values))
         return made if math.isfinite(made.amplitude) and math.isfinite(made._slope) else None
 

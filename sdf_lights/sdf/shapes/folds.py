@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Symmetry by reflections: a mirror, a kaleidoscope, and the mirrors of the regular solids.
 
-Points are reflected until they are in one chamber, where the child is read: what is in the chamber appears in all its
-images, what is outside does not appear. A reflection of the points on one side of a plane takes no two points further
-apart, so the Lipschitz bound of the child stays.
+Points are reflected until they are in one chamber, where the child is evaluated. The part of the child in the chamber
+appears in all its images; the part outside does not appear. A reflection of the points on one side of a plane never
+increases the distance of two points, so the Lipschitz bound of the child stays.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .base import EXACT, LARGEST, SMALLEST, Shape, number, part
 from .operators import Folded, Intersection, images, images_growth, images_program
 from .solids import HalfSpace
 
-_OVERLAP = 1e-12  # of images, in closed form, as a fraction of the shape's size
+_OVERLAP = 1e-12  # overlap of images, in closed form, as a fraction of the shape's size
 _GOLDEN = (1.0 + math.sqrt(5.0)) / 2.0
 
 
@@ -31,7 +31,7 @@ def _reflection(normal) -> np.ndarray:
 
 
 def _reflected(p: Vector, normal: tuple[float, float, float]) -> Vector:
-    """p, or its image where it is behind the plane through the origin with the given normal."""
+    """p, or its mirror image if it is behind the plane through the origin with the given normal."""
     behind = minimum(p.dot(normal), 0.0) * (2.0 / math.fsum(n * n for n in normal))
     return Vector(*(q - behind * n for q, n in zip(p, normal)))
 
@@ -40,11 +40,11 @@ class Fold(Folded, abstract=True):
     """Reflections that lead every point into a chamber; their group is finite."""
 
     def _normals(self) -> np.ndarray:
-        """Normals (n, 3) of the chamber's walls, into the chamber."""
+        """Normals (n, 3) of the chamber's walls, pointing into the chamber."""
         raise NotImplementedError
 
     def _elements(self) -> np.ndarray:
-        """Matrices (n, 3, 3) that take the chamber to all its images."""
+        """Matrices (n, 3, 3) that map the chamber to all its images."""
         raise NotImplementedError
 
     @cached_property
@@ -57,7 +57,7 @@ class Fold(Folded, abstract=True):
 
     @cached_property
     def _in_chamber(self) -> bool:
-        """Whether the shape certainly is in the chamber, clear of its walls."""
+        """Whether the shape is certainly in the chamber, clear of its walls."""
         low, high = self.child.bounds()
         normals = self._normals()
         if not (np.isfinite(low).all() and np.isfinite(high).all()):
@@ -66,7 +66,7 @@ class Fold(Folded, abstract=True):
 
     @cached_property
     def _seen(self) -> tuple[np.ndarray, np.ndarray]:
-        """A box around what is in the chamber."""
+        """A box around the part in the chamber."""
         low, high = map(np.copy, self.child.bounds())
         for normal in self._normals():
             axes = np.flatnonzero(normal)
@@ -80,7 +80,7 @@ class Fold(Folded, abstract=True):
 
     @cached_property
     def exact_outside(self):
-        # With all of the shape in the chamber, none of its images is nearer than that in the point's own chamber.
+        # If all of the shape is in the chamber, the image in the point's own chamber is the nearest.
         return self.child.exact_outside and self._in_chamber
 
     @cached_property
@@ -101,7 +101,7 @@ class Fold(Folded, abstract=True):
     def program(self, matrix=None):
         walls = ()
         if not self._in_chamber:
-            # Walls that overlap by a hair: rounding must not leave cracks between the images.
+            # Walls that overlap slightly: rounding must not leave cracks between the images.
             size = np.abs(self.child.bounds()).max()
             overlap = _OVERLAP * (size if math.isfinite(size) else 1.0)
             walls = [HalfSpace(tuple(-normal), overlap) for normal in self._normals()]
@@ -110,9 +110,9 @@ class Fold(Folded, abstract=True):
 
 @dataclass(frozen=True)
 class Mirror(Fold):
-    """What is on one side of a plane through the origin, and its mirror image on the other.
+    """The part of a shape on one side of a plane through the origin, and its mirror image on the other side.
 
-    With a smoothness both halves flow into each other: near the plane they are drawn towards it.
+    With a smoothness, both halves blend into each other near the plane.
     """
 
     child: Shape = part("Shape that is mirrored")
@@ -124,7 +124,7 @@ class Mirror(Fold):
         soft_maximum=1.0,
     )
     smoothness: float = number(
-        0.0, "By how much points of the plane are read away from it", minimum=0.0, soft_maximum=1.0
+        0.0, "Distance from the plane within which both halves blend", minimum=0.0, soft_maximum=1.0
     )
 
     @cached_property
@@ -144,7 +144,7 @@ class Mirror(Fold):
     def _folded(self, p, slot):
         normal = slot(self._unit)
         across = p.dot(normal)
-        # A hyperbola in place of the absolute value: its slope is at most 1, too.
+        # A hyperbola instead of the absolute value: its slope is at most 1, too.
         away = length(across, slot(self.smoothness)) - across
         return Vector(*(q + n * away for q, n in zip(p, normal)))
 
@@ -167,7 +167,7 @@ class Mirror(Fold):
 
 @dataclass(frozen=True)
 class Kaleidoscope(Fold):
-    """What is in a wedge along the z axis, in all sectors of a circle, every other one mirrored.
+    """The part of a shape in a wedge along the z axis, repeated in all sectors of a circle, every other one mirrored.
 
     The wedge begins at the x axis and reaches to the angle 180° / sectors towards y.
     """
@@ -207,10 +207,10 @@ class Kaleidoscope(Fold):
 class Coxeter(Fold, abstract=True):
     """The full symmetry of a regular solid: a finite reflection group of rank 3 with three ``mirrors``.
 
-    The walls of a chamber are the mirrors. With h the order of the product of all three reflections, h / 2 rounds
-    through them, in an order in which those that commute are neighbours, are the longest element of the group
-    (Humphreys, "Reflection Groups and Coxeter Groups", 3.17); reflecting only what is behind each mirror, they lead
-    every point into the chamber.
+    The walls of a chamber are the mirrors. Let h be the order of the product of all three reflections. Then h / 2
+    rounds through them, in an order in which commuting reflections are neighbours, are the longest element of the group
+    (Humphreys, "Reflection Groups and Coxeter Groups", 3.17). If only points behind each mirror are reflected, every
+    point ends in the chamber.
     """
 
     mirrors: tuple[tuple[float, float, float], ...]
@@ -243,7 +243,7 @@ def _group(mirrors) -> np.ndarray:
 
 @dataclass(frozen=True)
 class TetrahedralFold(Coxeter):
-    """What is in one of 24 chambers, repeated with the mirror symmetry of a tetrahedron.
+    """The part of a shape in one of 24 chambers, repeated with the mirror symmetry of a tetrahedron.
 
     The chamber is z ≥ y ≥ |x|. Around (0, 0, 1) are 6 images, around (1, 1, 1) and (−1, 1, 1) 4 each.
     """
@@ -256,9 +256,9 @@ class TetrahedralFold(Coxeter):
 
 @dataclass(frozen=True)
 class OctahedralFold(Coxeter):
-    """What is in one of 48 chambers, repeated with the mirror symmetry of a cube and an octahedron.
+    """The part of a shape in one of 48 chambers, repeated with the mirror symmetry of a cube and an octahedron.
 
-    The chamber is z ≥ y ≥ x ≥ 0. What is on (0, 0, 1) is repeated 6 times, on (0, 1, 1) 12 times, on (1, 1, 1) 8 times.
+    The chamber is z ≥ y ≥ x ≥ 0. A part on (0, 0, 1) is repeated 6 times, on (0, 1, 1) 12 times, on (1, 1, 1) 8 times.
     """
 
     mirrors = ((0.0, -1.0, 1.0), (-1.0, 1.0, 0.0), (1.0, 0.0, 0.0))
@@ -269,10 +269,11 @@ class OctahedralFold(Coxeter):
 
 @dataclass(frozen=True)
 class IcosahedralFold(Coxeter):
-    """What is in one of 120 chambers, repeated with the mirror symmetry of an icosahedron and a dodecahedron.
+    """The part of a shape in one of 120 chambers, repeated with the mirror symmetry of an icosahedron and a
+    dodecahedron.
 
-    The chamber has x, y ≥ 0 and is about the z axis. What is on (0, 0, 1) is repeated 30 times, on (0.526, 0, 0.851)
-    12 times, on (0, 0.357, 0.934) 20 times.
+    The chamber has x, y ≥ 0 and is around the z axis. A part on (0, 0, 1) is repeated 30 times, on (0.526, 0, 0.851) 12
+    times, on (0, 0.357, 0.934) 20 times.
     """
 
     mirrors = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-0.5, -0.5 * _GOLDEN, 0.5 * (_GOLDEN - 1.0)))

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fractals made of smaller copies of themselves, as many levels deep as is asked for.
+"""Fractals made of smaller copies of themselves, with any number of levels.
 
-A solid's copies are mirror images of one another. Reflections lead a point to the side of the mirrors where one is, and
-enlarging that copy to the size of the whole leads to the level above. Reflections change no length locally and an
-enlargement changes all alike, so the distance to the solid that the point is led to, made smaller again, has slope 1
-(J. C. Hart, D. J. Sandin, L. H. Kauffman, "Ray tracing deterministic 3-D fractals", 1989). It is the distance itself if
-the copy that the point is led to is the nearest, and copies touch at most along edges.
+A solid's copies are mirror images of one another. Reflections lead a point to the side of the mirrors where one copy
+is. Scaling that copy to the size of the whole leads to the level above. Reflections change no length locally and a
+scaling changes all equally, so the distance to the final solid, scaled back, has slope 1 (J. C. Hart, D. J. Sandin, L.
+H. Kauffman, "Ray tracing deterministic 3-D fractals", 1989). It is the exact distance if the reflections lead to the
+nearest copy, and copies touch at most along edges.
 
 ``orbits`` has the fractals that are no copies of themselves.
 """
@@ -46,7 +46,7 @@ def _led(p: Vector, count: Formula, step: Callable[[Vector], Vector]) -> Vector:
 
 
 class Flake(Primitive, abstract=True):
-    """A solid replaced by copies of itself in its own corners, those by copies of theirs, and so on.
+    """A solid replaced by copies of itself in its own corners, those by their copies, and so on.
 
     ``_folded`` leads to the copy in ``_corner()``. ``count`` copies, ``_ratio()`` times the size, touch at most.
     """
@@ -121,7 +121,7 @@ class OctahedronFlake(Flake):
 
 @dataclass(frozen=True)
 class IcosahedronFlake(Flake):
-    """Twelve icosahedra in the corners of one, each as large as there is room for, and so on."""
+    """Twelve icosahedra in the corners of one, each as large as possible without overlap, and so on."""
 
     count = 12
 
@@ -143,7 +143,7 @@ class IcosahedronFlake(Flake):
 
 @dataclass(frozen=True)
 class DodecahedronFlake(Flake):
-    """Twenty dodecahedra in the corners of one, each as large as there is room for, and so on."""
+    """Twenty dodecahedra in the corners of one, each as large as possible without overlap, and so on."""
 
     count = 20
 
@@ -171,7 +171,12 @@ class CantorDust(Flake):
 
     half_size: tuple[float, float, float] = number((0.5, 0.5, 0.5), "Half of the size along x, y and z")
     ratio: float = number(
-        0.4, "Size of the copies, as a part of the whole", unit="NONE", minimum=0.05, maximum=0.49, soft_maximum=0.49
+        0.4,
+        ("Size of the copies, as a fraction of the whole"),
+        unit="NONE",
+        minimum=0.05,
+        maximum=0.49,
+        soft_maximum=0.49,
     )
     levels: float = levels(3.0)
 
@@ -204,13 +209,14 @@ class MengerSponge(Primitive):
         half_size = slot(self.half_size)
 
         def cut(x, y, z, hole, field):
-            # In a hole two coordinates, from the middle of the cell, are less than half of its width: the median is.
+            # In a hole two coordinates, from the middle of the cell, are less than half of its width; then the median
+            # is.
             _, median, _ = into_octahedral_chamber(Vector(x, y, z))
             folded = abs(abs(Vector(x, y, z) - hole) - hole)  # from the middle of the nearest of the cell's 27 parts
             return (*folded, hole * (1.0 / 3.0), maximum(field, hole - median)), None
 
         solid = Box((self.half_size,) * 3).build(p, slot)
-        # Holes seen from outside the cube are those of the nearest point of it.
+        # From outside the cube, use the holes at the nearest point of it.
         first = (*abs(p).minimum(half_size), half_size * (1.0 / 3.0), solid)
         *_, field = iterate(slot(self.levels), first, cut, MOST_LEVELS)
         return field
@@ -228,7 +234,7 @@ _SIXTY = (0.5, 0.5 * math.sqrt(3.0))  # cosine and sine of 60 degrees
 
 
 def _folded_at_sixty(u: Formula, v: Formula) -> tuple[Formula, Formula]:
-    """(u, v), or its mirror image where it is left of the line through the origin at 60 degrees to u."""
+    """(u, v), or its mirror image if it is left of the line through the origin at 60 degrees to u."""
     cosine, sine = _SIXTY
     left = maximum(v * cosine - u * sine, 0.0) * 2.0
     return u + left * sine, v - left * cosine
@@ -236,7 +242,7 @@ def _folded_at_sixty(u: Formula, v: Formula) -> tuple[Formula, Formula]:
 
 @dataclass(frozen=True)
 class KochCurve(Profile):
-    """What the curve of Koch encloses: a triangle with a smaller one on the middle of each side, and so on.
+    """The inside of Koch's curve: a triangle with a smaller one on the middle of each side, and so on.
 
     One of the corners is in the direction of y.
     """
@@ -299,25 +305,25 @@ def _angles(default: tuple[float, float, float], description: str):
 
 @dataclass(frozen=True)
 class Kifs(Shape):
-    """A kaleidoscope of blocks: mirrors, turns and an enlargement, again and again.
+    """A kaleidoscope of blocks: mirrors, rotations and a scaling, repeated.
 
-    In each round space is turned, folded by the nine mirrors of a cube, turned again, and enlarged about a point. Known
-    as kaleidoscopic iterated function systems (Knighty, fractalforums.com, 2010).
+    In each round, space is rotated, folded by the nine mirrors of a cube, rotated again, and scaled about a point.
+    Known as kaleidoscopic iterated function systems (Knighty, fractalforums.com, 2010).
     """
 
     exactness = BOUND
 
-    half_size: float = number(0.5, "Half of the size of the block that is repeated, before it is made smaller")
+    half_size: float = number(0.5, "Half of the size of the repeated block, before it is scaled")
     levels: float = levels(6.0, "Number of rounds")
-    scale: float = number(2.0, "Enlargement of each round", unit="NONE", minimum=1.05, maximum=10.0, soft_maximum=4.0)
+    scale: float = number(2.0, "Scale of each round", unit="NONE", minimum=1.05, maximum=10.0, soft_maximum=4.0)
     center: tuple[float, float, float] = number(
-        (0.0, 0.25, 0.5), "Point that each round enlarges about", minimum=-LARGEST
+        (0.0, 0.25, 0.5), "Centre of the scaling in each round", minimum=-LARGEST
     )
     fold_angles: tuple[float, float, float] = _angles(
-        (0.0, 0.0, 0.0), "Turns about x, y and z before the mirrors of each round"
+        (0.0, 0.0, 0.0), "Rotation about x, y and z before the mirrors of each round"
     )
     angles: tuple[float, float, float] = _angles(
-        (0.3, 0.2, 0.0), "Turns about x, y and z after the mirrors of each round"
+        (0.3, 0.2, 0.0), "Rotation about x, y and z after the mirrors of each round"
     )
 
     def build(self, p: Vector, slot: Slots) -> Formula:
@@ -334,8 +340,8 @@ class Kifs(Shape):
         return maximum(block * slot(self.scale**-self.levels), p.length() - slot(self._radius()))
 
     def _radius(self) -> float:
-        """Radius of a ball around the origin that the shape is in."""
-        # A round takes what is farther than the point it enlarges about yet farther away.
+        """Radius of a ball around the origin that contains the shape."""
+        # Points farther out than the scaling's centre move even farther away in a round.
         block, center = math.sqrt(3.0) * self.half_size, math.hypot(*self.center)
         return center + (block - center) * self.scale**-self.levels
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes bounded by level sets of another's field: offsets and walls; and shapes pulled apart."""
+"""Shapes bounded by level sets of another's field: offsets and walls; and elongated shapes."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .operators import Folded, Operator, guarded, level_bounds
 
 
 class Layer(Operator, abstract=True):
-    """A field that is a function of the child's alone, with slopes of at most 1.
+    """A field that is a function of the child's field alone, with slopes of at most 1.
 
-    The child is guarded: where its level sets are must be known.
+    The child is guarded: the position of its level sets must be known.
     """
 
     @cached_property
@@ -56,8 +56,8 @@ class Layer(Operator, abstract=True):
 class Offset(Layer):
     """The shape with its surface moved outwards, or inwards by a negative offset.
 
-    The new surface is a level set of the field. Outside shapes with exact fields, and unions of them, that is where the
-    distance is the offset.
+    The new surface is a level set of the field. Outside shapes with exact fields, and unions of them, its distance is
+    the offset.
     """
 
     child: Shape = part("Shape whose surface moves")
@@ -123,11 +123,11 @@ class Shell(Layer):
 
 @dataclass(frozen=True)
 class Elongate(Folded):
-    """The shape cut along the planes through its origin, the parts moved apart, and the gaps filled in."""
+    """The shape cut along the planes through its origin, with the parts moved apart and the gaps filled."""
 
-    child: Shape = part("Shape that is pulled apart")
+    child: Shape = part("Shape that is elongated")
     half_length: tuple[float, float, float] = number(
-        (0.0, 0.0, 0.5), "Half of the length put in along x, y and z", minimum=0.0
+        (0.0, 0.0, 0.5), "Half of the length added along x, y and z", minimum=0.0
     )
 
     def _folded(self, p, slot):

@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sheets that follow triply periodic minimal surfaces, cut to a block.
 
-The surfaces are approximated, as is usual, by the zeros of short trigonometric polynomials F of the position in
-radians, a turn for each period: H. G. von Schnering and R. Nesper, "Nodal surfaces of Fourier series", 1991.
+As usual, the surfaces are approximated by the zeros of short trigonometric polynomials F of the position in radians,
+one turn per period: H. G. von Schnering and R. Nesper, "Nodal surfaces of Fourier series", 1991.
 
 Each class states ``slope``, a bound of |∇F|, so |F| / slope is a bound of the distance to the surface. The bounds of
-the gyroid and of Schwarz P are least ones and are shown there. The others are proven by a grid: |∇F|² is a
-trigonometric polynomial of some degree n in each coordinate, so its maximum is at most that over N points a period
+the gyroid and of Schwarz P are the least possible, as shown there. The others are proven by a grid: |∇F|² is a
+trigonometric polynomial of some degree n in each coordinate, so its maximum is at most that over N points per period
 and coordinate times 1 / cos³(πn/N) (M. Riesz; H. Ehlich and K. Zeller, "Schwankung von Polynomen zwischen
 Gitterpunkten", 1964). They are within 1 % of the least ones.
 """
@@ -24,15 +24,15 @@ from .primitives import Box
 
 @dataclass(frozen=True)
 class PeriodicSheet(Shape, abstract=True):
-    """A sheet around a periodic surface inside a block. The surface divides space into two mazes without end."""
+    """A sheet around a periodic surface inside a block. The surface divides space into two endless mazes."""
 
     exactness = BOUND
-    slope = 1.0  # most that F changes by, for each radian
+    slope = 1.0  # greatest slope of F per radian
 
     half_size: tuple[float, float, float] = number(
         (0.5, 0.5, 0.5), "Half of the size along x, y and z of the block that the sheet fills"
     )
-    period: float = number(0.5, "Length after which the surface repeats itself")
+    period: float = number(0.5, "Period of the surface")
     thickness: float = number(
         0.04, "Least thickness of the sheet; it is thicker where the surface bends most", soft_maximum=1.0
     )

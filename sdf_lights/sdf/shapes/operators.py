@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes made of shapes: what all operators have in common; sharp set operations; affine transforms."""
+"""Shapes made of shapes: the common base of all operators; sharp set operations; affine transforms."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from functools import cached_property, reduce
 import numpy as np
 
 from ...affine import inverse
-from ...graph.formula import POINT, Formula, Vector, maximum, minimum, parameter
+from ...graph.formula import POINT, Formula, Vector, maximum, minimum, parameter, select
 from ...graph.substitution import substitute
 from ...interruption import check
 from ..program import NoClosedForm, Op, combine
@@ -20,12 +20,12 @@ from .base import BOUND, EXACT, LARGEST, NONE, SMALLEST, Family, Shape, ShapeErr
 from .primitives import Box
 
 _FLAT = 1e-9  # ratio of singular values below which a matrix counts as flat
-_MOST_ROWS = 1024  # of programs of copies: beyond, a field is traced faster
-_SIMILAR = 1e-12  # relative spread of singular values below which a matrix scales all directions alike
+_MOST_ROWS = 1024  # rows of programs of copies: beyond this, tracing a field is faster
+_SIMILAR = 1e-12  # relative spread of singular values below which a matrix scales all directions equally
 
 
 def balanced(join: Callable, parts: list):
-    """``join(a, b)`` of neighbours, in as few levels as the number of parts allows."""
+    """``join(a, b)`` of neighbours, in the least number of levels."""
     while len(parts) > 1:
         pairs = [join(a, b) for a, b in zip(parts[::2], parts[1::2])]
         parts = pairs + parts[2 * len(pairs) :]
@@ -33,7 +33,7 @@ def balanced(join: Callable, parts: list):
 
 
 def wanted(shapes: Iterable[Shape]) -> Iterator[Shape]:
-    """The shapes, as long as what is made of them is wanted (see ``interruption``)."""
+    """The shapes, one by one, until the work is cancelled (see ``interruption``)."""
     for shape in shapes:
         check()
         yield shape
@@ -46,7 +46,7 @@ def enclosing(boxes) -> tuple[np.ndarray, np.ndarray]:
 
 
 def common(boxes) -> tuple[np.ndarray, np.ndarray]:
-    """The box that boxes (low, high) have in common; one without extent where they have none."""
+    """The intersection of boxes (low, high); of zero size if it is empty."""
     lows, highs = zip(*boxes)
     low = np.max(lows, axis=0)
     return low, np.maximum(low, np.min(highs, axis=0))
@@ -70,12 +70,12 @@ def images(box, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def images_growth(growth: np.ndarray, matrices: np.ndarray) -> np.ndarray:
-    """``Shape.growth`` of all images of a shape of given ``growth``, with the box of ``images``."""
+    """``Shape.growth`` of all images of a shape with this ``growth``, with the box of ``images``."""
     return (np.abs(matrices[:, :3, :3]) @ growth).max(axis=0) if np.isfinite(growth).all() else growth
 
 
 def images_program(shape: Shape, places: np.ndarray, matrix: np.ndarray | None) -> np.ndarray:
-    """Program of the union of a shape's images by affine matrices (n, 4, 4), all moved by ``matrix``."""
+    """Program of the union of a shape's images by affine matrices (n, 4, 4), all transformed by ``matrix``."""
     program = shape.program()
     if len(places) * len(program) > _MOST_ROWS:
         raise NoClosedForm(f"{shape.label()} is copied too often for a closed form.")
@@ -87,7 +87,7 @@ def images_program(shape: Shape, places: np.ndarray, matrix: np.ndarray | None) 
 
 
 class Composite(Shape, abstract=True):
-    """A shape made of the shapes ``children``. What others ask for again and again is kept."""
+    """A shape made of the shapes ``children``. Values that are used repeatedly are cached."""
 
     @cached_property
     def certified(self) -> bool:
@@ -107,7 +107,7 @@ class Composite(Shape, abstract=True):
 
     @cached_property
     def exactness(self) -> str:
-        # The nearest surface may be one that the operation removed or moved: even of exact shapes this is a bound.
+        # The nearest surface may be one that the operation removed or moved: even for exact shapes this is a bound.
         return BOUND if self.lipschitz <= 1.0 and all(c.exactness != NONE for c in self.children) else NONE
 
     def growth(self, matrix: np.ndarray | None = None) -> np.ndarray:
@@ -117,8 +117,8 @@ class Composite(Shape, abstract=True):
 class SetOperation(Composite, abstract=True):
     """A combination of one or more shapes, given as arguments or, as with ``min``, as one sequence; then the numbers.
 
-    Two shapes at a time are joined. Nested combinations of the same kind and numbers become one, so long chains stay
-    shallow. The one shape of a combination of one is left as it is.
+    Shapes are joined two at a time. Nested combinations of the same kind and numbers become one, so long chains stay
+    shallow. A combination of one shape leaves it unchanged.
     """
 
     op: Op | None = None
@@ -140,7 +140,7 @@ class SetOperation(Composite, abstract=True):
             parts.extend(child.children if absorbed else (child,))
             depth = max(depth, child.depth + (not absorbed))
         object.__setattr__(self, "children", tuple(parts))
-        # Kept, and made from the arguments: a long chain must not count all its parts again at each link.
+        # Cached, and derived from the arguments: a long chain must not count all its parts again at each link.
         object.__setattr__(self, "size", sum(child.size for child in children))
         object.__setattr__(self, "depth", depth)
 
@@ -163,7 +163,7 @@ class SetOperation(Composite, abstract=True):
         ]
 
     def _blend_width(self) -> float:
-        """Where two fields differ by more, their join is one of them."""
+        """If two fields differ by more than this, their join is one of them."""
         return 0.0
 
     def _operands(self) -> tuple[Shape, ...]:
@@ -204,6 +204,18 @@ class SetOperation(Composite, abstract=True):
 
     def volume(self) -> float | None:
         return self.children[0].volume() if len(self.children) == 1 else None
+
+    def along(self, p: Vector, slot: Slots) -> Formula | None:
+        """That of the nearest of the shapes that have one."""
+        known = [(child.build(p, slot), child.along(p, slot)) for child in self.children]
+        known = [(distance, along) for distance, along in known if along is not None]
+        if not known:
+            return None
+        nearest, found = known[0]
+        for distance, along in known[1:]:
+            found = select(distance < nearest, along, found)
+            nearest = minimum(nearest, distance)
+        return found
 
     def relation(self) -> str:
         return "" if self.children else f"{self.label()}: it has no shapes to combine: give it at least one."
@@ -280,7 +292,7 @@ class Difference(SetOperation):
 
 @dataclass(frozen=True, init=False)
 class Exclusive(SetOperation):
-    """The points that are in an odd number of the shapes: of two, in one of them but not in both."""
+    """The points that are in an odd number of the shapes: for two, in one of them but not in both."""
 
     op = Op.EXCLUSIVE
     family = Family.EXCLUSIVE
@@ -296,7 +308,7 @@ class Exclusive(SetOperation):
 
 
 class Operator(Composite, abstract=True):
-    """A shape made of one other. What is not redefined is as with the child."""
+    """A shape made of one other. Methods that are not overridden use the child's."""
 
     child: Shape
 
@@ -318,22 +330,22 @@ class Operator(Composite, abstract=True):
 
 
 class Folded(Operator, abstract=True):
-    """The child's field read at another point, by a map that never takes points further apart."""
+    """The child's field at another point, by a map that never increases the distance of two points."""
 
     @cached_property
     def exactness(self):
-        # Even where the child is exact: the surface may be nearer than the part of it that the map leads to.
+        # Even for an exact child: the surface may be nearer than the part of it that the map leads to.
         return BOUND if self.child.exactness == EXACT else self.child.exactness
 
     def _folded(self, p: Vector, slot: Slots) -> Vector:
-        """The point at which the child is read."""
+        """The point at which the child is evaluated."""
         raise NotImplementedError
 
     def build(self, p, slot):
         return self.child.build(self._folded(p, slot), slot)
 
     def terms(self, matrix, factor):
-        """Those of the child, read at the other point."""
+        """The terms of the child at the other point."""
         slots = Slots()
         point = self._folded(undone(matrix, POINT, slots), slots)
         first = len(slots.values)
@@ -351,17 +363,17 @@ class Folded(Operator, abstract=True):
 
 @dataclass(frozen=True)
 class Transformed(Operator, abstract=True):
-    """A shape moved by an affine matrix: rotation, uneven scale, shear and mirroring included.
+    """A shape under an affine matrix, including rotation, uneven scale, shear and mirroring.
 
-    The field is σ·φ(M⁻¹x) with σ the least singular value of M: M⁻¹ stretches no length by more than 1/σ, so the
-    Lipschitz bound of φ remains one, and a bound on the distance remains one. Not in ``SHAPES``: artists move shapes
-    with ``translate``, ``rotate`` and ``scale``, or with objects.
+    The field is σ·φ(M⁻¹x) with σ the least singular value of M. M⁻¹ stretches no length by more than 1/σ, so the
+    Lipschitz bound of φ remains valid, and a bound of the distance does too. Not in ``SHAPES``: artists use
+    ``translate``, ``rotate`` and ``scale``, or objects.
     """
 
-    child: Shape = part("Shape that is moved")
+    child: Shape = part("Shape that is transformed")
     matrix: tuple[tuple[float, ...], ...] = dataclasses.field(
         default=tuple(map(tuple, np.eye(4).tolist())),
-        metadata=dict(description="4 × 4 matrix that takes the shape to its place"),
+        metadata=dict(description="4 × 4 matrix that transforms the shape"),
     )
 
     def __post_init__(self):
@@ -405,6 +417,9 @@ class Transformed(Operator, abstract=True):
     def build(self, p: Vector, slot: Slots) -> Formula:
         return self.child.build(undone(self._array, p, slot), slot) * slot(float(self._singular_values[-1]))
 
+    def along(self, p: Vector, slot: Slots) -> Formula | None:
+        return self.child.along(undone(self._array, p, slot), slot)
+
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         return self.child.terms(matrix @ self._array, factor * float(self._singular_values[-1]))
 
@@ -436,9 +451,9 @@ class Transformed(Operator, abstract=True):
 
 @dataclass(frozen=True)
 class Guarded(Operator, abstract=True):
-    """A bounded shape with a field that is at least the distance to the shape's box, so that its ``growth`` is known.
+    """A bounded shape with a field that is at least the distance to the shape's box, so its ``growth`` is known.
 
-    Not in ``SHAPES``: operators guard what they are given, where they have to.
+    Not in ``SHAPES``: operators guard their children if they need to.
     """
 
     child: Shape = part("Shape")
@@ -479,7 +494,7 @@ def guarded(shape: Shape) -> Shape:
 
 
 def level_bounds(shape: Shape, level: float, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Corners, as of ``bounds``, of a box around {x : φ(x) ≤ level}."""
+    """Corners, as in ``bounds``, of a box around {x : φ(x) ≤ level}."""
     low, high = shape.bounds(matrix)
     if level > 0.0:
         margin = level * shape.growth(matrix)

@@ -1,25 +1,27 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fractals of orbits: where a point comes to when a map is applied to it again and again.
+"""Fractals of orbits: the positions of a point under repeated maps.
 
-Distance estimates of such sets divide how far the orbit got by the derivative of the map along it (J. C. Hart, D. J.
-Sandin, L. H. Kauffman, "Ray tracing deterministic 3-D fractals", 1989). The derivative is that at the point alone, so
-the estimate may exceed the distance and jump. Here it is a bound of those at all points around, and the quotient a
-proven bound with slope 1: near the surface, 0.2 times (Mandelbox) to 0.75 times (Mandelbulb) the estimate.
+Distance estimates of such sets divide the position of the orbit by the derivative of the map along it (J. C. Hart, D.
+J. Sandin, L. H. Kauffman, "Ray tracing deterministic 3-D fractals", 1989). Their derivative is that at the point alone,
+so the estimate may exceed the distance and jump. Here the derivative is bounded over all points around, and the
+quotient is a proven bound with slope 1: near the surface, 0.2 times (Mandelbox) to 0.75 times (Mandelbulb) the
+estimate.
 
-**Reach.** Let each ball of radius ρ < 1/t around x be taken by a map f into the ball of radius E(ρ) = s ρ / (1 − t ρ)
-around f(x), with s and t that depend on x. Let d be the signed distance of f(x) to some surface, or a bound of it with
-slope 1. Then |d| / (s + t |d|), which solves E(ρ) = |d|, bounds the distance of x from the preimage of the surface. It
-has slope 1 too if, with h = |x − y|,
+**Reach.** Let a map f take each ball of radius ρ < 1/t around x into the ball of radius E(ρ) = s ρ / (1 − t ρ) around
+f(x), with s and t that depend on x. Let d be the signed distance of f(x) to some surface, or a bound of it with slope
+1. Then |d| / (s + t |d|), which solves E(ρ) = |d|, bounds the distance of x from the preimage of the surface. It has
+slope 1 too if, with h = |x − y|,
 
     E_y(ρ − h) ≤ E_x(ρ) − E_x(h),                                        (1)
 
-because d is at least d − E_x(h) at y. For (1) it is enough that t_y ≤ t_x / (1 − t_x h) and s_y ≤ s_x / (1 − t_x h)²:
+because d is at least d − E_x(h) at y. For (1) it is sufficient that t_y ≤ t_x / (1 − t_x h) and s_y ≤ s_x / (1 − t_x
+h)²:
 
     s ≥ |Df|,   |∇ ln s| ≤ 2t,   |∇ (1/t)| ≤ 1.                          (2)
 
 Two maps in sequence have slope s₁ s₂ and bend t₁ + s₁ t₂, which inherit (1). Adding x itself to f(x), as Mandelbrot's
-sets do, adds ρ to E and leaves (1) as it is. So does the greater E that has s + 1 for s: where t_y ≤ t_x / (1 − t_x h),
+sets do, adds ρ to E and leaves (1) unchanged. So does the greater E that has s + 1 for s: if t_y ≤ t_x / (1 − t_x h),
 (ρ − h) / (1 − t_y (ρ − h)) ≤ ρ / (1 − t_x ρ) − h / (1 − t_x h).
 """
 
@@ -39,17 +41,17 @@ MOST_ROUNDS = 30
 
 
 class Reach(NamedTuple):
-    """How far a map takes points apart: s and t of the module's text."""
+    """How much a map separates points: s and t of the module's text."""
 
     slope: Formula
     bend: Formula
 
     def then(self, slope: Formula, bend: Formula) -> "Reach":
-        """Of this map and then another one, which has its slope and bend where this one leads to."""
+        """Of this map followed by another one, which has its slope and bend at the image of this one."""
         return Reach(self.slope * slope, self.bend + self.slope * bend)
 
     def pulled_back(self, distance: Formula) -> Formula:
-        """The bound at the point, from one where the map leads to."""
+        """The bound at the point, from one at its image."""
         return distance / (self.slope + self.bend * abs(distance))
 
 
@@ -60,7 +62,7 @@ def rounds(default: float):
     """Dataclass field of the length of orbits."""
     return number(
         default,
-        "Number of times the map is applied: more of them show finer detail",
+        "Number of times that the map is applied: more show finer detail",
         unit="NONE",
         minimum=1.0,
         maximum=MOST_ROUNDS,
@@ -93,14 +95,14 @@ class Orbital(Shape, abstract=True):
 
 @dataclass(frozen=True)
 class Mandelbulb(Orbital):
-    """The points p that z → zⁿ + p never takes far away, with powers taken in spherical coordinates.
+    """The points p that z → zⁿ + p never moves far away, with powers in spherical coordinates.
 
     A power multiplies the angles from the z axis and around it, and raises the length (D. White and P. Nylander, 2009).
-    Whole powers have proven bounds. Others tear space along a half plane (y = 0, x < 0), where there can be none and
-    rays may miss light: of pairs of points, some with a distance of 1e-6 and some of 0.1, 1 in 20,000 are torn apart.
+    Whole powers have proven bounds. Others tear space along a half plane (y = 0, x < 0), where no bound exists and rays
+    may miss light: of pairs of points, some with a distance of 1e-6 and some of 0.1, 1 in 20,000 are torn apart.
     """
 
-    radius: float = number(0.5, "Radius of the ball that the shape just fits into")
+    radius: float = number(0.5, "Radius of the smallest ball around the shape")
     power: float = number(
         8.0, "Exponent n", unit="NONE", minimum=2.0, maximum=32.0, soft_maximum=16.0, label="Exponent"
     )
@@ -122,15 +124,15 @@ class Mandelbulb(Orbital):
     def _field(self, p, slot):
         n, escape = self.power, slot(self._reach())
         exponent, floor, lowest = slot(n), 0.5, slot(0.5**n)
-        beyond = escape * 2.0  # later rounds do not make the bound of what is so far out any greater
+        beyond = escape * 2.0  # so far out, later iterations do not increase the bound
         # With r = |z| and a = |(z.x, z.y)|, the derivative of zⁿ is at most s = n rⁿ⁻¹ min(n, r / a): circles around
-        # the axis are stretched most, from a = r sin θ to rⁿ |sin nθ|. |∇ ln s|² is n (n − 2) / r² + 1 / a² at most, so
+        # the axis are stretched most, from a = r sin θ to rⁿ |sin nθ|. |∇ ln s|² is at most n (n − 2) / r² + 1 / a², so
         # less than 4 max(c / r, 1 / a)² with the c below. Near the origin r is held above a floor, for 1 / r.
         least_bend = slot(0.5 * max(n - 1.0, math.sqrt(4.0 / 3.0 * n * (n - 2.0))))
 
         def step(x, y, z, r, slope, bend, field):
             around, far = length(x, y), maximum(r, floor)
-            raised = power(minimum(r, beyond), exponent)  # what is farther out is not looked at, but computed
+            raised = power(minimum(r, beyond), exponent)  # points farther out are not used, but computed
             axis = maximum(around, far / exponent)
             reach = Reach(slope, bend).then(
                 exponent * maximum(raised, lowest) / axis, maximum(least_bend / far, 1.0 / axis)
@@ -151,9 +153,9 @@ _FREE = dict(unit="NONE", minimum=-2.0, maximum=2.0, soft_maximum=1.0)
 
 @dataclass(frozen=True)
 class JuliaQuaternion(Orbital):
-    """The points q that q → q² + c never takes far away: a slice of the Julia set of quaternions.
+    """The points q that q → q² + c never moves far away: a slice of the Julia set of quaternions.
 
-    x is the real part of q, y and z are the next two, and the last part is that of the slice.
+    x is the real part of q, y and z are the next two parts. The last part is that of the slice.
     """
 
     radius: float = number(0.6, "Radius of the ball that contains the shape")
@@ -167,7 +169,7 @@ class JuliaQuaternion(Orbital):
 
     def _field(self, p, slot):
         escape, c, c_w = slot(self._reach()), slot(self.constant), slot(self.constant_w)
-        # With s = 2r, |∇ ln s| = 1 / r. Where r is held above a floor, t = 1 / (r + floor) is no less than half of it.
+        # With s = 2r, |∇ ln s| = 1 / r. If r is held above a floor, t = 1 / (r + floor) is at least half of it.
         floor = 0.4
 
         def step(x, y, z, w, r, slope, bend, field):
@@ -184,9 +186,9 @@ class JuliaQuaternion(Orbital):
 
 
 def _inverted(v: Vector, radius: Formula | float, floor: Formula | float) -> tuple[Formula, Formula, Formula]:
-    """Of v, from the centre of a sphere that turns its inside out: the factor of v, and the slope and bend of the map.
+    """For v, relative to the centre of a sphere that is inverted: the factor of v, and the slope and bend of the map.
 
-    Nearer to the centre than ``floor`` the factor stays the same.
+    Nearer to the centre than ``floor`` the factor is constant.
     """
     far = maximum(v.length(), floor)
     factor = maximum(1.0, radius * radius / (far * far))
@@ -195,21 +197,21 @@ def _inverted(v: Vector, radius: Formula | float, floor: Formula | float) -> tup
 
 @dataclass(frozen=True)
 class Mandelbox(Shape):
-    """The points that stay near while space is folded at a box, turned inside out at a sphere, and enlarged.
+    """The points that stay near while space is folded at a box, inverted at a sphere, and scaled.
 
-    z → scale · sphere(box(z)) + p. The box, of half size 1, mirrors at its faces what is beyond them; the sphere, of
-    radius 1, takes what is inside it out (T. Lowe, 2010).
+    z → scale · sphere(box(z)) + p. The box, of half size 1, mirrors points beyond its faces; the sphere, of radius 1,
+    inverts points inside it (T. Lowe, 2010).
     """
 
     exactness = BOUND
 
     half_size: float = number(0.5, "Half of the size along x, y and z")
     scale: float = number(
-        3.0, "Enlargement of each round; may be negative", unit="NONE", minimum=-10.0, maximum=10.0, soft_maximum=4.0
+        3.0, "Scale of each round; may be negative", unit="NONE", minimum=-10.0, maximum=10.0, soft_maximum=4.0
     )
     inner_radius: float = number(
         0.5,
-        "Distance from the centre of the sphere below which space is only enlarged",
+        "Distance from the centre of the sphere below which space is only scaled",
         unit="NONE",
         minimum=0.05,
         maximum=1.0,
@@ -229,10 +231,10 @@ class Mandelbox(Shape):
 
     def build(self, p: Vector, slot: Slots) -> Formula:
         unit, most = slot(self.half_size / self._reach()), abs(self.scale)
-        # No coordinate that is larger than that gets smaller again.
+        # No coordinate larger than that decreases again.
         escape = slot((2.0 * most + self._reach()) / (most - 1.0))
         scale, growth, floor, half_size = slot(self.scale), slot(most), slot(self.inner_radius), slot(self._reach())
-        # Seen from outside the box, the set is as at the nearest point of the box.
+        # Outside the box, the set looks as at the nearest point of the box.
         start = (p / unit).minimum(half_size).maximum(-half_size)
 
         def step(x, y, z, far, slope, bend, field):
@@ -256,10 +258,10 @@ class Mandelbox(Shape):
 # Four balls of radius 1 that touch one another, in the corners of a tetrahedron, and the sphere around them.
 _BALL = Vector(*(math.sqrt(0.5),) * 3)
 _AROUND = 1.0 + math.sqrt(1.5)
-# The sphere through the points where they touch, at right angles to them; inside out, it shows the ball in the middle.
+# The sphere through the points where they touch, perpendicular to them; its inversion shows the ball in the middle.
 _MIDDLE = math.sqrt(0.5)
 _MIDDLE_BALL = _MIDDLE**2 / _AROUND
-# The sphere at right angles to three of them and to the sphere around: the distance of its centre, and its radius.
+# The sphere perpendicular to three of them and to the outer sphere: the distance of its centre, and its radius.
 _SIDE = (_AROUND**2 + 0.5) * math.sqrt(1.5)
 _SIDE_RADIUS = math.sqrt(_SIDE**2 - _AROUND**2)
 _SIDE_CENTER = Vector(*(_SIDE / math.sqrt(3.0) * sign for sign in (-1.0, 1.0, 1.0)))
@@ -267,14 +269,14 @@ _SIDE_CENTER = Vector(*(_SIDE / math.sqrt(3.0) * sign for sign in (-1.0, 1.0, 1.
 
 @dataclass(frozen=True)
 class ApollonianGasket(Orbital):
-    """Balls packed into a ball: four that touch one another, and in every gap between them the largest that fits.
+    """Balls packed into a ball: four that touch one another, and the largest possible ball in every gap.
 
-    Each round fills the gaps around the balls of the one before (F. Soddy, 1937). Five spheres at right angles to the
-    first ones, turned inside out, take gaps to larger ones: D. W. Boyd, "The osculatory packing of a three dimensional
+    Each round fills the gaps around the balls of the round before (F. Soddy, 1937). Inversions in five spheres
+    perpendicular to the first ones map gaps to larger ones: D. W. Boyd, "The osculatory packing of a three dimensional
     sphere", 1973.
     """
 
-    radius: float = number(0.5, "Radius of the ball that the others are packed into")
+    radius: float = number(0.5, "Radius of the ball that contains the others")
     rounds: float = rounds(3.0)
 
     def _reach(self):

@@ -3,7 +3,7 @@
 """Profiles with straight edges: rectangles, regular polygons, stars, and polygons of any points.
 
 ``Polygon`` takes any number of points, as a ``SetOperation`` takes shapes: ``Polygon((0, 0), (1, 0), (0, 1))``. A point
-may have a z, which does not matter.
+may have a z, which is ignored.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from .primitives import corner
 from .profiles import Profile
 from .sectors import MOST_SECTORS, into_sector
 
-MOST_POINTS = 256  # of a polygon: each of them costs time at every point of space
-_FLAT = 1e-9  # slope below which an edge of a profile is at right angles to the axis it turns about
-_STRAIGHT = 1e-12  # sine of the turn below which a corner of an outline is none
-_SHORTEST = 1e-300  # square of the length of an edge between equal points, which must not divide by 0
+MOST_POINTS = 256  # of a polygon: each costs time at every point of space
+_FLAT = 1e-9  # slope below which an edge of a profile is perpendicular to the axis of revolution
+_STRAIGHT = 1e-12  # sine of the turn below which a corner counts as straight
+_SHORTEST = 1e-300  # squared length of an edge between equal points, which must not be a zero divisor
 
 
 class Polygonal(Profile, abstract=True):
@@ -46,7 +46,7 @@ class Polygonal(Profile, abstract=True):
         return abs(_signed_area(self.outline()))
 
     def moment(self, offset):
-        # Green's theorem: the integral of max(x, 0)² dy / 2 along the edges, of which each is positive in one piece.
+        # Green's theorem: the integral of max(x, 0)² dy / 2 along the edges; each edge is positive in one piece.
         a = self.outline() + (offset, 0.0)
         b = np.roll(a, -1, axis=0)
         u, v = np.maximum(a[:, 0], 0.0), np.maximum(b[:, 0], 0.0)
@@ -69,7 +69,7 @@ class Polygonal(Profile, abstract=True):
         around = primitive(Op.CYLINDER, placed(matrix, z=0.5 * (low + high)), (2.0 * corners[:, 0].max(), high - low))
 
         def beside(a, b):
-            """What is left of an edge that goes down is outside a cone; of one that goes up, inside."""
+            """The left side of an edge that goes down is outside a cone; that of an edge that goes up is inside."""
             across, up = b - a
             if abs(up) <= _FLAT * abs(across):
                 side = -math.copysign(1.0, across)
@@ -85,8 +85,8 @@ class Polygonal(Profile, abstract=True):
 
 
 def _cone(matrix: np.ndarray | None, low: float, high: float, through: np.ndarray, slope: float) -> np.ndarray | None:
-    """Program of the points between z = ``low`` and ``high`` that are nearer to the z axis than a line, by which the
-    distance changes with ``slope`` and which goes ``through`` a point (distance, z). None if there are none."""
+    """Program of the points between z = ``low`` and ``high`` that are nearer to the z axis than a line. The line's
+    distance changes with ``slope``, and it goes ``through`` a point (distance, z). None if there are none."""
 
     def radius(z):
         return through[0] + (z - through[1]) * slope
@@ -115,11 +115,11 @@ def _turns(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _without_straight_corners(corners: np.ndarray) -> np.ndarray:
     while True:
         sines, cosines, lengths = _turns(corners)
-        # The tip of a needle turns back: that is not straight, however thin it is.
+        # The tip of a needle turns back: it is not straight, however thin it is.
         kept = (np.abs(sines) > _STRAIGHT * lengths) | (cosines < 0.0)
         if kept.all():
             return corners
-        # One at a time: the neighbours of a corner that goes may then be straight, or no longer.
+        # One at a time: when a corner is removed, its neighbours may become straight, or stop being straight.
         corners = np.delete(corners, np.argmin(kept), axis=0)
 
 
@@ -144,12 +144,12 @@ def _hull(corners: np.ndarray) -> list[int]:
 def _hull_without_pockets(
     around: np.ndarray, beside: Callable, corners: np.ndarray, closed: bool = True
 ) -> np.ndarray | None:
-    """Program of what a counter-clockwise outline bounds: its convex hull without what lies between, and so on inwards.
+    """Program of the inside of a counter-clockwise outline: its convex hull minus the pockets, and so on inwards.
 
     Tor and Middleditch, "Convex Decomposition of Simple Polygons", 1984. ``around`` is a program of more than the
-    whole; ``beside(a, b)`` one of what is left of the edge from a to b, and True, or of what is right of it, and
-    False (None for nothing). Where it is not ``closed``, the edge from the last corner to the first is left out: the
-    outline is of a pocket, which is cut out of what ends there anyway.
+    whole. ``beside(a, b)`` is a program of the left side of the edge from a to b, and True; or of its right side, and
+    False (None for nothing). If it is not ``closed``, the edge from the last corner to the first is left out: the
+    outline is that of a pocket, cut out of a part that ends there anyway.
     """
     hull = _hull(corners)
     inside, outside = [around], []
@@ -165,7 +165,7 @@ def _hull_without_pockets(
             pocket = _hull_without_pockets(around, beside, chain, closed=False)
             if pocket is not None:
                 outside.append(pocket)
-    # Within a pocket nothing but its own edges matters.
+    # Within a pocket only its own edges matter.
     inside = inside[1:] if not closed and len(inside) > 1 else inside
     return combine(Op.DIFFERENCE, [combine(Op.INTERSECTION, inside), *outside])
 
@@ -188,7 +188,7 @@ class Rectangle(Polygonal):
 
 
 def _radial(count: float, radii: tuple[float, ...]) -> np.ndarray:
-    """Points (n, 2) at equal angles, the first one in the direction of y, at the given distances in turn."""
+    """Points (n, 2) at equal angles, the first in the direction of y, at the given distances in turn."""
     distances = np.tile(radii, int(count))
     angles = math.tau * np.arange(len(distances)) / len(distances)
     return distances[:, None] * np.stack([-np.sin(angles), np.cos(angles)], axis=1)
@@ -204,7 +204,8 @@ class RegularPolygon(Polygonal):
     radius: float = number(0.5, "Distance from the centre to the corners")
 
     def folded(self, p: Vector, slot: Slots) -> tuple[Formula, Formula]:
-        """Coordinates of p out of the nearest side, from the centre, and along that side, from its middle: ≥ 0."""
+        """Coordinates of p relative to the nearest side: outwards from the centre, and along the side from its middle:
+        ≥ 0."""
         along, aside = into_sector(p.y, abs(p.x), int(self.sides), MOST_SECTORS, slot)
         sine, cosine = slot(math.sin(math.pi / self.sides)), slot(math.cos(math.pi / self.sides))
         return along * cosine + aside * sine, along * sine - aside * cosine
@@ -261,7 +262,7 @@ class Plus(Polygonal):
         half_length, half_width = slot(self.half_length), slot(self.half_width)
         along, aside = maximum(abs(p.x), abs(p.y)), minimum(abs(p.x), abs(p.y))
         end, side = along - half_length, aside - half_width
-        # In the middle a bar is open towards the other: its side begins at the corner that they share.
+        # In the middle a bar is open towards the other: its side begins at their shared corner.
         to_side = length(maximum(half_width - along, 0.0), side)
         inside = select(maximum(end, side) < 0.0, minimum(-end, to_side), 0.0)
         return length(maximum(end, 0.0), maximum(side, 0.0)) - inside
@@ -289,7 +290,7 @@ class Plus(Polygonal):
 class Polygon(Polygonal):
     """The region inside a closed line through the given points.
 
-    Where the line crosses itself, a point is inside if one has to cross it an odd number of times to come out.
+    Where the line crosses itself, a point is inside if the way out crosses the line an odd number of times.
     """
 
     mirrored = False
@@ -323,7 +324,8 @@ class Polygon(Polygonal):
             way = clamp((x * u + y * v) / maximum(u * u + v * v, _SHORTEST), 0.0, 1.0)
             across, up = x - way * u, y - way * v
             squares.append(across * across + up * up)
-            # The edge is met by the ray along +x if its ends are at different sides of it and the point is on its left.
+            # The ray along +x meets the edge if its ends are on different sides of the ray and the point is on its
+            # left.
             met = maximum(a_below * b_below, (v * x - u * y) * a_below)
             signs.append(select(met < 0.0, -1.0, 1.0))
         return sqrt(minimum(*squares)) * balanced(operator.mul, signs)
@@ -346,17 +348,17 @@ class Polygon(Polygonal):
 
     @property
     def exactness(self) -> str:
-        # Where edges run along each other, what is on both sides may be alike, and the field 0 all the same.
+        # If edges coincide, both sides may be equal, but the field is still 0.
         return EXACT if self.simple else BOUND
 
     def outline(self):
-        """The corners, where neighbours are at the same place only once."""
+        """The corners, without repeated neighbours."""
         corners = np.array(self.points)
         return corners[(corners != np.roll(corners, 1, axis=0)).any(axis=1)]
 
     @cached_property
     def simple(self) -> bool:
-        """Whether no two edges cross or touch, but for neighbours at their common corner."""
+        """Whether no two edges cross or touch, except neighbours at their common corner."""
         a = self.outline()
         b = np.roll(a, -1, axis=0)
 

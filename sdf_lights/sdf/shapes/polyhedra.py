@@ -3,7 +3,7 @@
 """Solids with flat faces. All distances are exact.
 
 A point is first reflected into one chamber of the solid's symmetry. The nearest point of a convex solid lies in the
-same chamber, where there is little of the solid: a part of a face, half of an edge, a corner.
+same chamber, which contains little of the solid: a part of a face, half of an edge, a corner.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def _cyclic(points) -> np.ndarray:
 
 
 def _signs(*magnitudes: float) -> np.ndarray:
-    """All points whose coordinates have these magnitudes: the signs vary wherever there is something to vary."""
+    """All points whose coordinates have these magnitudes, with all combinations of signs."""
     return np.array(list(itertools.product(*[(m, -m) if m else (0.0,) for m in magnitudes])))
 
 
@@ -48,10 +48,10 @@ _DODECAHEDRON = np.concatenate([_CUBE, _cyclic(_signs(GOLDEN, 0.0, 1.0 / GOLDEN)
 
 
 class Regular(Primitive, abstract=True):
-    """A solid whose symmetry takes each of its faces, edges and corners to every other.
+    """A solid whose symmetry maps each of its faces, edges and corners to every other.
 
-    ``corners`` are those of radius 1, ``normals`` the unit normals of the faces, and ``chamber`` the directions of the
-    centre of a face, the middle of one of its edges and an end of that edge: ``_folded`` takes points between them.
+    ``corners`` are those of radius 1, ``normals`` the unit normals of the faces. ``chamber`` has the directions of the
+    centre of a face, the middle of one of its edges and an end of that edge: ``_folded`` moves points between them.
     """
 
     radius: float
@@ -65,7 +65,7 @@ class Regular(Primitive, abstract=True):
         normal, middle, end = (np.divide(v, np.linalg.norm(v)) for v in cls.chamber)
         cls._inradius = float(end @ normal)
         middle = middle * (end @ middle)
-        # Out of the face, towards the edge, along the edge: three directions at right angles.
+        # Out of the face, towards the edge, along the edge: three perpendicular directions.
         outwards, along = middle - cls._inradius * normal, end - middle
         cls._apothem, cls._half_edge = float(np.linalg.norm(outwards)), float(np.linalg.norm(along))
         cls._frame = [Vector(*v.tolist()) for v in (normal, outwards / cls._apothem, along / cls._half_edge)]
@@ -212,13 +212,14 @@ class HexagonalPrism(Prismatic):
 
 
 class _Pyramidal(Primitive, abstract=True):
-    """With equal slanted faces that rise from a polygon to a tip on the z axis."""
+    """The base of pyramids: equal slanted faces that rise from a polygon to a tip on the z axis."""
 
     def _base(self) -> Polygonal:
         raise NotImplementedError
 
     def _folded(self, p: Vector, slot: Slots) -> tuple[Formula, Formula]:
-        """Coordinates of p out of the nearest side of the base, from the axis, and along it, from its middle: ≥ 0."""
+        """Coordinates of p relative to the nearest side of the base: outwards from the axis, and along the side from
+        its middle: ≥ 0."""
         return self._base().folded(p, slot)
 
     def _middles(self) -> np.ndarray:
@@ -240,7 +241,8 @@ class _Pyramidal(Primitive, abstract=True):
         return np.insert(self._base().outline(), 2, z, axis=1)
 
     def _slant(self, p: Vector, up: Formula, height: float, slot: Slots) -> tuple[Formula, Formula, Formula]:
-        """The signed distance to the slanted faces, that to the rim or base, and what is negative where the latter holds.
+        """The signed distance to the slanted faces, that to the rim or base, and a value that is negative where the
+        latter holds.
 
         ``up`` is the height above the base, ``height`` that of the tip.
         """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Primitives. Each is centred at the origin; its axis, where it has one, is z.
+"""Primitives. Each is centred at the origin; its axis, if it has one, is z.
 
 The distances follow from geometry: the nearest point of a convex profile, after folding by symmetry. Inigo Quilez,
 "Distance functions", collects the same shapes.
@@ -20,7 +20,7 @@ from .base import BOUND, SMALLEST, Shape, Slots, number
 
 
 class Primitive(Shape, abstract=True):
-    """A shape without parts. ``op`` names it to the emitter's kernels, where they know it."""
+    """A shape without children. ``op`` is its operation in the emitter's kernels, if they have one."""
 
     op: Op | None = None
 
@@ -62,7 +62,7 @@ class Sphere(Primitive):
 class Ellipsoid(Primitive):
     """A ball stretched along x, y and z.
 
-    The field is that of the unit sphere in stretched space times the least radius, which never exceeds the distance.
+    The field is that of the unit sphere in scaled space, times the least radius, which never exceeds the distance.
     """
 
     exactness = BOUND
@@ -87,15 +87,15 @@ class Ellipsoid(Primitive):
 def corner(faces, edges=()) -> Formula:
     """Signed distance to a convex corner, from coordinates along perpendicular axes.
 
-    The solid is where all of ``faces`` are negative. ``edges`` are positive beyond the ends of its faces, and nowhere
-    in the solid.
+    The solid is where all of ``faces`` are negative. ``edges`` are positive beyond the ends of its faces, and never
+    inside the solid.
     """
     outside = length(*(maximum(q, 0.0) for q in (*faces, *edges)))
     return outside + minimum(maximum(*faces), 0.0)
 
 
 def rhombus_side(x: Formula, y: Formula, half_width: float, half_height: float, slot: Slots) -> tuple[Formula, Formula]:
-    """Of a rhombus in the plane with its corners on the axes, where x and y ≥ 0: coordinates out of its side, and past
+    """For a rhombus in the plane with its corners on the axes, where x and y ≥ 0: coordinates out of its side, and past
     the ends of the side. For ``corner``, as a face and an edge."""
     side = math.hypot(half_width, half_height)
     sine, cosine = half_width / side, half_height / side
@@ -144,8 +144,8 @@ class BoxFrame(Primitive):
             corner((across.x, outer.y, across.z)),
             corner((across.x, across.y, outer.z)),
         )
-        # Inside a corner the nearest surface is not always that of the nearest bar: it is the outer faces or one of
-        # the three openings, which are convex. Each of the two readings is exact on its own side of the surface.
+        # Inside a corner, the nearest surface is not always that of the nearest bar. It is one of the outer faces or of
+        # the three openings, which are convex. Each of the two formulas is exact on its own side of the surface.
         depth = (outer + thickness).maximum(0.0)
         openings = minimum(length(depth.y, depth.z), length(depth.x, depth.z), length(depth.x, depth.y))
         inside = maximum(maximum(*outer), -openings)

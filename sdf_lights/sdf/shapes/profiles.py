@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Profiles: regions of the plane, which ``swept`` makes solids of. Each is given by its signed distance.
+"""Profiles: regions of the plane, from which ``swept`` makes solids. Each is given by its signed distance.
 
-A profile is documented and validated as a shape is, and known to expressions by its ``name()``; ``PROFILES`` lists all.
-Its plane is that of x and y, and z does not matter. Here are those with round edges; ``polygons`` has the others.
+A profile is documented and validated like a shape. Expressions use its ``name()``; ``PROFILES`` lists all. Its plane is
+that of x and y; z is ignored. Here are those with round edges; ``polygons`` has the others.
 
 The distances follow from geometry, after folding by symmetry. Inigo Quilez, "2D distance functions", collects many of
 the same regions.
@@ -24,16 +24,16 @@ from .cuts import placed
 from .primitives import corner
 
 PROFILES: dict[str, type["Profile"]] = {}
-"""Every profile by the name it has in expressions, in order of definition."""
+"""Every profile by its name in expressions, in order of definition."""
 
 
 class Profile(Parametric):
-    """A region of the plane. ``exactness`` and ``lipschitz`` say of its field what they say of a shape's."""
+    """A region of the plane. ``exactness`` and ``lipschitz`` of its field are defined as for a shape."""
 
     exactness = EXACT
     lipschitz = 1.0
-    mirrored = True  # whether x and −x are alike
-    size = 1  # number of primitives that it costs as much as
+    mirrored = True  # whether it is symmetric in x
+    size = 1  # its cost, in primitives
 
     def __init_subclass__(cls, abstract: bool = False, **options):
         """Register the class in ``PROFILES``, unless it is abstract."""
@@ -46,13 +46,13 @@ class Profile(Parametric):
         raise NotImplementedError
 
     def area(self) -> float | None:
-        """Area in square metres, or None where no closed form is known."""
+        """Area in square metres, or None if no closed form is known."""
         return None
 
     def moment(self, offset: float) -> float | None:
-        """Integral of x + offset over what is right of x = −offset, or None where no closed form is known.
+        """Integral of x + offset over the part right of x = −offset, or None if no closed form is known.
 
-        Times 2π, that is the volume of the solid of revolution about that line (Pappus).
+        Times 2π, this is the volume of the solid of revolution about that line (Pappus).
         """
         area = self.area()
         return area * offset if area is not None and self.mirrored and self.least_x() >= -offset else None
@@ -60,12 +60,12 @@ class Profile(Parametric):
     def extruded_program(self, matrix: np.ndarray | None, height: float) -> np.ndarray:
         """Closed-form program of the solid with this profile across z, within height/2 of the plane.
 
-        ``matrix`` puts the solid in its place. Raises ``program.NoClosedForm`` where there is none.
+        ``matrix`` transforms the solid. Raises ``program.NoClosedForm`` if there is none.
         """
         raise program.NoClosedForm(f"An extruded {self.label().lower()} has no closed form for its ray intervals.")
 
     def revolved_program(self, matrix: np.ndarray | None, offset: float) -> np.ndarray:
-        """As ``extruded_program``, of the solid of revolution: x + offset is the distance from the axis, y is z."""
+        """As ``extruded_program``, for the solid of revolution: x + offset is the distance from the axis, y is z."""
         raise program.NoClosedForm(f"A revolved {self.label().lower()} has no closed form for its ray intervals.")
 
     def least_x(self) -> float:
@@ -73,7 +73,7 @@ class Profile(Parametric):
         return -float(self.support(np.array([(-1.0, 0.0)]))[0])
 
     def beside_axis(self, offset: float) -> bool:
-        """Whether no part of the profile is beyond the line x = −offset, or what is there is only a mirror image."""
+        """Whether no part of the profile is beyond the line x = −offset, or only a mirror image is."""
         return self.least_x() >= -offset or (self.mirrored and offset == 0.0)
 
 
@@ -86,7 +86,7 @@ def _cylinder(matrix: np.ndarray | None, x: float, y: float, radius: float, heig
 
 
 def _torus(matrix: np.ndarray | None, offset: float, radius: float) -> np.ndarray:
-    """Program of a disk of this radius revolved: a ball where ``offset`` is 0, else at least the radius."""
+    """Program of a disk of this radius, revolved: a ball if ``offset`` is 0, else ``offset`` is at least the radius."""
     if offset == 0.0:
         return primitive(Op.SPHERE, placed(matrix), (radius,))
     if offset < radius:
@@ -168,10 +168,9 @@ class Ring(Profile):
 
 @dataclass(frozen=True)
 class Ellipse(Profile):
-    """A disk stretched along x and y.
+    """A disk scaled along x and y.
 
-    The field is that of the unit circle in the stretched plane times the lesser radius, which never exceeds the
-    distance.
+    The field is that of the unit circle in the scaled plane, times the lesser radius, which never exceeds the distance.
     """
 
     exactness = BOUND
@@ -190,7 +189,7 @@ class Ellipse(Profile):
         return math.pi * self.radius_x * self.radius_y
 
     def moment(self, offset):
-        # The plane stretched back to the unit circle: x + offset and the area grow by the radii.
+        # The plane scaled back to the unit circle: x + offset and the area are multiplied by the radii.
         return Circle(1.0).moment(offset / self.radius_x) * self.radius_x**2 * self.radius_y
 
     def extruded_program(self, matrix, height):
@@ -204,7 +203,7 @@ class Ellipse(Profile):
 
 @dataclass(frozen=True)
 class Almond(Profile):
-    """The region that two equal disks have in common: pointed at both ends of y.
+    """The intersection of two equal disks: pointed at both ends of y.
 
     Also known as vesica piscis.
     """
@@ -259,7 +258,7 @@ class Almond(Profile):
 
 @dataclass(frozen=True)
 class Moon(Profile):
-    """A disk without what another disk covers: a crescent.
+    """A disk minus another disk: a crescent.
 
     The other disk is moved along x.
     """
@@ -333,7 +332,8 @@ class HeartOutline(Profile):
     width: float = number(0.8, "Size along x")
 
     def _square(self) -> tuple[float, float, float]:
-        """Side of the square, how far the middles of its upper sides are aside, and how far below them its corner is.
+        """Side of the square; horizontal distance of the middles of its upper sides; vertical distance from them down
+        to its corner.
 
         The corner is at the same distance below the origin as the top is above it.
         """
@@ -384,7 +384,7 @@ class RoundedRectangle(Profile):
     rounding: float = number(0.1, "Radius of the corners", minimum=0.0)
 
     def _core(self) -> np.ndarray:
-        """Half of the size of the rectangle that the centres of the corners make."""
+        """Half of the size of the rectangle between the centres of the corners."""
         return 0.5 * np.array([self.width, self.height]) - self.rounding
 
     def build(self, p: Vector, slot: Slots) -> Formula:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The mirror symmetry of regular solids: reflections that lead every point into one chamber.
 
-A chamber is what the planes of symmetry leave of space when it is cut along all of them; H. S. M. Coxeter, "Regular
-Polytopes", chapter 5, has the groups. Points in the chamber stay; the maps are continuous and change no length locally.
+Cutting space along all planes of symmetry leaves the chambers; H. S. M. Coxeter, "Regular Polytopes", chapter 5, has
+the groups. Points in the chamber stay. The maps are continuous and change no length locally.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
 
 
 def reflected(p: Vector, normal: tuple[float, float, float]) -> Vector:
-    """p, or its mirror image where it is behind the plane through the origin with this unit normal."""
+    """p, or its mirror image if it is behind the plane through the origin with this unit normal."""
     behind = minimum(p.dot(normal), 0.0)
     return Vector(*(q - behind * (2.0 * component) for q, component in zip(p, normal)))
 
@@ -40,10 +40,10 @@ def into_octahedral_chamber(p: Vector) -> Vector:
 def into_icosahedral_chamber(p: Vector) -> Vector:
     """p in one of 120 chambers, between (0, 0, 1), (1, 0, φ) and (0, 1/φ, φ), with the golden ratio φ.
 
-    These are an axis of order 2, of order 5 and of order 3.
+    These directions are axes of order 2, of order 5 and of order 3.
     """
-    # An octant has 15 chambers. No sequence of less than five reflections takes them all to one; of those that do, this
-    # one has the most in planes of coordinates.
+    # An octant has 15 chambers. No sequence of fewer than five reflections maps them all to one. Of those that do, this
+    # one has the most in coordinate planes.
     long, short = 0.5 * GOLDEN, 0.5 / GOLDEN
     p = reflected(reflected(abs(p), (0.5, -long, short)), (-long, -short, 0.5))
     return reflected(Vector(abs(p.x), abs(p.y), p.z), (-0.5, -long, short))

@@ -3,14 +3,14 @@
 """Copies of a shape: in rows, and around an axis.
 
 The field is the least of all copies' fields, but not all are computed. Let the child lie within half a width w of its
-centre along an axis of copies with the spacing s. Of the copies of one of the child's points, the one next to a point
-p is in the cell of p after rounding; over all points of the child these are at most ⌈2w/s⌉ + 1 neighbouring copies:
-the candidates. So the nearest copy, and every copy that contains p, is a candidate. Where the child's field is the
-distance outside, the least field is thus one of the candidates'.
+centre along an axis of copies with the spacing s. For one point of the child, the nearest copy to a point p is in the
+cell of p after rounding. Over all points of the child, these are at most ⌈2w/s⌉ + 1 neighbouring copies: the
+candidates. So the nearest copy, and every copy that contains p, is a candidate. If the child's field is the distance
+outside, the least field is that of a candidate.
 
 The field of another child may be least for a copy farther away, and the result would jump where the candidates change.
-Then either all copies are computed, or the field is held to s/2: a copy that becomes a candidate, or ceases to be one,
-is at least as far away, so with a guarded child the jumps disappear.
+Then either all copies are computed, or the field is clamped to s/2. A copy that becomes a candidate, or ceases to be
+one, is at least that far away. So with a guarded child, there are no jumps.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from .base import EXACT, LARGEST, Shape, number, part
 from .operators import Guarded, Operator, Transformed, Union, images, images_growth, images_program
 from .primitives import Box
 
-_MOST_COPIES = 64  # that are written out, to be pruned or traced in closed form
-_MOST_PARTS = 1024  # of all that is written out
+_MOST_COPIES = 64  # copies that are unrolled, for pruning or tracing in closed form
+_MOST_PARTS = 1024  # of all that is unrolled
 _MOST_COMPUTED = 50_000  # parts, at a point
-_MOST_CANDIDATES = 1000  # rounds of the loop over them
-_ENDLESS = 1e9  # copies to each side of a row without end
+_MOST_CANDIDATES = 1000  # iterations of the loop over them
+_ENDLESS = 1e9  # copies on each side of an endless row
 
 
 def _floor(a: Formula) -> Formula:
@@ -53,7 +53,7 @@ class Repeated(Operator, abstract=True):
     """A union of copies of the child."""
 
     def _places(self) -> np.ndarray:
-        """Matrices (n, 4, 4) that take the child to its copies."""
+        """Matrices (n, 4, 4) that map the child to its copies."""
         raise NotImplementedError
 
     def _apart(self) -> bool:
@@ -103,13 +103,13 @@ class Repeated(Operator, abstract=True):
 class Repetition(Repeated):
     """Copies of the shape in rows along x, y and z, centred as a whole. They may overlap.
 
-    A count of 0 repeats without end: the shape is then of use inside an intersection alone.
+    A count of 0 repeats without end: the shape is then useful only inside an intersection.
     """
 
     child: Shape = part("Shape that is repeated")
     count: tuple[float, float, float] = number(
         (3.0, 3.0, 1.0),
-        "Copies along x, y and z; 0 for a row without end",
+        "Copies along x, y and z; 0 for an endless row",
         unit="NONE",
         minimum=0.0,
         maximum=1e6,
@@ -126,7 +126,7 @@ class Repetition(Repeated):
 
     @property
     def _held(self) -> bool:
-        """Whether the field is held to half of the spacing."""
+        """Whether the field is clamped to half of the spacing."""
         return not self.child.exact_outside and self._number() > _MOST_COPIES
 
     @cached_property
@@ -158,7 +158,7 @@ class Repetition(Repeated):
         candidates = self._candidates
         everything = candidates == self.count
         edge = np.where(everything, 0.0, self.child.bounds()[1])
-        # Copies are numbered from the middle, where one of an even number is half a spacing off.
+        # Copies are numbered from the middle; for an even number, that is half a spacing off.
         shift = np.where(np.equal(self.count, 0.0), 0.0, np.mod(np.subtract(self.count, 1.0), 2.0) / 2.0)
         last = self._extent / self.spacing
         spacing, edge, shift, first, most = (
@@ -174,7 +174,7 @@ class Repetition(Repeated):
         )
 
         def field(index: Formula) -> Formula:
-            row = _floor((index + 0.5) / counts.x)  # whole numbers, also where a division is not quite exact
+            row = _floor((index + 0.5) / counts.x)  # integers, even after an inexact division
             layer = _floor((row + 0.5) / counts.y)
             along = Vector(index - row * counts.x, row - layer * counts.y, layer)
             return self._part.build(q - along * spacing, slot)
@@ -248,7 +248,7 @@ class PolarRepetition(Repeated):
 
     @cached_property
     def _sector(self) -> tuple[float, float]:
-        """Middle and half width of the angle around the axis that the shape is in."""
+        """Middle and half width of the angle around the axis that contains the shape."""
         low, high = self.child.bounds()
         corners = [complex(x, y) for x in (low[0], high[0]) for y in (low[1], high[1])]
         middle = complex((low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0)
@@ -302,5 +302,5 @@ class PolarRepetition(Repeated):
 
 
 def _turned(x: Formula, y: Formula, c: Formula, s: Formula) -> tuple[Formula, Formula]:
-    """(x, y) turned clockwise by the angle of cosine c and sine s."""
+    """(x, y) rotated clockwise by the angle of cosine c and sine s."""
     return c * x + s * y, c * y - s * x

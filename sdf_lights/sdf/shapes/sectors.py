@@ -16,11 +16,11 @@ def into_sector(along: Formula, aside: Formula, count: int, most: int, slot: Slo
     """A point of the plane folded by the symmetry of ``count`` equal arms, one of them along the first axis.
 
     ``aside``, its second coordinate, is ≥ 0 and stays so. The angle between the result and the first axis is at most
-    π/count. Only reflections are made, so the fold is continuous and changes no length. The graph is the same for any
+    π/count. Only reflections are used, so the fold is continuous and changes no length. The graph is the same for any
     count up to ``most``.
     """
-    # The point is now within ``left`` sectors of π/count from the axis. A reflection in the ray that halves them takes
-    # the farther half to the nearer. Once a single one is left, the mirror has no normal and changes nothing.
+    # The point is now within ``left`` sectors of π/count from the axis. A reflection in the ray that halves them maps
+    # the farther half to the nearer. Once a single sector is left, the mirror has no normal and changes nothing.
     left = count
     for _ in range(math.ceil(math.log2(most))):
         kept = (left + 1) // 2

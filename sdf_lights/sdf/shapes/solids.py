@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Round and box-like solids, and the regions without end that others are cut with. All distances are exact."""
+"""Round and box-like solids, and the infinite regions that cut others. All distances are exact."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .base import LARGEST, SMALLEST, Slots, number
 from .cuts import half_space, placed, sector
 from .primitives import Box, Primitive, corner, rhombus_side
 
-_ENDLESS = 1e15  # metres that stand for infinity where a closed form needs a length
+_ENDLESS = 1e15  # metres that replace infinity if a closed form needs a length
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class RoundedBox(Primitive):
         for axis in np.flatnonzero(core):
             turned = np.eye(4)[:, [(axis + 1) % 3, (axis + 2) % 3, axis, 3]]
             middle = core * (1.0 - np.eye(3)[axis])
-            # Where the core is flat, edges coincide.
+            # If the core is flat, edges coincide.
             for edge in dict.fromkeys(tuple(middle * signs) for signs in itertools.product((1.0, -1.0), repeat=3)):
                 place = placed(matrix, *edge) @ turned
                 parts.append(primitive(Op.CAPSULE, place, (self.radius, 2.0 * core[axis])))
@@ -82,7 +82,7 @@ class CrossedBars(Primitive):
         along, least = maximum(a, b, c), minimum(a, b, c)
         middle = maximum(minimum(a, b), minimum(maximum(a, b), c))
         bar = Vector(along - half_length, middle - half_width, least - half_width)
-        # In the middle the bar is open towards the next one: its side begins at the edge that they share.
+        # In the middle the bar is open towards the next one: its side begins at their shared edge.
         to_side = length(maximum(half_width - along, 0.0), half_width - middle)
         inside = select(maximum(*bar) < 0.0, minimum(half_length - along, to_side), 0.0)
         return bar.maximum(0.0).length() - inside
@@ -124,7 +124,7 @@ class CappedTorus(Primitive):
     )
 
     def _end(self) -> tuple[float, float]:
-        """Coordinates x and y of the middle of the tube at one end; the other has −y."""
+        """Coordinates x and y of the middle of the tube at one end; the other end has −y."""
         return (self.major_radius * math.cos(0.5 * self.angle), self.major_radius * math.sin(0.5 * self.angle))
 
     def build(self, p: Vector, slot: Slots) -> Formula:
@@ -290,7 +290,7 @@ class Tube(Primitive):
 
 @dataclass(frozen=True)
 class PieSlice(Primitive):
-    """A slice of a cylinder, as of a cake; its point is on the z axis.
+    """A slice of a cylinder, like a slice of cake; its point is on the z axis.
 
     The middle of the slice is on the positive x axis.
     """
@@ -299,7 +299,7 @@ class PieSlice(Primitive):
     height: float = number(0.5, "Length along z")
     angle: float = number(
         math.radians(120.0),
-        "Angle of the point of the slice; above 180° the cylinder lacks a slice",
+        "Angle at the point of the slice; above 180° the cylinder lacks a slice",
         unit="ANGLE",
         minimum=0.001,
         maximum=2.0 * math.pi - 0.001,
@@ -343,7 +343,7 @@ class RoundCone(Primitive):
         sine, cosine = self._slope()
         half_height = slot(0.5 * self.height)
         across = length(p.x, p.y)
-        # The solid is made of balls between the two; the one that is nearest lies down the normal of the side.
+        # The solid consists of balls between the two; the nearest one lies along the normal of the side.
         center = clamp(p.z - across * slot(sine / cosine), -half_height, half_height)
         radius = slot(0.5 * (self.bottom_radius + self.top_radius)) - center * slot(sine)
         return length(across, p.z - center) - radius
@@ -416,9 +416,9 @@ class Bicone(Primitive):
 
 @dataclass(frozen=True)
 class InfiniteCylinder(Primitive):
-    """A round bar along z without ends.
+    """An infinite round bar along z.
 
-    It reaches to infinity, so it is of use where another shape cuts it.
+    It reaches to infinity, so it is useful only where another shape cuts it.
     """
 
     bounded = False
@@ -442,7 +442,7 @@ class InfiniteCylinder(Primitive):
 class HalfSpace(Primitive):
     """Everything on one side of a plane.
 
-    It reaches to infinity, so it is of use where it cuts another shape.
+    It reaches to infinity, so it is useful only where it cuts another shape.
     """
 
     bounded = False
@@ -480,9 +480,9 @@ class HalfSpace(Primitive):
 
 @dataclass(frozen=True)
 class Slab(Primitive):
-    """Everything between two planes across the z axis.
+    """Everything between two planes perpendicular to the z axis.
 
-    It reaches to infinity, so it is of use where it cuts another shape.
+    It reaches to infinity, so it is useful only where it cuts another shape.
     """
 
     bounded = False

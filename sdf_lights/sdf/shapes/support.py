@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tight boxes from support functions.
 
-The support of a set along a direction d is the greatest d · x of its points x. That of the convex hull is the same;
-that of a union is the greater of two; that of a Minkowski sum (a ball around every point, say) is the sum of two.
-Directions are (n, 3) arrays and need not have unit length; supports are (n,).
+The support of a set along a direction d is the greatest d · x of its points x. That of the convex hull is the same.
+That of a union is the greater of two. That of a Minkowski sum (a ball around every point, for example) is the sum of
+two. Directions are (n, 3) arrays and need not have unit length; supports are (n,).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 
 
 def bounds(support: Callable[[np.ndarray], np.ndarray], matrix: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (low, high) of the least axis-aligned box around ``matrix`` (4 × 4, None for the identity) applied to
-    the set whose support function is given."""
+    """Corners (low, high) of the smallest axis-aligned box around ``matrix`` (4 × 4, None for the identity) applied to
+    the set with the given support function."""
     matrix = np.eye(4) if matrix is None else np.asarray(matrix, np.float64)
     linear, center = matrix[:3, :3], matrix[:3, 3]
     # The greatest eᵢ · Mx is that of (Mᵀeᵢ) · x, and Mᵀeᵢ is row i of M.
@@ -25,7 +25,7 @@ def bounds(support: Callable[[np.ndarray], np.ndarray], matrix: np.ndarray | Non
 
 
 def of_points(directions: np.ndarray, points) -> np.ndarray:
-    """Support of points (m, 3), and so of any polyhedron that has its corners there."""
+    """Support of points (m, 3), and so of any polyhedron with these corners."""
     return (directions @ np.asarray(points, np.float64).T).max(axis=1)
 
 

@@ -21,7 +21,7 @@ from .sectors import MOST_SECTORS
 
 
 class Swept(Shape, abstract=True):
-    """A solid made of the field of a profile."""
+    """A solid from the field of a profile."""
 
     profile: Profile
 
@@ -39,7 +39,8 @@ class Swept(Shape, abstract=True):
         return self.profile.size
 
     def support(self, directions: np.ndarray) -> np.ndarray:
-        """Greatest d · x of the points x of the shape, (n,), for directions d (n, 3) of any length; or a bit more."""
+        """Greatest d · x of the points x of the shape, (n,), for directions d (n, 3) of any length; or slightly
+        more."""
         raise NotImplementedError
 
     def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -56,14 +57,13 @@ class Extrusion(Swept):
     The distance is exact if that of the profile is and the ends have no rounding.
     """
 
-    profile: Profile = part("What the bar looks like from its ends", "profile")
+    profile: Profile = part("Cross-section of the bar", "profile")
     height: float = number(0.3, "Length along z")
     rounding: float = number(0.0, "Radius of the edges around both ends", minimum=0.0, soft_maximum=1.0)
 
     @property
     def exactness(self) -> str:
-        # Where the edge of the profile turns outwards, rounded edges meet in a crease, which the field does not know
-        # of.
+        # Where the profile is concave, rounded edges meet in a crease, which the field does not know.
         return self.profile.exactness if self.rounding == 0.0 else BOUND
 
     def build(self, p: Vector, slot: Slots) -> Formula:
@@ -101,14 +101,14 @@ def _beyond_axis(shape: "Revolution | PartialRevolution") -> str:
 
 @dataclass(frozen=True)
 class Revolution(Swept):
-    """A profile turned about the z axis all the way round.
+    """A profile revolved about the z axis, all the way round.
 
-    The profile's y is the solid's z, and its x is the distance from the axis less the offset. What is beyond the axis
-    is left out; the distance is exact if that of the profile is and nothing is left out but a mirror image of the
+    The profile's y is the solid's z, and its x is the distance from the axis minus the offset. The part beyond the axis
+    is left out. The distance is exact if that of the profile is, and if the part left out is only a mirror image of the
     rest.
     """
 
-    profile: Profile = part("What a half plane through the axis shows", "profile")
+    profile: Profile = part("Section of the solid by a half plane through the axis", "profile")
     offset: float = number(0.0, "Distance from the axis to the origin of the profile", minimum=0.0)
 
     @property
@@ -135,16 +135,16 @@ class Revolution(Swept):
 
 @dataclass(frozen=True)
 class PartialRevolution(Swept):
-    """A profile turned about the z axis, but not all the way round.
+    """A profile revolved about the z axis, but not all the way round.
 
     As ``revolution``; the solid is symmetrical about the positive x axis.
     """
 
-    profile: Profile = part("What a half plane through the axis shows", "profile")
+    profile: Profile = part("Section of the solid by a half plane through the axis", "profile")
     offset: float = number(0.0, "Distance from the axis to the origin of the profile", minimum=0.0)
     angle: float = number(
         math.pi,
-        "Angle that the profile is turned by",
+        "Angle of the revolution",
         unit="ANGLE",
         minimum=0.001,
         maximum=2.0 * math.pi - 0.001,
@@ -242,7 +242,7 @@ class PlusPrism(Prismatic):
 
 @dataclass(frozen=True)
 class Crescent(Prismatic):
-    """A crescent moon with thickness: a disk without what another disk covers."""
+    """A crescent moon with thickness: a disk minus another disk."""
 
     radius: float = number(0.5, "Radius of the disk")
     bite_radius: float = number(0.4, "Radius of the disk that is taken away")

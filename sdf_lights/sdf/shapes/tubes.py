@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tubes along plane curves: all points within a radius of the curve, as neon signs are made of.
+"""Tubes along plane curves: all points within a radius of the curve, like neon signs.
 
-Outside a tube the distance is that to the curve less the radius. Inside it is the same, as long as the curve keeps off
-itself and bends less than the tube is thick.
+Outside a tube, the distance is that to the curve minus the radius. Inside it is the same, as long as the curve does not
+come near itself and bends less than the tube is thick.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .base import BOUND, EXACT, LARGEST, Slots, number
 from .cuts import placed, sector
 from .primitives import Primitive
 
-_TINY = 1e-300  # keeps apart from 0 what may be one
+_TINY = 1e-300  # keeps a possible zero away from 0
 
 
 def _ball(radius: float) -> float:
@@ -41,7 +41,7 @@ def _rod(matrix: np.ndarray | None, start: np.ndarray, end: np.ndarray, radius: 
 
 @dataclass(frozen=True)
 class Horseshoe(Primitive):
-    """A tube in the xy plane along an arc, which goes on straight at both ends. The arc's middle is at +y."""
+    """A tube in the xy plane along an arc with straight parts at both ends. The arc's middle is at +y."""
 
     radius: float = number(0.32, "Distance from the centre of the arc to the middle of the tube")
     minor_radius: float = number(0.08, "Radius of the tube and of its ends")
@@ -112,7 +112,7 @@ class Horseshoe(Primitive):
 class FigureEight(Primitive):
     """A tube in the xy plane in the form of ∞: two arcs and the two straight parts between them, which cross.
 
-    The distance is exact outside; where the straight parts cross, inside, it never exceeds that to the surface.
+    The distance is exact outside. Inside, where the straight parts cross, it never exceeds the distance to the surface.
     """
 
     exactness = BOUND
@@ -131,7 +131,7 @@ class FigureEight(Primitive):
         sine, cosine = self._tangent()
         u, v, center = slot(cosine), slot(sine), slot(self.half_distance)
         x, y = abs(p.x), abs(p.y)
-        # A quarter of the curve, as the rest is its mirror image: straight on to where it touches the arc.
+        # A quarter of the curve, because the rest is its mirror image: straight to the point where it touches the arc.
         along, aside = x * u + y * v, y * u - x * v
         on_arc = length(x - center, y) - slot(self.radius)
         across = select(along > slot(self.half_distance * cosine), on_arc, aside)
@@ -177,8 +177,8 @@ class FigureEight(Primitive):
 
 @dataclass(frozen=True)
 class BezierTube(Primitive):
-    """A tube along a quadratic Bézier curve, which three points make: it goes from the first to the third and is drawn
-    towards the second.
+    """A tube along a quadratic Bézier curve, given by three points: from the first to the third, drawn towards the
+    second.
 
     The distance is exact outside, and inside where the curve bends less than the tube is thick.
     """
@@ -187,14 +187,12 @@ class BezierTube(Primitive):
     _halvings, _steps = 8, 5
 
     start: tuple[float, float, float] = number(
-        (-0.5, 0.0, -0.2), "Where the curve begins", minimum=-LARGEST, soft_maximum=10.0
+        (-0.5, 0.0, -0.2), "Start of the curve", minimum=-LARGEST, soft_maximum=10.0
     )
     control: tuple[float, float, float] = number(
-        (0.0, 0.4, 0.7), "What the curve is drawn towards", minimum=-LARGEST, soft_maximum=10.0
+        (0.0, 0.4, 0.7), "Control point that the curve is drawn towards", minimum=-LARGEST, soft_maximum=10.0
     )
-    end: tuple[float, float, float] = number(
-        (0.5, 0.0, -0.2), "Where the curve ends", minimum=-LARGEST, soft_maximum=10.0
-    )
+    end: tuple[float, float, float] = number((0.5, 0.0, -0.2), "End of the curve", minimum=-LARGEST, soft_maximum=10.0)
     radius: float = number(0.06, "Radius of the tube and of its ends")
 
     def _coefficients(self) -> tuple[np.ndarray, np.ndarray, float]:
@@ -205,17 +203,18 @@ class BezierTube(Primitive):
 
     @property
     def exactness(self) -> str:
-        # As a parabola keeps off itself by its least radius of curvature, that alone decides.
+        # A parabola stays at least its least radius of curvature away from itself, so only that matters.
         a, b, vertex = self._coefficients()
         speed = np.linalg.norm(a + vertex * b)
         return EXACT if self.radius * np.linalg.norm(np.cross(a, b)) < 2.0 * speed**3 else BOUND
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        """The squared distance has its least value where it ceases to fall, at a root of its derivative f, a cubic.
+        """The squared distance has its least value at a root of its derivative f, a cubic, where f changes from
+        negative to positive.
 
-        The second derivative of f changes sign at the vertex of the curve, from where f is convex; up to there it is
-        concave. So on each of the two parts there is at most one such root. It is bracketed by halving, and the
-        method of Newton then approaches it from one side.
+        The second derivative of f changes sign at the vertex of the curve: f is concave before it and convex after it.
+        So each of the two parts has at most one such root. Bisection brackets it, and Newton's method then approaches
+        it from one side.
         """
         a, b, vertex = self._coefficients()
         start, a_, b_ = p - slot(self.start), slot(tuple(a.tolist())), slot(tuple(b.tolist()))
@@ -268,7 +267,7 @@ class BezierTube(Primitive):
     def support(self, directions):
         a, b, _ = self._coefficients()
         along, bend = directions @ a, directions @ b
-        # The greatest product is at an end, or where the curve is at right angles to the direction.
+        # The greatest product is at an end, or where the curve is perpendicular to the direction.
         turn = np.clip(-along / np.where(bend < 0.0, bend, -_TINY), 0.0, 1.0)
         farthest = np.maximum.reduce([2.0 * along * t + bend * t * t for t in (0.0, 1.0, turn)])
         return directions @ self.start + farthest + support.of_ball(directions, self.radius)

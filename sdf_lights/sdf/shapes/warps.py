@@ -2,14 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shapes warped by a map of space that is not affine: twist, bend, taper.
 
-The child's field φ is read at T(p), where the warp moves T(p) to p. T may stretch without limit far away, so φ∘T has no
-Lipschitz bound in all of space. But φ, guarded, is at least the distance to the child's box B; so where it is less than
-a margin m, T(p) is within m of B, and there the greatest singular value of T's Jacobian has a bound S. The field
+The child's field φ is evaluated at T(p), where the warp moves T(p) to p. T may stretch without limit far away, so φ∘T
+has no Lipschitz bound in all of space. But φ, guarded, is at least the distance to the child's box B. So where it is
+less than a margin m, T(p) is within m of B, and there the greatest singular value of T's Jacobian has a bound S. The
+field
 
     max(min(φ(T(p)), m) / S, distance to a box around the warped shape)
 
-is constant in its first part wherever that bound is not known to hold. So it keeps the child's Lipschitz bound, if T
-is continuous where it leads to within m of B; and it is negative where φ∘T is.
+is constant in its first part wherever that bound is not known to hold. So it keeps the child's Lipschitz bound, if T is
+continuous wherever it leads to within m of B. And it is negative where φ∘T is.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ _THINNEST = 0.01  # least scale of a taper
 
 
 class Warp(Operator, abstract=True):
-    """The child's field read at ``_unwarped(p)``, cut off and divided as the module says."""
+    """The child's field at ``_unwarped(p)``, clamped and divided as the module describes."""
 
     @cached_property
     def _guarded(self) -> Shape:
@@ -50,7 +51,7 @@ class Warp(Operator, abstract=True):
         raise NotImplementedError
 
     def _stretch(self) -> float:
-        """Bound on the greatest singular value of the Jacobian, where the result is within the margin of the box."""
+        """Bound of the greatest singular value of the Jacobian, where the result is within the margin of the box."""
         raise NotImplementedError
 
     def _warped_box(self) -> tuple[np.ndarray, np.ndarray]:
@@ -86,7 +87,7 @@ class Warp(Operator, abstract=True):
 
 
 def _greatest_singular_value(a: float, b: float) -> float:
-    """Of the matrix (a, b; 0, 1)."""
+    """Greatest singular value of the matrix (a, b; 0, 1)."""
     trace = a * a + b * b + 1.0
     return math.sqrt(0.5 * (trace + math.sqrt(max(trace * trace - 4.0 * a * a, 0.0))))
 
@@ -103,7 +104,7 @@ class Twist(Warp):
     child: Shape = part("Shape that is twisted")
     angle: float = number(
         math.radians(90.0),
-        "Angle by which it turns on each metre along z, counter-clockwise as seen from above",
+        "Rotation per metre along z, counter-clockwise as seen from above",
         unit="ANGLE",
         minimum=-1e4,
         maximum=1e4,
@@ -140,7 +141,8 @@ class Bend(Warp):
 
     @property
     def _gap(self) -> float:
-        """How far the box is from what it must not reach: the centre, and where both ends of the circle meet."""
+        """Distance of the box from two positions that it must not reach: the centre, and where both ends of the circle
+        meet."""
         low, high = self._box
         ends = math.pi * self.radius - max(abs(low[0]), abs(high[0]))
         return float(min(self.radius - high[2], ends))

@@ -39,7 +39,7 @@ def test_what_could_not_be_resolved_is_told():
 
 def test_a_field_without_bounds_is_told():
     sentence, *_ = warnings_of(Expression("field(length(p) - 0.5 + 0.1 * abs(p.x) ** 0.5)").shape({}))
-    assert sentence.startswith("Lamp “Lantern”: nothing bounds how fast its field changes")
+    assert sentence.startswith("Lamp “Lantern”: its field has no known bound of its slope")
 
 
 def test_a_lamp_without_limits_is_left_out():

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The GLSL reading of kernels: the functions that Numba compiles for the CPU, as source for a GPU, in float32.
+"""Translates kernels to GLSL: the functions that Numba compiles for the CPU become source for a GPU, in float32.
 
-A kernel is written once. What it may contain is what Numba's kernels of this project contain anyway: scalars, tuples,
-records and tables, calls of other kernels, ``if``, ``while`` and ``for … in range``. Types are inferred from the
-arguments of a call, and each combination of types gives one GLSL function, named after its module and itself.
+A kernel is written once. It may contain what Numba's kernels of this project contain: scalars, tuples, records and
+tables, calls of other kernels, ``if``, ``while`` and ``for … in range``. Types are inferred from the arguments of a
+call. Each combination of types gives one GLSL function, named after its module and itself.
 
 - float64 becomes float, all integers become int, but uint32 uint, and uint64 two of them; a tuple of two to four floats becomes a vector, any other
   tuple a structure.
@@ -15,7 +15,8 @@ arguments of a call, and each combination of types gives one GLSL function, name
 
 - An array of a kernel's module is read from the buffer where it is one of the scene's tables (``Tables.constant``).
 
-GLSL has no recursion and no pointers. Kernels that need such things, or call foreign code, have a function by the same name in ``shaders_glsl/`` (see ``Native``).
+GLSL has no recursion and no pointers. Kernels that need these, or call foreign code, have a function by the same name
+in ``shaders_glsl/`` (see ``Native``).
 """
 
 from .translator import Translator

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls: of other kernels, of those with GLSL of their own, and of what Python, NumPy and ``vec`` offer."""
+"""Calls: of other kernels, of natives, and of functions of Python, NumPy and ``vec``."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Calls(Expressions):
     def _read_Call(self, node):
         function = self._expression(node.func)
         if function.type != CONSTANT:
-            raise self._error("what is called is not known", node)
+            raise self._error("the called function is unknown", node)
         arguments = [self._expression(argument) for argument in node.args]
         called = function.constant
         native = self.translator.natives.get(inspect.unwrap(called) if callable(called) else called)
@@ -58,7 +58,7 @@ class Calls(Expressions):
         return self._builtin(called, arguments, node)
 
     def passed(self, arguments: list[Value]) -> list[str]:
-        """GLSL of the arguments that a call passes on; what is known now is left out."""
+        """GLSL of the arguments of a call; arguments known at translation time are left out."""
         texts = []
         for argument in arguments:
             if argument.type == CONSTANT:
@@ -79,7 +79,7 @@ class Calls(Expressions):
         return Value(native.result, f"{native.name}({', '.join(texts)})")
 
     def _vector(self, name: str, arguments: list[Value]) -> Value | None:
-        """Operators of GLSL for what ``vec`` does with vectors."""
+        """GLSL operators for the functions of ``vec`` on vectors."""
         if name == "vec" and isinstance(arguments[0].type, Ref):
             return self._as_vector(arguments[0])
         if name not in _VECTOR_TEXTS:
@@ -117,7 +117,7 @@ class Calls(Expressions):
             return Value(value.type, f"abs({value.text})")
         name = getattr(called, "__name__", str(called))
         if name not in _FUNCTIONS:
-            raise self._error(f"{name} has no GLSL reading", node)
+            raise self._error(f"{name} has no GLSL version", node)
         if all(argument.type == CONSTANT for argument in arguments):
             return known(called(*(argument.constant for argument in arguments)))
         texts = [self.converted(argument, FLOAT).text for argument in arguments]
@@ -132,7 +132,7 @@ class Calls(Expressions):
         for argument in arguments[1:]:
             kind = join(kind, argument.type)
         if kind == ULONG:
-            raise Untranslatable(f"{called.__name__} of 64 bits has no GLSL reading")
+            raise Untranslatable(f"{called.__name__} of 64 bits has no GLSL version")
         texts = [self.converted(argument, kind).text for argument in arguments]
         text = texts[0]
         for other in texts[1:]:

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Expressions but for calls. What is known now is computed now; a comparison with one possible outcome, too."""
+"""Expressions except calls. Values known at translation time are computed then, and so are comparisons with one
+possible outcome."""
 
 from __future__ import annotations
 
@@ -97,7 +98,7 @@ class Expressions(Places):
         left, right = self.converted(a, kind).text, self.converted(b, kind).text
         if kind == ULONG and not name.startswith("Bit"):
             if name not in OF_64_BITS:
-                raise self._error(f"{name} of 64 bits has no GLSL reading")
+                raise self._error(f"{name} of 64 bits has no GLSL version")
             return Value(ULONG, f"{OF_64_BITS[name]}({left}, {right})")
         if name == "Mod":
             if kind == FLOAT:
@@ -114,7 +115,7 @@ class Expressions(Places):
         return Value(FLOAT, f"pow({base}, {self.converted(b, FLOAT).text})")
 
     def _condition(self, node: ast.expr) -> Value:
-        """An expression as a truth value."""
+        """An expression as a boolean."""
         value = self._expression(node)
         if value.type == CONSTANT:
             return known(bool(value.constant))
@@ -175,7 +176,7 @@ class Expressions(Places):
                 return known(outcomes.pop())
         kind = join(a.type, b.type)
         if kind == ULONG and name not in ("Eq", "NotEq"):
-            raise self._error(f"{name} of 64 bits has no GLSL reading")
+            raise self._error(f"{name} of 64 bits has no GLSL version")
         return Value(BOOL, f"({self.converted(a, kind).text} {SYMBOLS[name]} {self.converted(b, kind).text})")
 
     def _read_IfExp(self, node):

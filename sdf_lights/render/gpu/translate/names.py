@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Translation of one kernel: its names, lines and conversions, from which the other parts derive."""
+"""Translation of one kernel: its names, lines and conversions; the other parts derive from it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .values import (
 
 @dataclass
 class Names:
-    """A kernel, ``python``, that is translated for ``arguments`` into the GLSL function ``name``."""
+    """The translation of a kernel, ``python``, for ``arguments``, into the GLSL function ``name``."""
 
     translator: object  # the Translator
     python: object
@@ -87,7 +87,7 @@ class Names:
             count = text + "_count"
             self.used[count] = INT
             self._say(f"{count} = {value.count};")
-        # What is known of a variable's values holds only where nothing else sets it.
+        # Known values of a variable are valid only if nothing else sets it.
         once = self.stores.get(name, 0) == 1 and kind == value.type
         self.locals[name] = Value(kind, text, count=count, possible=value.possible if once else None)
 
@@ -97,7 +97,7 @@ class Names:
     # Values
 
     def _value(self, value: Value) -> Value:
-        """As something that has a type in GLSL."""
+        """The value with a GLSL type."""
         if value.type != CONSTANT:
             return value
         constant = value.constant
@@ -110,7 +110,7 @@ class Names:
         raise self._error(f"{constant!r} has no value in GLSL")
 
     def converted(self, value: Value, kind) -> Value:
-        """The value as one of type ``kind``. Raises Untranslatable where it cannot be."""
+        """The value as one of type ``kind``. Raises Untranslatable if that is impossible."""
         if value.type == CONSTANT:
             if is_number(value.constant) and kind in SCALARS:
                 return Value(kind, constant_text(value.constant, kind))
@@ -132,7 +132,7 @@ class Names:
             for item in items
         ]
         if any(item.type == CONSTANT or isinstance(item.type, Ref) for item in items):
-            return Value(None, items=tuple(items))  # only to be taken apart
+            return Value(None, items=tuple(items))  # only used by its parts
         kind = kind or Tuple(tuple(item.type for item in items))
         text = f"{self.translator.glsl_type(kind)}({', '.join(item.text for item in items)})"
         return Value(kind, text, items=tuple(items))
@@ -148,7 +148,7 @@ class Names:
     def _expression(self, node: ast.expr) -> Value:
         method = getattr(self, "_read_" + type(node).__name__, None)
         if method is None:
-            raise self._error(f"{type(node).__name__} has no GLSL reading", node)
+            raise self._error(f"{type(node).__name__} has no GLSL version", node)
         return method(node)
 
 

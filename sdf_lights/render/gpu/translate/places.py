@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fields and elements of records, tables and vectors: reading them, and where assignments go."""
+"""Fields and elements of records, tables and vectors: reading, and targets of assignments."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .values import INT, VECTOR, Ref, Value, safe_name
 
 
 class Places(Names):
-    """Translates what a kernel reads and writes: names, fields, elements."""
+    """Translates reads and writes of a kernel: names, fields, elements."""
 
     def _place(self, node: ast.expr) -> Value:
-        """What a field or an element names: a ``Ref``, or a scalar or vector whose text can be assigned to."""
+        """The target of a field or an element: a ``Ref``, or a scalar or vector whose text can be assigned to."""
         if isinstance(node, ast.Attribute):
             base = self._expression(node.value)
             return self._field(base, node.attr, node)
@@ -34,7 +34,7 @@ class Places(Names):
                 return Value(inner, lvalue.replace("{}", base.text))
             if inner.vector:
                 return Value(Ref(inner, lvalue), base.text)
-            # Of a table of several rows the row is part of the place, which other functions cannot be given then.
+            # For a table of several rows, the row is part of the address, which cannot be passed to other functions.
             return Value(Ref(inner, lvalue.replace("{}", base.text) + "[{}]"), "0")
         address = _sum(base.text, offset)
         if isinstance(inner, Array):

@@ -16,11 +16,11 @@ class Statements(Calls):
     """Translates statements."""
 
     def _block(self, statements: list[ast.stmt]) -> bool:
-        """Translate statements; True where none that follows can be reached."""
+        """Translate statements. Returns True if the following ones are unreachable."""
         for statement in statements:
             method = getattr(self, "_do_" + type(statement).__name__, None)
             if method is None:
-                raise self._error(f"{type(statement).__name__} has no GLSL reading", statement)
+                raise self._error(f"{type(statement).__name__} has no GLSL version", statement)
             try:
                 if method(statement):
                     return True
@@ -104,7 +104,7 @@ class Statements(Calls):
     def _do_For(self, node: ast.For):
         call = node.iter
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "range"):
-            raise self._error("for runs over a range only", node)
+            raise self._error("for works only over a range", node)
         bounds = [self.converted(self._expression(argument), INT) for argument in call.args]
         start, end, step = "0", bounds[0].text, "1"
         if len(bounds) > 1:
@@ -161,7 +161,7 @@ class Statements(Calls):
         if value.type == CONSTANT:
             parts = [known(part) for part in value.constant]
         elif value.items:
-            # All are computed before any name changes.
+            # All values are computed before any name changes.
             parts = []
             for item in value.items:
                 if item.type == CONSTANT or not item.text or (isinstance(item.type, Ref) and not item.text):

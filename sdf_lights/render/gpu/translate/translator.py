@@ -22,7 +22,7 @@ class Translator:
     """Translates kernels for one scene. ``functions`` are the GLSL functions so far, callees first."""
 
     def __init__(self, tables: Tables, natives: dict, constants: dict | None = None):
-        """``natives``: kernel -> ``Native``. ``constants``: (module, name) -> value in place of the module's."""
+        """``natives``: kernel -> ``Native``. ``constants``: (module, name) -> value that replaces the module's."""
         self.tables, self.natives = tables, natives
         self.constants = {(module.__name__, name): value for (module, name), value in (constants or {}).items()}
         self.functions: list[str] = []
@@ -33,7 +33,7 @@ class Translator:
         self._names: dict[str, int] = {}
 
     def glsl_type(self, kind) -> str:
-        """GLSL name of a type; tuples that are no vectors become structures."""
+        """GLSL name of a type; tuples that are not vectors become structures."""
         if isinstance(kind, Tuple):
             if kind.vector:
                 return f"vec{len(kind.items)}"
@@ -54,8 +54,8 @@ class Translator:
         )
 
     def function(self, kernel, arguments: list[Value]) -> tuple[str, Value]:
-        """Name of the GLSL function for a kernel and arguments of these types, and its result: a type, or a number that
-        it always gives."""
+        """Name of the GLSL function for a kernel and arguments of these types, and its result: a type, or a constant
+        number."""
         python = inspect.unwrap(kernel)
         key = (python, tuple(_signature(argument) for argument in arguments))
         if key not in self._known:
@@ -70,7 +70,7 @@ class Translator:
         return self._known[key]
 
     def local_array(self, count: int) -> Value:
-        """An array of floats that a function uses; GLSL passes only global ones on without a copy."""
+        """An array of floats that a function uses; in GLSL only global ones are passed without a copy."""
         name = f"stack{len(self.globals)}"
         self.globals.append(f"float {name}[{count}];")
         return Value(Ref(Array(FLOAT, packed=True), name + "[{}]"), "0", count=str(count))
@@ -100,7 +100,7 @@ class _Function(Statements):
         self.types: dict[str, object] = {}  # of local variables
         self.result = None
         self.returns = False
-        for _ in range(8):  # until the types of variables that are set more than once agree
+        for _ in range(8):  # until the types of variables with several assignments agree
             before, result = dict(self.types), self.result
             self.lines, self.locals, self.used, self._count, self.returned = [], {}, {}, 0, set()
             parameters = self._bind(tree)
@@ -116,12 +116,12 @@ class _Function(Statements):
         return "\n".join([head, *declared, *self.lines, "}"]), result
 
     def _is_pure(self) -> bool:
-        """Whether the function sets nothing but its own variables and calls nothing by itself."""
+        """Whether the function sets only its own variables and calls nothing."""
         starts = (line.split()[0] for line in self.lines)
         return all(start in self.used or start == "return" for start in starts)
 
     def _bind(self, tree: ast.FunctionDef) -> list[str]:
-        """Give the parameters their arguments; GLSL of those that remain."""
+        """Assign the arguments to the parameters; returns GLSL of the remaining parameters."""
         names = [argument.arg for argument in tree.args.args]
         defaults = [known(ast.literal_eval(default)) for default in tree.args.defaults]
         values = list(self.arguments) + defaults[len(self.arguments) - len(names) + len(defaults) :]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What expressions of kernels stand for, their types in GLSL, and numbers and names as GLSL."""
+"""Values of expressions in kernels, their types in GLSL, and numbers and names as GLSL."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ....graph.codegen_glsl import literal
 from ..layout import Array, Record
 
 FLOAT, INT, UINT, BOOL = "float", "int", "uint", "bool"
-ULONG = "uvec2"  # uint64: the low half and the high one
+ULONG = "uvec2"  # uint64: the low half and the high half
 SCALARS = (BOOL, INT, UINT, ULONG, FLOAT)  # each can be converted to those after it
 
-# Words that GLSL keeps for itself, or has as functions that generated code calls.
+# Reserved words of GLSL, and functions that generated code calls.
 _RESERVED = frozenset(
     """
     active asm attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid class coherent common const continue
@@ -32,7 +32,7 @@ _RESERVED = frozenset(
 
 
 class Untranslatable(Exception):
-    """A kernel uses something that has no GLSL reading: what, and where."""
+    """A kernel uses something without a GLSL version: what, and where."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,10 @@ class Tuple:
 
 @dataclass(frozen=True)
 class Ref:
-    """Type of a place: a record or an array in a buffer, or in the workspace (``lvalue`` is its GLSL then).
+    """Type of a reference: a record or an array in a buffer, or in the workspace (``lvalue`` is then its GLSL).
 
-    The value is an int: the place's first word in the buffer, or what stands for ``{}`` in ``lvalue``. ``reader`` begins
-    the names of the functions that read words of that buffer.
+    The value is an int: the first word in the buffer, or the text for ``{}`` in ``lvalue``. ``reader`` is the prefix of
+    the functions that read words of that buffer.
     """
 
     layout: Record | Array
@@ -62,13 +62,13 @@ class Ref:
 
 @dataclass(frozen=True)
 class Value:
-    """What an expression stands for: GLSL ``text`` of a ``type``, or a Python object that is known (``CONSTANT``)."""
+    """The value of an expression: GLSL ``text`` of a ``type``, or a known Python object (``CONSTANT``)."""
 
     type: object
     text: str = ""
     constant: object = None
-    items: tuple = ()  # of a tuple that is written out
-    possible: frozenset | None = None  # values that an int may have, where that is known
+    items: tuple = ()  # of a tuple written as its elements
+    possible: frozenset | None = None  # possible values of an int, if they are known
     count: str = ""  # of the elements of an array in the buffer
 
 
@@ -76,7 +76,7 @@ CONSTANT = "constant"
 
 
 class Scope:
-    """A block or a workspace: ``prefix`` is that of the names of its tables in GLSL."""
+    """A block or a workspace: ``prefix`` is that of its tables' names in GLSL."""
 
     def __init__(self, prefix: str = ""):
         self.prefix = prefix
@@ -87,9 +87,9 @@ BLOCK, WORKSPACE, SECONDARY = Scope(), Scope(), Scope("secondary_")
 
 @dataclass(frozen=True)
 class Native:
-    """A kernel that is written in GLSL by hand, under this ``name``. ``result`` is its type; None for none.
+    """A kernel with hand-written GLSL under this ``name``. ``result`` is its type; None for none.
 
-    Arguments that are known now (the block, a table) are left out of the call.
+    Arguments known at translation time (the block, a table) are left out of the call.
     """
 
     name: str
@@ -105,7 +105,7 @@ def known(value) -> Value:
 
 
 def is_number(value) -> bool:
-    """Whether it is a number or a truth value."""
+    """Whether it is a number or a boolean."""
     return isinstance(value, (bool, int, float, np.number, np.bool_))
 
 
@@ -141,7 +141,7 @@ def constant_text(number, kind: str) -> str:
     if math.isinf(number):
         return "INFINITE" if number > 0.0 else "(-INFINITE)"
     if 1.0 - 2.0**-25 < number < 1.0:
-        number = 1.0 - 2.0**-24  # what is below one stays below it
+        number = 1.0 - 2.0**-24  # numbers below one stay below it
     text = literal(number)
     return f"({text})" if text.startswith("-") else text
 

@@ -22,13 +22,14 @@ import numpy as np
 from ....jit import kernel
 from ....vec import average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
 from .. import lights
+from ..departure import leave
 from ..geometry import hit_material, instance_at, surface_at
 from ..path import contribute, path_table
 from ..rays import hit_instance, hit_normal, ray_table
 from ..samplers import get_1d, get_2d
 from ..shading import evaluate, shade
 from ..shading.records import DIFFUSE, GLOSSY, MICROFACET, TRANSMISSION, closure_table, surface_table
-from ..visibility import leave, shadow_ray, transmittance
+from ..visibility import shadow_ray, transmittance
 from ..workspace import secondary_table
 from . import tree
 from .records import choice_table, material_table, node_table, vertex_table
@@ -81,7 +82,7 @@ def _reaches(block, path, vertex):
 @kernel
 def _connect_with(block, workspace, x, n, vertex, factor):
     """Add what one vertex gives, times ``factor``."""
-    path, ng = path_table(workspace)[0], vec(surface_table(workspace)[0].ng)
+    path = path_table(workspace)[0]
     if not _reaches(block, path, vertex):
         return
     y = vec(vertex.position)
@@ -118,7 +119,7 @@ def _connect_with(block, workspace, x, n, vertex, factor):
     value = mul(mul(value, scattered), vec(vertex.flux))
     if average(value) <= 0.0:
         return
-    start = leave(x, ng, wi)
+    start = leave(workspace, surface_table(workspace)[0], wi)
     direction, t_max = shadow_ray(x, start, wi, distance)
     passed = path.transparent
     if block.transparent_shadows:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All lights but SDF lamps: see README.md in this folder."""
+"""All lights except SDF lamps: see README.md in this folder."""
 
 from .along import select_along
 from .emitters import (

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Choosing one emitter for all points of a ray together, from which a medium scatters light.
+"""Selects one emitter for all points of a ray together, from which a medium scatters light.
 
-As ``tree.select``, by what an emitter sends to the ray: ∫ I/r² dt, the intensity times the angle in which the emitter sees
-the ray, over its distance to it (Kulla and Fajardo 2012), times what is left at the closest point.
+As ``tree.select``, by the light that an emitter sends to the ray: ∫ I/r² dt. That is the intensity times the angle
+under which the emitter sees the ray, divided by its distance to the ray (Kulla and Fajardo 2012), times the
+transmittance at the closest point.
 """
 
 import math
@@ -16,12 +17,12 @@ from ..media.beams import gathered, view_angle
 from .records import infinite_table, node_table, tree_table
 from .tree import BELOW_ONE, LEAST, LEAST_INFINITE
 
-_FAINTEST = 1e-3  # what is left of the light of a far emitter: at least that, as the estimate may be wrong
+_FAINTEST = 1e-3  # minimum transmittance of a distant emitter, because the estimate may be wrong
 
 
 @kernel
 def _estimate(node, o, d, length, extinction):
-    """What the emitters of a node send to a ray, up to a factor."""
+    """The light that the emitters of a node send to a ray, up to a factor."""
     way = sub(vec(node.centroid), o)
     near = way[0] * d[0] + way[1] * d[1] + way[2] * d[2]
     spread = node.spread[0] + node.spread[1] + node.spread[2]
@@ -35,7 +36,8 @@ def _estimate(node, o, d, length, extinction):
 
 @kernel
 def select_along(block, number, o, d, length, extinction, u):
-    """Choose an emitter of tree ``number`` for the ray o + t·d, 0 < t < ``length``, in a medium of this ``extinction`` (a mean, 1/m).
+    """Select an emitter of tree ``number`` for the ray o + t·d, 0 < t < ``length``, in a medium of this ``extinction``
+    (a mean, 1/m).
 
     Returns the emitter, the probability, u remapped to [0, 1), and whether the emitter is of finite extent, with its
     centre. Emitter −1: there is none.

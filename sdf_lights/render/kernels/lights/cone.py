@@ -18,14 +18,14 @@ def one_minus_cos(sine_squared):
 
 @kernel
 def polar_direction(one_minus_z, phi):
-    """Unit vector at angle φ round z with z = 1 − one_minus_z."""
+    """Unit vector at angle φ around z with z = 1 − one_minus_z."""
     sine = math.sqrt(max(one_minus_z * (2.0 - one_minus_z), 0.0))
     return sine * math.cos(phi), sine * math.sin(phi), 1.0 - one_minus_z
 
 
 @kernel
 def sample_cone(axis, width, u1, u2):
-    """Uniform direction within the cone 1 − cos θ ≤ width round the unit vector ``axis``."""
+    """Uniform direction within the cone 1 − cos θ ≤ width around the unit vector ``axis``."""
     t, b = frame(axis)
     return to_world(polar_direction(u2 * width, 2.0 * math.pi * u1), t, b, axis)
 
@@ -38,5 +38,5 @@ def cone_pdf(width):
 
 @kernel
 def sample_sphere(u1, u2):
-    """Uniform direction."""
+    """Uniform direction on the sphere."""
     return polar_direction(2.0 * u2, 2.0 * math.pi * u1)

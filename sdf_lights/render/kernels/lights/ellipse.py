@@ -3,10 +3,10 @@
 """Ellipses and disks sampled in solid angle.
 
 An ellipse seen from a point fills an elliptic cone. Gamito 2016, "Solid angle sampling of disk and cylinder lights",
-EGSR, samples the spherical rectangle round it and rejects. Here nothing is rejected: in polar coordinates (θ, φ)
-round the cone's axis, φ is that of a uniform point of an ellipse in Lambert's equal-area projection with the cone's
-own half axes, and cos θ is uniform out to the cone. The density is exact; it is uniform for circular cones and nearly
-so for others, since the projection of an elliptic cone is nearly an ellipse.
+EGSR, samples the surrounding spherical rectangle and rejects. Here nothing is rejected. In polar coordinates (θ, φ)
+around the cone's axis, φ is that of a uniform point of an ellipse in Lambert's equal-area projection with the cone's
+own half axes, and cos θ is uniform out to the cone. The density is exact. It is uniform for circular cones and nearly
+so for others, because the projection of an elliptic cone is nearly an ellipse.
 
 The point looks from the origin along +z at the ellipse ((X − cx) / a)² + ((Y − cy) / b)² ≤ 1 in the plane z = h, h > 0.
 """
@@ -21,7 +21,7 @@ from .rectangle import area_pdf, is_small
 
 @kernel
 def is_small_ellipse(cx, cy, a, b, h):
-    """Whether the ellipse is to be sampled by area; see ``rectangle.is_small``."""
+    """Whether the ellipse must be sampled by area; see ``rectangle.is_small``."""
     return is_small(cx - a, cx + a, cy - b, cy + b, h)
 
 

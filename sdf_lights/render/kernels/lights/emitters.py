@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the integrator asks of an emitter, whatever its kind: a sample, what a ray meets, and flags."""
+"""The integrator's queries about any kind of emitter: samples, hits of rays, and flags."""
 
 import math
 
@@ -24,11 +24,11 @@ from .records import (
 def sample_light(block, emitter, x, n, u1, u2):
     """Direction towards a light: (wi, distance, radiance, pdf, singular).
 
-    ``pdf`` is per solid angle, without the probability of selection. Where ``singular`` is true the light comes from
-    one direction alone: ``pdf`` is 1, ``radiance`` is the irradiance across wi, and no ray can hit the light. A pdf
-    of 0 means that the light does not reach x. The world and suns are at distance ∞. Lamps are sampled by
-    ``sdf_lights.emitter``; here they give a pdf of 0. The radiance of a triangle with ``triangle_textured`` is only
-    an estimate: shade it at ``triangle_point``.
+    ``pdf`` is per solid angle, without the selection probability. If ``singular`` is true, the light comes from one
+    direction alone: ``pdf`` is 1, ``radiance`` is the irradiance across wi, and no ray can hit the light. A pdf of 0
+    means that the light does not reach x. The world and suns are at distance ∞. Lamps are sampled by
+    ``sdf_lights.emitter``; here they have a pdf of 0. The radiance of a triangle with ``triangle_textured`` is only an
+    estimate: shade it at ``triangle_point``.
     """
     row = emitter_table(block)[emitter]
     if row.kind == TRIANGLE:
@@ -43,13 +43,13 @@ def sample_light(block, emitter, x, n, u1, u2):
 
 @kernel
 def light_hits(block, number, o, d, t_max, ray_kind, hits):
-    """Lights of finite size that the ray from o along the unit vector d meets before ``t_max``, and suns if that is ∞.
+    """Lights of finite size that the ray from o along the unit vector d hits before ``t_max``, and suns if that is ∞.
 
-    Writes rows of ``HIT`` into ``hits`` (as long as ``pack.hit_capacity`` says) and returns their number. Each has the
-    radiance that comes along the ray, the distance, and the pdf of ``sample_light`` at o, without selection. Lights do
-    not block the ray. ``ray_kind`` holds bits of ``scene.Ray``: lights visible to none of them are left out, and those that
-    are not in the light tree ``number`` of what scattered the ray (0: all of them). For a path
-    that went straight through a transparent surface pass the o of the last scattering and skip nearer hits.
+    Writes rows of ``HIT`` into ``hits`` (as long as ``pack.hit_capacity``) and returns their number. Each has the
+    radiance along the ray, the distance, and the pdf of ``sample_light`` at o, without selection. Lights do not block
+    the ray. ``ray_kind`` holds bits of ``scene.Ray``: lights visible to none of them are left out, and so are those
+    outside the light tree ``number`` of the last scattering object (0: all of them). For a path that went straight
+    through a transparent surface, pass the o of the last scattering and skip nearer hits.
     """
     header = header_table(block)[0]
     emitters = emitter_table(block)
@@ -81,7 +81,7 @@ def is_triangle(block, emitter):
 
 @kernel
 def emitter_normal(block, emitter, back):
-    """Unit normal of a light's surface where it has one, else ``back``, the way to who sees it."""
+    """Unit normal of a light's surface if it has one, else ``back``, the direction to the viewer."""
     row = emitter_table(block)[emitter]
     return kinds.normal(row.kind, block, row.index, back)
 
@@ -94,33 +94,33 @@ def casts_shadow(block, emitter):
 
 @kernel
 def blockers(block, emitter):
-    """Kind of shadow rays towards the emitter that opaque surfaces stop which cast its shadows."""
+    """Kind of shadow rays towards the emitter, which are stopped by the opaque surfaces that cast its shadows."""
     return emitter_table(block)[emitter].blockers
 
 
 @replaced_on_gpu
 @kernel
 def reaches(block, emitter, bounces):
-    """Whether the emitter may light what a path meets after so many bounces."""
+    """Whether the emitter may light a vertex of a path after so many bounces."""
     return bounces <= emitter_table(block)[emitter].max_bounces
 
 
 @kernel
 def competes(block, emitter, kinds):
-    """Whether rays of all of these kinds of ``scene.Ray`` can meet the emitter as light rays find it."""
+    """Whether rays of all of these kinds of ``scene.Ray`` can hit the emitter as light rays find it."""
     row = emitter_table(block)[emitter]
     return row.met & kinds == kinds and row.alone == 0
 
 
 @kernel
 def camera_brightness(block, emitter):
-    """Factor of the radiance of a lamp that rays of the camera see."""
+    """Factor on the radiance of a lamp for camera rays."""
     return emitter_table(block)[emitter].camera_brightness
 
 
 @kernel
 def visibility(block, emitter):
-    """Bits of ``scene.Ray``: kinds of ray that see the emitter's light."""
+    """Bits of ``scene.Ray``: kinds of rays that see the emitter's light."""
     return emitter_table(block)[emitter].visibility
 
 
@@ -150,14 +150,14 @@ def triangle_pdf(block, x, emitter, d, distance):
 
 @kernel
 def triangle_textured(block, emitter):
-    """Whether the emitter is a triangle whose radiance varies, so that it has to be shaded where it is sampled."""
+    """Whether the emitter is a triangle with varying radiance, which must be shaded at the sampled point."""
     row = emitter_table(block)[emitter]
     return row.kind == TRIANGLE and triangle.rows(block)[row.index].textured != 0
 
 
 @kernel
 def triangle_point(block, x, emitter, d):
-    """Where the ray from x along d meets an emissive triangle: instance, primitive, weights of corners 1 and 2."""
+    """Hit of the ray from x along d with an emissive triangle: instance, primitive, weights of corners 1 and 2."""
     row = triangle.rows(block)[emitter_table(block)[emitter].index]
     v, w = triangle.barycentric(row, x, d)
     return row.instance, row.primitive, v, w

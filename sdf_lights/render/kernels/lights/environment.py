@@ -3,9 +3,9 @@
 """The world: a colour, or an equirectangular image with bilinear filtering.
 
 The image is sampled with a piecewise-constant density over cells of longitude and of the sine of latitude. A cell's
-probability is the mean of the filtered image over it, so it is zero only where the image is; within a cell directions
-are uniform in solid angle, so the density is exact for what is sampled. A plain colour is sampled with a
-density that is part cosine about the normal, part uniform, so light that comes through a surface is sampled too.
+probability is the mean of the filtered image over it, so it is zero only where the image is zero. Within a cell
+directions are uniform in solid angle, so the density is exact for the samples. The density of a plain colour is part
+cosine about the normal, part uniform, so light through a surface is sampled too.
 """
 
 import math
@@ -23,9 +23,9 @@ from .records import header_table, image_columns_table, image_rows_table, image_
 SCATTERED = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION
 MAX_COLUMNS = 4096
 UNIFORM = 0.2  # share of uniform directions for a plain colour
-DEFENSIVE = 0.1  # part of the mean that is added to the map of a world's nodes
-# What an even world counts in the choice among lights: the ray that continues a path finds it, too. Of 0.15, 0.35 and 1, the
-# least noise of spheres and walls under a sky and an area light.
+DEFENSIVE = 0.1  # fraction of the mean that is added to the map of a world's nodes
+# Weight of a uniform world in the selection of lights: the ray that continues a path finds it, too. Of 0.15, 0.35 and
+# 1, this has the least noise for spheres and walls under a sky and an area light.
 EVEN = 0.15
 
 
@@ -56,13 +56,13 @@ def image_distribution(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray, floa
 
 
 def _pool(weight: np.ndarray, factor: int) -> np.ndarray:
-    """Means of ``factor`` rows at a time; the last group may be smaller, and its mean is a little low."""
+    """Means of ``factor`` rows at a time; the last group may be smaller, and its mean is slightly too low."""
     starts = np.arange(0, len(weight), factor)
     return np.add.reduceat(weight, starts, axis=0) / factor
 
 
 def _unevenness(rows: np.ndarray, columns: np.ndarray) -> float:
-    """Part of the probability of ``image_distribution`` that is more than a uniform distribution's: 0 for even light, almost 1
+    """Fraction of the probability of ``image_distribution`` above a uniform distribution: 0 for uniform light, almost 1
     for a sun in the dark."""
     mass = np.diff(rows)[:, None] * np.diff(columns, axis=1)
     band = np.diff(np.sin(np.pi * (np.arange(len(rows)) / (len(rows) - 1) - 0.5)))
@@ -70,16 +70,18 @@ def _unevenness(rows: np.ndarray, columns: np.ndarray) -> float:
 
 
 def pack(tables, scene, emitter, world_map) -> tuple[float, float]:
-    """Fill the tables of the world, whose index among emitters is given; its irradiance, and what of it counts in the choice
-    among lights.
+    """Fill the tables of the world, whose index among emitters is given. Returns its irradiance, and its weight in the
+    selection of lights.
 
-    ``world_map`` as of ``pack.pack_lights``.
+    ``world_map`` is as in ``pack.pack_lights``.
     """
     world, header = scene.world, tables["light_header"]
     tables["light_emitters"][emitter]["visibility"] = int(world.visibility)
     color = world.strength * np.asarray(world.color, float)
     if not np.isfinite(color).all():
-        scene.warnings.append("The world is black: its colour or strength is not a finite number. Set it anew.")
+        scene.warnings.append(
+            "The world is black, because its colour or strength is not a finite number: set it again."
+        )
         return 0.0, 0.0
     mean, uneven = np.abs(color).mean(), 0.0
     header["world_color"], header["rotation"] = color, world.rotation
@@ -98,7 +100,7 @@ def pack(tables, scene, emitter, world_map) -> tuple[float, float]:
         tables["light_image_rows"], tables["light_image_columns"] = rows, columns.ravel()
         mean, uneven = image_mean, _unevenness(rows, columns)
     if world_map is not None and mean > 0.0:
-        # What the map misses between its points still has some probability.
+        # Parts that the map misses between its points still have some probability.
         values = world_map.values
         weight = values + DEFENSIVE * values.mean(dtype=np.float64) + 1e-30
         rows, columns, _ = image_distribution(weight[..., None])
@@ -112,13 +114,13 @@ def pack(tables, scene, emitter, world_map) -> tuple[float, float]:
             uneven += world_map.sun_share * (1.0 - uneven)
         mean *= world_map.mean
     if world.visibility & SCATTERED != SCATTERED or header["portal_count"][0] > 0:
-        uneven = 1.0  # light rays alone find it, or far better
+        uneven = 1.0  # only light rays find it, or find it far better
     return math.pi * mean, math.pi * mean * (EVEN + (1.0 - EVEN) * uneven)
 
 
 @kernel
 def _coordinates(header, d):
-    """(u, v) in [0, 1] of a world direction: longitude and latitude as Cycles lays them out."""
+    """(u, v) in [0, 1] of a world direction: longitude and latitude as in Cycles."""
     d = transform_vector(header.rotation, d)
     u = 0.5 - math.atan2(d[1], d[0]) / (2.0 * math.pi)
     return u, 0.5 + math.atan2(d[2], math.hypot(d[0], d[1])) / math.pi
@@ -126,7 +128,7 @@ def _coordinates(header, d):
 
 @kernel
 def world_radiance(block, d):
-    """Background radiance along the unit vector d, whatever the world's visibility, but for what its nodes make of it."""
+    """Background radiance along the unit vector d, for any visibility of the world, without the factor of its nodes."""
     header = header_table(block)[0]
     color = vec(header.world_color)
     if header.height == 0 or header.graph != 0:
@@ -200,7 +202,7 @@ def _sky_pdf(block, n, d):
         return _color_pdf(n, d)
     pdf = _map_pdf(block, header, d)
     if header.sun_share > 0.0:
-        # By the square of a distance: the cosine of so small an angle has few digits in single precision.
+        # From the square of a distance: the cosine of so small an angle has few digits in single precision.
         away = sub(d, vec(header.sun))
         pdf *= 1.0 - header.sun_share
         if dot(away, away) <= 2.0 * header.sun_width:

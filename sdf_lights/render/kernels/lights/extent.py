@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the choice among lights has to know of one of them."""
+"""The properties of a light that the selection of lights needs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 
 class Extent(NamedTuple):
-    """Of a light of finite extent, or of many: its box, and the cone of directions that it shines in (``tree_build.Bounds``)."""
+    """For one or many lights of finite extent: the box, and the cone of emission directions (``tree_build.Bounds``)."""
 
     lo: np.ndarray  # (3,), or (n, 3)
     hi: np.ndarray
@@ -22,7 +22,7 @@ class Extent(NamedTuple):
 
 
 class Far(NamedTuple):
-    """Of a light at infinity: its irradiance on a surface that faces it, and the direction to it."""
+    """For a light at infinity: its irradiance on a surface that faces it, and the direction to it."""
 
     irradiance: float
     direction: np.ndarray

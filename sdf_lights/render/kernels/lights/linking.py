@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light and shadow linking: which emitters light which instances, and which instances cast the shadows of an emitter.
 
-An emitter that does not light all gives instances other light trees than the one of all emitters. One whose shadows are not
-cast by all has a bit of its own in the masks of rays.
+With an emitter that does not light all instances, instances have other light trees than the one of all emitters. An
+emitter whose shadows are not cast by all instances has its own bit in the masks of rays.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ def _members(scene: Scene) -> Iterator[Emitter]:
 
 
 def shadow_bits(scene: Scene) -> dict[int, int]:
-    """The bit that rays towards an emitter have in place of ``SHADOW_OPAQUE``, by its ``blockers``.
+    """The bit of rays towards an emitter that replaces ``SHADOW_OPAQUE``, by its ``blockers``.
 
-    Where there are too many of them, the last are not here: everything casts their shadows.
+    If there are too many of them, the last are missing here: everything casts their shadows.
     """
     found = dict.fromkeys(member.blockers for member in _members(scene) if member.blockers != ALL_SETS)
     return dict(zip(found, SHADOW_BITS))
 
 
 def shadow_bit(bits: dict[int, int], blockers: int) -> int:
-    """As ``shadow_bits``, of one emitter."""
+    """As ``shadow_bits``, for one emitter."""
     return bits.get(blockers, SHADOW_OPAQUE)
 
 
@@ -44,10 +44,11 @@ def pack_trees(
     lights_up: Callable[[int], np.ndarray],
     build: Callable[[np.ndarray | None], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]],
 ) -> None:
-    """Fill the tables of all light trees, and say which of them belongs to which instance.
+    """Fill the tables of all light trees. Returns which of them belongs to which instance.
 
-    ``lights_up`` gives (emitters,) bool, whether each lights a set of instances. ``build`` makes a tree of some (None: all) of
-    the emitters: its nodes, its infinite emitters, and (emitters,) their leaves and their rows among the infinite ones.
+    ``lights_up`` gives (emitters,) bool, whether each lights a set of instances. ``build`` makes a tree of some (None:
+    all) of the emitters: its nodes, its infinite emitters, and (emitters,) their leaves and their rows among the
+    infinite ones.
     """
     numbers, chosen, links = {}, [None], []
     known: dict[bytes, int] = {}
@@ -94,7 +95,7 @@ def pack_trees(
 
 @kernel
 def place_in(block, number, emitter):
-    """Where an emitter is in tree ``number``: its leaf, and its row in light_infinite; −1: not there."""
+    """Position of an emitter in tree ``number``: its leaf, and its row in light_infinite; −1: not there."""
     if number == 0:
         row = emitter_table(block)[emitter]
         return row.leaf, row.infinite
@@ -104,13 +105,13 @@ def place_in(block, number, emitter):
 
 @kernel
 def tree_of(block, instance):
-    """Number of the tree of all that lights an instance."""
+    """Number of the tree of all emitters that light an instance."""
     return np.int64(tree_of_table(block)[instance]) if header_table(block)[0].tree_count > 1 else np.int64(0)
 
 
 @kernel
 def open_tree(block):
-    """Number of the tree of all that lights the medium of the world."""
+    """Number of the tree of all emitters that light the medium of the world."""
     return header_table(block)[0].open_tree
 
 
@@ -125,7 +126,7 @@ def lights_up(block, number, emitter):
 
 @kernel
 def emission_lights_up(block, number, instance):
-    """Whether emission of an instance lights what has the tree ``number``."""
+    """Whether emission of an instance lights objects with the tree ``number``."""
     if number == 0:
         return True
     return link_table(block)[(number - 1) * header_table(block)[0].instance_count + instance] != 0

@@ -26,7 +26,7 @@ TABLES = {
     **portals.TABLES,
     **{module.TABLE: module.RECORD for module in KINDS.values()},
 }
-NEVER = 1  # in ``met``, until it is filled: rays do not meet the emitter by chance
+NEVER = 1  # in ``met``, until it is set: scattered rays do not find the emitter
 
 
 def pack_lights(
@@ -40,11 +40,11 @@ def pack_lights(
 ) -> dict[str, np.ndarray]:
     """Tables (see ``TABLES``) of all emitters of ``scene``.
 
-    ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space; ``lamp_power`` (lamps, RGB) or
-    (lamps,) in watts, and ``sources`` are what they were made from (None: ``scene.lamps``). ``world_map`` (a
-    ``world_sun.WorldMap``) is what the nodes of the world make of its radiance, to sample it by. ``elsewhere``: bounds of the
-    emitters at other times, from ``pack_near``; light trees hold for all of them. A light whose transform or power is not finite
-    is left out, with a warning in ``scene.warnings``.
+    ``lamp_bounds`` is (lamps, 2, 3): corners of the box of each SDF lamp in world space. ``lamp_power`` is (lamps, RGB)
+    or (lamps,) in watts, and ``sources`` are the lamps that they came from (None: ``scene.lamps``). ``world_map`` (a
+    ``world_sun.WorldMap``) is the map of the world's nodes, for sampling. ``elsewhere``: bounds of the emitters at
+    other times, from ``pack_near``; light trees hold for all of them. A light whose transform or power is not finite is
+    left out, with a warning in ``scene.warnings``.
     """
     tables, bounds, infinite = pack_near(scene, lamp_bounds, lamp_power, triangles, sources)
     emitters, world = tables["light_emitters"], int(tables["light_header"]["world_emitter"][0])
@@ -97,7 +97,7 @@ def pack_near(
     triangles: Triangles | None = None,
     sources: list[Lamp] | None = None,
 ) -> tuple[dict[str, np.ndarray], Bounds | None, np.ndarray]:
-    """As ``pack_lights``, without the world and the light tree: tables, what the tree has to know, and suns (INFINITE)."""
+    """As ``pack_lights``, without the world and the light tree: tables, data for the tree, and suns (INFINITE)."""
     lamp_bounds = np.zeros((0, 2, 3)) if lamp_bounds is None else np.asarray(lamp_bounds, float)
     lamp_power = np.zeros(0) if lamp_power is None else np.asarray(lamp_power, float)
     triangles = triangles or Triangles()
@@ -136,7 +136,7 @@ def _chosen(bounds: Bounds, rows: np.ndarray) -> Bounds:
 
 
 def _control(emitters, scene: Scene, members: list[Emitter]) -> None:
-    """Fill what light control asks of lamps and lights."""
+    """Fill the fields of light control for lamps and lights."""
     bits = shadow_bits(scene)
     for emitter, member in enumerate(members):
         row = emitters[emitter]
@@ -155,7 +155,7 @@ def _control_triangles(emitters, scene: Scene, triangles: Triangles, first: int)
 
 
 def hit_capacity(tables: dict[str, np.ndarray]) -> int:
-    """Rows that ``light_hits`` may write."""
+    """Maximum number of rows of ``light_hits``."""
     return max(int(tables["light_header"]["light_count"][0]), 1)
 
 
@@ -166,7 +166,7 @@ def _join(parts: list[Bounds]) -> Bounds | None:
 
 
 def _bounds(emitter, lo, hi, intensity, axis=(0.0, 0.0, 1.0), cos_o=-1.0, cos_e=0.0, two_sided=False) -> Bounds:
-    """Bounds of emitters; what is the same for all may be given once."""
+    """Bounds of emitters; values that all share may be given once."""
     emitter = np.atleast_1d(np.asarray(emitter, np.int64))
     count = len(emitter)
     return Bounds(
@@ -204,7 +204,8 @@ def _pack_lights(tables, scene, first, infinite) -> list[Bounds]:
         rows[kind].append(row)
         if not (np.isfinite(light.matrix).all() and np.isfinite(rgb).all()):
             scene.warnings.append(
-                f"Light “{light.name}” is left out: its transform or power is not a finite number. Set them anew."
+                f"Light “{light.name}” is left out, because its transform or power is not a finite number: set them "
+                "again."
             )
             continue
         found = module.pack(row, light, rgb)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Portals: openings of a room, towards which light of the world is sampled. They give no light and hide none.
+"""Portals: openings of a room, towards which light of the world is sampled. They emit no light and hide none.
 
-One of those that face the point is chosen by about how large it looks from there, and its solid angle is sampled.
+One of those that face the point is chosen by its approximate solid angle, and its solid angle is sampled.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ...scene import Scene
 from .kinds import area
 from .records import header_table
 
-SHARE = 0.5  # of the samples of the world, where any portal faces the point
+SHARE = 0.5  # of the samples of the world, if any portal faces the point
 
 TABLES = {"light_portals": area.RECORD}
 
@@ -24,7 +24,7 @@ rows = table("light_portals", area.RECORD)
 
 
 def pack(tables: dict[str, np.ndarray], scene: Scene) -> None:
-    """Fill the table of the portals; those of no area are left out."""
+    """Fill the table of the portals; those of zero area are left out."""
     found = []
     for portal in scene.portals:
         row = np.zeros((), area.RECORD)
@@ -37,7 +37,7 @@ def pack(tables: dict[str, np.ndarray], scene: Scene) -> None:
 
 @kernel
 def _size(portal, x):
-    """About the solid angle of a portal from x; 0 behind it."""
+    """Approximate solid angle of a portal from x; 0 behind it."""
     lx, ly, h = area.local(portal, x)
     if h <= 0.0:
         return 0.0
@@ -48,7 +48,7 @@ def _size(portal, x):
 
 @kernel
 def total_size(block, x):
-    """The sum of the sizes of all portals from x; 0 where none faces it."""
+    """The sum of the sizes of all portals from x; 0 if none faces it."""
     total = 0.0
     for index in range(header_table(block)[0].portal_count):
         total += _size(rows(block)[index], x)
@@ -57,7 +57,7 @@ def total_size(block, x):
 
 @kernel
 def sample_portal(block, x, total, u1, u2):
-    """Direction from x through one of the portals, whose sizes are ``total`` in sum, and whether there is one."""
+    """Direction from x through one of the portals, whose sizes have the sum ``total``, and whether there is one."""
     last = header_table(block)[0].portal_count - 1
     left, chosen, part = u1 * total, 0, _size(rows(block)[0], x)
     while chosen < last and left >= part:

@@ -10,14 +10,14 @@ import math
 
 from ....jit import kernel
 
-# Below this bound of the solid angle its closed form, a difference of angles, has lost digits, and sampling the area
-# is as good.
+# Below this bound of the solid angle its closed form, a difference of angles, has lost digits, and sampling the area is
+# as good.
 SMALL = 1e-5
 
 
 @kernel
 def is_small(x0, x1, y0, y1, h):
-    """Whether the rectangle is to be sampled by area: its solid angle is at most area · h / (nearest distance)³."""
+    """Whether the rectangle must be sampled by area: its solid angle is at most area · h / (nearest distance)³."""
     x = max(x0, -x1, 0.0)
     y = max(y0, -y1, 0.0)
     nearest = x * x + y * y + h * h

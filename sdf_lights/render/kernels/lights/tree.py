@@ -1,19 +1,20 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Choosing one emitter out of all, with the exact probability of the choice.
+"""Selects one emitter out of all, with the exact probability of the selection.
 
-Suns and the world are infinite emitters, chosen by their irradiance, an even world by a part of it. The rest hang in
-the light tree (Conty Estevez and Kulla 2018), whose nodes estimate the irradiance of all that is below: the intensity,
-at its centroid, spread by its variance. Estimates are poor for what is large for its distance; there a choice between
-two children, made once at every level, is far from the contributions of the emitters below. So a *cut* of the tree
-(Walter et al. 2005, "Lightcuts") is made for every point that is lit: nodes are replaced by their children, those first
-that are expected to add the most variance, until little of that is left or there are ``MOST_NODES``. One of them is
-drawn in proportion to its estimate, and below it one child at each level. Every probability is positive.
+Suns and the world are infinite emitters, selected by their irradiance, a uniform world by a part of it. The rest are in
+the light tree (Conty Estevez and Kulla 2018). Its nodes estimate the irradiance of everything below: the intensity at
+its centroid, spread by its variance. Estimates are poor for nodes that are large relative to their distance. There a
+choice between two children, made once at every level, is far from the contributions of the emitters below. So a *cut*
+of the tree (Walter et al. 2005, "Lightcuts") is made for every lit point. Nodes are replaced by their children, in the
+order of the variance that they are expected to add, until little variance is left or there are ``MOST_NODES``. One of
+them is drawn in proportion to its estimate, and below it one child at each level. Every probability is positive.
 
-With light linking there are more trees than one: number 0 has every emitter, and each of the others those that light some
+With light linking there are several trees: number 0 has every emitter, and each of the others has those that light some
 surfaces (``linking.py``).
 
-The nodes stay in the order of the leaves, so neighbours in space stay neighbours along the random number that chooses.
+The nodes stay in the order of the leaves, so neighbours in space stay neighbours along the random number of the
+selection.
 """
 
 import math
@@ -24,15 +25,15 @@ from ....vec import dot, negate, sub, vec
 from .linking import place_in
 from .records import MOST_NODES, infinite_table, node_table, tree_table
 
-# Added to the cosine: shading normals and transmitted light make light from behind the normal matter.
+# Added to the cosine: light from behind the normal matters because of shading normals and transmitted light.
 BELOW = 0.02
-# Relative variance that a cut may leave: that of the shadows and of the emitters themselves is larger.
+# Relative variance that a cut may leave: shadows and the emitters themselves have more.
 TOLERANCE = 0.05
-# Least factor for light to outside the cone of emission: rounding of the cone.
+# Minimum factor for light outside the cone of emission: rounding of the cone.
 OUTSIDE = 1e-4
 # Bounds of a probability between two choices.
 LEAST = 1e-6
-# Bounds of the probability to choose an infinite emitter where there are others too.
+# Bounds of the probability to select an infinite emitter if there are others too.
 LEAST_INFINITE = 0.05
 BELOW_ONE = 1.0 - 2.0**-53
 
@@ -45,7 +46,8 @@ def _cos_difference(sin_a, cos_a, sin_b, cos_b):
 
 @kernel
 def _cone(node, to_x, square):
-    """Estimate of the emission of a node with normals, of that along them: ``to_x`` points from its centroid to x."""
+    """Estimate of the emission of a node with normals, relative to that along them: ``to_x`` points from its centroid
+    to x."""
     radius = float(node.radius)
     if square <= radius * radius:
         return 1.0
@@ -57,7 +59,7 @@ def _cone(node, to_x, square):
     cos_o = float(node.cos_o)
     sin_o = math.sqrt(max(1.0 - cos_o * cos_o, 0.0))
     sin_sum = sin_o * cos_b + cos_o * sin_b
-    if sin_sum < 0.0:  # beyond a straight angle every direction is within reach
+    if sin_sum < 0.0:  # beyond a straight angle every direction is possible
         return 1.0
     sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
     cosine = _cos_difference(sine, cosine, sin_sum, cos_o * cos_b - sin_o * sin_b)
@@ -66,8 +68,8 @@ def _cone(node, to_x, square):
 
 @kernel
 def estimate(node, x, n):
-    """Irradiance at x, facing n, from all emitters of a node, positive, and its doubt: that times the relative variance
-    that a choice among them by their estimates is expected to be rid of."""
+    """Irradiance at x, facing n, from all emitters of a node, positive; and its doubt: the irradiance times the
+    relative variance that a selection among its emitters by their estimates is expected to remove."""
     spread = vec(node.spread)
     way = sub(vec(node.centroid), x)
     extent = spread[0] + spread[1] + spread[2]
@@ -80,7 +82,7 @@ def estimate(node, x, n):
         value *= _cone(node, negate(way), square)
         error += 0.5 * (1.0 - node.cos_o)
     if n[0] != 0.0 or n[1] != 0.0 or n[2] != 0.0:
-        # Mean of max(0, ·) over heights that are spread evenly, with that variance.
+        # Mean of max(0, ·) over evenly spread heights with that variance.
         height = dot(way, n)
         half = math.sqrt(3.0 * (n[0] * n[0] * spread[0] + n[1] * n[1] * spread[1] + n[2] * n[2] * spread[2]))
         if height < half:
@@ -103,7 +105,7 @@ def _first_probability(nodes, child, x, n):
 
 @kernel
 def _importance(infinite, n):
-    """What an infinite emitter counts in the choice at a surface that faces n."""
+    """Weight of an infinite emitter in the selection at a surface that faces n."""
     if infinite.directional == 0 or (n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0):
         return infinite.importance
     return infinite.importance * max(dot(n, vec(infinite.direction)), BELOW)
@@ -143,7 +145,7 @@ def _split(cut, count, splits, least, nodes, x, n):
 
 @kernel
 def _doubtful(cut, count, least):
-    """How many nodes have a doubt of ``least`` or more."""
+    """Number of nodes with a doubt of ``least`` or more."""
     found = 0
     for k in range(count):
         found += cut.doubt[k] >= least
@@ -167,7 +169,7 @@ def _is_for(cut, root, x, n):
 @replaced_on_gpu
 @kernel
 def fit_cut(nodes, root, x, n, cut):
-    """Make ``cut`` that of the point x with normal n in the tree below ``root``, unless it is."""
+    """Make ``cut`` that of the point x with normal n in the tree below ``root``, unless it already is."""
     if _is_for(cut, root, x, n):
         return
     cut.root = root
@@ -198,7 +200,7 @@ def fit_cut(nodes, root, x, n, cut):
 
 @kernel
 def _infinite_probability(tree, importance, cut):
-    """Probability of choosing among the infinite emitters."""
+    """Probability of selecting among the infinite emitters."""
     if tree.first == tree.end:
         return 0.0
     if tree.nodes == 0:
@@ -210,10 +212,11 @@ def _infinite_probability(tree, importance, cut):
 @replaced_on_gpu
 @kernel
 def select(block, number, x, n, u, cut):
-    """Choose an emitter of tree ``number`` for the point x with normal n (the zero vector: any direction counts, as for a
-    surface that transmits light). Returns the emitter, its probability and u remapped to [0, 1); emitter −1: there is none.
+    """Select an emitter of tree ``number`` for the point x with normal n (the zero vector: any direction counts, as for
+    a surface that transmits light). Returns the emitter, its probability and u remapped to [0, 1); emitter −1: there is
+    none.
 
-    ``cut`` (``LIGHT_CUT``) is scratch memory that ``selection_probability`` at the same x and n can use again.
+    ``cut`` (``LIGHT_CUT``) is scratch memory, which ``selection_probability`` at the same x and n can use again.
     """
     nodes, infinite, tree = node_table(block), infinite_table(block), tree_table(block)[number]
     if tree.nodes > 0:
@@ -261,7 +264,7 @@ def select(block, number, x, n, u, cut):
 
 @kernel
 def irradiance(block, number, x):
-    """Estimate of the irradiance at x of all emitters of a tree together, without shadows, wherever a surface there faces."""
+    """Estimate of the irradiance at x of all emitters of a tree together, without shadows, for any normal."""
     tree, total = tree_table(block)[number], 0.0
     for i in range(tree.first, tree.end):
         total += infinite_table(block)[i].irradiance
@@ -274,7 +277,8 @@ def irradiance(block, number, x):
 @replaced_on_gpu
 @kernel
 def selection_probability(block, number, x, n, emitter, cut):
-    """Probability that ``select`` chooses ``emitter`` of the same tree at the same x and n; 0 for one that gives no light."""
+    """Probability that ``select`` selects ``emitter`` of the same tree at the same x and n; 0 for an emitter without
+    light."""
     nodes, infinite, tree = node_table(block), infinite_table(block), tree_table(block)[number]
     leaf, endless = place_in(block, number, emitter)
     if endless < 0 and leaf < 0:

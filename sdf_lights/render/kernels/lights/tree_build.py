@@ -3,9 +3,9 @@
 """The light tree: built here in NumPy, one level at a time.
 
 Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting", PACMCGIT 1(2): a binary
-tree over all emitters of finite extent; a node knows the sum of their intensities, its mean position and the variance of
+tree over all emitters of finite extent. A node has the sum of their intensities, its mean position and the variance of
 that, and bounds their directions of emission by a cone. Clusters are split where the metric of Walter et al. 2005,
-"Lightcuts" (intensity × squared extent of positions and axes), becomes least.
+"Lightcuts" (intensity × squared extent of positions and axes), is least.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ import numpy as np
 
 from .records import NODE
 
-# An axis of emission spans up to 2; this makes opposite axes half as far apart as the ends of the cluster's box.
+# An axis of emission spans up to 2. This factor makes opposite axes half as far apart as the ends of the cluster's box.
 AXIS_SCALE = 0.25
 CANDIDATES = 8
-# Variance along an axis of what an emitter sends out, of the square of half its box: that of a shell a little thicker
+# Variance along an axis of an emitter's light, relative to the square of half its box: that of a shell slightly thicker
 # than a ball.
-BRIGHTEST = 1e28  # intensity of an emitter, so that sums of billions are numbers in single precision
+BRIGHTEST = 1e28  # maximum intensity of an emitter, so that sums of billions fit into single precision
 SPREAD = 0.25
 
 
 @dataclass
 class Bounds:
-    """What the tree knows of m emitters."""
+    """Data of m emitters for the tree."""
 
     emitter: np.ndarray  # (m,)
     lo: np.ndarray  # (m, 3)
     hi: np.ndarray  # (m, 3)
-    axis: np.ndarray  # (m, 3) axis of the cone of normals, unit length; anything where cos_o is −1
+    axis: np.ndarray  # (m, 3) axis of the cone of normals, unit length; anything if cos_o is −1
     cos_o: np.ndarray  # (m,) of the half angle of that cone
     cos_e: np.ndarray  # (m,) of the angle around each normal within which light is emitted
     intensity: np.ndarray  # (m,) average of RGB, along the normal, W/sr
@@ -40,7 +40,7 @@ class Bounds:
 
 
 def joined(parts: list[Bounds | None]) -> Bounds | None:
-    """Bounds of emitters at several times, each emitter once, as large as it takes for all of them."""
+    """Bounds of emitters at several times, each emitter once, large enough for all of them."""
     known = [part for part in parts if part is not None and len(part.emitter)]
     if not known:
         return None
@@ -127,7 +127,7 @@ def build_tree(bounds: Bounds) -> Tree:
 
 
 def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.ndarray]:
-    """Order the items of every cluster along its longest axis; how many of them go to the first child."""
+    """Order the items of every cluster along its longest axis. Returns how many of them go to the first child."""
     starts = np.cumsum(sizes) - sizes
     cluster = np.repeat(np.arange(len(sizes)), sizes)
     places = middle[items]
@@ -138,7 +138,7 @@ def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.n
     longest = np.argmax(scaled, axis=1)
     rows = np.arange(len(sizes))
     offset, span = least[rows, longest], extent[rows, longest]
-    # One sort for all clusters: the cluster before the point, and the place in it after.
+    # One sort for all clusters: the cluster before the point, and the position in it after.
     along = places[np.arange(len(items)), longest[cluster]] - offset[cluster]
     along /= np.where(span > 0.0, 2.0 * span, 1.0)[cluster]
     items = items[np.argsort(cluster + along, kind="stable")]
@@ -149,7 +149,7 @@ def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.n
         cuts = starts[large, None] + sizes[large, None] * np.arange(CANDIDATES) // CANDIDATES
         ends = np.empty(2 * len(large), np.int64)
         ends[0::2], ends[1::2] = starts[large], starts[large] + sizes[large]
-        # Small clusters in between fall into groups of their own, which are dropped.
+        # Small clusters in between fall into separate groups, which are dropped.
         groups = np.unique(np.concatenate((cuts.ravel(), ends[ends < len(items)])))
         keep = np.searchsorted(groups, cuts)
         lo = np.minimum.reduceat(low[items], groups)[keep]
@@ -196,7 +196,7 @@ def _fill_inner(tree, place, inner) -> None:
 
 
 def _union(a, b) -> tuple[np.ndarray, np.ndarray]:
-    """Cone that holds two cones of normals (Conty Estevez and Kulla 2018, algorithm 1)."""
+    """Cone around two cones of normals (Conty Estevez and Kulla 2018, algorithm 1)."""
     axis_a, axis_b = a["axis"].astype(float), b["axis"].astype(float)
     cosine = np.sum(axis_a * axis_b, axis=1)
     flip = (a["two_sided"] & b["two_sided"] & (cosine < 0.0)).astype(bool)
@@ -210,7 +210,7 @@ def _union(a, b) -> tuple[np.ndarray, np.ndarray]:
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     side = np.cross(normal / np.where(length > 0.0, length, 1.0), axis_a)
     axis = axis_a * np.cos(turn)[:, None] + side * np.sin(turn)[:, None]
-    # Opposite or equal axes leave the side undefined: take everything, unless one cone holds the other.
+    # Opposite or equal axes leave the side undefined: use all directions, unless one cone contains the other.
     half = np.where((length[:, 0] < 1e-6) & (between > 1.0), np.pi, half)
     a_holds, b_holds = between + half_b <= half_a, between + half_a <= half_b
     axis = np.where(a_holds[:, None], axis_a, np.where(b_holds[:, None], axis_b, axis))

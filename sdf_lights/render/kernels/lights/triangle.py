@@ -30,14 +30,14 @@ TABLES = {"light_triangles": RECORD}
 
 rows = table("light_triangles", RECORD)
 
-# Below this solid angle the angles of the spherical triangle sum to π but for their last digits, and the area is
-# sampled instead, which is as good there.
+# Below this solid angle the angles of the spherical triangle sum to π except for their last digits. The area is sampled
+# instead, which is as good there.
 SMALL = 1e-4
 
 
 @dataclass
 class Triangles:
-    """Triangles that emit light, in world space; both sides do."""
+    """Triangles that emit light, in world space, on both sides."""
 
     instance: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))  # (n,)
     primitive: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))  # (n,) index in the mesh
@@ -47,7 +47,8 @@ class Triangles:
 
 
 def pack(tables, scene, triangles: Triangles, first: int) -> Extent:
-    """Fill the tables of the triangles, of which there are some; ``first`` is the index of the first among emitters."""
+    """Fill the tables of the triangles, of which there is at least one; ``first`` is the index of the first among
+    emitters."""
     count = len(triangles.instance)
     corners = np.asarray(triangles.corners, float)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -87,7 +88,7 @@ def _sides(triangle, x):
 
 @kernel
 def solid_angle(a, b, c):
-    """Of the triangle with the unit vectors a, b, c as corners: Van Oosterom and Strackee 1983."""
+    """Solid angle of the triangle with the unit vectors a, b, c as corners: Van Oosterom and Strackee 1983."""
     return 2.0 * math.atan2(abs(dot(a, cross(b, c))), 1.0 + dot(a, b) + dot(b, c) + dot(c, a))
 
 
@@ -135,7 +136,7 @@ def _arvo(a, b, c, omega, u1, u2):
 
 @kernel
 def sample(triangle, x, u1, u2):
-    """As ``emitters.sample_light``, of an emissive triangle."""
+    """As ``emitters.sample_light``, for an emissive triangle."""
     p, q, r = _sides(triangle, x)
     a, b, c = normalize(p), normalize(q), normalize(r)
     omega = solid_angle(a, b, c)

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Participating media on the CPU: see README.md in this folder."""
+"""Participating media: see ``apart.py`` and ``parts.py``."""

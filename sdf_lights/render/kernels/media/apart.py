@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls of what happens in media. It is compiled apart, where a scene has any (``parts.py``), so the path tracer calls it by
-its address, and is neither larger nor compiled for longer because of it.
+"""Calls of the kernels for media. They are compiled separately, if a scene has any (``parts.py``). The path tracer
+calls them by address, so it is neither larger nor slower to compile because of them.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ import numpy as np
 
 from ....jit import call_part, kernel, table
 
-# Places of the addresses, which are 0 where a scene has no media.
+# Indices of the addresses, which are 0 in a scene without media.
 PLACES = BOUNDS, ENTER, SCATTER, SHADOW, LAMP, SEEN_LAMP = range(6)
 
-# What a path, or a light ray that leaves it, does at surfaces that bound media.
+# Events of a path, or of a light ray that leaves it, at surfaces that bound media.
 BEGIN, ESCAPE, NOTE, CROSS, PASS, LOOK, LOOK_THROUGH = range(7)
 
 TABLES = {"media_code": np.dtype(np.int64)}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light along a straight way through a medium that is the same everywhere, and where to scatter on it.
+"""Light along a straight segment through a homogeneous medium, and the choice of the scattering point on it.
 
 Equi-angular sampling: Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating media".
 Colours share their samples by the balance heuristic: Wilkie et al. 2014, "Hero wavelength spectral sampling".
@@ -12,13 +12,13 @@ from ....jit import kernel
 from ....vec import scale
 
 _THIN = 1e-4  # optical depth below which a series replaces a difference
-_CLOSEST = 1e-9  # of the distance: no target is closer to a ray
+_CLOSEST = 1e-9  # relative to the distance: no target is closer to a ray
 BLACK = (0.0, 0.0, 0.0)
 
 
 @kernel
 def fade(extinction, distance):
-    """Part of the light that is left after ``distance``, which may be infinite: a number."""
+    """Transmittance over ``distance``, which may be infinite: a number."""
     return math.exp(-extinction * distance) if extinction > 0.0 else 1.0
 
 
@@ -30,7 +30,7 @@ def attenuation(extinction, distance):
 
 @kernel
 def gathered(extinction, distance):
-    """∫ exp(−extinction t) dt from 0 to ``distance``: what is left of light that each metre adds."""
+    """∫ exp(−extinction t) dt from 0 to ``distance``: the attenuated light that the metres add."""
     depth = extinction * distance
     if not extinction > 0.0:
         return distance
@@ -47,7 +47,7 @@ def gathered_rgb(extinction, distance):
 
 @kernel
 def distance_in(extinction, depth, u):
-    """A distance with a density in proportion to ``fade``, of at most the optical ``depth``, which may be infinite."""
+    """A distance with a density proportional to ``fade``, up to the optical ``depth``, which may be infinite."""
     if depth < _THIN:
         return u * depth / extinction
     return min(-math.log(1.0 - u * (1.0 - math.exp(-depth))), depth) / extinction
@@ -69,7 +69,7 @@ def channel_probabilities(weight):
 
 @kernel
 def mixed_density(extinction, length, distance, channel_pmf):
-    """Density of a distance where a colour was chosen by ``channel_pmf`` and then the distance by ``distance_in``."""
+    """Density of a distance if a colour was chosen by ``channel_pmf`` and then the distance by ``distance_in``."""
     density = 0.0
     for axis in range(3):
         if channel_pmf[axis] > 0.0:
@@ -92,7 +92,8 @@ def mixed_distance(extinction, length, channel_pmf, u):
 
 @kernel
 def view_angle(near, height, length):
-    """Angle under which a point sees the ray from 0 to ``length``: it is at ``height`` over the distance ``near``."""
+    """Angle under which a point sees the ray from 0 to ``length``; the point has ``height`` above the distance
+    ``near``."""
     if length == math.inf:
         return 0.5 * math.pi + math.atan2(near, height)
     return math.atan2(height * length, height * height - near * (length - near))
@@ -100,7 +101,8 @@ def view_angle(near, height, length):
 
 @kernel
 def facing_distance(near, height, angle, u):
-    """A distance from which a point is seen, evenly over the ``angle`` of ``view_angle``: in proportion to 1/r²."""
+    """A distance that is uniform over the ``angle`` of ``view_angle`` from a point: its density is proportional to
+    1/r²."""
     start = math.atan2(-near, height)
     return max(near + height * math.tan(start + u * angle), 0.0)
 
@@ -114,10 +116,10 @@ def facing_density(near, height, angle, distance):
 
 @kernel
 def draw_distance(extinction, length, channel_pmf, near, height, u):
-    """Where to scatter light that comes from a point: a distance from 0 to ``length`` and its density.
+    """Where to scatter light from a point: a distance from 0 to ``length`` and its density.
 
-    Half of all by what is left of the light, half evenly over the angle in which the point sees the ray; ``height`` < 0:
-    there is no such point.
+    Half of the samples follow the transmittance, half are uniform over the angle under which the point sees the ray;
+    ``height`` < 0: there is no such point.
     """
     if height < 0.0:
         distance = mixed_distance(extinction, length, channel_pmf, u)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Next event estimation along a ray in a medium: light that one emitter sends to some point of it.
+"""Next event estimation along a ray in a medium: the light that one emitter sends to a point of it.
 
-An SDF lamp is a cloud of point lights here. Of several pairs of a point of the lamp and a place on the ray, drawn so that
-1/r² cancels, one is taken by all that it gives but for shadows (resampled importance sampling: Talbot, Cline and Egbert 2005).
-That needs no help from rays by the phase function, which leave lamps alone.
+An SDF lamp is a cloud of point lights here. Several pairs of a point of the lamp and a position on the ray are drawn so
+that 1/r² cancels. One is chosen by its contribution without shadows (resampled importance sampling: Talbot, Cline and
+Egbert 2005). This needs no help from phase function rays, which ignore lamps.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ from .stack import receiver
 
 VOLUME = int(Ray.VOLUME)
 BLACK = (0.0, 0.0, 0.0)
-NO_POINT = -1.0  # height of a target that is no point
+NO_POINT = -1.0  # height of a target that is not a point
 PAIRS = 4 * LANES
-FEW_PAIRS = 2  # where the light has been scattered before: most noise is not that of the lamp then
+FEW_PAIRS = 2  # if the light was scattered before: most noise then has other sources
 
-# From one pair to the next: the powers of the root of x⁵ = x + 1 (Roberts 2018, "The unreasonable effectiveness of
-# quasirandom sequences").
+# Step between pairs: the powers of the root of x⁵ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom
+# sequences").
 _STEPS = (0.8566748838545029, 0.7338918566271259, 0.6287067210378087, 0.5385972572236101)
 
 
 @kernel
 def _shadow(block, workspace, emitter, x, wi, distance):
-    """What of the light of an emitter at that distance comes to the point x of the path's ray: RGB."""
+    """The light (RGB) of an emitter at that distance that reaches the point x of the path's ray."""
     apart.bounds(block, workspace, apart.LOOK)
     to_light, t_max = shadow_ray(x, x, wi, distance)
     return transmittance(block, workspace, x, to_light, t_max, lights.blockers(block, emitter))
@@ -52,7 +52,7 @@ def _shadow(block, workspace, emitter, x, wi, distance):
 
 @kernel
 def light_ray(block, workspace, ray_length):
-    """One ray towards one emitter, from a point of the path's ray between ``t_min`` and ``ray_length`` on."""
+    """One ray towards one emitter, from a point of the path's ray between ``t_min`` and ``ray_length``."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     d, extinction, scattering = vec(path.direction), vec(inside.extinction), vec(inside.scattering)
     start = madd(vec(path.start), path.t_min, d)
@@ -102,7 +102,7 @@ def light_ray(block, workspace, ray_length):
         radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
     own = 1.0
     if not singular and competes(block, emitter):
-        # Rays by the phase function ask at x, too; the choice of the emitter for all of the ray is another matter.
+        # Phase function rays ask at x, too; the selection of the emitter is for the whole ray.
         at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
         own = at_x / (at_x + phase_density)
     contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), emitter, path.bounce + 1)
@@ -159,7 +159,7 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, c
     distance = length(to)
     wi = scale(to, 1.0 / distance)
     emission = density(block, row.glow, stack, chosen) if row.glow >= 0 else vec(row.emission)
-    # The weight is the mean of RGB with what is left on the way to the lamp; its own density cancels.
+    # The weight is the mean of RGB with the transmittance on the way to the lamp; its own density cancels.
     seen = mul(mul(vec(inside.scattering), attenuation(extinction, place)), emission)
     by = average(mul(mul(vec(path.throughput), seen), attenuation(extinction, distance)))
     if not by > 0.0:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light rays and the sight of lamps in a scene with media."""
+"""Light rays and the visibility of lamps in a scene with media."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ WHITE = (1.0, 1.0, 1.0)
 
 @kernel
 def _passed(block, workspace, direction, left):
-    """What a light ray keeps (RGB) at the surface that it has hit, which it goes through, and how many more surfaces it may
-    pass: ``left`` before, less than 0 for none."""
+    """The transmittance (RGB) of a light ray at the surface that it has hit, and the number of further surfaces that it
+    may pass; less than 0 for none. ``left`` is the number before."""
     ray, weight = ray_table(workspace)[0], WHITE
     if not bounds_table(block)[met_bounds(block, ray)].only:
         left -= 1
@@ -33,8 +33,8 @@ def _passed(block, workspace, direction, left):
 
 @kernel
 def shadow(block, workspace, x, y, z, dx, dy, dz, t_max, blockers):
-    """``visibility.transmittance`` from (x, y, z) along (dx, dy, dz), where nothing opaque is in the way; ``stack.bounds``
-    has been told where the light ray begins."""
+    """``visibility.transmittance`` from (x, y, z) along (dx, dy, dz), if nothing opaque is in the way. ``stack.bounds``
+    must know where the light ray begins."""
     start, direction, inside = (x, y, z), (dx, dy, dz), inside_table(workspace)[LIGHT_RAY]
     result, t_min, left, mask = WHITE, 0.0, surfaces_left(block, workspace), int(blockers) << TRANSPARENT_PLACES
     for _ in range(MOST_BOUNDS):
@@ -82,7 +82,8 @@ def lamp(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, 
 
 @kernel
 def seen_lamp(block, workspace, index, count, t_to, u):
-    """``lamps.radiance`` of lamp ``index`` along the path's ray up to ``t_to``, through the media that the path is in."""
+    """``lamps.radiance`` of lamp ``index`` along the path's ray up to ``t_to``, through the present media of the
+    path."""
     path, spans = path_table(workspace)[0], spans_of(workspace)
     return lamps.attenuated_radiance(
         block,

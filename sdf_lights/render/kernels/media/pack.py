@@ -13,7 +13,7 @@ from .records import BOUNDS, MEDIUM, NOTHING, PART
 
 
 def pack_media(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, int]]:
-    """Tables and scalars; ``camera_in_media`` is left to ``camera_scalars``."""
+    """Tables and scalars; ``camera_scalars`` sets ``camera_in_media``."""
     rows, parts = [], []
 
     def add(medium: Medium | None) -> int:
@@ -42,7 +42,7 @@ def pack_media(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, int]]:
 
 
 def is_only_a_bound(material: Material) -> bool:
-    """Whether a surface of the material does nothing to light but bound a medium."""
+    """Whether a surface of the material only bounds a medium."""
     surface = material.surface
     return (
         material.medium is not None
@@ -54,7 +54,7 @@ def is_only_a_bound(material: Material) -> bool:
 
 
 def glows(scene: Scene) -> bool:
-    """Whether rays can meet emission of media."""
+    """Whether rays can hit emission of media."""
     media = [scene.world.medium, *(material.medium for material in scene.materials)]
     return any(medium is not None and any(medium.emission) for medium in media)
 
@@ -62,9 +62,9 @@ def glows(scene: Scene) -> bool:
 def camera_scalars(
     camera: Camera, bounds: np.ndarray, scene: Scene, center: np.ndarray, half: np.ndarray
 ) -> dict[str, int]:
-    """Whether rays may start inside of a mesh with a medium. ``center``, ``half``: (instances, 3) boxes around them.
+    """Whether rays may start inside a mesh with a medium. ``center``, ``half``: (instances, 3) boxes around them.
 
-    Of cameras whose rays do not start close to one point, all may.
+    For cameras whose rays do not start close to one point, all may.
     """
     if not bounds["medium"].max(initial=NOTHING) > NOTHING:
         return {"camera_in_media": False}

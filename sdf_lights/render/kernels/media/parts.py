@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import CallablePart
 from . import apart, light_rays, stack, travel
 
-# By place: the kernel, and how many numbers it is given.
+# By index: the kernel, and its number of arguments.
 KERNELS = {
     apart.BOUNDS: (stack.bounds, 1),
     apart.ENTER: (travel.enter, 1),
@@ -23,7 +23,7 @@ _parts: dict[tuple, CallablePart] = {}
 
 
 def addresses(has_media: bool, records: tuple) -> np.ndarray:
-    """The table "media_code", for blocks and workspaces of these ``records``. What it points at is kept for good."""
+    """The table "media_code", for blocks and workspaces of these ``records``. The code is kept for ever."""
     table = np.zeros(len(apart.PLACES), np.int64)
     if has_media:
         for place, (kernel, count) in KERNELS.items():

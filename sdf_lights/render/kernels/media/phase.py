@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions: how media spread the light that they scatter.
+"""Phase functions of media.
 
 Directions are drawn by Henyey and Greenstein's function with the g of Draine's, which is at most three times as large.
 """
@@ -11,12 +11,12 @@ from ....jit import kernel
 from ....vec import frame, to_world
 from .records import medium_table, part_table
 
-_EVEN = 1e-3  # |g| below which light is spread evenly
+_EVEN = 1e-3  # |g| below which scattering counts as uniform
 
 
 @kernel
 def henyey_greenstein(cosine, g):
-    """Phase function per solid angle (Henyey and Greenstein 1941); ``cosine`` is of both directions of travel."""
+    """Phase function per solid angle (Henyey and Greenstein 1941); ``cosine`` is between both directions of travel."""
     root = 1.0 + g * (g - 2.0 * cosine)
     return (1.0 - g * g) / (4.0 * math.pi * root * math.sqrt(root))
 
@@ -32,7 +32,7 @@ def draine(cosine, g, alpha):
 
 @kernel
 def draw_cosine(g, u):
-    """A cosine by Henyey and Greenstein's function."""
+    """A cosine drawn by Henyey and Greenstein's function."""
     if abs(g) < _EVEN:
         return 1.0 - 2.0 * u
     ratio = (1.0 - g * g) / (1.0 + g - 2.0 * g * u)
@@ -41,7 +41,7 @@ def draw_cosine(g, u):
 
 @kernel
 def phase(block, inside, cosine):
-    """Phase function of all media that a ray is in, and the density of ``sample_phase``; the cosine is 1 straight on."""
+    """Phase function of all media around a ray, and the density of ``sample_phase``; a cosine of 1 is straight on."""
     value, density, total = 0.0, 0.0, 0.0
     for entry in range(inside.count):
         medium = medium_table(block)[inside.medium[entry]]
@@ -58,7 +58,7 @@ def phase(block, inside, cosine):
 
 @kernel
 def sample_phase(block, inside, d, u1, u2, u3):
-    """A direction into which light that comes along d is scattered; u3 chooses among phase functions."""
+    """A direction into which light along d is scattered; u3 chooses among phase functions."""
     total = 0.0
     for entry in range(inside.count):
         medium = medium_table(block)[inside.medium[entry]]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of the media of a scene, and what is known of those that a ray is in."""
+"""Tables of the media of a scene, and the state of the media around a ray."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from ....jit import table
 from ..path import COUNTS as PATH_COUNTS
 from . import apart
 
-NOTHING = -1  # in the place of a medium or of an owner
+NOTHING = -1  # means: no medium, no owner
 WORLD = -2  # owner of the world's medium
 
-MOST_MEDIA = 8  # that a point may be inside of; of more, the last are left out, as in Cycles
-MOST_BOUNDS = 1024  # surfaces on the way of a ray
+MOST_MEDIA = 8  # media that may surround a point; more are left out, as in Cycles
+MOST_BOUNDS = 1024  # surfaces along a ray
 
-# Coefficients in 1/m; ``emission`` is radiance gained in each metre.
+# Coefficients in 1/m; ``emission`` is radiance gained per metre.
 MEDIUM = np.dtype(
     [
         ("extinction", "f8", 3),
@@ -27,14 +27,14 @@ MEDIUM = np.dtype(
     ],
     align=True,
 )
-# One way to scatter: ``medium.Scattering``, with the mean of its coefficient.
+# One way of scattering: ``medium.Scattering``, with the mean of its coefficient.
 PART = np.dtype([("weight", "f8"), ("g", "f8"), ("alpha", "f8")], align=True)
-# Of each material its medium, and whether its surfaces are there for nothing else.
+# The medium of each material, and whether its surfaces only bound it.
 BOUNDS = np.dtype([("medium", "i4"), ("only", "i4")], align=True)
 
-# What a ray is inside of: ``count`` media, each with its ``owner``, the instance that bounds it, with the one material that
-# has this medium; and the sums of their coefficients. ``across`` is the medium behind the surface that the path has met, which it ``enters`` or leaves if
-# it goes through.
+# The media around a ray: ``count`` of them, each with its ``owner``, the instance that bounds it, and the material with
+# this medium; and the sums of their coefficients. ``across`` is the medium behind the surface that the path has hit,
+# which the path ``enters`` or leaves if it passes through.
 INSIDE = np.dtype(
     [
         ("count", "i8"),
@@ -56,7 +56,7 @@ TABLES = {**apart.TABLES, "media": MEDIUM, "media_parts": PART, "media_bounds": 
 SCALARS = [
     ("has_media", np.int64),
     ("world_medium", np.int64),  # NOTHING: there is none
-    ("camera_in_media", np.int64),  # 1: the camera may stand inside of a mesh that bounds one
+    ("camera_in_media", np.int64),  # 1: the camera may be inside a mesh that bounds one
 ]
 
 # Rows of a workspace: as those of ``path``, and one for a light ray.

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a ray is inside of, and how that changes where it crosses surfaces.
+"""The media around a ray, and their changes where it crosses surfaces.
 
-As in Cycles: a medium is left by the surface of the instance and the material by which it was entered; where several are
-around a point they add up.
+As in Cycles, a medium is left through the instance and the material by which it was entered. Several media around a
+point add up.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .records import LIGHT_RAY, MOST_BOUNDS, MOST_MEDIA, NOTHING, WORLD, bounds_
 
 CAMERA = int(Ray.CAMERA)
 UP, BLACK = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
-MOST_CROSSINGS = 64  # of the ray that finds out what the camera is in
+MOST_CROSSINGS = 64  # of the ray that finds the media around the camera
 
 
 @kernel
@@ -62,7 +62,7 @@ def outside(block, inside):
 
 @kernel
 def _place_of(inside, medium, owner):
-    """Place of a medium among those that a ray is in; their number if it is not there. A medium belongs to one material."""
+    """Index of a medium among those around a ray; their number if it is not there. A medium belongs to one material."""
     place = 0
     while place < inside.count and (inside.owner[place] != owner or inside.medium[place] != medium):
         place += 1
@@ -92,7 +92,8 @@ def cross(block, inside, medium, owner, enters):
 def faces(block, ray, direction):
     """Whether a ray has hit a triangle from its front."""
     instance = instance_at(block, hit_instance(ray))
-    # Embree gives the normal of the triangle as it was built: in world space if baked, in the mesh's own space if not.
+    # Embree returns the normal of the triangle as it was built: in world space if baked, else in the mesh's local
+    # space.
     wo = negate(direction)
     facing = dot(hit_normal(ray), wo if instance.baked else transform_vector(instance.inverse, wo))
     return (facing < 0.0) == (instance.baked != 0 and instance.mirrored != 0)
@@ -119,7 +120,7 @@ def cross_hit(block, inside, ray, direction):
 
 @kernel
 def _note_surface(block, workspace):
-    """Remember what is behind the surface that the path has met."""
+    """Record the medium behind the surface that the path has hit."""
     inside, surface = inside_table(workspace)[0], surface_table(workspace)[0]
     inside.across = bounds_table(block)[surface.material].medium
     inside.across_owner = surface.instance
@@ -128,7 +129,7 @@ def _note_surface(block, workspace):
 
 @kernel
 def _pass_bounds(block, workspace):
-    """Go through the surface that the path's ray has hit, if it only bounds a medium: whether it does."""
+    """If the surface that the path's ray has hit only bounds a medium, pass through it. Returns whether it does."""
     path, ray = path_table(workspace)[0], ray_table(workspace)[0]
     if not bounds_table(block)[met_bounds(block, ray)].only:
         return False
@@ -142,7 +143,7 @@ def _pass_bounds(block, workspace):
 
 @kernel
 def _begin(block, workspace):
-    """Find out what a path from the camera is in: it is inside of what a ray leaves that has not entered it."""
+    """Find the media around the camera: a mesh contains the camera if a ray leaves it without having entered it."""
     rows, path = inside_table(workspace), path_table(workspace)[0]
     origin = madd(vec(path.start), path.t_min, vec(path.direction))
     inside, entered = rows[0], rows[LIGHT_RAY]
@@ -168,11 +169,12 @@ def _begin(block, workspace):
 
 @kernel
 def bounds(block, workspace, what):
-    """What the path does at the surfaces of media: one of ``apart``'s BEGIN …; 1 where it has passed a surface, else 0.
+    """An event of the path at the surfaces of media: one of ``apart``'s BEGIN …; 1 if it has passed a surface, else 0.
 
-    BEGIN: it leaves the camera. ESCAPE: it meets nothing any more; a mesh that is not closed fills no endless space. NOTE:
-    it has met the workspace's surface. CROSS: it goes through that. PASS: it goes through what its ray has hit, if that only
-    bounds a medium. LOOK, LOOK_THROUGH: a light ray begins where the path is, before or behind the surface.
+    BEGIN: it leaves the camera. ESCAPE: it hits nothing any more; an open mesh does not fill infinite space. NOTE: it
+    has hit the workspace's surface. CROSS: it passes through that. PASS: it passes through the surface that its ray has
+    hit, if that only bounds a medium. LOOK, LOOK_THROUGH: a light ray begins at the path, in front of or behind the
+    surface.
     """
     rows = inside_table(workspace)
     inside = rows[0]

@@ -9,6 +9,7 @@ import numpy as np
 from ....jit import kernel
 from ....vec import largest, madd, mul, put, scale, vec
 from ...scene import Ray
+from ..departure import start_apart
 from ..outputs.state import scattered_in_medium
 from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, path_table
 from ..rays import ray_table
@@ -25,7 +26,7 @@ BLACK = (0.0, 0.0, 0.0)
 
 @kernel
 def _add_glow(block, workspace, length):
-    """Add what the media emit along the path's ray."""
+    """Add the emission of the media along the path's ray."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     emission = mul(vec(inside.emission), gathered_rgb(vec(inside.extinction), length))
     contribute(block, workspace, emission, 1.0, NO_EMITTER, path.bounce)
@@ -33,14 +34,14 @@ def _add_glow(block, workspace, length):
 
 @kernel
 def _scattered_part(albedo, left):
-    """Probability to scatter where ``left`` of the light goes through: the part of all light that is not absorbed."""
+    """Probability of scattering if the transmittance is ``left``: the fraction of all light that is not absorbed."""
     scattered = albedo * (1.0 - left)
     return scattered / (scattered + left) if scattered > 0.0 else 0.0
 
 
 @kernel
 def _travel(block, workspace, length, may_scatter):
-    """Follow the path for ``length`` through the media that it is in. True if it is scattered on the way, at
+    """Follow the path for ``length`` through the present media. Returns True if it is scattered on the way, at
     ``path.length``."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     extinction, scattering = vec(inside.extinction), vec(inside.scattering)
@@ -92,16 +93,16 @@ def _travel(block, workspace, length, may_scatter):
 
 @kernel
 def _pays_to_scatter(block, path):
-    """Whether anything can be found by a path that is scattered here: lamps are left to light sampling."""
+    """Whether a path that is scattered here can find anything: lamps are left to light sampling."""
     last = path.bounce >= block.max_bounces or path.volume >= block.volume_bounces
     return block.emitters_hit != 0 or not last
 
 
 @kernel
 def enter(block, workspace, length):
-    """Follow the path's ray for ``length`` through the media that it is in, and add the light that they send along it.
+    """Follow the path's ray for ``length`` through the present media, and add the light that they send along it.
 
-    1 if the path is scattered on the way, at ``path.length``; else 0.
+    Returns 1 if the path is scattered on the way, at ``path.length``; else 0.
     """
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     if inside.glows:
@@ -109,6 +110,7 @@ def enter(block, workspace, length):
     if inside.scatters and not path.last:
         rays = ray_table(workspace)
         rays[KEPT_RAY] = rays[0]
+        start_apart(rays[0])
         light_ray(block, workspace, length)
         rays[0] = rays[KEPT_RAY]
     return 1.0 if _travel(block, workspace, length, not path.last and _pays_to_scatter(block, path)) else 0.0
@@ -116,7 +118,7 @@ def enter(block, workspace, length):
 
 @kernel
 def scatter(block, workspace, unused):
-    """Continue the path from where a medium scatters it. 0 if it ends there."""
+    """Continue the path from the point where a medium scatters it. Returns 0 if it ends there."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     d = vec(path.direction)
     u = get_3d(path.index, path.seed, MEDIA_SETS + path.dimension + PHASE_SET)

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls of the kernels that fill passes. They are compiled apart, where a film has such a pass, so the path tracer calls them by
-their address. ``block.outputs`` says before a call whether there is one.
+"""Calls of the kernels that fill passes. They are compiled separately, if a film has such a pass, and the path tracer
+calls them by address. Check ``block.outputs`` before a call.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from ....jit import call_part, kernel
 from .records import code_table
 
-# Places of the addresses, which are 0 for what the film has not.
+# Indices of the addresses, which are 0 for passes that the film lacks.
 PLACES = CLEAR, LIGHT, DIVIDE, SURFACE, LEAVE, ADD, CATCH, RELEASE, BARE, VECTOR, BACKGROUND = range(11)
 
 

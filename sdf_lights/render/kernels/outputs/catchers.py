@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shadow catchers. As in Cycles, a path from the camera divides where it meets one: one part goes on as ever, the other in a
-scene where there are only catchers. What the objects do to the light of the catcher is the ratio of both.
+"""Shadow catchers. As in Cycles, a path from the camera splits where it hits one: one part continues normally, the
+other in a scene with only the catchers. The ratio of both is the effect of the objects on the light of the catcher.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def _backdrop(block, path):
 
 @kernel
 def catch(block, workspace, unused):
-    """Keep the path that has met a catcher, and the ray that did, if it is the first."""
+    """Store the path that has hit a catcher, and its ray, if it is the first."""
     path = path_table(workspace)[0]
     if path.catches:
         return 0.0
@@ -60,7 +60,7 @@ def catch(block, workspace, unused):
 
 @kernel
 def release(block, workspace, unused):
-    """Make the path that has met a catcher the workspace's own, with a sample of its own. 0: there is none."""
+    """Restore the path that has hit a catcher, with a separate sample. Returns 0 if there is none."""
     sums, place = output_sum_table(workspace), data_place_table(block)[_CAUGHT]
     samples, start = sample_table(workspace), 2 * block.light_columns
     if sums[start + place] == 0.0:
@@ -75,7 +75,7 @@ def release(block, workspace, unused):
 
 @kernel
 def add_bare(block, workspace, unused):
-    """Add what that path has brought to the film, and take back the sample from before."""
+    """Add the contribution of that path to the film, and restore the earlier sample."""
     samples = sample_table(workspace)
     _add(block, workspace, _BARE, vec(samples[0].combined))
     samples[0] = samples[KEPT_SAMPLE]

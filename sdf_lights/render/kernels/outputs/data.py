@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the surfaces are that the camera sees: straight, and through transparent ones."""
+"""Properties of the surfaces that the camera sees, directly and through transparent ones."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, frame, length, madd, mul, normalize, scale, sub, to_world, vec
 from ...nodes.lookups import attribute_here
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
+from ..departure import leave
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
 from ..next_event import look
 from ..path import OCCLUSION_SETS, path_table, sample_table
@@ -33,7 +34,7 @@ from ..shading.records import (
     closure_table,
     surface_table,
 )
-from ..visibility import leave, transmittance
+from ..visibility import transmittance
 from . import apart
 from .light import is_diffuse
 from .records import (
@@ -59,7 +60,7 @@ _WHITE = (1.0, 1.0, 1.0)
 
 @kernel
 def _place(block, index):
-    """Place in the sums of a sample; −1: the film has it not."""
+    """Index in the sums of a sample; −1: the film lacks it."""
     place = data_place_table(block)[index]
     return 2 * block.light_columns + place if place >= 0 else -1
 
@@ -80,7 +81,7 @@ def _number(block, sums, name, value):
 
 @kernel
 def _mist(block, position):
-    """What mist leaves of a surface."""
+    """Factor of the mist on a surface."""
     camera = camera_table(block)[0]
     distance = view_depth(block, position)
     if camera.projection != ORTHOGRAPHIC:
@@ -92,15 +93,15 @@ def _mist(block, position):
 
 @kernel
 def _as_counted(surface, closure):
-    """The albedo (RGB) that ``shading.surface.finish`` was told of a closure, in the colour of its weight."""
+    """The albedo (RGB) that ``shading.surface.finish`` got for a closure, in the colour of its weight."""
     mean = average(vec(closure.weight))
     return scale(vec(closure.weight), closure.pick * surface.pick_total / mean) if mean > 0.0 else ZERO
 
 
 @kernel
 def _microfacet_albedos(block, closure, cosine):
-    """Albedos (RGB) of reflection and of refraction by microfacets of a closure, without its weight. As in Cycles, light that
-    meets several of them is not lost."""
+    """Albedos (RGB) of reflection and of refraction by a closure's microfacets, without its weight. As in Cycles,
+    multiple scattering loses no light."""
     f0, roughness = vec(closure.f0), math.sqrt(closure.alpha)
     if closure.kind == FACETS:
         roughness = math.sqrt(math.sqrt(closure.alpha * closure.a))
@@ -125,7 +126,7 @@ def _microfacet_albedos(block, closure, cosine):
 
 @kernel
 def _albedos(block, workspace):
-    """Albedos (RGB) of reflection and of refraction, as Cycles tells one from the other."""
+    """Albedos (RGB) of reflection and of refraction, separated as in Cycles."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     glossy, transmission = ZERO, ZERO
     for index in range(surface.closure_count):
@@ -145,7 +146,8 @@ def _albedos(block, workspace):
 
 @kernel
 def _visible_sky(block, workspace, surface):
-    """How much (RGB) of the sky surfaces nearby leave in one direction, drawn about the normal of diffuse closures."""
+    """Fraction (RGB) of the sky that nearby surfaces leave visible in one direction, drawn about the normal of diffuse
+    closures."""
     closures, normal = closure_table(workspace), ZERO
     for index in range(surface.closure_count):
         closure = closures[index]
@@ -158,7 +160,7 @@ def _visible_sky(block, workspace, surface):
     wi = to_world(cosine_hemisphere(u[0], u[1]), t, b, normal)
     if block.has_media:
         look(block, workspace, ng, wi)
-    start = leave(vec(surface.position), ng, wi)
+    start = leave(workspace, surface, wi)
     return transmittance(block, workspace, start, wi, block.occlusion_distance, SHADOW_OPAQUE)
 
 
@@ -174,7 +176,7 @@ def _add_matte(workspace, surface, weight):
 
 @kernel
 def _add_aovs(block, workspace, surface, sums):
-    """Add what the material gives to shader AOVs: its registers still have it."""
+    """Add the values of shader AOVs: the material's registers still hold them."""
     range_ = shading_material_table(block)[surface.material].aovs
     for index in range(range_[0], range_[1]):
         row = _aovs(block)[index]
@@ -191,8 +193,8 @@ def _add_aovs(block, workspace, surface, sums):
 
 @kernel
 def add_surface(block, workspace, first):
-    """Add what the surface is that the camera sees. ``first``: whether it is the first that is more solid than
-    transparent."""
+    """Add the properties of the surface that the camera sees. ``first``: whether it is the first that is more solid
+    than transparent."""
     path, surface = path_table(workspace)[0], surface_table(workspace)[0]
     sums, throughput = output_sum_table(workspace), vec(path.throughput)
     transparency = vec(surface.transparency)
@@ -232,8 +234,8 @@ def add_surface(block, workspace, first):
 
 @kernel
 def leave_scene(block, workspace, unused):
-    """Forget the numbers of surfaces that are more transparent than solid, as nothing is behind them. The background moves as
-    the camera turns."""
+    """Drop the numbers of surfaces that are more transparent than solid, because nothing is behind them. The background
+    moves as the camera turns."""
     if not sample_table(workspace)[0].found:
         sums = output_sum_table(workspace)
         _number(block, sums, _OBJECT_INDEX, 0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of the light of Combined: by what has scattered it first, and how often."""
+"""Parts of the light of Combined: by the first scattering, and the number of scatterings."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def is_diffuse(kind):
 
 @kernel
 def reflects_to(closure, wi):
-    """Whether what a closure that is not diffuse sends to wi counts as glossy, as in Cycles."""
+    """Whether the light of a closure that is not diffuse towards wi counts as glossy, as in Cycles."""
     kind = closure.kind
     return (
         kind == VELVET
@@ -59,10 +59,10 @@ def reflects_to(closure, wi):
 
 @kernel
 def divide(block, workspace, x, y, z, kind, kinds, row):
-    """Find which parts of the light from wi = (x, y, z) the diffuse and the glossy lobes of the surface scatter.
+    """Compute the parts of the light from wi = (x, y, z) that the diffuse and the glossy lobes of the surface scatter.
 
-    ``kind`` is that of ``shading.sample`` where a lobe was drawn, else 0; ``kinds``: see ``shading.evaluate``; ``row`` is
-    where the parts go.
+    ``kind`` is that of ``shading.sample`` if a lobe was drawn, else 0; ``kinds``: see ``shading.evaluate``; the parts
+    go to ``row``.
     """
     kind, kinds, wi, first = int(kind), int(kinds), (x, y, z), first_scattering_table(workspace)[int(row)]
     first.in_medium = 0
@@ -99,7 +99,7 @@ def _add(sums, place, start, value):
 
 @kernel
 def add_light(block, workspace, r, g, b, emitter, scatters):
-    """Add what the path has brought to Combined, from an emitter, scattered so often."""
+    """Add the light from an emitter, after so many scatterings, which the path has added to Combined."""
     sums, places = output_sum_table(workspace), light_place_table(block)
     start = block.light_columns if sample_table(workspace)[0].divided else 0
     if path_table(workspace)[0].catches:

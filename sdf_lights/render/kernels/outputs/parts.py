@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a film's passes need of kernels: addresses, places and scalars."""
+"""The data that a film's passes need of kernels: addresses, indices and scalars."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from . import apart, catchers, data, light, sums, vectors
 from .records import CATCHERS, DATA, INSTANCE_MATTE, LIGHT, LOBES, MATTES, MOST_HITS, VECTORS
 from .state import LIGHT_RAY
 
-# Of each place of the table of code: the bits of ``outputs`` that need it, the kernel, and how many numbers it is given.
+# For each index of the table of code: the bits of ``outputs`` that need it, the kernel, and its number of arguments.
 KERNELS: dict[int, tuple[int, Callable, int]] = {
     apart.CLEAR: (LIGHT | DATA, sums.clear, 1),
     apart.ADD: (LIGHT | DATA, sums.add_sample, 1),
@@ -44,13 +44,13 @@ def bits_of(film: Film) -> int:
 
 
 def addresses(film: Film, records: tuple) -> np.ndarray:
-    """The table "output_code" for the passes of ``film``, for blocks and workspaces of these ``records``. The kernels are
-    compiled first and kept for good."""
+    """The table "output_code" for the passes of ``film``, for blocks and workspaces of these ``records``. The kernels
+    are compiled first and kept for ever."""
     return _addresses(bits_of(film), records)
 
 
 def compile_all(records: tuple) -> None:
-    """Compile all kernels here, before a film asks for them."""
+    """Compile all kernels here in advance."""
     _addresses(~0, records)
 
 
@@ -68,8 +68,8 @@ def _addresses(bits: int, records: tuple) -> np.ndarray:
 def pack(
     scene: Scene, film: Film, emitters: list[Emitter], instances: np.ndarray
 ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
-    """Tables, but for that of code, and scalars for the passes of ``film``. ``emitters`` are lamps, lights and the world, and
-    ``instances`` (triangles,) those of the emissive triangles, in the order of the kernels' emitters."""
+    """Tables, except that of code, and scalars for the passes of ``film``. ``emitters`` are lamps, lights and the
+    world, and ``instances`` (triangles,) those of the emissive triangles, in the order of the kernels' emitters."""
     bits = bits_of(film)
     numbers = np.zeros(film.data_sums.shape[1], np.int64)
     for item in map(BY_NAME.get, film.passes):

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the passes of this folder need of a scene, of a film and of a thread.
+"""The data that the passes of this folder need of a scene, of a film and of a thread.
 
-``outputs`` of the block has a bit for each kind of pass that the film has. The sums of a sample are ``output_sums``: those of
-light before its path divides, those of light after that, each ``light_columns`` long, and those of data.
+``outputs`` of the block has a bit for each kind of pass of the film. The sums of a sample are ``output_sums``: those of
+light before its path splits, those of light after that, each ``light_columns`` long, and those of data.
 """
 
 import numpy as np
@@ -19,27 +19,27 @@ LIGHT, LOBES, DATA, MATTES, CATCHERS, VECTORS = (
     8,
     16,
     32,
-)  # bits of ``outputs``; DATA also where there are MATTES, CATCHERS or VECTORS
+)  # bits of ``outputs``; DATA is also set with MATTES, CATCHERS or VECTORS
 
-# How the first scattering of a path divides its light: the parts of diffuse and of glossy lobes, the rest being that of
-# transmission; 1 where a medium has scattered it.
+# How the first scattering of a path divides its light: the parts of diffuse and of glossy lobes; the rest is
+# transmission. 1 if a medium has scattered it.
 FIRST_SCATTERING = np.dtype([("diffuse", "f8", 3), ("glossy", "f8", 3), ("in_medium", "i8")], align=True)
 
-# Of Cryptomatte: numbers of what an instance is. What a sample has met: an instance, its material, and by how much they cover
-# the sample; the first row has their number.
+# Of Cryptomatte: the object numbers of an instance; and the hits of a sample: an instance, its material, and their
+# coverage of the sample. The first row has their number.
 INSTANCE_MATTE = np.dtype([("object", "f8"), ("asset", "f8")])
 MATTE_HIT = np.dtype([("instance", "i8"), ("material", "i8"), ("weight", "f8")])
 MOST_HITS = 64
 
-# Of the pass Vector. Of an instance, for the frame before and the one after: from the world at the frame to the world there,
-# and from shifts of the mesh to those of the world. ``shifts``: the first of those of its vertices, or −1.
+# Of the pass Vector. For an instance, for the previous frame and the next one: from the world at the frame to the world
+# there, and from shifts of the mesh to those of the world. ``shifts``: the first of those of its vertices, or −1.
 VECTOR_INSTANCE = np.dtype(
     [("pose", "f8", (2, 3, 4)), ("turn", "f8", (2, 3, 4)), ("shifts", "i8"), ("vertex_count", "i8")], align=True
 )
 SHIFT = np.dtype([("d", "f4", (3,))])
 VECTOR_TABLES = {"vector_cameras": CAMERA, "vector_instances": VECTOR_INSTANCE, "vector_shifts": SHIFT}
 
-# A column of light or data by the index of its name; −1: the film has it not.
+# A column of light or data by the index of its name; −1: the film lacks it.
 LIGHT_NAMES = {name: index for index, name in enumerate(LIGHT_SUMS)}
 DATA_NAMES = {name: index for index, name in enumerate(DATA_SUMS)}
 
@@ -48,8 +48,8 @@ TABLES = {
     "film_data": np.dtype(np.float64),
     "light_places": np.dtype(np.int64),
     "data_places": np.dtype(np.int64),
-    "data_numbers": np.dtype(np.int64),  # of each column of data: 1 where it is of the first sample alone
-    # Columns of light by emitter, and by instance; −1: none. Empty where the film has no such pass.
+    "data_numbers": np.dtype(np.int64),  # of each column of data: 1 if it is of the first sample alone
+    # Columns of light by emitter, and by instance; −1: none. Empty if the film has no such pass.
     "emitter_groups": np.dtype(np.int64),
     "instance_groups": np.dtype(np.int64),
     "emitter_passes": np.dtype(np.int64),
@@ -67,7 +67,7 @@ SCALARS = [
     ("data_columns", np.int64),
     ("matte_kinds", np.int64),
     ("matte_slots", np.int64),
-    ("caught_light", np.int64),  # column of the light of paths that have met a shadow catcher
+    ("caught_light", np.int64),  # column of the light of paths that have hit a shadow catcher
     ("uv_attribute", np.int64),
     ("occlusion_distance", np.float64),
     ("background_moves", np.int64),

@@ -80,7 +80,8 @@ def _add_mattes(block, workspace, pixel):
 
 @kernel
 def _cover(block, start, number, weight):
-    """Add to what covers a pixel, in the slots from ``start`` on: as in Cycles, what has no room counts to the last."""
+    """Add to the objects that cover a pixel, in the slots from ``start`` on. As in Cycles, objects without a slot count
+    in the last one."""
     slots, last = film_matte_table(block), block.matte_slots - 1
     for slot in range(last + 1):
         at = start + 2 * slot

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pass Vector: by how many pixels what the camera sees moves from the frame before, and to the frame after. As in Cycles,
-of hair and points their middle moves.
+"""The pass Vector: the motion in pixels from the previous frame, and to the next frame. As in Cycles, for hair and
+points it is the motion of their middle.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def _middle(block, instance, surface):
 
 @kernel
 def _shift(block, instance, moved, surface, at):
-    """By how much the surface shifts in its own space."""
+    """Displacement of the surface in local space."""
     if moved.shifts < 0:
         return ZERO
     row = triangle_table(block)[instance.triangles + surface.primitive]
@@ -107,7 +107,7 @@ def _pixel(block, moved, instance, surface, middle, at):
 
 @kernel
 def add_vector(block, workspace, unused):
-    """Add how the surface moves that the camera sees."""
+    """Add the motion of the surface that the camera sees."""
     surface = surface_table(workspace)[0]
     instance, moved = instance_at(block, surface.instance), vector_instance_table(block)[surface.instance]
     middle = _middle(block, instance, surface)
@@ -123,7 +123,7 @@ def add_vector(block, workspace, unused):
 
 @kernel
 def add_background_vector(block, workspace, unused):
-    """Add how what the camera sees moves where no surface is: it is infinitely far."""
+    """Add the motion of the background, which is infinitely far."""
     way, cameras = vec(path_table(workspace)[0].direction), vector_camera_table(block)
     _add(
         block,

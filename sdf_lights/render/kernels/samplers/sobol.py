@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sampling pattern: Owen-scrambled Sobol points in padded sets of one to four dimensions.
 
-Each decision of a path (``dimension``, a running number) takes its own set of at most four dimensions. The sets reuse
-the first four Sobol dimensions; shuffling the order of the points of each set by a nested uniform permutation of the
-index makes the sets independent of each other while any aligned block of 2^k indices keeps its stratification, and
-scrambling their digits, again nested uniformly, makes every point uniform (Burley 2020, "Practical hash-based Owen
-scrambling", JCGT 9(4); Owen 1995). The first two dimensions are a (0, 2)-sequence. The permutations are hashes, so a
-point is a function of (index, pixel, set) alone: no state, no limit on the sets, the same picture in any order of work.
+Each decision of a path (``dimension``, a running number) takes a separate set of at most four dimensions. The sets
+reuse the first four Sobol dimensions. A nested uniform permutation of the index shuffles the points of each set, which
+makes the sets independent of each other, while any aligned block of 2^k indices keeps its stratification. A nested
+uniform scrambling of their digits makes every point uniform (Burley 2020, "Practical hash-based Owen scrambling", JCGT
+9(4); Owen 1995). The first two dimensions are a (0, 2)-sequence. The permutations are hashes, so a point is a function
+of (index, pixel, set) alone: no state, no limit on the sets, the same picture in any order of work.
 
-Points are computed bit-reversed: in that form the first Sobol dimension is the index itself, a nested uniform scramble
-is a hash that carries from low bits to high ones only, and a single reversal at the end gives the value.
+Points are computed bit-reversed. In that form the first Sobol dimension is the index itself, a nested uniform scramble
+is a hash that carries only from low bits to high ones, and a single reversal at the end gives the value.
 """
 
 import numpy as np
@@ -116,7 +116,8 @@ def _units(first, first_seed, second, second_seed):
 
 @kernel
 def _set_word(seed, dimension):
-    """Random word of a set; its halves seed the shuffle and the first dimension, words mixed from it the others."""
+    """Random word of a set. Its halves seed the shuffle and the first dimension; words mixed from it seed the
+    others."""
     return _mix((_U64(seed) << _SHIFT_32) ^ _U64(dimension + 1) * _GOLDEN)
 
 
@@ -127,7 +128,7 @@ def _shuffle(index, word):
 
 @kernel
 def pixel_seed(x, y, seed):
-    """uint32 that keeps the patterns of pixels, and of renders with different ``seed``, independent."""
+    """uint32 that makes the patterns of pixels, and of renders with different ``seed``, independent."""
     word = _mix((_U64(_U32(y)) << _SHIFT_32) | _U64(_U32(x)))
     return _U32(_mix(word + _U64(seed) * _GOLDEN) >> _SHIFT_32)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces on the CPU: materials compiled to tables, shaded, evaluated and sampled by kernels. See README.md."""
+"""Surfaces: materials compiled to tables; kernels shade, evaluate and sample them. See README.md."""
 
 import numpy as np
 
@@ -36,7 +36,7 @@ TABLES = {**material_compiler.TABLES, **textures.TABLES, **energy.TABLES, **spec
 
 
 def pack_materials(scene: Scene) -> tuple[dict[str, np.ndarray], Graphs]:
-    """Everything that the kernels here read of a scene: ``TABLES`` but for the addresses of its graphs, which
-    ``graphs.addresses`` and ``special.addresses`` give. See ``material_compiler.pack_materials``."""
+    """All tables of a scene that these kernels read: ``TABLES`` except the addresses of its graphs, which come from
+    ``graphs.addresses`` and ``special.addresses``. See ``material_compiler.pack_materials``."""
     tables, graphs = material_compiler.pack_materials(scene)
     return {**tables, "albedo": albedo.load(), **special.tables(tables["lobes"])}, graphs

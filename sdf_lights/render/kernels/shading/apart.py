@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls of what is in ``special/``: closures that few scenes have. Each kernel there is compiled alone, where a scene has its
-closure, so the path tracer calls it by its address, and is neither larger nor compiled for longer because of it.
+"""Calls of the kernels in ``special/``: closures that few scenes have. Each kernel there is compiled separately, if a
+scene has its closure. The path tracer calls it by address, so it is neither larger nor slower to compile because of it.
 
 All arguments and results are numbers, not tuples of them.
 """
@@ -13,7 +13,7 @@ from ....replaced import replaced_on_gpu
 from .records import STRAIGHT
 from .special_lobes import END, FIRST
 
-# Places of the addresses, which are 0 for what the scene has not.
+# Indices of the addresses, which are 0 for closures that the scene lacks.
 REFINE, THIN_WALL, TRANSPARENCY, SUBSURFACE, ADD = range(5)
 EVALUATE = ADD + END - FIRST
 SAMPLE = EVALUATE + STRAIGHT
@@ -33,11 +33,11 @@ def add(block, workspace, kind, lobe, weight):
 @replaced_on_gpu
 @kernel
 def refine(block, workspace, lobe, closure, roughness):
-    """Make microfacets of Principled, closure number ``closure``, anisotropic, and cover them with a film, as lobe number
-    ``lobe`` asks for.
+    """Make microfacets of Principled, closure number ``closure``, anisotropic, and cover them with a film, as lobe
+    number ``lobe`` says.
 
-    The roughness by which their albedo is found, and the reflectance (RGB) by which it is found instead where there is a
-    film; negative where there is none.
+    Returns the roughness for the look-up of their albedo; and, with a film, the reflectance (RGB) that replaces this
+    look-up, negative without a film.
     """
     return call_part(_code(block)[REFINE], block, workspace, (lobe, closure, roughness), 4)
 
@@ -45,22 +45,22 @@ def refine(block, workspace, lobe, closure, roughness):
 @replaced_on_gpu
 @kernel
 def thin_wall(block, workspace, lobe, r, g, b):
-    """Add the transmission of a thin wall with this weight, as lobe number ``lobe`` of Principled asks for."""
+    """Add the transmission of a thin wall with this weight, as lobe number ``lobe`` of Principled says."""
     call_part(_code(block)[THIN_WALL], block, workspace, (lobe, r, g, b), 1)
 
 
 @replaced_on_gpu
 @kernel
 def transparency(block, workspace):
-    """RGB that passes straight through the surface, which is shaded to find it out."""
+    """RGB that passes straight through the surface, which is shaded for it."""
     return call_part(_code(block)[TRANSPARENCY], block, workspace, (0.0,), 3)
 
 
 @replaced_on_gpu
 @kernel
 def subsurface(block, workspace, lobe, r, g, b, ior):
-    """Add scattering below the surface with this weight, as lobe number ``lobe`` of Principled asks for; ``ior`` is that of
-    its specular layer."""
+    """Add subsurface scattering with this weight, as lobe number ``lobe`` of Principled says; ``ior`` is that of its
+    specular layer."""
     call_part(_code(block)[SUBSURFACE], block, workspace, (lobe, r, g, b, ior), 1)
 
 
@@ -74,5 +74,5 @@ def evaluate(block, workspace, kind, closure, x, y, z):
 @replaced_on_gpu
 @kernel
 def sample(block, workspace, kind, closure, u1, u2, u3):
-    """wi, f · |cos| (r, g, b) without its weight, pdf and kind of scattering of a direction that is drawn."""
+    """A sampled direction: wi, f · |cos| (r, g, b) without its weight, pdf and kind of scattering."""
     return call_part(_code(block)[SAMPLE + kind], block, workspace, (closure, u1, u2, u3), 8)

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Caustics with less noise, as Cycles has them: microfacets that are black to the rays of diffuse bounces, and lobes that are
-blurred for rays which found their way by a small chance."""
+"""Caustics with less noise, as in Cycles: microfacets that are black for rays after diffuse bounces, and lobes that are
+blurred for rays with a small pdf."""
 
 import math
 
@@ -25,8 +25,8 @@ from .records import (
 
 @kernel
 def darken_microfacets(workspace, kept):
-    """Take reflection, refraction or both from the microfacets of ``workspace.surface``; ``kept``: the bits of GLOSSY and
-    TRANSMISSION that stay. What is drawn of them nevertheless carries nothing, so chances stay as they are."""
+    """Remove reflection, refraction or both from the microfacets of ``workspace.surface``; ``kept``: the bits of GLOSSY
+    and TRANSMISSION that stay. Their samples then carry nothing, so probabilities stay the same."""
     closures = closure_table(workspace)
     for i in range(surface_table(workspace)[0].closure_count):
         closure = closures[i]
@@ -43,8 +43,8 @@ def darken_microfacets(workspace, kept):
 
 @kernel
 def blur_lobes(workspace, certainty):
-    """Make the lobes of ``workspace.surface`` at least as rough as Filter Glossy asks where a path whose least density was
-    ``certainty`` (0 … 1) times its limit has come. What they scatter in all stays, as in Cycles."""
+    """Make the lobes of ``workspace.surface`` at least as rough as Filter Glossy asks, for a path whose least density
+    was ``certainty`` (0 … 1) times its limit. Their total scattering stays the same, as in Cycles."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     roughness = 0.5 * math.sqrt(1.0 - certainty)
     for i in range(surface.closure_count):

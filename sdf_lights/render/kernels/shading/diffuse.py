@@ -30,7 +30,7 @@ def cosine_hemisphere(u1, u2):
 
 @kernel
 def _oren_nayar_g(cosine):
-    if cosine < 1e-6:  # its limit, where tan θ overflows
+    if cosine < 1e-6:  # the limit, where tan θ overflows
         return (_HALF_PI - 2.0 / 3.0) - cosine
     cosine = min(cosine, 1.0)
     sine = math.sqrt(1.0 - cosine * cosine)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Energy that single scattering loses, given back; and albedos by which layers are stacked.
+"""Compensation of the energy that single scattering loses; and albedos for stacking layers.
 
 Turquin 2019, "Practical multiple scattering compensation for microfacet models": the lobe is scaled by one over its
 albedo without Fresnel. The colour of light that bounced between microfacets follows Kulla and Conty 2017.
@@ -20,7 +20,7 @@ _REFLECTION, _REFLECTION_AVERAGE = OFFSETS["reflection"], OFFSETS["reflection_av
 _GLASS, _GLASS_AVERAGE = OFFSETS["glass"], OFFSETS["glass_average"]
 _INSIDE, _INSIDE_AVERAGE = OFFSETS["glass_inside"], OFFSETS["glass_inside_average"]
 _DIELECTRIC, _SCHLICK = OFFSETS["dielectric"], OFFSETS["schlick"]
-_RELEVANT = 1e-4  # missing energy that is not worth giving back
+_RELEVANT = 1e-4  # lost energy that is not worth compensating
 
 
 @kernel
@@ -64,8 +64,8 @@ def _axis_of_cosine(cosine):
 def _compensate(closure, e, mean, single):
     """Scale the closure's weight so that a lossless surface loses nothing.
 
-    ``e``: albedo for this wo if every microfacet were lossless, ``mean`` its average over wo; ``single`` (RGB): what
-    one bounce keeps on average.
+    ``e``: albedo for this wo if every microfacet were lossless, ``mean`` its average over wo; ``single`` (RGB): the
+    average fraction kept by one bounce.
     """
     missing = (1.0 - e) / e
     if missing >= _RELEVANT:
@@ -83,7 +83,7 @@ def glass_albedo(block, cosine, roughness, ior):
 
 @kernel
 def compensate_glass(block, closure, cosine, roughness, single):
-    """For a closure that reflects and refracts; ``single`` is what crossing the surface keeps."""
+    """For a closure that reflects and refracts; ``single`` is the fraction kept when crossing the surface."""
     values = _albedo(block)
     mean = _plane(
         values, _INSIDE_AVERAGE if closure.ior < 1.0 else _GLASS_AVERAGE, roughness, _axis_of_ior(closure.ior)
@@ -106,13 +106,13 @@ def reflection_albedo(block, cosine, roughness):
 
 @kernel
 def dielectric_albedo(block, ior, cosine, roughness):
-    """Albedo of GGX single scattering where a microfacet reflects (F − F0) / (1 − F0) of a dielectric."""
+    """Albedo of GGX single scattering if a microfacet reflects (F − F0) / (1 − F0) of a dielectric."""
     return _space(_albedo(block), _DIELECTRIC, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
 
 
 @kernel
 def schlick_albedo(block, cosine, roughness):
-    """Albedo of GGX single scattering where a microfacet reflects Schlick's (1 − cosθ)⁵."""
+    """Albedo of GGX single scattering if a microfacet reflects Schlick's (1 − cosθ)⁵."""
     return _plane(_albedo(block), _SCHLICK, roughness, _axis_of_cosine(cosine))
 
 

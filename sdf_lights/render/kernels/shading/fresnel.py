@@ -7,7 +7,7 @@ import math
 
 from ....jit import kernel
 
-# F82-Tint states its tint at the cosine 1/7, where the factor cosθ (1 − cosθ)⁶ is largest.
+# F82-Tint defines its tint at the cosine 1/7, where the factor cosθ (1 − cosθ)⁶ is largest.
 _EDGE = 6.0 / 7.0
 _EDGE5 = _EDGE**5
 _EDGE_SCALE = 7.0 / _EDGE**6
@@ -32,8 +32,8 @@ def dielectric(cosine, ior):
 
 @kernel
 def polarized(cosine, ior):
-    """Amplitudes reflected of light polarised perpendicularly (s) and parallel (p) to the plane of incidence, and the cosine of
-    the refracted ray; 1, 1 and 0 for total internal reflection. As ``dielectric``."""
+    """Reflected amplitudes of light polarised perpendicularly (s) and parallel (p) to the plane of incidence, and the
+    cosine of the refracted ray; 1, 1 and 0 for total internal reflection. As ``dielectric``."""
     cosine = min(abs(cosine), 1.0)
     square = ior * ior - 1.0 + cosine * cosine
     if square <= 0.0:
@@ -45,8 +45,8 @@ def polarized(cosine, ior):
 
 @kernel
 def conductor_amplitudes(cosine, outside, n, k):
-    """Real and imaginary part of the amplitudes that a conductor of index n + ik reflects of light polarised perpendicularly
-    (s), then parallel (p); ``outside`` is the index of the medium before it.
+    """Real and imaginary part of the amplitudes that a conductor of index n + ik reflects, for light polarised
+    perpendicularly (s), then parallel (p); ``outside`` is the index of the medium in front of it.
 
     Born and Wolf 1999, "Principles of Optics", section 14.4.1.
     """
@@ -69,7 +69,7 @@ def conductor_amplitudes(cosine, outside, n, k):
 
 @kernel
 def conductor(cosine, n, k):
-    """Unpolarised reflectance of a conductor of index n + ik in the air."""
+    """Unpolarised reflectance of a conductor of index n + ik in air."""
     a, b, c, d = conductor_amplitudes(cosine, 1.0, n, k)
     return min(0.5 * (a * a + b * b + c * c + d * d), 1.0)
 
@@ -101,7 +101,7 @@ def dielectric_average(ior):
 
 @kernel
 def remapped(reflectance, f0_real):
-    """Where a real dielectric's reflectance lies between its own F0 (0) and 1 (1)."""
+    """Position of a real dielectric's reflectance between its own F0 (0) and 1 (1)."""
     if f0_real >= 1.0:
         return 1.0
     return min(max((reflectance - f0_real) / (1.0 - f0_real), 0.0), 1.0)
@@ -121,7 +121,7 @@ def f82_edge_through(f0, value):
 
 @kernel
 def f82(cosine, f0, edge):
-    """Reflectance of a metal: Schlick's, less ``edge`` times what lowers it near 82°."""
+    """Reflectance of a metal: Schlick's, minus ``edge`` times the term that lowers it near 82°."""
     s = min(max(1.0 - cosine, 0.0), 1.0)
     s5 = s * s * s * s * s
     return min(max(f0 + (1.0 - f0) * s5 - edge * cosine * s5 * s, 0.0), 1.0)

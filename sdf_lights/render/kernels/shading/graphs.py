@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From the formulas of materials to code that fills registers.
 
-Parameters become numbers first, and what is constant then is folded: a mapping that does nothing costs nothing. The
-numbers that are left become parameters again, except 0 and 1: each use of a number has a slot of its own, as numbers that
-are equal by chance do not stay so. So materials that differ in numbers share their code, and a slider compiles nothing,
-but where it, or what follows from numbers alone, reaches or leaves 0 or 1, or another number becomes the greater.
+First, parameters become numbers, and constant parts are folded: a mapping without effect costs nothing. The remaining
+numbers become parameters again, except 0 and 1. Each use of a number has its own slot, because numbers that are equal
+by chance do not stay equal. So materials that differ only in numbers share their code, and a slider compiles nothing.
+There are exceptions: the number, or a result of numbers alone, reaches or leaves 0 or 1, or the order of two numbers
+changes.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ _TYPICAL_POINTS = 16
 
 
 def typical(formulas: Sequence[Formula], image_mean: Callable) -> np.ndarray:
-    """(formulas,) means over made-up points of a surface, to tell how bright it may be. They have no parameters."""
+    """(formulas,) means over artificial points of a surface, which estimate its brightness. The formulas have no
+    parameters."""
     return np.array(
         [
             np.mean(np.maximum(np.nan_to_num(value), 0.0))
@@ -37,7 +39,7 @@ def typical(formulas: Sequence[Formula], image_mean: Callable) -> np.ndarray:
 
 
 class _Typical(Inputs):
-    """Random points of surfaces, and the mean of a texture wherever it is looked up."""
+    """Random points of surfaces, and the mean of a texture for every look-up."""
 
     def __init__(self, image_mean: Callable):
         self._image_mean, self._values = image_mean, {}
@@ -56,7 +58,7 @@ class _Typical(Inputs):
 
 
 def needs(roots: Sequence[Formula], shadow: bool) -> int:
-    """Flags of what the formulas read of a surface."""
+    """Flags of the fields of a surface that the formulas read."""
     names = {node.value[0] for node in order(*roots) if node.kind == VARIABLE}
     functions = {node.value.name for node in order(*roots) if isinstance(node.value, Function)}
     flags = NEEDS_DERIVATIVES if names & {"dpdu", "dpdv", "bump_step"} else 0
@@ -72,7 +74,7 @@ READS_POINT: set[str] = set()
 
 
 class Graphs:
-    """The different graphs of a scene's materials: formulas whose parameters are ``slots``."""
+    """The distinct graphs of a scene's materials: formulas whose parameters are ``slots``."""
 
     def __init__(self):
         self.structures: list[tuple[Formula, ...]] = []
@@ -98,7 +100,8 @@ class Graphs:
         return self._index[structure], numbers
 
     def addresses(self, records: tuple) -> np.ndarray:
-        """Addresses of the graphs' code, for blocks and workspaces of these ``records``. It lives as long as this."""
+        """Addresses of the graphs' code, for blocks and workspaces of these ``records``. The code lives as long as this
+        object."""
         layout = tuple(map(str, records))
 
         def address_of(function: Function, operands: int) -> int:
@@ -110,7 +113,7 @@ class Graphs:
 
 
 def compile_calls(calls: Sequence[tuple[Function, int]], records: tuple) -> None:
-    """Compile functions with so many operands, as graphs call them, before a scene asks for them."""
+    """Compile functions with so many operands in advance, as graphs call them."""
     for function, operands in calls:
         _part(function, operands, records if function.scene else None, tuple(map(str, records)))
 

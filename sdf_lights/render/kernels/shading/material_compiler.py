@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials compiled to tables: formulas that fill registers, and a flat list of lobes with weights.
 
-An *operand* is the index of a register if it is not negative, of a constant (``~operand``) if it is; ``NONE`` stands
-for an input that has no value. A vector or colour takes three places. Constants cost no code; of a material, only what
+An *operand* is the index of a register if it is not negative, of a constant (``~operand``) if it is. ``NONE`` stands
+for an input without a value. A vector or colour takes three slots. Constants cost no code. Of a material, only what
 some lobe with a weight needs is compiled. Mix and Add Shader only leave weights: each closure gets the sum over all
-ways in which it is reached.
+paths that reach it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ THIRDS = Vector(*[constant(1.0 / 3.0)] * 3)
     LOBE_EMISSION,  # color, strength
     LOBE_HOLDOUT,
     LOBE_PRINCIPLED,  # PRINCIPLED, in that order
-    LOBE_ALPHA,  # alpha: transparent as far as it is below 1; in lists for shadow rays only
+    LOBE_ALPHA,  # alpha: transparent as far as it is below 1; only in lists for shadow rays
 ) = range(10)
 
 PRINCIPLED = (
@@ -112,7 +112,7 @@ PRINCIPLED = (
     SUBSURFACE_ANISOTROPY,
 ) = range(len(PRINCIPLED))
 
-# Features of a lobe: the parts of Principled that can be other than absent, and energy compensation of GGX.
+# Features of a lobe: the optional parts of Principled, and energy compensation of GGX.
 WITH_ALPHA, WITH_SHEEN, WITH_COAT, WITH_EMISSION, WITH_METAL, WITH_TRANSMISSION, WITH_BASE, MULTISCATTER = (
     1 << bit for bit in range(8)
 )
@@ -132,11 +132,11 @@ MATERIAL = np.dtype(
         ("flags", "i4"),
         ("sample_emission", "i4"),
         ("emission", "f8", 3),  # estimate of emitted radiance, for the importance of emissive meshes
-        ("graph", "i4"),  # of the code that fills the registers; NO_GRAPH: none does
-        ("slots", "i4"),  # place of its parameters among the constants
+        ("graph", "i4"),  # of the code that fills the registers; NO_GRAPH: there is none
+        ("slots", "i4"),  # index of its parameters among the constants
         ("lobes", "i4", 2),  # first and end of the range
-        ("normal", "i4"),  # operand of the shading normal in the place of the surface's; NONE: that stays
-        ("shadow_graph", "i4"),  # what transparency() alone needs
+        ("normal", "i4"),  # operand of the shading normal that replaces the surface's; NONE: that stays
+        ("shadow_graph", "i4"),  # for transparency() alone
         ("shadow_slots", "i4"),
         ("shadow_lobes", "i4", 2),
         ("index", "i4"),
@@ -145,10 +145,10 @@ MATERIAL = np.dtype(
     align=True,
 )
 
-# What a material gives to shader AOV number ``aov`` of the scene: one number, or three.
+# The value of a material for shader AOV number ``aov`` of the scene: one number, or three.
 AOV = np.dtype([("aov", "i4"), ("width", "i4"), ("operand", "i4")], align=True)
 
-# What the nodes of the world (row 0) and of the lights (row 1 on) make of their radiance: a graph of RGB.
+# The factor of the nodes of the world (row 0) and of the lights (row 1 on) on their radiance: a graph of RGB.
 EMISSION = np.dtype([("graph", "i4"), ("slots", "i4"), ("mean", "f8", 3)], align=True)
 
 NO_GRAPH = -1
@@ -184,7 +184,7 @@ class _TooComplex(Exception):
 def pack_materials(scene) -> tuple[dict[str, np.ndarray], Graphs]:
     """Tables of the materials and images of ``scene``, and the graphs of their formulas, which are not compiled yet.
 
-    There is always at least one material, so that geometry without any has index 0 to point at.
+    There is always at least one material, so that geometry without a material can refer to index 0.
     """
     compiler = _SceneCompiler(scene)
     materials = scene.materials or [Material("Default", Node("diffuse"))]
@@ -205,7 +205,7 @@ def pack_materials(scene) -> tuple[dict[str, np.ndarray], Graphs]:
 
 
 class _SceneCompiler:
-    """What the materials of one scene share: constants, graphs, lobes and images."""
+    """Data shared by the materials of one scene: constants, graphs, lobes and images."""
 
     def __init__(self, scene):
         self.scene = scene
@@ -231,7 +231,7 @@ class _SceneCompiler:
         return self.places[values]
 
     def block(self, values: Iterable[float]) -> int:
-        """Place among the constants of numbers that are read in a row."""
+        """Index of numbers among the constants, which are read in a row."""
         place = len(self.constants)
         self.constants.extend(values)
         return place
@@ -250,12 +250,12 @@ class _SceneCompiler:
         if isinstance(value, Texture):
             return float(self.textures.setdefault(value, len(self.textures)))
         if not math.isfinite(value):
-            self.warn(f"Material {material.name!r}: a value of a node is not a finite number; 0 is used.")
+            self.warn(f"Material {material.name!r}: a value of a node is not a finite number: 0 is used; set it again.")
             return 0.0
         return float(value)
 
     def image_mean(self, place: int) -> tuple[float, float, float]:
-        """About the mean of a texture's colours."""
+        """Approximate mean of a texture's colours."""
         if place < 0:
             return 0.0, 0.0, 0.0
         if place not in self.means:
@@ -301,14 +301,14 @@ class _SceneCompiler:
         record["flags"], record["emission"] = flags, emission
 
     def compile_emission(self, material: Material | None, record) -> None:
-        """A graph of what the closures of a world or a light emit; none where there are no nodes."""
+        """A graph of the emission of a world's or a light's closures; none without nodes."""
         record["graph"], record["mean"] = NO_GRAPH, 1.0
         if material is None:
             return
         values = Folding(self.numbers(material))
         program = _Program(self, material.name, values, False)
         try:
-            # There is no object to look anything up of, and no table of objects where a map is made of a world.
+            # There is no object for look-ups, and no table of objects when a map of a world is made.
             emitted = without_objects(tuple(program.emitted(material.surface)))
             radiance = [values.fold(channel) for channel in emitted]
         except RecursionError:
@@ -347,7 +347,7 @@ class _Program:
             self._lobe(node, weight)
 
     def _seen_by_light_rays(self, surface) -> Iterator[tuple[Node, Formula]]:
-        """As ``_leaves``. As in Cycles, portals are opaque to light rays, but clear where something beside them is."""
+        """As ``_leaves``. As in Cycles, portals are opaque to light rays, but clear if something beside them is."""
         leaves = list(self._leaves(surface))
         clear = [self._clear(node, weight) for node, weight in leaves if node.kind in ("transparent", "principled")]
         for node, weight in leaves:
@@ -358,7 +358,7 @@ class _Program:
                 yield Node("transparent", {"color": node["color"]}), part
 
     def _clear(self, node: Node, weight: Formula) -> Formula:
-        """How clear a closure makes its surface."""
+        """The transparency of a closure."""
         if node.kind == "transparent":
             return self._vector(node, "color").dot(THIRDS) * weight
         return (1.0 - self._scalar(node, "alpha")) * weight
@@ -370,7 +370,7 @@ class _Program:
             return
         weights = {id(surface): constant(1.0)}
         for node in self._topological(surface):
-            weight = weights.get(id(node))  # None: all that leads to it weighs nothing
+            weight = weights.get(id(node))  # None: every path to it has zero weight
             if weight is None or weight.kind == CONSTANT and weight.value == 0.0:
                 continue
             if node.kind == "add_closure":
@@ -386,7 +386,7 @@ class _Program:
                     weights[id(child)] = self.values.fold(weights.get(id(child), constant(0.0)) + share)
 
     def _closure(self, value) -> Node | None:
-        """The closure node that a closure input means: a value is emitted, as in Blender."""
+        """The closure node at a closure input; a value is emitted, as in Blender."""
         if value is None or isinstance(value, Node):
             return value
         if id(value) not in self.emitters:
@@ -394,7 +394,7 @@ class _Program:
         return self.emitters[id(value)]
 
     def _topological(self, root: Node) -> list[Node]:
-        """Closure nodes reached from ``root``, each before those it leads to."""
+        """Closure nodes reached from ``root``, each before its inputs."""
         order, seen, stack = [], set(), [(root, False)]
         while stack:
             node, done = stack.pop()
@@ -459,10 +459,10 @@ class _Program:
         return features
 
     def _input(self, node: Node, name: str, kind: int, features: int) -> int:
-        """Operand of an input of a closure, NONE where no feature reads it."""
+        """Operand of an input of a closure, NONE if no feature reads it."""
         if kind == LOBE_PRINCIPLED:
             for prefix, feature in (("sheen_", WITH_SHEEN), ("coat_", WITH_COAT), ("emission_", WITH_EMISSION)):
-                # Sheen lies on the coat's normal, so it needs two of the coat's inputs.
+                # Sheen uses the coat's normal, so it needs two of the coat's inputs.
                 wanted = feature | (WITH_SHEEN if name in ("coat_normal",) else 0)
                 if name.startswith(prefix) and not features & wanted and name != "coat_weight":
                     return NONE
@@ -500,7 +500,7 @@ class _Program:
         return self.registers[folded]
 
     def _resolved(self, node: Node, name: str):
-        """The value of an input; its default where a closure is linked to it."""
+        """The value of an input; its default if a closure is linked to it."""
         value = node[name]
         if isinstance(value, Node):
             self.scene.warn(
@@ -510,7 +510,7 @@ class _Program:
         return value
 
     def _constant(self, node: Node, name: str):
-        """The value of an input that is constant, a float or a 3-tuple as its default; None if it varies."""
+        """The value of a constant input, a float or a 3-tuple like its default; None if it varies."""
         value = self._resolved(node, name)
         if value is None:
             return None

@@ -15,7 +15,7 @@ from . import fresnel
 from .records import FRESNEL_DIELECTRIC, FRESNEL_F82
 
 _BLACK = (0.0, 0.0, 0.0)
-_SINGULAR_ALPHA2 = 2e-10  # below, GGX in Cycles is a perfect mirror too
+_SINGULAR_ALPHA2 = 2e-10  # below this, GGX in Cycles is a perfect mirror too
 
 
 @kernel
@@ -89,7 +89,8 @@ def reflectance(closure, cosine):
 
 @kernel
 def half_vector(closure, wo, wi):
-    """Normal of the microfacets that scatter wo to wi, and one over the length it had before; 0 where there are none."""
+    """Normal of the microfacets that scatter wo to wi, and one over its length before normalisation; 0 if there are
+    none."""
     n = vec(closure.normal)
     cosine_o, cosine_i = dot(n, wo), dot(n, wi)
     through = cosine_i < 0.0
@@ -97,7 +98,7 @@ def half_vector(closure, wo, wi):
         return wo, 0.0
     h = madd(wo, closure.ior, wi) if through else add(wo, wi)
     square = dot(h, h)
-    if square < 1e-16:  # nothing bends where the indices match: that refraction is singular
+    if square < 1e-16:  # equal indices refract without bending: that refraction is singular
         return wo, 0.0
     inverse = 1.0 / math.sqrt(square)
     h = scale(h, inverse)
@@ -108,8 +109,8 @@ def half_vector(closure, wo, wi):
 
 @kernel
 def scattered(closure, wo, wi, h, inverse, r, t, density, masking_o, masking_i):
-    """f · |cos| without its weight, and pdf, where microfacets with the normal h have this ``density`` (D), reflect r and
-    transmit t; ``inverse`` is that of ``half_vector``."""
+    """f · |cos| without its weight, and pdf, for microfacets with the normal h and this ``density`` (D) that reflect r
+    and transmit t; ``inverse`` is that of ``half_vector``."""
     n = vec(closure.normal)
     total = average(add(r, t))
     if total <= 0.0:
@@ -149,7 +150,8 @@ def evaluate(closure, wo, wi):
 
 @kernel
 def chosen(closure, wo, h, r, t, cosine_t, u):
-    """wi, what is scattered that way, the probability of the choice (0: no direction), and whether wi is refracted."""
+    """wi, the scattered fraction in that direction, the probability of the choice (0: no direction), and whether wi is
+    refracted."""
     cosine_ho = dot(h, wo)
     total = average(add(r, t))
     if total <= 0.0:
@@ -174,7 +176,7 @@ def chosen(closure, wo, h, r, t, cosine_t, u):
 
 @kernel
 def spread(closure, wo, h, cosine_t, value, probability, through, density, masking_o, masking_i):
-    """f · |cos| and pdf of what ``chosen`` gave."""
+    """f · |cos| and pdf of the result of ``chosen``."""
     common = density / dot(vec(closure.normal), wo)
     if through:
         cosine_ho = dot(h, wo)

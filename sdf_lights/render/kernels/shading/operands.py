@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values of a material at one point of a surface: the code of its formulas fills registers; operands are read there."""
+"""Values of a material at one point of a surface: the code of its formulas fills registers, from which operands are
+read."""
 
 import numpy as np
 
@@ -23,7 +24,7 @@ def number(block, workspace, operand):
 
 @kernel
 def vector(block, workspace, operand):
-    """Value of an operand of three places."""
+    """Value of an operand of three slots."""
     if operand >= 0:
         registers = _registers(workspace)
         return (registers[operand], registers[operand + 1], registers[operand + 2])
@@ -33,7 +34,7 @@ def vector(block, workspace, operand):
 
 @kernel(forceinline=True)  # see ``camera_ray``
 def normal(block, workspace, operand):
-    """The unit normal of an input; the shading normal where there is none or it vanishes."""
+    """The unit normal of an input; the shading normal if there is none or it vanishes."""
     n = vec(surface_table(workspace)[0].n)
     if operand == NONE:
         return n
@@ -45,7 +46,7 @@ def normal(block, workspace, operand):
 @replaced_on_gpu
 @kernel
 def run(block, workspace, graph, slots):
-    """Fill the registers by the code of a graph, with parameters from ``slots`` on among the constants."""
+    """Fill the registers with the code of a graph, whose parameters begin at ``slots`` among the constants."""
     call_surface_code(
         _addresses(block)[graph],
         address_of_record(block),

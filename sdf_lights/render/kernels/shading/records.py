@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Records that shading shares with the rest of the path tracer: the surface that a ray hit, and its closures.
+"""Records shared by shading and the rest of the path tracer: the surface at a hit, and its closures.
 
-``SURFACE`` is the whole interface of a hit: the integrator fills the first group of fields, ``shade`` the second.
-World space, metres, unit vectors, unless said.
+``SURFACE`` is the whole interface of a hit: the integrator fills the first group of fields, ``shade`` the second. World
+space, metres, unit vectors, unless stated otherwise.
 """
 
 import numpy as np
@@ -19,12 +19,10 @@ REGISTERS = 1024
 DIFFUSE, GLOSSY, TRANSMISSION = 2, 4, 8
 SINGULAR = 32  # a Dirac delta: evaluate() is zero there, f·|cos| / pdf is the weight of the path
 TRANSPARENT = 64  # straight through, with wi = −wo; always together with SINGULAR, never with TRANSMISSION
-THROUGH_PORTAL = 128  # on from surface.exit; always together with TRANSPARENT and SINGULAR
-INTO_SUBSURFACE = (
-    256  # to scatter there, as closure surface.entered says; always together with TRANSMISSION and SINGULAR
-)
+THROUGH_PORTAL = 128  # continue from surface.exit; always together with TRANSPARENT and SINGULAR
+INTO_SUBSURFACE = 256  # to scatter there, by closure surface.entered; always together with TRANSMISSION and SINGULAR
 
-# Flags of a material (MATERIAL["flags"]): what shading it needs of SURFACE, and what it does.
+# Flags of a material (MATERIAL["flags"]): the fields of SURFACE that its shading needs, and its features.
 HAS_TRANSPARENCY = 1  # transparency() may be other than black
 HAS_EMISSION = 2
 NEEDS_OBJECT_NORMAL = 4  # object_normal
@@ -33,9 +31,9 @@ NEEDS_SHADOW_POINT = 16  # of transparency(): position, n and ng
 NEEDS_RAY = 32  # ray_length, ray_singular, depth
 HAS_SURFACE = 64  # anything that scatters
 NEEDS_RADIAL = 128  # radial
-SHADES_SHADOWS = 256  # what passes straight through is found by shade(), not by transparency()
+SHADES_SHADOWS = 256  # shade() computes the straight transmission, not transparency()
 HAS_SUBSURFACE = 512  # light may scatter below the surface
-BENDS_EXITS = 1024  # where such light leaves, its normal is that of the SUBSURFACE closures
+BENDS_EXITS = 1024  # the normal where such light leaves is that of the SUBSURFACE closures
 
 SURFACE = np.dtype(
     [
@@ -44,39 +42,42 @@ SURFACE = np.dtype(
         ("wo", "f8", 3),  # towards the viewer
         ("ng", "f8", 3),  # geometric normal, on the side of wo
         ("n", "f8", 3),  # interpolated shading normal, flipped together with ng
-        ("barycentric", "f8", 2),  # of the triangle's second and third vertex
+        ("barycentric", "f8", 2),  # weights of the triangle's second and third vertex
         ("dpdu", "f8", 3),  # derivatives of position by them: the triangle's edges from its first vertex
         ("dpdv", "f8", 3),
         ("bump_step", "f8"),  # distance in metres over which bump mapping takes differences
         ("object_normal", "f8", 3),  # interpolated shading normal in object space, not normalised, never flipped
         ("radial", "f8", 3),  # direction around the object's z axis, from its generated coordinates; not normalised
-        ("ray_length", "f8"),  # distance from where the ray that arrived has left a surface or the camera
+        ("ray_length", "f8"),  # distance from the point where the incoming ray left a surface or the camera
         ("material", "i4"),
-        ("backfacing", "i4"),  # 1: wo is behind the triangle's own normal, ng and n have been flipped
-        ("ray_kind", "i4"),  # scene.Ray of the ray that arrived
-        ("ray_singular", "i4"),  # 1: it left its last surface by a mirror direction
+        ("backfacing", "i4"),  # 1: wo is behind the triangle's own normal; ng and n have been flipped
+        ("ray_kind", "i4"),  # scene.Ray of the incoming ray
+        ("ray_singular", "i4"),  # 1: it left its last surface in a mirror direction
         ("depth", "i4", 5),  # bounces before this hit: all, diffuse, glossy, transmission, transparent
         ("instance", "i4"),
         ("primitive", "i4"),
         ("strand", "i4"),  # of a curve, which kind of scene.Primitive it is; else 0
+        ("terminator", "f8"),  # cosine below which light rays start above a smooth triangle; 0: none does
+        ("number", "u4"),  # of its triangle, curve or sphere, which rays that leave it do not meet: departure.number_of
+        ("starts_on", "i4"),  # 1: rays that leave it start at its position, else beside it (see departure.py)
         # Of the material, filled by shade().
         ("closure_count", "i4"),
-        ("evaluable", "i4"),  # closures that are not singular; with none of them light sampling is useless
+        ("evaluable", "i4"),  # closures that are not singular; without them light sampling is useless
         ("subsurface", "i4"),  # closures of scattering below the surface
         ("entered", "i4"),  # the one of them that sample() has drawn
         ("emission", "f8", 3),  # radiance towards wo
-        ("transparency", "f8", 3),  # what passes straight through or by a PORTAL; sample() draws it too, as TRANSPARENT
+        ("transparency", "f8", 3),  # transmitted straight or by a PORTAL; sample() draws it too, as TRANSPARENT
         ("albedo", "f8", 3),  # estimated directional albedo of all closures, for denoising
-        ("diffuse_albedo", "f8", 3),  # the part of it that passes call diffuse, as Cycles does
+        ("diffuse_albedo", "f8", 3),  # the part of it that passes call diffuse, as in Cycles
         ("holdout", "f8"),  # weight of Holdout
-        ("exit", "f8", 3),  # where a ray goes on that sample() has sent through a PORTAL
-        ("portal", "i4"),  # 1: it has a PORTAL: what is behind is not left to light rays
-        ("pick_total", "f8"),  # sum of the closures' weights for sampling, before they were normalised
+        ("exit", "f8", 3),  # origin of a ray that sample() has sent through a PORTAL
+        ("portal", "i4"),  # 1: it has a PORTAL: light behind it is not left to light rays
+        ("pick_total", "f8"),  # sum of the closures' sampling weights, before normalisation
     ],
     align=True,
 )
 
-# Variables of formulas (see nodes/variables.py): the field that holds each, and where that lies.
+# Variables of formulas (see nodes/variables.py): the field that holds each, and its position.
 VARIABLE_FIELDS = {
     "position": "position",
     "incoming": "wo",
@@ -98,9 +99,9 @@ VARIABLES = {
     for name, field in VARIABLE_FIELDS.items()
 }
 
-# Kinds of closure: diffuse ones first, then lobes, which are narrower. Those between SHEEN and MICROFACET, and those between
-# MICROFACET and STRAIGHT, are compiled apart from the others and only for scenes that have them (see special/). Those of
-# ``render.bsdfs`` have no name here: ``closure_kind`` tells their numbers.
+# Kinds of closure: diffuse ones first, then lobes, which are narrower. Those between SHEEN and MICROFACET, and those
+# between MICROFACET and STRAIGHT, are compiled separately, only for scenes that have them (see special/). Those of
+# ``render.bsdfs`` have no name here: ``closure_kind`` returns their numbers.
 _KINDS = (
     *("lambert", "oren_nayar", "translucent", "sheen", "velvet", "subsurface"),
     *bsdfs.closures(bsdfs.Group.DIFFUSE),
@@ -115,7 +116,7 @@ MICROFACET = closure_kind("microfacet")
 FACETS, ASHIKHMIN_SHIRLEY, THIN_GLASS = range(MICROFACET + 1, MICROFACET + 4)
 LAST_GLOSSY = THIN_GLASS + len(
     bsdfs.closures(bsdfs.Group.GLOSSY)
-)  # from MICROFACET to here they are dark where caustics are off
+)  # from MICROFACET to here they are dark if caustics are off
 CHIANG, HAIR, HUANG, PORTAL = map(closure_kind, ("chiang", "hair", "huang", "portal"))
 STRAIGHT = len(_KINDS) - 1
 
@@ -125,11 +126,11 @@ FRESNEL_NONE, FRESNEL_DIELECTRIC, FRESNEL_F82, FRESNEL_CONDUCTOR = range(4)
 # Distributions of the normals of microfacets.
 GGX, BECKMANN = range(2)
 
-# Methods of scattering below a surface, as ``special.subsurface`` has them.
+# Methods of subsurface scattering, as in ``special.subsurface``.
 BURLEY, RANDOM_WALK, RANDOM_WALK_LEGACY, RANDOM_WALK_SKIN = range(4)
 
-NEGLIGIBLE = 1e-5  # a closure of less weight is left out
-THINNEST_FILM = 0.1  # nanometres; what is thinner is no film
+NEGLIGIBLE = 1e-5  # a closure with less weight is left out
+THINNEST_FILM = 0.1  # nanometres; thinner films have no effect
 
 CLOSURE = np.dtype(
     [
@@ -139,7 +140,7 @@ CLOSURE = np.dtype(
         ("transmits", "i4"),
         ("singular", "i4"),
         ("bumped", "i4"),  # its normal is not the surface's: the bump shadowing term applies
-        ("distribution", "i4"),  # of FACETS; of SUBSURFACE its method
+        ("distribution", "i4"),  # of FACETS; of SUBSURFACE the method
         ("weight", "f8", 3),
         ("pick", "f8"),  # probability that sample() draws this closure
         ("normal", "f8", 3),
@@ -153,7 +154,7 @@ CLOSURE = np.dtype(
         ("b", "f8"),  # Oren-Nayar: B; sheen: the LTC's B; FACETS: thickness of a film in nanometres
         ("c", "f8"),  # FACETS: index of the film relative to that of the side of wo
         ("multiscatter", "f8", 3),  # Oren-Nayar
-        ("tangent", "f8", 3),  # of FACETS that are not the same all round, and of hair
+        ("tangent", "f8", 3),  # of anisotropic FACETS, and of hair
     ],
     align=True,
 )

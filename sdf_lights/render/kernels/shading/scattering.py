@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Evaluating and sampling all closures of a surface together: the one-sample model with the balance heuristic."""
+"""Evaluates and samples all closures of a surface together: the one-sample model with the balance heuristic."""
 
 import math
 
@@ -32,8 +32,9 @@ _BELOW_ONE = 1.0 - 2.0**-53
 def _bump_shadowing(surface, closure, wi):
     """Factor on a closure whose normal is not the surface's.
 
-    As in Cycles, light rays all have it; of drawn directions those of diffuse closures that reflect. Light from behind the unbumped surface is cut; near the horizon diffuse closures darken gradually, by Conty Estevez,
-    Lecocq and Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem".
+    As in Cycles, it applies to all light rays, and to sampled directions of diffuse reflection. Light from behind the
+    unbumped surface is cut. Near the horizon diffuse closures darken gradually, by Conty Estevez, Lecocq and Stein
+    2019, "A microfacet-based shadowing function to solve the bump terminator problem".
     """
     smooth, n = vec(surface.n), vec(closure.normal)
     cosine, tilt = dot(smooth, wi), dot(smooth, n)
@@ -78,7 +79,7 @@ def evaluate_closure(block, workspace, index, wi):
 
 @kernel
 def lobes_lit(surface, wi, kinds):
-    """Those of these ``kinds`` of scattering that lobes have which scatter light from wi."""
+    """Those of these ``kinds`` of scattering whose lobes scatter light from wi."""
     return kinds & (TRANSMISSION if dot(vec(surface.ng), wi) < 0.0 else GLOSSY)
 
 
@@ -91,9 +92,9 @@ def is_lit(closure, kinds, lobes):
 @kernel
 def evaluate(block, workspace, wi, kinds):
     """f · |cos| (RGB) of all closures that are not singular, the pdf with which ``sample`` draws wi, and the part of
-    that pdf that lobes have.
+    that pdf from lobes.
 
-    The closures whose scattering is of none of these ``kinds`` count in the pdf alone: an emitter is not visible to them.
+    Closures whose scattering is of none of these ``kinds`` count only in the pdf: an emitter is not visible to them.
     """
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     total, density, glossy_pdf = ZERO, 0.0, 0.0
@@ -122,7 +123,7 @@ def has_lobes(workspace):
 
 @kernel
 def transmits(workspace):
-    """Whether light that falls on the far side of the surface matters, other than straight through or mirrored."""
+    """Whether light on the far side of the surface matters, other than straight through or mirrored."""
     closures = closure_table(workspace)
     for i in range(surface_table(workspace)[0].closure_count):
         closure = closures[i]
@@ -162,7 +163,8 @@ def _sample_closure(block, workspace, index, u1, u2, u3):
 
 @kernel
 def sample(block, workspace, u1, u2, u3):
-    """Draw a direction from all closures: wi, f · |cos| (RGB), pdf, the part of it of lobes, and kind (see records.py).
+    """Draw a direction from all closures: wi, f · |cos| (RGB), pdf, the part of the pdf from lobes, and kind (see
+    records.py).
 
     A pdf of 0 means that nothing was drawn. For a singular kind value / pdf is the path's weight, and neither is a
     density.
@@ -182,7 +184,7 @@ def sample(block, workspace, u1, u2, u3):
     if not 0.0 < pdf < math.inf:
         return ZERO, ZERO, 0.0, 0.0, 0
     if not kind & TRANSPARENT:
-        # A direction must leave on the side that its kind says, whatever the shading normal is. Curves have no other normal.
+        # A direction must leave on the side of its kind, for any shading normal. Curves have no other normal.
         if surface.strand == 0 and (dot(vec(surface.ng), wi) < 0.0) != (kind & TRANSMISSION != 0):
             return ZERO, ZERO, 0.0, 0.0, 0
         if closure.bumped and SHEEN < closure.kind < MICROFACET:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What passes straight through a surface to which a light ray comes, where only its closures tell."""
+"""Straight transmission of a light ray through a surface where only the closures know it."""
 
 from ....jit import kernel
 from ....vec import vec

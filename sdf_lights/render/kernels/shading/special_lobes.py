@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lobes whose closures are in ``special/``: which nodes have them, and what of a surface they read."""
+"""Lobes whose closures are in ``special/``: their nodes, and the fields of a surface that they read."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ def lobe_kind(name: str) -> int:
     return _REGISTERED[name]
 
 
-# Features, after those of material_compiler.py: Principled with microfacets of FACETS, or that can be a thin wall; Beckmann's
-# distribution.
+# Features, after those of material_compiler.py: Principled with microfacets of FACETS; Principled that can be a thin
+# wall; Beckmann's distribution.
 WITH_FACETS, WITH_THIN_WALL, WITH_BECKMANN = (1 << bit for bit in range(8, 11))
-# Of scattering below a surface: there is some; Principled has some in a thin wall; not where the path has met a diffuse
-# surface before. The method is the number from bit METHOD on.
+# Of subsurface scattering: there is some; Principled has some in a thin wall; not if the path has already hit a diffuse
+# surface. The method is the number from bit METHOD on.
 WITH_SUBSURFACE, WITH_THIN_SCATTERING, ONCE = (1 << bit for bit in range(11, 14))
 METHOD = 14
-_OPTIONS = 16  # from this bit on: options of ``render.bsdfs``, each the same for all that a BSDF may be
+_OPTIONS = 16  # from this bit on: options of ``render.bsdfs``, each valid for every BSDF that has it
 
 
 def option(kind: str, setting: str, value: str) -> int:
@@ -65,7 +65,7 @@ _FILM = ("thin_film_thickness", "thin_film_ior")
 _CONDUCTOR = ("roughness", "normal", "anisotropy", "rotation", "tangent", *_FILM)
 _SHEEN = ("color", "roughness", "normal")
 
-# Kind of node -> its lobe and the inputs that are the lobe's arguments, in their order.
+# Kind of node -> its lobe and the inputs that are the lobe's arguments, in order.
 SIMPLE = {
     "metallic": (LOBE_METALLIC, ("base_color", "edge_tint", *_CONDUCTOR)),
     "sheen": (LOBE_SHEEN, _SHEEN),
@@ -73,7 +73,7 @@ SIMPLE = {
     **{bsdf.kind: (lobe_kind(bsdf.lobes[0].name), tuple(bsdf.inputs)) for bsdf in bsdfs.ALL},
 }
 
-# Inputs of Principled that are read with one of these features only.
+# Inputs of Principled that are read only with one of these features.
 READ_BY = (
     (("anisotropic", "anisotropic_rotation", "tangent"), WITH_FACETS),
     (_FILM, WITH_FACETS | WITH_THIN_WALL),
@@ -82,7 +82,7 @@ READ_BY = (
     (("subsurface_radius", "subsurface_scale", "subsurface_ior"), WITH_SUBSURFACE),
 )
 
-# Nodes whose settings choose another lobe: (kind, setting, value) -> its lobe and inputs.
+# Nodes whose settings select another lobe: (kind, setting, value) -> its lobe and inputs.
 _OTHERS = {
     ("glossy", "distribution", "ASHIKHMIN_SHIRLEY"): (LOBE_ASHIKHMIN_SHIRLEY, _ROUGH),
     ("metallic", "fresnel_type", "PHYSICAL_CONDUCTOR"): (LOBE_CONDUCTOR, ("ior", "extinction", *_CONDUCTOR)),
@@ -110,7 +110,7 @@ _METHODS = {
 def variant(node: Node, kind: int, inputs: tuple[str, ...], can_be: Callable) -> tuple[int, tuple[str, ...], int]:
     """Kind, arguments and features of the lobe of a node, whose plain lobe has this ``kind`` and these ``inputs``.
 
-    ``can_be(name, test)`` says whether an input may have a value that passes a test.
+    ``can_be(name, test)`` returns whether an input may have a value that passes a test.
     """
     features = 0
     for setting in node.settings.items():
@@ -134,7 +134,7 @@ def variant(node: Node, kind: int, inputs: tuple[str, ...], can_be: Callable) ->
 
 
 def _scattering(node: Node, can_be: Callable) -> int:
-    """Features of scattering below the surface."""
+    """Features of subsurface scattering."""
     features = 0
     if node.kind == "subsurface":
         features = WITH_SUBSURFACE
@@ -153,7 +153,7 @@ def _scattering(node: Node, can_be: Callable) -> int:
 
 
 def needs(node: Node, kind: int, features: int, can_be: Callable) -> int:
-    """Flags of what the closures of a lobe read of a surface by themselves, and of what they do."""
+    """Flags of the surface fields that the closures of a lobe read, and of their features."""
     flags = 0
     if kind in (LOBE_ROUGH_GLOSSY, LOBE_ASHIKHMIN_SHIRLEY, LOBE_METALLIC, LOBE_CONDUCTOR) or features & WITH_FACETS:
         flags |= NEEDS_RADIAL if node["tangent"] is None else 0

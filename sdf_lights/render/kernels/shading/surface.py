@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a material's lobes to closures: ``shade``, and ``transparency`` for shadow rays.
 
-Layers of Principled are stacked from the top as Cycles does: each keeps what the albedo of the one above leaves over.
+Layers of Principled are stacked from the top, as in Cycles: each gets the light that the albedo of the layer above
+leaves.
 """
 
 import math
@@ -83,7 +84,7 @@ lobe_table = table("lobes", LOBE)
 
 _WHITE = (1.0, 1.0, 1.0)
 NO_FILM = (-1.0, -1.0, -1.0)
-_SMOOTH_DIFFUSE = 1e-5  # Oren–Nayar of less roughness is Lambert's
+_SMOOTH_DIFFUSE = 1e-5  # below this roughness, Oren–Nayar is Lambert's
 _LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
 
 
@@ -107,11 +108,11 @@ def saturated(v):
 
 @kernel
 def begin(workspace, weight, n):
-    """Index of the next free closure, for which the caller sets a kind; −1 where the weight is negligible or no
-    closure is free. It counts from ``finish`` on only."""
+    """Index of the next free closure; the caller must set its kind. −1 if the weight is negligible or no closure is
+    free. It counts only after ``finish``."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     index = surface.closure_count
-    # Written so that a weight that is not a number is left out too.
+    # Written so that a NaN weight is left out too.
     if not (average(weight) >= NEGLIGIBLE) or index == len(closures):
         return -1
     closure = closures[index]
@@ -119,7 +120,7 @@ def begin(workspace, weight, n):
     put(closure.weight, weight)
     put(closure.normal, n)
     smooth = surface.n
-    # As in Cycles, nothing of a curve is hidden by its bumps.
+    # As in Cycles, bumps hide nothing of a curve.
     closure.bumped = int(surface.strand == 0 and (n[0] != smooth[0] or n[1] != smooth[1] or n[2] != smooth[2]))
     return index
 
@@ -150,7 +151,7 @@ def add_lambert(workspace, weight, n, through):
 
 @kernel
 def add_diffuse(workspace, weight, color, roughness, n):
-    """Add a diffuse closure: Lambert, or Oren-Nayar where it has a roughness."""
+    """Add a diffuse closure: Lambert, or Oren–Nayar if it has a roughness."""
     if roughness < _SMOOTH_DIFFUSE:
         add_lambert(workspace, weight, n, False)
         return
@@ -177,7 +178,7 @@ def add_transparency(workspace, weight):
 
 @kernel
 def begin_microfacet(workspace, weight, n, roughness, ior):
-    """``begin`` of a reflecting GGX closure without Fresnel term."""
+    """``begin`` for a reflecting GGX closure without Fresnel term."""
     index = begin(workspace, weight, n)
     if index >= 0:
         closure = closure_table(workspace)[index]
@@ -195,15 +196,15 @@ def begin_microfacet(workspace, weight, n, roughness, ior):
 def specular_normal(surface, n):
     """The normal raised towards the geometric one until the mirror direction of wo leaves the surface.
 
-    With g = ng, o = wo and t the least cosine of the mirror direction r = 2 (n'·o) n' − o, the normal sought lies
-    in the plane of n and g: n' = sin a · x + cos a · g. Then r·g = t is
-    cos 2a (o·g) + sin 2a (o·x) = t, solved for the angle nearest to g.
+    With g = ng, o = wo and t the least cosine of the mirror direction r = 2 (n'·o) n' − o, the wanted normal lies in
+    the plane of n and g: n' = sin a · x + cos a · g. Then r·g = t is cos 2a (o·g) + sin 2a (o·x) = t, solved for the
+    angle nearest to g.
     """
     if surface.strand:  # as in Cycles
         return n
     g, o = vec(surface.ng), vec(surface.wo)
     height = dot(g, o)
-    least = min(0.9 * height, 0.01)  # a grazing view may be mirrored as flat as it came
+    least = min(0.9 * height, 0.01)  # a grazing view may be mirrored as flat as it arrived
     if 2.0 * dot(n, o) * dot(n, g) - height >= least:
         return n
     x = normalize(madd(n, -dot(n, g), g))
@@ -218,8 +219,8 @@ def specular_normal(surface, n):
 
 @kernel
 def _below(weight, albedo):
-    """What is left of ``weight`` below a layer that reflects ``albedo`` (with its weight): the same for all colours,
-    so that a white base looks white."""
+    """The rest of ``weight`` below a layer that reflects ``albedo`` (with its weight): the same for all colours, so a
+    white base looks white."""
     worst = 0.0
     for i in range(3):
         if weight[i] > 0.0:
@@ -244,8 +245,8 @@ def _glossy(block, workspace, lobe, weight, color):
 
 @kernel
 def _refined(block, workspace, refined, index, roughness, albedo):
-    """The roughness of microfacets by which their albedo is found, and their albedo once the lobe number ``refined`` has made
-    closure ``index`` anisotropic and covered it with a film; −1: none does."""
+    """The roughness for the look-up of the microfacets' albedo, and their albedo after lobe number ``refined`` has made
+    closure ``index`` anisotropic and covered it with a film; −1: no such lobe."""
     if refined >= 0:
         roughness, r, g, b = apart.refine(block, workspace, refined, index, roughness)
         if r >= 0.0:
@@ -255,8 +256,8 @@ def _refined(block, workspace, refined, index, roughness, albedo):
 
 @kernel
 def begin_glass(workspace, weight, n, roughness, ior, f0, reflection, transmission):
-    """``begin_microfacet`` of a closure that reflects and refracts, tinted ``reflection`` and ``transmission``; ``f0`` is that
-    from outside."""
+    """``begin_microfacet`` for a closure that reflects and refracts, tinted ``reflection`` and ``transmission``; ``f0``
+    is that from outside."""
     surface = surface_table(workspace)[0]
     relative = 1.0 / ior if surface.backfacing else ior
     index = begin_microfacet(workspace, weight, n, roughness, relative)
@@ -272,7 +273,7 @@ def begin_glass(workspace, weight, n, roughness, ior, f0, reflection, transmissi
 
 @kernel
 def _glass(block, workspace, features, refined, weight, n, roughness, ior, f0, reflection, transmission):
-    """Reflection and refraction, as ``begin_glass`` says."""
+    """Reflection and refraction, as in ``begin_glass``."""
     index = begin_glass(workspace, weight, n, roughness, ior, f0, reflection, transmission)
     if index < 0:
         return
@@ -287,7 +288,7 @@ def _glass(block, workspace, features, refined, weight, n, roughness, ior, f0, r
 
 @kernel
 def begin_refraction(block, workspace, lobe, weight):
-    """``begin_microfacet`` of the Refraction BSDF."""
+    """``begin_microfacet`` for the Refraction BSDF."""
     surface, args = surface_table(workspace)[0], lobe.args
     ior = max(number(block, workspace, args[2]), 1e-5)
     n = specular_normal(surface, normal(block, workspace, args[3]))
@@ -303,7 +304,7 @@ def begin_refraction(block, workspace, lobe, weight):
 
 @kernel
 def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, roughness, ior, f0):
-    """A clear reflecting layer; the weight of what lies below it."""
+    """A clear reflecting layer. Returns the weight of the layers below it."""
     index = begin_microfacet(workspace, weight, n, roughness, ior)
     if index < 0:
         return weight
@@ -323,13 +324,14 @@ def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, rou
         energy.compensate_reflection(block, closure, e, roughness, energy.mixed(f0, 1.0, s))
     albedo = mul(vec(closure.weight), albedo)
     finish(workspace, index, albedo)
-    # As in Cycles, a layer that loses energy takes as much from what is below as one that does not.
+    # As in Cycles, a layer that loses energy takes as much from the layers below as one that does not.
     return _below(weight, albedo if compensated else scale(albedo, 1.0 / e))
 
 
 @kernel
 def finish_metal(block, workspace, compensated, index, roughness, film):
-    """Finish closure ``index`` of a metal, from its ``f0`` and ``edge``; ``film``: its reflectance (RGB) where it has one."""
+    """Finish closure ``index`` of a metal, from its ``f0`` and ``edge``; ``film``: its reflectance (RGB) if it has a
+    film."""
     closure = closure_table(workspace)[index]
     color, edge = vec(closure.f0), vec(closure.edge)
     cosine = dot(vec(closure.normal), vec(surface_table(workspace)[0].wo))
@@ -354,7 +356,7 @@ def finish_metal(block, workspace, compensated, index, roughness, film):
 
 @kernel
 def begin_metal(workspace, weight, n, roughness, color, tint):
-    """``begin_microfacet`` of a metal of reflectance ``color`` at normal incidence, at 82° times ``tint``."""
+    """``begin_microfacet`` for a metal of reflectance ``color`` at normal incidence, and that times ``tint`` at 82°."""
     index = begin_microfacet(workspace, weight, n, roughness, 1.0)
     if index >= 0:
         closure = closure_table(workspace)[index]
@@ -381,7 +383,7 @@ def _add_metal(block, workspace, features, refined, weight, n, roughness, color,
 
 @kernel
 def add_fibers(workspace, weight, n, roughness):
-    """Sheen of fibers; what it reflects of ``weight``."""
+    """Sheen of fibers. Returns what it reflects of ``weight``."""
     roughness = min(max(roughness, _LOWEST_SHEEN), 1.0)
     cosine = saturate(dot(n, vec(surface_table(workspace)[0].wo)))
     albedo = diffuse.sheen_albedo(cosine, roughness)
@@ -402,7 +404,7 @@ def add_fibers(workspace, weight, n, roughness):
 
 @kernel
 def _add_sheen(block, workspace, lobe, weight, n, coat_weight):
-    """Sheen on top of all; the weight of what lies below it."""
+    """Sheen on top of everything. Returns the weight of the layers below it."""
     args = lobe.args
     amount = max(number(block, workspace, args[SHEEN_WEIGHT]), 0.0)
     tint = positive(vector(block, workspace, args[SHEEN_TINT]))
@@ -428,11 +430,11 @@ def _add_coat(block, workspace, lobe, weight):
     below = _add_dielectric_layer(
         block, workspace, True, -1, coat, n, saturate(number(block, workspace, args[COAT_ROUGHNESS])), ior, (f0, f0, f0)
     )
-    # What the whole gives up is what the coated part does.
+    # The coated part determines the loss of the whole.
     weight = madd(scale(weight, 1.0 - amount), 1.0, below)
     tint = positive(vector(block, workspace, args[COAT_TINT]))
     if tint != _WHITE:
-        # Beer's law along the refracted ray, the tint being that of perpendicular incidence.
+        # Beer's law along the refracted ray; the tint is that of perpendicular incidence.
         cosine = dot(n, vec(surface.wo))
         depth = 1.0 / math.sqrt(1.0 - (1.0 - cosine * cosine) / (ior * ior))
         weight = (
@@ -548,7 +550,7 @@ def _add_lobe(block, workspace, lobe, index, weight):
     elif kind == LOBE_TRANSPARENT:
         add_transparency(workspace, scale(color, weight))
     elif kind == LOBE_TRANSLUCENT:
-        # Nothing mirrors here, but Cycles raises the normal all the same.
+        # Nothing is mirrored here, but Cycles raises the normal all the same.
         n = specular_normal(surface, normal(block, workspace, args[1]))
         add_lambert(workspace, scale(color, weight), n, True)
     elif kind == LOBE_GLOSSY:
@@ -598,8 +600,8 @@ def shade(block, workspace):
 
 @kernel
 def transparency(block, workspace):
-    """RGB that passes straight through ``workspace.surface``; changes nothing but the registers, where the material does not
-    have SHADES_SHADOWS."""
+    """RGB that passes straight through ``workspace.surface``. Unless the material has SHADES_SHADOWS, only the
+    registers change."""
     surface = surface_table(workspace)[0]
     material = _materials(block)[surface.material]
     if not material.flags & HAS_TRANSPARENCY:

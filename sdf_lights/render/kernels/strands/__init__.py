@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves of hair and spheres: compiled apart, for scenes that have them."""
+"""Curves of hair and spheres: compiled separately, for scenes that have them."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls of what curves and spheres need, which is compiled apart, as ``media.apart`` is."""
+"""Calls of the kernels for curves and spheres, which are compiled separately, as in ``media.apart``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ....jit import call_part, kernel, table
 
-# Places of the addresses, which are 0 where a scene has triangles alone.
+# Indices of the addresses, which are 0 in a scene with only triangles.
 PLACES = (FILL,) = range(1)
 
 TABLES = {"strand_code": np.dtype(np.int64)}

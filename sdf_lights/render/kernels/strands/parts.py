@@ -1,20 +1,19 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ``apart.py`` and Embree call, compiled for scenes with curves or spheres."""
+"""What ``apart.py`` calls, compiled for scenes with curves or spheres."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ....jit import CallablePart, Callback
-from . import apart, departure, surface
+from ....jit import CallablePart
+from . import apart, surface
 
 _parts: dict[tuple, CallablePart] = {}
-_callbacks: list[Callback] = []
 
 
 def addresses(has_strands: bool, records: tuple) -> np.ndarray:
-    """The table "strand_code", for blocks and workspaces of these ``records``. What it points at is kept for good."""
+    """The table "strand_code", for blocks and workspaces of these ``records``. The code is kept for ever."""
     table = np.zeros(len(apart.PLACES), np.int64)
     if has_strands:
         key = tuple(map(str, records))
@@ -22,10 +21,3 @@ def addresses(has_strands: bool, records: tuple) -> np.ndarray:
             _parts[key] = CallablePart(surface.fill, (), 6, records)
         table[apart.FILL] = _parts[key].address
     return table
-
-
-def filter_address() -> int:
-    """Address of ``departure.refuse``, as Embree calls it."""
-    if not _callbacks:
-        _callbacks.append(Callback(departure.refuse, departure.ARGUMENTS))
-    return _callbacks[0].address

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface of a curve or a sphere where a ray has met it, as Cycles has it."""
+"""The surface of a curve or a sphere at the hit of a ray, as in Cycles."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from ....vec import (
     vec,
 )
 from ...scene import Primitive
+from ..departure import number_of
 from ..geometry import (
     BUMP_DISTANCE,
     BUMP_FILTER,
@@ -43,7 +44,7 @@ _strand_of = table("strand_of", np.int32)
 
 @kernel
 def vertex(block, instance, index):
-    """A vertex at the time of the path, as it is stored."""
+    """A vertex at the time of the path, as stored."""
     return moving_vertex(block, instance, index + instance.positions)
 
 
@@ -77,7 +78,7 @@ def curve_at(block, instance, segment, u):
 
 @kernel
 def _normal(kind, position, middle, tangent, wo, across):
-    """Unit normal where a ray along −wo has met a curve, whose middle is there."""
+    """Unit normal at the hit of a ray along −wo with a curve, whose middle is given."""
     if kind == _RIBBONS:
         along = normalize(tangent)
         side = normalize(cross(along, wo))
@@ -88,26 +89,20 @@ def _normal(kind, position, middle, tangent, wo, across):
 
 @kernel
 def fill(block, workspace, secondary, x, y, z, ray_kind, footprint):
-    """Fill ``SURFACE`` of the workspace, or of its ``secondary`` one, from the hit in the workspace of a ray that came along −wo.
-    Rays that leave the workspace's own, or go on behind the other one, do not meet the same curve or sphere again."""
+    """Fill ``SURFACE`` of the workspace, or of its ``secondary`` one, from the hit in the workspace of a ray along −wo.
+    Rays that leave the workspace's surface, or continue behind the other one, do not hit the same curve or sphere
+    again."""
     ray = ray_table(workspace)[0]
     instance = instance_at(block, hit_instance(ray))
     segment = np.int64(ray.primitive)
     if secondary > 0.0:
-        _fill(
-            block,
-            surface_table(secondary_table(workspace)[0])[0],
-            ray,
-            instance,
-            segment,
-            (x, y, z),
-            ray_kind,
-            footprint,
-        )
-        ray.flags = np.uint32(instance.first_strand + _strand_of(block)[instance.strands + segment])
+        surface = surface_table(secondary_table(workspace)[0])[0]
+        _fill(block, surface, ray, instance, segment, (x, y, z), ray_kind, footprint)
+        ray.flags = surface.number
     else:
-        _fill(block, surface_table(workspace)[0], ray, instance, segment, (x, y, z), ray_kind, footprint)
-        ray.id = np.uint32(instance.first_strand + _strand_of(block)[instance.strands + segment])
+        surface = surface_table(workspace)[0]
+        _fill(block, surface, ray, instance, segment, (x, y, z), ray_kind, footprint)
+        ray.id = surface.number
     return 0.0
 
 
@@ -116,7 +111,9 @@ def _fill(block, surface, ray, instance, segment, wo, ray_kind, footprint):
     position = madd(vec(ray.origin), float(ray.t_far), vec(ray.direction))
     u, v, kind = float(ray.u), float(ray.v), instance.primitive
     tangent = (0.0, 0.0, 0.0)
-    surface.strand = 0
+    surface.number = number_of(hit_instance(ray), np.int64(_strand_of(block)[instance.strands + segment]))
+    surface.strand = surface.starts_on = 0
+    surface.terminator = 0.0
     if kind == _SPHERES:
         u, v = 0.0, 0.0
         middle = vertex(block, instance, np.int64(triangle_table(block)[instance.triangles + segment].v[0]))
@@ -140,13 +137,14 @@ def _fill(block, surface, ray, instance, segment, wo, ray_kind, footprint):
         n, tangent = negate(n), negate(tangent)
     put(surface.position, position)
     put(surface.wo, wo)
-    # Cycles has ribbons face the ray that came, and takes the rounded normal nevertheless wherever it asks for this one.
+    # In Cycles, ribbons face the incoming ray, but this normal is still the rounded one.
     put(surface.ng, n)
     put(surface.n, n)
     put(surface.dpdu, tangent)
     put(surface.dpdv, cross(tangent, wo if kind == _RIBBONS else n))
     put(surface.radial, tangent)
-    put(surface.object_normal, transform_normal(instance.matrix, n if surface.backfacing == 0 else negate(n)))
+    object_normal = transform_normal(instance.matrix, n if surface.backfacing == 0 else negate(n))
+    put(surface.object_normal, normalize(object_normal))
     surface.instance = hit_instance(ray)
     surface.primitive = segment
     surface.barycentric[0] = u

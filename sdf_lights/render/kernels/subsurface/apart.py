@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls of what happens below surfaces, which is compiled apart, as ``media.apart`` is."""
+"""Calls of the kernels for subsurface scattering, which are compiled separately, as in ``media.apart``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ....jit import call_part, kernel, table
 
-# Places of the addresses, which are 0 where light enters no surface of a scene.
+# Indices of the addresses, which are 0 if light enters no surface of a scene.
 PLACES = SCATTER, EMERGE = range(2)
 
 TABLES = {"subsurface_code": np.dtype(np.int64)}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the colour of a surface and the radius of scattering below it to the coefficients of a medium."""
+"""From the colour of a surface and its scattering radius to the coefficients of a medium."""
 
 import math
 
@@ -9,9 +9,9 @@ from ....vec import vec
 from ..shading.records import RANDOM_WALK, RANDOM_WALK_SKIN
 
 MOST_ALBEDO = 0.999999
-LEAST_ALBEDO = 0.2  # of less, the walk is that of this albedo, and its weight is less
+LEAST_ALBEDO = 0.2  # below this, the walk uses this albedo, and its weight is reduced
 SMALLEST = 1e-16  # metres
-LEGACY_SCALE = 0.25 / math.pi  # by which radii of older methods are meant
+LEGACY_SCALE = 0.25 / math.pi  # factor on the radii of older methods
 
 _HALVINGS = 12  # as in Cycles, so that the radius is the same
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Exits by the profile of Christensen and Burley 2015, "Approximate reflectance profiles for efficient subsurface scattering".
 
-They are where a line through a disk around the entry meets the instance: King, Kulla, Conty and Fajardo 2013, "BSSRDF
-importance sampling".
+The exits are the hits of a line through a disk around the entry with the instance: King, Kulla, Conty and Fajardo 2013,
+"BSSRDF importance sampling".
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ from .coefficients import LEGACY_SCALE
 from .exits import put_exit
 from .records import intersect_instance
 
-TRUNCATED = 16.0  # of the radius: where the profile ends
-_SHARE = 1.0 - 0.25 * math.exp(-TRUNCATED) - 0.75 * math.exp(-TRUNCATED / 3.0)  # of it that is nearer
+TRUNCATED = 16.0  # in radii: the end of the profile
+# fraction of the profile within that distance
+_SHARE = 1.0 - 0.25 * math.exp(-TRUNCATED) - 0.75 * math.exp(-TRUNCATED / 3.0)
 _STEPS = 10  # of Newton's method
 MOST_HITS = 256
 
@@ -38,7 +39,7 @@ def profile(radius, r):
 
 @kernel
 def profile_distance(u):
-    """The distance, in radii, within which the part u of the profile is."""
+    """The distance, in radii, within which the fraction u of the profile lies."""
     u *= _SHARE
     r = math.exp(2.4 * u * u) - 1.0 if u <= 0.9 else 15.0
     for _ in range(_STEPS):
@@ -67,8 +68,8 @@ def _hit_normal(block, ray, index):
 
 @kernel
 def _across(n):
-    """Axes across n. The density of a hit is taken as that of its distance from the entry, as in Cycles, so what is found in
-    corners depends on the axes a little: these are those of Cycles."""
+    """Axes across n. As in Cycles, the density of a hit is taken as that of its distance from the entry. So results in
+    corners depend slightly on the axes; these are those of Cycles."""
     t = (n[2] - n[1], n[0] - n[2], n[1] - n[0])
     if n[0] == n[1] and n[0] == n[2]:
         t = (n[2] - n[1], n[0] + n[2], -n[1] - n[0])
@@ -78,7 +79,7 @@ def _across(n):
 
 @kernel
 def _axis(u, n, t, b):
-    """The axis of the disk, its probability, two axes across it, and u remapped: along n for half of all."""
+    """The axis of the disk, its probability, two axes across it, and u remapped; half of all samples use n."""
     if u < 0.5:
         return n, 0.5, t, b, 2.0 * u
     if u < 0.75:

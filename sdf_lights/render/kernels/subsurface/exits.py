@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where light leaves from below a surface."""
+"""The exit of light from below a surface."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ WHITE = (1.0, 1.0, 1.0)
 
 @kernel
 def put_exit(workspace, position, direction, throughput):
-    """The path comes out at the hit in the workspace's ray, along ``direction``."""
+    """Let the path leave at the hit in the workspace's ray, along ``direction``."""
     path = path_table(workspace)[0]
     put(path.throughput, throughput)
     put(path.start, position)
@@ -26,9 +26,9 @@ def put_exit(workspace, position, direction, throughput):
 
 @kernel
 def emerge(block, workspace, unused):
-    """Make the closures of the workspace's surface those of an exit: a white diffuse one.
+    """Replace the closures of the workspace's surface by that of an exit: a white diffuse one.
 
-    Its normal is that of the subsurface closures there, if their material bends it: ``shade`` has run then.
+    Its normal is that of the subsurface closures there, if their material bends it; ``shade`` has run before.
     """
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     n = ZERO

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The kernels that ``apart.py`` calls, compiled for scenes where light enters surfaces."""
+"""The kernels that ``apart.py`` calls, compiled for scenes with subsurface scattering."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _parts: dict[tuple, CallablePart] = {}
 
 
 def addresses(has_subsurface: bool, records: tuple) -> np.ndarray:
-    """The table "subsurface_code", for blocks and workspaces of these ``records``. What it points at is kept for good."""
+    """The table "subsurface_code", for blocks and workspaces of these ``records``. The code is kept for ever."""
     table = np.zeros(len(apart.PLACES), np.int64)
     if has_subsurface:
         for place, kernel in KERNELS.items():

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of what is below surfaces, and rays that see one instance alone."""
+"""Tables for subsurface scattering, and rays that see only one instance."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ import numpy as np
 from ....jit import kernel, table
 from ....replaced import replaced_on_gpu
 from ....vec import transform_point, transform_vector
+from ..departure import start_apart
 from ..geometry import instance_at
 from ..rays import NONE, intersect_scene, ray_table
 from . import apart
 
-# Of each instance the Embree scene with nothing else in it, in the world if it is baked, else in its own space; 0: there is none.
+# For each instance the Embree scene with only that instance, in world space if it is baked, else in local space; 0:
+# there is none.
 TABLES = {**apart.TABLES, "inner_scenes": np.dtype(np.int64)}
 SCALARS = [("has_subsurface", np.int64)]
 
@@ -23,10 +25,11 @@ inner_table = table("inner_scenes", np.int64)
 @replaced_on_gpu
 @kernel
 def intersect_instance(block, workspace, index, o, d, t_min, t_max):
-    """As ``rays.intersect``, with instance ``index`` alone and whatever rays it is visible to."""
+    """As ``rays.intersect``, with instance ``index`` alone and for any ray visibility."""
     instance = instance_at(block, index)
     if instance.baked == 0:
         o, d = transform_point(instance.inverse, o), transform_vector(instance.inverse, d)
+    start_apart(ray_table(workspace)[0])
     found = intersect_scene(block, workspace, inner_table(block)[index], o, d, t_min, t_max, NONE)
     if found:
         ray_table(workspace)[0].geometry = index

@@ -3,10 +3,11 @@
 """A random walk below the surface of one instance: Chiang, Kutz and Burley 2016, "Practical and controllable subsurface
 scattering for production path tracing".
 
-Directions and distances are drawn as the medium scatters or so that they lead out again, towards the plane of the entry or
-towards a surface on the far side: Křivánek and d'Eon 2014, "A zero-variance-based sampling scheme for Monte Carlo subsurface
-scattering"; Meng, Hanika and Dachsbacher 2016, "Improving the Dwivedi sampling scheme"; d'Eon and Křivánek 2020, "Zero-variance
-theory for efficient subsurface scattering". These and the colours share the samples by the balance heuristic.
+Directions and distances are drawn by the medium's scattering, or so that they lead out again: towards the plane of the
+entry or towards a surface on the far side. See Křivánek and d'Eon 2014, "A zero-variance-based sampling scheme for
+Monte Carlo subsurface scattering"; Meng, Hanika and Dachsbacher 2016, "Improving the Dwivedi sampling scheme"; d'Eon
+and Křivánek 2020, "Zero-variance theory for efficient subsurface scattering". The balance heuristic combines these and
+the colours.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import math
 from ....jit import kernel
 from ....replaced import replaced_on_gpu
 from ....vec import dot, frame, largest, madd, mul, scale, sub, to_world, vec
+from ..departure import beside
 from ..geometry import surface_table
 from ..media.beams import attenuation, channel_probabilities, fade
 from ..media.phase import draw_cosine, henyey_greenstein
@@ -23,7 +25,6 @@ from ..path import SUBSURFACE_SETS, path_table
 from ..rays import ray_table
 from ..samplers import get_4d
 from ..shading.records import BURLEY, closure_table
-from ..visibility import leave
 from . import disk
 from .coefficients import coefficients
 from .exits import put_exit
@@ -31,8 +32,9 @@ from .records import intersect_instance
 
 MOST_STEPS = 256
 LEAST_WEIGHT = 1e-6
-FAR_SIDE = 10.0  # mean free paths within which the other side is looked for
-# Steps after which the medium scatters evenly, by the similarity relation, and how much is guided from then on.
+FAR_SIDE = 10.0  # mean free paths within which the far side is searched
+# Number of steps after which the medium scatters uniformly, by the similarity relation, and the amount of guiding from
+# then on.
 LAST_SKEWED, GUIDED_LATER = 9, 0.75
 
 
@@ -44,7 +46,7 @@ def diffusion_length(albedo):
 
 @kernel
 def _density(extinction, t, found):
-    """Density of a distance t in a medium; the probability of at least t where a surface is ``found`` there."""
+    """Density of a distance t in a medium; the probability of at least t if a surface is ``found`` there."""
     left = fade(extinction, t)
     return left if found else extinction * left
 
@@ -61,8 +63,8 @@ def _choose(u, channel_pmf):
 
 @kernel
 def scatter(block, workspace, unused):
-    """Carry the path from the workspace's surface, below which it goes along its direction, to where it leaves the instance.
-    0 if it is lost."""
+    """Follow the path from the workspace's surface, below which it goes along its direction, to where it leaves the
+    instance. Returns 0 if it is lost."""
     closure = closure_table(workspace)[surface_table(workspace)[0].entered]
     if closure.distribution == BURLEY:
         return disk.scatter(block, workspace, closure)
@@ -77,12 +79,12 @@ def walk(block, workspace, closure):
     extinction, albedo, factor = coefficients(closure)
     g, instance = closure.a, surface.instance
     entry, n, direction = vec(surface.position), vec(surface.n), vec(path.direction)
-    position = leave(entry, vec(surface.ng), direction)
+    position = beside(entry, vec(surface.ng), direction)
     throughput = mul(vec(path.throughput), factor)
     length = diffusion_length(largest(albedo))
     logarithm = math.log((length + 1.0) / (length - 1.0))
     guided = 1.0 - max(0.5, abs(g) ** 0.125)
-    thickness = 0.0  # of the instance below the entry; 0: too thick to be seen
+    thickness = 0.0  # of the instance below the entry; 0: the far side is too distant
     t_axis, b_axis = frame(n)
     for step in range(MOST_STEPS):
         if step == LAST_SKEWED + 1:
@@ -123,7 +125,7 @@ def walk(block, workspace, closure):
                 t, b = frame(before)
                 direction = to_world((sine * math.cos(angle), sine * math.sin(angle), own), t, b, before)
                 cosine = min(max(dot(direction, n), -1.0), 1.0)
-            # Densities of guided directions over that of the phase function, which cancels what it scatters.
+            # Densities of guided directions over that of the phase function, which cancels the scattering.
             phase = 2.0 * math.pi * logarithm * henyey_greenstein(dot(before, direction), g)
             out, back = 1.0 / ((length - cosine) * phase), 1.0 / ((length + cosine) * phase)
             outward, backward = 1.0 - cosine / length, 1.0 + cosine / length

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The BSDFs of ``render.bsdfs`` over arrays of points, each in a module that is found by its place.
+"""The BSDFs of ``render.bsdfs`` over arrays of points, one module each, found automatically.
 
-``NODES`` of a module says, for a kind of node, what adds its lobes: ``add(builder, node, weight)``, for the ``Builder`` of
-``materials.py`` and weights (N, 1).
+``NODES`` of a module has, for a kind of node, the function that adds its lobes: ``add(builder, node, weight)``, for the
+``Builder`` of ``materials.py`` and weights (N, 1).
 """
 
 import importlib

@@ -7,11 +7,11 @@ import numpy as np
 from ..closures import Lobe
 from ..vectors import dot, normalize
 
-THROUGH_PORTAL = 1 << 13  # kind of a ray that goes on elsewhere
+THROUGH_PORTAL = 1 << 13  # kind of a ray that continues at another position
 
 
 class Portal(Lobe):
-    """The ray goes on from ``position`` (N, 3) along ``towards`` (N, 3)."""
+    """The ray continues from ``position`` (N, 3) along ``towards`` (N, 3)."""
 
     def kind(self, wi):
         return np.full(len(wi), THROUGH_PORTAL)

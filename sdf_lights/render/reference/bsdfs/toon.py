@@ -10,8 +10,8 @@ from ..vectors import dot, reflect, uniform_cone
 
 
 class Toon(Lobe):
-    """The same everywhere in a cone of half angle ``size`` (N,), and falls off within ``smooth`` (N,) of it; about the normal, or
-    the mirror direction where it is ``glossy``."""
+    """Uniform in a cone of half angle ``size`` (N,), falling off within ``smooth`` (N,) of it; about the normal, or the
+    mirror direction if it is ``glossy``."""
 
     glossy = False
 

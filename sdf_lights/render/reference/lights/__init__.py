@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's lights, the world and emissive triangles over arrays of points. Modules of lights are found by their place.
+"""Blender's lights, the world and emissive triangles over arrays of points. Modules of lights are found automatically.
 
-``EMITTERS`` of a module says which of its classes a light of ``render.lights`` is.
+``EMITTERS`` of a module maps a light of ``render.lights`` to its class.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _EMITTERS = {
 
 
 def blender_light(light: Light, scene: Scene | None = None) -> Emitter:
-    """The emitter of a light; its nodes may look things up in its ``scene``."""
+    """The emitter of a light; its nodes may look up data in its ``scene``."""
     emitter = _EMITTERS[type(light)](light)
     if light.emission is not None:
         emitter.nodes = Emission(light.emission, scene)

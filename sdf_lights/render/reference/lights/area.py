@@ -12,9 +12,9 @@ from .emitter import Emitter
 
 
 class Area(Emitter):
-    """Rectangle or ellipse that shines along its local −z: P watts are a radiance of P / (π · area).
+    """Rectangle or ellipse that emits along its local −z: P watts are a radiance of P / (π · area).
 
-    A smaller spread s (half angle) scales radiance by (tan s − tan θ) / (tan s − s), as the slats of a grid would.
+    A smaller spread s (half angle) scales radiance by (tan s − tan θ) / (tan s − s), like the slats of a grid.
     """
 
     def __init__(self, light: AreaLight):

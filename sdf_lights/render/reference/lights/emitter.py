@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all light that is not of SDF lamps shares, by textbook sampling.
+"""The base of all lights except SDF lamps, with textbook sampling.
 
-Every class has ``sample(rng, x) -> (wi, distance, radiance, pdf)`` for points x (N, 3), with pdf 0 where nothing
-reaches x, and ``hit(origins, directions) -> (distance, radiance, pdf)``, distance inf where a ray misses. Where
+Every class has ``sample(rng, x) -> (wi, distance, radiance, pdf)`` for points x (N, 3), with pdf 0 where no light
+reaches x, and ``hit(origins, directions) -> (distance, radiance, pdf)``, with distance inf for rays that miss. Where
 ``singular``, light comes from a single direction: ``radiance`` is then an irradiance, pdf is 1 and no ray hits it.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from ...scene import Ray
 from ..emission_nodes import Emission
 
-BACKGROUND = 1e30  # distance of what is infinitely far away
+BACKGROUND = 1e30  # distance of infinitely far emitters
 
 
 class Emitter:
@@ -24,14 +24,15 @@ class Emitter:
     """
 
     singular = False
-    nodes: Emission | None = None  # what multiplies its radiance
-    normal: np.ndarray | None = None  # of its surface; None: it faces who sees it
+    nodes: Emission | None = None  # multiplies its radiance
+    normal: np.ndarray | None = None  # of its surface; None: it faces the viewer
 
     def __init__(self, visibility: Ray, cast_shadow: bool = True):
         self.visibility, self.cast_shadow = Ray(visibility), cast_shadow
 
     def modulated(self, radiance, origins, directions, distance, kind):
-        """``radiance`` (N, 3) that rays of a kind of ``scene.Ray`` meet (0 in light sampling), times what its nodes give there."""
+        """``radiance`` (N, 3) that rays of a kind of ``scene.Ray`` hit (0 in light sampling), times the value of its
+        nodes there."""
         if self.nodes is None:
             return radiance
         far = ~np.isfinite(distance) | (distance >= BACKGROUND)
@@ -45,5 +46,5 @@ class Emitter:
         raise NotImplementedError
 
     def hit(self, origins: np.ndarray, directions: np.ndarray):
-        """For rays: (distances, inf where there is no hit; radiance (N, 3); pdf of ``sample`` at the origin)."""
+        """For rays: (distances, inf without a hit; radiance (N, 3); pdf of ``sample`` at the origin)."""
         return np.full(len(origins), np.inf), np.zeros(origins.shape), np.zeros(len(origins))

@@ -12,7 +12,7 @@ from .emitter import BACKGROUND, Emitter
 
 
 class Sun(Emitter):
-    """Irradiance ``strength`` on what faces the sun, from a disk of even radiance in the sky."""
+    """Irradiance ``strength`` on surfaces that face the sun, from a disk of uniform radiance in the sky."""
 
     def __init__(self, light: SunLight):
         super().__init__(light.visibility, light.cast_shadow)
@@ -33,7 +33,7 @@ class Sun(Emitter):
         return uniform_cone(rng, axis, self.one_minus_cos), far, np.broadcast_to(self.radiance, x.shape), pdf
 
     def hit(self, origins, directions):
-        """The distance of a hit is a huge number, for inf means that there is none."""
+        """The distance of a hit is a huge number, because inf means that there is none."""
         if self.singular:
             return super().hit(origins, directions)
         difference = directions - self.direction

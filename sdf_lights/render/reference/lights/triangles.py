@@ -12,7 +12,7 @@ from .emitter import Emitter
 
 
 class Triangles(Emitter):
-    """All triangles whose material emits, uniformly by area. The integrator evaluates what they emit.
+    """All triangles whose material emits, sampled uniformly by area. The integrator evaluates their emission.
 
     ``instances`` and ``triangles`` (K,) name them, ``corners`` (K, 3, 3) are in world space.
     """

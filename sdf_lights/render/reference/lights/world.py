@@ -47,7 +47,7 @@ class Sky(Emitter):
     def _build_table(self):
         rows, columns = self.pixels.shape[:2]
         bright = np.maximum(luminance(self.pixels[..., :3]), 0.0)
-        # Interpolation carries light into neighbouring texels, and every direction keeps some probability.
+        # Interpolation carries light into neighbouring texels, so every direction keeps some probability.
         spread = (
             sum(
                 np.roll(np.pad(bright, ((1, 1), (0, 0)), "edge"), (i, j), (0, 1))[1:-1]

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's lights: a module for each kind. All modules of this folder are found.
+"""Blender's lights: one module per kind. All modules of this folder are found automatically.
 
-A module is an ``interfaces.Light``. It names its class of ``scene`` (``LIGHT``) and its table (``TABLE``) with the record of a
-light (``RECORD``), and ``rows(block)`` is that table.
+A module is an ``interfaces.Light``. It names its class of ``scene`` (``LIGHT``) and its table (``TABLE``) with the
+record of a light (``RECORD``). ``rows(block)`` is that table.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def _cases(name: str) -> list[dict]:
     ]
 
 
-NUMBER, ROWS, CASE, REST = -1, None, None, None  # given by ``dispatched``
+NUMBER, ROWS, CASE, REST = -1, None, None, None  # set by ``dispatched``
 
 
 @kernel(forceinline=True)
@@ -74,7 +74,7 @@ def _facing(kind, block, index, back):
     return back
 
 
-# Of one of Blender's lights, number ``index`` of its kind, as ``interfaces.Light``.
+# For one of Blender's lights, number ``index`` of its kind, as in ``interfaces.Light``.
 sample = dispatched(_sample, _cases("sample"), _no_sample)
 hit = dispatched(_hit, _cases("hit"), _miss)
 normal = dispatched(_normal, _cases("normal"), _facing)

@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Area lights: rectangles and ellipses that shine to one side, with Blender's spread.
+"""Area lights: rectangles and ellipses that emit to one side, with Blender's spread.
 
-A light of P watts and full spread has the radiance P / (π · area). A smaller spread multiplies it as the slats of a
-grid in front of the light would, normalised so that P stays: for a half angle s,
-(tan s − tan θ) / (tan s − s) (Cycles, "Area light spread importance sampling"). Only the part of the light whose
-cone reaches the point is sampled.
+A light of P watts and full spread has the radiance P / (π · area). A smaller spread multiplies it like the slats of a
+grid in front of the light, normalised so that P stays: for a half angle s, (tan s − tan θ) / (tan s − s) (Cycles, "Area
+light spread importance sampling"). Only the part of the light whose cone reaches the point is sampled.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ RECORD = np.dtype(
         ("center", np.float64, 3),
         ("u", np.float64, 3),
         ("v", np.float64, 3),
-        ("normal", np.float64, 3),  # the side that shines; (u, v, normal) is orthonormal, of either hand
+        ("normal", np.float64, 3),  # the emitting side; (u, v, normal) is orthonormal, of either handedness
         ("half_u", np.float64),
         ("half_v", np.float64),
         ("radiance", np.float64, 3),
@@ -66,12 +65,12 @@ def pack(row, light, rgb) -> Extent:
         row["tan_spread"] = 0.0
     elif spread < 0.5 * math.pi - 1e-6:
         tangent = math.tan(spread)
-        # tan s − s in its series, where the difference has lost its digits.
+        # The series of tan s − s, where the difference has lost its digits.
         row["tan_spread"], row["spread_gain"] = tangent, 1.0 / (tangent - spread if spread > 0.05 else spread**3 / 3.0)
         gain = tangent * float(row["spread_gain"])
     reach = np.abs(unit_u) * half[0] + np.abs(unit_v) * half[1]
     center = light.matrix[:3, 3]
-    # Intensity along the axis; a parallel beam has none, and its irradiance stands in at a distance of its own size.
+    # Intensity along the axis. A parallel beam has none; its irradiance replaces it, at a distance of its own size.
     intensity = np.abs(radiance).mean() * area * gain
     return Extent(
         center - reach,
@@ -85,21 +84,21 @@ def pack(row, light, rgb) -> Extent:
 
 @kernel
 def local(light, x):
-    """x in the light's frame, the light at the origin and shining along +z."""
+    """x in the light's frame, in which the light is at the origin and emits along +z."""
     offset = sub(x, vec(light.center))
     return dot(offset, vec(light.u)), dot(offset, vec(light.v)), dot(offset, vec(light.normal))
 
 
 @kernel
 def _reach(light, x, y, h):
-    """Rectangle, relative to the foot of the point, that holds the part of the light whose cone reaches the point."""
+    """Rectangle, relative to the foot of the point, around the part of the light whose cone reaches the point."""
     r = h * light.tan_spread
     return (max(-light.half_u - x, -r), min(light.half_u - x, r), max(-light.half_v - y, -r), min(light.half_v - y, r))
 
 
 @kernel
 def _gain(light, px, py, h):
-    """Factor on the radiance towards a point at height h, from the place (px, py) relative to its foot."""
+    """Factor on the radiance towards a point at height h, from the position (px, py) relative to its foot."""
     if light.tan_spread == math.inf:
         return 1.0
     return max(light.tan_spread - math.sqrt(px * px + py * py) / h, 0.0) * light.spread_gain
@@ -140,7 +139,7 @@ def sample(light, x, u1, u2):
 
 @kernel
 def hit(light, o, d):
-    """Distance along d to the shining side of the light, radiance and pdf of ``sample`` there; −1: missed."""
+    """Distance along d to the emitting side of the light, radiance and pdf of ``sample`` there; −1: missed."""
     miss = -1.0, (0.0, 0.0, 0.0), 0.0
     lx, ly, h = local(light, o)
     slope = -dot(d, vec(light.normal))
@@ -160,7 +159,7 @@ def hit(light, o, d):
     else:
         x0, x1, y0, y1 = _reach(light, lx, ly, h)
         pdf = rectangle_pdf(x0, x1, y0, y1, h, px, py) if x0 < x1 and y0 < y1 else 0.0
-    # A light of no width has no solid angle that could be told from rounding: sampling skips it too.
+    # A light of zero width has a solid angle within rounding: sampling skips it too.
     if not 0.0 < pdf < math.inf:
         return miss
     return t, scale(vec(light.radiance), gain), pdf

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Point and spot lights: a point, a sphere, or with soft falloff a disk that faces the lit point, as in Cycles.
 
-A light of P watts has the radiance P / (4 π² r²), so far away its radiant intensity is P / 4π; a spot's cone only
-takes away from that. Both shapes show a circular cone to any point outside, sampled uniformly in solid angle.
+A light of P watts has the radiance P / (4 π² r²), so far away its radiant intensity is P / 4π. A spot's cone only
+removes light from that. Both shapes show a circular cone to any point outside, sampled uniformly in solid angle.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ RECORD = np.dtype(
         ("cos_half", np.float64),
         ("smooth", np.float64),
         ("spread", np.float64),
-    ],  # 1 − cosine of the half angle of a round cone that holds all the light
+    ],  # 1 − cosine of the half angle of a round cone around all the light
     align=True,
 )
 
-BLEND_LEAST = 1e-6  # a smooth step this narrow is a step
+BLEND_LEAST = 1e-6  # a smooth step this narrow counts as a step
 
 LIGHT, TABLE = PointLight, "light_points"
 rows = table(TABLE, RECORD)
@@ -71,7 +71,7 @@ def _pack_spot(row, light) -> dict:
     if not orthogonal or half >= 0.5 * math.pi:
         return {}
     tangent = math.tan(half) * max(scales[0], scales[1]) / scales[2]
-    # A hair wider than the cone itself, for the rounding of directions at its rim.
+    # Slightly wider than the cone itself, for the rounding of directions at its rim.
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     row["spread"] = tangent * tangent * cosine / (1.0 + 1.0 / cosine) * (1.0 + 1e-9) + 1e-15
     return dict(axis=axis, cos_o=1.0, cos_e=cosine)
@@ -79,7 +79,8 @@ def _pack_spot(row, light) -> dict:
 
 @kernel
 def attenuation(light, wi):
-    """Share of a spot's light that goes along −wi: a smooth step in the cosine to the axis, in the light's local space."""
+    """Fraction of a spot's light that goes along −wi: a smooth step in the cosine to the axis, in the light's local
+    space."""
     if light.spot == 0:
         return 1.0
     m = light.to_local
@@ -106,7 +107,7 @@ def _width(light, square):
 
 @kernel
 def sphere_distance(light, x, d):
-    """Distance along d to where light comes from, or −1 if the ray misses."""
+    """Distance along d to the source of the light, or −1 if the ray misses."""
     to = sub(vec(light.center), x)
     square, along, r2 = dot(to, to), dot(to, d), light.radius * light.radius
     if light.disk:
@@ -122,7 +123,7 @@ def sphere_distance(light, x, d):
 
 @kernel
 def sphere_pdf(light, x):
-    """Density of ``sample`` in every direction in which it meets light."""
+    """Density of ``sample`` in every direction that hits the light."""
     to = sub(vec(light.center), x)
     square = dot(to, to)
     if square == 0.0 and light.disk:

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closures that few scenes have: a module each, compiled where a scene has it (see ``apart.py``).
+"""Closures that few scenes have: one module each, compiled if a scene has it (see ``apart.py``).
 
-A module of this folder has kernels ``evaluate`` and ``sample`` of its closures, ``CLOSURES`` that names their kinds, and ``LOBES``: of
-each lobe the kernel that adds its closures, and their kinds. What is kept in which field of ``CLOSURE`` is up to the module.
+A module of this folder has kernels ``evaluate`` and ``sample`` of its closures; ``CLOSURES``, the names of their kinds;
+and ``LOBES``: for each lobe the kernel that adds its closures, and their kinds. Each module defines its own use of the
+fields of ``CLOSURE``.
 """
 
 from __future__ import annotations
@@ -36,24 +37,24 @@ TABLES = {**apart.TABLES, **thin_film.TABLES}
 # ``jit`` counts all modules of this folder as sources.
 _MODULES = [importlib.import_module(f".{item.name}", __name__) for item in pkgutil.iter_modules(__path__)]
 
-# Lobe -> what adds its closures, and their kinds.
+# Lobe -> the kernel that adds its closures, and their kinds.
 LOBES: dict[int, tuple[Callable, tuple[int, ...]]] = {
     lobe: row for module in _MODULES for lobe, row in getattr(module, "LOBES", {}).items()
 }
 # Kind of closure -> the module that evaluates and samples it.
 CLOSURES = {kind: module for module in _MODULES for kind in getattr(module, "CLOSURES", ())}
-# What Principled calls.
+# Kernels called by Principled.
 REFINE, THIN_WALL, SCATTERING = facets.refine, thin_wall.add_lobe, subsurface.add_principled
-# What light rays call at thin walls.
+# Kernels called by light rays at thin walls.
 TRANSPARENCY = shaded_transparency
 
-# Numbers that each of these is given.
+# Number of arguments of each of these.
 _ADD, _REFINE, _THIN_WALL, _TRANSPARENCY, _SCATTERING, _EVALUATE, _SAMPLE = 2, 3, 4, 1, 5, 4, 4
 
 
 def kinds(lobes: np.ndarray) -> tuple[set[int], set[int], bool, bool, bool]:
-    """Of the lobes (rows of ``LOBE``) of a scene: kinds of lobe and of closure that are in this package, whether Principled has
-    microfacets of it, whether it can be a thin wall, and whether it scatters below the surface."""
+    """For the lobes (rows of ``LOBE``) of a scene: kinds of lobe and of closure in this package, whether Principled has
+    such microfacets, whether it can be a thin wall, and whether it has subsurface scattering."""
     principled = lobes["features"][lobes["kind"] == LOBE_PRINCIPLED]
     refined, thin = bool((principled & WITH_FACETS).any()), bool((principled & WITH_THIN_WALL).any())
     deep = bool((principled & (WITH_SUBSURFACE | WITH_THIN_SCATTERING)).any())
@@ -69,15 +70,15 @@ def kinds(lobes: np.ndarray) -> tuple[set[int], set[int], bool, bool, bool]:
 
 
 def methods(lobes: np.ndarray) -> set[int]:
-    """Methods of scattering below surfaces (``records.BURLEY`` …) of the lobes of a scene."""
+    """Methods of subsurface scattering (``records.BURLEY`` …) of the lobes of a scene."""
     features = lobes["features"]
     deep = (lobes["kind"] == LOBE_SUBSURFACE) | (lobes["kind"] == LOBE_PRINCIPLED) & (features & WITH_SUBSURFACE != 0)
     return {int(method) for method in np.unique(features[deep] >> METHOD & 3)}
 
 
 def addresses(lobes: np.ndarray, records: tuple) -> np.ndarray:
-    """The table "special_code" of a scene with these lobes, for blocks and workspaces of these ``records``. What it points at
-    is compiled first and kept for good."""
+    """The table "special_code" of a scene with these lobes, for blocks and workspaces of these ``records``. The code is
+    compiled first and kept for ever."""
     table = np.zeros(apart.PLACES, np.int64)
     found, closures, refined, thin, deep = kinds(lobes)
     if refined:
@@ -96,7 +97,7 @@ def addresses(lobes: np.ndarray, records: tuple) -> np.ndarray:
 
 
 def _all() -> list[tuple[Callable, int]]:
-    """All kernels here, and how many numbers each takes."""
+    """All kernels here, with their number of arguments."""
     found = [(REFINE, _REFINE), (THIN_WALL, _THIN_WALL), (TRANSPARENCY, _TRANSPARENCY), (SCATTERING, _SCATTERING)]
     found += [(add, _ADD) for add, _ in LOBES.values()]
     for closure in CLOSURES.values():
@@ -110,7 +111,7 @@ def kernels() -> list[Callable]:
 
 
 def compile_all(records: tuple) -> None:
-    """Compile all kernels here, before a scene asks for them."""
+    """Compile all kernels here in advance."""
     for kernel, count in _all():
         _address(kernel, count, records)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ashikhmin and Shirley 2000, "An anisotropic Phong BRDF model", without its Fresnel term, as Cycles has it.
+"""Ashikhmin and Shirley 2000, "An anisotropic Phong BRDF model", without its Fresnel term, as in Cycles.
 
 Fields of the closure: those of ``facets``.
 """
@@ -74,11 +74,11 @@ def evaluate(block, workspace, index, x, y, z):
 
 @kernel
 def _azimuth(closure, u):
-    """Angle of a half vector about the normal, from the tangent."""
+    """Azimuth of a half vector about the normal, from the tangent."""
     x, y = _exponent(closure.alpha), _exponent(closure.a)
     if x == y:
         return 2.0 * math.pi * u
-    # In the first quadrant, which the others mirror.
+    # In the first quadrant; the others are its mirror images.
     quarter = 4.0 * u
     part = min(int(quarter), 3)
     inside = quarter - part

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Principled Hair by Chiang et al. 2016, "A practical and controllable hair and fur model for production path tracing": light
-reflected by a fiber (R), light that crosses it (TT), that is reflected inside once (TRT), and more often.
+"""Principled Hair by Chiang et al. 2016, "A practical and controllable hair and fur model for production path tracing":
+light is reflected by a fiber (R), crosses it (TT), is reflected inside once (TRT), or more often.
 
-Fields of the closure: the tangent; f0 is (the offset of the ray from the middle of the fiber, in radii; unused; unused), edge the
-absorption, a the variance along the fiber, alpha that of R, b the width about it, c the tilt of its scales, ior its index.
+Fields of the closure: the tangent; f0 is (the offset of the ray from the middle of the fiber, in radii; unused;
+unused), edge the absorption, a the variance along the fiber, alpha that of R, b the width around it, c the tilt of its
+scales, ior its index.
 """
 
 import math
@@ -97,8 +98,8 @@ def add_lobe(block, workspace, lobe, weight):
 
 @kernel
 def _shares(closure, wo):
-    """What R, TT, TRT and all else keep of the light (RGB each); the sine of the inclination of wo; the angles of the ray with the
-    normals of the fiber outside and inside."""
+    """Fractions (RGB each) of light that R, TT, TRT and all later orders keep; the sine of the inclination of wo; the
+    angles of the ray with the normals of the fiber outside and inside."""
     sine_o = min(max(dot(vec(closure.tangent), wo), -1.0), 1.0)
     cosine_o = cosine_of(sine_o)
     sine_t = sine_o / closure.ior
@@ -121,13 +122,13 @@ def _shares(closure, wo):
 
 @kernel
 def _turn(order, outside, inside):
-    """How far about the fiber a smooth one would turn a ray."""
+    """Angle by which a smooth fiber would turn a ray around itself."""
     return 2.0 * order * inside - 2.0 * outside + order * math.pi
 
 
 @kernel
 def _scattered(closure, wo, sine_i, phi):
-    """f · |cos| and pdf for an inclination and an angle about the fiber from wo."""
+    """f · |cos| and pdf for an inclination and an angle around the fiber from wo."""
     r, tt, trt, more, sine_o, outside, inside = _shares(closure, wo)
     cosine_o, cosine_i, tilt, v, s = cosine_of(sine_o), cosine_of(sine_i), closure.c, closure.a, closure.b
     sine, cosine = tilted(sine_o, cosine_o, 2.0 * tilt)

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Microfacets of all kinds that ``microfacet.py`` has not: anisotropic ones, of Beckmann's distribution, of physical conductors,
-and under thin films.
+"""Microfacets that ``microfacet.py`` lacks: anisotropic ones, Beckmann's distribution, physical conductors, and thin
+films.
 
 Heitz 2014, "Understanding the masking-shadowing function in microfacet-based BRDFs", for the anisotropic forms; Walter et al.
 2007, "Microfacet models for refraction through rough surfaces", for Beckmann's; its visible normals as in Jakob 2014, "An
@@ -66,7 +66,7 @@ from . import thin_film
 _BLACK = (0.0, 0.0, 0.0)
 _NOTHING = (0.0, 0.0, 0.0, 0.0)
 _NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
-_SMALLEST = 1e-6  # of what may be a random number 0 or 1
+_SMALLEST = 1e-6  # limit for values that may be a random number 0 or 1
 _STEPS = 4  # of Newton's method
 
 
@@ -75,14 +75,14 @@ _STEPS = 4  # of Newton's method
 
 @kernel
 def turned(v, axis, angle):
-    """v turned about a unit vector (Rodrigues)."""
+    """v rotated about a unit vector (Rodrigues)."""
     c, s = math.cos(angle), math.sin(angle)
     return add(madd(scale(v, c), s, cross(axis, v)), scale(axis, dot(axis, v) * (1.0 - c)))
 
 
 @kernel
 def tangent_of(block, workspace, operand, axis, turns):
-    """The tangent that an input gives, or one around the object's z axis, turned about ``axis`` by so many turns."""
+    """The tangent of an input, or one around the object's z axis, rotated about ``axis`` by so many turns."""
     surface = surface_table(workspace)[0]
     if operand == NONE:
         n = vec(surface.n)
@@ -94,7 +94,7 @@ def tangent_of(block, workspace, operand, axis, turns):
 
 @kernel
 def frame_about(n, t):
-    """Two unit vectors that complete n to a right-handed frame (t', b, n), t' as near to t as can be."""
+    """Two unit vectors that complete n to a right-handed frame (t', b, n), with t' as near to t as possible."""
     b = normalize(cross(n, t))
     if not dot(b, b) > 0.5:
         return frame(n)
@@ -103,7 +103,7 @@ def frame_about(n, t):
 
 @kernel
 def begin_facets(closure, distribution):
-    """Make a closure of ``begin_microfacet`` one of this module, still the same all round and without a film."""
+    """Make a closure of ``begin_microfacet`` one of this module, still isotropic and without a film."""
     closure.kind = FACETS
     closure.distribution = distribution
     closure.a = closure.alpha
@@ -113,7 +113,7 @@ def begin_facets(closure, distribution):
 
 @kernel
 def stretch(closure, along, across, tangent):
-    """Give microfacets other roughnesses; the roughness by which their albedo is found."""
+    """Set other roughnesses of microfacets. Returns the roughness for the look-up of their albedo."""
     closure.alpha, closure.a = saturate(along), saturate(across)
     put(closure.tangent, tangent)
     alpha_product = closure.alpha * closure.a
@@ -129,7 +129,7 @@ def aspect(anisotropy):
 
 @kernel
 def cover(closure, thickness, ior):
-    """Lay a film on microfacets, if it is thick enough: whether it is."""
+    """Put a film on microfacets, if it is thick enough. Returns whether it is."""
     if not thickness > THINNEST_FILM:
         return False
     closure.b, closure.c = thickness, max(ior, 1e-5)
@@ -193,15 +193,15 @@ def reflectance(block, closure, cosine):
 
 @kernel
 def _tinted(f, f0, bottom):
-    """Reflectance f as an artist wants it, who has made that at normal incidence f0 where it is ``bottom``: in full where f
-    is that or less, not at all where it is 1."""
+    """Reflectance f in the artist's terms, where that at normal incidence is f0 instead of ``bottom``: fully applied if
+    f is ``bottom`` or less, not at all if f is 1."""
     return f * (1.0 + saturate((1.0 - f) / (1.0 - bottom)) * (f0 / bottom - 1.0))
 
 
 @kernel
 def _slope(closure, w):
-    """tan² of the angle between w and the normal where roughnesses along, across are 1, times cos²; as it is
-    for the distribution of normals if ``w`` is one."""
+    """tan² of the angle between w and the normal in the space where roughnesses along and across are 1, times cos²; for
+    a normal ``w``, that of the distribution of normals."""
     t, b = frame_about(vec(closure.normal), vec(closure.tangent))
     x, y = dot(t, w) / closure.alpha, dot(b, w) / closure.a
     return x * x + y * y
@@ -243,7 +243,7 @@ def masking(closure, w):
 
 @kernel
 def _erf(x):
-    """Abramowitz and Stegun 1964, 7.1.26; off by 1.5e-7 at most."""
+    """Abramowitz and Stegun 1964, 7.1.26; the error is at most 1.5e-7."""
     t = 1.0 / (1.0 + 0.3275911 * abs(x))
     y = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t
     return math.copysign(1.0 - y * math.exp(-x * x), x)
@@ -280,17 +280,17 @@ def _erf_inverse(x):
 
 @kernel
 def _beckmann_slope(cosine, u):
-    """A slope along the view of a surface of roughness 1 that is seen under ``cosine``.
+    """A slope along the view of a surface of roughness 1 seen under ``cosine``.
 
-    The cumulative distribution of e = erf(slope) is proportional to 1 + e + tan θ · exp(−erf⁻¹(e)²) / √π, which is
-    inverted by Newton's method, kept inside an interval that holds the root.
+    The cumulative distribution of e = erf(slope) is proportional to 1 + e + tan θ · exp(−erf⁻¹(e)²) / √π. Newton's
+    method inverts it, inside an interval that contains the root.
     """
     tangent = math.sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine
     cotangent = 1.0 / max(tangent, 1e-12)
     factor = tangent / math.sqrt(math.pi)
     low, high = -1.0, _erf(cotangent)
     wanted = u * (1.0 + high + factor * math.exp(-cotangent * cotangent))
-    # Where the exponential is taken as 1 − e² the equation is a quadratic one.
+    # With the exponential approximated by 1 − e², the equation is quadratic.
     e = wanted - 1.0
     if factor > 1e-6:
         e = (0.5 - math.sqrt(max(factor * (factor - wanted + 1.0) + 0.25, 0.0))) / factor
@@ -310,7 +310,7 @@ def _beckmann_slope(cosine, u):
 
 @kernel
 def beckmann_normal(wo, along, across, u1, u2):
-    """As ``microfacet.visible_normal``, of Beckmann's distribution."""
+    """As ``microfacet.visible_normal``, for Beckmann's distribution."""
     u1, u2 = min(max(u1, _SMALLEST), 1.0 - _SMALLEST), min(max(u2, _SMALLEST), 1.0 - _SMALLEST)
     view = normalize((along * wo[0], across * wo[1], wo[2]))
     sine = math.sqrt(view[0] * view[0] + view[1] * view[1])
@@ -374,7 +374,7 @@ def sample(block, workspace, index, u1, u2, u3):
 
 @kernel
 def smooth_albedo(block, closure, cosine):
-    """What a smooth surface would reflect and transmit."""
+    """Reflectance and transmittance of a smooth surface."""
     r, t, _ = reflectance(block, closure, cosine)
     return add(r, t)
 
@@ -409,7 +409,7 @@ def refine(block, workspace, lobe, index, roughness):
 
 @kernel
 def begin_glossy(block, workspace, lobe, weight, distribution):
-    """Index of a new closure of Glossy (−1: none), and the roughness by which its albedo is found."""
+    """Index of a new closure of Glossy (−1: none), and the roughness for the look-up of its albedo."""
     surface, args = surface_table(workspace)[0], lobe.args
     roughness = saturate(number(block, workspace, args[1]))
     n = specular_normal(surface, normal(block, workspace, args[2]))
@@ -430,7 +430,7 @@ def begin_glossy(block, workspace, lobe, weight, distribution):
 
 @kernel
 def add_glossy(block, workspace, lobe, weight):
-    """Glossy BSDF of Beckmann's distribution, or an anisotropic one."""
+    """Glossy BSDF with Beckmann's distribution, or an anisotropic one."""
     lobe = lobe_table(block)[int(lobe)]
     color = positive(vector(block, workspace, lobe.args[0]))
     index, roughness = begin_glossy(
@@ -448,7 +448,7 @@ def add_glossy(block, workspace, lobe, weight):
 
 @kernel
 def add_glass(block, workspace, lobe, weight):
-    """Glass BSDF of Beckmann's distribution, or under a film."""
+    """Glass BSDF with Beckmann's distribution, or under a film."""
     lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
     args = lobe.args
     color = positive(vector(block, workspace, args[0]))
@@ -472,7 +472,7 @@ def add_glass(block, workspace, lobe, weight):
 
 @kernel
 def add_refraction(block, workspace, lobe, weight):
-    """Refraction BSDF of Beckmann's distribution."""
+    """Refraction BSDF with Beckmann's distribution."""
     lobe = lobe_table(block)[int(lobe)]
     color = scale(positive(vector(block, workspace, lobe.args[0])), weight)
     index = begin_refraction(block, workspace, lobe, color)
@@ -484,8 +484,8 @@ def add_refraction(block, workspace, lobe, weight):
 
 @kernel
 def _shape_metal(block, workspace, lobe, index, given):
-    """Make closure ``index`` of Metallic what its lobe says, from the input normal ``given`` on: the roughness by which its
-    albedo is found, and what it reflects where it is smooth; negative where that is not asked for."""
+    """Make closure ``index`` of Metallic as its lobe says, from the input normal ``given`` on. Returns the roughness
+    for the look-up of its albedo, and its reflectance where it is smooth; negative if that is not needed."""
     args, closure = lobe.args, closure_table(workspace)[index]
     roughness = math.sqrt(closure.alpha)
     anisotropy = saturate(number(block, workspace, args[4]))
@@ -526,7 +526,7 @@ def add_metallic(block, workspace, lobe, weight):
 
 @kernel
 def _mean_of_conductor(n, k):
-    """About ∫ 2 μ F(μ) dμ: that of F82 with the same reflectance at normal incidence and at 82°."""
+    """Approximate ∫ 2 μ F(μ) dμ: that of F82 with the same reflectance at normal incidence and at 82°."""
     f0 = fresnel.conductor(1.0, n, k)
     edge = fresnel.f82_edge_through(f0, fresnel.conductor(1.0 / 7.0, n, k))
     return saturate(fresnel.f82_average(f0, edge))

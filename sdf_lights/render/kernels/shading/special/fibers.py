@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What both models of Principled Hair share: what the pigments absorb, and distributions along and about a fiber."""
+"""Shared by both models of Principled Hair: absorption of the pigments, and distributions along and around a fiber."""
 
 import math
 
@@ -16,7 +16,7 @@ _OF_MELANIN, _OF_ABSORPTION = (
 )
 RIBBONS = int(Primitive.RIBBONS)
 
-# Places of the arguments of the lobe.
+# Indices of the arguments of the lobe.
 (
     COLOR,
     MELANIN,
@@ -51,8 +51,8 @@ def cosine_of(sine):
 
 @kernel
 def across(tangent, wo):
-    """Unit vectors that are perpendicular to the fiber: y to the view, too, and z, by which x × y = z of the fiber x, away from
-    the viewer."""
+    """Unit vectors perpendicular to the fiber: y, which is also perpendicular to the view, and z, away from the viewer,
+    with x × y = z for the fiber x."""
     y = cross(tangent, wo)
     square = y[0] * y[0] + y[1] * y[1] + y[2] * y[2]
     if square < 1e-24:
@@ -63,10 +63,11 @@ def across(tangent, wo):
 
 @kernel
 def cut(surface, n, wi):
-    """Whether light rays from wi count for nothing on a mesh; n is perpendicular to the fiber and to the view.
+    """Whether light rays from wi have no effect on a mesh; n is perpendicular to the fiber and to the view.
 
-    Cycles takes n for the normal of a bump, behind which it cuts light rays; rays that are drawn by the fiber itself go on. So a
-    lamp without a size gives less than it should, and others lose what light rays would find: it is done alike here.
+    Cycles treats n as the normal of a bump, behind which it cuts light rays; rays sampled from the fiber itself
+    continue. So a lamp without a size gives less light than it should, and others lose the part of light rays. This
+    engine does the same.
     """
     if surface.strand:
         return False
@@ -76,7 +77,7 @@ def cut(surface, n, wi):
 
 @kernel
 def _of_color(color, roughness):
-    """Absorption of a fiber that has the albedo ``color``: Chiang et al. 2016, equation 9."""
+    """Absorption of a fiber with the albedo ``color``: Chiang et al. 2016, equation 9."""
     x = roughness
     scale_ = ((((0.245 * x + 5.574) * x - 10.73) * x + 2.532) * x - 0.215) * x + 5.969
     r = math.log(max(color[0], 1e-30)) / scale_
@@ -87,13 +88,13 @@ def _of_color(color, roughness):
 
 @kernel
 def random_factor(block, workspace, lobe, amount):
-    """What a property is multiplied by that varies from fiber to fiber by ``amount``."""
+    """Factor on a property that varies from fiber to fiber by ``amount``."""
     return 1.0 + 2.0 * (number(block, workspace, lobe.args[RANDOM]) - 0.5) * amount
 
 
 @kernel
 def absorption(block, workspace, lobe, roughness):
-    """Absorption coefficient (RGB) over the radius of a fiber."""
+    """Absorption coefficient (RGB) per radius of a fiber."""
     args = lobe.args
     if lobe.features & _OF_ABSORPTION:
         return vector(block, workspace, args[ABSORPTION])
@@ -135,14 +136,14 @@ def along(sine_i, cosine_i, sine_o, cosine_o, v):
 
 @kernel
 def tilted(sine, cosine, angle):
-    """Sine and cosine of an inclination that scales tilt by ``angle``."""
+    """Sine and cosine of an inclination tilted by the scales' ``angle``."""
     s, c = math.sin(angle), math.cos(angle)
     return sine * c - cosine * s, abs(cosine * c + sine * s)
 
 
 @kernel
 def about(phi, s):
-    """Density of a logistic distribution of width s, cut off at ±π, of an angle about the fiber."""
+    """Density of a logistic distribution of width s, truncated at ±π, for an angle around the fiber."""
     x = abs(phi - TWO_PI * math.floor((phi + math.pi) / TWO_PI))
     e = math.exp(-x / s)
     return e / (s * (1.0 + e) * (1.0 + e)) / (1.0 - 2.0 / (1.0 + math.exp(min(math.pi / s, 80.0))))
@@ -150,7 +151,7 @@ def about(phi, s):
 
 @kernel
 def sample_about(s, u):
-    """An angle that ``about`` is the density of."""
+    """A sample of the density ``about``: an angle."""
     low = 1.0 / (1.0 + math.exp(min(math.pi / s, 80.0)))
     inner = u * (1.0 - 2.0 * low) + low
     return min(max(-s * math.log(max(1.0 / max(inner, 1e-30) - 1.0, 1e-30)), -math.pi), math.pi)
@@ -158,7 +159,7 @@ def sample_about(s, u):
 
 @kernel
 def sample_along(sine_o, cosine_o, v, u1, u2):
-    """Sine of an inclination that ``along`` is the density of."""
+    """A sample of the density ``along``: the sine of an inclination."""
     u1 = max(u1, 1e-5)
     c = 1.0 + v * math.log(u1 + (1.0 - u1) * math.exp(-2.0 / v))
     s = math.sqrt(max(1.0 - c * c, 0.0))

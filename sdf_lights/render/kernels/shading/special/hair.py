@@ -4,7 +4,7 @@
 human hair fibers". A Cauchy distribution along the fiber, about the mirror direction; about it a cosine or another Cauchy
 distribution.
 
-Fields of the closure: the tangent; alpha is the roughness along the fiber, a that about it, b the tilt of its scales.
+Fields of the closure: the tangent; alpha is the roughness along the fiber, a that around it, b the tilt of its scales.
 """
 
 import math
@@ -19,7 +19,7 @@ from ..surface import begin, finish, lobe_table, positive, specular_normal
 
 _IS_TRANSMISSION = option("hair", "component", "TRANSMISSION")
 _HALF_PI = 0.5 * math.pi
-_ALONG = _HALF_PI - 0.001  # inclinations beyond are along the fiber
+_ALONG = _HALF_PI - 0.001  # inclinations beyond count as along the fiber
 _NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
 
 
@@ -42,7 +42,7 @@ def add_lobe(block, workspace, lobe, weight):
     if args[4] == NONE and surface.strand:
         put(closure.tangent, normalize(vec(surface.dpdu)))
     elif args[4] == NONE:
-        # On a mesh nothing says which way its hair lies.
+        # On a mesh the direction of hair is unknown.
         put(closure.tangent, normalize(vec(surface.dpdv)))
         closure.b = 0.0
     else:
@@ -53,7 +53,7 @@ def add_lobe(block, workspace, lobe, weight):
 
 @kernel
 def _across(closure, w):
-    """Inclination of w towards the fiber, and its direction seen along the fiber."""
+    """Inclination of w towards the fiber, and its direction projected along the fiber."""
     t = vec(closure.tangent)
     height = min(max(dot(t, w), -1.0), 1.0)
     v = madd(w, -height, t)
@@ -110,8 +110,8 @@ def _density(closure, wo, wi):
 def evaluate(block, workspace, index, x, y, z):
     """f · |cos| without its weight, and pdf.
 
-    Light rays see a mesh on one side alone, and what is mirrored within a quarter turn about the fiber; ``sample`` draws all
-    there is. So a lamp gives less the smaller it is: it is done alike in Cycles.
+    Light rays see a mesh on one side only, and reflection within a quarter turn around the fiber; ``sample`` draws
+    everything. So smaller lamps give less light, as in Cycles.
     """
     closure = closure_table(workspace)[int(index)]
     wi = (x, y, z)

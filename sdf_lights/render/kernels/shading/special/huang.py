@@ -3,15 +3,16 @@
 """Principled Hair by Huang, Hullin and Hanika 2022, "A microfacet-based hair scattering model": a fiber of rough glass with an
 elliptical cross-section. Light is reflected by it (R), crosses it (TT), is reflected inside once (TRT), or more often.
 
-What a fiber scatters is an integral over the fiber, as a ray may meet it anywhere. Of R it is a sum over the fiber; of all else
-also over microfacets, which are drawn at random from the bits of the direction that is asked for. So the value is an estimate,
-whose mean is right. Directions are drawn from simple distributions that are like the lobes, so their density is exact.
+The scattering of a fiber is an integral over the fiber, because a ray may hit it anywhere. For R it is a sum over the
+fiber. For the rest it is also over microfacets, which are drawn at random from the bits of the queried direction. So
+the value is an estimate with the right mean. Directions are drawn from simple distributions similar to the lobes, so
+their density is exact.
 
 Fields of the closure: the tangent; f0 is (the factors of R, TT, TRT), edge the absorption, alpha
 the roughness, a the minor axis relative to the major one, c the tilt of the scales, ior the index.
 
-Vectors are in the frame (across the view, along the fiber, towards the viewer), unless said. Angles about the fiber count from
-the last one to the first; γ is the parameter of the ellipse (a sin γ, cos γ) of its normals.
+Vectors are in the frame (across the view, along the fiber, towards the viewer), unless stated otherwise. Angles around
+the fiber count from the last axis to the first; γ is the parameter of the ellipse (a sin γ, cos γ) of its normals.
 """
 
 import math
@@ -50,13 +51,13 @@ from .fibers import (
 )
 
 _NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
-_STEP = 0.6  # of the integral over the fiber, in roughnesses
+_STEP = 0.6  # step of the integral over the fiber, in roughnesses
 _MOST_STEPS = 512
 _TOTAL = 1e-5  # how close to total reflection a ray may leave
-# Of the lobes that directions are drawn from: standard deviations along the fiber in roughnesses, widths about it.
+# Of the lobes from which directions are drawn: standard deviations along the fiber in roughnesses, widths around it.
 _R_ALONG, _TT_ALONG, _TRT_ALONG, _TT_ABOUT, _TRT_ABOUT = 1.7, 1.1, 2.2, 0.38, 0.3
-_ANYWHERE = 0.12  # part that is drawn from all directions alike
-_CERTAIN = 2.0  # density that is about as certain as Cycles takes all directions to be
+_ANYWHERE = 0.12  # fraction drawn uniformly from all directions
+_CERTAIN = 2.0  # density that approximates the certainty which Cycles assigns to all directions
 
 
 @kernel
@@ -96,7 +97,7 @@ def add_lobe(block, workspace, lobe, weight):
 
 @kernel
 def _is_missed(block, workspace, axis, aspect):
-    """Whether a ray that meets a round strand goes past the ellipse in it, whose axes have the ratio ``aspect``."""
+    """Whether a ray that hits a round strand misses the ellipse in it, whose axes have the ratio ``aspect``."""
     surface = surface_table(workspace)[0]
     tangent, wo = vec(surface.dpdu), vec(surface.wo)
     major = (0.0, 0.0, 0.0)
@@ -117,7 +118,8 @@ def _is_missed(block, workspace, axis, aspect):
 
 @kernel
 def _shares(closure, wo):
-    """About what R, TT, TRT keep of the light (RGB each), and the sine of the inclination of wo, which is in the world."""
+    """Approximate fractions (RGB each) of light that R, TT, TRT keep, and the sine of the inclination of wo, which is
+    in world space."""
     sine = min(max(dot(vec(closure.tangent), wo), -1.0), 1.0)
     cosine = cosine_of(sine)
     f, _ = fresnel.dielectric(0.8 * cosine, closure.ior)
@@ -134,7 +136,7 @@ def _shares(closure, wo):
 
 @kernel
 def _normal(tilt, gamma, b):
-    """The normal of the fiber at γ, whose scales tilt it."""
+    """The normal of the fiber at γ, tilted by its scales."""
     s, c = b * math.sin(gamma), math.cos(gamma)
     inverse = math.cos(tilt) / math.sqrt(s * s + c * c)
     return (s * inverse, math.sin(tilt), c * inverse)
@@ -149,7 +151,7 @@ def _chord(first, second, b):
 
 @kernel
 def _arc(b, gamma):
-    """Length of an arc of the cross-section for one of γ."""
+    """Length of an arc of the cross-section per unit of γ."""
     s = math.sin(gamma)
     return math.sqrt(max(1.0 - (1.0 - b * b) * s * s, 0.0))
 
@@ -166,7 +168,7 @@ def _on_ellipse(phi, b):
 
 @kernel
 def _facet(w, m, alpha, u1, u2):
-    """The normal of a microfacet about m, drawn in proportion to its area as seen from w."""
+    """The normal of a microfacet around m, drawn in proportion to its area as seen from w."""
     t, s = frame(m)
     return to_world(microfacet.visible_normal((dot(t, w), dot(s, w), dot(m, w)), alpha, alpha, u1, u2), t, s, m)
 
@@ -178,7 +180,7 @@ def _seen(w, m, h):
 
 @kernel
 def _gain(block, cosine, alpha, ior):
-    """Factor that gives back the energy that microfacets lose."""
+    """Factor that compensates the energy loss of microfacets."""
     return 1.0 / energy.glass_albedo(block, cosine, math.sqrt(alpha), ior)
 
 
@@ -197,7 +199,7 @@ def _shadowed(alpha2, cosine_o, cosine_i):
 
 @kernel
 def _refracted(w, h, cosine, cosine_t, ior):
-    """w, on the side of h, refracted to the other one, of index ``ior`` relative to its own."""
+    """w, on the side of h, refracted to the other side, with ``ior`` relative to its own index."""
     eta = 1.0 / ior
     return sub(scale(h, eta * cosine - cosine_t), scale(w, eta))
 
@@ -209,7 +211,7 @@ def _kept(sigma, path):
 
 @kernel
 def _reflected_by(block, closure, wo, wi, gamma):
-    """What of R is reflected at γ, but for Fresnel's term."""
+    """The part of R that is reflected at γ, without Fresnel's term."""
     b, alpha = closure.a, closure.alpha
     alpha2 = alpha * alpha
     h = normalize(add(wo, wi))
@@ -228,7 +230,7 @@ def _reflected_by(block, closure, wo, wi, gamma):
 
 @kernel
 def _left_by(block, closure, inside, m, wi):
-    """What of light that comes along −``inside`` to the fiber's inner normal m leaves the fiber to wi there: without masking of
+    """Light along −``inside`` at the fiber's inner normal m that leaves the fiber towards wi there, without masking of
     ``inside`` by itself, and with the gain of m."""
     alpha2 = closure.alpha * closure.alpha
     inverse = 1.0 / closure.ior
@@ -255,16 +257,16 @@ def _left_by(block, closure, inside, m, wi):
 
 @kernel
 def _more(out, kept, again):
-    """What leaves the fiber of light that is reflected inside more than once, of one channel: a geometric series, by what both ways
-    inside have kept."""
+    """Light of one channel that leaves the fiber after several inner reflections: a geometric series, from the
+    fractions that both inner segments keep."""
     part = math.sqrt(kept * again)
     return kept * again * part * out / max(1.0 - part * (1.0 - out), 1e-9)
 
 
 @kernel
 def _crossed(block, closure, wo, wi, gamma, u, v, w):
-    """What of TT and TRT (RGB) is scattered by a ray that meets the fiber at γ, and what leaves it in all of what is beyond (RGB);
-    u, v and w are three random numbers each."""
+    """Scattering of TT and TRT (RGB) by a ray that hits the fiber at γ, and the light of all later orders; u, v and w
+    are three random numbers each."""
     b, alpha, ior, tilt = closure.a, closure.alpha, closure.ior, closure.c
     alpha2, sigma, none = alpha * alpha, vec(closure.edge), (0.0, 0.0, 0.0)
     m = _normal(tilt, gamma, b)
@@ -381,14 +383,14 @@ def _value(block, closure, wo, wi):
             mirror += _reflected_by(block, closure, wo, wi, gamma)
         if closure.f0[1] > 0.0 or closure.f0[2] > 0.0:
             through, beyond = _crossed(block, closure, wo, wi, gamma, u, v, w)
-            if through[0] + through[1] + through[2] < math.inf:  # NaN is not less, either
+            if through[0] + through[1] + through[2] < math.inf:  # NaN fails this test too
                 crossed = add(crossed, through)
             if beyond[0] + beyond[1] + beyond[2] < math.inf:
                 more = madd(more, math.cos(gamma), beyond)
     inverse = 1.0 / closure.ior
     r = 0.25 * closure.f0[0] * f * mirror
     total = scale(madd((r, r, r), inverse * inverse, crossed), size / (2.0 * cosine_o))
-    # All beyond TRT is spread as Chiang et al. 2016 spread it.
+    # Orders beyond TRT are spread as in Chiang et al. 2016.
     return madd(total, 0.5 * size * along(wo[1], cosine_o, wi[1], cosine_i, 4.0 * closure.alpha) / TWO_PI, more)
 
 
@@ -397,7 +399,7 @@ def _value(block, closure, wo, wi):
 
 @kernel
 def _chances(closure, wo):
-    """Probabilities with which a direction is drawn from each lobe, and the sine of the inclination of wo."""
+    """Probabilities of the lobes for sampling a direction, and the sine of the inclination of wo."""
     r, tt, trt, sine = _shares(closure, wo)
     a, b, c = luminance(r), luminance(tt), luminance(trt)
     total = a + b + c
@@ -414,7 +416,7 @@ def _variance(alpha, deviation):
 
 @kernel
 def _density(closure, wo, sine_i, phi):
-    """Of directions with this inclination and angle about the fiber."""
+    """Density of directions with this inclination and angle around the fiber."""
     first, second, third, sine_o = _chances(closure, wo)
     cosine_o, cosine_i, tilt, alpha = cosine_of(sine_o), cosine_of(sine_i), closure.c, closure.alpha
     around = max(math.cos(0.5 * phi), 0.0) * 0.25
@@ -437,7 +439,7 @@ def _density(closure, wo, sine_i, phi):
 
 @kernel
 def _evaluated(block, closure, wo, wi):
-    """f · |cos| (RGB) and pdf; directions are in the world."""
+    """f · |cos| (RGB) and pdf; directions are in world space."""
     y = vec(closure.tangent)
     x, _ = across(y, wo)
     z = cross(x, y)
@@ -495,10 +497,11 @@ def sample(block, workspace, index, u1, u2, u3):
     value, pdf = _evaluated(block, closure, wo, wi)
     if not pdf > 0.0:
         return _NO_DIRECTION
-    # Cycles counts all that curves scatter as reflection.
+    # Cycles counts all scattering of curves as reflection.
     kind = TRANSMISSION if surface.strand == 0 and dot(vec(surface.ng), wi) < 0.0 else GLOSSY
     if surface.closure_count == 1 and cut(surface, x, wi):
-        # Light rays find nothing here. As in Cycles, which does not know the density, what is drawn counts for most of the light.
+        # Light rays find nothing here. As in Cycles, which does not know the density, sampled directions get most of
+        # the weight.
         more = max(_CERTAIN / pdf, 1.0)
         value, pdf = scale(value, more), pdf * more
     return wi[0], wi[1], wi[2], value[0], value[1], value[2], pdf, kind

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ray Portal: the ray goes on elsewhere, in another direction.
+"""Ray Portal: the ray continues at another position, in another direction.
 
-Fields of the closure: f0 is the place and the tangent the direction from which it goes on. Light rays do not pass it
+Fields of the closure: f0 is the new position and the tangent the new direction. Light rays do not pass it
 (``material_compiler.py``).
 """
 
@@ -43,7 +43,7 @@ def add_lobe(block, workspace, lobe, weight):
 
 @kernel
 def evaluate(block, workspace, index, x, y, z):
-    """Nothing: it is singular."""
+    """Zero: it is singular."""
     return 0.0, 0.0, 0.0, 0.0
 
 

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scattering below the surface: the closure, and where light enters. ``kernels/subsurface`` follows it from there.
+"""Subsurface scattering: the closure, and the entry of light. ``kernels/subsurface`` follows the light from there.
 
-As in Cycles, no energy is lost at the entry, and what leaves is diffuse. In a thin wall light is scattered at once (OpenPBR 1.1).
+As in Cycles, no energy is lost at the entry, and the exit is diffuse. In a thin wall light is scattered at once
+(OpenPBR 1.1).
 
-Fields of the closure: ``distribution`` is the method, ``f0`` the colour of the surface, ``edge`` the radius in metres, ``a`` the
-anisotropy; ``alpha`` and ``ior`` are those of the boundary where light enters.
+Fields of the closure: ``distribution`` is the method, ``f0`` the colour of the surface, ``edge`` the radius in metres,
+``a`` the anisotropy; ``alpha`` and ``ior`` are those of the boundary where light enters.
 """
 
 import math
@@ -50,14 +51,14 @@ from ..surface import (
     specular_normal,
 )
 
-SMALLEST_RADIUS = 1e-8  # metres; a colour of less is diffuse
+SMALLEST_RADIUS = 1e-8  # metres; a colour with a smaller radius is diffuse
 LOWEST_IOR, HIGHEST_IOR = 1.01, 3.8
 HIGHEST_ANISOTROPY, HIGHEST_OF_OTHERS = 0.99, 0.9  # of RANDOM_WALK, and of the other methods
 
 
 @kernel
 def _add(workspace, features, weight, color, radius, anisotropy, ior, alpha, n):
-    """Add the closure; diffuse ones for colours that do not go deep."""
+    """Add the closure; colours with a tiny radius get diffuse ones."""
     surface = surface_table(workspace)[0]
     method = features >> METHOD & 3
     once = features & ONCE != 0 and surface.depth[1] > 0
@@ -107,7 +108,7 @@ def add_lobe(block, workspace, lobe, weight):
 
 @kernel
 def _add_thin(block, workspace, args, weight, color, anisotropy):
-    """Light that a sheet of dense scattering sends back and through."""
+    """Light that a sheet with dense scattering reflects and transmits."""
     n = normal(block, workspace, args[NORMAL])
     back, through = saturate(0.5 - 0.5 * anisotropy), saturate(0.5 + 0.5 * anisotropy)
     roughness = saturate(number(block, workspace, args[DIFFUSE_ROUGHNESS]))
@@ -117,7 +118,7 @@ def _add_thin(block, workspace, args, weight, color, anisotropy):
 
 @kernel
 def add_principled(block, workspace, lobe, r, g, b, ior):
-    """What Principled scatters below its surface, with this weight; ``ior`` is that of its specular layer."""
+    """Subsurface scattering of Principled, with this weight; ``ior`` is that of its specular layer."""
     row, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
     args = row.args
     color = saturated(vector(block, workspace, args[BASE_COLOR]))
@@ -147,13 +148,13 @@ def add_principled(block, workspace, lobe, r, g, b, ior):
 
 @kernel
 def evaluate(block, workspace, index, x, y, z):
-    """Nothing: it is singular."""
+    """Zero: it is singular."""
     return 0.0, 0.0, 0.0, 0.0
 
 
 @kernel
 def _refracted(closure, wo, u1, u2):
-    """Direction in which light goes on below a rough boundary; none, the zero vector, where wo is below it."""
+    """Direction of light below a rough boundary; the zero vector if wo is below it."""
     n = vec(closure.normal)
     cosine = dot(n, wo)
     if cosine <= 0.0:
@@ -167,7 +168,7 @@ def _refracted(closure, wo, u1, u2):
 
 @kernel
 def sample(block, workspace, index, u1, u2, u3):
-    """wi, where the light goes on below the surface, f · |cos|, pdf and kind."""
+    """wi, the direction of light below the surface, f · |cos|, pdf and kind."""
     surface, closure = surface_table(workspace)[0], closure_table(workspace)[int(index)]
     surface.entered = int(index)
     if closure.distribution == BURLEY:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reflectance of a surface below a film so thin that light interferes with itself.
+"""Reflectance of a surface below a thin film with interference.
 
 Belcour and Barla 2017, "A practical extension to microfacet theory for the modeling of varying iridescence": Airy's sum over
 reflections inside the film, each seen through the Fourier transform of the eye's sensitivity (``tables/thin_film.py``).
@@ -17,12 +17,12 @@ from .. import fresnel
 TABLES = {"film": np.dtype("f8")}
 _film = table("film", TABLES["film"])
 
-_TERMS = 3  # of the sum over reflections; the others are hardly seen
+_TERMS = 3  # of the sum over reflections; later ones are hardly visible
 
 
 @kernel
 def _sensitivity(block, channel, path):
-    """Means of cos 2πΔ/λ and sin 2πΔ/λ over what a channel sees, for the path difference Δ in nanometres."""
+    """Means of cos 2πΔ/λ and sin 2πΔ/λ over the sensitivity of a channel, for the path difference Δ in nanometres."""
     values = _film(block)
     x = min(max(path / LONGEST, 0.0), 1.0) * (SIZE - 1)
     i = min(int(x), SIZE - 2)
@@ -35,8 +35,8 @@ def _sensitivity(block, channel, path):
 
 @kernel
 def _airy(block, channel, top, bottom, path, re, im):
-    """Reflectance of two interfaces of reflectances ``top`` and ``bottom``; re + i · im is the phase that both together
-    give to light inside the film."""
+    """Reflectance of two interfaces with reflectances ``top`` and ``bottom``; re + i · im is the phase that both
+    together give to light inside the film."""
     product = top * bottom
     passed = 1.0 - top
     inside = passed * passed * bottom / max(1.0 - product, 1e-9)
@@ -53,7 +53,7 @@ def _airy(block, channel, top, bottom, path, re, im):
 
 @kernel
 def _index(ior, thickness):
-    """Index of a film; what is thinner than a nanometre fades away."""
+    """Index of a film; films thinner than a nanometre fade out."""
     if thickness >= 1.0:
         return ior
     t = max(thickness, 0.0)
@@ -100,8 +100,8 @@ def dielectric(block, cosine, ior, film_ior, thickness):
 
 @kernel
 def conductor(block, channel, cosine, n, k, at_82, film_ior, thickness):
-    """Reflectance of a channel of a conductor of index n + ik under a film. Where ``at_82`` is not negative it is a metal of
-    F82-Tint with that reflectance at 82° in the air; n and k give the phases alone."""
+    """Reflectance of a channel of a conductor of index n + ik under a film. If ``at_82`` is not negative, it is a metal
+    of F82-Tint with that reflectance at 82° in air; n and k then only give the phases."""
     inner = _index(film_ior, thickness)
     s, p, cosine_film = fresnel.polarized(cosine, inner)
     if cosine_film == 0.0:
@@ -127,8 +127,8 @@ def conductor(block, channel, cosine, n, k, at_82, film_ior, thickness):
 
 @kernel
 def index_of_metal(f0, at_82):
-    """n and k of a metal by its reflectances at normal incidence and at 82°: Gulbrandsen 2014, "Artist friendly metallic
-    Fresnel", with the latter as the colour of the edge."""
+    """n and k of a metal from its reflectances at normal incidence and at 82°: Gulbrandsen 2014, "Artist friendly
+    metallic Fresnel", with the latter as the colour of the edge."""
     r = min(f0, 0.999)
     root = math.sqrt(r)
     n = at_82 * (1.0 - r) / (1.0 + r) + (1.0 - at_82) * (1.0 + root) / (1.0 - root)

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A pane of glass that is too thin to bend light, as OpenPBR 1.1 has thin walls: reflected and transmitted light have bounced
-any number of times between its sides. What is transmitted goes on as if it were mirrored at the surface, and spread.
+"""A pane of glass too thin to bend light, like thin walls of OpenPBR 1.1: reflected and transmitted light have bounced
+any number of times between its sides. Transmitted light leaves as if mirrored at the surface, and spread.
 
 Fields of the closure: those of ``microfacet``. Its normal is on the far side.
 """
@@ -34,8 +34,8 @@ _WHITE = (1.0, 1.0, 1.0)
 
 @kernel
 def _pane(front, back, passed_front, passed_back, kept):
-    """What one channel of a pane reflects and transmits. ``front``, ``back``: reflectances of its sides from outside and
-    inside; ``passed_…``: what they transmit; ``kept``: what a crossing keeps."""
+    """Reflection and transmission of a pane in one channel. ``front``, ``back``: reflectances of its sides from outside
+    and inside; ``passed_…``: their transmittances; ``kept``: the fraction that a crossing keeps."""
     inside = back * kept
     transmitted = kept * passed_front * passed_back / max(1.0 - inside * inside, 1e-9)
     return front + transmitted * inside, transmitted
@@ -43,7 +43,7 @@ def _pane(front, back, passed_front, passed_back, kept):
 
 @kernel
 def _fresnel(block, closure, cosine, color):
-    """What a pane reflects and transmits (RGB); ``closure`` is what its side is made of."""
+    """Reflection and transmission of a pane (RGB); ``closure`` describes its side."""
     r, t, cosine_t = reflectance(block, closure, cosine)
     if cosine_t == 0.0:
         return r, (0.0, 0.0, 0.0)
@@ -61,7 +61,7 @@ def _fresnel(block, closure, cosine, color):
 
 @kernel
 def _spread(alpha, ior):
-    """Roughness of what has crossed two rough sides: Kulla and Conty 2017, "Revisiting physically based shading at
+    """Roughness after crossing two rough sides: Kulla and Conty 2017, "Revisiting physically based shading at
     Imageworks"."""
     return saturate(alpha * math.sqrt(max(3.4 * (ior - 1.0) * (ior - 0.5) * (ior - 0.5) / (ior * ior * ior), 0.0)))
 
@@ -94,7 +94,7 @@ def add_lobe(block, workspace, lobe, r, g, b):
     roughness = saturate(number(block, workspace, args[ROUGHNESS]))
     ior = max(number(block, workspace, args[IOR]), 1e-5)
     tint = positive(vector(block, workspace, args[SPECULAR_TINT]))
-    # The next closure serves as its side first.
+    # The next closure temporarily describes its side.
     side = closures[surface.closure_count]
     side.fresnel, side.transmits, side.ior = FRESNEL_DIELECTRIC, 1, ior
     begin_facets(side, GGX)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Toon: the same inside a cone about the normal or the mirror direction, less towards its rim, nothing outside it.
+"""Toon: uniform inside a cone about the normal or the mirror direction, falling towards its rim, zero outside.
 
-Fields of the closure: a is the half angle of the cone where it is full, b the width of its rim, also an angle.
+Fields of the closure: a is the half angle of the uniform cone, b the width of its rim, also an angle.
 """
 
 import math
@@ -40,7 +40,7 @@ def add_lobe(block, workspace, lobe, weight):
 
 @kernel
 def _axis(closure, wo):
-    """The direction that the cone is about."""
+    """The axis of the cone."""
     n = vec(closure.normal)
     return sub(scale(n, 2.0 * dot(n, wo)), wo) if closure.kind == GLOSSY_TOON else n
 
@@ -52,7 +52,7 @@ def _half_angle(closure):
 
 @kernel
 def _density(closure):
-    """Of directions in the whole cone."""
+    """Density of directions in the whole cone."""
     sine = math.sin(0.5 * _half_angle(closure))
     return 1.0 / (4.0 * math.pi * sine * sine)
 

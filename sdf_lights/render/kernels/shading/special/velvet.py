@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Velvet of Ashikhmin, Premože and Shirley 2000, "A microfacet-based BRDF generator": microfacets with inverted normals, drawn
-uniformly over the hemisphere; and Sheen of fibers, whose closure is not of this package.
+"""Velvet of Ashikhmin, Premože and Shirley 2000, "A microfacet-based BRDF generator": microfacets with inverted
+normals, sampled uniformly over the hemisphere. Also Sheen of fibers, whose closure is not in this package.
 
 Fields of the closure: a is 1/σ².
 """
