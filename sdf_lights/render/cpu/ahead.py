@@ -122,9 +122,8 @@ def _parts() -> tuple[list, Callable[[], None]]:
         strand_parts.addresses(True, records)
         output_parts.compile_all(records)
         scene = _scene()
-        scene.settings.lamp_paths = True
         packed = PackedScene(scene, Film(scene, ()))
-        LightPaths(scene, packed).renew(0, [Workspace(packed)])
+        LightPaths(scene, packed, [Workspace(packed)]).use(0)
 
     return kernels, run
 

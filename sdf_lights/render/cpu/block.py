@@ -79,7 +79,7 @@ class PackedScene:
             },
             {"has_subsurface": bool(deep.any())},
         )
-        self.set_light_paths(None)
+        self.set_light_paths({})
         self._moving: motion.Moving | None = None
         self.update_lights(scene)
         self.update_camera(scene, film)
@@ -115,11 +115,12 @@ class PackedScene:
         """A table that kernels read."""
         return self._tables[name]
 
-    def set_light_paths(self, tables: dict[str, np.ndarray] | None) -> None:
-        """Connect paths with these vertices of light paths, by these nodes and tops; None: with nothing."""
+    def set_light_paths(self, tables: dict[str, np.ndarray]) -> None:
+        """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing without them."""
+        connects = "light_path_vertices" in tables
         empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}
-        code = {"light_path_code": light_path_parts.addresses(tables is not None, (BLOCK, WORKSPACE))}
-        self._fill(empty | (tables or {}) | code, {"light_paths": tables is not None})
+        code = {"light_path_code": light_path_parts.addresses(connects, (BLOCK, WORKSPACE))}
+        self._fill(empty | tables | code, {"light_paths": connects})
 
     def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``. Its meshes, materials and world must be unchanged.
@@ -157,21 +158,23 @@ class PackedScene:
             self._bare.update_camera(catchers_only(scene), film)
             self._bare.block["outputs"] = 0
         self._show(np.array([int(scene.lamps[index].visibility) for index in self._built], np.int64))
-        self._fill(
-            {**camera.pack_camera(scene), **film_kernels.pack_film(film)},
-            {**camera.camera_scalars(scene), **film_kernels.film_scalars(film)},
-        )
+        self._fill(camera.pack_camera(scene), camera.camera_scalars(scene))
+        self.set_film(scene, film)
+        self._fill({}, integrator_scalars(scene, self._flags, self._tables))
+        self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
+        if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
+            self._external = self._pack_external([scene.lamps[index] for index in self._built])
+        self._fill(self._external.tables, {})
+
+    def set_film(self, scene: Scene, film: Film) -> None:
+        """Add the next samples to this film."""
+        self._fill(film_kernels.pack_film(film), film_kernels.film_scalars(film))
         emitters = [*(scene.lamps[index] for index in self._built), *scene.lights, scene.world]
         tables, scalars = output_parts.pack(scene, film, emitters, self._emissive.instance)
         tables["output_code"] = output_parts.addresses(film, (BLOCK, WORKSPACE))
         self._fill(tables, scalars)
         self.output_counts = output_parts.workspace_counts(film)
-        self._fill({}, integrator_scalars(scene, self._flags, self._tables))
         self.block["shows_environment"] = film.sums["environment"].size > 0
-        self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
-        if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
-            self._external = self._pack_external([scene.lamps[index] for index in self._built])
-        self._fill(self._external.tables, {})
 
     def _pack_motion(self, scene: Scene) -> None:
         """The shutter, and the tables that move while it is open."""

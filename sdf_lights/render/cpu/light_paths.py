@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -11,20 +12,24 @@ import numpy as np
 
 from ...graph.formula import VARIABLE, order
 from ..kernels.light_paths import tree
-from ..kernels.light_paths.records import MOST_TOPS, NODE, VERTEX
+from ..kernels.light_paths.records import CONNECTS, MOST_TOPS, NODE, ONLY_DIFFUSE, VERTEX
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
 from ..kernels.outputs.records import LOBES
-from ..kernels.shading.material_compiler import LOBE_ALPHA, LOBE_DIFFUSE
+from ..kernels.shading.material_compiler import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_TRANSLUCENT
 from ..kernels.shading.records import GLOSSY, HAS_EMISSION, TRANSMISSION
 from ..kernels.shading.special_lobes import LOBE_SHEEN, LOBE_VELVET, WITH_FACETS, WITH_THIN_WALL
 from ..scene import ALL_SETS, MANY_BOUNCES, Ray, Scene, catches_shadows
+from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
-PATHS = 8192  # of each pass
+# Samples of pixels for each light path of a pass, and for each of the tree: both take about 2 % of the time of these samples.
+SHARED, TREE_SHARED = 16, 32
+MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
+PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
 NODES = 2048
 PILOTS = 256
-CHUNK = 512  # paths that a thread takes at once
+CHUNK = 256  # paths that a thread takes at once
 
 SCATTERED = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION | Ray.SHADOW
 BY_PATH = {"ray_kind", "ray_length", "ray_singular", "depth"}  # what a material may ask of the ray that meets it
@@ -46,7 +51,7 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
     settings, world, block = scene.settings, scene.world, packed.block[0]
     lobes = packed.table("lobes")
     return bool(
-        settings.lamp_paths
+        settings.lamp_paths is not LampPaths.NEVER
         and settings.max_bounces > 0
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
@@ -87,49 +92,78 @@ def vertices_of(scene: Scene, packed: PackedScene) -> int:
     return scene.settings.max_bounces + passed
 
 
-def diffuse_materials(packed: PackedScene) -> np.ndarray:
-    """(materials,) 1 where all that a material scatters is diffuse."""
+def materials_of(packed: PackedScene) -> np.ndarray:
+    """(materials,) CONNECTS and ONLY_DIFFUSE of each. Light that a material passes on diffusely is left to paths: of which
+    side of it a light path comes, a path from the camera does not know."""
     kinds = packed.table("lobes")["kind"]
+    lobes = [kinds[first:end] for first, end in packed.table("materials")["lobes"]]
     return np.array(
-        [int((kinds[first:end] == LOBE_DIFFUSE).all()) for first, end in packed.table("materials")["lobes"]], np.int64
+        [
+            CONNECTS * int(LOBE_TRANSLUCENT not in each) | ONLY_DIFFUSE * int((each == LOBE_DIFFUSE).all())
+            for each in lobes
+        ],
+        np.int64,
     )
 
 
 class LightPaths:
-    """Light paths of a packed scene. ``renew`` gives it those of another pass, the same ones on any number of threads."""
+    """Light paths of a packed scene, the same ones on any number of threads. ``use`` gives the scene those of some samples."""
 
     @classmethod
-    def of(cls, scene: Scene, packed: PackedScene) -> LightPaths | None:
-        """None where the scene cannot use them; nothing is connected then."""
-        packed.set_light_paths(None)
-        return cls(scene, packed) if can_connect(scene, packed) else None
+    def of(cls, scene: Scene, packed: PackedScene, workspaces: list[Workspace]) -> LightPaths | None:
+        """None where the scene cannot use them, or should not; nothing is connected then."""
+        packed.set_light_paths({})
+        return cls(scene, packed, workspaces) if can_connect(scene, packed) else None
 
-    def __init__(self, scene: Scene, packed: PackedScene):
-        self._packed, self._size = packed, (scene.width, scene.height)
+    def __init__(self, scene: Scene, packed: PackedScene, workspaces: list[Workspace]):
+        self._scene, self._packed, self._workspaces = scene, packed, workspaces
         self._width = vertices_of(scene, packed)
-        self._raw = np.empty(PATHS * self._width, VERTEX)
-        self._lengths = np.zeros(PATHS, np.int64)
+        x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
+        self._pixels = (x1 - x0) * (y1 - y0)
+        self._materials = materials_of(packed)
         self._fixed: dict[str, np.ndarray] = {}
+        self.rest()
+        self.automatic = scene.settings.lamp_paths is LampPaths.AUTOMATIC
 
-    def renew(self, number: int, workspaces: list[Workspace]) -> None:
-        """Trace the light paths of the pass ``number``, by which they differ."""
+    def use(self, sample: int) -> int:
+        """Connect the next paths with the light paths of the set to which this sample belongs; returns the end of the set.
+
+        The set depends on the sample's number alone. Each is as large as its samples are worth.
+        """
+        size = 1
+        while 2 * size <= min(sample, LARGEST_BATCH, MOST_PATHS * SHARED // self._pixels):
+            size *= 2
+        first = sample - sample % size
+        self._connect(first + self._scene.settings.sample_offset, size)
+        return first + size
+
+    def use_pilot(self, sample: int) -> None:
+        """As ``use``, for a pilot, with light paths that no set has."""
+        self._connect(PILOT_NUMBER + sample, 1)
+
+    def rest(self) -> None:
+        """Connect the next paths with nothing."""
+        self._packed.set_light_paths({"light_path_materials": self._materials})
+
+    def _connect(self, number: int, samples: int) -> None:
         if not self._fixed:
-            self._build(workspaces)
+            self._build()
         if not len(self._fixed["light_path_tops"]):
             return
-        self._trace(number + 1, workspaces)
-        vertices = np.empty(self._lengths.sum(), VERTEX)
-        tree.place(self._fixed["light_path_nodes"], self._raw, self._lengths, self._width, vertices)
+        raw, lengths = self._trace(number + 1, _paths(self._pixels * samples / SHARED, MOST_PATHS))
+        vertices = np.empty(lengths.sum(), VERTEX)
+        tree.place(self._fixed["light_path_nodes"], raw, lengths, self._width, vertices)
         self._packed.set_light_paths(self._fixed | {"light_path_vertices": vertices})
 
-    def _build(self, workspaces: list[Workspace]) -> None:
-        """Make the tree by light paths that no pass has: weights must not depend on the vertices that they are for."""
-        self._trace(0, workspaces)
-        rows = np.arange(len(self._raw)).reshape(PATHS, self._width)
-        vertices = self._raw[rows[np.arange(self._width) < self._lengths[:, None]]]
+    def _build(self) -> None:
+        """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are for."""
+        samples = self._scene.settings.samples
+        raw, lengths = self._trace(0, _paths(self._pixels * samples / TREE_SHARED, MOST_TREE_PATHS))
+        rows = np.arange(len(raw)).reshape(len(lengths), self._width)
+        vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]
         pilots = np.zeros((PILOTS, 3))
-        scene, scratch = workspaces[0].scene, workspaces[0].block
-        pilots = pilots[: find_pilots(scene, scratch, *self._size, pilots)]
+        scene, scratch = self._workspaces[0].scene, self._workspaces[0].block
+        pilots = pilots[: find_pilots(scene, scratch, self._scene.width, self._scene.height, pilots)]
         nodes, tops, count, top_count = np.zeros(NODES, NODE), np.zeros(MOST_TOPS, np.int64), 0, 0
         if len(vertices) and len(pilots):
             dim_unseen(scene, scratch, vertices, pilots)
@@ -137,27 +171,32 @@ class LightPaths:
         self._fixed = {
             "light_path_nodes": nodes[:count].copy(),
             "light_path_tops": tops[:top_count].copy(),
-            "light_path_materials": diffuse_materials(self._packed),
+            "light_path_materials": self._materials,
         }
 
-    def _trace(self, number: int, workspaces: list[Workspace]) -> None:
-        starts = iter(range(0, PATHS, CHUNK))
+    def _trace(self, number: int, paths: int) -> tuple[np.ndarray, np.ndarray]:
+        """Trace the light paths of this number: rows of ``_width`` vertices for each path, and how many it has."""
+        raw, lengths = np.empty(paths * self._width, VERTEX), np.zeros(paths, np.int64)
+        starts = iter(range(0, paths, CHUNK))
+        taking = threading.Lock()
 
         def work(workspace: Workspace) -> None:
-            for start in starts:
+            while True:
+                with taking:
+                    start = next(starts, None)
+                if start is None:
+                    return
                 trace_light_paths(
-                    workspace.scene,
-                    workspace.block,
-                    start,
-                    start + CHUNK,
-                    PATHS,
-                    number,
-                    self._width,
-                    self._raw,
-                    self._lengths,
+                    workspace.scene, workspace.block, start, start + CHUNK, paths, number, self._width, raw, lengths
                 )
 
-        _each(work, workspaces)
+        _each(work, self._workspaces)
+        return raw, lengths
+
+
+def _paths(wanted: float, most: int) -> int:
+    """A number of light paths, in whole chunks."""
+    return CHUNK * min(max(round(wanted / CHUNK), 1), most // CHUNK)
 
 
 def _each(work: Callable[[Workspace], None], workspaces: list[Workspace]) -> None:

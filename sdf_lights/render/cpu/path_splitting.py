@@ -46,6 +46,7 @@ from ..kernels.workspace import cut_table, secondary_table
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
 # greatest error of a pixel is up to a quarter greater.
 LEAST_SURVIVAL = 0.3
+CONNECTION_COST = 1.0  # time of a connection, with that of the weights at the next hit, in surfaces that rays meet
 LEAST_LEFT = 0.02  # of what connections to light paths leave to a branch
 
 WHITE = (1.0, 1.0, 1.0)
@@ -101,6 +102,7 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
         paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
         if block.light_paths:
             light_paths.connect(block, workspace)
+            sample.met += CONNECTION_COST
         paths[0].alive = int(scatter(block, workspace))
         if block.light_paths and paths[0].alive and paths[0].pdf > 0.0:
             paths[0].connects = 1

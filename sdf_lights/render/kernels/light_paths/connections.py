@@ -32,12 +32,12 @@ from ..shading.records import DIFFUSE, GLOSSY, MICROFACET, TRANSMISSION, closure
 from ..visibility import shadow_ray, transmittance
 from ..workspace import secondary_table
 from . import tree
-from .records import choice_table, material_table, node_table, vertex_table
+from .records import CONNECTS, ONLY_DIFFUSE, choice_table, material_table, node_table, vertex_table
 
 CONNECTIONS = 1  # for each ray that scatters at x
 RELIEF = 0.5
 LEAST_SURVIVAL = 0.02
-CONNECTION_SETS, WEIGH_SETS = 1 << 26, 1 << 27  # of random numbers, beside those of path.py
+CONNECTION_SETS, KIND_SETS, WEIGH_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
 
 @kernel
@@ -63,27 +63,31 @@ def connect(block, workspace, _):
         node = node_table(block)[at]
         if probability > 0.0 and node.count > 0:
             index = node.first + min(int(v * node.count), node.count - 1)
-            _connect_with(block, workspace, x, n, vertex_table(block)[index], node.count / (probability * CONNECTIONS))
+            kinds = get_2d(path.index * CONNECTIONS + number, path.seed, path.dimension + KIND_SETS)
+            factor = node.count / (probability * CONNECTIONS)
+            _connect_with(block, workspace, x, n, vertex_table(block)[index], factor, kinds)
     return 0.0
 
 
 @kernel
-def _reaches(block, path, vertex):
-    """Whether a path from the camera would have come from here to the light beyond the vertex, by its limits."""
-    own = 1 if vertex.scatters > 1 else 0
+def _reaches(block, path, vertex, here, there):
+    """Whether a path from the camera would have come from here to the light beyond the vertex, by its limits: ``here`` and
+    ``there`` are 1 where it would have counted the bounce at either end as glossy, 0 as diffuse."""
+    glossy, diffuse = here, 1 - here
+    if vertex.scatters > 1:  # how light rays are scattered does not count
+        glossy, diffuse = glossy + there, diffuse + 1 - there
     return (
-        path.bounce + vertex.scatters <= block.max_bounces
-        and path.diffuse + 1 + vertex.diffuse + own <= block.diffuse_bounces
-        and path.glossy + vertex.glossy <= block.glossy_bounces
+        path.diffuse + vertex.diffuse + diffuse <= block.diffuse_bounces
+        and path.glossy + vertex.glossy + glossy <= block.glossy_bounces
         and path.transmission + vertex.transmission <= block.transmission_bounces
     )
 
 
 @kernel
-def _connect_with(block, workspace, x, n, vertex, factor):
-    """Add what one vertex gives, times ``factor``."""
+def _connect_with(block, workspace, x, n, vertex, factor, kinds):
+    """Add what one vertex gives, times ``factor``. ``kinds``: two random numbers."""
     path = path_table(workspace)[0]
-    if not _reaches(block, path, vertex):
+    if path.bounce + vertex.scatters > block.max_bounces:
         return
     y = vec(vertex.position)
     way = sub(y, x)
@@ -93,12 +97,10 @@ def _connect_with(block, workspace, x, n, vertex, factor):
     wi = scale(way, 1.0 / distance)
     normal = vec(vertex.normal)
     cosine = -dot(normal, wi)
-    if cosine < 0.0:
-        normal, cosine = negate(normal), -cosine
     part = weight(block, workspace, x, n, y, normal, wi, distance)
     if part <= 0.0:
         return
-    value, _, _ = evaluate(block, workspace, wi, DIFFUSE)
+    value, density, glossy_pdf = evaluate(block, workspace, wi, DIFFUSE)
     if average(value) <= 0.0:
         return
     secondary = secondary_table(workspace)[0]
@@ -115,9 +117,12 @@ def _connect_with(block, workspace, x, n, vertex, factor):
         footprint,
     )
     shade(block, secondary)
-    scattered, _, _ = evaluate(block, secondary, vec(vertex.wi), DIFFUSE)
+    scattered, density_there, glossy_there = evaluate(block, secondary, vec(vertex.wi), DIFFUSE)
     value = mul(mul(value, scattered), vec(vertex.flux))
     if average(value) <= 0.0:
+        return
+    u, v = kinds
+    if not _reaches(block, path, vertex, int(u * density < glossy_pdf), int(v * density_there < glossy_there)):
         return
     start = leave(workspace, surface_table(workspace)[0], wi)
     direction, t_max = shadow_ray(x, start, wi, distance)
@@ -153,7 +158,7 @@ def foresee(block, workspace, _):
     that is shaded."""
     path, ray = path_table(workspace)[0], ray_table(workspace)[0]
     instance = instance_at(block, hit_instance(ray))
-    if material_table(block)[hit_material(instance, block, np.int64(ray.primitive))] == 0:
+    if material_table(block)[hit_material(instance, block, np.int64(ray.primitive))] & ONLY_DIFFUSE == 0:
         return 1.0
     x, wi = vec(path.origin), vec(path.direction)
     normal = hit_normal(ray)
@@ -170,8 +175,11 @@ def foresee(block, workspace, _):
 def weigh(block, workspace, _):
     """Leave to connections what they find of the light that the surface of the workspace scatters. 0 if the path ends.
 
-    The diffuse closures count w₂, and are drawn less often. The path ends with the chance that this leaves over.
+    The diffuse closures count w₂. The path ends with the chance that this leaves over. Closures are drawn as often as before:
+    limits of bounces depend on what is drawn.
     """
+    if material_table(block)[surface_table(workspace)[0].material] & CONNECTS == 0:
+        return 1.0
     path, surface, closures = path_table(workspace)[0], surface_table(workspace)[0], closure_table(workspace)
     x, y = vec(path.origin), vec(surface.position)
     way = sub(y, x)
@@ -187,12 +195,9 @@ def weigh(block, workspace, _):
         closure = closures[index]
         if closure.kind < MICROFACET and closure.singular == 0:
             put(closure.weight, mul(vec(closure.weight), rest))
-            closure.pick *= average(rest)
-        total += closure.pick
-    if not total > 0.0:
-        return 0.0
-    for index in range(surface.closure_count):
-        closures[index].pick /= total
+            total += closure.pick * average(rest)
+        else:
+            total += closure.pick
     survival = min(max(total / path.left, LEAST_SURVIVAL), 1.0)
     if get_1d(path.index, path.seed, path.dimension + WEIGH_SETS) >= survival:
         return 0.0

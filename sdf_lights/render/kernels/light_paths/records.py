@@ -54,6 +54,8 @@ NODE = np.dtype(
 )
 
 MOST_TOPS = 32
+# Of a material: connections find light that it scatters diffusely, and it scatters no other light.
+CONNECTS, ONLY_DIFFUSE = 1, 2
 # What a point expects of each top node.
 CHOICE = np.dtype([("total", "f8"), ("count", "i8"), ("weight", "f8", MOST_TOPS)], align=True)
 
@@ -61,7 +63,7 @@ TABLES = {
     "light_path_nodes": NODE,
     "light_path_tops": np.dtype(np.int64),
     "light_path_vertices": VERTEX,
-    "light_path_materials": np.dtype(np.int64),  # 1: connections look for all that the material scatters
+    "light_path_materials": np.dtype(np.int64),  # CONNECTS, ONLY_DIFFUSE
     "light_path_code": np.dtype(np.int64),
 }
 SCALARS = [("light_paths", np.int64)]  # 1: strategy and tables are there

@@ -24,7 +24,7 @@ from ..camera import camera_ray
 from ..departure import beside, leave, start_apart
 from ..geometry import find_surface, instance_table, surface_at, surface_table
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
-from ..samplers import get_1d, get_2d, get_3d, get_4d, pixel_seed
+from ..samplers import get_2d, get_3d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade
 from ..shading.microfacet import reflectance
 from ..shading.records import (
@@ -38,6 +38,7 @@ from ..shading.records import (
 )
 from ..visibility import shadow_ray
 from ..workspace import secondary_table
+from .records import CONNECTS, material_table
 
 ANY = DIFFUSE | GLOSSY | TRANSMISSION
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
@@ -103,22 +104,25 @@ def _mirrored(workspace, wi):
 
 @kernel
 def _scattered(block, workspace, wi, kind, pdf):
-    """Factor of the flux that came from wi and left along the wo of the workspace's surface, which was drawn with ``pdf``."""
+    """Factor of the flux that came from wi and left along the wo of the workspace's surface, which was drawn with ``pdf``;
+    and the chance that a path from the camera, which scatters from wo to wi, counts this as glossy, not as diffuse."""
     surface = surface_table(workspace)[0]
     if kind & TRANSPARENT:
-        return scale(vec(surface.transparency), 1.0 / pdf)
+        return scale(vec(surface.transparency), 1.0 / pdf), 0.0
     ng = vec(surface.ng)
     turn = abs(dot(ng, vec(surface.wo))) / (abs(dot(ng, wi)) * pdf)
     if kind & SINGULAR:
         value, _, ratio = _mirrored(workspace, wi)
-        return scale(value, turn * ratio)
-    value, _, _ = evaluate(block, workspace, wi, ANY)
-    return scale(value, turn)
+        return scale(value, turn * ratio), 1.0
+    value, density, glossy_pdf = evaluate(block, workspace, wi, ANY)
+    return scale(value, turn), glossy_pdf / density if density > 0.0 else 0.0
 
 
 @kernel
-def _diffuse(workspace):
-    """Whether the surface of the workspace scatters some light diffusely."""
+def _diffuse(block, workspace):
+    """Whether the surface of the workspace scatters some light diffusely, and connections find all of that."""
+    if material_table(block)[surface_table(workspace)[0].material] & CONNECTS == 0:
+        return False
     closures = closure_table(workspace)
     for index in range(surface_table(workspace)[0].closure_count):
         if closures[index].kind < MICROFACET and closures[index].singular == 0:
@@ -148,11 +152,19 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             surface_at(block, surface_table(secondary)[0], instance, primitive, u, v, direction, DIFFUSE, footprint)
             shade(block, secondary)
             before = largest(flux)
-            flux = mul(flux, _scattered(block, secondary, wi, kind, pdf))
+            factor, gloss = _scattered(block, secondary, wi, kind, pdf)
+            flux = mul(flux, factor)
+            u = get_2d(index, seed, dimension + 1)
             survival = min(largest(flux) / before, 1.0)
-            if not survival > 0.0 or get_1d(index, seed, dimension + 1) >= survival:
+            if not survival > 0.0 or u[0] >= survival:
                 return count
             flux = scale(flux, 1.0 / survival)
+            # A path from the camera does not count how its light rays are scattered.
+            if scatters > 2 and not kind & TRANSPARENT:
+                through = dot(vec(surface_table(secondary)[0].ng), wi) < 0.0
+                transmission += int(through)
+                glossy += int(not through and u[1] < gloss)
+                diffuse += int(not through and u[1] >= gloss)
             dimension += BOUNCE_SETS
         instance, primitive, u, v = hit_instance(ray), np.int64(ray.primitive), float(ray.u), float(ray.v)
         wi = negate(direction)
@@ -162,7 +174,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
         shade(block, workspace)
         position, ng = vec(surface.position), vec(surface.ng)
         albedo = average(mul(vec(surface.diffuse_albedo), flux))
-        if albedo > 0.0 and _diffuse(workspace):
+        if albedo > 0.0 and _diffuse(block, workspace):
             vertex = raw[first + count]
             put(vertex.position, position)
             put(vertex.normal, ng)
@@ -191,10 +203,6 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
                 _, pdf, _ = _mirrored(workspace, direction)
                 if pdf <= 0.0:
                     return count
-            if scatters > 1:  # how light rays are scattered does not count
-                diffuse += int(kind & DIFFUSE != 0)
-                glossy += int(kind & GLOSSY != 0)
-                transmission += int(kind & TRANSMISSION != 0)
             if scatters == 1:
                 first_ones = transparent
             scatters += 1
