@@ -23,6 +23,7 @@ SEEDS, CONFIDENCE = 8, 0.9999
 PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission", "SDF Lamps")
 QUICK = (
     "torus_room",
+    "cove",
     "blender_lights",
     "environment",
     "skylight",
