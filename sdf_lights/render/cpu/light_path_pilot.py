@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether light paths pay: two samples of a few pixels without them are compared with two samples with them.
 
-A sample whose path splits into k branches has the variance D + I / k, where I is that of a branch, and takes the time
-C + m k (``sample_allocation.py``). Both kinds of samples are compared by the product of error and time at the best k of
-each. Time is counted in surfaces that rays meet, never measured, so that a seed gives one picture on all machines.
+Both take the same number of branches, and are compared by the product of error and time. Time is counted in surfaces that
+rays meet, as in ``sample_allocation.py``. It is never measured, so a seed gives one picture on all machines. The pilots have
+films of their own, so the picture without light paths is as if they had never been there.
 """
 
 from __future__ import annotations
@@ -14,60 +14,52 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..film import Film
-from ..sample_allocation import BRANCHES, even_numbers, own_cost
+from ..sample_allocation import even_numbers, own_cost
 
 SAMPLES = 2  # of each pilot pixel: the fewest that scatter
-PART, MOST, FEWEST = (
-    0.01,
-    4096,
-    128,
-)  # pilot pixels: for each pixel sample of the render; of a render at most, and at least
-GAIN = 1.6  # error × time without light paths, over that with them, from which on they are used: noisy estimates promise too much
+# Pilot pixels: for each pixel and sample of the render, so that all four samples take 2 % of its time; of a render at most,
+# and at least.
+PART, MOST, FEWEST = 0.005, 4096, 96
+# Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much. What
+# they must promise before they are tried.
+GAIN, PROMISE = 1.3, 1.5
 OUTLIERS = 0.01  # part of the pilot pixels that a second comparison leaves out: a few bright ones must not decide
-LEAST_REST = 0.05  # of the variance of samples, which is not that of branches: estimates are noisy
 FLOOR = 0.05  # part of the mean square brightness that is added to the squares which errors are relative to
 
 
-def pilot_pixels(film: Film, region: np.ndarray, samples: int) -> np.ndarray | None:
-    """(pixels,) 1 at the pilot pixels of a render with so many samples, evenly in the pixels where ``region`` is 1; None
-    if these are too few."""
-    wanted = min(PART * samples * len(region), MOST, int(region.sum()))
-    if wanted < FEWEST or samples < SAMPLES:
+def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
+    """(pixels,) 1 at the pilot pixels of a render with so many samples, evenly among the active ones; None if these are too
+    few."""
+    active = np.flatnonzero(film.active)
+    wanted = min(PART * samples * len(active), MOST, len(active))
+    if wanted < FEWEST:
         return None
-    found = np.zeros_like(region)
-    inside = np.flatnonzero(region)
-    found[inside[even_numbers(len(inside)) < wanted / len(inside)]] = 1
+    found = np.zeros_like(film.active)
+    found[active[even_numbers(len(active)) < wanted / len(active)]] = 1
     return found
 
 
 @dataclass(frozen=True)
 class Pilot:
-    """What two samples of each pilot pixel tell: (pixels,) sums of RGB, the variance of ``samples`` and that of
-    ``branches``; their number, and the costs C and m."""
+    """What the samples of the pilot pixels tell: (pixels,) sums of RGB, the variance of a sample, and that of what it has before
+    its path splits; and the time of a sample, in surfaces that rays meet."""
 
     sums: np.ndarray
-    samples: np.ndarray
-    branches: np.ndarray
-    count: float
-    cost: float
-    met: float
+    whole: np.ndarray
+    before: np.ndarray
+    time: float
 
     @classmethod
     def of(cls, film: Film, pixels: np.ndarray) -> Pilot:
-        """From a film whose ``pixels`` have ``SAMPLES`` samples."""
+        """From a film whose ``pixels`` have ``SAMPLES`` samples, and the others none."""
         at = np.flatnonzero(pixels)
-        _, of_all, total, of_branches = film.squares[at].T
-        branches, _, met, _, _ = film.divided[at].sum(axis=0)
-        variance = np.maximum(of_all - total**2 / SAMPLES, 0.0) / (SAMPLES - 1)
-        freedom = np.maximum(film.divided[at, 0] - film.count[at], 1.0)
-        count = branches / film.count[at].sum()
-        return cls(total, variance, of_branches / freedom, count, own_cost(film), met / max(branches, 1.0))
-
-    def product(self, weights: np.ndarray, noise_of_branches: float = 1.0) -> float:
-        """The least product of error and time, if branches had this part of their noise."""
-        whole, within = float(weights @ self.samples), float(weights @ self.branches)
-        rest, within = max(whole - within / self.count, LEAST_REST * whole), noise_of_branches * within
-        return min((rest + within / k) * (self.cost + self.met * k) for k in BRANCHES)
+        of_before, of_all, total, _ = film.squares[at].T
+        before = film.sums["combined"].reshape(-1, 4)[at, :3].sum(axis=1)
+        whole, first = (
+            np.maximum(squares - sums**2 / SAMPLES, 0.0) / (SAMPLES - 1)
+            for squares, sums in ((of_all, total), (of_before, before))
+        )
+        return cls(total, whole, first, own_cost(film) + film.divided[:, 2].sum() / max(film.count.sum(), 1))
 
 
 def _weights(sums: np.ndarray) -> np.ndarray:
@@ -75,9 +67,9 @@ def _weights(sums: np.ndarray) -> np.ndarray:
 
 
 def promises(without: Pilot) -> bool:
-    """Whether light paths could pay, if they took all noise from what surfaces scatter."""
+    """Whether light paths could pay, if they took all noise from the light that surfaces scatter."""
     weights = _weights(without.sums)
-    return without.product(weights) > GAIN * without.product(weights, 0.0) > 0.0
+    return float(weights @ without.whole) > PROMISE * float(weights @ without.before)
 
 
 def pays(without: Pilot, connected: Pilot) -> bool:
@@ -92,7 +84,7 @@ def gain(without: Pilot, connected: Pilot) -> float:
     for part in (0.0, OUTLIERS):
         products = []
         for pilot in (without, connected):
-            noise = weights * pilot.samples
-            products.append(pilot.product(weights * (noise <= np.quantile(noise, 1.0 - part))))
+            noise = weights * pilot.whole
+            products.append(float(noise[noise <= np.quantile(noise, 1.0 - part)].sum()) * pilot.time)
         found.append(products[0] / products[1] if products[1] > 0.0 else 0.0)
     return min(found)

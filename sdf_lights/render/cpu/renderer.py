@@ -125,7 +125,7 @@ class CpuRenderer:
             if not self._take_some(before, 1, stop, lambda part: report(begun * part)):
                 return False
             sample_allocation.divide(film, self._settings)
-        if first == 0 and not self._try_light_paths(before, stop):
+        if first == 0 and not self._try_light_paths(stop):
             return False
         at, end = first, first + count
         while at < end:
@@ -140,35 +140,43 @@ class CpuRenderer:
         film.samples = end
         return True
 
-    def _try_light_paths(self, before: np.ndarray | None, stop: Callable[[], bool]) -> bool:
-        """Keep light paths only if they pay. Without them, the film is then as if they had never been there; with them, it
-        begins anew. ``before``: (pixels,) 1 where it has a sample, or None. Returns False if stopped before the end."""
+    def _try_light_paths(self, stop: Callable[[], bool]) -> bool:
+        """Keep light paths only if they pay. The film has none of the samples that tell, and begins anew with light paths.
+        Returns False if stopped before the end."""
         light_paths, film = self._light_paths, self._film
         if light_paths is None or not light_paths.automatic:
             return True
         self._light_paths = None
-        region = film.active if before is None else film.active & before
-        pixels = pilot_pixels(film, region, self._settings.samples)
+        pixels = pilot_pixels(film, self._settings.samples)
         if pixels is None:
             return True
-        if not self._take_some(pixels, PILOT_SAMPLES, stop, lambda part: None):
+        without = self._pilot(pixels, stop)
+        if without is None or not promises(without):
+            return without is not None
+        connected = self._pilot(pixels, stop, light_paths)
+        if connected is None:
             return False
-        without = Pilot.of(film, pixels)
-        if not promises(without):
-            return True
-        trial = Film(self._scene, film.passes)
-        trial.branches[:], trial.active[:] = film.branches, pixels
+        if pays(without, connected):
+            film.clear()
+            self._light_paths = light_paths
+        return True
+
+    def _pilot(
+        self, pixels: np.ndarray, stop: Callable[[], bool], light_paths: LightPaths | None = None
+    ) -> Pilot | None:
+        """Samples of some pixels on a film of their own, with ``light_paths`` or without; None if stopped before the end."""
+        trial = Film(self._scene, self._film.passes)
+        trial.branches[:], trial.active[:] = self._film.branches, pixels
         self._packed.set_film(self._scene, trial)
         done = True
         for sample in range(PILOT_SAMPLES):
-            light_paths.use_pilot(sample)
+            if light_paths is not None:
+                light_paths.use_pilot(sample)
             done = done and self._take(sample + 1, stop, lambda part: None)
-        light_paths.rest()
-        self._packed.set_film(self._scene, film)
-        if done and pays(without, Pilot.of(trial, pixels)):
-            film.clear()
-            self._light_paths = light_paths
-        return done
+        if light_paths is not None:
+            light_paths.rest()
+        self._packed.set_film(self._scene, self._film)
+        return Pilot.of(trial, pixels) if done else None
 
     def _take_some(self, pixels: np.ndarray, samples: int, stop, report: Callable[[float], None]) -> bool:
         """``_take`` for those active pixels where ``pixels`` is 1."""
