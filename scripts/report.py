@@ -9,7 +9,7 @@ import hashlib
 import pathlib
 import sys
 
-from reporting import page, plots, records, results
+from reporting import page, plots, prose, records, results
 
 PAGE = results.REPOSITORY / "docs" / "report.md"
 FIGURES = {"intervals": plots.crossings, "scaling": plots.scaling}
@@ -18,14 +18,14 @@ IMAGES = results.REPOSITORY / "docs" / "images"
 
 def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.Path) -> None:
     """All plots of results; pictures only of renders that are still ``kept``, and belong to these results."""
-    for name in page.DRAWN:
+    for name in prose.DRAWN:
         if name not in found:
             continue
         result = found[name]
         if name in FIGURES:
             FIGURES[name](result, images / f"report_{name}.png")
             continue
-        if name in page.LIGHT:
+        if name in prose.LIGHT:
             for metric in plots.METRICS:
                 path = images / f"report_{name}_{metric}.png"
                 if not plots.against_time(result, metric, path):
@@ -37,10 +37,10 @@ def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.P
                 for row in result.rows
                 if "method" not in row
             ]
-            methods = [page.OURS, page.PAPER, *page.PEERS]
+            methods = [prose.OURS, prose.PAPER, *prose.PEERS]
         else:
             files = [(row["scene"], kept / f"{row['scene']}.npz") for row in result.rows if "competitor" in row]
-            methods = ["PROJECTION", page.OURS]
+            methods = ["PROJECTION", prose.OURS]
         for scene, file in files:
             if not file.is_file():
                 continue

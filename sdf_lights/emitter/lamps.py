@@ -43,9 +43,9 @@ from .intersection import fields
 from .intersection.fields import LIST
 from .intersection.intervals import primitive_spans, regularize, solve
 from .primitives.box import box_span
-from .tree import interior
+from .tree import nodes
 from .tree.crossings import crossings
-from .tree.interior import NODE
+from .tree.nodes import NODE
 
 PRIMITIVE, CLOSED, FIELD = 0, 1, 2  # kinds of lamps
 
@@ -84,7 +84,7 @@ LAMP = np.dtype(
     align=True,
 )
 
-TABLES = {"lamps": LAMP, "lamp_instructions": INSTRUCTION, **interior.TABLES, **fields.TABLES, **emissions.TABLES}
+TABLES = {"lamps": LAMP, "lamp_instructions": INSTRUCTION, **nodes.TABLES, **fields.TABLES, **emissions.TABLES}
 SCALARS = [("lamp_rows", np.int64)]  # rows of ``spans`` for intervals: the most that any lamp of the scene can use
 
 # of a lamp's bounding radius: shorter intervals and gaps are rounding errors of coincident faces

@@ -8,9 +8,9 @@ an array of values: other values, same formula.
 
 A variable is a named input, such as the position. The evaluator defines which names exist.
 
-``operations.OPERATIONS`` is the one table of operations; ``iterate`` adds bounded loops, ``call`` the functions of
-``functions.py``. Evaluators and code generators walk ``order(formula)`` and do not change it: see ``numpy_evaluation``,
-``codegen_native`` and ``formula_text``. This module depends on none of them.
+``operations.OPERATIONS`` is the one table of operations; ``loops.iterate`` adds bounded loops, ``call`` the functions
+of ``functions.py``. Evaluators and code generators walk ``order(formula)`` and do not change it: see
+``numpy_evaluation``, ``codegen_native`` and ``formula_text``. This module depends on none of them.
 """
 
 from __future__ import annotations
@@ -35,14 +35,12 @@ STATE, ITERATE, CALL, RESULT = "state", "iterate", "call", "result"
 
 POSITION = "position"  # the variable of a shape's formula
 
-LONGEST_LOOP = 1000  # rounds
-
 
 class Formula:
     """One node. Made only by the functions and operators of this module; compared and hashed by identity.
 
     ``kind`` is ``CONSTANT`` (``value`` a float), ``VARIABLE`` (``value`` a name and the number of a component),
-    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Loops (see ``iterate``) have
+    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Loops (see ``loops.iterate``) have
     ``ITERATE`` (``value`` a ``Loop``; ``operands`` the number of iterations, the first states, and the outer values
     that the body uses). Only inside the body, ``STATE`` has the loop's level and the number of the state as its
     ``value``. Calls have ``CALL`` (``value`` a ``Function``). ``RESULT`` is one of the values of a loop or call
@@ -101,7 +99,7 @@ class Formula:
         raise TypeError("a formula has no truth value before it is read: use select(condition, a, b)")
 
     def __reduce__(self):  # copies and unpickled formulas are the same object again
-        return _intern, (self.kind, self.operands, self.value)
+        return intern, (self.kind, self.operands, self.value)
 
     def __repr__(self):
         return f"<Formula {self.kind} {self.value if self.value is not None else ''}>".replace(" >", ">")
@@ -128,7 +126,8 @@ _known: weakref.WeakValueDictionary[tuple, Formula] = weakref.WeakValueDictionar
 _lock = threading.Lock()
 
 
-def _intern(kind: str, operands: tuple[Formula, ...] = (), value=None) -> Formula:
+def intern(kind: str, operands: tuple[Formula, ...] = (), value=None) -> Formula:
+    """The one node of this kind, these operands and this value (hash-consing). Simplifies nothing: see ``apply``."""
     # 0.0 == -0.0, yet they are different constants.
     sign = math.copysign(1.0, value) if kind == CONSTANT else 0.0
     key = (kind, operands, value, sign)
@@ -148,17 +147,17 @@ def constant(value: float) -> Formula:
     value = float(value)
     if math.isnan(value):
         raise ValueError("a constant of a formula cannot be NaN")
-    return _intern(CONSTANT, value=value)
+    return intern(CONSTANT, value=value)
 
 
 def parameter(slot: int) -> Formula:
     """The value in slot ``slot`` of the parameter array."""
-    return _intern(PARAMETER, value=int(slot))
+    return intern(PARAMETER, value=int(slot))
 
 
 def variable(name: str, component: int = 0) -> Formula:
     """A component of the named input."""
-    return _intern(VARIABLE, value=(name, int(component)))
+    return intern(VARIABLE, value=(name, int(component)))
 
 
 def axis_of(node: Formula) -> int:
@@ -169,17 +168,18 @@ def axis_of(node: Formula) -> int:
     return axis
 
 
-def _formula(value: Formula | float) -> Formula:
+def formula_of(value: Formula | float) -> Formula:
+    """A formula unchanged, a number as a constant. Raises ValueError for NaN."""
     return value if isinstance(value, Formula) else constant(value)
 
 
 def call(function: Function, *operands: Formula | float) -> tuple[Formula, ...]:
     """All results of an external function."""
-    nodes = tuple(map(_formula, operands))
+    nodes = tuple(map(formula_of, operands))
     if any(o.kind in CONDITIONS for o in nodes):
         raise TypeError("a condition can only be the first operand of select")
-    node = _intern(CALL, nodes, function)
-    return tuple(_intern(RESULT, (node,), index) for index in range(function.results))
+    node = intern(CALL, nodes, function)
+    return tuple(intern(RESULT, (node,), index) for index in range(function.results))
 
 
 def _is(formula: Formula, value: float) -> bool:
@@ -349,7 +349,7 @@ _RULES: dict[str, Callable[..., Formula | None]] = {
 
 def apply(kind: str, *operands: Formula | float) -> Formula:
     """The operation ``kind`` of ``OPERATIONS`` on formulas or numbers: folded, simplified, shared."""
-    nodes = tuple(map(_formula, operands))
+    nodes = tuple(map(formula_of, operands))
     operation = OPERATIONS[kind]
     if len(nodes) != operation.arity:
         raise TypeError(f"{kind} takes {operation.arity} operands, not {len(nodes)}")
@@ -365,7 +365,7 @@ def apply(kind: str, *operands: Formula | float) -> Formula:
         smaller = _simplified(kind, nodes)
         if smaller is not None:
             return smaller
-    return _intern(kind, nodes)
+    return intern(kind, nodes)
 
 
 def sqrt(a: Formula | float) -> Formula:
@@ -541,54 +541,6 @@ class Vector(NamedTuple):
 
 POINT = Vector(*(variable(POSITION, axis) for axis in range(3)))
 """The point at which a formula is evaluated."""
-
-
-_level = contextvars.ContextVar("level", default=0)
-
-
-def iterate(
-    count: Formula | float,
-    initial: tuple[Formula | float, ...],
-    body: Callable[..., tuple[tuple[Formula | float, ...], Formula | None]],
-    limit: int,
-) -> tuple[Formula, ...]:
-    """States after ``count`` iterations of a loop: ``steps, going = body(*states)``.
-
-    ``count`` must not depend on the position. It is rounded down, and clamped to 0 and ``limit`` (NaN counts as 0).
-    ``going`` is a comparison of the states before the iteration, or None: a point at which it fails keeps its states
-    from then on. ``body`` is called once, with formulas for the states. It may contain loops itself.
-    """
-    if not 0 < limit <= LONGEST_LOOP:
-        raise ValueError(f"a loop can have 1 to {LONGEST_LOOP} rounds, not {limit}")
-    rounds, *first = map(_formula, (count, *initial))
-    if any(node.kind in (VARIABLE, STATE) for node in order(rounds)):
-        raise TypeError("the number of rounds of a loop cannot depend on a variable or on the states of a loop")
-    if rounds.kind == CONSTANT and rounds.value < 1.0:
-        return tuple(first)
-    level = _level.get()
-    states = tuple(_intern(STATE, value=(level, index)) for index in range(len(first)))
-    token = _level.set(level + 1)
-    try:
-        results, going = body(*states)
-    finally:
-        _level.reset(token)
-    steps = tuple(map(_formula, results))
-    if len(steps) != len(states) or (going is not None and going.kind not in CONDITIONS):
-        raise TypeError("the body of a loop gives one value for each state, and a comparison or None")
-    loop = Loop(level, limit, steps, going)
-    node = _intern(ITERATE, (rounds, *first, *_captures(loop)), loop)
-    return tuple(_intern(RESULT, (node,), index) for index in range(len(states)))
-
-
-def _captures(loop: Loop) -> list[Formula]:
-    """Nodes used in the body of a loop that stay the same in all its iterations, without constants."""
-    nodes = order(*loop.roots())
-    inside: dict[Formula, bool] = {}
-    for node in nodes:
-        inside[node] = (node.kind == STATE and node.value[0] == loop.level) or any(inside[o] for o in node.operands)
-    used = [o for node in nodes if inside[node] for o in node.operands]
-    used += loop.roots()
-    return [node for node in dict.fromkeys(used) if not inside[node] and node.kind != CONSTANT]
 
 
 def body(node: Formula) -> list[Formula]:

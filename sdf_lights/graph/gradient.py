@@ -27,10 +27,10 @@ from .formula import (
     body,
     call,
     constant,
-    iterate,
     order,
     select,
 )
+from .loops import iterate
 from .operations import CONDITIONS, OPERATIONS
 
 _ZERO = constant(0.0)

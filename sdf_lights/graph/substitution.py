@@ -22,10 +22,10 @@ from .formula import (
     body,
     call,
     constant,
-    iterate,
     order,
 )
 from .functions import Function
+from .loops import iterate
 
 
 def substitute(formula: Formula, point: Vector, parameters: Sequence[Formula]) -> Formula:

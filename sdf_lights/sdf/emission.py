@@ -26,7 +26,7 @@ from .builtin_data import names_in
 from .declarations import Declaration
 from .evaluation import Evaluation
 from .expression_values import Misuse, Work, components, kind_of, lifted
-from .resolver import Resolver, Standing
+from .resolver import PlaceholderResolver, Resolver
 from .shapes.base import Shape, Slots
 from .syntax import ExpressionError, parse
 
@@ -112,7 +112,7 @@ class EmissionExpression:
     def __init__(self, text: str):
         """Raises ``ExpressionError`` if the text does not define a brightness or a colour."""
         self._tree, self._remarks = parse(text)
-        self.parameters: tuple[Declaration, ...] = tuple(self._run({}, Standing())[1].values())
+        self.parameters: tuple[Declaration, ...] = tuple(self._run({}, PlaceholderResolver())[1].values())
 
     @cached_property
     def data(self) -> frozenset[tuple[str, str]]:

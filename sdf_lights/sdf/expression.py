@@ -23,7 +23,7 @@ from functools import cached_property
 from .builtin_data import names_in
 from .declarations import Declaration
 from .evaluation import Evaluation
-from .resolver import Resolver, Standing
+from .resolver import PlaceholderResolver, Resolver
 from .shapes import Shape
 from .syntax import ExpressionError, parse
 
@@ -39,7 +39,7 @@ class Expression:
     def __init__(self, text: str):
         """Raises ``ExpressionError`` if the text does not define a shape."""
         self._tree, self._remarks = parse(text)
-        evaluation = Evaluation({}, self._remarks, Standing())
+        evaluation = Evaluation({}, self._remarks, PlaceholderResolver())
         evaluation.run(self._tree)
         self.parameters: tuple[Declaration, ...] = tuple(evaluation.declarations.values())
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 from ..graph import formula
 from ..graph.formula import CONSTANT, Formula
 from ..graph.operations import OPERATIONS
-from .resolver import Nothing, Resolver
+from .resolver import NoResolver, Resolver
 from .shapes.base import Parametric, Slots
 from .shapes.profiles import Profile
 
@@ -52,7 +52,7 @@ class Work(Slots):
         self.steps = self.operations = 0
         self.rounds = 1
         self.inputs = 0
-        self.resolver: Resolver = resolver or Nothing()
+        self.resolver: Resolver = resolver or NoResolver()
 
     def input(self) -> Formula:
         """A further input, before any number has a slot."""

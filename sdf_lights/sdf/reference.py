@@ -11,17 +11,17 @@ import dataclasses
 import math
 import sys
 
-from ..graph.formula import LONGEST_LOOP
+from ..graph.loops import LONGEST_LOOP
 from .builtin_data import DATA
 from .catalogue import grouped
 from .declarations import LIMITS
 from .emission_presets import presets
-from .evaluation import MOST_PRIMITIVES
 from .examples import Example, examples
 from .functions import COLOURS, CONSTANTS, DATA_WORDS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
 from .shapes import SHAPES, Parameter
 from .shapes.profiles import PROFILES
 from .syntax import DEEPEST, LONGEST
+from .value_evaluation import MOST_PRIMITIVES
 
 _ANGLE, _VECTOR = LIMITS["angle"], LIMITS["vector"]
 

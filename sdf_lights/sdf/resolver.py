@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the language gets the shapes that data make: ``text("OPEN")``, ``object("Sign")``, ``image("//logo.png")``.
 
-The language knows a kind, a name and settings. What stands behind them, a ``Resolver`` says: Blender's objects, or arrays.
+The language knows a kind, a name and settings. A ``Resolver`` finds the data: objects of Blender, or arrays.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Request(NamedTuple):
 
 
 class Unresolved(Exception):
-    """There is no such thing, or nothing can be made of it; says what in half a sentence, and the cure."""
+    """The data do not exist, or no shape can be made of them. The message names the problem, and ``cure`` the cure."""
 
     def __init__(self, problem: str, cure: str):
         super().__init__(problem)
@@ -61,8 +61,8 @@ def missing(kind: str, name: str, known: Iterable[str]) -> Unresolved:
     return Unresolved(f"there is no {kind} {name!r:.80}", cure)
 
 
-class Standing:
-    """Gives a box for everything: to check what does not depend on data."""
+class PlaceholderResolver:
+    """Returns a box for every request. It serves to check the parts of an expression that do not depend on data."""
 
     def __init__(self):
         self.asked = False
@@ -73,8 +73,8 @@ class Standing:
         return Box() if request.kind != COLOURS else table(np.array([1, 1, 0, 1, 1, 1, 1, 1], np.float32))
 
 
-class Nothing:
-    """Knows nothing, as where there is no Blender."""
+class NoResolver:
+    """Refuses every request. It is used where no resolver is given, as outside of Blender."""
 
     def find(self, request: Request) -> Found:
         """Raises ``Unresolved``."""

@@ -11,13 +11,13 @@ import numpy as np
 from sdf_lights.emitter.intersection import fields
 from sdf_lights.emitter.intersection.intervals import regularize, rows_needed
 from sdf_lights.emitter.lamps import SMALLEST_INTERVAL
-from sdf_lights.emitter.tree import crossings, interior
+from sdf_lights.emitter.tree import crossings, interior, nodes
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.sdf.program import INSTRUCTION
 from sdf_lights.sdf.shapes.base import Shape, part
 from support.rivals import marching
 
-BLOCK = block_dtype({**fields.TABLES, **interior.TABLES, "lamp_instructions": INSTRUCTION})
+BLOCK = block_dtype({**fields.TABLES, **nodes.TABLES, "lamp_instructions": INSTRUCTION})
 ROW = np.dtype(
     [
         ("first_node", np.int64),

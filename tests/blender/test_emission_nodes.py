@@ -8,7 +8,7 @@ import pytest
 
 from sdf_lights.blender import parameters
 from sdf_lights.blender.lamp import pattern_of, shape_of
-from sdf_lights.blender.nodes import editor, groups, reading, tree, writing
+from sdf_lights.blender.nodes import editor, groups, reading, tree, tree_text, writing
 from sdf_lights.render.errors import RenderError
 from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.emission_presets import presets
@@ -79,7 +79,7 @@ def test_emissions_become_nodes_and_text_again(made, text):
     writing.add_emission(made, text)
     assert problems(made) == {}
     alike(reading.emission_of(made, {}, None), emission(text))
-    alike(emission(reading.emission_text_of(made, {}, None)), emission(text))
+    alike(emission(tree_text.emission_text_of(made, {}, None)), emission(text))
     assert shape_of_tree(made) == BALL
 
 
@@ -148,7 +148,7 @@ def test_patterns_have_inputs_for_their_parameters(made, glow, name):
     expression = EmissionExpression(presets()[name].text)
     assert [s.identifier for s in pattern.inputs] == [declared.name for declared in expression.parameters]
     alike(reading.emission_of(made, {}, None), expression.emission())
-    alike(emission(reading.emission_text_of(made, {}, None)), expression.emission())
+    alike(emission(tree_text.emission_text_of(made, {}, None)), expression.emission())
 
 
 def test_a_pattern_of_ones_own(made, glow):
@@ -161,7 +161,7 @@ def test_a_pattern_of_ones_own(made, glow):
     pattern.match_interface()
     socket(pattern, "fall").default_value = 30.0
     alike(reading.emission_of(made, {}, None), emission("exp(-30 * (0.1 + depth))"))
-    alike(emission(reading.emission_text_of(made, {}, None)), emission("exp(-30 * (0.1 + depth))"))
+    alike(emission(tree_text.emission_text_of(made, {}, None)), emission("exp(-30 * (0.1 + depth))"))
 
 
 def test_mistakes_are_said_on_the_node(made, glow, data):

@@ -12,6 +12,7 @@ import pytest
 from sdf_lights.graph import codegen_glsl, numpy_evaluation
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.gradient import gradient
+from sdf_lights.graph.loops import iterate
 from sdf_lights.sdf.shapes import Box, Cone, Difference, Sphere, Torus
 
 pytestmark = pytest.mark.skipif(
@@ -77,7 +78,7 @@ def _escape(u, v, n):
         for shape in (Torus(), Cone(), Difference(Box(0.8), Sphere(1.08)))
     ]
     + [
-        pytest.param(sum(f.iterate(f.parameter(0), (x, y, z), _escape, 7)), [5.0], id="loop"),
+        pytest.param(sum(iterate(f.parameter(0), (x, y, z), _escape, 7)), [5.0], id="loop"),
         pytest.param(
             f.apply("power", x, 3.0) + f.apply("atan2", y, z) - f.select(x < y, x, f.apply("acos", y / 4.0)),
             [],

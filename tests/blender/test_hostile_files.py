@@ -16,7 +16,7 @@ import pytest
 
 from sdf_lights.blender.nodes import groups, writing
 from sdf_lights.blender.nodes.tree import GROUP, output_of
-from sdf_lights.blender.sync import images, nodes, pixels
+from sdf_lights.blender.sync import images, node_inputs, pixels
 from sdf_lights.render.scene import Scene
 
 
@@ -77,18 +77,18 @@ def test_devices_are_no_files(file):
     light.use_nodes = True
     texture = light.node_tree.nodes.new("ShaderNodeTexIES")
     texture.mode, texture.filepath = "EXTERNAL", "/dev/zero"
-    assert nodes.ies_text(texture) == ""
+    assert node_inputs.ies_text(texture) == ""
 
 
 def test_long_texts_are_no_light_distributions(file, tmp_path):
     path = tmp_path / "long.ies"
     with open(path, "wb") as long:
-        long.truncate(nodes.MOST_IES_BYTES + 1)
+        long.truncate(node_inputs.MOST_IES_BYTES + 1)
     light = bpy.data.lights.new("Text", "POINT")
     light.use_nodes = True
     texture = light.node_tree.nodes.new("ShaderNodeTexIES")
     texture.mode, texture.filepath = "EXTERNAL", str(path)
-    assert nodes.ies_text(texture) == ""
+    assert node_inputs.ies_text(texture) == ""
 
 
 # -- what a stranger's words might do -------------------------------------------------------------------------------
@@ -298,12 +298,12 @@ def test_pipes_are_no_light_distributions_and_no_volumes(file, stage, pictures, 
     light.use_nodes = True
     node = light.node_tree.nodes.new("ShaderNodeTexIES")
     node.mode, node.filepath = "EXTERNAL", str(path)
-    assert nodes.ies_text(node) == ""
-    monkeypatch.setattr(nodes, "MOST_IES_BYTES", 1000)
+    assert node_inputs.ies_text(node) == ""
+    monkeypatch.setattr(node_inputs, "MOST_IES_BYTES", 1000)
     long = bpy.data.texts.new("Long")
     long.from_string("1 " * 501)
     node.mode, node.ies = "INTERNAL", long
-    assert nodes.ies_text(node) == ""
+    assert node_inputs.ies_text(node) == ""
     volume = bpy.data.volumes.new("Smoke")
     volume.filepath = str(tmp_path / "missing.vdb")
     file.scene.collection.objects.link(bpy.data.objects.new("Smoke", volume))

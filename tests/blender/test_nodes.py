@@ -11,7 +11,7 @@ import pytest
 from sdf_lights.blender import parameters
 from sdf_lights.blender.lamp import shape_of
 from sdf_lights.blender.naming import NODE_TREE
-from sdf_lights.blender.nodes import add_menu, editor, function_nodes, groups, reading, tree, writing
+from sdf_lights.blender.nodes import add_menu, editor, function_nodes, groups, reading, tree, tree_text, writing
 from sdf_lights.blender.properties import PRIMITIVES
 from sdf_lights.render.errors import RenderError
 from sdf_lights.sdf.examples import examples
@@ -64,7 +64,7 @@ def test_examples_become_nodes_and_text_again(file, name):
     assert problems(made) == {}
     shape = said(made)
     alike(shape, evaluate(text))
-    alike(evaluate(reading.text_of(made, {}, None)), shape)
+    alike(evaluate(tree_text.text_of(made, {}, None)), shape)
 
 
 def test_only_loops_and_blocks_have_no_nodes_of_their_own(file):
@@ -142,7 +142,7 @@ def test_expressions_become_nodes_and_text_again(file, text):
     made = writing.tree_of("Tree", text)
     assert not any(n.bl_idname == "SDFLIGHTS_Node_expression" for n in made.nodes)
     alike(said(made), evaluate(text))
-    alike(evaluate(reading.text_of(made, {}, None)), evaluate(text))
+    alike(evaluate(tree_text.text_of(made, {}, None)), evaluate(text))
 
 
 def test_a_slider_of_a_node_changes_no_formula(made):
@@ -338,7 +338,7 @@ def test_parameters_are_properties_of_each_lamp(made, lamp):
     assert one.id_properties_ui("sdf_size").as_dict()["max"] == 2.0
     size.parameter = "sphere"
     assert "cannot be the name" in problems(made)[size.name]
-    text = reading.text_of
+    text = tree_text.text_of
     size.parameter = "size"
     assert "size = slider(1.25, 0, 2)  # of the ball" in text(made, {"size": 1.25}, None)
 
@@ -358,7 +358,7 @@ def test_expression_node_has_inputs_for_its_parameters(made):
     alike(said(made), evaluate(block.as_string()))
     part.inputs["Size"].default_value = 2.0
     alike(said(made), evaluate(block.as_string(), {"size": 2.0}))
-    alike(evaluate(reading.text_of(made, {}, None)), said(made))
+    alike(evaluate(tree_text.text_of(made, {}, None)), said(made))
     value = made.nodes.new("SDFLIGHTS_Node_number")
     value.value = 9.0  # held to the limits
     link(made, value, part, "size")
@@ -379,7 +379,7 @@ def test_names_in_an_expression_node_stay_there(made):
     link(made, both, end(made))
     wanted = evaluate("union(length(p - (0.4, 0, 0)) - 0.2, length(p + (0.4, 0, 0)) - 0.2)")
     alike(said(made), wanted)
-    alike(evaluate(reading.text_of(made, {}, None)), wanted)
+    alike(evaluate(tree_text.text_of(made, {}, None)), wanted)
 
 
 def test_groups(made):
@@ -398,7 +398,7 @@ def test_groups(made):
     made.links.remove(group.inputs[0].links[0])
     group.inputs[0].default_value = 0.5
     alike(said(made), evaluate("shell(offset(sphere(0.3), 0.5))"))
-    alike(evaluate(reading.text_of(made, {}, None)), said(made))
+    alike(evaluate(tree_text.text_of(made, {}, None)), said(made))
     inner = group.node_tree
     item = inner.interface.new_socket("Extra", in_out="INPUT", socket_type="NodeSocketVector")
     tree._loaded()

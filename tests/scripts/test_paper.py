@@ -9,7 +9,7 @@ bpy = pytest.importorskip("bpy")
 import bench  # noqa: E402
 from benchmarks import lamp_scenes, paper, paper_scenes  # noqa: E402
 from benchmarks.progress import Progress  # noqa: E402
-from reporting import page, results  # noqa: E402
+from reporting import results, sampling_sections  # noqa: E402
 
 
 def test_every_published_scene_is_rebuilt():
@@ -53,7 +53,7 @@ def test_figures_of_the_paper_stand_beside_ours(tmp_path):
         for technique in ("cosine", "bounding", "surface", "projection")
     ]
     result = results.Result("paper", "", {}, [*paper.compared(rows), *rows], dict(processor="A", cores=2))
-    text = "\n".join(page.paper(result, tmp_path, tmp_path / "page.md"))
+    text = "\n".join(sampling_sections.paper(result, tmp_path, tmp_path / "page.md"))
     assert f"| kitchen |{' 0.02 |' * 6} 0.945 | 0.079 | 0.013 |" in text
     assert f"| kitchen |{' – |' * 6} 0.761 | 0.083 | 0.02 |" in text
     assert f"| kitchen |{' 1 |' * 6}\n" in text  # seconds, of which the paper has none

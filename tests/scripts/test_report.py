@@ -9,14 +9,14 @@ import re
 
 import numpy as np
 import pytest
-from reporting import page, records, results
+from reporting import page, prose, race, records, results, sampling_sections, sections
 
 DOCS = results.REPOSITORY / "docs"
 
 MACHINE = dict(processor="Some Processor", cores=2, load=0.1)
 
 
-def race(volume: float = 0.5, mesh: float | None = 0.1, machine=MACHINE, flip: bool = True) -> results.Result:
+def raced(volume: float = 0.5, mesh: float | None = 0.1, machine=MACHINE, flip: bool = True) -> results.Result:
     """Two scenes; errors of Cycles in S2 are those given, where ours are 0.01."""
     rows = []
     for scene in ("S1", "S2"):
@@ -63,32 +63,32 @@ def race(volume: float = 0.5, mesh: float | None = 0.1, machine=MACHINE, flip: b
 
 
 def test_where_we_lose_is_said():
-    text = page.verdict(race(mesh=0.004))
+    text = race.verdict(raced(mesh=0.004))
     assert "mesh light is better** in S2 by relMSE (0.4 times our error)" in text
     assert "emission volume is better nowhere" in text
-    assert "is better nowhere" not in page.verdict(race(volume=0.001, mesh=0.001)).split("paper's sampler")[0]
+    assert "is better nowhere" not in race.verdict(raced(volume=0.001, mesh=0.001)).split("paper's sampler")[0]
 
 
 def test_what_is_not_known_is_a_dash():
-    text = page.equal_time(race(mesh=None, flip=False))
+    text = race.equal_time(raced(mesh=None, flip=False))
     assert "FLIP" not in text
     assert re.search(r"\| S2 .*relMSE .*\| – \|\n", text)
 
 
 def test_preparation_is_told_and_left_out():
     """Renders of the fixture take 1 s for 64 samples and nothing before; here Cycles takes half a second more."""
-    result = race()
+    result = raced()
     for row in result.rows:
         if row.get("method") == "Cycles volume":
             row["seconds"] += 0.5
-    text = page.preparation(result)
+    text = race.preparation(result)
     assert "| S1 | 1 | 0 | 0 | 0.5 | 0 | 2 | 50 | 10 |" in text
-    assert page.preparation(results.Result("cycles_direct", "", {}, [result.rows[0]], MACHINE)) == ""
+    assert race.preparation(results.Result("cycles_direct", "", {}, [result.rows[0]], MACHINE)) == ""
 
 
 def test_a_busy_machine_is_told():
-    assert "otherwise idle" in page.load(race())
-    assert "other work ran beside it" in page.load(race(machine=MACHINE | dict(load=4.0)))
+    assert "otherwise idle" in prose.load(raced())
+    assert "other work ran beside it" in prose.load(raced(machine=MACHINE | dict(load=4.0)))
 
 
 def test_limits_that_do_not_hold_are_named():
@@ -97,11 +97,11 @@ def test_limits_that_do_not_hold_are_named():
         dict(case="shells", measures="wrong crossings", figure=0.0, limit=0.0, holds=True),
         dict(case="broken", measures="time", figure=None, limit=None, holds=False, error="it stopped"),
     ]
-    text = "\n".join(page.hard(results.Result("hard", "./scripts/bench hard", {}, rows, MACHINE)))
+    text = "\n".join(sections.hard(results.Result("hard", "./scripts/bench hard", {}, rows, MACHINE)))
     assert "**Limits that do not hold: stretch and broken.**" in text
     assert "| stretch | error of rays | 0.5 | 0.1 | **fails** |" in text
     assert "| broken | time | – | – | **fails** |" in text
-    assert "All limits hold.\n" in page.hard(results.Result("hard", "", {}, rows[1:2], MACHINE))
+    assert "All limits hold.\n" in sections.hard(results.Result("hard", "", {}, rows[1:2], MACHINE))
 
 
 def test_hard_cases_say_how_certain_and_how_slow_they_are():
@@ -128,17 +128,17 @@ def test_hard_cases_say_how_certain_and_how_slow_they_are():
             published_time_ratio=2.5,
         ),
     ]
-    text = "\n".join(page.hard(results.Result("hard", "", {}, rows, MACHINE)))
+    text = "\n".join(sections.hard(results.Result("hard", "", {}, rows, MACHINE)))
     assert "| shells | wrong | 0 | 0 |  | 20,000 | 0.25 |" in text
     assert "| noise | 510 | 100 | 5.1 | 2.5 |" in text
 
 
 def test_what_was_not_measured_is_told():
     hard = results.Result("hard", "", {}, [], MACHINE)
-    text = "".join(page.lacking({"cycles_direct": race(flip=False), "hard": hard}))
+    text = "".join(page.lacking({"cycles_direct": raced(flip=False), "hard": hard}))
     assert "Not measured: cycles_bounces, paper, estimators, intervals, throughput and scaling." in text
     assert "FLIP of `cycles_direct` was not measured." in text
-    assert page.lacking(dict.fromkeys(results.RUNS, race())) == []
+    assert page.lacking(dict.fromkeys(results.RUNS, raced())) == []
 
 
 def test_hard_cases_stand_under_their_kind():
@@ -146,21 +146,21 @@ def test_hard_cases_stand_under_their_kind():
         dict(case=name, kind=kind, measures="what", figure=0.0, limit=1.0, holds=True)
         for name, kind in (("far", "light"), ("leak", "faces"), ("new", "unheard of"))
     ]
-    parts = page.hard(results.Result("hard", "", {}, rows, MACHINE))
+    parts = sections.hard(results.Result("hard", "", {}, rows, MACHINE))
     titles = [part for part in parts if part.startswith("###")]
-    assert titles == [f"### {page.HARD['light'][0]}\n", f"### {page.HARD['faces'][0]}\n", "### Others\n"]
+    assert titles == [f"### {sections.HARD['light'][0]}\n", f"### {sections.HARD['faces'][0]}\n", "### Others\n"]
 
 
 def test_every_kind_of_hard_case_is_told():
     pytest.importorskip("bpy")
     from benchmarks.hard_cases import CASES
 
-    assert {case.kind for case in CASES.values()} == set(page.HARD)
+    assert {case.kind for case in CASES.values()} == set(sections.HARD)
 
 
 @pytest.mark.parametrize("variance, said", [(0.0101, "more than a tenth"), (0.0099, "at most a tenth")])
 def test_references_that_are_not_good_enough_are_named(variance, said):
-    sentence = page.reached([dict(scene="S1", reference=0.005), dict(scene="S2", reference=variance)])
+    sentence = prose.reached([dict(scene="S1", reference=0.005), dict(scene="S2", reference=variance)])
     assert said in sentence
     assert "S1" not in sentence and ("S2 (0.1" in sentence) == (variance > 0.01)
 
@@ -210,7 +210,7 @@ def test_crossings_and_scaling_have_a_plot_and_their_tables(tmp_path):
 
 
 def test_rays_that_are_wrong_are_told(tmp_path):
-    parts = page.intervals(crossings(0.5), tmp_path, tmp_path / "page.md")
+    parts = sections.intervals(crossings(0.5), tmp_path, tmp_path / "page.md")
     assert any("rays are wrong in ring and sponge" in part for part in parts)
 
 
@@ -219,7 +219,7 @@ def test_rates_stand_beside_those_of_cycles():
         dict(engine=engine, bounces=0, samples_per_second=rate, slowest=rate, fastest=rate, mean=0.5)
         for engine, rate in (("SDF Lights", 300.0), ("Cycles", 100.0))
     ] + [dict(start="F12 again", seconds=0.5)]
-    text = "\n".join(page.throughput(results.Result("throughput", "./scripts/bench throughput", {}, rows, MACHINE)))
+    text = "\n".join(sections.throughput(results.Result("throughput", "./scripts/bench throughput", {}, rows, MACHINE)))
     assert "| 0 | SDF Lights | 300 | 300 | 300 | 3 | 0.5 |" in text and "| F12 again | 0.5 |" in text
 
 
@@ -228,7 +228,9 @@ def test_samplers_at_points_stand_side_by_side():
         dict(case="torus, above", group="far", technique=name, ns=ns, error_64=error, gain_64=4.0, gain_256=5.0)
         for name, ns, error in (("mis", 100.0, 0.1), ("cut", 200.0, 0.01))
     ]
-    text = "\n".join(page.estimators(results.Result("estimators", "./scripts/bench estimators", {}, rows, MACHINE)))
+    text = "\n".join(
+        sampling_sections.estimators(results.Result("estimators", "./scripts/bench estimators", {}, rows, MACHINE))
+    )
     assert "| torus, above | far | 0.1 | 0.01 | 100 | 200 | 4 | 5 |" in text
 
 
@@ -258,7 +260,9 @@ def test_scenes_where_the_papers_sampler_is_better_are_named(tmp_path):
         }
 
     def section(*rows):
-        return "\n".join(page.lamps(results.Result("lamps", "./scripts/bench lamps", {}, [*rows], MACHINE)))
+        return "\n".join(
+            sampling_sections.lamps(results.Result("lamps", "./scripts/bench lamps", {}, [*rows], MACHINE))
+        )
 
     text = section(scene("S1", 4.0, 2.0) | {"cycles": 500.0}, scene("haze", 0.9, 0.8))
     assert "| S1 | 0 | 0.5 | 4 | 1.25 | 1.5 | 2 | 3 | 500 | – | – | 0.1 |" in text
@@ -272,7 +276,7 @@ def test_scenes_where_the_papers_sampler_is_better_are_named(tmp_path):
 
 
 def test_numbers_have_three_figures():
-    assert [page.number(value) for value in (1234.5, 12.345, 0.012345, 1.2e-7, 0.0, None, "text")] == [
+    assert [prose.number(value) for value in (1234.5, 12.345, 0.012345, 1.2e-7, 0.0, None, "text")] == [
         "1,234",
         "12.3",
         "0.0123",
@@ -292,7 +296,7 @@ def test_the_page_has_its_command_beside_every_figure(tmp_path):
     pictures = {name: np.full((8, 8, 3), 0.5) for name in ("CUT", "Cycles volume", "Cycles mesh light", "reference")}
     np.savez(kept / "S1 0.npz", **pictures)
     found = {
-        "cycles_direct": race(),
+        "cycles_direct": raced(),
         "throughput": results.Result(
             "throughput", "./scripts/bench throughput", dict(samples_per_second_ratio_to_cycles=2.0), [], MACHINE
         ),
@@ -314,7 +318,7 @@ def test_a_metric_that_nothing_is_known_of_has_no_plot(tmp_path):
     pytest.importorskip("matplotlib")
     from reporting import plots
 
-    assert not plots.against_time(race(flip=False), "flip", tmp_path / "plot.png")
+    assert not plots.against_time(raced(flip=False), "flip", tmp_path / "plot.png")
     assert not (tmp_path / "plot.png").exists()
 
 
@@ -323,7 +327,7 @@ def test_a_plot_of_other_results_does_not_stay(tmp_path):
     import report
 
     for flip in (True, False):
-        report.draw({"cycles_direct": race(flip=flip)}, tmp_path, tmp_path)
+        report.draw({"cycles_direct": raced(flip=flip)}, tmp_path, tmp_path)
         assert (tmp_path / "report_cycles_direct_flip.png").is_file() == flip
     assert (tmp_path / "report_cycles_direct_mape.png").is_file()
 
@@ -346,7 +350,7 @@ def test_images_say_what_they_were_drawn_from(tmp_path, capsys):
     pictures = {name: np.full((8, 8, 3), 0.5) for name in ("CUT", "Cycles volume", "reference")}
     for scene in ("S1", "S2"):
         np.savez(tmp_path / f"{scene} 0.npz", **pictures)
-    result = race()
+    result = raced()
     result.rows[0]["renders"] = hashlib.sha256((tmp_path / "S1 0.npz").read_bytes()).hexdigest()
     report.draw({result.name: result}, tmp_path, tmp_path)
     one, two = (tmp_path / f"report_pictures_cycles_direct_{scene}.png" for scene in ("S1", "S2"))
@@ -367,8 +371,8 @@ def test_images_say_what_they_were_drawn_from(tmp_path, capsys):
 
 
 def test_the_hash_of_a_result_is_that_of_what_was_measured():
-    assert race().digest == race().digest
-    assert race().digest != race(volume=0.4).digest
+    assert raced().digest == raced().digest
+    assert raced().digest != raced(volume=0.4).digest
 
 
 def test_results_are_read_in_the_order_of_the_page(tmp_path):

@@ -12,6 +12,7 @@ from sdf_lights.graph import codegen_native
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.folding import Folding
 from sdf_lights.graph.functions import Function
+from sdf_lights.graph.loops import iterate
 from sdf_lights.jit import CallablePart, kernel
 
 pytestmark = pytest.mark.skipif(not codegen_native.AVAILABLE, reason="no Numba")
@@ -50,7 +51,7 @@ def start(tmp_path, monkeypatch):
 
 
 def test_a_second_process_makes_no_code(start):
-    looped = f.iterate(k, (x, 1.0), lambda a, b: ((a * b + y, b + 1.0), a < 50.0), 20)[0]
+    looped = iterate(k, (x, 1.0), lambda a, b: ((a * b + y, b + 1.0), a < 50.0), 20)[0]
     formula = f.sin(x) + f.power(abs(y), k) * looped + f.atan2(y, z)
     first = codegen_native.evaluate(formula, POINTS, [3.0])
     assert start() == 1
@@ -91,7 +92,7 @@ def test_code_at_surfaces_calls_functions_and_knows_where_variables_are(start):
 
 def test_descriptions_differ_where_code_does():
     def loop(step, limit=9, going=None):
-        return f.iterate(k, (x, y), lambda a, b: (step(a, b), going and going(a)), limit)[0]
+        return iterate(k, (x, y), lambda a, b: (step(a, b), going and going(a)), limit)[0]
 
     different = [
         x + y,

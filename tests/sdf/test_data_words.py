@@ -9,7 +9,7 @@ from sdf_lights.graph import tables
 from sdf_lights.sdf.data.tube import Tube
 from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.expression import Expression, ExpressionError, evaluate
-from sdf_lights.sdf.resolver import Arrays, Cache, Request, Standing
+from sdf_lights.sdf.resolver import Arrays, Cache, PlaceholderResolver, Request
 from sdf_lights.sdf.shapes import Box, Sphere
 
 
@@ -162,4 +162,4 @@ def test_results_are_made_anew_when_the_data_change(arrays):
     del arrays.shapes["Ball"]
     with pytest.raises(ExpressionError):
         ask()
-    assert Standing().find(Request("object", "any")) == Box()
+    assert PlaceholderResolver().find(Request("object", "any")) == Box()

@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from sdf_lights.sdf import evaluation, syntax
+from sdf_lights.sdf import syntax, value_evaluation
 from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.expression import Declaration, Expression, ExpressionError, evaluate
 from sdf_lights.sdf.functions import FUNCTIONS
@@ -568,8 +568,8 @@ def test_attacks_do_not_overflow_the_small_stack_of_a_thread():
 
 
 def test_the_largest_expressions_that_are_allowed():
-    wide = "s = sphere()\nunion(" + ", ".join("s" * evaluation.MOST_PRIMITIVES) + ")"
-    assert evaluate(wide).size == evaluation.MOST_PRIMITIVES
+    wide = "s = sphere()\nunion(" + ", ".join("s" * value_evaluation.MOST_PRIMITIVES) + ")"
+    assert evaluate(wide).size == value_evaluation.MOST_PRIMITIVES
     assert evaluate("|".join(["sphere()"] * (syntax.MOST_OPERATORS + 1))).size == syntax.MOST_OPERATORS + 1
     half = syntax.DEEPEST // 2
     deep = "sphere(" + "(" * (syntax.DEEPEST - 1) + "1" + ")" * syntax.DEEPEST

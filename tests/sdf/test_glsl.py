@@ -15,6 +15,7 @@ import pytest
 from sdf_lights.graph import codegen_glsl, interval_evaluation, numpy_evaluation
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.gradient import gradient
+from sdf_lights.graph.loops import iterate
 from support import glsl
 from support.shapes import samples
 
@@ -71,16 +72,16 @@ def _escape(u, v, n):
 
 
 def _outer(a, total):
-    (b,) = f.iterate(f.parameter(0), (a * y,), lambda c: ((f.sin(c) + total * z - (x + y) * c,), abs(c) < 9.0), 6)
+    (b,) = iterate(f.parameter(0), (a * y,), lambda c: ((f.sin(c) + total * z - (x + y) * c,), abs(c) < 9.0), 6)
     return (b + a, total * b), f.minimum(a, total) < 5.0
 
 
 LOOPS = {
-    "parameter": f.iterate(f.parameter(0), (x,), lambda u: ((u * u - y,), None), 9)[0],
-    "escape": f.length(*f.iterate(7, (x, y, z), _escape, 7)),
-    "nested": sum(f.iterate(3, (x, z), _outer, 3)),
-    "nothing to do": f.iterate(f.parameter(1), (x, y), lambda u, v: ((v, u), None), 4)[0],
-    "swap": sum(f.iterate(3, (x, 2.0 * y), lambda u, v: ((v, u), None), 4)[i] * (i + 1.0) for i in range(2)),
+    "parameter": iterate(f.parameter(0), (x,), lambda u: ((u * u - y,), None), 9)[0],
+    "escape": f.length(*iterate(7, (x, y, z), _escape, 7)),
+    "nested": sum(iterate(3, (x, z), _outer, 3)),
+    "nothing to do": iterate(f.parameter(1), (x, y), lambda u, v: ((v, u), None), 4)[0],
+    "swap": sum(iterate(3, (x, 2.0 * y), lambda u, v: ((v, u), None), 4)[i] * (i + 1.0) for i in range(2)),
 }
 FORMULAS = {f"operation {name}": formula for name, formula in operations()}
 FORMULAS |= {f"loop, {name}": formula for name, formula in LOOPS.items()}

@@ -8,6 +8,7 @@ import pytest
 from sdf_lights.graph import codegen_native, numpy_evaluation
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.gradient import gradient
+from sdf_lights.graph.loops import iterate
 from sdf_lights.sdf.shapes.base import EXACT
 from support.shapes import samples
 
@@ -56,15 +57,15 @@ def _escape(u, v, n):
 
 
 def _inner(a, total):
-    (b,) = f.iterate(2, (a * y,), lambda c: ((f.sin(c) + total * z,), None), 2)
+    (b,) = iterate(2, (a * y,), lambda c: ((f.sin(c) + total * z,), None), 2)
     return (b + a, total * b), None
 
 
 LOOPS = {
-    "parameter": f.iterate(f.parameter(0), (x,), lambda u: ((u * u - y,), None), 9)[0],
-    "escape": f.length(*f.iterate(7, (x, y, z), _escape, 7)),
-    "nested": sum(f.iterate(3, (x, z), _inner, 3)),
-    "with captures": f.iterate(3, (1.0,), lambda u: ((u * f.cos(x * y) + z,), u < 2.0), 3)[0] * x,
+    "parameter": iterate(f.parameter(0), (x,), lambda u: ((u * u - y,), None), 9)[0],
+    "escape": f.length(*iterate(7, (x, y, z), _escape, 7)),
+    "nested": sum(iterate(3, (x, z), _inner, 3)),
+    "with captures": iterate(3, (1.0,), lambda u: ((u * f.cos(x * y) + z,), u < 2.0), 3)[0] * x,
 }
 
 FORMULAS = {f"operation {name}": formula for name, formula in operations()}

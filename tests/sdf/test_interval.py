@@ -10,6 +10,7 @@ import pytest
 
 from sdf_lights.graph import codegen_native, interval_evaluation, numpy_evaluation
 from sdf_lights.graph import formula as f
+from sdf_lights.graph.loops import iterate
 from support.shapes import samples
 
 x, y, z = f.POINT
@@ -40,15 +41,15 @@ def _julia(*states):
 
 
 def _nested(u, total):
-    (inner,) = f.iterate(3, (u,), lambda v: ((abs(v) - 0.5 * total,), None), 3)
+    (inner,) = iterate(3, (u,), lambda v: ((abs(v) - 0.5 * total,), None), 3)
     return (inner * 1.25, total + inner * x), f.minimum(u, y) < 2.0
 
 
 LOOPS = {
-    "escape": f.iterate(12, (x, y, z, 0.0), _julia, 12)[3],
-    "escaped": f.length(*f.iterate(6, (x, y, z, 0.0), _julia, 8)[:3]),
-    "nested": sum(f.iterate(f.parameter(0), (x, 0.5), _nested, 4)),
-    "no rounds": f.iterate(-1.0, (x + y,), lambda u: ((u * 2.0,), None), 4)[0],
+    "escape": iterate(12, (x, y, z, 0.0), _julia, 12)[3],
+    "escaped": f.length(*iterate(6, (x, y, z, 0.0), _julia, 8)[:3]),
+    "nested": sum(iterate(f.parameter(0), (x, 0.5), _nested, 4)),
+    "no rounds": iterate(-1.0, (x + y,), lambda u: ((u * 2.0,), None), 4)[0],
 }
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from sdf_lights.graph import formula as f
 from sdf_lights.graph import interval_evaluation, lipschitz, numpy_evaluation
+from sdf_lights.graph.loops import iterate
 from sdf_lights.sdf.noise import value_noise
 from sdf_lights.sdf.shapes import SHAPES, Box, Transformed
 from sdf_lights.sdf.shapes.base import EXACT
@@ -182,9 +183,9 @@ def test_bounds_of_the_gradient_have_it_between_them():
 
 def test_loops():
     """A fold that is repeated, and points that leave a loop early."""
-    (folded,) = f.iterate(f.parameter(0), (x,), lambda u: ((abs(u) - 0.5,), None), 5)
+    (folded,) = iterate(f.parameter(0), (x,), lambda u: ((abs(u) - 0.5,), None), 5)
     assert _bound(folded, parameters=[3.0]) == pytest.approx(1.0)
-    grown = f.iterate(4, (x, 1.0), lambda u, n: ((2.0 * u, n + 1.0), abs(u) < 1.0), 4)[0]
+    grown = iterate(4, (x, 1.0), lambda u, n: ((2.0 * u, n + 1.0), abs(u) < 1.0), 4)[0]
     assert _bound(grown, 0.3, 0.4) == pytest.approx(4.0)  # 0.3 … 0.8 go on, 1.2 … 1.6 do not
     sides = lipschitz.lipschitz(grown, np.full((1, 3), 0.3), np.full((1, 3), 0.9), tears=False)[0]
     assert sides == pytest.approx(4.0)

@@ -11,6 +11,7 @@ import pytest
 
 from sdf_lights.graph import codegen_native, formula_text, numpy_evaluation
 from sdf_lights.graph import formula as f
+from sdf_lights.graph.loops import LONGEST_LOOP, iterate
 
 x, y, z = f.POINT
 k, k1 = f.parameter(0), f.parameter(1)
@@ -33,7 +34,7 @@ def mandelbrot(count) -> tuple[f.Formula, ...]:
     def step(a, b, n):
         return (a * a - b * b + x, 2.0 * a * b + y, n + 1.0), a * a + b * b < 4.0
 
-    return f.iterate(count, (0.0, 0.0, 0.0), step, 30)
+    return iterate(count, (0.0, 0.0, 0.0), step, 30)
 
 
 def expected(function, *arguments) -> np.ndarray:
@@ -81,7 +82,7 @@ def test_rounds_and_stopping_are_those_of_a_python_loop(reading, count, rounds):
 @each_reading
 def test_loops_in_loops(reading):
     def build(a, n):
-        inner, m = f.iterate(k1, (a, 0.0), lambda s, m: ((0.5 * s + f.sin(y) * a, m + n), s < 3.0 + n), 10)
+        inner, m = iterate(k1, (a, 0.0), lambda s, m: ((0.5 * s + f.sin(y) * a, m + n), s < 3.0 + n), 10)
         return (inner + 0.1 * x, n + 0.25 * m + 1.0), a < 2.0 + x
 
     def python(px, py, pz, outer, inner):
@@ -97,7 +98,7 @@ def test_loops_in_loops(reading):
             a, n = s + 0.1 * px, n + 0.25 * m + 1.0
         return a + 7.0 * n
 
-    a, n = f.iterate(k, (z, 1.0), build, 20)
+    a, n = iterate(k, (z, 1.0), build, 20)
     agrees(reading, a + 7.0 * n, expected(python, 5, 3), [5.0, 3.0])
     agrees(reading, a + 7.0 * n, expected(python, 20, 0), [99.0, 0.0])
 
@@ -105,8 +106,8 @@ def test_loops_in_loops(reading):
 @each_reading
 def test_loops_side_by_side_keep_their_states_apart(reading):
     """Their states, and so the first nodes of their bodies, are the same objects."""
-    (one,) = f.iterate(3.0, (x,), lambda a: ((f.cos(a * a) + a * a,), None), 5)
-    (two,) = f.iterate(2.0, (y,), lambda a: ((f.sin(a * a) - a * a,), None), 5)
+    (one,) = iterate(3.0, (x,), lambda a: ((f.cos(a * a) + a * a,), None), 5)
+    (two,) = iterate(2.0, (y,), lambda a: ((f.sin(a * a) - a * a,), None), 5)
 
     def python(px, py, _):
         for _ in range(3):
@@ -119,13 +120,13 @@ def test_loops_side_by_side_keep_their_states_apart(reading):
     values = reading.evaluate(one - two, POINTS[kept])
     np.testing.assert_allclose(values, expected(python)[kept], rtol=1e-12, atol=1e-12)
 
-    (nested,) = f.iterate(
+    (nested,) = iterate(
         2.0,
         (z,),
         lambda b: (
             (
-                f.iterate(1.0, (b,), lambda a: ((a * a + x,), None), 2)[0]
-                - f.iterate(2.0, (b,), lambda a: ((0.1 * (a * a),), None), 2)[0],
+                iterate(1.0, (b,), lambda a: ((a * a + x,), None), 2)[0]
+                - iterate(2.0, (b,), lambda a: ((0.1 * (a * a),), None), 2)[0],
             ),
             None,
         ),
@@ -145,9 +146,9 @@ def test_loops_side_by_side_keep_their_states_apart(reading):
 
 @each_reading
 def test_a_result_can_go_on_into_other_loops(reading):
-    (first,) = f.iterate(4.0, (x,), lambda a: ((0.5 * a + 1.0,), None), 9)
-    (rounds,) = f.iterate(k, (1.0,), lambda a: ((2.0 * a,), None), 9)
-    (second,) = f.iterate(rounds, (first + y,), lambda a: ((0.5 * a + first,), a < 3.0 * first), 9)
+    (first,) = iterate(4.0, (x,), lambda a: ((0.5 * a + 1.0,), None), 9)
+    (rounds,) = iterate(k, (1.0,), lambda a: ((2.0 * a,), None), 9)
+    (second,) = iterate(rounds, (first + y,), lambda a: ((0.5 * a + first,), a < 3.0 * first), 9)
 
     def python(px, py, _):
         for _ in range(4):
@@ -162,7 +163,7 @@ def test_a_result_can_go_on_into_other_loops(reading):
 
 @each_reading
 def test_a_loop_of_parameters_alone(reading):
-    total, factor = f.iterate(k, (0.0, 1.0), lambda a, b: ((a + b, b * k1), b < 50.0), 100)
+    total, factor = iterate(k, (0.0, 1.0), lambda a, b: ((a + b, b * k1), b < 50.0), 100)
     agrees(reading, total + x * factor, 15.0 + 16.0 * POINTS[:, 0], [4.0, 2.0])
     agrees(reading, total + x * factor, 63.0 + 64.0 * POINTS[:, 0], [90.0, 2.0])
     np.testing.assert_array_equal(reading.evaluate(total, POINTS, [90.0, 2.0]), np.full(len(POINTS), 63.0))
@@ -171,7 +172,7 @@ def test_a_loop_of_parameters_alone(reading):
 @each_reading
 def test_a_condition_that_does_not_change_holds_for_all_rounds_or_none(reading):
     def loop(going):
-        return f.iterate(5.0, (x,), lambda a: ((a + 1.0,), going), 5)[0]
+        return iterate(5.0, (x,), lambda a: ((a + 1.0,), going), 5)[0]
 
     for parameter in (0.0, 2.0):
         agrees(reading, loop(k < 1.0), POINTS[:, 0] + (5.0 if parameter < 1.0 else 0.0), [parameter])
@@ -181,24 +182,24 @@ def test_a_condition_that_does_not_change_holds_for_all_rounds_or_none(reading):
 
 @each_reading
 def test_small_bodies(reading):
-    agrees(reading, f.iterate(4.0, (x, y), lambda a, b: ((b, a), None), 9)[0], POINTS[:, 0])
-    agrees(reading, f.iterate(5.0, (x, y), lambda a, b: ((b, a), None), 9)[0], POINTS[:, 1])
-    agrees(reading, f.iterate(5.0, (x,), lambda a: ((2.0,), None), 9)[0], np.full(len(POINTS), 2.0))
+    agrees(reading, iterate(4.0, (x, y), lambda a, b: ((b, a), None), 9)[0], POINTS[:, 0])
+    agrees(reading, iterate(5.0, (x, y), lambda a, b: ((b, a), None), 9)[0], POINTS[:, 1])
+    agrees(reading, iterate(5.0, (x,), lambda a: ((2.0,), None), 9)[0], np.full(len(POINTS), 2.0))
     agrees(
         reading,
-        f.iterate(k, (x,), lambda a: ((y,), a < 0.0), 9)[0],
+        iterate(k, (x,), lambda a: ((y,), a < 0.0), 9)[0],
         np.where(POINTS[:, 0] < 0.0, POINTS[:, 1], POINTS[:, 0]),
         [3.0],
     )
-    assert f.iterate(5.0, (), lambda: ((), None), 9) == ()
-    assert f.iterate(0.5, (x, 1.0), lambda a, b: ((b, a), None), 9) == (x, f.constant(1.0))
+    assert iterate(5.0, (), lambda: ((), None), 9) == ()
+    assert iterate(0.5, (x, 1.0), lambda a, b: ((b, a), None), 9) == (x, f.constant(1.0))
 
 
 @pytest.mark.skipif(not codegen_native.AVAILABLE, reason="no Numba")
 @pytest.mark.parametrize("count", [1, 8, 13])
 def test_lanes_stop_on_their_own(count):
     at = np.stack([np.arange(count) * 1.0, np.zeros(count), np.zeros(count)], axis=-1)
-    (steps,) = f.iterate(20.0, (0.0,), lambda n: ((n + 1.0,), n < x), 20)
+    (steps,) = iterate(20.0, (0.0,), lambda n: ((n + 1.0,), n < x), 20)
     np.testing.assert_array_equal(codegen_native.evaluate(steps, at), np.arange(count))
 
 
@@ -207,17 +208,17 @@ def test_the_same_loop_is_the_same_object():
     assert all(a is b for a, b in zip(first, again))
     assert mandelbrot(k1)[0] is not first[0]
     # A name the body gives its states does not matter, nor does where constants come from.
-    (one,) = f.iterate(k, (x,), lambda a: ((a + (2.0 - 1.0),), a < k1), 7)
-    (two,) = f.iterate(f.parameter(0), (x,), lambda other: ((f.constant(1.0) + other,), f.parameter(1) > other), 7)
+    (one,) = iterate(k, (x,), lambda a: ((a + (2.0 - 1.0),), a < k1), 7)
+    (two,) = iterate(f.parameter(0), (x,), lambda other: ((f.constant(1.0) + other,), f.parameter(1) > other), 7)
     assert one is two
-    assert f.iterate(k, (x,), lambda a: ((a + 1.0,), a < k1), 8)[0] is not one
+    assert iterate(k, (x,), lambda a: ((a + 1.0,), a < k1), 8)[0] is not one
     assert copy.deepcopy(one) is one and pickle.loads(pickle.dumps(one)) is one
 
 
 def test_parameters_of_a_body_count():
-    (result,) = f.iterate(2.0, (x,), lambda a: ((a * f.parameter(6),), None), 3)
+    (result,) = iterate(2.0, (x,), lambda a: ((a * f.parameter(6),), None), 3)
     assert f.slots(result) == 7
-    (nested,) = f.iterate(2.0, (x,), lambda a: (f.iterate(1.0, (a,), lambda b: ((f.parameter(8),), None), 3), None), 3)
+    (nested,) = iterate(2.0, (x,), lambda a: (iterate(1.0, (a,), lambda b: ((f.parameter(8),), None), 3), None), 3)
     assert f.slots(nested) == 9
 
 
@@ -227,30 +228,30 @@ def test_parameters_of_a_body_count():
         (x, (y,), lambda a: ((a,), None), 3, "depend on a variable"),
         (k, (y,), lambda a: ((a, a), None), 3, "one value for each state"),
         (k, (y,), lambda a: ((a,), a), 3, "comparison or None"),
-        (k, (y,), lambda a: (f.iterate(a, (a,), lambda b: ((b,), None), 3), None), 3, "states of a loop"),
+        (k, (y,), lambda a: (iterate(a, (a,), lambda b: ((b,), None), 3), None), 3, "states of a loop"),
     ],
 )
 def test_what_cannot_be_a_loop(count, initial, body, limit, problem):
     with pytest.raises(TypeError, match=problem):
-        f.iterate(count, initial, body, limit)
+        iterate(count, initial, body, limit)
 
 
-@pytest.mark.parametrize("limit", [0, -1, f.LONGEST_LOOP + 1])
+@pytest.mark.parametrize("limit", [0, -1, LONGEST_LOOP + 1])
 def test_loops_have_a_limit(limit):
     with pytest.raises(ValueError, match="rounds"):
-        f.iterate(k, (x,), lambda a: ((a,), None), limit)
+        iterate(k, (x,), lambda a: ((a,), None), limit)
 
 
 def test_a_body_that_fails_leaves_nothing_behind():
-    before = f.iterate(k, (x,), lambda a: ((a + 1.0,), None), 3)[0]
+    before = iterate(k, (x,), lambda a: ((a + 1.0,), None), 3)[0]
     with pytest.raises(ZeroDivisionError):
-        f.iterate(k, (x,), lambda a: 1 / 0, 3)
-    assert f.iterate(k, (x,), lambda a: ((a + 1.0,), None), 3)[0] is before
+        iterate(k, (x,), lambda a: 1 / 0, 3)
+    assert iterate(k, (x,), lambda a: ((a + 1.0,), None), 3)[0] is before
 
 
 def test_text():
     # Nothing that commutes: which of two orders is written depends on what was built before.
-    a, b = f.iterate(k, (0.0, x), lambda a, b: ((a * a - b, b / a - a * a), a * a - b < 4.0), 30)
+    a, b = iterate(k, (0.0, x), lambda a, b: ((a * a - b, b / a - a * a), a * a - b < 4.0), 30)
     assert formula_text.text(a - b) == "\n".join(
         [
             "s0, s1 = 0, x",
@@ -262,8 +263,8 @@ def test_text():
             "s0 - s1",
         ]
     )
-    (nested,) = f.iterate(2.0, (z,), lambda b: (f.iterate(k, (b,), lambda a: ((a / b,), None), 3), None), 5)
-    (after,) = f.iterate(1.0, (nested,), lambda b: ((b / nested,), None), 5)
+    (nested,) = iterate(2.0, (z,), lambda b: (iterate(k, (b,), lambda a: ((a / b,), None), 3), None), 5)
+    (after,) = iterate(1.0, (nested,), lambda b: ((b / nested,), None), 5)
     assert formula_text.text(after) == "\n".join(
         [
             "s0 = z",

@@ -7,7 +7,8 @@ import pickle
 import numpy as np
 import pytest
 
-from sdf_lights.emitter.tree.enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose, tape
+from sdf_lights.emitter.tree.enclosure_tape import tape
+from sdf_lights.emitter.tree.enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
 from sdf_lights.graph import codegen_native, interval_evaluation, lipschitz, numpy_evaluation
 from sdf_lights.graph.formula import POINT, Formula, call, length, parameter
 from sdf_lights.graph.functions import Function, TableFunction

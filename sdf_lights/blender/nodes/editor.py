@@ -18,7 +18,7 @@ from ..context import LampOperator, light_of
 from ..lamp import pattern_of, shape_of
 from ..naming import NODE_TREE
 from ..properties import OF_DATA, PRIMITIVES
-from . import reading, writing
+from . import lines, tree_text, writing
 from .add_menu import nodes_by_menu
 from .groups import SDFLIGHTS_MT_group_add
 from .link_search import SDFLIGHTS_OT_link_search
@@ -97,22 +97,22 @@ def expression_of(light: bpy.types.Light) -> str:
     if lamp.source == "EXPRESSION":
         return parameters.text_of(lamp)
     if lamp.source == "NODES":
-        return reading.text_of(lamp.nodes, parameters.values(lamp), None, lamp)
+        return tree_text.text_of(lamp.nodes, parameters.values(lamp), None, lamp)
     if lamp.source in OF_DATA:
         shape_of(lamp)  # says what is wrong, if something is
         name, subject, settings = sources.words_of(lamp)
-        shown = {key: ast.Constant(v) if isinstance(v, str) else reading.number(v) for key, v in settings.items()}
-        return reading.text_of_call(reading.word(name, ast.Constant(subject), **shown))
+        shown = {key: ast.Constant(v) if isinstance(v, str) else tree_text.number(v) for key, v in settings.items()}
+        return tree_text.text_of_call(lines.word(name, ast.Constant(subject), **shown))
     name = lamp.shape.lower()
     group, named = getattr(lamp, name), {}
     for about in PRIMITIVES[name].fields():
         value = getattr(group, about.name)
         shown = [
-            reading.number(v if about.unit != "ANGLE" else np.degrees(v))
+            tree_text.number(v if about.unit != "ANGLE" else np.degrees(v))
             for v in (value if about.size == 3 else (value,))
         ]
         named[about.name] = ast.Tuple(shown, ast.Load()) if about.size == 3 else shown[0]
-    return reading.text_of_call(reading.word(name, **named))
+    return tree_text.text_of_call(lines.word(name, **named))
 
 
 def emission_text_of(light: bpy.types.Light) -> str:
@@ -121,7 +121,7 @@ def emission_text_of(light: bpy.types.Light) -> str:
     if pattern_of(lamp) is None:
         return ""
     if parameters.emission_is_in_nodes(lamp):
-        return reading.emission_text_of(lamp.nodes, parameters.values(lamp), None, lamp)
+        return tree_text.emission_text_of(lamp.nodes, parameters.values(lamp), None, lamp)
     return lamp_emission.text_of(lamp.emission)
 
 

@@ -16,7 +16,7 @@ from ..emission import EXPRESSION
 from ..emission_properties import source_items
 from ..properties import tag
 from . import sockets
-from .reading import EMISSION, Broken, held, word
+from .lines import EMISSION, Broken, held, word
 from .scene import ExpressionNode, draw_text, text_changed, text_property
 from .value_nodes import ValueNode
 

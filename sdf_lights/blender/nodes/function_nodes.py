@@ -26,7 +26,7 @@ from .. import sources
 from ..objects import curves
 from ..properties import parameter_property, tag
 from . import sockets
-from .reading import Broken, word
+from .lines import Broken, word
 from .tree import LampNode
 
 _ELSEWHERE = {"vec2", "vec3", "distance", "field", "ramp", "ramp_ease", "ramp_constant", COLOURS_OF_IMAGE}

@@ -8,7 +8,7 @@ import bpy
 
 from ..naming import NODE_TREE
 from . import sockets
-from .reading import DEEPEST_GROUP, Broken, group_output
+from .lines import DEEPEST_GROUP, Broken, group_output
 from .tree import GROUP, OUTPUT, LampNode, within
 
 

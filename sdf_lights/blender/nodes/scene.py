@@ -13,7 +13,7 @@ from ...sdf.expression import Expression
 from ...sdf.syntax import ExpressionError
 from ..properties import tag
 from . import sockets
-from .reading import EMISSION, SHAPE, Broken, held, word
+from .lines import EMISSION, SHAPE, Broken, held, word
 from .tree import OBJECT, OUTPUT
 from .value_nodes import ValueNode
 

@@ -97,7 +97,7 @@ class LampNode:
         return []
 
     def written(self, writer):
-        """Adds the statements of the node; returns values of its outputs by identifier, for ``reading.Writer``."""
+        """Adds the statements of the node; returns values of its outputs by identifier, for ``lines.Writer``."""
         raise NotImplementedError
 
 

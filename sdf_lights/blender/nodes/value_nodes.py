@@ -14,7 +14,7 @@ from ...sdf.expression_values import Condition, Misuse
 from ...sdf.functions import FUNCTIONS
 from ..properties import tag
 from . import sockets
-from .reading import RESERVED, Broken, word
+from .lines import RESERVED, Broken, word
 from .tree import LampNode
 
 

@@ -18,13 +18,13 @@ from ...sdf.emission import INPUTS, name_inputs
 from ...sdf.evaluation import Evaluation
 from ...sdf.expression_values import kind_of
 from ...sdf.functions import CONSTANTS, FUNCTIONS
-from ...sdf.resolver import COLOURS, Standing
+from ...sdf.resolver import COLOURS, PlaceholderResolver
 from ...sdf.syntax import parse
 from ..naming import NODE_TREE
 from ..sources import FileResolver
 from . import emission_nodes, function_nodes, scene, sockets, value_nodes
 from .layout import arrange
-from .reading import EMISSION, SHAPE, is_declaration
+from .lines import EMISSION, SHAPE, is_declaration
 from .tree import OUTPUT, output_of
 
 
@@ -36,7 +36,7 @@ class _Recorder(Evaluation):
     """Keeps the value of each part of the syntax tree."""
 
     def __init__(self):
-        super().__init__({}, {}, Standing())
+        super().__init__({}, {}, PlaceholderResolver())
         self.found: dict[ast.expr, object] = {}
 
     def value(self, node):

@@ -2,150 +2,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's shader nodes as ``render.material``: closures as its nodes, values as formulas.
 
-``_TABLE`` maps closures and sockets to closures and inputs. Value nodes are defined in ``render.nodes``, which see a
-node through ``_Inputs``. Groups, reroutes and muted nodes are resolved. README.md one folder up lists the replacements
+``closure_nodes`` maps closures and sockets to closures and inputs. Value nodes are defined in ``render.nodes``, which see a
+node through ``node_inputs``. Groups, reroutes and muted nodes are resolved. README.md one folder up lists the replacements
 of unsupported nodes.
 """
 
 from __future__ import annotations
 
-import pathlib
-from collections.abc import Callable
-from typing import NamedTuple
-
 import bpy
-import mathutils
 import numpy as np
 
-from ...graph.folding import Folding
-from ...graph.formula import CONSTANT, Formula, Vector, call, constant, parameter
-from ...render import bsdfs
+from ...graph.formula import Formula, Vector, call, parameter
 from ...render.images import Texture
 from ...render.material import NODES, Attribute, Material, Node, Table
 from ...render.nodes import DEFINITIONS
-from ...render.nodes.colors import luminance_weights
-from ...render.nodes.definition import mean
-from ...render.nodes.geometry import generated, strand_random, to_object, transformed_normal, uv
+from ...render.nodes.geometry import strand_random
 from ...render.nodes.lookups import ATTRIBUTE
-from ...render.nodes.variables import BARYCENTRIC, INCOMING, NORMAL, POSITION, as_vector
+from ...render.nodes.variables import BARYCENTRIC, as_vector
 from . import zones
 from .attributes import property_of
-from .common import Warnings, matrix_of, rgb
+from .closure_nodes import CLOSURES
+from .common import Warnings
 from .images import Images
 from .links import INLINED, NOWHERE, Links
+from .node_inputs import BlenderInputs
+from .node_values import BLACK, EXAMPLES, MISSING, constant_of, converted, numbers_of, replaces_default
 from .zones import Stack, by_identifier
-
-
-def _incoming(node) -> Vector:
-    """The direction to the viewer, in the space of the object or the light."""
-    turn = node.setting("light_normals")
-    return to_object(INCOMING, "NORMAL") if turn is None else transformed_normal(node, turn, INCOMING)
-
-
-# The value of an unlinked Vector socket of these textures; for all others, Generated coordinates.
-_IMPLICIT = {"ShaderNodeTexImage": uv, "ShaderNodeTexEnvironment": lambda node: POSITION, "ShaderNodeTexIES": _incoming}
-# For these nodes it is zero, although they hide its value like textures.
-_NO_COORDINATES = {"ShaderNodeMapRange", "ShaderNodeVectorRotate", "ShaderNodeTexWhiteNoise"}
-
-_TEXTURES = "Brick", "Checker", "Gabor", "Gradient", "Magic", "Noise", "Voronoi", "Wave"
-_FOLDED = {f"ShaderNodeTex{name}" for name in _TEXTURES}  # nodes that Blender computes if all inputs are constants
-
-BLACK = (0.0, 0.0, 0.0)
-
-
-class _Missing:
-    """Result of an unsupported node: the socket that it is linked to uses its own value."""
-
-
-MISSING = _Missing()
 
 _ONLY_EEVEE = "(only EEVEE has it: a path tracer cannot read a shader's result as a colour)"
 
 
-class _Entry(NamedTuple):
-    kind: str
-    inputs: dict[str, str]  # input of our node -> identifier of Blender's socket
-    settings: Callable[[bpy.types.Node], dict] = lambda node: {}
-
-
-def _distribution(node) -> dict:
-    return {"distribution": node.distribution}
-
-
-def _subsurface(method: str) -> dict:
-    """Settings of subsurface scattering, which Cycles changed in 5.0 and 5.2."""
-    once = method == "BURLEY" or bpy.app.version < (5, 0)
-    if method == "RANDOM_WALK" and bpy.app.version < (5, 2):
-        method = "RANDOM_WALK_LEGACY"
-    return {"subsurface_method": method, "subsurface_once": once}
-
-
-_PRINCIPLED = {name: name.replace("_", " ").title() for name in NODES["principled"]} | {
-    "ior": "IOR",
-    "specular_ior_level": "Specular IOR Level",
-    "coat_ior": "Coat IOR",
-    "thin_film_ior": "Thin Film IOR",
-    "subsurface_ior": "Subsurface IOR",
-}
-_ROUGH = dict(roughness="Roughness", normal="Normal", anisotropy="Anisotropy", rotation="Rotation", tangent="Tangent")
-_FILM = dict(thin_film_thickness="Thin Film Thickness", thin_film_ior="Thin Film IOR")
-
-_TABLE = {
-    "ShaderNodeBsdfPrincipled": _Entry(
-        "principled", _PRINCIPLED, lambda node: _distribution(node) | _subsurface(node.subsurface_method)
-    ),
-    "ShaderNodeSubsurfaceScattering": _Entry(
-        "subsurface",
-        dict(
-            color="Color",
-            scale="Scale",
-            radius="Radius",
-            ior="IOR",
-            roughness="Roughness",
-            anisotropy="Anisotropy",
-            normal="Normal",
-        ),
-        lambda node: _subsurface(node.falloff),
-    ),
-    "ShaderNodeBsdfDiffuse": _Entry("diffuse", dict(color="Color", roughness="Roughness", normal="Normal")),
-    "ShaderNodeBsdfAnisotropic": _Entry(  # "Glossy BSDF", whose anisotropy is zero by default
-        "glossy", dict(color="Color", **_ROUGH), _distribution
-    ),
-    "ShaderNodeBsdfGlass": _Entry(
-        "glass", dict(color="Color", roughness="Roughness", ior="IOR", normal="Normal", **_FILM), _distribution
-    ),
-    "ShaderNodeBsdfRefraction": _Entry(
-        "refraction", dict(color="Color", roughness="Roughness", ior="IOR", normal="Normal"), _distribution
-    ),
-    "ShaderNodeBsdfMetallic": _Entry(
-        "metallic",
-        dict(base_color="Base Color", edge_tint="Edge Tint", ior="IOR", extinction="Extinction", **_ROUGH, **_FILM),
-        lambda node: _distribution(node) | {"fresnel_type": node.fresnel_type},
-    ),
-    "ShaderNodeBsdfSheen": _Entry(
-        "sheen",
-        dict(color="Color", roughness="Roughness", normal="Normal"),
-        lambda node: {"distribution": node.distribution},
-    ),
-    "ShaderNodeBsdfTransparent": _Entry("transparent", dict(color="Color")),
-    "ShaderNodeBsdfTranslucent": _Entry("translucent", dict(color="Color", normal="Normal")),
-    "ShaderNodeEmission": _Entry("emission", dict(color="Color", strength="Strength")),
-    "ShaderNodeBackground": _Entry("emission", dict(color="Color", strength="Strength")),
-    "ShaderNodeHoldout": _Entry("holdout", {}),
-    "ShaderNodeMixShader": _Entry("mix_closure", dict(factor="Fac", a="Shader", b="Shader_001")),
-    "ShaderNodeAddShader": _Entry("add_closure", dict(a="Shader", b="Shader_001")),
-}
-for _bsdf in bsdfs.ALL:
-    _TABLE[_bsdf.blender] = _Entry(
-        _bsdf.kind,
-        {name: _bsdf.socket(name) for name in _bsdf.inputs},
-        lambda node, names=_bsdf.settings: {name: getattr(node, name).upper() for name in names},
-    )
-_TABLE["ShaderNodeBsdfGlossy"] = _TABLE["ShaderNodeBsdfAnisotropic"]
-
-
 MOST_INPUTS = 20_000  # of a tree with all groups written out: a malicious file may double them at each level
-MOST_IES_BYTES = 16 << 20  # of an IES text; reading a device would never end
 
 
 class Reader:
@@ -272,7 +159,7 @@ class Reader:
         finally:
             self._reading = self._reading and not outermost
         if socket.type == "SHADER" and isinstance(value, (Formula, Vector)):
-            return Node("emission", {"color": _converted(value, "VECTOR", BLACK)})
+            return Node("emission", {"color": converted(value, "VECTOR", BLACK)})
         return value
 
     def _read(self, socket, like, stack: Stack):
@@ -280,26 +167,26 @@ class Reader:
         if node is not None:
             value = self._value(node, end, inner)
             if value is not MISSING:
-                return _converted(*self._carried(value, end.type, types), like)
+                return converted(*self._carried(value, end.type, types), like)
             end, types = socket, []
-        if like is None and not _replaces(end, socket):
+        if like is None and not replaces_default(end, socket):
             return None
         value = self._constant(end, inner)
-        return None if value is None else _converted(*self._carried(value, end.type, types), like)
+        return None if value is None else converted(*self._carried(value, end.type, types), like)
 
     def _carried(self, value, socket_type: str, types: list[tuple[str, bool]]):
         """Convert a value through sockets of these ``types``, the last one first. Returns it with its final type."""
         if isinstance(value, (Formula, Vector)):
             for passed, of_constants in reversed(types):
-                if passed in _LIKE and passed != socket_type:
-                    if not of_constants or numbers_of(self, value) is not None:
-                        value, socket_type = _converted(value, socket_type, _LIKE[passed]), passed
+                if passed in EXAMPLES and passed != socket_type:
+                    if not of_constants or numbers_of(self.parameters, value) is not None:
+                        value, socket_type = converted(value, socket_type, EXAMPLES[passed]), passed
         return value, socket_type
 
     def number_of(self, socket, stack: Stack) -> float | None:
         """The number at an input; None if it varies."""
         value, kind = self.value(socket, stack)
-        return None if value is None else numbers_of(self, _converted(value, kind, 0.0))
+        return None if value is None else numbers_of(self.parameters, converted(value, kind, 0.0))
 
     def value(self, socket, stack: Stack) -> tuple[Formula | Vector | None, str]:
         """The value of an input of a value node, and the type of the last socket on its way; None if it is not a
@@ -343,14 +230,14 @@ class Reader:
             elif definition is None:
                 self._values[key] = self._closure(node, output, stack)
             else:
-                inputs = _Inputs(self, node, stack, output)
+                inputs = BlenderInputs(self, node, stack, output)
                 for identifier, value in definition(inputs).items():
                     self._values[node.as_pointer(), identifier, groups] = value
                 self._values.setdefault(key, MISSING)
         return self._values[key]
 
     def _closure(self, node, output, stack: Stack):
-        entry = _TABLE.get(node.bl_idname)
+        entry = CLOSURES.get(node.bl_idname)
         if entry is None:
             return self._unsupported(node, output, stack)
         inputs = {}
@@ -417,220 +304,6 @@ class Reader:
         self._warn(f"{self._owner}: node {name}: {what}.")
 
 
-class _Inputs:
-    """A value node as its definition sees it: ``render.nodes.NodeInputs``."""
-
-    def __init__(self, reader: Reader, node, stack: Stack, output):
-        self._reader, self._node, self._stack = reader, node, stack
-        self.wanted = {socket.identifier for socket in node.outputs if socket.is_linked} | {output.identifier}
-
-    def _socket(self, identifier: str):
-        return by_identifier(self._node.inputs, identifier)
-
-    def _read(self, identifier: str) -> tuple[Formula | Vector, str]:
-        socket = self._socket(identifier)
-        value, kind = (None, "VALUE") if socket is None else self._reader.value(socket, self._stack)
-        return (constant(0.0), "VALUE") if value is None else (value, kind)
-
-    def number(self, socket: str) -> Formula:
-        return _converted(*self._read(socket), 0.0)
-
-    def vector(self, socket: str) -> Vector:
-        if (
-            socket == "Vector"
-            and not self.is_given(socket)
-            and self._socket(socket) is not None
-            and self._socket(socket).hide_value
-            and self._node.bl_idname not in _NO_COORDINATES
-        ):
-            found = self.coordinates()
-        else:
-            found = _converted(*self._read(socket), BLACK)
-        return self._mapped(found) if socket == "Vector" else found
-
-    color = vector
-
-    def normal(self, socket: str) -> Vector:
-        return self.vector(socket) if self.is_given(socket) else NORMAL
-
-    def coordinates(self) -> Vector:
-        """The value of an unlinked Vector input of a texture."""
-        if self._reader.domain == "WORLD":
-            return POSITION
-        return _IMPLICIT.get(self._node.bl_idname, generated)(self)
-
-    def _mapped(self, vector: Vector) -> Vector:
-        """A vector after the texture mapping that some nodes contain."""
-        mapping = getattr(self._node, "texture_mapping", None)
-        if mapping is None:
-            return vector
-        matrix = texture_matrix(mapping)
-        if matrix is None:
-            return vector
-        rows = [[self.parameter(float(entry)) for entry in row] for row in matrix]
-        return Vector(*(row[0] * vector.x + row[1] * vector.y + row[2] * vector.z + row[3] for row in rows))
-
-    def has(self, socket: str) -> bool:
-        return self._socket(socket) is not None
-
-    def is_linked(self, socket: str) -> bool:
-        found = self._socket(socket)
-        return found is not None and self._reader.resolve(found, self._stack)[0] is not None
-
-    def is_given(self, socket: str) -> bool:
-        found = self._socket(socket)
-        if found is None:
-            return False
-        node, end, _ = self._reader.resolve(found, self._stack)
-        return node is not None or _replaces(end, found) or self._is_folded(end, found)
-
-    def _is_folded(self, end, receiver) -> bool:
-        """Whether Blender computes the node itself, like a texture of constants, and so uses even a hidden value of a
-        group's input."""
-        if not INLINED or end in (receiver, NOWHERE) or self._node.bl_idname not in _FOLDED:
-            return False
-        others = [socket for socket in self._node.inputs if socket.enabled and socket.identifier != receiver.identifier]
-        values = [self._reader.value(socket, self._stack)[0] for socket in others]
-        return not any(isinstance(each, Formula | Vector) and numbers_of(self._reader, each) is None for each in values)
-
-    def own(self, output: str) -> Formula | Vector:
-        return self._reader.parametric(constant_of(by_identifier(self._node.outputs, output)))
-
-    def setting(self, name: str):
-        if name == "working_space":
-            return working_space()
-        if name == "scene_time":
-            scene = self._reader.scene
-            frame = scene.frame_current_final
-            return frame * scene.render.fps_base / scene.render.fps, frame
-        if name == "object_matrix":
-            other = self._node.object
-            return None if other is None else matrix_of(other.matrix_world.inverted_safe())[:3]
-        if name == "occlusion_distance":
-            world = self._reader.scene.world
-            return 10.0 if world is None else world.light_settings.distance
-        if name == "material_index":
-            return self._reader.material_index
-        if name == "domain":
-            return self._reader.domain
-        if name in ("light_matrix", "light_normals", "light_shape", "object_info"):
-            return self._reader.light.get(name)
-        if name == "attribute_value":
-            return self._reader.attribute_value(self._node)
-        if name == "blender_version":
-            return bpy.app.version[:2]
-        if name == "ies_text":
-            return ies_text(self._node)
-        return getattr(self._node, name, None)
-
-    def parameter(self, value: float | Attribute) -> Formula:
-        return self._reader.parametric(value)
-
-    def table(self, values: np.ndarray) -> Formula:
-        return self._reader.parametric(Table(np.asarray(values, np.float64)))
-
-    def image(self, straight: bool = False, tiled: bool = True) -> Formula:
-        node = self._node
-        # Textures of the world repeat.
-        extension = getattr(node, "extension", "REPEAT")
-        return self._reader.parametric(
-            self._reader.images.texture(
-                node.image,
-                node.image_user,
-                interpolation=node.interpolation,
-                extension=extension,
-                alpha=straight,
-                tiled=tiled,
-            )
-        )
-
-    def report(self, sentence: str) -> None:
-        self._reader.report(self._node, sentence)
-
-
-def _replaces(end, receiver) -> bool:
-    """Whether the socket value at the end of a walk replaces the default coordinates or normal of an unlinked input: it
-    does if it is the visible value of a group's input."""
-    return INLINED and end is not receiver and not end.hide_value
-
-
-def ies_text(node) -> str:
-    """The IES file of a node, from a text or from disk; empty if there is none."""
-    if node.mode == "INTERNAL":
-        text = "" if node.ies is None else node.ies.as_string()
-        return text if len(text) <= MOST_IES_BYTES else ""
-    path = pathlib.Path(bpy.path.abspath(node.filepath, library=node.id_data.library))
-    try:
-        if not path.is_file() or path.stat().st_size > MOST_IES_BYTES:
-            return ""
-        return path.read_text(encoding="latin-1")
-    except (OSError, ValueError):
-        return ""
-
-
-_AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
-
-
-def texture_matrix(mapping) -> np.ndarray | None:
-    """(3, 4) matrix of a texture node's own mapping; None if it is the identity."""
-    axes = [_AXES[getattr(mapping, f"mapping_{axis}")] for axis in "xyz"]
-    location, rotation, size = (tuple(getattr(mapping, name)) for name in ("translation", "rotation", "scale"))
-    if axes == [0, 1, 2] and not any(location) and not any(rotation) and size == (1.0, 1.0, 1.0):
-        return None
-    swizzle = np.zeros((3, 3))
-    for row, column in enumerate(axes):
-        if column is not None:
-            swizzle[row, column] = 1.0
-    turn = np.array(mathutils.Euler(rotation, "XYZ").to_matrix(), np.float64)
-    kind = mapping.vector_type
-    inverse = np.divide(1.0, size, out=np.zeros(3), where=np.array(size) != 0.0)
-    if kind == "TEXTURE":
-        linear = np.diag(inverse) @ turn.T
-        return np.column_stack([linear @ swizzle, -linear @ np.array(location)])
-    linear = turn @ np.diag(inverse if kind == "NORMAL" else size)
-    return np.column_stack([linear @ swizzle, location if kind == "POINT" else np.zeros(3)])
-
-
-def working_space() -> str | None:
-    """Name of the linear colour space of the file, which users can choose since Blender 5.0."""
-    return getattr(getattr(bpy.data, "colorspace", None), "working_space", None)
-
-
-def constant_of(socket):
-    """A socket's own value: a float, a 3-tuple, or None for a shader."""
-    value = getattr(socket, "default_value", None)
-    if value is None or isinstance(value, (str, bpy.types.ID)):
-        return None
-    return rgb(value) if hasattr(value, "__len__") else float(value)
-
-
-_LIKE = {"VALUE": 0.0, "VECTOR": BLACK, "RGBA": BLACK}  # type of a socket -> an example of its values
-
-
-def _converted(value, socket_type: str, like):
-    """A value converted between sockets as in Blender: colours to numbers by luminance, vectors by mean."""
-    if isinstance(value, Vector) and isinstance(like, float):
-        if socket_type == "RGBA":
-            return value.dot(luminance_weights(working_space()))
-        return mean(value)
-    if isinstance(value, Formula) and isinstance(like, tuple):
-        return Vector(value, value, value)
-    return value
-
-
-def numbers_of(reader: Reader, value):
-    """A value of formulas as a float or a 3-tuple; None if it varies."""
-    if value is None or isinstance(value, Node):
-        return None
-    if isinstance(value, (float, tuple)) and not isinstance(value, Vector):
-        return value
-    folding = Folding([entry if isinstance(entry, float) else 0.0 for entry in reader.parameters])
-    folded = [folding.fold(formula) for formula in (value if isinstance(value, Vector) else (value,))]
-    if any(formula.kind != CONSTANT for formula in folded):
-        return None
-    return tuple(formula.value for formula in folded) if len(folded) == 3 else folded[0].value
-
-
 def emission_of(reader: Reader, name: str) -> tuple[np.ndarray, Material | None]:
     """The emission of the node tree of a light or a world: RGB if it is constant, else white and the nodes."""
     output = reader.output()
@@ -638,7 +311,7 @@ def emission_of(reader: Reader, name: str) -> tuple[np.ndarray, Material | None]
     if surface is None:
         return np.zeros(3), None
     if isinstance(surface, Node) and surface.kind == "emission":
-        color, strength = (numbers_of(reader, surface[name]) for name in ("color", "strength"))
+        color, strength = (numbers_of(reader.parameters, surface[name]) for name in ("color", "strength"))
         if color is not None and strength is not None:
             return np.array(color) * strength, None
     return np.ones(3), Material(name, surface, parameters=reader.parameters)

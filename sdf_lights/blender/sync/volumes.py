@@ -18,7 +18,8 @@ from ...render.phases import fournier_forand_mean, limited, mie
 from ...render.scene import Scene
 from ...sdf.builtin_colors import blackbody
 from .common import Warnings
-from .nodes import Reader, Stack, by_identifier, numbers_of
+from .node_values import numbers_of
+from .nodes import Reader, Stack, by_identifier
 
 STEFAN_BOLTZMANN = 5.670373e-8 * 1e-6 / math.pi  # radiance, in the units of Cycles
 
@@ -80,7 +81,7 @@ class _Volume:
 
     def _number(self, value, like, node, name: str):
         """The node's value of this name, as a float or three."""
-        number = like if value is None else numbers_of(self.reader, value)
+        number = like if value is None else numbers_of(self.reader.parameters, value)
         if number is None:
             formulas = value if isinstance(value, Vector) else (value,)
             means = mean_inside(formulas, self.reader.parameters)

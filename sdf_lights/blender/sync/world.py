@@ -15,7 +15,9 @@ from ...render.scene import MANY_BOUNCES, Mist, Ray, World
 from ..shader_trees import node_tree_of
 from .common import Warnings, rgb
 from .images import Images
-from .nodes import Reader, emission_of, numbers_of, texture_matrix
+from .node_inputs import texture_matrix
+from .node_values import numbers_of
+from .nodes import Reader, emission_of
 from .volumes import medium_of
 
 _RAYS = {
@@ -77,7 +79,7 @@ def _picture(reader: Reader, output, images: Images, visibility: Ray) -> World |
     node, _, stack = reader.resolve(output.inputs["Surface"])
     if node.bl_idname not in {"ShaderNodeBackground", "ShaderNodeEmission"}:
         return None
-    strength = numbers_of(reader, reader.read(node.inputs["Strength"], 1.0, stack))
+    strength = numbers_of(reader.parameters, reader.read(node.inputs["Strength"], 1.0, stack))
     texture, _, inner = reader.resolve(node.inputs["Color"], stack)
     if (
         strength is None
@@ -104,7 +106,7 @@ def _rotation(reader: Reader, socket, stack) -> np.ndarray | None:
         return np.eye(3)
     if node.bl_idname == "ShaderNodeMapping":
         angles, scale, location = (
-            numbers_of(reader, reader.read(node.inputs[name], (0.0, 0.0, 0.0), inner))
+            numbers_of(reader.parameters, reader.read(node.inputs[name], (0.0, 0.0, 0.0), inner))
             for name in ("Rotation", "Scale", "Location")
         )
         before = _rotation(reader, node.inputs["Vector"], inner)

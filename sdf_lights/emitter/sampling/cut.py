@@ -39,8 +39,8 @@ from ..hashing import following, seeded, uniform_point
 from ..intersection.fields import lamp_lists, value
 from ..intersection.membership import contains
 from ..lamps import CLOSED, PRIMITIVE, lamps, varies
-from ..tree.interior import INSIDE
 from ..tree.moments import lamp_cells
+from ..tree.nodes import INSIDE
 from .cut_boxes import BOXES, KEYS, MOST_ENTRIES, REGIONS, ROUGHEST, SOFT, corner, far_corner, region
 from .cut_tables import MOST_BOXES, TABLES, lamp_steps, pack_cuts, placements  # noqa: F401  (two are for callers)
 from .projection import direction_pdf, sample_direction

@@ -24,8 +24,8 @@ import numpy as np
 from ...jit import kernel, stack_array
 from ...vec import dot, length, scale, transform_vector, vec
 from ..hashing import bits
-from ..tree.interior import INSIDE
 from ..tree.moments import lamp_cells
+from ..tree.nodes import INSIDE
 from .cut_tables import LEAST_BRIGHT, MOST_BOXES, lamp_steps
 
 MOST_ENTRIES = 2 * MOST_BOXES

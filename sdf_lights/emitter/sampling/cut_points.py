@@ -24,8 +24,8 @@ from ..emission.varying import COLOUR, COLOUR_STACK, LANES, WEIGHTS, colours, de
 from ..hashing import following, seeded, uniform, uniform_point
 from ..intersection.fields import STACK, VALUES, evaluate
 from ..lamps import FIELD, intensity, lamps, varies
-from ..tree.interior import INSIDE
 from ..tree.moments import lamp_cells
+from ..tree.nodes import INSIDE
 from .cut import ATTEMPTS, POINT_MIS_SCALE, choose, chosen_box, draw, found_inside, project, resolved, slope_of
 from .cut_boxes import corner, far_corner
 from .cut_tables import lamp_steps, placements

@@ -18,7 +18,8 @@ from ..hashing import following, seeded, uniform
 from ..intersection import fields
 from ..intersection.membership import contains
 from ..lamps import CLOSED, PRIMITIVE, instructions, lamps, lists, nodes
-from ..tree.interior import INSIDE, tree_point
+from ..tree.nodes import INSIDE
+from ..tree.points import tree_point
 
 ATTEMPTS = 4096  # draws before giving up; with the least acceptance of a lamp, its probability is 1e-9
 

@@ -36,7 +36,8 @@ from ..intersection.cover import (
 )
 from ..intersection.fields import STACK, lamp_lists
 from ..intersection.intervals import solve
-from .interior import BOUNDARY, INSIDE, SHORT_PROGRAM, lamp_nodes
+from .nodes import BOUNDARY, INSIDE, lamp_nodes
+from .splitting_programs import SHORT_PROGRAM
 
 WAITING = 2 * 64  # float64 for the boxes that wait on the way down a tree, which is never deeper than 64
 SHORT_FIELD = 13  # rows of a list of terms that needs no smaller boxes, if the field is monotonic along the ray

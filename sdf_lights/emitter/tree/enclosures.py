@@ -4,10 +4,10 @@
 
 ``graph.lipschitz`` does the same for arrays of boxes, with more care for norms and rounding, and is the reference. It
 pays from some thousand boxes of one formula on, but a tree of a combination has as many lists of terms as boxes. Here
-the graph of a formula is a *tape* of instructions on registers, which hold bounds of a value and of its gradient in
-eight boxes: interval forward differentiation (Griewank and Walther, "Evaluating Derivatives"; Moore, Kearfott and
-Cloud, "Introduction to Interval Analysis"). Roots of sums of squares are treated as lengths, whose gradients have no
-pole.
+the graph of a formula is a *tape* of instructions (``enclosure_tape``) on registers, which hold bounds of a value and
+of its gradient in eight boxes: interval forward differentiation (Griewank and Walther, "Evaluating Derivatives"; Moore,
+Kearfott and Cloud, "Introduction to Interval Analysis"). Roots of sums of squares are treated as lengths, whose
+gradients have no pole.
 
 Bounds are exact except for rounding, which the caller must add (``ROUNDING``). They hold where the formula is
 continuous. Unknown bounds are infinite.
@@ -16,209 +16,25 @@ continuous. Unknown bounds are infinite.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from ...graph.formula import (
-    CALL,
-    CONSTANT,
-    ITERATE,
-    PARAMETER,
-    POINT,
-    RESULT,
-    STATE,
-    Formula,
-    apply,
-    body,
-    sqrt,
-)
-from ...graph.functions import TableFunction, compiled_part
-from ...graph.operations import CONDITIONS, OPERATIONS
 from ...jit import call_numbers, kernel
+from .enclosure_tape import CALL_NUMBERS, CODES
+from .interval_kernels import (
+    HALF_TURN,
+    passes,
+    power_bounds,
+    product_bounds,
+    quotient_bounds,
+    square_bounds,
+    times,
+    unit_bounds,
+    wave_bounds,
+)
 
-CALL_NUMBERS = 32  # operands or results of a function of tables
 BOXES = 8  # bounded together
 SIZE = 8  # rows of a register: bounds of the value, and of each component of the gradient
-ROUNDING = 1e-9  # relative; covers some thousand operations
-
-_NAMES = [
-    *OPERATIONS,
-    "constant",
-    "parameter",
-    "copy",
-    "length",
-    "scale",
-    "begin",
-    "end",
-    "select_less",
-    "select_less_equal",
-    "call",
-]
-_CODES = {name: code for code, name in enumerate(_NAMES)}
-
-INSTRUCTION = np.dtype(
-    [
-        ("op", np.int64),
-        ("out", np.int64),  # register of the result
-        ("a", np.int64),
-        ("b", np.int64),
-        ("c", np.int64),
-        ("d", np.int64),  # registers of the operands; see ``_Writer``
-        ("number", np.float64),  # value of a constant, or the slot of a parameter
-    ],
-    align=True,
-)
-
-
-class Tape(NamedTuple):
-    """Instructions of a formula. The first three registers are the coordinates of the point, with their gradients."""
-
-    instructions: np.ndarray  # INSTRUCTION
-    registers: int
-    result: int
-
-
-class _Writer:
-    """Writes the tape of a formula, operands before their users.
-
-    A loop is ``begin``, the body, and ``end``. In ``begin``, a: register of the number of iterations; b: number of
-    states; c: the first of their registers; d: the first register of their values before the loop; number: maximum of
-    iterations; out: position of its end. In ``end``, a and b: registers that are compared; c: 0 for no comparison, 1
-    for "less", 2 for "less equal"; d: the first register of the next states; out: position of the beginning. Registers
-    of states are contiguous.
-    """
-
-    def __init__(self):
-        self.rows: list[tuple] = []
-        self.registers = 3
-
-    def new(self, count: int = 1) -> int:
-        self.registers += count
-        return self.registers - count
-
-    def emit(self, name: str, *operands: int, out: int | None = None, number: float = 0.0) -> int:
-        out = self.new() if out is None else out
-        self.rows.append((_CODES[name], out, *operands, *[0] * (4 - len(operands)), number))
-        return out
-
-    def write(self, roots, known: dict[Formula, int]) -> list[int]:
-        """Registers of the roots. ``known`` maps formulas to registers, and gets the new ones."""
-        pending = [(root, False) for root in reversed(roots)]
-        while pending:
-            node, ready = pending.pop()
-            if node in known:
-                continue
-            inputs = _inputs(node)
-            if not ready:
-                pending.append((node, True))
-                pending += [(operand, False) for operand in reversed(inputs) if operand not in known]
-            else:
-                known[node] = self._written(node, [known[operand] for operand in inputs], known)
-        return [known[root] for root in roots]
-
-    def _written(self, node: Formula, operands: list[int], known: dict[Formula, int]) -> int:
-        if node.kind == CONSTANT:
-            return self.emit("constant", number=node.value)
-        if node.kind == PARAMETER:
-            return self.emit("parameter", number=float(node.value))
-        if node.kind == RESULT:
-            return operands[0] + node.value
-        if node.kind == CALL:
-            return self._call(node, operands)
-        if node.kind == ITERATE:
-            return self._loop(node, operands, known)
-        if node.kind == "select":
-            return self.emit(f"select_{node.operands[0].kind}", *operands)
-        if _parts(node):
-            return self.emit("length", *operands, *[operands[0]] * (3 - len(operands)), len(operands))
-        if _rewritten(node) is not None:
-            return operands[0]
-        if node.kind == "multiply" and any(operand.kind in (CONSTANT, PARAMETER) for operand in node.operands):
-            first = node.operands[0].kind in (CONSTANT, PARAMETER)
-            return self.emit("scale", *(operands[::-1] if first else operands))
-        return self.emit(node.kind, *operands)
-
-    def _call(self, node: Formula, operands: list[int]) -> int:
-        """a: the first of the contiguous operands; b: their number; c: how many of them are addresses; number: the
-        code."""
-        function = node.value
-        if not isinstance(function, TableFunction) or function.bounds is None:
-            raise ValueError(f"the function {function.name!r} has no known bounds")
-        count = len(operands)
-        if 2 * count + 2 > CALL_NUMBERS:
-            raise ValueError(f"{function.name!r} has too many operands")
-        first = self.new(count)
-        for index, register in enumerate(operands):
-            self.emit("copy", register, out=first + index)
-        code = compiled_part(function.bounds, 2 * count - function.tables)
-        return self.emit("call", first, count, function.tables, number=float(code.address))
-
-    def _loop(self, node: Formula, operands: list[int], known: dict[Formula, int]) -> int:
-        loop, size = node.value, len(node.value.steps)
-        before, states, after = self.new(size), self.new(size), self.new(size)
-        for index in range(size):
-            self.emit("copy", operands[1 + index], out=before + index)
-        begin = len(self.rows)
-        self.emit("begin", operands[0], size, states, before, out=0, number=float(loop.limit))
-        inside = dict(known)
-        for inner in body(node):
-            if inner.kind == STATE and inner.value[0] == loop.level:
-                inside[inner] = states + inner.value[1]
-        registers = self.write(loop.steps, inside)
-        for index, register in enumerate(registers):
-            self.emit("copy", register, out=after + index)
-        compared = (0, 0, 0)
-        if loop.going is not None:
-            compared = (*self.write(loop.going.operands, inside), 1 if loop.going.kind == "less" else 2)
-        self.rows[begin] = (*self.rows[begin][:1], len(self.rows), *self.rows[begin][2:])
-        self.emit("end", *compared, after, out=begin)
-        return states
-
-
-def _inputs(node: Formula) -> tuple[Formula, ...]:
-    """The nodes needed before a node: its operands, those of a condition, or the parts of a length."""
-    if node.kind == "select":
-        return (*node.operands[0].operands, *node.operands[1:])
-    if node.kind == ITERATE:
-        return tuple(operand for operand in node.operands if operand.kind not in CONDITIONS)
-    rewritten = _rewritten(node)
-    return _parts(node) or (node.operands if rewritten is None else (rewritten,))
-
-
-def _parts(node: Formula) -> tuple[Formula, ...]:
-    """Two or three formulas whose sum of squares the node is the root of; none if it has another form."""
-    if node.kind != "sqrt":
-        return ()
-    pending, parts = [node.operands[0]], []
-    while pending and len(parts) < 4:
-        term = pending.pop()
-        if term.kind == "add":
-            pending += term.operands
-        elif term.kind == "multiply" and term.operands[0] is term.operands[1]:
-            parts.append(term.operands[0])
-        else:
-            return ()
-    return tuple(parts) if 2 <= len(parts) <= 3 else ()
-
-
-def _rewritten(node: Formula) -> Formula | None:
-    """The root of a square, or of the least or greatest of several, without the pole that roots have at 0."""
-    if node.kind != "sqrt":
-        return None
-    square = node.operands[0]
-    if square.kind == "multiply" and square.operands[0] is square.operands[1]:
-        return abs(square.operands[0])
-    if square.kind in ("minimum", "maximum"):
-        return apply(square.kind, *(sqrt(operand) for operand in square.operands))
-    return None
-
-
-def tape(formula: Formula) -> Tape:
-    """The tape of a formula."""
-    writer = _Writer()
-    (result,) = writer.write([formula], dict(zip(POINT, range(3))))
-    return Tape(np.array(writer.rows, INSTRUCTION), writer.registers, result)
 
 
 # Codes of the instructions, for the kernels.
@@ -254,7 +70,7 @@ def tape(formula: Formula) -> Tape:
     _SELECT_LESS_EQUAL,
     _CALL,
 ) = (
-    _CODES[name]
+    CODES[name]
     for name in (
         "negate",
         "abs",
@@ -289,96 +105,30 @@ def tape(formula: Formula) -> Tape:
     )
 )
 DEEPEST_LOOP = 16
-_HALF_TURN, _TURN = math.pi, 2.0 * math.pi
-
-
-@kernel(forceinline=True)
-def _times(a, b):
-    """Product of bounds, where 0 · ∞ is 0: a multiple of something bounded by 0 is 0."""
-    product = a * b
-    return product if product == product else 0.0
-
-
-@kernel(forceinline=True)
-def product_bounds(a_low, a_high, b_low, b_high):
-    """Bounds (low, high) of the product of two intervals, without rounding outwards."""
-    p, q, r, s = _times(a_low, b_low), _times(a_low, b_high), _times(a_high, b_low), _times(a_high, b_high)
-    return min(min(p, q), min(r, s)), max(max(p, q), max(r, s))
-
-
-@kernel(forceinline=True)
-def _quotient(a_low, a_high, b_low, b_high):
-    if b_low <= 0.0 <= b_high:
-        return -math.inf, math.inf
-    return product_bounds(a_low, a_high, 1.0 / b_high, 1.0 / b_low)
-
-
-@kernel(forceinline=True)
-def _square(low, high):
-    """Bounds of a square."""
-    least = 0.0 if low <= 0.0 <= high else min(low * low, high * high)
-    return least, max(low * low, high * high)
-
-
-@kernel(forceinline=True)
-def _unit(low, high, rest_low, rest_high):
-    """Bounds of u/√(u² + r) for u and r ≥ 0 within bounds: it grows with u, and moves towards 0 as r grows."""
-    a = low / math.sqrt(low * low + (rest_low if low < 0.0 else rest_high))
-    b = high / math.sqrt(high * high + (rest_low if high > 0.0 else rest_high))
-    # At the origin, any unit vector is possible: NaN fails both tests.
-    return (a if a >= -1.0 else -1.0), (b if b <= 1.0 else 1.0)
-
-
-@kernel(forceinline=True)
-def _passes(low, high, first, period):
-    """Whether one of the numbers first + i · period is between the bounds."""
-    return math.ceil((low - first) / period - ROUNDING) <= math.floor((high - first) / period + ROUNDING)
-
-
-@kernel
-def _wave(low, high, crest):
-    """Bounds of the function with period 2π that is 1 at ``crest`` and falls like a cosine on both sides."""
-    if not high - low < _TURN:
-        return -1.0, 1.0
-    a, b = math.cos(low - crest), math.cos(high - crest)
-    least = -1.0 if _passes(low, high, crest + _HALF_TURN, _TURN) else min(a, b)
-    return least, (1.0 if _passes(low, high, crest, _TURN) else max(a, b))
-
-
-@kernel
-def _power(low, high, exponent):
-    """Bounds of a power of a base without sign change, unless the exponent is whole and not negative."""
-    whole = exponent == math.floor(exponent)
-    if low < 0.0 and not whole or low <= 0.0 <= high and exponent < 0.0:
-        return -math.inf, math.inf
-    a, b = low**exponent, high**exponent
-    if low < 0.0 < high and exponent % 2.0 == 0.0:
-        return 0.0, max(a, b)
-    return min(a, b), max(a, b)
 
 
 @kernel
 def _function(op, low, high):
     """Bounds (low, high) of a function of one operand, and of its derivative (low, high)."""
     if op == _SIN:
-        value, slope = _wave(low, high, 0.5 * _HALF_TURN), _wave(low, high, 0.0)
+        value, slope = wave_bounds(low, high, 0.5 * HALF_TURN), wave_bounds(low, high, 0.0)
     elif op == _COS:
-        value, slope = _wave(low, high, 0.0), _wave(low, high, -0.5 * _HALF_TURN)
+        value, slope = wave_bounds(low, high, 0.0), wave_bounds(low, high, -0.5 * HALF_TURN)
     elif op == _TAN:
-        if not high - low < _HALF_TURN or _passes(low, high, 0.5 * _HALF_TURN, _HALF_TURN):
+        if not high - low < HALF_TURN or passes(low, high, 0.5 * HALF_TURN, HALF_TURN):
             return -math.inf, math.inf, 1.0, math.inf
         value = math.tan(low), math.tan(high)
-        square = _square(value[0], value[1])
+        square = square_bounds(value[0], value[1])
         slope = 1.0 + square[0], 1.0 + square[1]
     elif op == _ASIN or op == _ACOS:
         a, b = min(max(low, -1.0), 1.0), min(max(high, -1.0), 1.0)
-        square = _square(a, b)
+        square = square_bounds(a, b)
         slope = 1.0 / math.sqrt(1.0 - square[0]), 1.0 / math.sqrt(1.0 - square[1])
         value = math.asin(a), math.asin(b)
         if op == _ACOS:
             value, slope = (math.acos(b), math.acos(a)), (-slope[1], -slope[0])
     elif op == _ATAN:
-        square = _square(low, high)
+        square = square_bounds(low, high)
         value, slope = (math.atan(low), math.atan(high)), (1.0 / (1.0 + square[1]), 1.0 / (1.0 + square[0]))
     elif op == _EXP:
         value = math.exp(low), math.exp(high)
@@ -425,15 +175,15 @@ def _length(registers, out, box, a, b, c, count):
     parts = (a, b, c)
     low, high = 0.0, 0.0
     for index in range(count):
-        square = _square(registers[parts[index], 0, box], registers[parts[index], 1, box])
+        square = square_bounds(registers[parts[index], 0, box], registers[parts[index], 1, box])
         low += square[0]
         high += square[1]
     for row in range(2, SIZE):
         registers[out, row, box] = 0.0
     for index in range(count):
         part = parts[index]
-        square = _square(registers[part, 0, box], registers[part, 1, box])
-        unit = _unit(
+        square = square_bounds(registers[part, 0, box], registers[part, 1, box])
+        unit = unit_bounds(
             registers[part, 0, box], registers[part, 1, box], max(low - square[0], 0.0), max(high - square[1], 0.0)
         )
         for row in range(2, SIZE, 2):
@@ -453,7 +203,7 @@ def _angle(registers, out, box, y, x):
         registers[x, 1, box],
     )
     if y_low <= 0.0 <= y_high and x_low <= 0.0:  # the cut, or the centre
-        registers[out, 0, box], registers[out, 1, box] = -_HALF_TURN, _HALF_TURN
+        registers[out, 0, box], registers[out, 1, box] = -HALF_TURN, HALF_TURN
     else:
         p, q, r, s = (
             math.atan2(y_low, x_low),
@@ -462,8 +212,8 @@ def _angle(registers, out, box, y, x):
             math.atan2(y_high, x_high),
         )
         registers[out, 0, box], registers[out, 1, box] = min(min(p, q), min(r, s)), max(max(p, q), max(r, s))
-    xx, yy = _square(x_low, x_high), _square(y_low, y_high)
-    across, along = _unit(x_low, x_high, yy[0], yy[1]), _unit(y_low, y_high, xx[0], xx[1])
+    xx, yy = square_bounds(x_low, x_high), square_bounds(y_low, y_high)
+    across, along = unit_bounds(x_low, x_high, yy[0], yy[1]), unit_bounds(y_low, y_high, xx[0], xx[1])
     near, far = 1.0 / math.sqrt(xx[0] + yy[0]), 1.0 / math.sqrt(xx[1] + yy[1])
     across, along = product_bounds(across[0], across[1], far, near), product_bounds(-along[1], -along[0], far, near)
     for row in range(2, SIZE, 2):
@@ -497,7 +247,7 @@ def _join(registers, op, out, box, a, b):
             low, high, first, second = max(a_low, b_low), max(a_high, b_high), a_high >= b_low, b_high >= a_low
         _choose(registers, out, box, a, b, first or not second, second or not first)
     elif op == _MULTIPLY and a == b:
-        low, high = _square(a_low, a_high)
+        low, high = square_bounds(a_low, a_high)
         _chain(registers, out, box, a, low, high, 2.0 * a_low, 2.0 * a_high)
     elif op == _MULTIPLY:
         low, high = product_bounds(a_low, a_high, b_low, b_high)
@@ -506,15 +256,15 @@ def _join(registers, op, out, box, a, b):
             q = product_bounds(registers[b, row, box], registers[b, row + 1, box], a_low, a_high)
             registers[out, row, box], registers[out, row + 1, box] = p[0] + q[0], p[1] + q[1]
     elif op == _DIVIDE:
-        low, high = _quotient(a_low, a_high, b_low, b_high)
+        low, high = quotient_bounds(a_low, a_high, b_low, b_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[b, row, box], registers[b, row + 1, box], low, high)
-            registers[out, row, box], registers[out, row + 1, box] = _quotient(
+            registers[out, row, box], registers[out, row + 1, box] = quotient_bounds(
                 registers[a, row, box] - p[1], registers[a, row + 1, box] - p[0], b_low, b_high
             )
     elif _is_number(registers, b, box):  # a power with a known exponent
-        low, high = _power(a_low, a_high, b_low)
-        slope = _power(a_low, a_high, b_low - 1.0)
+        low, high = power_bounds(a_low, a_high, b_low)
+        slope = power_bounds(a_low, a_high, b_low - 1.0)
         slope = product_bounds(slope[0], slope[1], b_low, b_low)
         _chain(registers, out, box, a, low, high, slope[0], slope[1])
     else:
@@ -525,7 +275,7 @@ def _join(registers, op, out, box, a, b):
             log_low, log_high = math.log(a_low), math.log(a_high)
             low, high = product_bounds(log_low, log_high, b_low, b_high)
             low, high = math.exp(low), math.exp(high)
-            slope_low, slope_high = _quotient(b_low, b_high, a_low, a_high)
+            slope_low, slope_high = quotient_bounds(b_low, b_high, a_low, a_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[a, row, box], registers[a, row + 1, box], slope_low, slope_high)
             q = product_bounds(registers[b, row, box], registers[b, row + 1, box], log_low, log_high)
@@ -613,7 +363,7 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
             swap = 1 if number < 0.0 else 0
             for line in range(SIZE):
                 for box in range(BOXES):
-                    registers[out, line, box] = _times(registers[a, line ^ swap, box], number)
+                    registers[out, line, box] = times(registers[a, line ^ swap, box], number)
         elif op == _ABS:
             for box in range(BOXES):
                 low, high = registers[a, 0, box], registers[a, 1, box]

@@ -25,7 +25,8 @@ from ..emission.varying import COLOUR, COLOUR_STACK, CompiledEmission, run_colou
 from ..hashing import following, uniform_point
 from ..intersection.fields import LANES, STACK, VALUES, run_terms
 from ..intersection.membership import contains
-from .interior import BOUNDARY, INSIDE, NODE, Tree
+from .interior import Tree
+from .nodes import BOUNDARY, INSIDE, NODE
 from .volume import leaf_costs
 
 CELL = np.dtype(

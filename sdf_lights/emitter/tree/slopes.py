@@ -23,7 +23,9 @@ from ...graph.lipschitz import may_tear, torn
 from ...jit import kernel
 from ...sdf.shapes.base import Family
 from ..intersection.fields import DEEPEST, NEGATED, CompiledField
-from .enclosures import BOXES, DEEPEST_LOOP, ROUNDING, SIZE, Tape, enclose, product_bounds, tape
+from .enclosure_tape import Tape, tape
+from .enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
+from .interval_kernels import ROUNDING, product_bounds
 from .parallel import TASKS, in_parallel
 
 WORK = 2_500_000  # operations on boxes, about 40 ms; below that, boxes have no bounds of their own

@@ -27,6 +27,7 @@ class _Api:
 
     _SIGNATURES = {
         "rtcNewDevice": ("p", "c"),
+        "rtcRetainDevice": (None, "p"),
         "rtcReleaseDevice": (None, "p"),
         "rtcGetDeviceError": ("i", "p"),
         "rtcNewScene": ("p", "p"),
@@ -77,7 +78,7 @@ _ROBUST = 4
 
 
 class _Device:
-    """A device of Embree, alive as long as any of its objects is in use."""
+    """A device of Embree."""
 
     def __init__(self, api: _Api):
         self._api, self.handle = api, api.rtcNewDevice(b"threads=0")
@@ -89,15 +90,24 @@ class _Device:
             self._api.rtcReleaseDevice(self.handle)
 
 
-class _Inner:
-    """An Embree scene of one mesh in local space, which instances share, and the arrays that it reads."""
+class _EmbreeScene:
+    """An Embree scene, and the arrays that it reads.
 
-    def __init__(self, api: _Api, device: _Device, handle: int):
-        self._api, self._device, self.handle = api, device, handle
+    It retains the device: Python may release what belongs to a cycle of references in any order, and Embree needs the device until
+    the last scene has gone.
+    """
+
+    def __init__(self, api: _Api, device: _Device):
+        self._api, self._device = api, device.handle
+        api.rtcRetainDevice(device.handle)
+        self.handle = api.rtcNewScene(device.handle)
         self.arrays: list = []
+        api.rtcSetSceneFlags(self.handle, _ROBUST)
+        api.rtcSetSceneBuildQuality(self.handle, 1)
 
     def __del__(self):
         self._api.rtcReleaseScene(self.handle)
+        self._api.rtcReleaseDevice(self._device)
 
 
 def accelerator_of(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None = None) -> Accelerator:
@@ -132,7 +142,7 @@ class Accelerator:
         self._device = _Device(api) if before is None else before._device
         self._keep, self._scenes = [], []
         self._signature = _signature(scene, transparent, deep)
-        self._inner: dict[tuple, _Inner] = {}
+        self._inner: dict[tuple, _EmbreeScene] = {}
         self.baked = baked_instances(scene)
         shared: dict[int, int] = {}
         old = {} if before is None else before._inner
@@ -150,7 +160,7 @@ class Accelerator:
                     form = _form_of(mesh)
                     found = old.get(form)
                     if found is None:
-                        found = _Inner(api, self._device, self._new_scene(own=False))
+                        found = _EmbreeScene(api, self._device)
                         first = len(self._keep)
                         self._attach([found.handle], self._geometry(mesh), 0, NONE)
                         api.rtcCommitScene(found.handle)
@@ -193,13 +203,9 @@ class Accelerator:
         """Whether these structures are valid for this scene, too."""
         return self._signature == _signature(scene, transparent, deep)
 
-    def _new_scene(self, own: bool = True) -> int:
-        scene = self._api.rtcNewScene(self._device.handle)
-        self._api.rtcSetSceneFlags(scene, _ROBUST)
-        self._api.rtcSetSceneBuildQuality(scene, 1)
-        if own:
-            self._scenes.append(scene)
-        return scene
+    def _new_scene(self) -> int:
+        self._scenes.append(_EmbreeScene(self._api, self._device))
+        return self._scenes[-1].handle
 
     def _geometry(self, mesh: Mesh, matrix: np.ndarray | None = None) -> int:
         """The geometry of a mesh, in world space by ``matrix``, or in local space."""
@@ -251,13 +257,6 @@ class Accelerator:
         for scene in scenes:
             self._api.rtcAttachGeometryByID(scene, geometry, index)
         self._api.rtcReleaseGeometry(geometry)
-
-    def __del__(self):
-        api = getattr(self, "_api", None)
-        if api is None:
-            return
-        for scene in reversed(getattr(self, "_scenes", [])):
-            api.rtcReleaseScene(scene)
 
 
 def _forms(mesh: Mesh) -> list[np.ndarray]:

@@ -4,7 +4,7 @@
 
 from ...jit import kernel
 from ...vec import vec
-from ..kernels.departure import beside
+from ..kernels.departure import offset_ray_origin
 from ..kernels.geometry import instance_table
 
 
@@ -21,6 +21,6 @@ def form_of(block, instance):
 
 
 @kernel
-def leave(workspace, surface, direction):
-    """In the place of ``departure.leave``: a ray starts beside its triangle, which it could meet."""
-    return beside(vec(surface.position), vec(surface.ng), direction)
+def spawn_ray(workspace, surface, direction):
+    """Replaces ``departure.spawn_ray``: the origin is always offset, because a ray could hit its own triangle again."""
+    return offset_ray_origin(vec(surface.position), vec(surface.ng), direction)

@@ -1,7 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where rays leave a surface. As in Cycles, a ray does not meet again the triangle, curve or sphere on which it starts: Embree
-asks at every hit. So a ray starts on its triangle, not beside it, and meets another triangle that lies in the same place."""
+"""Origins of rays that leave a surface, without self-intersection.
+
+As in Cycles, a ray ignores the triangle, curve or sphere on which it starts, its *self primitive*: Embree asks at every
+hit. So the origin of a ray lies exactly on its triangle, and the ray meets another triangle in the same place. Where
+rounding forbids that, the origin is offset along the normal, as in pbrt.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +40,7 @@ _strand_of = table("strand_of", np.int32)
 _callbacks: list[Callback] = []
 
 _INSTANCES_APART = 0x9E3779B1  # 2^32 over the golden ratio
-# A triangle's point is this many roundings of Embree's numbers or more from its edges, or a ray starts beside it.
+# A triangle's point is this many roundings of Embree's numbers or more from its edges, or the origin of a ray is offset.
 _ROUNDINGS = 8.0
 
 
@@ -50,8 +54,8 @@ def number_of(instance, primitive):
 
 @replaced_on_gpu
 @kernel
-def start_apart(ray):
-    """The rays to come do not start on a surface."""
+def clear_self_primitive(ray):
+    """The next rays have no self primitive: they may hit everything."""
     ray.id = np.uint32(0)
 
 
@@ -91,27 +95,28 @@ def step_size(position):
 
 
 @kernel
-def beside(position, ng, direction):
-    """``position`` moved off its surface to the side of ``direction``."""
+def offset_ray_origin(position, ng, direction):
+    """``position`` (world space) moved off its surface, along the geometric normal, to the side of ``direction``. As
+    pbrt's ``OffsetRayOrigin``."""
     size = step_size(position)
     return madd(position, size if dot(ng, direction) > 0.0 else -size, ng)
 
 
 @replaced_on_gpu
 @kernel
-def leave(workspace, surface, direction):
-    """Where a ray from a surface along ``direction`` starts: see ``starts_on``. The rays to come do not meet the surface's triangle,
-    curve or sphere."""
+def spawn_ray(workspace, surface, direction):
+    """The origin (world space) of a ray from a surface along ``direction``: see ``exact_origin``. The triangle, curve or
+    sphere of the surface becomes the self primitive of the next rays."""
     ray_table(workspace)[0].id = surface.number
     position = vec(surface.position)
-    return position if surface.starts_on else beside(position, vec(surface.ng), direction)
+    return position if surface.exact_origin else offset_ray_origin(position, vec(surface.ng), direction)
 
 
 @replaced_on_gpu
 @kernel
-def starts_on(position, edge1, edge2, u, v):
-    """Whether rays from a point of a triangle start there (1), or beside it (0) where rounding to float32 could carry it
-    past an edge. ``u`` and ``v`` are the weights of the corners at the ends of both edges."""
+def exact_origin(position, edge1, edge2, u, v):
+    """Whether rays from a point of a triangle start exactly there (1). Their origin is offset (0) where rounding to
+    float32 could carry it past an edge. ``u`` and ``v`` are the weights of the corners at the ends of both edges."""
     normal, edge3 = cross(edge1, edge2), sub(edge2, edge1)
     longest = max(dot(edge1, edge1), dot(edge2, edge2), dot(edge3, edge3))
     # Embree subtracts the ray's origin from the corners, so a long edge is rounded as a far position is.

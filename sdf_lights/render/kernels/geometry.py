@@ -29,7 +29,7 @@ from ...vec import (
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import radii_of, strand_of, world_scale
-from .departure import number_of, starts_on
+from .departure import exact_origin, number_of
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.material_compiler import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
@@ -452,7 +452,7 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
             n = smooth
     surface.strand = 0
     surface.number = number_of(index, triangle)
-    surface.starts_on = starts_on(position, edge1, edge2, u, v)
+    surface.exact_origin = exact_origin(position, edge1, edge2, u, v)
     surface.terminator = instance.terminator if instance.normals >= 0 else 0.0
     surface.backfacing = 0
     if dot(ng, wo) < 0.0:

@@ -16,7 +16,7 @@ from ...jit import kernel
 from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
-from .departure import beside, leave, start_apart
+from .departure import clear_self_primitive, offset_ray_origin, spawn_ray
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
 from .light_paths import apart as light_paths
@@ -127,10 +127,10 @@ def _leave_portal(workspace, path, surface, kind, wi):
         way = sub(position, vec(surface.position))
         put(path.origin, position)
         if dot(way, way) > SAME_PLACE:
-            start_apart(ray_table(workspace)[0])
+            clear_self_primitive(ray_table(workspace)[0])
             put(path.start, position)
         else:
-            put(path.start, beside(position, vec(surface.ng), wi))
+            put(path.start, offset_ray_origin(position, vec(surface.ng), wi))
         put(path.direction, wi)
         path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
 
@@ -168,7 +168,7 @@ def scatter(block, workspace):
     put(path.throughput, throughput)
     put(path.origin, position)
     put(path.normal, vec(surface.n))
-    put(path.start, leave(workspace, surface, wi))
+    put(path.start, spawn_ray(workspace, surface, wi))
     put(path.direction, wi)
     path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
     path.pdf = 0.0 if kind & SINGULAR else pdf
@@ -226,7 +226,7 @@ def start_path(block, workspace, x, y):
     path.dimension = CAMERA_SETS
     path.share, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1
-    start_apart(ray_table(workspace)[0])
+    clear_self_primitive(ray_table(workspace)[0])
     if block.has_media:
         media.bounds(block, workspace, media.BEGIN)
 
@@ -324,7 +324,7 @@ def shade_and_scatter(block, workspace, whole):
     if block.has_media and not exits:
         if path.event == IN_MEDIUM:
             path.dimension += VERTEX_SETS
-            start_apart(ray_table(workspace)[0])
+            clear_self_primitive(ray_table(workspace)[0])
             return GOES_ON if media.scatter(block, workspace) else ENDS
         if media.bounds(block, workspace, media.PASS):
             path.dimension += VERTEX_SETS

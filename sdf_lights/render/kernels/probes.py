@@ -13,7 +13,7 @@ import numpy as np
 from ...jit import kernel
 from ...vec import ZERO, add, dot, frame, length, madd, negate, normalize, scale, sub, vec
 from ..scene import Ray
-from .departure import leave, start_apart
+from .departure import clear_self_primitive, spawn_ray
 from .geometry import _fill_surface, surface_table
 from .path import path_table
 from .rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, hit_instance, intersect, occluded, ray_table
@@ -85,7 +85,7 @@ def occlusion(block, workspace, local, distance, samples, x, y, z):
         side = _disk(u[0], u[1])
         up = math.sqrt(max(1.0 - side[0] * side[0] - side[1] * side[1], 0.0))
         d = add(add(scale(t, side[0]), scale(b, side[1])), scale(n, up))
-        start = leave(workspace, surface, d)
+        start = spawn_ray(workspace, surface, d)
         if local:
             met = _next_own(block, workspace, start, d, 0.0, distance) < np.inf
         else:
@@ -139,7 +139,7 @@ def bevel(block, workspace, radius, samples, x, y, z):
     tangent, bitangent = frame(ng)
     ray = ray_table(workspace)[0]
     left = ray.id
-    start_apart(ray)  # a probe may meet the triangle that it is for
+    clear_self_primitive(ray)  # a probe may meet the triangle that it is for
     total = ZERO
     for index in range(count):
         u = get_2d(path.index * count + index, path.seed, path.dimension + BEVEL_SET)
@@ -192,9 +192,9 @@ def raycast(block, workspace, local, x, y, z, dx, dy, dz, distance, at_x, at_y, 
     ray = ray_table(workspace)[0]
     left = ray.id
     if near == 0.0 and x == p[0] and y == p[1] and z == p[2]:
-        start = leave(workspace, surface, d)
+        start = spawn_ray(workspace, surface, d)
     else:
-        start_apart(ray)  # from elsewhere it may meet the triangle that it is for
+        clear_self_primitive(ray)  # from elsewhere it may meet the triangle that it is for
     if local:
         found = _next_own(block, workspace, start, d, near, distance) < np.inf
     else:

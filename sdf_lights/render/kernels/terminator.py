@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from ...jit import kernel
 from ...vec import add, dot, madd, scale, sub, vec
-from .departure import leave, start_apart
+from .departure import clear_self_primitive, spawn_ray
 from .geometry import corner_position, instance_at, surface_table, world_corner_normal
 from .rays import ray_table
 
@@ -21,7 +21,7 @@ def light_start(block, workspace, wi):
     """Where a light ray along ``wi`` from the workspace's surface starts. It may meet the surface's own triangle if light comes from
     behind that."""
     surface = surface_table(workspace)[0]
-    start, cutoff = leave(workspace, surface, wi), surface.terminator
+    start, cutoff = spawn_ray(workspace, surface, wi), surface.terminator
     if cutoff <= 0.0:
         return start
     cosine, flat = dot(vec(surface.n), wi), dot(vec(surface.ng), wi)
@@ -32,7 +32,7 @@ def light_start(block, workspace, wi):
     if amount <= 0.0:
         return start
     if flat <= 0.0:
-        start_apart(ray_table(workspace)[0])  # the triangle hides what is below it
+        clear_self_primitive(ray_table(workspace)[0])  # the triangle hides what is below it
     return madd(start, amount, _lift(block, surface, side))
 
 

@@ -14,7 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...graph.formula import POINT, Formula, Vector, cos, iterate
+from ...graph.formula import POINT, Formula, Vector, cos
+from ...graph.loops import iterate
 from ..noise import PERIOD, STEEPEST, value_noise
 from .base import LARGEST, Family, Shape, Slots, Term, number, part, undone
 from .operators import Operator, guarded, level_bounds

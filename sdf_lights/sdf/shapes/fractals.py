@@ -19,7 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...graph.formula import Formula, Vector, iterate, length, maximum, select
+from ...graph.formula import Formula, Vector, length, maximum, select
+from ...graph.loops import iterate
 from ..program import Op
 from . import support
 from .base import BOUND, LARGEST, Shape, Slots, number

@@ -31,7 +31,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ...graph.formula import Formula, Vector, atan2, constant, cos, iterate, length, maximum, minimum, power, sin
+from ...graph.formula import Formula, Vector, atan2, constant, cos, length, maximum, minimum, power, sin
+from ...graph.loops import iterate
 from . import support
 from .base import BOUND, NONE, Shape, Slots, number
 from .primitives import Box

@@ -22,7 +22,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...graph.formula import Formula, Vector, apply, clamp, cos, iterate, maximum, minimum, sin
+from ...graph.formula import Formula, Vector, apply, clamp, cos, maximum, minimum, sin
+from ...graph.loops import iterate
 from ..program import NoClosedForm
 from .base import EXACT, LARGEST, Shape, number, part
 from .operators import Guarded, Operator, Transformed, Union, images, images_growth, images_program

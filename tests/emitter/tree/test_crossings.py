@@ -7,7 +7,7 @@ import pytest
 
 from sdf_lights.emitter.intersection.intervals import regularize, solve
 from sdf_lights.emitter.lamps import SMALLEST_INTERVAL
-from sdf_lights.emitter.tree.interior import BOUNDARY
+from sdf_lights.emitter.tree.nodes import BOUNDARY
 from sdf_lights.jit import kernel
 from sdf_lights.sdf.shapes import Box, Difference, Sphere, Torus, Transformed
 from sdf_lights.sdf.shapes.blends import SmoothUnion

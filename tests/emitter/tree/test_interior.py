@@ -13,7 +13,9 @@ from sdf_lights.emitter.intersection import fields
 from sdf_lights.emitter.intersection.fields import LANES, NEGATED, STACK, VALUES
 from sdf_lights.emitter.intersection.membership import contains
 from sdf_lights.emitter.tree import interior
-from sdf_lights.emitter.tree.interior import BOUNDARY, INSIDE, OUTSIDE, TreeError, tree_point
+from sdf_lights.emitter.tree.interior import TreeError
+from sdf_lights.emitter.tree.nodes import BOUNDARY, INSIDE, OUTSIDE
+from sdf_lights.emitter.tree.points import tree_point
 from sdf_lights.graph.formula import sqrt
 from sdf_lights.jit import kernel, stack_array
 from sdf_lights.sdf.expression import Expression

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from sdf_lights.emitter.tree import interior
-from sdf_lights.emitter.tree.interior import BOUNDARY, SHORT_PROGRAM
+from sdf_lights.emitter.tree.nodes import BOUNDARY
+from sdf_lights.emitter.tree.splitting_programs import SHORT_PROGRAM
 from sdf_lights.sdf.shapes.orbits import Mandelbulb
 from support.lamps import oracle
 from support.lamps.hard_cases import around, scattered

@@ -3,6 +3,8 @@
 """Rays through Embree against brute force in float64, for meshes in the world and by reference, under any transform."""
 
 import dataclasses
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -167,3 +169,29 @@ def test_what_is_kept_gives_the_same_hits():
     np.testing.assert_array_equal(changed.hits(origins, directions), expected)
     clear = Probe(scene(0.3), [other, alone], (True,), kept=kept)  # light rays are told of what is transparent
     assert clear.accelerator is not changed.accelerator
+
+
+GARBAGE = """
+import faulthandler, gc
+import numpy as np
+from sdf_lights.render.cpu.accelerator import accelerator_of
+from sdf_lights.render.scene import Camera, Instance, Scene
+from support import scenes
+
+faulthandler.enable()
+gc.disable()
+mesh = scenes.sphere(columns=200, rows=100)
+for turn in range(20):
+    far = [scenes.translation(turn, 3.0 * place, 0.0) for place in range(4)]
+    placed = [Instance(0, matrix, (0,)) for matrix in far]
+    scene = Scene(Camera(np.eye(4)), 1, 1, instances=placed, meshes=[mesh])
+    made = accelerator_of(scene, np.array((False,)))
+    made.itself = made
+    del made
+    gc.collect()
+"""
+
+
+def test_structures_in_a_cycle_of_references_are_released_in_any_order():
+    run = subprocess.run([sys.executable, "-c", GARBAGE], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr[-2000:]

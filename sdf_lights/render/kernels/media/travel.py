@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import kernel
 from ....vec import largest, madd, mul, put, scale, vec
 from ...scene import Ray
-from ..departure import start_apart
+from ..departure import clear_self_primitive
 from ..outputs.state import scattered_in_medium
 from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, path_table
 from ..rays import ray_table
@@ -110,7 +110,7 @@ def enter(block, workspace, length):
     if inside.scatters and not path.last:
         rays = ray_table(workspace)
         rays[KEPT_RAY] = rays[0]
-        start_apart(rays[0])
+        clear_self_primitive(rays[0])
         light_ray(block, workspace, length)
         rays[0] = rays[KEPT_RAY]
     return 1.0 if _travel(block, workspace, length, not path.last and _pays_to_scatter(block, path)) else 0.0

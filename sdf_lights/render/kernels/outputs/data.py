@@ -10,7 +10,7 @@ from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, frame, length, madd, mul, normalize, scale, sub, to_world, vec
 from ...nodes.lookups import attribute_here
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
-from ..departure import leave
+from ..departure import spawn_ray
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
 from ..next_event import look
 from ..path import OCCLUSION_SETS, path_table, sample_table
@@ -93,7 +93,7 @@ def _mist(block, position):
 
 @kernel
 def _as_counted(surface, closure):
-    """The albedo (RGB) that ``shading.surface.finish`` got for a closure, in the colour of its weight."""
+    """The albedo (RGB) that ``shading.closures.finish`` got for a closure, in the colour of its weight."""
     mean = average(vec(closure.weight))
     return scale(vec(closure.weight), closure.pick * surface.pick_total / mean) if mean > 0.0 else ZERO
 
@@ -160,7 +160,7 @@ def _visible_sky(block, workspace, surface):
     wi = to_world(cosine_hemisphere(u[0], u[1]), t, b, normal)
     if block.has_media:
         look(block, workspace, ng, wi)
-    start = leave(workspace, surface, wi)
+    start = spawn_ray(workspace, surface, wi)
     return transmittance(block, workspace, start, wi, block.occlusion_distance, SHADOW_OPAQUE)
 
 

@@ -59,7 +59,7 @@ SURFACE = np.dtype(
         ("strand", "i4"),  # of a curve, which kind of scene.Primitive it is; else 0
         ("terminator", "f8"),  # cosine below which light rays start above a smooth triangle; 0: none does
         ("number", "u4"),  # of its triangle, curve or sphere, which rays that leave it do not meet: departure.number_of
-        ("starts_on", "i4"),  # 1: rays that leave it start at its position, else beside it (see departure.py)
+        ("exact_origin", "i4"),  # 1: rays start at its position, 0: their origin is offset (see departure.py)
         # Of the material, filled by shade().
         ("closure_count", "i4"),
         ("evaluable", "i4"),  # closures that are not singular; without them light sampling is useless

@@ -112,7 +112,7 @@ def _fill(block, surface, ray, instance, segment, wo, ray_kind, footprint):
     u, v, kind = float(ray.u), float(ray.v), instance.primitive
     tangent = (0.0, 0.0, 0.0)
     surface.number = number_of(hit_instance(ray), np.int64(_strand_of(block)[instance.strands + segment]))
-    surface.strand = surface.starts_on = 0
+    surface.strand = surface.exact_origin = 0
     surface.terminator = 0.0
     if kind == _SPHERES:
         u, v = 0.0, 0.0

@@ -8,8 +8,8 @@ from ....jit import kernel
 from ....vec import ZERO, add, average, dot, normalize, put, scale, vec
 from ..geometry import shading_material_table
 from ..path import AT_EXIT, path_table
+from ..shading.closures import add_lambert
 from ..shading.records import BENDS_EXITS, SUBSURFACE, closure_table, surface_table
-from ..shading.surface import add_lambert
 
 WHITE = (1.0, 1.0, 1.0)
 

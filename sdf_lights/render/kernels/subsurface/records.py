@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import kernel, table
 from ....replaced import replaced_on_gpu
 from ....vec import transform_point, transform_vector
-from ..departure import start_apart
+from ..departure import clear_self_primitive
 from ..geometry import instance_at
 from ..rays import NONE, intersect_scene, ray_table
 from . import apart
@@ -29,7 +29,7 @@ def intersect_instance(block, workspace, index, o, d, t_min, t_max):
     instance = instance_at(block, index)
     if instance.baked == 0:
         o, d = transform_point(instance.inverse, o), transform_vector(instance.inverse, d)
-    start_apart(ray_table(workspace)[0])
+    clear_self_primitive(ray_table(workspace)[0])
     found = intersect_scene(block, workspace, inner_table(block)[index], o, d, t_min, t_max, NONE)
     if found:
         ray_table(workspace)[0].geometry = index

@@ -17,7 +17,7 @@ import math
 from ....jit import kernel
 from ....replaced import replaced_on_gpu
 from ....vec import dot, frame, largest, madd, mul, scale, sub, to_world, vec
-from ..departure import beside
+from ..departure import offset_ray_origin
 from ..geometry import surface_table
 from ..media.beams import attenuation, channel_probabilities, fade
 from ..media.phase import draw_cosine, henyey_greenstein
@@ -79,7 +79,7 @@ def walk(block, workspace, closure):
     extinction, albedo, factor = coefficients(closure)
     g, instance = closure.a, surface.instance
     entry, n, direction = vec(surface.position), vec(surface.n), vec(path.direction)
-    position = beside(entry, vec(surface.ng), direction)
+    position = offset_ray_origin(entry, vec(surface.ng), direction)
     throughput = mul(vec(path.throughput), factor)
     length = diffusion_length(largest(albedo))
     logarithm = math.log((length + 1.0) / (length - 1.0))

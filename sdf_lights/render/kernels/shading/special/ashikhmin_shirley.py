@@ -9,10 +9,10 @@ import math
 
 from .....jit import kernel
 from .....vec import add, dot, frame, normalize, scale, sub, to_world, vec
+from ..closures import finish, lobe_table, positive
 from ..operands import vector
 from ..records import ASHIKHMIN_SHIRLEY, GGX, GLOSSY, SINGULAR, closure_table, surface_table
 from ..special_lobes import LOBE_ASHIKHMIN_SHIRLEY
-from ..surface import finish, lobe_table, positive
 from .facets import begin_glossy, frame_about
 
 _LOWEST = 1e-4  # roughness; a mirror

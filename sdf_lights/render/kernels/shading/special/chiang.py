@@ -13,10 +13,10 @@ import math
 from .....jit import kernel
 from .....vec import add, cross, dot, luminance, madd, mul, normalize, put, scale, vec
 from .. import fresnel
+from ..closures import begin, finish, lobe_table
 from ..operands import number
 from ..records import CHIANG, GLOSSY, TRANSMISSION, closure_table, surface_table
 from ..special_lobes import lobe_kind
-from ..surface import begin, finish, lobe_table
 from .fibers import (
     COAT,
     IOR,

@@ -13,6 +13,20 @@ import math
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, madd, mul, normalize, put, scale, to_world, vec
 from .. import energy, fresnel, microfacet
+from ..closures import (
+    NO_FILM,
+    begin_glass,
+    begin_metal,
+    begin_microfacet,
+    begin_refraction,
+    finish,
+    finish_metal,
+    lobe_table,
+    positive,
+    saturate,
+    saturated,
+    specular_normal,
+)
 from ..material_compiler import (
     ANISOTROPIC,
     ANISOTROPIC_ROTATION,
@@ -46,20 +60,6 @@ from ..special_lobes import (
     LOBE_ROUGH_GLOSSY,
     LOBE_ROUGH_REFRACTION,
     WITH_BECKMANN,
-)
-from ..surface import (
-    NO_FILM,
-    begin_glass,
-    begin_metal,
-    begin_microfacet,
-    begin_refraction,
-    finish,
-    finish_metal,
-    lobe_table,
-    positive,
-    saturate,
-    saturated,
-    specular_normal,
 )
 from . import thin_film
 

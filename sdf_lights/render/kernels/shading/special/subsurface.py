@@ -13,6 +13,17 @@ import math
 
 from .....jit import kernel
 from .....vec import dot, frame, madd, negate, put, scale, to_world, vec
+from ..closures import (
+    add_diffuse,
+    add_lambert,
+    begin,
+    finish,
+    lobe_table,
+    positive,
+    saturate,
+    saturated,
+    specular_normal,
+)
 from ..diffuse import cosine_hemisphere
 from ..material_compiler import (
     BASE_COLOR,
@@ -39,17 +50,6 @@ from ..records import (
     surface_table,
 )
 from ..special_lobes import LOBE_SUBSURFACE, METHOD, ONCE, WITH_SUBSURFACE, WITH_THIN_SCATTERING
-from ..surface import (
-    add_diffuse,
-    add_lambert,
-    begin,
-    finish,
-    lobe_table,
-    positive,
-    saturate,
-    saturated,
-    specular_normal,
-)
 
 SMALLEST_RADIUS = 1e-8  # metres; a colour with a smaller radius is diffuse
 LOWEST_IOR, HIGHEST_IOR = 1.01, 3.8

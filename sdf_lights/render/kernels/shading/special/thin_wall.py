@@ -12,11 +12,7 @@ from .....jit import kernel
 from .....vec import dot, mul, negate, put, scale, sub, vec
 from ....scene import Ray
 from .. import energy, fresnel, microfacet
-from ..material_compiler import BASE_COLOR, IOR, NORMAL, ROUGHNESS, SPECULAR_TINT, THIN_FILM_IOR, THIN_FILM_THICKNESS
-from ..microfacet import is_singular
-from ..operands import normal, number, vector
-from ..records import FRESNEL_DIELECTRIC, GGX, SINGULAR, THIN_GLASS, TRANSMISSION, closure_table, surface_table
-from ..surface import (
+from ..closures import (
     add_transparency,
     begin_microfacet,
     finish,
@@ -26,6 +22,10 @@ from ..surface import (
     saturated,
     specular_normal,
 )
+from ..material_compiler import BASE_COLOR, IOR, NORMAL, ROUGHNESS, SPECULAR_TINT, THIN_FILM_IOR, THIN_FILM_THICKNESS
+from ..microfacet import is_singular
+from ..operands import normal, number, vector
+from ..records import FRESNEL_DIELECTRIC, GGX, SINGULAR, THIN_GLASS, TRANSMISSION, closure_table, surface_table
 from .facets import begin_facets, cover, reflectance
 
 _CAMERA = int(Ray.CAMERA)

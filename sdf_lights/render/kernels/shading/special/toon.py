@@ -9,10 +9,10 @@ import math
 
 from .....jit import kernel
 from .....vec import dot, frame, scale, sub, to_world, vec
+from ..closures import begin, finish, lobe_table, positive, saturate
 from ..operands import normal, number, vector
 from ..records import DIFFUSE, GLOSSY, closure_kind, closure_table, surface_table
 from ..special_lobes import lobe_kind, option
-from ..surface import begin, finish, lobe_table, positive, saturate
 
 DIFFUSE_TOON, GLOSSY_TOON = map(closure_kind, ("diffuse_toon", "glossy_toon"))
 _IS_GLOSSY = option("toon", "component", "GLOSSY")

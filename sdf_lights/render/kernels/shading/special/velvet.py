@@ -10,10 +10,10 @@ import math
 
 from .....jit import kernel
 from .....vec import add, dot, frame, normalize, scale, to_world, vec
+from ..closures import add_fibers, begin, finish, lobe_table, positive, saturate
 from ..operands import normal, number, vector
 from ..records import DIFFUSE, VELVET, closure_table, surface_table
 from ..special_lobes import LOBE_SHEEN, LOBE_VELVET
-from ..surface import add_fibers, begin, finish, lobe_table, positive, saturate
 
 _NOTHING = (0.0, 0.0, 0.0, 0.0)
 _SMALL = 1e-5
