@@ -22,7 +22,7 @@ import numpy as np
 from ....jit import kernel
 from ....vec import average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
 from .. import lights
-from ..departure import leave
+from ..departure import spawn_ray
 from ..geometry import hit_material, instance_at, surface_at
 from ..path import contribute, path_table
 from ..rays import hit_instance, hit_normal, ray_table
@@ -124,7 +124,7 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
     u, v = kinds
     if not _reaches(block, path, vertex, int(u * density < glossy_pdf), int(v * density_there < glossy_there)):
         return
-    start = leave(workspace, surface_table(workspace)[0], wi)
+    start = spawn_ray(workspace, surface_table(workspace)[0], wi)
     direction, t_max = shadow_ray(x, start, wi, distance)
     passed = path.transparent
     if block.transparent_shadows:

@@ -21,7 +21,7 @@ from ....emitter.sampling.cut_points import uniform_intensity
 from ....jit import kernel
 from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
 from ..camera import camera_ray
-from ..departure import beside, leave, start_apart
+from ..departure import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..geometry import find_surface, instance_table, surface_at, surface_table
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_3d, get_4d, pixel_seed
@@ -137,7 +137,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
     emitter, origin, direction, flux = _start(block, index, total, seed)
     if emitter < 0:
         return 0
-    start_apart(ray_table(workspace)[0])
+    clear_self_primitive(ray_table(workspace)[0])
     count, scatters, diffuse, glossy, transmission, transparent = 0, 1, 0, 0, 0, 0
     t_min, pdf, kind, dimension, first_ones = 0.0, 0.0, 0, FIRST_SETS, 0
     instance, primitive, u, v, wi, waits = np.int64(0), np.int64(0), 0.0, 0.0, ZERO, False
@@ -208,7 +208,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             scatters += 1
             if scatters > block.max_bounces:
                 return count
-            origin, t_min = leave(workspace, surface, direction), 0.0
+            origin, t_min = spawn_ray(workspace, surface, direction), 0.0
         waits = True
 
 
@@ -225,7 +225,7 @@ def trace_light_paths(block, workspace, first, last, total, number, width, raw, 
 def find_pilots(block, workspace, width, height, places):
     """Fill ``places`` (count, 3) with what rays of the camera through even points of the picture meet; returns how many."""
     scene, scratch, found = block[0], workspace[0], 0
-    start_apart(ray_table(scratch)[0])
+    clear_self_primitive(ray_table(scratch)[0])
     for index in range(len(places)):
         u = get_2d(index, pixel_seed(PLACE, PLACE, scene.seed), 0)
         origin, direction, t_min, t_max = camera_ray(scene, u[0] * width, u[1] * height, 0.5, 0.5)
@@ -242,7 +242,7 @@ def find_pilots(block, workspace, width, height, places):
 def dim_unseen(block, workspace, vertices, pilots):
     """Lower the importance of vertices that none or few of the ``pilots`` (count, 3) see: choices count on what is left."""
     scene, scratch = block[0], workspace[0]
-    start_apart(ray_table(scratch)[0])
+    clear_self_primitive(ray_table(scratch)[0])
     for index in range(len(vertices)):
         vertex = vertices[index]
         normal, place, seen = vec(vertex.normal), vec(vertex.position), 0
@@ -252,7 +252,7 @@ def dim_unseen(block, workspace, vertices, pilots):
             distance = length(way)
             wi = scale(way, 1.0 / distance) if distance > 0.0 else normal
             if dot(normal, wi) > 0.0:
-                start = beside(place, normal, wi)
+                start = offset_ray_origin(place, normal, wi)
                 direction, t_max = shadow_ray(place, start, wi, distance * NEARLY)
                 start_anew(scene, scratch)
                 seen += int(not occluded(scene, scratch, start, direction, 0.0, t_max, SHADOW_OPAQUE))
