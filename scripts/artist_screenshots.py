@@ -10,13 +10,16 @@ Needs ImageMagick's `import`.
 from __future__ import annotations
 
 import argparse
+import os
 import pathlib
 import shutil
+import subprocess
 import sys
 import tempfile
 
+import build_extension
 import numpy as np
-from host import NO_WINDOW, REPOSITORY, windowed_blender
+from host import NO_WINDOW, REPOSITORY, python_of, windowed_blender
 from sessions import seen_by
 
 PICTURES = {  # session: files in docs/images by the picture's name
@@ -29,7 +32,13 @@ PICTURES = {  # session: files in docs/images by the picture's name
         "solid": "viewport_solid",
         "rendered": "viewport_rendered",
     },
-    "properties": {"view_layer": "panels_view_layer", "lamp": "panels_lamp"},
+    "properties": {
+        "view_layer": "panels_view_layer",
+        "lamp": "panels_lamp",
+        "report": "panels_report",
+        "object": "panels_object",
+        "overlay": "panels_overlay",
+    },
     "nodes": {"node_emission": "lamp_nodes_emission"},  # these three are sessions of the tests
     "panels": {"preset_browser": "lamp_presets"},
     "bounds": {"circle_select": "lamp_circle_select"},
@@ -45,7 +54,8 @@ WALK = (
     "rendered",
 )  # pictures of the session "walk", in a strip of rows
 RENDER_TAB = ("render_0", "render_1", "render_2")  # pictures of the session "properties", side by side
-KNOWN = (*PICTURES, "walk")
+FIRST_MINUTE = ("start", "installed", "lamp", "first_pixels", "viewport", "picture")
+KNOWN = (*PICTURES, "walk", "first_minute")
 ROW, WIDTH, QUALITY = 2, 1300, 68
 
 
@@ -73,6 +83,26 @@ def write_strip(
         raise OSError(made.geterror())
 
 
+def first_minute(command: list[str], folder: pathlib.Path) -> None:
+    """Install a zip in a Blender with empty user folders, and take the strip of its first minute."""
+    session = REPOSITORY / "scripts" / "first_minute_session.py"
+    path = build_extension.build(build_extension.this_platform(), python_of(command), folder)
+    # Kernels of this Blender's Python, as a zip from its own platform ships them.
+    environment = {"SDF_LIGHTS_CACHE": str(pathlib.Path(tempfile.gettempdir()) / "sdf_lights_kernels")}
+    for name, words in (("kernels", []), ("window", [str(folder)])):
+        environment["BLENDER_USER_RESOURCES"] = str(folder / name)
+        (folder / name).mkdir()
+        if words:
+            report = seen_by(command, session, folder, str(path), *words, environment=environment, size=(1240, 800))
+            print({name: round(seconds, 1) for name, seconds in report["seconds"].items()})
+        else:
+            arguments = ["--background", "--factory-startup", "--python-exit-code", "1", "--python", session, "--"]
+            subprocess.run([*command, *arguments, folder / "none", path], env=os.environ | environment, check=True)
+    pictures = REPOSITORY / "docs" / "images"
+    write_strip(folder, FIRST_MINUTE, pictures / "first_minute.jpg")
+    shutil.copyfile(folder / "preferences.png", pictures / "panels_preferences.png")
+
+
 def main(arguments: list[str]) -> None:
     parser = argparse.ArgumentParser(prog="artist_screenshots", description=__doc__.splitlines()[0])
     parser.add_argument("sessions", nargs="*", metavar="SESSION", help=f"of {', '.join(KNOWN)}; default: all")
@@ -84,6 +114,9 @@ def main(arguments: list[str]) -> None:
         if name not in KNOWN:
             parser.error(f"there is no session {name!r}: choose from {', '.join(KNOWN)}")
         with tempfile.TemporaryDirectory() as folder:
+            if name == "first_minute":
+                first_minute(command, pathlib.Path(folder))
+                continue
             session = next(REPOSITORY.glob(f"*/**/{name}_session.py"))
             seen_by(command, session, pathlib.Path(folder), folder, **({"size": (1240, 800)} if name == "walk" else {}))
             if name == "walk":

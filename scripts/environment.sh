@@ -84,7 +84,13 @@ interpreter=$environment/bin/python
 stamp=$environment/stamp
 wanted="$version $(cat "$requirements/bundled.txt" "$requirements/common.txt" "$requirements/blender-$blender.txt" | cksum)"
 
-if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ] || [ "$(version_of "$interpreter")" != "$version" ]; then
+ready() { [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ] && [ "$(version_of "$interpreter")" = "$version" ]; }
+
+if ! ready && command -v flock >/dev/null; then  # another command may be setting it up
+    exec 9>"$environment.lock"
+    flock 9
+fi
+if ! ready; then
     say "Setting up Blender $blender for Python $version in ${environment#"$root"/} (once; 1.4 GB on disk) ..."
     "$python" -m venv --clear "$environment" >&2 || fail 3 "$python cannot make virtual environments" \
         "(on Debian and Ubuntu: apt-get install python3-venv)."

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What artist_screenshots runs in a Blender with a window: the panels of the Properties editor.
+"""What artist_screenshots runs in a Blender with a window: the panels of the Properties editor, and the overlays.
 
 blender --factory-startup --enable-event-simulate --python properties_session.py -- REPORT.json FOLDER
 """
@@ -20,6 +20,7 @@ from sdf_lights.blender import panels, scene_panels, scene_report  # noqa: E402
 
 FOLDER = ARGUMENTS[1]
 PAGES, PAGE = 3, 17  # of the tab Render, and turns of the wheel from one to the next
+END = 40  # turns of the wheel to the end of a tab
 
 
 def opened() -> None:
@@ -30,8 +31,41 @@ def opened() -> None:
                 kind.bl_options = getattr(kind, "bl_options", set()) - {"DEFAULT_CLOSED"}
 
 
+def opened_visibility() -> None:
+    """Let Blender's panel around Ray Visibility be open, too."""
+    kind = bpy.types.OBJECT_PT_visibility
+    bpy.utils.unregister_class(kind)
+    kind.bl_options = getattr(kind, "bl_options", set()) - {"DEFAULT_CLOSED"}
+    bpy.utils.register_class(kind)
+
+
+def wheel(place, turns: int):
+    """Steps: turn the wheel."""
+    for _ in range(turns):
+        event("WHEELDOWNMOUSE", "PRESS", place)
+        yield 0.1
+    yield 1.0
+
+
+def deviations() -> None:
+    """What a report lists: a mistake in a lamp, a setting of Cycles, a missing file."""
+    bpy.ops.sdf_lights.lamp_add(source="EXPRESSION", location=(0.0, 2.0, 1.0))
+    bpy.context.object.data.sdf_lamp.expression = "box(0.5) - spere(0.6)"
+    material = bpy.data.objects["Cube"].active_material
+    tree = material.node_tree
+    picture_node = tree.nodes.new("ShaderNodeTexImage")
+    picture_node.image = bpy.data.images.new("Bricks", 8, 8)
+    picture_node.image.source, picture_node.image.filepath = "FILE", "//textures/bricks.png"
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    tree.links.new(picture_node.outputs[0], shader.inputs["Base Color"])
+    bpy.data.objects["Cube"].shadow_terminator_shading_offset = 0.1
+    bpy.context.view_layer.update()
+    bpy.ops.sdf_lights.scene_check()
+
+
 def steps():
     opened()
+    opened_visibility()
     addon.register()
     scene, view = bpy.context.scene, areas()[0]
     bpy.data.objects.remove(bpy.data.objects["Light"])
@@ -52,11 +86,26 @@ def steps():
     place = move(inside(area, 0.5, 0.3))
     yield
     for page in range(1, PAGES):
-        for _ in range(PAGE):
-            event("WHEELDOWNMOUSE", "PRESS", place)
-            yield 0.1
-        yield 1.0
+        yield from wheel(place, PAGE)
         picture(FOLDER, f"render_{page}", area)
+    with override(other):
+        other.type = "VIEW_3D"
+    yield
+    with override(other):
+        deviations()
+    yield from wheel(place, END)
+    picture(FOLDER, "report", area)
+    bpy.context.view_layer.objects.active = bpy.data.objects["Cube"]
+    area.spaces.active.context = "OBJECT"
+    yield 1.0
+    yield from wheel(place, END)
+    move(inside(other, 0.5, 0.9))  # away from the tooltips
+    yield 1.0
+    picture(FOLDER, "object", area)
+    with override(other, "HEADER"):
+        bpy.ops.wm.call_panel(name="VIEW3D_PT_overlay", keep_open=True)
+    yield 1.5
+    picture(FOLDER, "overlay", other)
 
 
 run(steps())

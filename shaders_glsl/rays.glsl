@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 SDF Lights authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Rays against triangles: traverses the trees that sdf_lights/render/gpu/bvh.py builds.
+// Rays against triangles, curves and spheres: traverses the trees that sdf_lights/render/gpu/bvh.py builds.
 //
 // Before this file come `#define`s of STACK, ITEMS_IN_LEAF and TEXTURE_BITS; INSTANCES if meshes are used more than
-// once; CATCHERS if there are shadow catchers; ONE_INSTANCE if rays below surfaces test only one instance; IMAGES if
-// textures are read faster as images; the workspace's Record_ray; `scene.hierarchy_root`; and maths.glsl.
+// once; CATCHERS if there are shadow catchers; ONE_INSTANCE if rays below surfaces test only one instance; STRANDS if
+// there are curves or spheres, whose code is in strands.glsl; IMAGES if textures are read faster as images; the
+// workspace's Record_ray; `scene.hierarchy_root`; and maths.glsl.
 
 // Rows of 2^TEXTURE_BITS words of four numbers. Threads read different words here, and textures are made for that. They
 // may also be larger than buffers.
@@ -86,7 +87,15 @@ float hit_triangle(Line line, vec3 a, vec3 b, vec3 c, out vec2 uv)
     return slope == 0.0 ? -1.0 : dot(a, normal) / slope;
 }
 
-// Nearest triangle between t_min and t_max whose instance has a bit of `mask`, in `ray`; or just any.
+// As kernels.departure.number_of.
+uint number_of(int instance, int primitive) { return uint(instance) * 0x9E3779B1u + uint(primitive) + 1u; }
+
+#ifdef STRANDS
+float hit_strand(Line line, uvec4 item, float t_min, float t_max, out vec2 uv);
+#endif
+
+// Nearest triangle between t_min and t_max whose instance has a bit of `mask`, in `ray`; or just any. Never the one
+// whose number is the ID of the ray.
 //
 // Threads go down to leaves together, then test them together (Aila and Laine 2009, "Understanding the efficiency of
 // ray traversal on GPUs"): waiting threads save the others the code of the other kind of step.
@@ -98,6 +107,10 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
     bool found = false;
     waiting[0] = LEAVE;
     ray.t_far = t_max;
+#ifdef STRANDS
+    ray.origin = o;
+    ray.direction = d;
+#endif
 #ifdef INSTANCES
     Line world = line;
     int inside = -1;  // instance whose tree the ray is in
@@ -160,7 +173,7 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
                 instance = inside;
                 seen = true;
             }
-            if (primitive < 0) {
+            if (primitive == -1) {
                 if (!seen) {
                     continue;
                 }
@@ -183,9 +196,34 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
                 break;
             }
 #endif
+#ifdef STRANDS
+            if (primitive < -1) {
+                primitive = -2 - primitive;
+                uint number = number_of(instance, int(first_corner.y));
+#ifdef ONE_INSTANCE
+                seen = seen && alone < 0;  // light does not leave again below curves and spheres
+#endif
+                if (seen && number != ray.id && number != ray.flags) {
+                    vec2 place;
+                    float t = hit_strand(line, first_corner, t_min, ray.t_far, place);
+                    if (t >= t_min && t < ray.t_far) {
+                        found = true;
+                        ray.t_far = t;
+                        ray.u = place.x;
+                        ray.v = place.y;
+                        ray.primitive = uint(primitive);
+                        ray.instance = uint(instance);
+                        if (any) {
+                            return true;
+                        }
+                    }
+                }
+                continue;
+            }
+#endif
             vec2 uv;
             float t = hit_triangle(line, a, b, c, uv);
-            if (seen && t > t_min && t < ray.t_far) {
+            if (seen && t >= t_min && t < ray.t_far && number_of(instance, primitive) != ray.id) {
                 found = true;
                 ray.t_far = t;
                 ray.u = uv.x;

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes with participating media, like those of ``scenes``. The NumPy reference has no media: the CPU and the GPU are
-compared."""
+"""Scenes with participating media, like those of ``scenes``."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What every test has: the repository on the import path and a folder for compiled kernels that stays between runs."""
 
+import importlib
 import os
 import pathlib
 import sys
@@ -31,6 +32,22 @@ def blender_command() -> list[str]:
     if command is None:
         pytest.skip(host.NO_WINDOW)
     return command
+
+
+@pytest.fixture
+def openvdb(monkeypatch, tmp_path_factory):
+    """OpenVDB's module: Blender's, or Debian's alone of all that Debian has. The test is skipped where there is none."""
+    folder = tmp_path_factory.mktemp("openvdb")
+    for path in pathlib.Path("/usr/lib/python3/dist-packages").glob("pyopenvdb*.so"):
+        (folder / path.name).symlink_to(path)
+    monkeypatch.syspath_prepend(str(folder))
+    importlib.invalidate_caches()
+    for name in ("openvdb", "pyopenvdb"):
+        try:
+            return importlib.import_module(name)
+        except ImportError:
+            pass
+    pytest.skip("needs OpenVDB for this Python: apt-get install python3-openvdb, of Debian 12 with Python 3.11")
 
 
 _exit_codes: list[int] = []

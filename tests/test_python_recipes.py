@@ -20,6 +20,8 @@ def test_there_are_ten():
 
 
 @pytest.mark.parametrize("title", RECIPES)
-def test_recipe(title, tmp_path, monkeypatch):
+def test_recipe(title, tmp_path, monkeypatch, request):
+    if "OpenVDB" in title:
+        request.getfixturevalue("openvdb")
     monkeypatch.chdir(tmp_path)
     exec(compile(RECIPES[title], f"docs/python.md, {title}", "exec"), {"__name__": "__main__"})

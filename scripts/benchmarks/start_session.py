@@ -18,8 +18,8 @@ import time
 import bpy
 
 TICK = 0.005  # seconds from one look at the clock to the next
-SETTLED, BEFORE = 8.0, 8.0  # seconds until Blender's window has been drawn, and those watched then
-REDRAWS = 2.0  # seconds from one redraw of the status bar to the next, before the add-on does it
+SETTLED = 8.0  # seconds until Blender's window has been drawn
+REDRAWS = 5.0  # seconds from one redraw of the status bar to the next, before the add-on does it
 EXTENSION = "bl_ext.user_default.sdf_lights"
 
 ARGUMENTS = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
@@ -53,21 +53,25 @@ def first_picture() -> None:
 
 
 def stalls() -> None:
-    """The longest time that the window did not answer, while it draws its status bar without the add-on, and while that compiles."""
-    gaps: list[list[float]] = [[], []]
-    works: list[list[float]] = [[], []]
+    """Longest times that the window did not answer: first while it redraws its status bar without the add-on, then as long
+    while kernels compile. Redraws of the status bar are told apart."""
+    phases: list[dict] = [dict(drawing=[], other=[], work=[]) for _ in range(2)]
     texts: list[str] = []
-    state = dict(last=0.0, work=0.0, phase=0, until=0.0, redraw=0.0, skip=0)
+    state = dict(last=0.0, work=0.0, phase=0, until=0.0, redraw=0.0, skip=0, drawn=False)
     wanted = float(ARGUMENTS[3])
+
+    def drawn(self, context):
+        state["drawn"] = True
 
     def tick():
         now, work = time.perf_counter(), time.thread_time()
         if state["skip"] > 0:  # what Blender itself takes to install, and to draw its whole window after that
             state["skip"] -= 1
         elif state["last"]:
-            gaps[state["phase"]].append(now - state["last"])
-            works[state["phase"]].append(work - state["work"])
-        state["last"], state["work"] = now, work
+            phase = phases[state["phase"]]
+            phase["drawing" if state["drawn"] else "other"].append(1000.0 * (now - state["last"]))
+            phase["work"].append(1000.0 * (work - state["work"]))
+        state.update(last=now, work=work, drawn=False)
         if state["phase"] == 1:
             compiling = sys.modules.get(f"{EXTENSION}.sdf_lights.blender.compiling")
             text = compiling.short() if compiling else ""
@@ -83,13 +87,16 @@ def stalls() -> None:
             install()
             state.update(phase=1, until=time.perf_counter() + wanted, skip=2)
             return TICK
-        (before, after), (work_before, work_after) = ([1000.0 * max(each) for each in both] for both in (gaps, works))
-        over = sum(gap > 0.05 for gap in gaps[1])
-        found = dict(before_ms=before, longest_ms=after, work_before_ms=work_before, work_ms=work_after)
-        write(dict(**found, over_50=over, texts=texts))
+        before, after = (
+            {kind: max(each, default=0.0) for kind, each in phase.items()}
+            | dict(over_50=sum(gap > 50.0 for kind in ("drawing", "other") for gap in phase[kind]))
+            for phase in phases
+        )
+        write(dict(before=before, after=after, texts=texts))
         return None
 
-    state["until"] = time.perf_counter() + SETTLED + BEFORE
+    bpy.types.STATUSBAR_HT_header.append(drawn)
+    state["until"] = time.perf_counter() + SETTLED + wanted
     bpy.app.timers.register(tick, first_interval=SETTLED, persistent=True)
 
 

@@ -17,14 +17,14 @@ from . import surfaces
 from .stage import expression, pattern, preset, primitive, recipe, shine
 
 
-@recipe("Ceiling cove", samples=4)
+@recipe("Ceiling cove", samples=12)
 def ceiling_cove(scene) -> None:
     """A strip of light runs around the ceiling. One sees its light, and not the strip.
 
     1. Model a ledge around the room, 26 cm below the ceiling and 20 cm wide, with an edge of 9 cm.
     2. Choose Add > Light > SDF Lamp > **From an Expression**, and write `onion(extrusion(rectangle(4.8, 5.8),
        0.02), 0.01)`: a strip along a rectangle.
-    3. Put it on the ledge. Set *Temperature* to 3600 K, and *Power* to 75 W.
+    3. Put it on the ledge. Set *Temperature* to 3600 K, and *Power* to 50 W.
     4. Add the preset **Fluorescent Tube** above the painting, with 7 W.
     """
     world((0.0, 0.0, 0.0))
@@ -100,7 +100,7 @@ def ceiling_cove(scene) -> None:
         rotation=(90, 0, 0),
     )
     strip = expression("Cove", "onion(extrusion(rectangle(4.8, 5.8), 0.02), 0.01)", (0.0, 0.0, height - 0.22))
-    shine(strip, 75.0, kelvins=3600.0)
+    shine(strip, 50.0, kelvins=3600.0)
     shine(preset("tube", (0.0, 2.86, 2.2), scale=0.7), 7.0, kelvins=2700.0, camera=0.05)
     camera((-0.55, -2.95, 1.35), (0.08, 2.5, 1.42), 60.0)
 

@@ -25,7 +25,7 @@ def _text(body: str, size: float, location, **settings) -> bpy.types.Object:
     return add(body, curve, location=location, rotation=(90, 0, 0))
 
 
-@recipe("Neon in fog", samples=4, gallery=True)
+@recipe("Neon in fog", samples=14, gallery=True)
 def neon_in_fog(scene) -> None:
     """Neon in a wet street. The fog glows around it.
 
@@ -73,7 +73,7 @@ def neon_in_fog(scene) -> None:
     camera((-0.1, -2.6, 1.5), (0.05, 5.0, 1.45), 48.0)
 
 
-@recipe("Neon text", samples=4)
+@recipe("Neon text", samples=12)
 def neon_text(scene) -> None:
     """A sign of two colours on a wall of bricks. The text stays a text.
 
@@ -89,7 +89,7 @@ def neon_text(scene) -> None:
     sign = of_object(_text("open", 1.1, (-0.05, -0.08, 1.35)), "NEON")
     sign.data.sdf_lamp.neon_radius, sign.data.sdf_lamp.neon_gap = 0.018, 0.04
     pattern(shine(sign, 45.0, (1.0, 1.0, 1.0), camera=0.06), "neon", tint=(1.0, 0.12, 0.05), depth_of_middle=0.015)
-    under = of_object(_text("all night", 0.42, (0.0, -0.08, 0.88)), "NEON")
+    under = of_object(_text("all night", 0.42, (0.38, -0.08, 0.88)), "NEON")
     under.data.sdf_lamp.neon_radius, under.data.sdf_lamp.neon_gap = 0.011, 0.02
     pattern(shine(under, 14.0, (1.0, 1.0, 1.0), camera=0.05), "neon", tint=(0.06, 0.4, 1.0), depth_of_middle=0.009)
     board = principled("Shelf", (0.05, 0.05, 0.055), 0.25)

@@ -102,7 +102,7 @@ def light_linking(scene) -> None:
     camera((0.0, -3.4, 1.05), (0.0, 0.1, 0.62), 38.0)
 
 
-@recipe("Lamps in a render of Cycles", samples=16)
+@recipe("Lamps in a render of Cycles", samples=64)
 def beside_cycles(scene) -> None:
     """Cycles renders the scene, and this engine adds the light of the lamps.
 

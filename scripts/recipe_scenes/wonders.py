@@ -190,7 +190,7 @@ def statue_of_light(scene) -> None:
     camera((0.9, -4.6, 1.15), (0.0, 0.4, 1.3), 42.0)
 
 
-@recipe("Fractal crystal", samples=6, gallery=True)
+@recipe("Fractal crystal", samples=16, gallery=True)
 def fractal_crystal(scene) -> None:
     """Crystals that are fractals, in a cave.
 
@@ -240,7 +240,7 @@ def fractal_crystal(scene) -> None:
     camera((0.25, -3.7, 1.0), (0.0, 0.0, 0.82), 40.0)
 
 
-@recipe("Light in ice", samples=4)
+@recipe("Light in ice", samples=12)
 def light_in_ice(scene) -> None:
     """Lamps that are frozen in blocks of ice.
 

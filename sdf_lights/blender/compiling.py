@@ -11,9 +11,7 @@ import bpy
 from ..render.cpu import background
 
 BEGIN_SECONDS = 0.5  # after the add-on is enabled, so that Blender's window is there first
-SHOW_SECONDS = (
-    2.0  # from one look at the progress to the next: a window that the processor draws is busy for a tenth of a second
-)
+SHOW_SECONDS = 5.0  # from one redraw to the next, each of which takes 50 ms in a window that the processor draws
 
 
 def short() -> str:

@@ -64,9 +64,9 @@ class Compiled(NamedTuple):
 
         void f(int64_t n, const double *points, const double *parameters, double *values)
 
-    ``points`` (3, n) has all x, then all y, then all z. ``parameters`` has the formulas' slots. ``values`` (formulas,
-    n) gets all values of the first formula first. n must be a multiple of ``LANES`` (repeat a point to fill up). Any
-    number of threads may call it.
+    ``points`` (3, m) has all x, then all y, then all z, where m is n rounded up to a multiple of ``LANES``. ``parameters``
+    has the formulas' slots. ``values`` (formulas, m) gets all values of the first formula first. Only the first n of m
+    values count: functions that a formula calls are called for no other point. Any number of threads may call it.
     """
 
     address: int  # valid as long as ``owner`` lives
@@ -212,7 +212,7 @@ def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> 
         raise ValueError(f"the formula has {slots(formula)} parameters, not {len(parameters)}")
     values = np.empty(columns.shape[1])
     code = compiled(formula)
-    _SIGNATURE(code.address)(len(values), columns.ctypes.data, parameters.ctypes.data, values.ctypes.data)
+    _SIGNATURE(code.address)(n, columns.ctypes.data, parameters.ctypes.data, values.ctypes.data)
     return values[:n].reshape(points.shape[:-1])
 
 
@@ -446,36 +446,55 @@ if AVAILABLE:
             builder.position_at_end(done)
             return states
 
+    def _is_wide(value: ir.Value) -> bool:
+        return isinstance(value.type, ir.VectorType)
+
     class _Lanes(NamedTuple):
-        """Reads coordinates of ``LANES`` points: in ``points`` (3, n), from the column ``first`` on."""
+        """Reads coordinates of ``LANES`` points: in ``points`` (3, stride), from the column ``first`` on, n in all."""
 
         points: ir.Value
         n: ir.Value
+        stride: ir.Value
         first: ir.Value
 
         def variable(self, builder: ir.IRBuilder, node: Formula):
-            index = builder.add(builder.mul(self.n, _INDEX(axis_of(node))), self.first)
+            index = builder.add(builder.mul(self.stride, _INDEX(axis_of(node))), self.first)
             return builder.load(builder.bitcast(builder.gep(self.points, [index]), _LANES.as_pointer()), align=8)
 
         def call(self, builder: ir.IRBuilder, function: Function, operands: list):
             """The function called for one point after the other, with each result placed in its lane."""
-            lanes = [ir.Constant(_LANES, ir.Undefined)] * function.results
             with builder.goto_entry_block():
                 given = builder.alloca(_DOUBLE, max(len(operands), 1))
                 results = builder.alloca(_DOUBLE, function.results)
+                wide = {index: builder.alloca(_LANES) for index, operand in enumerate(operands) if _is_wide(operand)}
+                found = [builder.alloca(_LANES) for _ in range(function.results)]
             symbol = _part_symbol(function, len(operands))
             known = builder.module.globals.get(symbol) or ir.Function(builder.module, _CALLED, symbol)
-            for lane in range(LANES):
-                for index, operand in enumerate(operands):
-                    if isinstance(operand.type, ir.VectorType):
-                        operand = builder.extract_element(operand, _INDEX(lane))
-                    builder.store(operand, builder.gep(given, [_INDEX(index)]))
-                addresses = [builder.ptrtoint(pointer, _INDEX) for pointer in (given, results)]
-                builder.call(known, [_INDEX(0), _INDEX(0), *addresses])
-                for index in range(function.results):
-                    value = builder.load(builder.gep(results, [_INDEX(index)]))
-                    lanes[index] = builder.insert_element(lanes[index], value, _INDEX(lane))
-            return lanes
+            for index, operand in enumerate(operands):
+                builder.store(operand, wide.get(index) or builder.gep(given, [_INDEX(index)]))
+            for vector in found:
+                builder.store(ir.Constant(_LANES, [0.0] * LANES), vector)
+
+            def lane_of(vector):
+                return builder.gep(builder.bitcast(vector, _DOUBLE.as_pointer()), [lane])
+
+            left = builder.sub(self.n, self.first)
+            count = builder.select(builder.icmp_signed("<", left, _INDEX(LANES)), left, _INDEX(LANES))
+            before, one, done = builder.block, *(builder.append_basic_block() for _ in range(2))
+            builder.branch(one)
+            builder.position_at_end(one)
+            lane = builder.phi(_INDEX)
+            lane.add_incoming(_INDEX(0), before)
+            for index, vector in wide.items():
+                builder.store(builder.load(lane_of(vector)), builder.gep(given, [_INDEX(index)]))
+            builder.call(known, [_INDEX(0), _INDEX(0), *(builder.ptrtoint(at, _INDEX) for at in (given, results))])
+            for index, vector in enumerate(found):
+                builder.store(builder.load(builder.gep(results, [_INDEX(index)])), lane_of(vector))
+            following = builder.add(lane, _INDEX(1))
+            lane.add_incoming(following, one)
+            builder.cbranch(builder.icmp_signed("<", following, count), one, done)
+            builder.position_at_end(done)
+            return [builder.load(vector) for vector in found]
 
     class _Surface(NamedTuple):
         """Reads the variables of one point of a surface, and calls functions from there."""
@@ -540,6 +559,7 @@ if AVAILABLE:
         entry, points_left, done = (function.append_basic_block(name) for name in ("entry", "points", "done"))
 
         builder = ir.IRBuilder(entry)
+        stride = builder.and_(builder.add(n, _INDEX(LANES - 1)), _INDEX(-LANES))
         builder.cbranch(builder.icmp_signed(">", n, _INDEX(0)), points_left, done)
 
         builder.position_at_end(points_left)
@@ -548,7 +568,7 @@ if AVAILABLE:
         def lanes_at(array, index):
             return builder.bitcast(builder.gep(array, [index]), _LANES.as_pointer())
 
-        scope = _Scope(builder, _Lanes(points, n, first), parameters, {}, {})
+        scope = _Scope(builder, _Lanes(points, n, stride, first), parameters, {}, {})
         nodes = order(*formulas)
         for start in range(0, len(nodes), BLOCK):
             if start:
@@ -558,7 +578,7 @@ if AVAILABLE:
                 builder.position_at_end(after)
             scope.emit(nodes[start : start + BLOCK])
         for index, formula in enumerate(formulas):
-            place = builder.add(builder.mul(n, _INDEX(index)), first)
+            place = builder.add(builder.mul(stride, _INDEX(index)), first)
             builder.store(scope.lanes(formula), lanes_at(values, place), align=8)
         following = builder.add(first, _INDEX(LANES))
         first.add_incoming(_INDEX(0), entry)

@@ -163,7 +163,7 @@ def march(block, row, count, rule, lipschitz, least, origins, directions, segmen
             for axis in range(3):
                 stack[axis * LANES + index] = origins[lane.ray, axis] + lane.asked * directions[lane.ray, axis]
         if busy > 0:
-            evaluate(block, row, 0, count, stack)
+            evaluate(block, row, 0, count, LANES, stack)
             for index in range(LANES):
                 lane = lanes[index]
                 if lane.ray >= 0:

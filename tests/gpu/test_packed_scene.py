@@ -12,7 +12,8 @@ from sdf_lights import jit
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu.packed_scene import GpuScene
 from sdf_lights.render.kernels import media, subsurface
-from support import media_scenes, scenes
+from sdf_lights.render.scene import Primitive
+from support import media_scenes, scenes, strand_scenes
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -55,3 +56,17 @@ def test_each_method_below_surfaces_alone():
     scene.materials[jade] = scene.materials[0]  # light walks through that one alone
     found = kernels(scene)
     assert "disk_scatter" in found and "walk_walk" not in found
+
+
+def test_only_scenes_with_curves_and_spheres_have_code_for_them():
+    """And only for the kinds that they have."""
+
+    def source(scene) -> str:
+        return GpuScene(scene, Film(scene, ())).source()
+
+    plain = source(scenes.torus_room(8, 6))
+    assert "#define STRANDS" not in plain and "surface_fill" not in plain and "hit_ribbon" not in plain
+    for kind in tuple(Primitive)[1:]:
+        furry = source(strand_scenes.fur(8, 6, (kind,)))
+        assert "surface_fill" in furry and f"#define HAS_{kind.name} {int(kind)}\n" in furry
+        assert furry.count("#define HAS_") == 1

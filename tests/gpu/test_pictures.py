@@ -9,6 +9,8 @@ Cuts have other boxes on the GPU, which has them for direct light alone: there t
 both.
 """
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -16,9 +18,9 @@ from scipy import stats
 from sdf_lights import jit
 from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.material import Node
-from sdf_lights.render.scene import World
+from sdf_lights.render.scene import Primitive, World
 from sdf_lights.render.settings import LampSampling
-from support import media_scenes, scenes
+from support import media_scenes, scenes, strand_scenes
 from support.blocks import means
 from tests.gpu.support import device_or_skip
 from tests.render.test_agreement import PASSES
@@ -27,8 +29,8 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 
 SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
 # Scenes that are not compared with the others: some have tests of their own, some have what the GPU leaves out.
-APART = ("torus_room", "subsurface", "fog_lamp", "moving", "rolling")
-SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES
+APART = ("torus_room", "subsurface", "fog_lamp", "fur", "moving", "rolling")
+SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES | strand_scenes.STRAND_SCENES
 
 
 def pictures(renderer, name: str, sampling: LampSampling, bounces: int | None = None) -> dict[str, np.ndarray]:
@@ -128,27 +130,61 @@ def test_light_below_surfaces():
 
 def test_shadow_catchers():
     """Under a lamp and a sky, sample by sample."""
+
+    def make() -> scenes.Scene:
+        scene = scenes.torus_room(16, 16)
+        scene.instances[0].catcher = True
+        scene.world = World((0.3, 0.4, 0.6), 0.4)
+        return scene
+
+    _, film = compare_samples(make, ("Combined", "Shadow Catcher", "Environment"))
+    assert film.read("Shadow Catcher").min() < 0.9
+
+
+def compare_samples(make, passes: tuple[str, ...] = ("Combined",), most: float = 0.01) -> tuple[Film, Film]:
+    """The films of both, whose pixels agree but for this part of the samples. ``make`` makes the scene."""
     from sdf_lights.render.cpu.renderer import CpuRenderer
     from sdf_lights.render.gpu.renderer import GpuRenderer
 
     device_or_skip()
     found = []
     for renderer in (CpuRenderer, GpuRenderer):
-        scene = scenes.torus_room(16, 16)
-        scene.instances[0].catcher = True
-        scene.world = World((0.3, 0.4, 0.6), 0.4)
+        scene = make()
         scene.settings.lamp_sampling = LampSampling.MIS
         scene.settings.indirect_paths, scene.settings.guided_samples = 1, False
-        film = Film(scene, ("Combined", "Shadow Catcher", "Environment"))
+        film = Film(scene, passes)
         back_end = renderer(scene, film, lambda: False, lambda text: None)
         assert back_end.sample(0, SAMPLES, lambda: False, lambda part: None)
         back_end.finish()
         assert scene.warnings == []
-        found.append([film.read(item).astype(float) for item in film.passes])
-    assert film.read("Shadow Catcher").min() < 0.9
-    for cpu, gpu in zip(*found):
+        found.append(film)
+    for item in passes:
+        cpu, gpu = (film.read(item).astype(float) for film in found)
         far = np.abs(gpu - cpu).max(-1) > 1e-3 * np.abs(cpu).max()
-        assert far.mean() <= 0.01 * SAMPLES
+        assert far.mean() <= most * SAMPLES
+    return tuple(found)
+
+
+def test_faces_in_the_same_place():
+    """Three instances of one wall: they hide light from each other, as on the CPU."""
+
+    def make() -> scenes.Scene:
+        scene = scenes.torus_room(16, 16)
+        scene.instances += [dataclasses.replace(scene.instances[0], name=f"again {index}") for index in range(2)]
+        return scene
+
+    cpu, _ = compare_samples(make)
+    alone, _ = compare_samples(lambda: scenes.torus_room(16, 16))
+    assert cpu.read("Combined")[..., :3].mean() < 0.9 * alone.read("Combined")[..., :3].mean()
+
+
+def test_hair_and_points():
+    compare("fur")
+
+
+@pytest.mark.parametrize("kind", tuple(Primitive)[1:], ids=lambda kind: kind.name.lower())
+def test_rays_meet_each_kind_of_hair_where_embree_does(kind):
+    compare_samples(lambda: strand_scenes.fur(24, 18, (kind,)), ("Position",), 0.001)
 
 
 def test_lamp_in_fog():

@@ -12,6 +12,7 @@ from sdf_lights import interruption
 from sdf_lights.emitter.tree import interior
 from sdf_lights.graph import codegen_glsl
 from sdf_lights.graph.functions import evaluate
+from sdf_lights.sdf.data import voxels
 from sdf_lights.sdf.data.grid import BLOCK, CORNERS, GRID, SIDE
 from sdf_lights.sdf.data.triangles import triangles, winding
 from sdf_lights.sdf.data.voxels import GridError, mesh_grid
@@ -207,3 +208,60 @@ def test_a_ray_asks_a_grid_for_few_points():
     assert grid.voxels > 600_000 and grid.bytes < 8 * grid.voxels
     evaluations = Traced(grid).trace(*grids.rays_around(grid, 5_000, 6))[:, 3]
     assert evaluations.mean() < 16.0
+
+
+def test_slopes_are_bounded_more_closely_where_the_grid_is_zero(ring):
+    rng = np.random.default_rng(8)
+    low = _points(ring, 6000, 9)
+    high = low + rng.uniform(0.02, 0.15, (6000, 3))
+    address = float(ring.data.address), float(ring.values.address)
+    corners = [*address, *(end for k in range(3) for end in (low[:, k], high[:, k]))]
+    everywhere, at_zeros = evaluate(GRID.bounds, corners), evaluate(GRID.zero_bounds, corners)
+    np.testing.assert_array_equal(at_zeros[:2], everywhere[:2])
+    points = low + rng.random((20, 6000, 3)) * (high - low)
+    inside = ring.distance(points) < 0.0
+    chosen = np.flatnonzero(inside.any(axis=0) & ~inside.all(axis=0))
+    a, b = (points[np.argmax(side[:, chosen], axis=0), chosen] for side in (inside, ~inside))
+    for _ in range(50):
+        middle = 0.5 * (a + b)
+        within = (ring.distance(middle) < 0.0)[:, None]
+        a, b = np.where(within, middle, a), np.where(within, b, middle)
+    assert len(chosen) > 300
+    for k, slope in enumerate(evaluate(GRID.derivatives, [*address, *a.T])):
+        assert (at_zeros[2 + 2 * k][chosen] <= slope + 1e-9).all() and (
+            slope <= at_zeros[3 + 2 * k][chosen] + 1e-9
+        ).all()
+    widths = [
+        np.mean([(found[3 + 2 * k] - found[2 + 2 * k])[chosen] for k in range(3)]) for found in (at_zeros, everywhere)
+    ]
+    assert widths[0] < 0.9 * widths[1]
+
+
+def test_boxes_where_a_grid_has_one_sign_are_settled(ring):
+    tree = interior.tree(ring)
+    rng = np.random.default_rng(3)
+    for state, sign in ((interior.INSIDE, -1.0), (interior.OUTSIDE, 1.0)):
+        leaves = tree.boxes[(tree.nodes["first"] < 0) & (tree.nodes["state"] == state)]
+        points = leaves[:, :3] + rng.random((30, len(leaves), 3)) * (leaves[:, 3:] - leaves[:, :3]) + tree.center
+        assert (sign * ring.distance(points) > 0.0).all()
+    # All others may have both, as far as their voxels tell.
+    low, high = np.split(tree.boxes[tree.boundary] + np.tile(tree.center, 2), 2, axis=1)
+    corners = [end for k in range(3) for end in (low[:, k], high[:, k])]
+    bounds = evaluate(GRID.bounds, [float(ring.data.address), float(ring.values.address), *corners])
+    assert (bounds[0] <= 1e-8).all() and (bounds[1] >= -1e-8).all()
+
+
+@pytest.mark.parametrize("faults", ["closed", "open"])
+def test_points_near_others_wind_as_often(faults):
+    vertices, faces = TORUS if faults == "closed" else (TORUS[0], TORUS[1][150:])
+    mesh, size = triangles(vertices, faces), 2.0 / 48
+    builder = voxels._Builder(mesh, vertices.min(axis=0), vertices.max(axis=0), size)
+    starts = SIDE * np.random.default_rng(5).integers(0, builder.counts, (12, 3))
+    _, found = builder.measured(starts, CORNERS, 1.0, builder.band)
+    own = np.arange(CORNERS)
+    places = np.stack(np.meshgrid(own, own, own, indexing="ij"), axis=-1)[..., ::-1]
+    points = builder.corner + size * (starts[:, None, None, None] + places)
+    exact = np.array([winding(*mesh[:3], *point) for point in points.reshape(-1, 3)]).reshape(found.shape)
+    judged = np.abs(np.abs(exact) - voxels.INSIDE) > 0.05
+    assert judged.mean() > 0.9 and (np.abs(exact) > 0.5).any()
+    np.testing.assert_array_equal((np.abs(found) > voxels.INSIDE)[judged], (np.abs(exact) > voxels.INSIDE)[judged])

@@ -142,7 +142,7 @@ def _joints(block, row, first, count, o, d, pending, used, stack):
                 lanes += 1
             entry += 1
         if lanes > 0:
-            evaluate(block, row, first, count, stack)
+            evaluate(block, row, first, count, lanes, stack)
             evaluations += lanes
             lane = 0
             for asked in range(begin, entry):
@@ -329,7 +329,7 @@ def cover(block, row, first, count, o, d, pending, used, tolerance, precision, s
             for _ in range(points):
                 _ask(stack, lane, o, d, pending[ASKED + lane])
                 lane += 1
-        evaluate(block, row, first, count, stack)
+        evaluate(block, row, first, count, lane, stack)
         evaluations += lane
     for entry in range(used):
         place = entry * COLUMNS

@@ -146,13 +146,14 @@ def compile_terms(terms: list[Term]) -> CompiledField:
 
 
 @kernel
-def run_terms(terms, parameters, lists, first, count, stack):
-    """Values of a list, the ``count`` entries of ``lists`` from ``first``, at the points in ``stack``.
+def run_terms(terms, parameters, lists, first, count, points, stack):
+    """Values of a list, the ``count`` entries of ``lists`` from ``first``, at the first ``points`` of the ``LANES`` points in
+    ``stack``; other values mean nothing.
 
     ``stack`` has ``STACK`` elements: the ``LANES`` x, then y, then z are at its head and stay there; the values follow,
     from ``VALUES``. A term reads its operands in place and overwrites them with its own values.
     """
-    points = stack.ctypes.data
+    positions = stack.ctypes.data
     numbers = parameters.ctypes.data
     top = VALUES
     for index in range(first, first + count):
@@ -163,13 +164,13 @@ def run_terms(terms, parameters, lists, first, count, stack):
             continue
         term = terms[number]
         top -= term.arity * LANES
-        place = points + 8 * top
-        call_field(term.address, LANES, points if term.arity == 0 else place, numbers + 8 * term.parameters, place)
+        place = positions + 8 * top
+        call_field(term.address, points, positions if term.arity == 0 else place, numbers + 8 * term.parameters, place)
         top += LANES
 
 
 @kernel
-def evaluate(block, row, first, count, stack):
+def evaluate(block, row, first, count, points, stack):
     """As ``run_terms``, for the lamp ``row`` of a block: ``first`` counts from the beginning of the lamp's lists."""
     run_terms(
         lamp_terms(block)[row.first_term :],
@@ -177,6 +178,7 @@ def evaluate(block, row, first, count, stack):
         lamp_lists(block),
         row.first_list + first,
         count,
+        points,
         stack,
     )
 
@@ -189,5 +191,5 @@ def value(block, row, first, count, p):
     for k in range(3):
         for lane in range(LANES):
             stack[k * LANES + lane] = p[k]
-    evaluate(block, row, first, count, stack)
+    evaluate(block, row, first, count, 1, stack)
     return stack[VALUES]

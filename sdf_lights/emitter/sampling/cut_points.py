@@ -181,7 +181,7 @@ def _keep_inside(block, lamp, row, place, cell, points, stack):
     if row.kind == FIELD:
         for at in range(COLOUR):
             values[at] = points[at]
-        evaluate(block, row, cell.row_first, cell.row_count, values)
+        evaluate(block, row, cell.row_first, cell.row_count, LANES, values)
     for lane in range(LANES):
         if row.kind == FIELD:
             inside = values[VALUES + lane] <= 0.0

@@ -61,7 +61,8 @@ class _Writer:
     of states are contiguous.
     """
 
-    def __init__(self):
+    def __init__(self, at_zeros: Formula | None = None):
+        self.at_zeros = at_zeros
         self.rows: list[tuple] = []
         self.registers = 3
 
@@ -123,7 +124,8 @@ class _Writer:
         first = self.new(count)
         for index, register in enumerate(operands):
             self.emit("copy", register, out=first + index)
-        code = compiled_part(function.bounds, 2 * count - function.tables)
+        bounds = function.zero_bounds if node is self.at_zeros else function.bounds
+        code = compiled_part(bounds, 2 * count - function.tables)
         return self.emit("call", first, count, function.tables, number=float(code.address))
 
     def _loop(self, node: Formula, operands: list[int], known: dict[Formula, int]) -> int:
@@ -186,8 +188,20 @@ def _rewritten(node: Formula) -> Formula | None:
     return None
 
 
-def tape(formula: Formula) -> Tape:
-    """The tape of a formula."""
-    writer = _Writer()
+def with_zero_bounds(formula: Formula) -> Formula | None:
+    """The call of a function of tables with ``zero_bounds`` whose value, times a number, is the formula; None otherwise."""
+    while formula.kind == "multiply" and any(operand.kind in (CONSTANT, PARAMETER) for operand in formula.operands):
+        first, second = formula.operands
+        formula = second if first.kind in (CONSTANT, PARAMETER) else first
+    if formula.kind != RESULT or formula.value != 0:
+        return None
+    function = formula.operands[0].value
+    known = isinstance(function, TableFunction) and function.zero_bounds is not None
+    return formula.operands[0] if known else None
+
+
+def tape(formula: Formula, at_zeros: bool = False) -> Tape:
+    """The tape of a formula; with ``at_zeros``, one ``with_zero_bounds``, whose gradient is bounded only there."""
+    writer = _Writer(with_zero_bounds(formula) if at_zeros else None)
     (result,) = writer.write([formula], dict(zip(POINT, range(3))))
     return Tape(np.array(writer.rows, INSTRUCTION), writer.registers, result)

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...graph.codegen_native import evaluate
+from ...graph.formula import CALL, order
 from ...graph.interval_arithmetic import Arithmetic
 from ...graph.interval_evaluation import Boxes, run
 from ...graph.lipschitz import lipschitz
@@ -29,7 +30,7 @@ from ...sdf.shapes.base import Shape
 from ..intersection.fields import DEEPEST, LIST, TERM, CompiledField, compile_terms
 from ..intersection.intervals import rows_needed
 from .nodes import BOUNDARY, INSIDE, NODE, OUTSIDE, finish
-from .slopes import fill_gradients
+from .slopes import bounds_of, fill_gradients
 from .splitting_fields import grow_field
 from .splitting_programs import grow_program
 
@@ -98,9 +99,11 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used,
     """Grow the tree of a field, from its root.
 
     If no Lipschitz bound is known for all of space, bounds are found for boxes, the largest first. When the budget is
-    spent, parts inherit the bound of their box.
+    spent, parts inherit the bound of their box. Bounds of tables are closer than the Lipschitz bound, as they see the
+    numbers in a box: they settle boxes, too.
     """
     terms = field.terms
+    data = any(node.kind == CALL for term in field.source for node in order(term.formula))
     nodes["lipschitz"][0] = terms["lipschitz"][-1]
     unknown = np.flatnonzero(~np.isfinite(terms["lipschitz"]) & (terms["arity"] == 0))
     columns = np.full(len(terms), -1)
@@ -132,6 +135,28 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used,
                 smallest,
             )
         first, last = last, int(used[0])
+        if data:
+            _settle_by_bounds(field, nodes, boxes, lists, np.arange(first, last), mass)
+
+
+def _settle_by_bounds(field: CompiledField, nodes, boxes, lists, places, mass) -> None:
+    """Settle the unsplit boxes among ``places`` in which the bounds of the field have one sign."""
+    check()
+    places = places[(nodes["state"][places] == BOUNDARY) & (nodes["first"][places] < 0)]
+    if not len(places):
+        return
+    rows = nodes[places]
+    _, values = bounds_of(field, boxes[places], lists, rows["row_first"], rows["row_count"])
+    _set_states(nodes, boxes, places, values[:, 0] > 0.0, values[:, 1] < 0.0, mass)
+
+
+def _set_states(nodes, boxes, places, outside, inside, mass) -> None:
+    """Settle leaves on the boundary, those of which ``outside`` or ``inside`` is true."""
+    volumes = np.prod(boxes[places, 3:] - boxes[places, :3], axis=1)
+    for certain, state in ((outside, OUTSIDE), (inside, INSIDE)):
+        nodes["state"][places[certain]], nodes["row_count"][places[certain]] = state, 0
+        mass[1] -= volumes[certain].sum()
+        mass[0] += volumes[certain].sum() if state == INSIDE else 0.0
 
 
 def _find_bounds(field: CompiledField, unknown, nodes, boxes, lists, places, mass, bounds, work: float) -> float:
@@ -156,12 +181,8 @@ def _find_bounds(field: CompiledField, unknown, nodes, boxes, lists, places, mas
         if len(field.terms) > 1:
             continue
         nodes["lipschitz"][chosen] = bounds[chosen, 0]
-        volumes = np.prod(corners[:, 3:] - corners[:, :3], axis=1)
-        for certain, state in ((values.low > 0.0, OUTSIDE), ((values.high < 0.0) & ~undefined, INSIDE)):
-            certain = np.broadcast_to(certain, len(chosen))
-            nodes["state"][chosen[certain]], nodes["row_count"][chosen[certain]] = state, 0
-            mass[1] -= volumes[certain].sum()
-            mass[0] += volumes[certain].sum() if state == INSIDE else 0.0
+        outside, inside = (np.broadcast_to(found, len(chosen)) for found in (values.low > 0.0, values.high < 0.0))
+        _set_states(nodes, boxes, chosen, outside, inside & ~undefined, mass)
     return done
 
 

@@ -124,7 +124,7 @@ def sample_leaf(program, terms, parameters, lists, glow, offset, side, node, box
         if node.state == INSIDE:
             inside[:] = True
         elif len(terms) > 0:
-            run_terms(terms, parameters, lists, node.row_first, node.row_count, stack)
+            run_terms(terms, parameters, lists, node.row_first, node.row_count, LANES, stack)
             for lane in range(LANES):
                 inside[lane] = stack[VALUES + lane] <= 0.0
         else:

@@ -6,6 +6,9 @@ They tell how fast the field can fall and rise along a ray through a box, which 
 the ray is perpendicular to the surface. In most boxes on the surface they prove that the field is monotonic along a
 ray, so that only the values at both ends are needed (see ``cover``).
 
+For that, bounds at the zeros of the field alone are enough: between two zeros through which it falls, there is one
+through which it rises. Functions of tables know these, which are closer, so boxes that have parts get them.
+
 The terms of a box's list are bounded in turn (see ``enclosures``), with a stack of operands. A join f(a, b) has the
 gradient f_a ∇a + f_b ∇b. If the signs of f_a and f_b are certain, that is |f_a| + |f_b| times an average of ±∇a and
 ±∇b. The derivative of f(a + z, b ± z) along z is that sum, without the cancelling parts. So both operands may have any
@@ -23,7 +26,7 @@ from ...graph.lipschitz import may_tear, torn
 from ...jit import kernel
 from ...sdf.shapes.base import Family
 from ..intersection.fields import DEEPEST, NEGATED, CompiledField
-from .enclosure_tape import Tape, tape
+from .enclosure_tape import Tape, tape, with_zero_bounds
 from .enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
 from .interval_kernels import ROUNDING, product_bounds
 from .parallel import TASKS, in_parallel
@@ -38,10 +41,10 @@ _WITHOUT, _EXCLUSIVE = int(Family.DIFFERENCE), int(Family.EXCLUSIVE)
 _tape = functools.lru_cache(maxsize=TAPES)(tape)
 
 
-def _tapes(field: CompiledField) -> tuple[np.ndarray, np.ndarray, int]:
+def _tapes(field: CompiledField, at_zeros: bool) -> tuple[np.ndarray, np.ndarray, int]:
     """Instructions of all terms, with the number and result of those of each (terms, 3), and the registers that the
     longest needs."""
-    tapes: list[Tape] = [_tape(term.formula) for term in field.source]
+    tapes: list[Tape] = [_tape(term.formula, at_zeros) for term in field.source]
     first, total, parts = {}, 0, []
     for found in tapes:
         if id(found) not in first:
@@ -89,8 +92,9 @@ def _joined(slopes, box, sign, a, b, row, out):
 
 
 @kernel
-def bound(instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out):
-    """Bounds (chosen, 2, 3) of the gradient of a list of terms in up to ``BOXES`` of the ``boxes`` (n, 6)."""
+def bound(instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out, values):
+    """Bounds ``out`` (n, 2, 3) of the gradient of a list of terms, and ``values`` (n, 2) of it, in up to ``BOXES`` of the
+    ``boxes`` (n, 6)."""
     rounds = np.empty((DEEPEST_LOOP, 2), np.int64)
     corners = np.empty((6, BOXES))
     for box in range(BOXES):
@@ -146,10 +150,15 @@ def bound(instructions, places, terms, parameters, lists, first, count, boxes, c
             low, high = stack[0, 2 + 2 * axis, box], stack[0, 3 + 2 * axis, box]
             margin = ROUNDING * max(abs(low), abs(high)) if abs(low) + abs(high) < math.inf else 0.0
             out[chosen[box], 0, axis], out[chosen[box], 1, axis] = low - margin, high + margin
+        low, high = stack[0, 0, box], stack[0, 1, box]
+        margin = ROUNDING * max(abs(low), abs(high)) if abs(low) + abs(high) < math.inf else 0.0
+        values[chosen[box], 0], values[chosen[box], 1] = low - margin, high + margin
 
 
 @kernel
-def bound_all(instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out):
+def bound_all(
+    instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out, values
+):
     """As ``bound``, for any number of boxes i with the lists from first[i] to first[i] + count[i], in the order of
     ``chosen``, in which equal lists are neighbours."""
     start = 0
@@ -175,28 +184,47 @@ def bound_all(instructions, places, terms, parameters, lists, first, count, boxe
             registers,
             stack,
             out,
+            values,
         )
         start = stop
 
 
-def gradients(
-    field: CompiledField, boxes: np.ndarray, lists: np.ndarray, first: np.ndarray, count: np.ndarray
-) -> np.ndarray:
-    """Bounds (n, 2, 3), low and high, of the gradient of the lists lists[first:first + count] in boxes (n, 6)."""
-    instructions, places, registers = _tapes(field)
+def bounds_of(
+    field: CompiledField,
+    boxes: np.ndarray,
+    lists: np.ndarray,
+    first: np.ndarray,
+    count: np.ndarray,
+    at_zeros: bool = False,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds (n, 2, 3), low and high, of the gradient of the lists lists[first:first + count] in boxes (n, 6), and bounds
+    (n, 2) of their values. With ``at_zeros``, the gradient is bounded only where a field ``with_zero_bounds`` is zero."""
+    instructions, places, registers = _tapes(field, at_zeros)
     first, count = first.astype(np.int64), count.astype(np.int64)
-    out = np.empty((len(boxes), 2, 3))
+    out, values = np.empty((len(boxes), 2, 3)), np.empty((len(boxes), 2))
     order = np.lexsort((count, first))
 
     def find(chosen: np.ndarray) -> None:
         scratch, stack = np.empty((registers, SIZE, BOXES)), np.empty((DEEPEST, SIZE, BOXES))
         bound_all(
-            instructions, places, field.terms, field.parameters, lists, first, count, boxes, chosen, scratch, stack, out
+            instructions,
+            places,
+            field.terms,
+            field.parameters,
+            lists,
+            first,
+            count,
+            boxes,
+            chosen,
+            scratch,
+            stack,
+            out,
+            values,
         )
 
     find(order[:BOXES])  # compiles
     in_parallel(lambda share: find(np.array_split(order, TASKS)[share]))
-    return out
+    return out, values
 
 
 def _selected(nodes: np.ndarray, boundary: np.ndarray, work: np.ndarray) -> np.ndarray:
@@ -212,9 +240,9 @@ def _selected(nodes: np.ndarray, boundary: np.ndarray, work: np.ndarray) -> np.n
 
 
 @kernel
-def _spread(nodes, boundary, known):
+def _spread(nodes, boundary, known, at_zeros):
     """Give the parts of boxes the bounds of the whole, if they have the same list; give wholes the bounds of all their
-    parts on the boundary."""
+    parts on the boundary, those ``at_zeros`` (nodes, 2, 3)."""
     for index in range(len(nodes)):
         node = nodes[index]
         if node.first >= 0 and known[index]:
@@ -222,6 +250,7 @@ def _spread(nodes, boundary, known):
                 known[part] = True
                 if nodes[part].row_first == node.row_first and nodes[part].row_count == node.row_count:
                     nodes[part].gradient[:] = node.gradient
+                    at_zeros[part] = at_zeros[index]
     for index in range(len(nodes) - 1, -1, -1):
         node = nodes[index]
         if node.first < 0 or known[index]:
@@ -230,9 +259,10 @@ def _spread(nodes, boundary, known):
             low, high = np.inf, -np.inf
             for part in range(node.first, node.first + 2):
                 if boundary[part]:
-                    low = min(low, nodes[part].gradient[0, axis])
-                    high = max(high, nodes[part].gradient[1, axis])
+                    low = min(low, at_zeros[part, 0, axis])
+                    high = max(high, at_zeros[part, 1, axis])
             node.gradient[0, axis], node.gradient[1, axis] = low, high
+            at_zeros[index, 0, axis], at_zeros[index, 1, axis] = low, high
 
 
 def _torn(
@@ -264,11 +294,18 @@ def fill_gradients(
     work = OVERHEAD + total[nodes["row_first"] + nodes["row_count"]] - total[nodes["row_first"]]
     chosen = _selected(nodes, boundary, work)
     rows = nodes[chosen]
-    bounds = gradients(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])
-    outward = np.array([[-np.inf], [np.inf]], np.float32)
-    bounds[_torn(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])] = [[-np.inf], [np.inf]]
-    with np.errstate(over="ignore"):
-        nodes["gradient"][chosen] = np.nextafter(bounds.astype(np.float32), outward)
+    torn_boxes = _torn(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])
+
+    def found(at_zeros: bool) -> np.ndarray:
+        bounds, _ = bounds_of(field, boxes[chosen], lists, rows["row_first"], rows["row_count"], at_zeros)
+        bounds[torn_boxes] = [[-np.inf], [np.inf]]
+        with np.errstate(over="ignore"):
+            return np.nextafter(bounds.astype(np.float32), np.array([[-np.inf], [np.inf]], np.float32))
+
+    nodes["gradient"][chosen] = found(False)
+    at_zeros = nodes["gradient"].copy()
+    if len(field.source) == 1 and with_zero_bounds(field.source[0].formula) is not None:
+        at_zeros[chosen] = found(True)
     known = np.zeros(len(nodes), bool)
     known[chosen] = True
-    _spread(nodes, boundary, known)
+    _spread(nodes, boundary, known, at_zeros)

@@ -71,7 +71,7 @@ def _classify_parts(program, terms, parameters, lists, node, cell, half, stack, 
             inside, outside = classify(program, c, size, chosen)
             states[lane] = 1 if inside else 0 if outside else 2
         return
-    run_terms(terms, parameters, lists, node.row_first, node.row_count, stack)
+    run_terms(terms, parameters, lists, node.row_first, node.row_count, LANES, stack)
     margin = node.lipschitz * math.sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2])
     for lane in range(LANES):
         value = stack[VALUES + lane]
@@ -165,7 +165,7 @@ def _sample_field(
         for k in range(3):
             points[k, lane] = 2.0 * u[k] - 1.0
             stack[k * LANES + lane] = cell[k] + 0.5 * (points[k, lane] + _corner(part, k)) * half[k]
-    run_terms(terms, parameters, lists, node.row_first, node.row_count, stack)
+    run_terms(terms, parameters, lists, node.row_first, node.row_count, LANES, stack)
     total, used = 0.0, count * each
     for lane in range(used):
         value = values[lane // each]

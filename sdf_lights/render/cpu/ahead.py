@@ -2,16 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compiles kernels in advance: when a zip is built, and in processes beside a session.
 
-    python -m sdf_lights.render.cpu.ahead [--beside] [--low] [lamps|paths|parts …]
+    python -m sdf_lights.render.cpu.ahead [--beside] [lamps|paths|parts …]
 
 compiles into the cache folder and prints its progress, each time a line such as «312 of 527», and «finished lamps».
-Without a name: all groups. ``--beside``: ends when its standard input closes. ``--low``: runs only while nothing else
-needs the processor.
+Without a name: all groups. ``--beside``: ends when its standard input closes.
 """
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
 import threading
@@ -135,21 +133,6 @@ GROUPS: dict[str, Callable[[], tuple[list, Callable[[], None]]]] = {
 }
 
 
-def _step_back() -> None:
-    """Take the lowest priority."""
-    if hasattr(os, "SCHED_IDLE"):  # Linux: a waking process preempts this one at once
-        with contextlib.suppress(OSError):  # a container may forbid it
-            os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-            return
-    if hasattr(os, "nice"):
-        os.nice(19)
-        return
-    import ctypes
-
-    kernel32 = ctypes.windll.kernel32  # type: ignore[attr-defined]
-    kernel32.SetPriorityClass(kernel32.GetCurrentProcess(), 0x40)  # IDLE_PRIORITY_CLASS
-
-
 def _end_with_input() -> None:
     sys.stdin.read()
     os._exit(1)
@@ -159,8 +142,6 @@ def main(words: list[str]) -> None:
     """Compile groups, and print the progress to standard output."""
     if "--beside" in words:
         threading.Thread(target=_end_with_input, daemon=True).start()
-    if "--low" in words:
-        _step_back()
     groups = {name: GROUPS[name]() for name in [word for word in words if word in GROUPS] or GROUPS}
     kernels = [kernel for entries, _ in groups.values() for kernel in entries]
     ended = threading.Event()

@@ -3,7 +3,8 @@
 """Compiles kernels in processes beside a session, at low priority, so its window never waits for them.
 
 There is one process for the path tracer and one for lamps; kernels of special scenes follow the latter. They write into
-the cache that the session reads. This module does not import Numba.
+the cache that the session reads. While a render waits for them, they have the priority of the session. This module does
+not import Numba.
 """
 
 from __future__ import annotations
@@ -21,12 +22,14 @@ import time
 from collections.abc import Callable
 
 from ... import kernel_cache
+from . import priority
 
 PACKAGE = pathlib.Path(__file__).resolve().parents[2]
 # Groups of ``ahead``, by process. The first of each are needed for any picture.
 PROCESSES = (("paths",), ("lamps", "parts"))
 NEEDED = tuple(groups[:1] for groups in PROCESSES)
 POLL_SECONDS = 0.05
+STARVED_SECONDS, STARVED_SHARE = 3.0, 0.25  # of these seconds, a starved process had less of a processor
 _READY = "ready-"
 
 
@@ -34,13 +37,19 @@ class _Process:
     """A compiling process, and its progress."""
 
     def __init__(self, groups: tuple[str, ...], low: bool):
+        self.groups, self.finished = groups, set[str]()
+        self._low = low
+        self._begin(low)
+
+    def _begin(self, low: bool) -> None:
         paths = [path for path in sys.path if path]
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "PYTHONDONTWRITEBYTECODE": "1"}
         environment["SDF_LIGHTS_CACHE"] = str(kernel_cache.cache_folder())
-        self.groups, self.finished = groups, set[str]()
         self.done, self.total = 0, 0
+        self._hurries = not low
+        self._watched: tuple[float, float] | None = None
         self._process = subprocess.Popen(
-            [sys.executable, "-m", f"{PACKAGE.name}.render.cpu.ahead", "--beside", *(["--low"] * low), *groups],
+            [sys.executable, "-m", f"{PACKAGE.name}.render.cpu.ahead", "--beside", *self.groups],
             cwd=PACKAGE.parent,
             env=environment,
             stdin=subprocess.PIPE,  # closing it tells the process that the session has ended
@@ -49,22 +58,55 @@ class _Process:
             text=True,
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )
-        threading.Thread(target=self._read, daemon=True).start()
+        if low:
+            priority.lower(self._process.pid)
+        threading.Thread(target=self._read, args=[self._process], daemon=True).start()
 
-    def _read(self) -> None:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
+    def _read(self, process: subprocess.Popen) -> None:
+        assert process.stdout is not None
+        for line in process.stdout:
             found = re.fullmatch(r"(\d+) of (\d+)\n", line)
             if found:
                 self.done, self.total = int(found[1]), int(found[2])
             elif line.startswith("finished "):
                 self.finished.add(line.split()[1])
                 _remember(line.split()[1])
-        self._process.wait()
+        process.wait()
 
     @property
     def running(self) -> bool:
         return self._process.poll() is None
+
+    @property
+    def awaited(self) -> bool:
+        """Whether it is compiling what any picture needs."""
+        return self.running and self.groups[0] not in self.finished
+
+    def hurry(self) -> None:
+        """Give it the priority of the session. Where the system does not allow that and the process is starved by
+        others, another one replaces it: kernels that are on disk are not compiled again."""
+        if self._hurries:
+            return
+        if self._watched is None:
+            self._hurries = priority.restore(self._process.pid)
+        now, had = time.monotonic(), priority.processor_seconds(self._process.pid)
+        if self._hurries or had is None:
+            return
+        since, before = self._watched = self._watched or (now, had)
+        if now - since < STARVED_SECONDS:
+            return
+        self._watched = now, had
+        if had - before < STARVED_SHARE * (now - since):
+            self.stop()
+            with contextlib.suppress(OSError):  # then the render compiles
+                self._begin(low=False)
+
+    def step_back(self) -> None:
+        """Take the lowest priority again, if it had that at the start."""
+        if self._low and self._hurries and self.running:
+            priority.lower(self._process.pid)
+            self._hurries = False
+        self._watched = None
 
     def stop(self) -> None:
         with contextlib.suppress(OSError):
@@ -146,6 +188,12 @@ def sentence(done: int, total: int) -> str:
 def wait(check: Callable[[], None]) -> None:
     """Return when everything for a picture is ready, or when nothing compiles it. ``check`` may raise, to end the
     wait."""
-    while any(process.running and process.groups[0] not in process.finished for process in list(_processes)):
-        check()
-        time.sleep(POLL_SECONDS)
+    try:
+        while awaited := [process for process in list(_processes) if process.awaited]:
+            check()
+            for process in awaited:
+                process.hurry()
+            time.sleep(POLL_SECONDS)
+    finally:
+        for process in list(_processes):
+            process.step_back()

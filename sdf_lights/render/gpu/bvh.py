@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bounding volume hierarchy over all triangles of a scene, for shaders that traverse it (``shaders_glsl/rays.glsl``).
+"""A bounding volume hierarchy over all triangles, curves and spheres of a scene, for shaders that traverse it
+(``shaders_glsl/rays.glsl``).
 
 A binary tree, split where the surface area heuristic is least over ``BINS`` bins of each axis (Wald 2007, "On fast
-construction of SAH-based bounding volume hierarchies"). A mesh that is used once is in the tree of the world, as
-triangles in world space. A mesh that is used more often has a separate tree, and the tree of the world has an item for
+construction of SAH-based bounding volume hierarchies"). A mesh that is used once is in the tree of the world, in world space. A mesh that is used more often has a separate tree, and the tree of the world has an item for
 each of its instances. All trees are concatenated in the same arrays.
 """
 
@@ -15,7 +15,8 @@ import numpy as np
 from ...affine import inverse
 from ...jit import kernel
 from ..kernels.rays import world_positions
-from ..scene import Instance, Scene
+from ..scene import Instance, Mesh, Primitive, Scene
+from ..strands import Buffers, baked_instances, buffers, strand_of, tessellation
 
 BINS = 16
 LEAF = 4  # maximum number of items in a leaf
@@ -41,7 +42,10 @@ NODE = np.dtype(
 
 # A triangle, or an instance of a mesh with its own tree. For an instance, the primitive is −1, and the first two
 # numbers of ``b`` are, bit by bit, its tree's first node and the index of its transform. A transform is an item, too,
-# outside of all trees: the three rows of the matrix from the world to the mesh.
+# outside of all trees: the three rows of the matrix from the world to the mesh. For a segment of a curve, or a sphere, the
+# primitive is −2 − its number, and the numbers of ``a`` are, bit by bit, the place of its first control point in words of
+# four numbers, the number of its curve, and ``Primitive`` + ``KINDS`` × the pieces that a ribbon is divided into. Control
+# points, with their radii, are outside of all trees, too, three to an item.
 ITEM = np.dtype(
     [
         ("a", np.float32, 3),
@@ -52,6 +56,9 @@ ITEM = np.dtype(
         ("mask", np.int32),
     ]
 )
+
+KINDS = 8
+_POINTS = {Primitive.SPHERES: 1, Primitive.CONES: 2, Primitive.STRANDS: 4, Primitive.RIBBONS: 4}  # of a segment
 
 _ROUNDING = np.float32(2.0**-22)  # relative growth of an instance's box, by its distance from the origin
 
@@ -184,13 +191,13 @@ def grow(boxes, order, nodes, offset, base):
 
 class Hierarchy:
     """The trees of a scene: ``nodes`` (``NODE``), of which the world's begin at ``root``, ``items`` (``ITEM``) and
-    ``baked`` (instances,), True if their triangles are in the world's tree. ``depth`` bounds the stack of a ray."""
+    ``baked`` (instances,), True if their triangles are in the world’s tree. ``depth`` bounds the stack of a ray. ``strands``: kinds of
+    curves and spheres that are there."""
 
     def __init__(self, scene: Scene, masks: list[int]):
         """``masks``: kinds of rays (``rays.Ray`` bits) that see each instance."""
-        uses = np.bincount([instance.mesh for instance in scene.instances], minlength=len(scene.meshes))
-        self.baked = np.array([uses[instance.mesh] == 1 for instance in scene.instances], dtype=bool)
-        self._nodes, self._items = [], []
+        self.baked = baked_instances(scene)
+        self._nodes, self._items, self._points, self._point_count = [], [], [np.zeros((0, 4), np.float32)], 0
         self._node_count = self._item_count = 0
         self._deepest = 0
         items, boxes, roots = [], [], {}
@@ -199,14 +206,13 @@ class Hierarchy:
             if not len(mesh.triangles):
                 continue
             if self.baked[index]:
-                part = _triangles(world_positions(mesh.positions, instance.matrix), mesh.triangles)
+                part, own = self._parts(mesh, instance.matrix)
                 part["instance"], part["mask"] = index, masks[index]
                 items.append(part)
-                boxes.append(_boxes(part))
+                boxes.append(own)
                 continue
             if instance.mesh not in roots:
-                part = _triangles(mesh.positions, mesh.triangles)
-                own = _boxes(part)
+                part, own = self._parts(mesh)
                 roots[instance.mesh] = self._add(part, own), own
             root, own = roots[instance.mesh]
             items.append(_instance(index, root, masks[index]))
@@ -226,6 +232,22 @@ class Hierarchy:
         self.instanced = bool(roots)
         if self.instanced:
             self._add_places(scene)
+        used = {scene.meshes[instance.mesh].primitive for instance in scene.instances}
+        self.strands = sorted(used - {Primitive.TRIANGLES})
+        if self.strands:
+            self._add_points()
+
+    def _parts(self, mesh: Mesh, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """The items of a mesh and their boxes, in world space by ``matrix``, or in local space."""
+        if mesh.primitive == Primitive.TRIANGLES:
+            positions = mesh.positions if matrix is None else world_positions(mesh.positions, matrix)
+            part = _triangles(positions, mesh.triangles)
+            return part, _boxes(part)
+        given = buffers(mesh, matrix)
+        part = _strands(mesh, given, self._point_count)
+        self._points.append(given.vertices[0])
+        self._point_count += len(given.vertices[0])
+        return part, _boxes_of_strands(mesh, given)
 
     def _add(self, items: np.ndarray, boxes: np.ndarray) -> int:
         """Build a tree. Returns the index of its first node."""
@@ -247,6 +269,42 @@ class Hierarchy:
         )
         places = np.ascontiguousarray(inverses[:, :3, :], np.float32).reshape(-1, 12).view(ITEM)
         self.items = np.concatenate([self.items, places[:, 0]])
+
+    def _add_points(self) -> None:
+        """Append the control points, and place the items that refer to them."""
+        rows = np.flatnonzero(self.items["primitive"] < -1)
+        numbers = self.items["a"].view(np.int32)
+        numbers[rows, 0] += 3 * len(self.items)
+        points = np.concatenate([*self._points, np.zeros((-self._point_count % 3, 4), np.float32)])
+        self.items = np.concatenate([self.items, points.reshape(-1, 12).view(ITEM)[:, 0]])
+
+
+def _strands(mesh: Mesh, given: Buffers, first: int) -> np.ndarray:
+    """Items of curves or spheres, whose control points begin at the number ``first``."""
+    rows = np.zeros(len(mesh.triangles), ITEM)
+    numbers = rows["a"].view(np.int32)
+    numbers[:, 0] = first + _first_points(mesh, given)
+    numbers[:, 1] = strand_of(mesh)
+    numbers[:, 2] = int(mesh.primitive) + KINDS * int(tessellation(mesh))
+    rows["primitive"] = -2 - np.arange(len(rows))
+    return rows
+
+
+def _first_points(mesh: Mesh, given: Buffers) -> np.ndarray:
+    """Numbers of the first control points of segments, or of spheres, among those of a mesh."""
+    return mesh.triangles[:, 0].astype(np.int64) if given.indices is None else given.indices.astype(np.int64)
+
+
+def _boxes_of_strands(mesh: Mesh, given: Buffers) -> np.ndarray:
+    """(segments, 6) boxes around curves, or spheres, with their radii."""
+    count = _POINTS[mesh.primitive]
+    points = given.vertices[0].astype(np.float64)[_first_points(mesh, given)[:, None] + np.arange(count)]
+    if count == 4:  # the curve is in the hull of its control points by Bézier
+        before, start, end, after = points.swapaxes(0, 1)
+        points = np.stack([start, start + (end - before) / 6.0, end - (after - start) / 6.0, end], 1)
+    places, radius = points[..., :3], np.abs(points[..., 3:]).max(1)
+    size = radius + _ROUNDING * np.abs(places).max((1, 2))[:, None]
+    return np.concatenate([places.min(1) - size, places.max(1) + size], 1)
 
 
 def _triangles(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -25,15 +25,16 @@ from ..kernels.shading.material_compiler import LOBE_PRINCIPLED
 from ..kernels.shading.operands import run
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
 from ..kernels.shading.special_lobes import LOBE_SUBSURFACE, WITH_SUBSURFACE, WITH_THIN_SCATTERING
+from ..kernels.strands import apart as strands
+from ..kernels.strands.surface import fill as fill_strand
 from ..kernels.subsurface import parts as subsurface_parts
 from ..kernels.workspace import WORKSPACE_TABLES
 from ..scene import Scene
 from ..settings import LampSampling
-from ..strands import without_strands
 from . import catchers, lamp_kernels, parts, replacements, special
 from . import crossings as field_crossings
 from . import images as gpu_images
-from .bvh import MOST_IN_LEAF, Hierarchy
+from .bvh import KINDS, MOST_IN_LEAF, Hierarchy
 from .device import DeviceError
 from .graphs import GraphSource
 from .layout import Record
@@ -79,6 +80,7 @@ CODE = {
     "media_code": {place: kernel for place, (kernel, _) in media_parts.KERNELS.items()},
     "subsurface_code": subsurface_parts.KERNELS,
     "output_code": catchers.CODE,
+    "strand_code": {strands.FILL: fill_strand},
 }
 
 
@@ -101,7 +103,6 @@ class GpuScene:
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             raise DeviceError("it has no such sampling of lamps")
         self._images = images
-        scene = without_strands(scene, "The GPU")
         self.formulas = lamp_kernels.Formulas()
         materials, graphs = shading.pack_materials(scene)
         self.graphs, self.lobes = GraphSource(graphs.structures), materials["lobes"]
@@ -150,7 +151,7 @@ class GpuScene:
         scalars = {
             **media_scalars,
             "has_subsurface": int(self.deep),
-            "has_strands": 0,
+            "has_strands": int(bool(self.hierarchy.strands)),
             "light_paths": 0,
             "outputs": 0,
             **caught_scalars,
@@ -320,6 +321,7 @@ class GpuScene:
                 glsl("words.glsl"),
                 glsl("hashing.glsl"),
                 glsl("rays.glsl"),
+                *([glsl("strands.glsl")] if self.hierarchy.strands else []),
                 self._lamp_source(),
                 translator.structure_source(),
                 *translator.globals,
@@ -342,6 +344,8 @@ class GpuScene:
             "HALF_BIT": HALF_BIT,
             "GOES_ON": integrator.GOES_ON,
         }
+        if self.hierarchy.strands:
+            numbers |= {f"HAS_{kind.name}": int(kind) for kind in self.hierarchy.strands} | {"KINDS": KINDS}
         places, used = film_places(self.film)
         numbers |= {f"FILM_{name.upper()}": place for name, place in places.items()}
         numbers["PIXEL_SIZE"] = used
@@ -353,6 +357,7 @@ class GpuScene:
             "ONE_INSTANCE": self.deep,
             "CATCHERS": self.film.catches,
             "MEDIA": self.media,
+            "STRANDS": bool(self.hierarchy.strands),
         }
         return [f"#define {name} {value}" for name, value in numbers.items()] + [
             f"#define {name}" for name, on in switches.items() if on

@@ -103,9 +103,6 @@ def _part(function, arguments):
     return Value(Tuple((result.type,)), text, items=(Value(result.type, text),))
 
 
-_nothing = Native(lambda function, arguments: Value(None, ""))
-
-
 def _field_value(function, arguments):
     _, row, _, _, p = arguments
     return Value(FLOAT, f"field_value({', '.join(function.passed([row, p]))})")
@@ -149,10 +146,7 @@ ALWAYS = {
     hashing.uniform_point: Native("counted_point", VECTOR),
     rays.intersect: _ray("false"),
     rays.occluded: _ray("true"),
-    departure.number_of: Native(lambda function, arguments: known(0)),
-    departure.clear_self_primitive: _nothing,
-    departure.exact_origin: Native(lambda function, arguments: known(0)),
-    departure.spawn_ray: still.spawn_ray,
+    departure.number_of: Native("number_of", UINT),
     geometry.instance_at: still.instance_at,
     geometry.form_of: still.form_of,
     textures.texel: images.texel,

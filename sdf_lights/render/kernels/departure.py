@@ -52,7 +52,6 @@ def number_of(instance, primitive):
     return (instance * _INSTANCES_APART + primitive + 1) & NONE
 
 
-@replaced_on_gpu
 @kernel
 def clear_self_primitive(ray):
     """The next rays have no self primitive: they may hit everything."""
@@ -102,7 +101,6 @@ def offset_ray_origin(position, ng, direction):
     return madd(position, size if dot(ng, direction) > 0.0 else -size, ng)
 
 
-@replaced_on_gpu
 @kernel
 def spawn_ray(workspace, surface, direction):
     """The origin (world space) of a ray from a surface along ``direction``: see ``exact_origin``. The triangle, curve or
@@ -112,7 +110,6 @@ def spawn_ray(workspace, surface, direction):
     return position if surface.exact_origin else offset_ray_origin(position, vec(surface.ng), direction)
 
 
-@replaced_on_gpu
 @kernel
 def exact_origin(position, edge1, edge2, u, v):
     """Whether rays from a point of a triangle start exactly there (1). Their origin is offset (0) where rounding to

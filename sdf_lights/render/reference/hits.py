@@ -30,3 +30,7 @@ class Hits:
         """No hit of ``count`` rays."""
         nowhere = np.full(count, -1)
         return cls(np.full(count, np.inf), nowhere, nowhere, np.zeros(count), np.zeros(count))
+
+    def select(self, rows: np.ndarray) -> "Hits":
+        """Those of some rays, given as indices or as a mask."""
+        return Hits(*(array[rows] for array in vars(self).values()))

@@ -9,12 +9,13 @@ noise.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import ALL_SETS, Ray, Scene, catchers_only
+from ..scene import ALL_SETS, OPEN_SET, Ray, Scene, catchers_only
 from ..scene import Emitter as Control
 from ..strands import without_strands
 from .bsdfs.ray_portal import THROUGH_PORTAL
@@ -23,6 +24,7 @@ from .geometry import Geometry, Surface
 from .hits import Hits
 from .lights import Emitter, Sky, Triangles, blender_light
 from .materials import Materials, Shading
+from .media import Media, Phase, points_of
 from .sdf_lamps import SdfLamp
 from .subsurface import INSIDE, pass_below
 from .vectors import dot
@@ -55,6 +57,9 @@ class Paths:
     catches: np.ndarray  # has hit a shadow catcher
     least_pdf: np.ndarray  # of all directions so far that are not singular
     light_set: np.ndarray  # of the instance of the last scattering; EVERY_SET for the camera
+    inside: np.ndarray  # (N, columns of ``Media``) bool: the media around
+    channel: np.ndarray  # of RGB, which alone has light in a scene with media
+    volume: np.ndarray  # bounces in media
 
     def select(self, rows: np.ndarray) -> "Paths":
         """Some of the paths, given as indices or as a mask."""
@@ -106,6 +111,7 @@ class Integrator:
         self.scene, self.settings = scene, scene.settings
         self.geometry = Geometry(scene, use_embree)
         self.materials = Materials(scene, self.geometry)
+        self.media = Media(scene, self.geometry)
         self.camera = Camera(scene)
         self.lamps: list[SdfLamp] = []
         for lamp in scene.lamps:
@@ -121,7 +127,7 @@ class Integrator:
         }
         self.control[id(self.sky)] = Control(max_bounces=scene.world.max_bounces)
         instances = scene.instances
-        self.light_sets = np.array([instance.light_set for instance in instances] or [0], int)
+        self.light_sets = np.array([*(instance.light_set for instance in instances), OPEN_SET], int)
         self.shadow_linking = any(instance.blockers != ALL_SETS for instance in instances)
         self.triangles = self._emissive_triangles()
         # The emitters for light sampling.
@@ -160,14 +166,19 @@ class Integrator:
         count = len(x)
         samples = Samples(count)
         origin, direction, near, far = self.camera.rays(x, y, rng)
+        start, carried = origin + near[:, None] * direction, np.ones((count, 3))
+        inside, channel = self.media.outside(count), np.zeros(count, int)
+        if self.media.count:
+            inside, channel = self.media.around(start), rng.integers(3, size=count)
+            carried = 3.0 * np.eye(3)[channel]
         paths = Paths(
             np.arange(count),
             origin,
-            origin + near[:, None] * direction,
+            start,
             direction,
             near,
             far,
-            np.repeat(np.where(far < 0.0, 0.0, 1.0)[:, None], 3, 1),
+            np.where(far < 0.0, 0.0, 1.0)[:, None] * carried,
             np.zeros(count),
             np.full(count, int(Ray.CAMERA)),
             np.zeros((count, 5), int),
@@ -175,6 +186,9 @@ class Integrator:
             np.zeros(count, bool),
             np.full(count, np.inf),
             np.full(count, EVERY_SET),
+            inside,
+            channel,
+            np.zeros(count, int),
         )
         while len(paths.sample):
             if stop():
@@ -186,6 +200,7 @@ class Integrator:
         """Follow the paths that have hit catchers through the scene with only catchers."""
         alone = Samples(len(samples.alpha))
         for paths, hits in self._caught:
+            paths.inside = self.bare.media.outside(len(paths.sample))
             paths = self.bare._meet(paths, hits, paths.near + hits.distance, alone, rng)
             while len(paths.sample):
                 if stop():
@@ -214,13 +229,70 @@ class Integrator:
         """Trace all paths to their next surface, add emission, scatter; returns the continuing paths."""
         hits = self.geometry.intersect(paths.start, paths.direction, paths.far - paths.near, paths.kind)
         end = np.minimum(paths.near + hits.distance, paths.far)
+        if self.media.count:
+            return self._step_in_media(paths, hits, end, samples, rng)
         self._gather_emitters(paths, end, samples)
         found = hits.found
         self._gather_sky(paths.select(~found), samples)
-        paths, end = paths.select(found), end[found]
-        hits = Hits(*(array[found] for array in vars(hits).values()))
+        paths, end, hits = paths.select(found), end[found], hits.select(found)
         self._catch(paths, hits, samples)
         return self._meet(paths, hits, end, samples, rng)
+
+    def _step_in_media(self, paths: Paths, hits: Hits, end: np.ndarray, samples: Samples, rng) -> Paths:
+        """As ``_step``, for rays that may collide before they hit a surface at the distances ``end``."""
+        found = hits.found
+        # An open mesh does not fill infinite space.
+        paths.inside = np.where(found[:, None], paths.inside, self.media.outside(len(found)))
+        collision = paths.near + self.media.free_path(rng, paths.inside, paths.channel)
+        collides, end = collision < end, np.minimum(collision, end)
+        self._gather_emitters(paths, end, samples)
+        glow = self.media.emission(paths.inside)
+        length = np.where(glow.any(1), end - paths.near, 0.0)
+        self._contribute(paths, glow * length[:, None], paths.bounces[:, 0], samples)
+        self._gather_sky(paths.select(~found & ~collides), samples)
+        parts = [self._scatter_in_medium(paths.select(collides), end[collides], samples, rng)]
+        met = np.flatnonzero(found & ~collides)
+        paths, end, hits = paths.select(met), end[met], hits.select(met)
+        surface = self.geometry.surface(hits, paths.direction)
+        only = self.media.only_bounds(surface)
+        there, there_end = np.flatnonzero(~only), end[~only]
+        part = paths.select(there)
+        self._catch(part, hits.select(there), samples)
+        parts.append(self._meet(part, hits.select(there), there_end, samples, rng))
+        paths, surface = paths.select(only), surface.select(only)
+        paths.inside = self.media.crossed(paths.inside, surface, np.ones(len(paths.sample), bool))
+        paths.near, paths.start = end[only], self.geometry.offset(surface.position, surface.ng, paths.direction)
+        return _together([*parts, paths])
+
+    def _scatter_in_medium(self, paths: Paths, end: np.ndarray, samples: Samples, rng) -> Paths:
+        """The paths that continue from collisions at the distances ``end``."""
+        albedo = self.media.albedo(paths.inside, paths.channel)
+        rows = np.flatnonzero(~paths.last & (albedo > 0.0))
+        paths, end = paths.select(rows), end[rows]
+        paths.throughput = paths.throughput * albedo[rows, None]
+        position = paths.origin + end[:, None] * paths.direction
+        points, phase = points_of(position, paths.direction), Phase(self.media, paths.inside, paths.direction)
+        self._sample_lights(paths, points, phase, samples, rng)
+        wi = phase.sample(rng)
+        value, pdf = phase.evaluate(wi)
+        bounces = paths.bounces + (np.arange(5) == 0)
+        volume = paths.volume + 1
+        return dataclasses.replace(
+            paths,
+            origin=position,
+            start=position,
+            direction=wi,
+            near=np.zeros(len(rows)),
+            far=np.full(len(rows), np.inf),
+            throughput=paths.throughput * value / pdf[:, None],
+            pdf=pdf,
+            kind=np.full(len(rows), int(Ray.VOLUME)),
+            bounces=bounces,
+            volume=volume,
+            last=(bounces[:, 0] > self.settings.max_bounces) | (volume > self.settings.volume_bounces),
+            least_pdf=np.minimum(paths.least_pdf, pdf),
+            light_set=self.media.light_set(paths.inside),
+        )
 
     def _meet(self, paths: Paths, hits: Hits, end: np.ndarray, samples: Samples, rng: np.random.Generator) -> Paths:
         """Scatter paths at the surfaces that they have hit, at the distances ``end``; returns the continuing ones."""
@@ -368,9 +440,13 @@ class Integrator:
 
     def _sample_emitter(self, emitter, paths, surface, shading, samples, rng) -> None:
         control = self.control.get(id(emitter), NO_CONTROL)
-        lit = is_lit(control.receivers, self.light_sets[surface.instance])
+        sets = self.light_sets[surface.instance]
+        if isinstance(shading, Phase):
+            sets = self.media.light_set(shading.inside)
+        lit = is_lit(control.receivers, sets)
         lit &= paths.bounces[:, 0] <= control.max_bounces
         paths, surface, shading = (part.select(np.flatnonzero(lit)) for part in (paths, surface, shading))
+        sets = sets[lit]
         x, count = surface.position, len(paths.sample)
         spans = hits = owner = None
         if isinstance(emitter, SdfLamp):
@@ -387,7 +463,7 @@ class Integrator:
         if owner is not None:
             for number in np.unique(owner):
                 receivers = self.scene.instances[number].receivers
-                seen &= (owner != number) | is_lit(receivers, self.light_sets[surface.instance])
+                seen &= (owner != number) | is_lit(receivers, sets)
         rows = np.flatnonzero(seen)
         paths, surface, x, wi = paths.select(rows), surface.select(rows), x[rows], wi[rows]
         scattered, scatter_pdf, count = scattered[rows], scatter_pdf[rows], len(rows)
@@ -397,7 +473,8 @@ class Integrator:
             pdf = emitter.pdf(spans, count)
             last = np.zeros(count)
             np.maximum.at(last, spans.ray, spans.far)
-            light = self._march(paths, surface, wi, last, casts, functools.partial(emitter.radiance, spans, x, wi))
+            radiance = functools.partial(emitter.radiance, spans, x, wi)
+            light = self._march(paths, surface, wi, last, casts, rng, radiance)
         else:
             pdf, distance = pdf[rows], distance[rows]
             end = distance - 4.0 * self.geometry.epsilon
@@ -411,7 +488,7 @@ class Integrator:
                 radiance = radiance[rows]
             light = radiance
             if emitter.cast_shadow:
-                light = light * self._march(paths, surface, wi, end, casts)
+                light = light * self._march(paths, surface, wi, end, casts, rng)
         if owner is not None:
             rivals = np.array([competes(instance.visibility, instance) for instance in self.scene.instances])
             scatter_pdf = np.where(rivals[owner[rows]], scatter_pdf, 0.0)
@@ -421,7 +498,7 @@ class Integrator:
         light = scattered * light * np.where(pdf > 0.0, 1.0 / np.where(pdf > 0.0, density, 1.0), 0.0)[:, None]
         self._contribute(paths, light, paths.bounces[:, 0] + 1, samples, lamp=spans is not None)
 
-    def _scattered(self, shading: Shading, wi: np.ndarray, emitter, owner: np.ndarray | None):
+    def _scattered(self, shading: Shading | Phase, wi: np.ndarray, emitter, owner: np.ndarray | None):
         """``shading.evaluate`` for the light of an emitter; for emissive triangles, ``owner`` (N,) is their
         instance."""
         if owner is None:
@@ -444,9 +521,16 @@ class Integrator:
         return table[np.zeros(count, int) if owner is None else owner]
 
     def _march(
-        self, paths: Paths, surface: Surface, wi: np.ndarray, end: np.ndarray, casts: np.ndarray | None, radiance=None
+        self,
+        paths: Paths,
+        surface: Surface,
+        wi: np.ndarray,
+        end: np.ndarray,
+        casts: np.ndarray | None,
+        rng,
+        radiance=None,
     ) -> np.ndarray:
-        """Transmittance (N, 3) of transparent surfaces, as many as the ``paths`` may still pass, from ``surface`` to
+        """Transmittance (N, 3) of media and of transparent surfaces, as many as the ``paths`` may still pass, from ``surface`` to
         the distance ``end`` along ``wi``. With ``radiance(start, end)``, instead the radiance along the way, each part
         times the transmittance up to there. ``casts`` as in ``_casters``."""
         count = len(end)
@@ -454,20 +538,36 @@ class Integrator:
         near, alive = np.zeros(count), np.arange(count)
         start = self.geometry.light_start(surface, wi)
         left = np.maximum(self.settings.transparent_bounces - paths.bounces[:, 4], 0)
+        inside, media = paths.inside, self.media
+        if media.count and len(surface.instance) and (surface.instance >= 0).all():
+            inside = media.crossed(inside, surface, dot(surface.ng, wi) < 0.0)
         while len(alive):
             mask = np.full(len(alive), int(Ray.SHADOW))
             hits = self.geometry.intersect(start[alive], wi[alive], (end - near)[alive], mask)
             found = hits.found
             reached = np.copy(end)
             reached[alive] = np.where(found, near[alive] + hits.distance, end[alive])
+            if media.count:
+                there, channel = inside[alive], paths.channel[alive]
+                if radiance is None:
+                    transmittance[alive] *= media.transmittance(there, channel, reached[alive] - near[alive])
+                else:  # the way ends at a collision, if there is one
+                    collision = near[alive] + media.free_path(rng, there, channel)
+                    found = found & (collision >= reached[alive])
+                    reached[alive] = np.minimum(reached[alive], collision)
             if radiance is not None:
                 begin = np.full(count, np.inf)
                 begin[alive] = near[alive]
                 light += transmittance * radiance(begin, reached)
             hits, alive = Hits(*(array[found] for array in vars(hits).values())), alive[found]
             blocker = self.geometry.surface(hits, wi[alive])
-            passes = self.materials.transparency(blocker) * (left[alive] > 0)[:, None]
+            passes = self.materials.transparency(blocker)
             counts = np.ones(len(alive), bool) if casts is None else casts[alive, hits.instance]
+            if media.count:
+                counts &= ~media.only_bounds(blocker)
+                inside = inside.copy()
+                inside[alive] = media.crossed(inside[alive], blocker, counts >= 0)
+            passes = passes * (left[alive] > 0)[:, None]
             transmittance[alive] *= np.where(counts[:, None], passes, 1.0)
             left[alive] -= counts
             through = transmittance[alive].max(1) > 0.0
@@ -553,4 +653,7 @@ class Integrator:
             paths.catches,
             np.where(passes | (pdf <= 0.0), paths.least_pdf, np.minimum(paths.least_pdf, pdf)),
             np.where(passes, paths.light_set, self.light_sets[surface.instance]),
+            self.media.crossed(paths.inside, surface, passes | ((kind & Ray.TRANSMISSION) != 0)),
+            paths.channel,
+            paths.volume,
         ).select(alive)

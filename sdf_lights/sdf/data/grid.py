@@ -153,8 +153,11 @@ def _slopes(numbers, at, row, plane, part):
 
 
 @kernel
-def _cells(numbers, values, low_x, high_x, low_y, high_y, low_z, high_z):
-    """Bounds of φ and its gradient over all voxels that touch a box inside of the grid, given in voxels."""
+def _cells(at_zeros, numbers, values, low_x, high_x, low_y, high_y, low_z, high_z):
+    """Bounds of φ and its gradient over all voxels that touch a box inside of the grid, given in voxels.
+
+    With ``at_zeros``, the gradient is that in the voxels where φ may be zero, or 0 if there are none.
+    """
     i0, i1 = int(math.floor(low_x)), int(math.ceil(high_x))
     j0, j1 = int(math.floor(low_y)), int(math.ceil(high_y))
     k0, k1 = int(math.floor(low_z)), int(math.ceil(high_z))
@@ -176,16 +179,17 @@ def _cells(numbers, values, low_x, high_x, low_y, high_y, low_z, high_z):
                     for corner in range(8):
                         value = np.float64(values[at + (corner & 1) + 9 * (corner >> 1 & 1) + 81 * (corner >> 2)])
                         low, high = min(low, value), max(high, value)
+                least, most = min(least, low), max(most, high)
                 if low >= band or high <= -band:
-                    least, most = min(least, low), max(most, high)
-                    ax, bx, ay, by, az, bz = (
-                        min(ax, 0.0),
-                        max(bx, 0.0),
-                        min(ay, 0.0),
-                        max(by, 0.0),
-                        min(az, 0.0),
-                        max(bz, 0.0),
-                    )
+                    if not at_zeros:
+                        ax, bx, ay, by, az, bz = (
+                            min(ax, 0.0),
+                            max(bx, 0.0),
+                            min(ay, 0.0),
+                            max(by, 0.0),
+                            min(az, 0.0),
+                            max(bz, 0.0),
+                        )
                     if block == known:
                         continue
                     known = block
@@ -200,6 +204,8 @@ def _cells(numbers, values, low_x, high_x, low_y, high_y, low_z, high_z):
                     # In the whole block, and on both sides where the coarse part has both signs.
                     least = min(least, low + margin - band if low < -margin else band)
                     most = max(most, high - margin + band if high > margin else -band)
+                    if at_zeros:
+                        continue
                     sx, tx, sy, ty, sz, tz = _slopes(numbers, at, row, plane, 0.125)
                     ax, bx, ay, by, az, bz = (
                         min(ax, sx),
@@ -209,8 +215,7 @@ def _cells(numbers, values, low_x, high_x, low_y, high_y, low_z, high_z):
                         min(az, sz),
                         max(bz, tz),
                     )
-                else:
-                    least, most = min(least, low), max(most, high)
+                elif not at_zeros or low <= 0.0 <= high:
                     sx, tx, sy, ty, sz, tz = _slopes(values, at, 9, 81, 1.0)
                     ax, bx, ay, by, az, bz = (
                         min(ax, sx),
@@ -220,12 +225,14 @@ def _cells(numbers, values, low_x, high_x, low_y, high_y, low_z, high_z):
                         min(az, sz),
                         max(bz, tz),
                     )
+    if at_zeros and ax > bx:
+        ax, bx, ay, by, az, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     return least, most, ax, bx, ay, by, az, bz
 
 
 @kernel
-def grid_bounds(address, voxels, x_low, x_high, y_low, y_high, z_low, z_high):
-    """Bounds of the field and its derivatives in a box."""
+def grid_bounds(at_zeros, address, voxels, x_low, x_high, y_low, y_high, z_low, z_high):
+    """Bounds of the field and its derivatives in a box; with ``at_zeros``, of the derivatives where the field is zero."""
     numbers, values = doubles_at(address), floats_at(voxels)
     x, y, z = 0.5 * (x_low + x_high), 0.5 * (y_low + y_high), 0.5 * (z_low + z_high)
     hx, hy, hz = 0.5 * (x_high - x_low), 0.5 * (y_high - y_low), 0.5 * (z_high - z_low)
@@ -248,7 +255,7 @@ def grid_bounds(address, voxels, x_low, x_high, y_low, y_high, z_low, z_high):
         and bz <= 8.0 * numbers[6]
         and max(max(bx - ax, by - ay), bz - az) <= 9.0
     ):
-        least, most, sx, tx, sy, ty, sz, tz = _cells(numbers, values, ax, bx, ay, by, az, bz)
+        least, most, sx, tx, sy, ty, sz, tz = _cells(at_zeros, numbers, values, ax, bx, ay, by, az, bz)
         if least <= most:
             margin = 1e-9
             return (
@@ -307,7 +314,8 @@ float grid(int table, int voxels, float x, float y, float z)
 GRID = TableFunction(
     "grid",
     grid_distance,
-    bounds=Function("grid_bounds", grid_bounds, results=8),
+    bounds=Function("grid_bounds", grid_bounds, static=(0,), results=8),
+    zero_bounds=Function("grid_bounds", grid_bounds, static=(1,), results=8),
     derivatives=Function("grid_slope", grid_slope, results=3),
     tables=2,
     glsl=_GLSL,

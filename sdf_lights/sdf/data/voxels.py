@@ -27,6 +27,7 @@ MOST_CORNERS = 1 << 22  # of blocks
 INSIDE = 0.52  # winding number of the surface where there are no faces: above the half that flat sheets come near
 NEAR_WHOLE = 0.3  # from a whole number, up to which a winding number is taken for the same as that of a point nearby
 ON_A_FACE = 1e-6  # voxels
+NARROWER, LEVELS = 0.75, 12  # distances at which points are chosen: a factor, and how often
 _TASK = 24  # blocks between two looks whether to go on: some hundredths of a second
 
 
@@ -35,55 +36,67 @@ class GridError(ValueError):
 
 
 @kernel(forceinline=True)
-def _reach(turns, distance):
+def _reach(turns, distance, closed):
     """How far from a point, whose nearest face is at a ``distance``, the winding number is as near to the same whole number.
 
-    It is harmonic where no face is. What lacks it to a whole number m is at most m (1 + s) / (1 − s)² at s distances from the
-    point (Harnack's inequality), as long as it has one sign there, which neighbours of faces that hardly leak have.
+    It is harmonic where no face is, and constant if the mesh is ``closed``. Else what lacks it to a whole number m is at most
+    m (1 + s) / (1 − s)² at s distances from the point (Harnack's inequality), as long as it has one sign there, which
+    neighbours of faces that hardly leak have.
     """
+    if closed:
+        return distance
     lacks = max(abs(turns - math.floor(turns + 0.5)), 1e-3)
     c = NEAR_WHOLE / lacks
     return distance * (2.0 * c + 1.0 - math.sqrt(8.0 * c + 1.0)) / (2.0 * c) if c > 1.0 else 0.0
 
 
 @kernel
+def _fill(values, known, k, j, i, radius, turns):
+    """Give a value to all points (m, m, m) that are nearer than ``radius`` points and not ``known``."""
+    m, reach = len(values), int(radius)
+    for c in range(max(k - reach, 0), min(k + reach + 1, m)):
+        for b in range(max(j - reach, 0), min(j + reach + 1, m)):
+            for a in range(max(i - reach, 0), min(i + reach + 1, m)):
+                square = (a - i) * (a - i) + (b - j) * (b - j) + (c - k) * (c - k)
+                if not known[c, b, a] and square < radius * radius:
+                    values[c, b, a], known[c, b, a] = turns, True
+
+
+@kernel
 def _measure(corners, nodes, dipoles, closed, corner, size, starts, step, band, distances, windings):
     """Distances and winding numbers (n, m, m, m) at lattices of points ``step`` voxels apart, which begin at ``starts``.
 
-    Distances above ``band`` need not be exact: they are above it.
+    Distances above ``band`` need not be exact: they are above it. A winding number counts for all points of the lattice that
+    are closer than ``_reach``, so those far from faces are found first: they are few, and most of the others are near them.
     """
-    m, guess, clear = distances.shape[1], 0, size * step * (1.0 + 1e-9)
-    left = np.empty((m, m, m))  # how much farther the winding number of a point holds, of open meshes
+    m, guess, spacing = distances.shape[1], 0, size * step * (1.0 + 1e-9)
+    known = np.empty((m, m, m), np.bool_)
     for block in range(len(starts)):
+        x, y = corner[0] + size * starts[block, 0], corner[1] + size * starts[block, 1]
+        z = corner[2] + size * starts[block, 2]
+        most = 0.0
         for k in range(m):
-            z = corner[2] + size * (starts[block, 2] + step * k)
             for j in range(m):
-                y = corner[1] + size * (starts[block, 1] + step * j)
                 for i in range(m):
-                    x = corner[0] + size * (starts[block, 0] + step * i)
-                    found, guess = nearest(corners, nodes, x, y, z, band, guess)
-                    distances[block, k, j, i] = found
-                    # A closed mesh winds as often around two points that no face is between.
-                    if closed and i > 0 and max(found, distances[block, k, j, i - 1]) > clear:
-                        windings[block, k, j, i] = windings[block, k, j, i - 1]
-                    elif closed and j > 0 and max(found, distances[block, k, j - 1, i]) > clear:
-                        windings[block, k, j, i] = windings[block, k, j - 1, i]
-                    elif closed and k > 0 and max(found, distances[block, k - 1, j, i]) > clear:
-                        windings[block, k, j, i] = windings[block, k - 1, j, i]
-                    else:
-                        farthest, turns = 0.0, 0.0
-                        if not closed:
-                            if i > 0 and left[k, j, i - 1] > farthest:
-                                farthest, turns = left[k, j, i - 1], windings[block, k, j, i - 1]
-                            if j > 0 and left[k, j - 1, i] > farthest:
-                                farthest, turns = left[k, j - 1, i], windings[block, k, j - 1, i]
-                            if k > 0 and left[k - 1, j, i] > farthest:
-                                farthest, turns = left[k - 1, j, i], windings[block, k - 1, j, i]
-                        farthest -= clear
-                        if not farthest > 0.0:
-                            turns = winding(corners, nodes, dipoles, x, y, z)
-                            farthest = _reach(turns, found)
-                        windings[block, k, j, i], left[k, j, i] = turns, farthest
+                    found, guess = nearest(
+                        corners, nodes, x + size * step * i, y + size * step * j, z + size * step * k, band, guess
+                    )
+                    distances[block, k, j, i], known[k, j, i] = found, False
+                    most = max(most, found)
+        least = min(most, band)
+        for level in range(LEVELS + 1):
+            least = NARROWER * least if level < LEVELS else 0.0
+            for k in range(m):
+                for j in range(m):
+                    for i in range(m):
+                        found = distances[block, k, j, i]
+                        if known[k, j, i] or found < least:
+                            continue
+                        turns = winding(
+                            corners, nodes, dipoles, x + size * step * i, y + size * step * j, z + size * step * k
+                        )
+                        windings[block, k, j, i], known[k, j, i] = turns, True
+                        _fill(windings[block], known, k, j, i, _reach(turns, min(found, band), closed) / spacing, turns)
 
 
 def _in_tasks(work, count: int, each: int) -> None:

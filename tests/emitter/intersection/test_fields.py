@@ -10,7 +10,9 @@ import pytest
 from sdf_lights.emitter.intersection import fields
 from sdf_lights.emitter.intersection.fields import LANES, NEGATED, STACK, VALUES
 from sdf_lights.jit import kernel, stack_array
+from sdf_lights.sdf.data.voxels import mesh_grid
 from sdf_lights.sdf.shapes import Difference, Exclusive, Sphere, Torus, Transformed, Union
+from support.grids import torus
 from support.lamps.shapes_under_test import COMPOSITES, FIELDS, moved, turned
 
 
@@ -22,7 +24,7 @@ def run(terms, parameters, lists, points, values):
         for lane in range(LANES):
             for k in range(3):
                 stack[k * LANES + lane] = points[k, start + lane]
-        fields.run_terms(terms, parameters, lists, 0, len(lists), stack)
+        fields.run_terms(terms, parameters, lists, 0, len(lists), fields.LANES, stack)
         for lane in range(LANES):
             values[start + lane] = stack[VALUES + lane]
 
@@ -72,3 +74,19 @@ def test_gains_and_costs():
     assert (field.operations > 0).all() and (field.costs > 0.0).all()
     loops = fields.compile_terms(FIELDS["formula"].terms(np.eye(4), 1.0))
     assert loops.terms["lipschitz"][0] == math.inf
+
+
+def test_functions_of_tables_are_called_for_the_wanted_points_alone():
+    shape = mesh_grid(*torus(0.7, 0.25, 32, 16), 0.1)
+    field = fields.compile_terms(shape.terms(np.eye(4), 1.0))
+    stack = np.zeros(STACK)
+    points = POINTS[:LANES]
+    stack[: 3 * LANES] = points.T.ravel()
+    run_some(field.terms, field.parameters, field.all_terms(), 3, stack)
+    np.testing.assert_allclose(stack[VALUES : VALUES + 3], shape.distance(points[:3]), rtol=1e-12)
+    assert not stack[VALUES + 3 : VALUES + LANES].any()
+
+
+@kernel(cache=False)
+def run_some(terms, parameters, lists, points, stack):
+    fields.run_terms(terms, parameters, lists, 0, len(lists), points, stack)

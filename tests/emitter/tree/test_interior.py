@@ -62,7 +62,7 @@ def field_values(terms, parameters, nodes, boxes, lists, numbers, points, pruned
                 stack[k * LANES + lane] = points[index, lane, k]
         node = nodes[index]
         if node.row_count > 0:
-            fields.run_terms(terms, parameters, lists, node.row_first, node.row_count, stack)
+            fields.run_terms(terms, parameters, lists, node.row_first, node.row_count, fields.LANES, stack)
         for lane in range(LANES):
             pruned[index, lane] = stack[VALUES + lane] if node.row_count > 0 else np.nan
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Kernels that compile beside a session: it waits for what it needs, sees how far they are, and outlives what fails."""
 
+import ctypes
 import os
 import pathlib
 import subprocess
@@ -12,12 +13,14 @@ import pytest
 
 from sdf_lights import jit, kernel_cache
 from sdf_lights.interruption import Interrupted
-from sdf_lights.render.cpu import ahead, background
+from sdf_lights.render.cpu import ahead, background, priority
+
+on_linux = pytest.mark.skipif(sys.platform != "linux", reason="Linux alone tells how a process is scheduled")
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[3]
 
 MODULE = """
-import sys, time
+import os, sys, time
 groups = [word for word in sys.argv[1:] if word[0] != "-"]
 for group in groups:
     for done in range(3):
@@ -93,6 +96,56 @@ def test_a_wait_can_be_ended(package):
     assert background.text() == ""
 
 
+def schedulers() -> set[int]:
+    return {os.sched_getscheduler(process._process.pid) for process in background._processes if process.running}
+
+
+@on_linux
+def test_what_a_render_waits_for_is_as_urgent_as_the_session(package):
+    """And no longer than that, if the system allows it."""
+    package("time.sleep(1)")
+    own, seen = os.sched_getscheduler(0), []
+    background.start(processes=(("paths", "parts"),))
+    assert schedulers() == {os.SCHED_IDLE}
+    allowed = priority.restore(background._processes[0]._process.pid)
+    priority.lower(background._processes[0]._process.pid)
+    background.wait(lambda: seen.append(schedulers()))
+    assert {own if allowed else os.SCHED_IDLE} in seen
+    assert schedulers() == {os.SCHED_IDLE}
+
+
+@pytest.fixture
+def ordinary():
+    """This thread without root's right to raise a priority (capabilities(7), CAP_SYS_NICE)."""
+    libc, head = ctypes.CDLL(None, use_errno=True), (ctypes.c_uint32 * 2)(0x20080522, 0)
+    rights = (ctypes.c_uint32 * 6)()
+    assert libc.capget(head, rights) == 0
+    before = rights[0]
+    rights[0] &= ~(1 << 23)
+    assert libc.capset(head, rights) == 0
+    yield
+    rights[0] = before
+    assert libc.capset(head, rights) == 0
+
+
+@on_linux
+def test_a_starved_process_that_may_not_be_raised_is_replaced(package, ordinary, monkeypatch):
+    package(f"time.sleep(0 if os.sched_getscheduler(0) != {os.SCHED_IDLE} else 600)")
+    monkeypatch.setattr(background, "STARVED_SECONDS", 0.5)
+    background.start(processes=(("paths",),))
+    first = background._processes[0]._process
+    if priority.restore(first.pid):
+        pytest.skip("this user may raise a priority (RLIMIT_NICE)")
+    limit = time.monotonic() + 30.0
+
+    def check() -> None:
+        assert time.monotonic() < limit
+
+    background.wait(check)
+    assert background._processes[0].finished == {"paths"}
+    assert first.wait(10.0) and background._processes[0]._process is not first
+
+
 @pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is missing")
 def test_what_an_entry_calls_is_counted():
     """The kernels that Numba compiles for an entry, but for a few that it finds it does not need, are those that are counted."""
@@ -110,7 +163,7 @@ def test_what_an_entry_calls_is_counted():
 def test_the_process_ends_with_its_session(tmp_path):
     """Whose end it sees by that of its standard input."""
     done = subprocess.run(
-        [sys.executable, "-m", "sdf_lights.render.cpu.ahead", "--beside", "--low", "paths"],
+        [sys.executable, "-m", "sdf_lights.render.cpu.ahead", "--beside", "paths"],
         cwd=REPOSITORY,
         env={**os.environ, "SDF_LIGHTS_CACHE": str(tmp_path)},
         stdin=subprocess.DEVNULL,

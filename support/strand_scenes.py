@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes with curves and spheres, like those of ``scenes``. The NumPy reference has none: the CPU and the GPU are
+compared."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sdf_lights.render.lights.area import AreaLight
+from sdf_lights.render.material import Material, Node
+from sdf_lights.render.scene import Instance, Mesh, Primitive, Scene, World
+
+from . import scenes
+from .scenes import HEIGHT, WIDTH, look_at, rotation, scaling, torus_lamp, translation
+
+
+def tuft(primitive: Primitive, curves: int = 24, points: int = 6, radius: float = 0.03) -> Mesh:
+    """Wavy curves that stand on the square from −0.5 to 0.5, thinner towards their tips; or as many spheres."""
+    random = np.random.default_rng(int(primitive))
+    t = np.linspace(0.0, 1.0, points)[None, :, None]
+    root = np.concatenate([random.uniform(-0.5, 0.5, (curves, 2)), np.zeros((curves, 1))], 1)[:, None]
+    wave = 0.08 * np.sin(5.0 * t + random.uniform(0.0, 6.0, (curves, 1, 3)))
+    places = (root + t * (0.0, 0.0, 1.0) + random.normal(0.0, 0.15, (curves, 1, 3)) * t * t + wave).reshape(-1, 3)
+    radii = np.broadcast_to(radius * (1.0 - 0.7 * t[..., 0]), (curves, points)).ravel()
+    if primitive == Primitive.SPHERES:
+        rows = np.arange(0, len(places), 3)
+        places, radii = places[rows], radii[rows] * 2.0
+        triangles = np.repeat(np.arange(len(rows))[:, None], 3, 1)
+    else:
+        first = (points * np.arange(curves)[:, None] + np.arange(points - 1)).ravel()
+        triangles = np.stack([first, first + 1, first], 1)
+    return Mesh(
+        primitive.name.lower(),
+        places.astype(np.float32),
+        triangles.astype(np.int32),
+        primitive=primitive,
+        radii=radii.astype(np.float32),
+        subdivisions=2,
+    )
+
+
+def fur(width: int = WIDTH, height: int = HEIGHT, kinds: tuple[Primitive, ...] = tuple(Primitive)[1:]) -> Scene:
+    """Tufts of all kinds, each placed once, and the same once more, scaled unevenly; some are half clear."""
+    scene = scenes.room(width, height, max_bounces=2, transparent_bounces=8)
+    scene.world = World((0.3, 0.4, 0.6), 0.3)
+    half = Node("transparent", {"color": (0.9, 0.7, 0.5)})
+    brown = Node("diffuse", {"color": (0.5, 0.3, 0.2)})
+    fiber = Node(
+        "hair", {"color": (0.7, 0.4, 0.3), "roughness_u": 0.3, "roughness_v": 0.6}, {"component": "REFLECTION"}
+    )
+    surfaces = (brown, fiber, Node("mix_closure", {"factor": 0.4, "a": brown, "b": half}), brown)
+    for place, (kind, surface) in enumerate(zip(kinds, surfaces)):
+        scene.materials.append(Material(f"of {kind.name.lower()}", surface))
+        material = (len(scene.materials) - 1,)
+        scene.meshes.append(tuft(kind))
+        turned = translation(0.9 * place - 1.35, 0.0, 0.0) @ rotation("z", 40 * place)
+        scene.instances.append(Instance(len(scene.meshes) - 1, turned @ scaling(0.8, 0.8, 1.2), material, "one"))
+        scene.meshes.append(tuft(kind))
+        above = translation(0.9 * place - 1.35, 0.0, 1.6) @ rotation("y", 30) @ scaling(0.6, 0.6, 0.6)
+        for step in (0, 1):
+            matrix = translation(0.0, 0.7 * step, 0.3 * step) @ above @ scaling(1.0, 1.0 - 0.3 * step, 1.0)
+            scene.instances.append(Instance(len(scene.meshes) - 1, matrix, material, f"two {step}"))
+    scene.lamps.append(torus_lamp(-0.3, -0.6, 2.3, 60.0, 0.6))
+    scene.lights.append(AreaLight("panel", look_at((1.2, -0.8, 2.6), (0.4, 0.2, 1.0)), 30.0, size=(0.5, 0.3)))
+    return scene
+
+
+STRAND_SCENES = {"fur": fur}
